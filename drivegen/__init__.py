@@ -1,0 +1,25 @@
+"""DriveGen: endless, diverse, realistic traffic scenarios, and corner cases for a given driver without retraining.
+
+Start reading at `scenario.py` (what a scenario is), then `generate.py` (how one is made). The pipeline's table of
+contents is `dvc.yaml` beside this package.
+"""
+
+from drivegen.errors import DriveGenError, MissingTool, UnusableInput
+from drivegen.roadmap import LaneControl, LaneKind, RoadMap
+from drivegen.scenario import Actors, Scenario, Signals, SignalState, Trajectories, VehicleKind, Vehicles
+
+__all__ = [
+    "Actors",
+    "DriveGenError",
+    "LaneControl",
+    "LaneKind",
+    "MissingTool",
+    "RoadMap",
+    "Scenario",
+    "SignalState",
+    "Signals",
+    "Trajectories",
+    "UnusableInput",
+    "VehicleKind",
+    "Vehicles",
+]

@@ -1,0 +1,25 @@
+"""The protocol of a data set: list scenes, read one. `Plugin(root)` opens the data set below a folder."""
+
+from pathlib import Path
+from typing import Protocol
+
+from drivegen.recorded import RecordedLog
+
+
+class Dataset(Protocol):
+    """Recordings below one folder.
+
+    Attributes:
+        description: the data set in words, as it stands in every table.
+    """
+
+    description: str
+
+    def __init__(self, root: Path) -> None:
+        """Raises UnusableInput, naming the folder and the expected layout, where `root` holds no such data set."""
+
+    def scenes(self, split: str) -> list[str]:
+        """Names of the scenes of "train", "val" or "test", sorted; empty if the split is absent."""
+
+    def read(self, split: str, scene: str) -> RecordedLog:
+        """One recording. Raises UnusableInput with a countable reason where the file cannot be used."""

@@ -1,0 +1,24 @@
+"""The three ways in which DriveGen says no, each with one sentence that names file, place and remedy."""
+
+
+class DriveGenError(Exception):
+    """Something failed for a reason the user can act on (exit code 1)."""
+
+    exit_code = 1
+
+
+class MissingTool(DriveGenError):
+    """A program, trained weights or disk space that the work needs is not there (exit code 1)."""
+
+
+class UnusableInput(DriveGenError):
+    """A request was not understood or a file cannot be used (exit code 2).
+
+    `reason` is a short stable word (`truncated`, `no-lanes`, ...): it is what rejected scenarios are counted by.
+    """
+
+    exit_code = 2
+
+    def __init__(self, message: str, reason: str = "unusable") -> None:
+        super().__init__(message)
+        self.reason = reason
