@@ -1,0 +1,131 @@
+"""What every stage does at its door: strict parameters, one sentence for an error, processes, progress.
+
+@dataclass(frozen=True)
+class Params:
+    seed: int
+    horizon: int
+
+def main(params: Params, scenarios: Path, out: Path) -> None: ...
+
+if __name__ == "__main__":
+    enter("ingest", Params, main)
+"""
+
+import dataclasses
+import multiprocessing
+import os
+import sys
+import types
+import typing
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+
+from drivegen.errors import DriveGenError, MissingTool, UnusableInput
+
+P = TypeVar("P")
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+
+SHARED = "run"
+"""The params section whose keys (seed, workers) every stage may name among its own."""
+
+
+def enter(section: str, params: type[P], main: Callable[..., None]) -> None:
+    """Run `main(params, *paths)` with the params section and the paths of argv; exit 0, 1 or 2 as `drivegen` does."""
+    try:
+        main(read_params(section, params), *map(Path, sys.argv[1:]))
+    except DriveGenError as error:
+        print(f"{section}: {error}", file=sys.stderr)
+        sys.exit(error.exit_code)
+    except OSError as error:
+        print(f"{section}: {error.filename or 'a file'}: {error.strerror}; nothing half-written was kept", file=sys.stderr)
+        sys.exit(1)
+
+
+def read_params(section: str, params: type[P], path: Path = Path("params.yaml")) -> P:
+    """The params section as a dataclass; `section` may be dotted. Unknown and missing keys are errors that name both."""
+    tree: Any = yaml.safe_load(path.read_text())
+    shared = tree.get(SHARED, {})
+    for word in section.split("."):
+        if not isinstance(tree, dict) or word not in tree:
+            raise UnusableInput(f"{path} has no section {section!r}")
+        tree = tree[word]
+    wanted = {f.name for f in dataclasses.fields(params)}  # type: ignore[arg-type]
+    values = {**{k: v for k, v in shared.items() if k in wanted}, **(tree or {})}
+    return build(params, values, f"{path}: {section}")
+
+
+def build(cls: type[P], values: dict[str, Any], place: str) -> P:
+    """A dataclass from a mapping, nested ones too; raises UnusableInput naming the key at fault."""
+    fields = {f.name: f for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
+    hints = typing.get_type_hints(cls)
+    if unknown := sorted(set(values) - set(fields)):
+        raise UnusableInput(f"{place}: unknown name {unknown[0]!r}; known are {', '.join(sorted(fields))}")
+    if missing := sorted(set(fields) - set(values)):
+        raise UnusableInput(f"{place}: {missing[0]!r} is missing")
+    return cls(**{name: _typed(hints[name], value, f"{place}.{name}") for name, value in values.items()})
+
+
+def _typed(hint: Any, value: Any, place: str) -> Any:
+    origin, inner = typing.get_origin(hint), typing.get_args(hint)
+    if dataclasses.is_dataclass(hint) and isinstance(value, dict):
+        return build(hint, value, place)  # type: ignore[arg-type]
+    if origin in (tuple, list) and isinstance(value, list):
+        return origin(_typed(inner[0], v, place) for v in value)
+    if origin is dict and isinstance(value, dict):
+        return {k: _typed(inner[1], v, place) for k, v in value.items()}
+    if hint is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if origin in (typing.Union, types.UnionType):
+        return None if value is None else _typed(next(t for t in inner if t is not type(None)), value, place)
+    if isinstance(hint, type) and (not isinstance(value, hint) or (hint is int and isinstance(value, bool))):
+        raise UnusableInput(f"{place} must be {hint.__name__}, not {value!r}")
+    return value
+
+
+def spread(work: Callable[[Task], Result], tasks: Sequence[Task], workers: int, what: str) -> Iterator[tuple[Task, Result]]:
+    """Run `work` over tasks in spawned processes and yield (task, result) in task order, with a line of progress each.
+
+    `work` must be a top-level function. With one worker everything runs here. Results never depend on `workers`.
+    """
+    total = len(tasks)
+    if workers <= 1 or total <= 1:
+        for done, task in enumerate(tasks, 1):
+            yield task, work(task)
+            _progress(what, done, total)
+        return
+    context = multiprocessing.get_context("spawn")  # fork is unsafe with torch, rerun and threads
+    with ProcessPoolExecutor(min(workers, total), mp_context=context) as pool:
+        futures = {pool.submit(work, task): i for i, task in enumerate(tasks)}
+        results: dict[int, Result] = {}
+        following = 0
+        for done, future in enumerate(as_completed(futures), 1):
+            results[futures[future]] = future.result()
+            _progress(what, done, total)
+            while following in results:
+                yield tasks[following], results.pop(following)
+                following += 1
+
+
+def _progress(what: str, done: int, total: int) -> None:
+    print(f"{what} {done}/{total}", flush=True)
+
+
+def one_thread() -> None:
+    """Let numerical libraries use one thread: sums depend on the thread count, and shared cores are slower with two."""
+    for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ[name] = "1"
+
+
+def require(path: Path, remedy: str) -> Path:
+    """`path` if it exists, else MissingTool with the remedy."""
+    if not path.exists():
+        raise MissingTool(f"{path} is not there: {remedy}")
+    return path
+
+
+one_thread()
