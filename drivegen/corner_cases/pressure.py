@@ -1,0 +1,61 @@
+"""Lean on the goals of social vehicles: from a selector's natural probabilities to those used for corner cases.
+
+Planned motion towards each candidate goal is met with the target's expected motion; candidates whose encounter looks
+like past failures gain weight. The natural probability stays in the record beside the one used, so every corner case
+carries its importance ratio.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.corner_cases.encounters import Encounters
+from drivegen.corner_cases.knowledge import Knowledge
+from drivegen.scenario import DT
+
+
+@dataclass(frozen=True)
+class PressureSettings:
+    """How hard to lean.
+
+    Attributes:
+        strength: exponent of the risk ratio; 0 leaves the selector alone.
+        reach: closest approaches beyond this gap [m] are no encounters.
+        max_ratio: bound of used / natural probability, and of its inverse.
+        reaction_time: encounters earlier than this [s] gain nothing: the driver could not react.
+    """
+
+    strength: float
+    reach: float
+    max_ratio: float
+    reaction_time: float
+
+
+def risk(met: Encounters, knowledge: Knowledge, settings: PressureSettings) -> NDArray[np.float64]:
+    """Risk of each planned encounter: P(collision | features), fading to the base rate's tenth at `reach`."""
+    cell = knowledge.probability()[met.speed_bin, met.direction, met.behaviour]
+    nearness = np.where(met.met, np.clip(1.0 - met.gap / settings.reach, 0.0, 1.0), 0.0)
+    in_time = met.step * DT >= settings.reaction_time
+    floor = 0.1 * knowledge.base_rate
+    return floor + np.where(in_time, cell * nearness, 0.0)
+
+
+def lean(natural: NDArray[np.floating], risks: NDArray[np.float64], settings: PressureSettings) -> NDArray[np.float32]:
+    """Probabilities (C,) used for one vehicle's candidates: natural * risk ** strength, normalised.
+
+    Every ratio to `natural` stays within max_ratio: the normaliser is the root of a sum of clipped ratios, which grows
+    with it from 1 / max_ratio to max_ratio and so crosses 1 once.
+    """
+    tilt = (risks / risks.max()) ** settings.strength
+    bound = settings.max_ratio
+
+    def ratio(log_scale: float) -> NDArray[np.float64]:
+        return np.asarray(np.clip(tilt * np.exp(log_scale), 1 / bound, bound))
+
+    low, high = np.log(1 / bound), np.log(bound / tilt.min())
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if (natural * ratio(middle)).sum() < natural.sum() else (low, middle)
+    used = natural * ratio((low + high) / 2)
+    return np.asarray(used / used.sum(), np.float32)

@@ -1,0 +1,43 @@
+"""Every vehicle keeps its initial speed and heading: the floor that any learned generator has to beat."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from drivegen.generators.base import Settings
+from drivegen.geometry import unit
+from drivegen.samples import Samples
+from drivegen.scenario import DT, Scenario, Trajectories
+
+
+def constant_velocity(scenario: Scenario) -> Trajectories:
+    """The straight continuation (N, T) of each vehicle's initial state."""
+    vehicles, steps = scenario.vehicles, scenario.steps
+    velocity = (unit(vehicles.heading) * vehicles.speed[:, None]).astype(np.float32)
+    time = np.arange(steps, dtype=np.float32) * np.float32(DT)
+    count = len(vehicles)
+    return Trajectories(
+        position=vehicles.position[:, None] + velocity[:, None] * time[:, None],
+        heading=np.repeat(vehicles.heading[:, None], steps, axis=1),
+        velocity=np.repeat(velocity[:, None], steps, axis=1),
+        valid=np.ones((count, steps), np.bool_),
+    )
+
+
+class Plugin:
+    """Constant velocity; all K samples are the same."""
+
+    backend = "none"
+
+    def __init__(self, models: Path, settings: Settings) -> None:
+        """Needs neither models nor settings."""
+        del models, settings
+
+    def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
+        """K copies of the straight continuation of each scenario."""
+        del seed
+        repeat = np.zeros(samples, np.intp)
+        return [
+            Samples.without_goals(s.scenario_id, "constant_velocity", constant_velocity(s)[np.newaxis][repeat]) for s in scenarios
+        ]

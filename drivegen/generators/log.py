@@ -1,0 +1,32 @@
+"""The log itself, K times: the reference row of every table, and the anchor that a metric must score as perfect."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from drivegen.errors import UnusableInput
+from drivegen.generators.base import Settings
+from drivegen.samples import Samples
+from drivegen.scenario import Scenario
+
+
+class Plugin:
+    """Repeats the log; the only generator that may look at it."""
+
+    backend = "recorded"
+
+    def __init__(self, models: Path, settings: Settings) -> None:
+        """Needs neither models nor settings."""
+        del models, settings
+
+    def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
+        """K copies of each log. Raises UnusableInput for a scenario without one."""
+        del seed
+        return [self._repeat(scenario, samples) for scenario in scenarios]
+
+    def _repeat(self, scenario: Scenario, samples: int) -> Samples:
+        if scenario.log is None:
+            raise UnusableInput(f"scenario {scenario.scenario_id} was never recorded: `log` has nothing to repeat")
+        copies = scenario.log[np.newaxis][np.zeros(samples, np.intp)]
+        return Samples.without_goals(scenario.scenario_id, "log", copies)
