@@ -1,0 +1,41 @@
+# DriveGen in two commands: `make run` makes everything, `make test` checks everything. Needs Python 3.11 or 3.12.
+PYTHON ?= python3
+BIN := .venv/bin
+INSTALLED := .venv/.installed
+
+.PHONY: run test lint bench tables clean lock help
+.DEFAULT_GOAL := help
+
+help:            ## this list
+	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile
+
+run: $(INSTALLED)        ## logs -> scenarios -> tables, recordings and a report; a second run recomputes nothing
+	@$(BIN)/python -m flows experiment
+
+test: lint       ## lint, types, import contracts, then all tests (the pipeline with a tiny profile)
+	@$(BIN)/pytest -n 2
+
+lint: $(INSTALLED)       ## the part of `make test` that needs no running
+	@$(BIN)/ruff check --quiet
+	@$(BIN)/ruff format --check --quiet
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports --no-logo
+
+bench: $(INSTALLED)      ## speed, each row beside its reference; fails if a row misses its target
+	@$(BIN)/drivegen bench
+
+clean:           ## remove what the pipeline made; DVC's cache stays, so `make run` brings it back
+	@find data reports -mindepth 1 -maxdepth 1 -not -name raw -not -name versions -not -name published -exec rm -rf {} + 2>/dev/null || true
+	@rm -rf .drivegen .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+
+lock: $(INSTALLED)       ## write the versions that are installed now into constraints.txt
+	@$(BIN)/pip freeze --exclude-editable --disable-pip-version-check 2>/dev/null | sed 's/+cpu$$//' > constraints.txt
+
+# pip's warnings are many and of no use; its words are shown only if it fails.
+$(INSTALLED): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 11) <= v < (3, 13) else f"DriveGen needs Python 3.11 or 3.12, {sys.executable} is {v[0]}.{v[1]}: try `make PYTHON=python3.12 run`")'
+	@echo "Installing pinned dependencies into .venv (about 90 s the first time) ..."
+	@$(PYTHON) -m venv .venv
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]' > .venv/install.log 2>&1 \
+		|| { cat .venv/install.log >&2; exit 1; }
+	@touch $@
