@@ -14,10 +14,12 @@ if __name__ == "__main__":
 import dataclasses
 import multiprocessing
 import os
+import resource
 import sys
+import time
 import types
 import typing
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any, TypeVar
@@ -25,25 +27,45 @@ from typing import Any, TypeVar
 import yaml
 
 from drivegen.errors import DriveGenError, MissingTool, UnusableInput
+from drivegen.store.results import write_cost
 
 P = TypeVar("P")
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 
+COST_FOLDER = Path("reports/cost")
+"""Where times are kept: they differ from run to run, so no stage's output holds any."""
+
 SHARED = "run"
 """The params section whose keys (seed, workers) every stage may name among its own."""
 
 
-def enter(section: str, params: type[P], main: Callable[..., None]) -> None:
-    """Run `main(params, *paths)` with the params section and the paths of argv; exit 0, 1 or 2 as `drivegen` does."""
+def enter(section: str, params: type[P], main: Callable[..., Mapping[str, float] | None]) -> None:
+    """Run `main(params, *paths)` with the params section and the paths of argv; exit 0, 1 or 2 as `drivegen` does.
+
+    What it took goes to the cost table, beside the counts that `main` may return (such as {"scenarios": 120}); the last
+    path of argv names the item (method, driver, ...).
+    """
+    paths = [Path(word) for word in sys.argv[1:]]
+    began = time.perf_counter()
     try:
-        main(read_params(section, params), *map(Path, sys.argv[1:]))
+        counts = main(read_params(section, params), *paths) or {}
+        write_cost(COST_FOLDER, section, paths[-1].stem if paths else "", {**counts, **_taken(began)})
     except DriveGenError as error:
         print(f"{section}: {error}", file=sys.stderr)
         sys.exit(error.exit_code)
     except OSError as error:
         print(f"{section}: {error.filename or 'a file'}: {error.strerror}; nothing half-written was kept", file=sys.stderr)
         sys.exit(1)
+
+
+def _taken(began: float) -> dict[str, float]:
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return {
+        "cpu_seconds": sum(u.ru_utime + u.ru_stime for u in used),
+        "wall_seconds": time.perf_counter() - began,
+        "peak_megabytes": max(u.ru_maxrss for u in used) / 1024,
+    }
 
 
 def read_params(section: str, params: type[P], path: Path = Path("params.yaml")) -> P:

@@ -1,0 +1,53 @@
+"""Bootstrap intervals over scenarios: what a table's number would be on other scenarios of the same kind."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+LEVEL = 0.95
+"""Coverage of every interval in this project."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A statistic with its percentile bootstrap interval; all NaN where there is nothing to average."""
+
+    value: float
+    low: float
+    high: float
+
+
+def percentiles(draws: NDArray[np.floating]) -> tuple[float, float]:
+    """The central `LEVEL` of bootstrap draws (D,)."""
+    if len(draws) == 0:
+        return np.nan, np.nan
+    low, high = np.quantile(draws, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
+    return float(low), float(high)
+
+
+def bootstrap_means(values: NDArray[np.floating], draws: int, rng: np.random.Generator) -> list[Interval]:
+    """Mean and interval of each column of `values` (S, M), rows resampled together; NaN rows of a column don't count.
+
+    Resampling is by multinomial row counts, which is one matrix product instead of `draws` copies of the table.
+    """
+    scenes = len(values)
+    if scenes == 0:
+        return [Interval(np.nan, np.nan, np.nan)] * values.shape[1]
+    known = np.isfinite(values)
+    filled = np.where(known, values, 0.0).astype(np.float64)
+    times = rng.multinomial(scenes, np.full(scenes, 1 / scenes), size=draws).astype(np.float64)
+    weight = times @ known
+    means = np.divide(times @ filled, weight, out=np.full(weight.shape, np.nan), where=weight > 0)
+    out = []
+    for column in range(values.shape[1]):
+        count = known[:, column].sum()
+        drawn = means[:, column]
+        value = float(filled[:, column].sum() / count) if count else np.nan
+        out.append(Interval(value, *percentiles(drawn[np.isfinite(drawn)])))
+    return out
+
+
+def bootstrap_mean(values: NDArray[np.floating], draws: int, rng: np.random.Generator) -> Interval:
+    """Mean and interval of `values` (S,)."""
+    return bootstrap_means(values[:, None], draws, rng)[0]

@@ -1,0 +1,56 @@
+"""How often generated traffic collides, leaves the road or breaks a rule, from the checker's verdicts.
+
+Rates are over all K samples and all N vehicles that the sample was to hold: a vehicle that was left out counts as
+illegal, so that dropping it never improves a rate.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivegen.samples import Samples, Violation
+
+COLLISIONS = Violation.COLLISION | Violation.COLLISION_WITH_CONTEXT
+
+
+@dataclass(frozen=True)
+class SafetyRates:
+    """Shares in [0, 1] over the samples of one scene.
+
+    Attributes:
+        collision_per_vehicle: of (sample, vehicle) that touch another vehicle or a context actor.
+        collision_per_scene: of samples with at least one such vehicle.
+        off_road_per_vehicle, off_road_per_scene: the same for leaving the drivable area.
+        illegal_per_vehicle, illegal_per_scene: the same for any violation, or left out.
+        dropped_per_vehicle: of (sample, vehicle) that were left out.
+    """
+
+    collision_per_vehicle: float
+    collision_per_scene: float
+    off_road_per_vehicle: float
+    off_road_per_scene: float
+    illegal_per_vehicle: float
+    illegal_per_scene: float
+    dropped_per_vehicle: float
+
+
+def safety_rates(samples: Samples) -> SafetyRates:
+    """Rates of one scene, from `violation` (K, N) and `dropped` (K, N)."""
+    collides = (samples.violation & int(COLLISIONS)) > 0
+    leaves = (samples.violation & int(Violation.OFF_ROAD)) > 0
+    illegal = ~samples.legal | samples.dropped
+    return SafetyRates(
+        float(collides.mean()),
+        float(collides.any(axis=1).mean()),
+        float(leaves.mean()),
+        float(leaves.any(axis=1).mean()),
+        float(illegal.mean()),
+        float(illegal.any(axis=1).mean()),
+        float(samples.dropped.mean()),
+    )
+
+
+def violation_shares(samples: Samples) -> dict[str, float]:
+    """Share of (sample, vehicle) per kind of violation, by its lower-case name."""
+    kinds = (kind for kind in Violation if kind is not Violation.NONE)
+    return {str(kind.name).lower(): float(np.mean((samples.violation & int(kind)) > 0)) for kind in kinds}

@@ -1,0 +1,92 @@
+"""Results as long rows: one number of one scenario a row, in Parquet parts that DuckDB reads together.
+
+Times are not results: they differ from run to run. They go to a cost table of their own (`write_cost`), which is kept
+out of everything that promises the same bytes for the same seed.
+"""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import orjson
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from drivegen.store.files import write_table
+
+RESULT = pa.schema(
+    [
+        ("run", pa.string()),
+        ("stage", pa.string()),
+        ("method", pa.string()),
+        ("driver", pa.string()),
+        ("scenario", pa.string()),
+        ("metric", pa.string()),
+        ("value", pa.float64()),
+        ("seed", pa.int64()),
+        ("backend", pa.string()),
+    ]
+)
+"""Columns of a result. `driver` and `method` are "" where there is none; `scenario` is "" for a whole set."""
+
+COST = pa.schema([("stage", pa.string()), ("item", pa.string()), ("name", pa.string()), ("value", pa.float64())])
+"""Columns of a cost: stage, item (method, driver, ...), what was measured with its unit (cpu_seconds, ...)."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """Who measured: the columns that all rows of a part share.
+
+    Attributes:
+        run: hash of the inputs, from `run_id`.
+        stage: the stage's word. method, driver: what was measured, "" where there is none.
+        seed: the pipeline's seed.
+        backend: what chose or simulated, e.g. "batch", "sumo" or "learned"; "" where there is no choice.
+    """
+
+    run: str
+    stage: str
+    method: str
+    driver: str
+    seed: int
+    backend: str
+
+
+def run_id(settings: Mapping[str, object], inputs: Sequence[Path]) -> str:
+    """Twelve hex digits over settings and the bytes of the input files (folders: all files below, by relative name)."""
+    digest = hashlib.sha256(orjson.dumps(dict(settings), option=orjson.OPT_SORT_KEYS))
+    for place in inputs:
+        files = sorted(p for p in place.rglob("*") if p.is_file()) if place.is_dir() else [place]
+        for file in files:
+            digest.update(str(file.relative_to(place)).encode() + b"\x00")
+            digest.update(hashlib.sha256(file.read_bytes()).digest())
+    return digest.hexdigest()[:12]
+
+
+def result_rows(run: Run, scenarios: Sequence[str], metrics: Mapping[str, NDArray[np.floating]]) -> pa.Table:
+    """Long rows of `metrics`, each (S,) over the S scenarios; NaN is kept out, for it is no measurement."""
+    names = sorted(metrics)
+    value = np.concatenate([np.asarray(metrics[name], np.float64) for name in names]) if names else np.zeros(0)
+    columns = {
+        "scenario": np.tile(np.asarray(scenarios, object), len(names)),
+        "metric": np.repeat(np.asarray(names, object), len(scenarios)),
+        "value": value,
+    }
+    shared = {name: [getattr(run, name)] * len(value) for name in ("run", "stage", "method", "driver", "seed", "backend")}
+    table = pa.table({field.name: pa.array((columns | shared)[field.name], field.type) for field in RESULT})
+    return table.filter(pa.array(np.isfinite(value)))
+
+
+def write_results(path: Path, parts: Sequence[pa.Table]) -> None:
+    """All rows of one stage's item as one Parquet part."""
+    write_table(path, pa.concat_tables([RESULT.empty_table(), *parts]))
+
+
+def write_cost(folder: Path, stage: str, item: str, costs: Mapping[str, float]) -> None:
+    """What a stage took, as `folder/<stage>-<item>.parquet`: {"cpu_seconds": 3.1, "scenarios": 120}."""
+    names = sorted(costs)
+    columns = ([stage] * len(names), [item] * len(names), names, [float(costs[name]) for name in names])
+    table = pa.table({field.name: pa.array(column, field.type) for field, column in zip(COST, columns, strict=True)})
+    write_table(folder / (f"{stage}-{item}.parquet" if item else f"{stage}.parquet"), table)

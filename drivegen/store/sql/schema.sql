@@ -1,0 +1,37 @@
+-- Everything below reads two tables: results (long rows, one number of one scenario each) and costs (times, not repeatable).
+
+-- One row a metric, method and driver: the numbers of the report's tables, before intervals.
+create view metrics as
+select stage, method, driver, metric,
+       count(*) as scenarios, avg(value) as mean, median(value) as median, stddev_samp(value) as spread,
+       min(value) as least, max(value) as most
+from results
+where metric not like 'label.%' and metric not like 'manoeuvre.%'
+group by all;
+
+-- The paper's four realism columns and the rates of generated traffic, one row a method.
+create view scenario_quality as
+pivot (select method, metric, value from results where stage = 'evaluate' and metric in (
+    'min_sade', 'min_sfde', 'mean_sade', 'mean_sfde', 'collision_per_vehicle', 'off_road_per_vehicle', 'illegal_per_vehicle'))
+on metric in ('min_sade', 'min_sfde', 'mean_sade', 'mean_sfde', 'collision_per_vehicle', 'off_road_per_vehicle', 'illegal_per_vehicle')
+using avg(value) group by method;
+
+-- What kind of scene each scenario is: one row a scenario and aspect (road, manoeuvre, conflict, density).
+create view labels as
+select distinct scenario, split_part(metric, '.', 2) as aspect, split_part(metric, '.', 3) as label
+from results
+where metric like 'label.%';
+
+-- Every metric by kind of scene, e.g. min_sade at signalised junctions.
+create view metrics_by_label as
+select l.aspect, l.label, r.stage, r.method, r.driver, r.metric, count(*) as scenarios, avg(r.value) as mean
+from results r join labels l using (scenario)
+where r.metric not like 'label.%' and r.metric not like 'manoeuvre.%'
+group by all;
+
+-- What it took, with rates where both a time and a number of things are known.
+create view cost_per_item as
+select stage, item, sum(value) filter (name = 'cpu_seconds') as cpu_seconds, sum(value) filter (name = 'scenarios') as scenarios,
+       cpu_seconds / scenarios as cpu_seconds_per_scenario
+from costs
+group by all;
