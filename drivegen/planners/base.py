@@ -1,12 +1,27 @@
 """The protocol of a planner: learn from logs, then fill in motion between initial states and goals, in batches."""
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.scenario import Scenario, Trajectories
+from drivegen.training.curve import LossRow
+
 ROUTE_SPACING = 1.0
 """Distance between points of a route line [m]."""
+
+ROUTE_POINTS = 448
+"""P, points of every padded route line: 40 m/s for 11 s; fixed, so that a result does not depend on its batch."""
+
+PARKED_SPEED = 0.3
+"""[m/s] A vehicle slower than this, with a goal nearer than PARKED_GOAL, stays exactly where it is."""
+
+PARKED_GOAL = 1.0
+"""[m]."""
 
 
 @dataclass(frozen=True)
@@ -18,12 +33,14 @@ class PlanRequests:
     Attributes:
         scenario: (B,) int32 which scenario of the batch. vehicle: (B,) int32 which vehicle of it.
         position: (B, 2) float32 [m], heading: (B,) [rad], speed: (B,) [m/s], size: (B, 3) [m]: the state at step 0.
-        goal_position: (B, 2), goal_heading: (B,), goal_speed: (B,): the state at the last step; met exactly.
+        goal_position: (B, 2), goal_heading: (B,), goal_speed: (B,): the state at the goal step; met exactly.
+        goal_step: (B,) int32 the step of the goal: the scenario's last, or a logged track's last valid one.
         route: (B,) int32 row of `route_line`, or -1 where no route fits (parking, leaving the map).
-        route_line: (R, P, 2) float32 [m] points every ROUTE_SPACING, the line starts abreast of its vehicle (s = 0).
-        route_length: (R,) float32 [m] valid length of each line; points beyond repeat the last.
-        route_speed_limit: (R, P) float32 [m/s], NaN unknown.
-        goal_s, goal_d: (B,) float32 [m] the goal along and left of its route.
+        route_line: (R, ROUTE_POINTS, 2) float32 [m] points every ROUTE_SPACING, the line starts abreast of its vehicle
+            (s = 0).
+        route_length: (R,) float32 [m] valid length of each line; points beyond it go straight on.
+        route_speed_limit: (R, ROUTE_POINTS) float32 [m/s], NaN unknown.
+        goal_s, goal_d: (B,) float32 [m] the goal along and left of its route; 0 where there is none.
         leader_gap: (B,) float32 [m] bumper to bumper to the next vehicle ahead on the route at step 0, inf if none.
         leader_speed: (B,) float32 [m/s], 0 where there is none.
         stop_s: (B,) float32 [m] distance along the route to the next red or yellow signal at step 0, inf if none.
@@ -39,6 +56,7 @@ class PlanRequests:
     goal_position: NDArray[np.float32]
     goal_heading: NDArray[np.float32]
     goal_speed: NDArray[np.float32]
+    goal_step: NDArray[np.int32]
     route: NDArray[np.int32]
     route_line: NDArray[np.float32]
     route_length: NDArray[np.float32]
@@ -52,3 +70,78 @@ class PlanRequests:
 
     def __len__(self) -> int:
         return len(self.seed)
+
+    def __getitem__(self, index: Any) -> "PlanRequests":
+        """The chosen requests, as in `requests[keep]`; the route table stays whole."""
+        chosen = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name not in _ROUTE_TABLE}
+        return replace(self, **chosen)
+
+    @property
+    def parked(self) -> NDArray[np.bool_]:
+        """(B,) vehicles that stand and are to stay: they are not planned but left exactly where they are."""
+        away = np.hypot(*(self.goal_position - self.position).T)
+        return (self.speed < PARKED_SPEED) & (away < PARKED_GOAL)
+
+
+_ROUTE_TABLE = {"route_line", "route_length", "route_speed_limit"}
+
+
+@dataclass(frozen=True)
+class Examples:
+    """What a planner learns from: logged tracks as requests for their own end state, and how they really drove.
+
+    Attributes:
+        scenarios: the scenarios that `requests.scenario` counts through.
+        requests: PlanRequests of B tracks.
+        motion: Trajectories (B, T), with gaps where the log has them.
+    """
+
+    scenarios: Sequence[Scenario]
+    requests: PlanRequests
+    motion: Trajectories
+
+    def __len__(self) -> int:
+        return len(self.requests)
+
+    def __getitem__(self, index: Any) -> "Examples":
+        """The chosen tracks."""
+        return Examples(self.scenarios, self.requests[index], self.motion[index])
+
+
+class Planner(Protocol):
+    """`Plugin(settings)` is an untrained planner; `Plugin.Settings` is the dataclass of its params section.
+
+    Attributes:
+        Settings: frozen dataclass without defaults; its values stand in `params.yaml`, `train_planner.<name>`.
+    """
+
+    Settings: type
+
+    def __init__(self, settings: Any) -> None:
+        """An untrained planner."""
+
+    def fit(
+        self,
+        train: Examples,
+        validation: Examples,
+        seed: int,
+        checkpoints: Path | None,
+        report: Callable[[str], None],
+    ) -> list[LossRow]:
+        """Learn, and return the loss curve. Same arguments, same weights, also when killed and started again.
+
+        `checkpoints` is a folder for interrupted work, named by the caller after all inputs; `report` takes progress lines.
+        """
+
+    def sample(self, scenarios: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
+        """Motion (B, T) of the requests, T the longest of the scenarios; valid until each scenario's last step.
+
+        Starts exactly in the initial state; never drives backward; parked vehicles stay exactly where they are.
+        """
+
+    def save(self, folder: Path) -> None:
+        """Write settings (JSON) and weights (safetensors)."""
+
+    @classmethod
+    def load(cls, folder: Path) -> Self:
+        """Read what `save` wrote. Raises MissingTool where there is nothing, UnusableInput where it does not fit."""
