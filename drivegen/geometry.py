@@ -4,6 +4,7 @@ Metres and radians throughout; headings run counter-clockwise from +x, as in av2
 any leading dimensions and keep the dtype of their input.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -134,8 +135,8 @@ class Polylines:
     start: NDArray[np.int32]
 
     @classmethod
-    def of(cls, lines: "list[Floats] | list[NDArray[np.float32]]") -> "Polylines":
-        """Pack a list of (P_i, 2) arrays."""
+    def of(cls, lines: Sequence[Floats]) -> "Polylines":
+        """Pack (P_i, 2) arrays."""
         start = np.cumsum([0, *(len(line) for line in lines)]).astype(np.int32)
         points = np.concatenate(lines) if lines else np.zeros((0, 2))
         return cls(points.astype(np.float32).reshape(-1, 2), start)
