@@ -1,0 +1,123 @@
+"""The numbers that the legal checker judges by, and the rules that they belong to.
+
+Every rule measures one *severity* per trajectory (the worst moment of it) and is broken where that exceeds its limit,
+so a limit can be read off logs as a quantile (`calibration.py`).
+"""
+
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.errors import UnusableInput
+from drivegen.samples import Violation
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits of the legal checker, one per rule.
+
+    Attributes:
+        overlap: depth by which boxes of two vehicles may overlap, because measured boxes do [m].
+        overlap_context: the same for a vehicle and a pedestrian, cyclist or motorcyclist [m].
+        off_road: distance by which a corner may stay outside the drivable area for OFF_ROAD_STEPS [m].
+        wrong_way: time for which a vehicle may drive against every lane under it, outside junctions [s].
+        speed: absolute speed [m/s].
+        over_limit: speed above the lane's limit, where it has one [m/s].
+        acceleration, braking: along the direction of travel, both positive [m/s2].
+        lateral_acceleration: across it, either side [m/s2].
+        velocity_error: difference between the stated velocity and that of the positions [m/s].
+        curvature: of the path, while faster than `dynamics.STEERING_SPEED` [1/m].
+        side_slip: speed across the vehicle's own heading [m/s].
+        red_grace: how long a signal may have been red when a vehicle enters [s].
+        stop_speed: lowest speed on the last metres before a stop line [m/s].
+        yield_gap: time that must pass between leaving a conflict point and a vehicle with priority reaching it [s].
+    """
+
+    overlap: float
+    overlap_context: float
+    off_road: float
+    wrong_way: float
+    speed: float
+    over_limit: float
+    acceleration: float
+    braking: float
+    lateral_acceleration: float
+    velocity_error: float
+    curvature: float
+    side_slip: float
+    red_grace: float
+    stop_speed: float
+    yield_gap: float
+
+    def severities(self) -> NDArray[np.float32]:
+        """(R,) the largest severity that is allowed, in the order of RULES; the yield gap negated: less is worse."""
+        values = np.array([getattr(self, name) for name in RULES], np.float32)
+        values[YIELD_GAP] = -values[YIELD_GAP]
+        return values
+
+    @classmethod
+    def from_severities(cls, values: NDArray[np.floating]) -> "Limits":
+        """The inverse of `severities`."""
+        signed = [float(v) for v in values]
+        signed[YIELD_GAP] = -signed[YIELD_GAP]
+        return cls(**dict(zip(RULES, signed, strict=True)))
+
+    def to_json(self) -> dict[str, float]:
+        """A plain mapping, for `store.files.write_json`."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, values: Any, place: str) -> "Limits":
+        """Limits from a parsed JSON file; raises UnusableInput naming `place` and the key at fault."""
+        if not isinstance(values, dict) or set(values) != set(RULES):
+            raise UnusableInput(f"{place} does not hold the limits {', '.join(RULES)}: run the calibrate stage again")
+        for name, value in values.items():
+            if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+                raise UnusableInput(f"{place}: {name} must be a finite number, not {value!r}")
+        return cls(**{name: float(value) for name, value in values.items()})
+
+
+RULES = tuple(f.name for f in fields(Limits))
+"""Names of the rules; their order is that of every (.., R) array of severities."""
+
+(
+    OVERLAP,
+    OVERLAP_CONTEXT,
+    OFF_ROAD,
+    WRONG_WAY,
+    SPEED,
+    OVER_LIMIT,
+    ACCELERATION,
+    BRAKING,
+    LATERAL_ACCELERATION,
+    VELOCITY_ERROR,
+    CURVATURE,
+    SIDE_SLIP,
+    RED_GRACE,
+    STOP_SPEED,
+    YIELD_GAP,
+) = range(len(RULES))
+
+FLAGS = (
+    Violation.COLLISION,
+    Violation.COLLISION_WITH_CONTEXT,
+    Violation.OFF_ROAD,
+    Violation.WRONG_WAY,
+    Violation.SPEED,
+    Violation.SPEED,
+    Violation.ACCELERATION,
+    Violation.ACCELERATION,
+    Violation.ACCELERATION,
+    Violation.ACCELERATION,
+    Violation.CURVATURE,
+    Violation.CURVATURE,
+    Violation.RED_LIGHT,
+    Violation.STOP_OR_YIELD,
+    Violation.STOP_OR_YIELD,
+)
+"""(R,) the flag that each rule sets."""
+
+NEVER = np.float32(-np.inf)
+"""Severity where a rule had nothing to judge."""

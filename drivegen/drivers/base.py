@@ -1,0 +1,130 @@
+"""The protocol of a driver: see S targets at once, answer with one action each.
+
+A driver follows its target's path (the logged or generated route, extended along the lanes), so what it sees of
+others is in the frame of that path, and what it decides is an acceleration and, where it can steer, an offset from the
+path. The same driver works in every simulator.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import torch
+from torch import Tensor
+
+PATH_SPACING = 1.0
+"""Distance between points of a path [m]."""
+
+
+@dataclass(frozen=True)
+class Paths:
+    """S paths with a point every PATH_SPACING; rows are padded by repeating the end.
+
+    Attributes:
+        point: (S, P, 2) float32 [m].
+        heading: (S, P) float32 [rad].
+        speed_limit: (S, P) float32 [m/s], NaN where unknown.
+        length: (S,) float32 [m] valid length of each path.
+    """
+
+    point: Tensor
+    heading: Tensor
+    speed_limit: Tensor
+    length: Tensor
+
+    def row(self, along: Tensor) -> Tensor:
+        """(S, ...) int64 index of the path point at or before `along` (S, ...) [m], inside each path."""
+        return (
+            torch.minimum(along.clamp_min(0.0), self._like(self.length, along))
+            .div(PATH_SPACING)
+            .long()
+            .clamp_max(self.point.shape[1] - 2)
+        )
+
+    def position(self, along: Tensor) -> Tensor:
+        """(S, D, 2) points [m] at distances `along` (S, D); beyond the ends the path goes straight on."""
+        row = self.row(along)
+        inside = self.point.gather(1, row[..., None].expand(-1, -1, 2))
+        heading = self.heading.gather(1, row)
+        beyond = (along - row * PATH_SPACING)[..., None]
+        return inside + beyond * torch.stack([heading.cos(), heading.sin()], -1)
+
+    @staticmethod
+    def _like(value: Tensor, other: Tensor) -> Tensor:
+        return value.reshape(-1, *[1] * (other.dim() - 1))
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What the drivers of S targets see at one step; everything about the M others is in the frame of the target's path.
+
+    Attributes:
+        step: number of the step, 0 at the first frame.
+        along: (S,) distance of the target's centre along its path [m]. offset: (S,) to the left of it [m].
+        speed: (S,) [m/s]. length, width: (S,) of the target [m].
+        speed_limit: (S,) [m/s] where the target is, NaN unknown.
+        ahead: (S, M) distance of the others' centres ahead of the target's, along the path [m].
+        left: (S, M) offset of their centres to the left of the path [m].
+        half_length, half_width: (S, M) half the extent of their boxes along and across the path [m].
+        speed_along, speed_across: (S, M) their velocity along the path and to the left [m/s].
+        present: (S, M) bool, whether there is such a vehicle or person at this step.
+        paths: the targets' paths.
+    """
+
+    step: int
+    along: Tensor
+    offset: Tensor
+    speed: Tensor
+    length: Tensor
+    width: Tensor
+    speed_limit: Tensor
+    ahead: Tensor
+    left: Tensor
+    half_length: Tensor
+    half_width: Tensor
+    speed_along: Tensor
+    speed_across: Tensor
+    present: Tensor
+    paths: Paths
+
+    def path_ahead(self, distances: Tensor) -> Tensor:
+        """(S, D, 2) path points at `distances` (D,) [m] ahead as seen from the target: x along the path, y left [m]."""
+        points = self.paths.position(self.along[:, None] + distances)
+        here = self.paths.position(self.along[:, None])
+        heading = self.paths.heading.gather(1, self.paths.row(self.along[:, None]))
+        dx, dy = (points - here).unbind(-1)
+        cos, sin = heading.cos(), heading.sin()
+        return torch.stack([cos * dx + sin * dy, cos * dy - sin * dx - self.offset[:, None]], -1)
+
+
+@dataclass(frozen=True)
+class Action:
+    """What S drivers decide for one step.
+
+    Attributes:
+        acceleration: (S,) [m/s2]; a target never drives backwards.
+        offset: (S,) [m] to the left of the path where the driver wants to be, or None to stay on the path's line.
+    """
+
+    acceleration: Tensor
+    offset: Tensor | None = None
+
+
+class Driver(Protocol):
+    """A driving algorithm. `Plugin(settings)` makes one, `Settings` being the plugin module's own frozen dataclass.
+
+    Attributes:
+        name: the plugin's name, as it stands in tables.
+    """
+
+    name: str
+
+    def act(self, observation: Observation) -> Action:
+        """Actions for S targets; row i depends on row i alone, so results do not depend on who shares the batch."""
+
+
+@runtime_checkable
+class SumoDriver(Protocol):
+    """A driver that SUMO itself can play."""
+
+    def vehicle_type(self) -> dict[str, str]:
+        """Attributes of the SUMO vType that drives like this driver, `id` excepted."""

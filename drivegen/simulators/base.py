@@ -1,0 +1,124 @@
+"""The protocol of a simulator: let a driver steer the target of many scenarios through replayed traffic.
+
+Social vehicles and context actors are replayed whatever the target does (they don't react); the target follows its path
+(`_paths.py`) with the driver's speed. A run ends for the target at its first collision.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.drivers.base import Driver
+from drivegen.scenario import Scenario, Trajectories
+
+NO_PARTNER = -1
+
+FIRST_SECOND = 10
+"""Collisions up to this step are counted apart: nobody could have prevented them."""
+
+
+class CollisionKind(IntEnum):
+    """Who hit whom, by where the boxes first touch, as seen from both (`_contact.py`)."""
+
+    NONE = 0
+    AT_SPAWN = 1
+    """The boxes overlap at step 0 already."""
+    FRONT = 2
+    """The target ran into the other with its front."""
+    SIDE = 3
+    """Side met side, or the other's rear: nobody's front was in it."""
+    HIT_IN_SIDE = 4
+    """The other ran with its front into the target's side."""
+    HIT_FROM_BEHIND = 5
+    """The other, a replay that can't brake, ran into the target's rear."""
+    HIT_STANDING = 6
+    """The target stood still."""
+
+
+AT_FAULT = (CollisionKind.FRONT, CollisionKind.SIDE)
+"""Kinds that count against the driver; the others are done to it."""
+
+
+@dataclass(frozen=True)
+class TargetPaths:
+    """The paths of S targets: the line each follows, from abreast of its first position on.
+
+    Attributes:
+        point: (S, P, 2) float32 [m] a point every PATH_SPACING; rows padded by repeating the end.
+        speed_limit: (S, P) float32 [m/s], NaN where unknown.
+        length: (S,) float32 [m] valid length of each path.
+    """
+
+    point: NDArray[np.float32]
+    speed_limit: NDArray[np.float32]
+    length: NDArray[np.float32]
+
+    def __len__(self) -> int:
+        return len(self.length)
+
+
+@dataclass(frozen=True)
+class DrivingOutcome:
+    """What became of S targets.
+
+    Attributes:
+        kind: (S,) uint8 CollisionKind of the first collision.
+        step: (S,) int16 of it, -1 if none.
+        partner: (S,) int32 index into the scenario's vehicles, or number of vehicles + index into its context actors;
+            NO_PARTNER if none.
+        motion: Trajectories (S, T) of the targets, valid up to and including the collision; shorter scenarios end earlier.
+        off_road: (S,) float32 share of valid steps with a corner off the drivable area; NaN where nobody judged it.
+    """
+
+    kind: NDArray[np.uint8]
+    step: NDArray[np.int16]
+    partner: NDArray[np.int32]
+    motion: Trajectories
+    off_road: NDArray[np.float32]
+
+    @property
+    def collided(self) -> NDArray[np.bool_]:
+        """(S,)."""
+        return np.not_equal(self.kind, CollisionKind.NONE)
+
+    @property
+    def in_first_second(self) -> NDArray[np.bool_]:
+        """(S,) collided within the first second, overlaps at spawn included."""
+        return self.collided & (self.step <= FIRST_SECOND)
+
+    @property
+    def end(self) -> NDArray[np.float32]:
+        """(S, 2) last position [m]."""
+        return self.motion.position[np.arange(len(self.kind)), self.motion.last_valid()]
+
+
+class Simulator(Protocol):
+    """A way to run a driver in closed loop.
+
+    Attributes:
+        name: the plugin's name, as it stands in tables.
+    """
+
+    name: str
+
+    def run(
+        self,
+        driver: Driver,
+        scenarios: Sequence[Scenario],
+        traffic: Sequence[Trajectories],
+        paths: TargetPaths | None = None,
+    ) -> DrivingOutcome:
+        """Drive the target of every scenario through `traffic`.
+
+        Args:
+            driver: who steers.
+            scenarios: S scenarios; map, vehicles and context are used, the log is not.
+            traffic: S motions (N, T), logged or generated. The target's own row gives its path and first state only.
+            paths: S paths to follow instead of those of the traffic.
+
+        Raises UnusableInput for a target that is not there at step 0 or a driver that this simulator can't run.
+        """
