@@ -1,0 +1,249 @@
+"""Argoverse 2 vector maps (`log_map_archive_*.json`) to and from `RoadMap`.
+
+Official keys are those of av2's `map/{lane_segment,drivable_area,pedestrian_crossing}.py`. Sensor maps have no
+centrelines: the midline of the boundaries stands in, as in av2. Keys of our own, ignored by av2 and read back here:
+`origin`, `stop_lines`, and per lane `speed_limit` [m/s] and `control`.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain
+from operator import itemgetter
+from typing import Any
+
+import numpy as np
+import orjson
+from numpy.typing import NDArray
+
+from drivegen.av2.schema import CROSSABLE_MARKS
+from drivegen.errors import UnusableInput
+from drivegen.geometry import Floats, Polylines, arc_length, interpolate
+from drivegen.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap
+
+MIDLINE_SPACING = 2.0
+"""Distance between points of a midline [m], about that of the official centrelines."""
+
+DECIMALS = 4
+"""Decimals of written coordinates [0.1 mm]: finer than float32 a few hundred metres from the origin."""
+
+_xy = itemgetter("x", "y")
+
+
+def read_map(raw: bytes, place: str) -> RoadMap:
+    """The map in a local frame at its own centre, rounded to whole metres (or at its `origin`, if it has that key).
+
+    Args:
+        raw: the JSON file's bytes.
+        place: the file's name for error sentences.
+
+    Raises UnusableInput, reason `bad-map` or `no-lanes`, naming `place` and what is wrong.
+    """
+    try:
+        tree = orjson.loads(raw)
+    except orjson.JSONDecodeError as error:
+        raise UnusableInput(f"{place} is not a JSON file: {error}", reason="bad-map") from None
+    if not isinstance(tree, dict) or not isinstance(tree.get("lane_segments"), dict):
+        raise UnusableInput(f"{place} is no Argoverse 2 map: it has no `lane_segments`", reason="bad-map")
+    if not tree["lane_segments"]:
+        raise UnusableInput(f"{place}: the map has no lanes", reason="no-lanes")
+    try:
+        road_map = _build(tree)
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
+        what = f"key {error} is missing or unknown" if isinstance(error, KeyError) else str(error)
+        raise UnusableInput(f"{place} is no sound Argoverse 2 map: {what}", reason="bad-map") from None
+    try:
+        road_map.validate()
+    except UnusableInput as error:
+        raise UnusableInput(f"{place}: {error}", reason=error.reason) from None
+    return road_map
+
+
+def _build(tree: Mapping[str, Any]) -> RoadMap:
+    lanes = list(tree["lane_segments"].values())
+    lane_id = [lane["id"] for lane in lanes]
+    index = {number: i for i, number in enumerate(lane_id)}
+    left, right = _lines(map(itemgetter("left_lane_boundary"), lanes)), _lines(map(itemgetter("right_lane_boundary"), lanes))
+    centre = _centrelines(lanes, left, right)
+    origin = np.array(tree["origin"], np.float64) if "origin" in tree else _middle(centre[0])
+    if origin.shape != (2,) or not np.isfinite(origin).all():
+        raise ValueError("its origin is not a finite point")
+    kind = np.array([LaneKind[lane["lane_type"]] for lane in lanes], np.uint8)
+    links, dangling = _links(lanes, index)
+    neighbour, same_direction, may_change = _neighbours(lanes, index, centre, kind)
+    stops = list(tree.get("stop_lines", {}).values())
+    ends = _lines(map(itemgetter("line"), stops))[0].reshape(-1, 2, 2)
+    return RoadMap(
+        origin=origin,
+        lane_id=np.array(lane_id, np.int64),
+        kind=kind,
+        centreline=_local(centre, origin),
+        left=_local(left, origin),
+        right=_local(right, origin),
+        speed_limit=np.array([lane.get("speed_limit") for lane in lanes], np.float32),  # None becomes NaN
+        in_junction=np.array([lane["is_intersection"] for lane in lanes], np.bool_),
+        control=np.array([LaneControl[lane.get("control", "UNKNOWN")] for lane in lanes], np.uint8),
+        links=links,
+        neighbour=neighbour,
+        same_direction=same_direction,
+        may_change=may_change,
+        drivable=_local(_outlines(tree.get("drivable_areas", {}).values()), origin),
+        crossings=_local(_crossings(tree.get("pedestrian_crossings", {}).values()), origin),
+        stop_lines=(ends - origin).astype(np.float32),
+        stop_lane=np.array([index[stop["lane"]] for stop in stops], np.int32),
+        dangling=dangling,
+    )
+
+
+Lines = tuple[NDArray[np.float64], NDArray[np.int32]]
+"""Points (P, 2) in city coordinates and start rows (L + 1,), as in `Polylines` but in full precision."""
+
+
+def _lines(lines: Iterable[Sequence[Mapping[str, float]]]) -> Lines:
+    """All points of many lines of `{"x", "y", "z"}`, height left out; one pass, no array per line."""
+    lines = list(lines)
+    start = np.zeros(len(lines) + 1, np.int32)
+    np.cumsum([len(line) for line in lines], out=start[1:])
+    values = chain.from_iterable(map(_xy, chain.from_iterable(lines)))
+    return np.fromiter(values, np.float64, 2 * int(start[-1])).reshape(-1, 2), start
+
+
+def _local(lines: Lines, origin: NDArray[np.float64]) -> Polylines:
+    return Polylines((lines[0] - origin).astype(np.float32), lines[1])
+
+
+def _middle(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    if not len(points):
+        raise ValueError("its lanes have no points")
+    return np.round((points.min(0) + points.max(0)) / 2)
+
+
+def _centrelines(lanes: Sequence[Mapping[str, Any]], left: Lines, right: Lines) -> Lines:
+    given = [lane.get("centerline") or () for lane in lanes]
+    lines = _lines(given)
+    if all(len(line) >= 2 for line in given):
+        return lines
+    found = [
+        lines[0][lines[1][i] : lines[1][i + 1]] if len(given[i]) >= 2 else _midline(_line(left, i), _line(right, i))
+        for i in range(len(lanes))
+    ]
+    start = np.cumsum([0, *map(len, found)]).astype(np.int32)
+    return np.concatenate(found), start
+
+
+def _line(lines: Lines, i: int) -> NDArray[np.float64]:
+    points, start = lines
+    return points[start[i] : start[i + 1]]
+
+
+def _midline(left: Floats, right: Floats) -> Floats:
+    """The line halfway between both boundaries at equal shares of their lengths, as in av2."""
+    lengths = [float(arc_length(line)[-1]) for line in (left, right)]
+    share = np.linspace(0.0, 1.0, max(2, int(np.ceil(max(lengths) / MIDLINE_SPACING)) + 1))
+    return (interpolate(left, share * lengths[0]) + interpolate(right, share * lengths[1])) / 2
+
+
+def _links(lanes: Sequence[Mapping[str, Any]], index: Mapping[int, int]) -> tuple[NDArray[np.int32], int]:
+    """Links (E, 2), sorted and unique, and the number of those that name a lane the map does not hold."""
+    pairs = [(i, index.get(other, NO_LANE)) for i, lane in enumerate(lanes) for other in lane["successors"]]
+    pairs += [(index.get(other, NO_LANE), i) for i, lane in enumerate(lanes) for other in lane["predecessors"]]
+    table = np.array(pairs, np.int64).reshape(-1, 2)
+    held = (table != NO_LANE).all(-1)
+    code = np.unique(table[held, 0] * len(lanes) + table[held, 1])
+    return np.stack(np.divmod(code, len(lanes)), axis=-1).astype(np.int32), int(np.count_nonzero(~held))
+
+
+def _neighbours(
+    lanes: Sequence[Mapping[str, Any]], index: Mapping[int, int], centre: Lines, kind: NDArray[np.uint8]
+) -> tuple[NDArray[np.int32], NDArray[np.bool_], NDArray[np.bool_]]:
+    """Neighbours, whether they run the same way (by geometry: the file does not say), whether one may change (L, 2)."""
+    sides = ("left", "right")
+    neighbour = np.array([[index.get(lane[f"{side}_neighbor_id"], NO_LANE) for side in sides] for lane in lanes], np.int32)
+    crossable = np.array([[lane[f"{side}_lane_mark_type"] in CROSSABLE_MARKS for side in sides] for lane in lanes], np.bool_)
+    points, start = centre
+    along = points[start[1:] - 1] - points[start[:-1]]
+    same_direction = (neighbour != NO_LANE) & ((along[:, None] * along[neighbour]).sum(-1) > 0)
+    for_bikes = kind == LaneKind.BIKE
+    may_change = same_direction & crossable & (for_bikes[:, None] == for_bikes[neighbour])
+    return neighbour, same_direction, may_change
+
+
+def _outlines(areas: Iterable[Mapping[str, Any]]) -> Lines:
+    """Closed outlines without the repeated first point that some files have."""
+    outlines = [area["area_boundary"] for area in areas]
+    return _lines([line[:-1] if len(line) > 3 and _xy(line[0]) == _xy(line[-1]) else line for line in outlines])
+
+
+def _crossings(crossings: Iterable[Mapping[str, Any]]) -> Lines:
+    """Four corners each: along one edge and back along the other, whichever way the edges point."""
+    edges = [edge for crossing in crossings for edge in (crossing["edge1"], crossing["edge2"])]
+    corner = _lines([(edge[0], edge[-1]) for edge in edges])[0].reshape(-1, 2, 2, 2)  # crossing, edge, end, xy
+    along = corner[:, :, 1] - corner[:, :, 0]
+    same_way = (along[:, 0] * along[:, 1]).sum(-1) >= 0
+    back = np.where(same_way[:, None, None], corner[:, 1, ::-1], corner[:, 1])
+    points = np.concatenate([corner[:, 0], back], axis=1).reshape(-1, 2)
+    return points, np.arange(0, len(points) + 1, 4, dtype=np.int32)
+
+
+def write_map(road_map: RoadMap) -> bytes:
+    """The official JSON in source coordinates, rounded to 0.1 mm, with our own keys; same map, same bytes."""
+    successors, predecessors = _by_lane(road_map)
+    centre, left, right = (_points(lines, road_map.origin) for lines in (road_map.centreline, road_map.left, road_map.right))
+    lanes: dict[str, Any] = {}
+    for i, number in enumerate(road_map.lane_id.tolist()):
+        beside = [None if n == NO_LANE else int(road_map.lane_id[n]) for n in road_map.neighbour[i]]
+        marks = [_mark(road_map, i, side) for side in (0, 1)]
+        limit = float(road_map.speed_limit[i])
+        lanes[str(number)] = {
+            "centerline": centre[i],
+            "id": number,
+            "is_intersection": bool(road_map.in_junction[i]),
+            "lane_type": LaneKind(int(road_map.kind[i])).name,
+            "left_lane_boundary": left[i],
+            "left_lane_mark_type": marks[0],
+            "left_neighbor_id": beside[0],
+            "predecessors": predecessors[i],
+            "right_lane_boundary": right[i],
+            "right_lane_mark_type": marks[1],
+            "right_neighbor_id": beside[1],
+            "successors": successors[i],
+            "control": LaneControl(int(road_map.control[i])).name,
+            "speed_limit": None if np.isnan(limit) else limit,
+        }
+    return orjson.dumps({"lane_segments": lanes, "origin": road_map.origin.tolist(), **_areas(road_map)})
+
+
+def _areas(road_map: RoadMap) -> dict[str, Any]:
+    drivable, crossings = _points(road_map.drivable, road_map.origin), _points(road_map.crossings, road_map.origin)
+    stops = _points(Polylines.of(list(road_map.stop_lines)), road_map.origin)
+    guarded = road_map.lane_id[road_map.stop_lane].tolist()
+    return {
+        "drivable_areas": {str(i): {"area_boundary": line, "id": i} for i, line in enumerate(drivable)},
+        "pedestrian_crossings": {
+            str(i): {"edge1": [a, b], "edge2": [d, c], "id": i} for i, (a, b, c, d) in enumerate(crossings)
+        },
+        "stop_lines": {str(i): {"lane": lane, "line": line} for i, (lane, line) in enumerate(zip(guarded, stops, strict=True))},
+    }
+
+
+def _points(lines: Polylines, origin: NDArray[np.float64]) -> list[list[dict[str, float]]]:
+    xy = np.round(lines.points.astype(np.float64) + origin, DECIMALS).tolist()
+    points = [{"x": x, "y": y, "z": 0.0} for x, y in xy]
+    return [points[a:b] for a, b in zip(lines.start[:-1].tolist(), lines.start[1:].tolist(), strict=True)]
+
+
+def _by_lane(road_map: RoadMap) -> tuple[list[list[int]], list[list[int]]]:
+    """Ids of successors and predecessors of each lane."""
+    successors: list[list[int]] = [[] for _ in range(len(road_map))]
+    predecessors: list[list[int]] = [[] for _ in range(len(road_map))]
+    for before, after in road_map.links.tolist():
+        successors[before].append(int(road_map.lane_id[after]))
+        predecessors[after].append(int(road_map.lane_id[before]))
+    return successors, predecessors
+
+
+def _mark(road_map: RoadMap, lane: int, side: int) -> str:
+    """A lane mark that says the same as `may_change`; our maps keep no others."""
+    if road_map.may_change[lane, side]:
+        return "DASHED_WHITE"
+    if road_map.neighbour[lane, side] != NO_LANE and not road_map.same_direction[lane, side]:
+        return "DOUBLE_SOLID_YELLOW"
+    return "SOLID_WHITE"

@@ -1,0 +1,238 @@
+"""Argoverse 2 Motion Forecasting tracks: the official table of one row per track and time step, to and from arrays.
+
+Reading scatters whole columns into dense (M, T) arrays: no object per time step (28 ms per scenario in av2, 1 to 2 ms
+here). Positions in files are city coordinates, in memory the map's local ones.
+"""
+
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+from numpy.typing import NDArray
+
+from drivegen.av2.schema import (
+    COLUMNS,
+    CONSTANTS,
+    EGO_TRACK,
+    KIND_OF_TYPE,
+    MOST_STEPS,
+    NUMBERS,
+    OBSERVED_STEPS,
+    REQUIRED,
+    SIZE_COLUMNS,
+    TRUCK_LENGTH,
+    TYPE_OF_KIND,
+    WORDS,
+    TrackCategory,
+)
+from drivegen.errors import UnusableInput
+from drivegen.geometry import wrap_angle
+from drivegen.recorded import NO_TRACK, RecordedLog
+from drivegen.roadmap import RoadMap
+from drivegen.scenario import DT, TARGET, Scenario, Signals, Trajectories, VehicleKind
+
+FARTHEST = 50_000.0
+"""Positions farther from the map's origin than this [m] are a broken file: float32 would lose the centimetres."""
+
+
+def read_log(tracks: pa.Table, road_map: RoadMap, source: str, place: str, signals: Signals | None = None) -> RecordedLog:
+    """All tracks of one recording as dense arrays, in the map's frame.
+
+    Args:
+        tracks: the official columns (`schema.REQUIRED` at least; `length`, `width`, `height` [m] are used if there).
+        road_map: map of the recording; its origin is subtracted from the positions.
+        source: data set in words.
+        place: the file's name for error sentences.
+        signals: states over at least as many steps as the tracks have; none if absent.
+
+    T is one more than the last time step found: `num_timestamps` is wrong in files whose future is withheld.
+    Raises UnusableInput with reason `missing-columns`, `no-rows`, `not-a-number`, `out-of-range`, `duplicate-rows`
+    or `no-tracks`, naming `place`.
+    """
+    tracks = _checked(tracks, place)
+    step = tracks["timestep"].to_numpy()
+    track_id, track = _encoded(tracks["track_id"])
+    steps = int(step.max()) + 1
+    first_row = np.zeros(len(track_id), np.int64)
+    first_row[track[::-1]] = np.arange(len(track))[::-1]
+    type_word, type_code = _encoded(tracks["object_type"])
+    object_type = type_word[type_code[first_row]]
+    kind = np.array([KIND_OF_TYPE.get(word, -1) for word in object_type.tolist()], np.int16)
+    keep = kind >= 0
+    if not keep.any():
+        raise UnusableInput(f"{place} holds no vehicle and nobody on foot or bicycle", reason="no-tracks")
+    skipped = {word: int(np.count_nonzero(object_type[~keep] == word)) for word in sorted(set(object_type[~keep].tolist()))}
+    motion = _dense(tracks, track, step, (len(track_id), steps), road_map.origin, place)
+    size = _sizes(tracks, first_row)
+    kind[(kind == VehicleKind.CAR) & (size[:, 0] > TRUCK_LENGTH)] = VehicleKind.TRUCK
+    constant = {name: tracks[name][0].as_py() for name in CONSTANTS}
+    return RecordedLog(
+        scenario_id=constant["scenario_id"],
+        source=source,
+        city=constant["city"],
+        map=road_map,
+        track_id=track_id[keep],
+        kind=kind[keep].astype(np.uint8),
+        size=size[keep],
+        motion=motion[keep],
+        focal=_row(track_id[keep], constant["focal_track_id"]),
+        ego=_row(track_id[keep], EGO_TRACK),
+        signals=_lasting(signals, steps),
+        skipped=skipped,
+    )
+
+
+def _checked(tracks: pa.Table, place: str) -> pa.Table:
+    """The columns we read, proved to be there, of the right type, without nulls and not absurd."""
+    if missing := [name for name in REQUIRED if name not in tracks.column_names]:
+        raise UnusableInput(f"{place} lacks the column {', '.join(missing)}", reason="missing-columns")
+    if tracks.num_rows == 0:
+        raise UnusableInput(f"{place} has no rows", reason="no-rows")
+    tracks = tracks.select([*REQUIRED, *(name for name in SIZE_COLUMNS if name in tracks.column_names)])
+    for name in REQUIRED:
+        if tracks[name].null_count:
+            raise UnusableInput(f"{place}: column {name} has empty cells", reason="not-a-number")
+        found = tracks.schema.field(name).type
+        found = found.value_type if pa.types.is_dictionary(found) else found
+        wanted = COLUMNS.field(name).type
+        if not (_is_word(found) if _is_word(wanted) else pa.types.is_integer(found) or pa.types.is_floating(found)):
+            raise UnusableInput(f"{place}: column {name} holds {found}, not {wanted}", reason="missing-columns")
+    low, high = pc.min_max(tracks["timestep"]).as_py().values()
+    if not (low >= 0 and high < MOST_STEPS and float(low).is_integer()):
+        raise UnusableInput(f"{place}: time steps run from {low} to {high}", reason="out-of-range")
+    if pa.types.is_integer(tracks.schema.field("timestep").type):
+        return tracks
+    raise UnusableInput(f"{place}: column timestep holds no whole numbers", reason="missing-columns")
+
+
+def _is_word(kind: pa.DataType) -> bool:
+    return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
+
+
+def _encoded(column: pa.ChunkedArray) -> tuple[NDArray[np.str_], NDArray[np.int64]]:
+    """Different words in order of appearance, and each row's number of them."""
+    array = column.combine_chunks() if column.num_chunks != 1 else column.chunk(0)
+    if not pa.types.is_dictionary(array.type):
+        array = array.dictionary_encode()
+    return np.array(array.dictionary.to_pylist(), np.str_), array.indices.to_numpy().astype(np.int64)
+
+
+def _dense(
+    tracks: pa.Table,
+    track: NDArray[np.int64],
+    step: NDArray[np.int64],
+    shape: tuple[int, int],
+    origin: NDArray[np.float64],
+    place: str,
+) -> Trajectories:
+    columns = {name: tracks[name].to_numpy() for name in NUMBERS}
+    if not all(np.isfinite(values).all() for values in columns.values()):
+        raise UnusableInput(f"{place} has positions that are not numbers", reason="not-a-number")
+    motion = Trajectories.empty(*shape)
+    cell = track * shape[1] + step
+    valid, heading = motion.valid.reshape(-1), motion.heading.reshape(-1)
+    position, velocity = motion.position.reshape(-1, 2), motion.velocity.reshape(-1, 2)
+    valid[cell] = True
+    if np.count_nonzero(valid) != len(cell):
+        raise UnusableInput(f"{place} gives a track two states at one time step", reason="duplicate-rows")
+    heading[cell] = wrap_angle(columns["heading"])
+    for axis, name in enumerate("xy"):
+        local = columns[f"position_{name}"] - origin[axis]
+        if np.abs(local).max() > FARTHEST:
+            raise UnusableInput(f"{place} has positions more than {FARTHEST / 1000:g} km off its map", reason="out-of-range")
+        position[cell, axis] = local
+        velocity[cell, axis] = columns[f"velocity_{name}"]
+    return motion
+
+
+def _sizes(tracks: pa.Table, first_row: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Length, width, height (M, 3) [m] from each track's first row; NaN where there is no usable number."""
+    size = np.full((len(first_row), 3), np.nan, np.float32)
+    for axis, name in enumerate(SIZE_COLUMNS):
+        if name in tracks.column_names and _is_number(tracks.schema.field(name).type):
+            size[:, axis] = tracks[name].to_numpy()[first_row]
+    size[~(size > 0).all(-1) | ~np.isfinite(size).all(-1)] = np.nan
+    return size
+
+
+def _is_number(kind: pa.DataType) -> bool:
+    return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind))
+
+
+def _row(track_id: NDArray[np.str_], wanted: str) -> int:
+    rows = np.flatnonzero(track_id == wanted)
+    return int(rows[0]) if len(rows) else NO_TRACK
+
+
+def _lasting(signals: Signals | None, steps: int) -> Signals:
+    """The signals over exactly `steps` steps; what the file does not say is UNKNOWN (0)."""
+    if signals is None:
+        return Signals.none(steps)
+    missing = max(0, steps - signals.state.shape[1])
+    return Signals(signals.lane, np.pad(signals.state[:, :steps], ((0, 0), (0, missing))))
+
+
+def track_table(scenario: Scenario, motion: Trajectories, scenario_id: str) -> pa.Table:
+    """The official table of a scenario's vehicles moving by `motion` (N, T) and of its context actors.
+
+    Only valid states have rows, track by track. Vehicle 0 is the focal track; a track seen at every step is scored if
+    it is a vehicle's; positions are in city coordinates; time begins at 0 ns.
+    """
+    vehicles, context = scenario.vehicles, scenario.context
+    track_id = np.concatenate([vehicles.track_id, context.track_id])
+    kind = np.concatenate([vehicles.kind, context.kind])
+    size = np.concatenate([vehicles.size, context.size])
+    valid = np.concatenate([motion.valid, context.motion.valid])
+    track, step = np.nonzero(valid)
+
+    def rows(ours: NDArray[Any], theirs: NDArray[Any]) -> NDArray[Any]:
+        return np.concatenate([ours, theirs])[track, step].astype(np.float64)
+
+    position = rows(motion.position, context.motion.position) + scenario.map.origin
+    velocity = rows(motion.velocity, context.motion.velocity)
+    types = np.array([TYPE_OF_KIND[VehicleKind(int(k))] for k in kind], np.str_)
+    columns: dict[str, Any] = {
+        "observed": step < OBSERVED_STEPS,
+        "track_id": _words(track_id, track),
+        "object_type": _words(types, track),
+        "object_category": _categories(valid, len(vehicles))[track],
+        "timestep": step,
+        "position_x": position[:, 0],
+        "position_y": position[:, 1],
+        "heading": rows(motion.heading, context.motion.heading),
+        "velocity_x": velocity[:, 0],
+        "velocity_y": velocity[:, 1],
+        "scenario_id": scenario_id,
+        "start_timestamp": 0.0,
+        "end_timestamp": round((scenario.steps - 1) * DT * 1e9),
+        "num_timestamps": scenario.steps,
+        "focal_track_id": str(vehicles.track_id[TARGET]),
+        "city": scenario.city,
+        **{name: size[track, axis] for axis, name in enumerate(SIZE_COLUMNS)},
+    }
+    arrays = [_column(columns[field.name], field.type, len(track)) for field in COLUMNS]
+    return pa.Table.from_arrays(arrays, schema=COLUMNS)
+
+
+def _categories(valid: NDArray[np.bool_], vehicles: int) -> NDArray[np.int64]:
+    category = np.full(len(valid), TrackCategory.UNSCORED, np.int64)
+    category[:vehicles] = TrackCategory.SCORED
+    category[~valid.all(-1)] = TrackCategory.FRAGMENT
+    category[TARGET] = TrackCategory.FOCAL
+    return category
+
+
+def _words(words: NDArray[np.str_], rows: NDArray[np.intp]) -> pa.Array:
+    return pa.array(words.tolist(), pa.string()).take(pa.array(rows))
+
+
+def _column(values: Any, kind: pa.DataType, count: int) -> pa.Array:
+    if isinstance(values, pa.Array):
+        return values
+    if isinstance(values, np.ndarray):
+        return pa.array(values).cast(kind)
+    return pa.repeat(pa.scalar(values, kind), count)
+
+
+__all__ = ["WORDS", "read_log", "track_table"]
