@@ -1,0 +1,164 @@
+"""Highways and forks: carriageways of their own, ramps over auxiliary lanes, lanes that end, begin or part.
+
+A carriageway is cut where its number of lanes changes. Its reference line is the left edge of its leftmost lane, so
+lanes that join or leave on the right leave the others exactly straight; at every cut the lanes are connected by hand.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivegen.maps.compilers import _lines as lines
+from drivegen.maps.spec import Fork, Highway, HighwayEvent
+from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
+
+LANE_WIDTH = 3.5
+"""Width of a highway lane [m]."""
+
+_RAMP_LENGTH = 180.0
+_RAMP_AWAY = 32.0
+_PRIORITY, _RAMP_PRIORITY = 9, 6
+_HALF_CUT = 2.0
+_FORK_RADIUS = 150.0
+
+
+@dataclass
+class _Carriageway:
+    """A carriageway while it is drawn: its line, how far it is drawn, lanes there, and how far its left edge has moved."""
+
+    name: str
+    line: lines.Line
+    speed: float
+    lanes: int
+    drawn: float = 0.0
+    left: float = 0.0
+    cuts: int = 0
+
+    @property
+    def node(self) -> str:
+        return f"{self.name}n{self.cuts}"
+
+    @property
+    def last_edge(self) -> str:
+        return f"{self.name}{self.cuts}"
+
+
+def compile_highway(spec: Highway, plain: PlainNetwork) -> None:
+    """Draw one or two carriageways along the alignment, the first one heading east from near (0, 0)."""
+    axis = lines.draw(spec.alignment)
+    _carriageway(spec, plain, "h", axis, spec.events)
+    if spec.carriageways == 2:
+        _carriageway(spec, plain, "g", axis[::-1], spec.events if spec.both else ())
+
+
+def compile_fork(spec: Fork, plain: PlainNetwork) -> None:
+    """Draw a one-way road heading east that splits at (0, 0)."""
+    stem = np.array([[-spec.length, 0.0], [0.0, 0.0]])
+    way = _Carriageway("h", stem, spec.speed, spec.lanes)
+    _begin(plain, way)
+    _draw_to(plain, way, spec.length, spec.lanes + 1)
+    for name, lanes, side in (("left", spec.left_lanes, 1.0), ("right", spec.right_lanes, -1.0)):
+        first = spec.lanes - lanes if side > 0 else 0
+        edge_line = _branch(side * np.radians(spec.angle / 2), spec.length)
+        offset = 0.0 if side > 0 else -(spec.lanes - lanes) * LANE_WIDTH
+        shape = lines.part(edge_line, 0.0, lines.length(edge_line), offset)
+        plain.nodes.append(Node(name, float(shape[-1][0]), float(shape[-1][1])))
+        branch = Edge(f"{name}_branch", way.node, name, lanes, spec.speed, _PRIORITY, lines.points(shape), width=LANE_WIDTH)
+        plain.edges.append(branch)
+        plain.connections += [Connection(way.last_edge, branch.id, first + lane, lane) for lane in range(lanes)]
+
+
+def _branch(turn: float, length: float) -> lines.Line:
+    angle = np.linspace(0.0, abs(turn), 12)
+    arc = _FORK_RADIUS * np.stack([np.sin(angle), np.copysign(1.0, turn) * (1 - np.cos(angle))], axis=-1)
+    straight = max(20.0, length - _FORK_RADIUS * abs(turn))
+    return np.concatenate([arc, arc[-1:] + straight * np.array([[np.cos(turn), np.sin(turn)]])])
+
+
+def _carriageway(spec: Highway, plain: PlainNetwork, name: str, axis: lines.Line, events: tuple[HighwayEvent, ...]) -> None:
+    line = lines.part(axis, 0.0, lines.length(axis), -spec.median / 2 if spec.carriageways == 2 else 0.0)
+    stretch = lines.length(line) / spec.alignment.length if spec.alignment.shape == "straight" else 1.0
+    way = _Carriageway(name, line, spec.speed, spec.lanes)
+    _begin(plain, way)
+    for i, event in enumerate(events):
+        _event(plain, way, event, f"{name}ramp{i}", event.position * stretch)
+    _draw_to(plain, way, lines.length(line), 0)
+
+
+def _event(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent, ramp: str, start: float) -> None:
+    if event.kind in ("lane_drop", "lane_gain"):
+        _draw_to(plain, way, start, way.lanes + event.lanes)
+        _change_lanes(plain, way, event)
+        return
+    main, extra = way.lanes, event.lanes
+    _draw_to(plain, way, start, main + extra)
+    entered, way.lanes = way.last_edge, main + extra
+    auxiliary = f"{way.name}{way.cuts + 1}"
+    plain.connections += [Connection(entered, auxiliary, lane, lane + extra) for lane in range(main)]
+    if event.kind in ("on_ramp", "weaving"):
+        _add_ramp(plain, way, f"{ramp}_in", event, start, main, joins=True)
+        plain.connections += [Connection(f"{ramp}_in", auxiliary, lane, lane) for lane in range(extra)]
+    else:
+        plain.connections += [Connection(entered, auxiliary, 0, lane) for lane in range(extra)]
+    _draw_to(plain, way, start + event.length, main + extra)
+    way.lanes = main
+    after = f"{way.name}{way.cuts + 1}"
+    plain.connections += [Connection(auxiliary, after, lane + extra, lane) for lane in range(main)]
+    if event.kind in ("off_ramp", "weaving"):
+        _add_ramp(plain, way, f"{ramp}_out", event, start + event.length, main, joins=False)
+        plain.connections += [Connection(auxiliary, f"{ramp}_out", lane, lane) for lane in range(extra)]
+
+
+def _change_lanes(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent) -> None:
+    """Lanes end or begin on one side; on the left that moves the carriageway's left edge."""
+    before, entered = way.lanes, way.last_edge
+    way.lanes += event.lanes if event.kind == "lane_gain" else -event.lanes
+    change = way.lanes - before
+    shift = change if event.side == "right" else 0
+    kept = range(max(0, -shift), min(before, before if change > 0 else way.lanes - shift))
+    after = f"{way.name}{way.cuts + 1}"
+    plain.connections += [Connection(entered, after, lane, lane + shift) for lane in kept]
+    if change > 0:  # the outermost lane on that side also leads into the new ones
+        source, new = (0, range(change)) if event.side == "right" else (before - 1, range(before, way.lanes))
+        plain.connections += [Connection(entered, after, source, lane) for lane in new]
+    if event.side == "left":
+        way.left += change * LANE_WIDTH
+
+
+def _begin(plain: PlainNetwork, way: _Carriageway) -> None:
+    x, y = way.line[0]
+    plain.nodes.append(Node(way.node, float(x), float(y)))
+
+
+def _draw_to(plain: PlainNetwork, way: _Carriageway, end: float, widest: int) -> None:
+    """Draw the carriageway on to `end` [m] and put a node there, `widest` lanes wide; 0 for the end of the road."""
+    shape = lines.part(way.line, way.drawn, end, way.left)
+    source = way.node
+    way.cuts += 1
+    way.drawn = end
+    x, y = shape[-1]
+    cut = _across(way, end, widest) if widest else None
+    plain.nodes.append(Node(way.node, float(x), float(y), shape=cut))
+    edge = Edge(way.last_edge, source, way.node, way.lanes, way.speed, _PRIORITY, lines.points(shape), width=LANE_WIDTH)
+    plain.edges.append(edge)
+
+
+def _across(way: _Carriageway, at: float, lanes: int) -> tuple[Point, ...]:
+    """The outline of a cut: a thin rectangle across the carriageway, so that netconvert cuts nothing else off."""
+    left, right = way.left + lanes * LANE_WIDTH, way.left - lanes * LANE_WIDTH
+    along = np.array([at - _HALF_CUT, at + _HALF_CUT, at + _HALF_CUT, at - _HALF_CUT])
+    return lines.points(lines.beside(way.line, along, np.array([left, left, right, right])))
+
+
+def _add_ramp(plain: PlainNetwork, way: _Carriageway, name: str, event: HighwayEvent, at: float, main: int, joins: bool) -> None:
+    """A ramp that runs in (or out) beside the `main` lanes, tangent to them at distance `at`."""
+    share = np.linspace(1.0, 0.0, 25)
+    away = way.left - main * LANE_WIDTH - _RAMP_AWAY * share**2
+    shape = lines.beside(way.line, at - (_RAMP_LENGTH if joins else -_RAMP_LENGTH) * share, away)
+    shape = shape if joins else shape[::-1]
+    x, y = shape[0] if joins else shape[-1]
+    far = f"{name}_end"
+    plain.nodes.append(Node(far, float(x), float(y)))
+    source, target = (far, way.node) if joins else (way.node, far)
+    edge = Edge(name, source, target, event.lanes, event.ramp_speed, _RAMP_PRIORITY, lines.points(shape), width=LANE_WIDTH)
+    plain.edges.append(edge)

@@ -1,0 +1,278 @@
+"""The typed map specification: what a road looks like, before any coordinates.
+
+A specification is either a kind with parameters or a free graph of nodes and roads. Whoever writes it (rules, a
+language model, a person) fills these types; `compile.py` turns them into a network, always the same one. Metres, metres
+per second, degrees counter-clockwise from east; lanes are counted per direction. Every number is bounded, because a
+specification may come from a model.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Lanes = Annotated[int, Field(ge=1, le=8)]
+NoOrMoreLanes = Annotated[int, Field(ge=0, le=8)]
+Speed = Annotated[float, Field(ge=3.0, le=45.0, allow_inf_nan=False)]
+Length = Annotated[float, Field(ge=20.0, le=5000.0, allow_inf_nan=False)]
+Angle = Annotated[float, Field(ge=-360.0, le=360.0, allow_inf_nan=False)]
+Coordinate = Annotated[float, Field(ge=-5000.0, le=5000.0, allow_inf_nan=False)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,23}$")]
+
+Control = Literal["signals", "all_way_stop", "stop", "yield", "uncontrolled"]
+"""Who goes first: signals; everybody stops; the side roads stop or yield; right before left."""
+
+Side = Literal["left", "right"]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Alignment(_Part):
+    """The line of a road seen from above, from its start heading east.
+
+    `angle` is the turn of each bend, positive to the left; a hairpin is a curve of about 180 degrees.
+    """
+
+    shape: Literal["straight", "curve", "s_curve", "hairpin"] = "straight"
+    length: Length = 600.0
+    angle: Annotated[float, Field(ge=-200.0, le=200.0, allow_inf_nan=False)] = 90.0
+    radius: Annotated[float, Field(ge=12.0, le=3000.0, allow_inf_nan=False)] = 60.0
+
+
+class Arm(_Part):
+    """One road that meets a crossing or a roundabout, seen from there."""
+
+    angle: Angle
+    lanes_in: NoOrMoreLanes = 1
+    lanes_out: NoOrMoreLanes = 1
+    speed: Speed = 50 / 3.6
+    length: Length = 150.0
+    left_turn_lane: bool = False
+    right_turn_lane: bool = False
+    main: bool = True
+
+    @model_validator(mode="after")
+    def _is_a_road(self) -> "Arm":
+        if self.lanes_in + self.lanes_out == 0:
+            raise ValueError("an arm needs at least one lane in or out")
+        return self
+
+
+class _Arms(_Part):
+    arms: Annotated[tuple[Arm, ...], Field(min_length=3, max_length=8)]
+
+    @model_validator(mode="after")
+    def _arms_are_apart(self) -> "_Arms":
+        angles = sorted(arm.angle % 360 for arm in self.arms)
+        gaps = [b - a for a, b in zip(angles, [*angles[1:], angles[0] + 360], strict=True)]
+        if min(gaps) < 20:
+            raise ValueError("arms must be at least 20 degrees apart")
+        if not any(arm.lanes_in for arm in self.arms) or not any(arm.lanes_out for arm in self.arms):
+            raise ValueError("there must be a way in and a way out")
+        return self
+
+
+class Crossing(_Arms):
+    """Three to eight roads that meet at one place (T, Y, four-way, five-way, one-way streets, ...)."""
+
+    kind: Literal["crossing"] = "crossing"
+    control: Control = "yield"
+
+
+class Roundabout(_Arms):
+    """A ring that three to eight roads meet; `diameter` is that of its outer edge."""
+
+    kind: Literal["roundabout"] = "roundabout"
+    ring_lanes: Annotated[int, Field(ge=1, le=4)] = 1
+    diameter: Annotated[float, Field(ge=24.0, le=200.0, allow_inf_nan=False)] = 40.0
+    ring_speed: Speed = 30 / 3.6
+
+
+class Junction(_Part):
+    """One place along a corridor where side roads join: at `position` along it, on the sides named."""
+
+    position: Annotated[float, Field(ge=30.0, le=5000.0, allow_inf_nan=False)]
+    sides: Annotated[tuple[Side, ...], Field(min_length=1, max_length=2)] = ("left", "right")
+    form: Literal["crossing", "roundabout"] = "crossing"
+    control: Control = "yield"
+    side_lanes: Lanes = 1
+    side_speed: Speed = 50 / 3.6
+    side_length: Length = 120.0
+    dead_end: bool = False
+    ring_lanes: Annotated[int, Field(ge=1, le=3)] = 1
+    diameter: Annotated[float, Field(ge=24.0, le=120.0, allow_inf_nan=False)] = 40.0
+
+
+class Corridor(_Part):
+    """A two-way road with junctions along it: crossings or roundabouts in a row, side streets, a staggered junction.
+
+    Without junctions it is a plain street. `dead_end` closes its far end with a turning place (cul-de-sac).
+    """
+
+    kind: Literal["corridor"] = "corridor"
+    alignment: Alignment = Alignment()
+    lanes: Lanes = 1
+    lanes_back: NoOrMoreLanes = 1
+    speed: Speed = 50 / 3.6
+    junctions: Annotated[tuple[Junction, ...], Field(max_length=12)] = ()
+    dead_end: bool = False
+
+    @model_validator(mode="after")
+    def _junctions_fit(self) -> "Corridor":
+        places = [0.0, *(j.position for j in self.junctions), self.alignment.length]
+        rooms = [0.0, *(j.diameter / 2 if j.form == "roundabout" else 0.0 for j in self.junctions), 0.0]
+        for i in range(len(places) - 1):
+            if places[i + 1] - places[i] < 20 + rooms[i] + rooms[i + 1]:
+                raise ValueError("junctions must be in order, at least 20 m apart and that far from the road's ends")
+        if self.junctions and self.alignment.shape != "straight":
+            raise ValueError("a road with junctions must be straight")
+        if self.lanes_back == 0 and (self.dead_end or any(j.form == "roundabout" for j in self.junctions)):
+            raise ValueError("a one-way street can neither be a dead end nor lead through roundabouts here")
+        return self
+
+
+class Grid(_Part):
+    """Streets in both directions that cross at `rows` x `columns` places and go on beyond them."""
+
+    kind: Literal["grid"] = "grid"
+    rows: Annotated[int, Field(ge=1, le=8)] = 3
+    columns: Annotated[int, Field(ge=1, le=8)] = 3
+    spacing: Annotated[float, Field(ge=40.0, le=1000.0, allow_inf_nan=False)] = 120.0
+    lanes: Annotated[int, Field(ge=1, le=4)] = 1
+    speed: Speed = 50 / 3.6
+    control: Control = "yield"
+    one_way: bool = False
+
+
+class HighwayEvent(_Part):
+    """What happens along a carriageway, `position` metres from its start.
+
+    Attributes:
+        kind: a ramp joins (on the outer side, over an acceleration lane `length` long) or leaves; lanes end or begin;
+            or a ramp joins and another leaves with an auxiliary lane between them (weaving section).
+        lanes: of the ramp, or by how many the carriageway changes.
+        side: of lanes that end or begin; ramps are always on the outer side.
+    """
+
+    kind: Literal["on_ramp", "off_ramp", "lane_drop", "lane_gain", "weaving"]
+    position: Annotated[float, Field(ge=50.0, le=5000.0, allow_inf_nan=False)]
+    lanes: Annotated[int, Field(ge=1, le=3)] = 1
+    length: Annotated[float, Field(ge=50.0, le=1500.0, allow_inf_nan=False)] = 200.0
+    ramp_speed: Speed = 60 / 3.6
+    side: Side = "right"
+
+
+class Highway(_Part):
+    """A road without crossings, one carriageway per direction with nodes of its own.
+
+    `lanes` is the number at its start, per carriageway. Events happen on the first carriageway, and on the other one
+    too, seen from its own start, where `both` says so. `carriageways` 1 is a one-way highway.
+    """
+
+    kind: Literal["highway"] = "highway"
+    alignment: Alignment = Alignment(length=1000.0, radius=400.0)
+    lanes: Lanes = 3
+    speed: Speed = 120 / 3.6
+    carriageways: Literal[1, 2] = 2
+    median: Annotated[float, Field(ge=1.0, le=60.0, allow_inf_nan=False)] = 4.0
+    events: Annotated[tuple[HighwayEvent, ...], Field(max_length=8)] = ()
+    both: bool = False
+
+    @model_validator(mode="after")
+    def _events_fit(self) -> "Highway":
+        here, lanes = 0.0, self.lanes
+        for event in self.events:
+            if event.position < here + 40:
+                raise ValueError(f"the {event.kind} at {event.position:.0f} m starts before what comes ahead of it has ended")
+            here = event.position + (event.length if event.kind in ("on_ramp", "off_ramp", "weaving") else 0.0)
+            lanes += {"lane_drop": -event.lanes, "lane_gain": event.lanes}.get(event.kind, 0)
+            if not 1 <= lanes <= 8:
+                raise ValueError(f"{lanes} lanes would be left after the {event.kind} at {event.position:.0f} m")
+        if self.events and here + 40 > self.alignment.length:
+            raise ValueError(f"the road is {self.alignment.length:.0f} m long, too short for what happens along it")
+        return self
+
+
+class Fork(_Part):
+    """A one-way road that splits into two branches, `angle` degrees apart."""
+
+    kind: Literal["fork"] = "fork"
+    lanes: Lanes = 2
+    left_lanes: Lanes = 1
+    right_lanes: Lanes = 1
+    angle: Annotated[float, Field(ge=10.0, le=120.0, allow_inf_nan=False)] = 40.0
+    speed: Speed = 70 / 3.6
+    length: Length = 200.0
+
+    @model_validator(mode="after")
+    def _lanes_go_on(self) -> "Fork":
+        if max(self.left_lanes, self.right_lanes) > self.lanes or self.left_lanes + self.right_lanes < self.lanes:
+            raise ValueError("a branch has at most the road's lanes, and both together at least as many")
+        return self
+
+
+class GraphNode(_Part):
+    """A place of a free graph."""
+
+    name: Name
+    x: Coordinate
+    y: Coordinate
+    control: Control = "yield"
+
+
+class GraphRoad(_Part):
+    """A road of a free graph, with lanes in each direction and a shape of points between its ends."""
+
+    name: Name
+    start: Name
+    end: Name
+    lanes: NoOrMoreLanes = 1
+    lanes_back: NoOrMoreLanes = 1
+    speed: Speed = 50 / 3.6
+    main: bool = True
+    shape: Annotated[tuple[tuple[Coordinate, Coordinate], ...], Field(max_length=100)] = ()
+
+
+class LaneLink(_Part):
+    """Lane `from_lane` of a road leads into lane `to_lane` of another at node `at`; lane 0 is the outermost."""
+
+    at: Name
+    from_road: Name
+    from_lane: Annotated[int, Field(ge=0, le=7)]
+    to_road: Name
+    to_lane: Annotated[int, Field(ge=0, le=7)]
+
+
+class Graph(_Part):
+    """Any network: nodes with their control, roads between them, and lane connections where the usual ones are wrong."""
+
+    kind: Literal["graph"] = "graph"
+    nodes: Annotated[tuple[GraphNode, ...], Field(min_length=2, max_length=200)]
+    roads: Annotated[tuple[GraphRoad, ...], Field(min_length=1, max_length=400)]
+    links: Annotated[tuple[LaneLink, ...], Field(max_length=1000)] = ()
+
+    @model_validator(mode="after")
+    def _hangs_together(self) -> "Graph":
+        nodes, roads = {n.name for n in self.nodes}, {r.name: r for r in self.roads}
+        if len(nodes) != len(self.nodes) or len(roads) != len(self.roads):
+            raise ValueError("two nodes or two roads share a name")
+        for road in self.roads:
+            if {road.start, road.end} - nodes or road.start == road.end:
+                raise ValueError(f"road {road.name} must join two different nodes that exist")
+            if road.lanes + road.lanes_back == 0:
+                raise ValueError(f"road {road.name} has no lanes")
+        for link in self.links:
+            if link.from_road not in roads or link.to_road not in roads or link.at not in nodes:
+                raise ValueError(f"a lane link at {link.at} names a road or node that does not exist")
+        return self
+
+
+Road = Annotated[Crossing | Roundabout | Corridor | Grid | Highway | Fork | Graph, Field(discriminator="kind")]
+
+
+class MapSpec(_Part):
+    """A whole map: one road layout and the side that traffic keeps to."""
+
+    road: Road
+    left_hand: bool = False
