@@ -1,0 +1,58 @@
+"""`python -m flows experiment|regenerate|iterate`: run one flow with a local Prefect server around it."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from flows import server
+
+REPORT = Path("reports/index.html")
+
+
+def main(argv: list[str]) -> int:
+    """0 if the flow completed, 1 with its reason otherwise."""
+    arguments = _parser().parse_args(argv)
+    try:
+        with server.local_server():
+            state = _run(arguments)
+    except RuntimeError as error:
+        print(f"flows: {error}", file=sys.stderr)
+        return 1
+    if not state.is_completed():
+        print(f"flows: {arguments.flow}: {state.message}", file=sys.stderr)
+        return 1
+    if REPORT.exists():
+        print(f"Report: {REPORT.resolve()}")
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m flows", description=__doc__)
+    flows = parser.add_subparsers(dest="flow", required=True)
+    flows.add_parser("experiment", help="bring every stage up to date")
+    regenerate = flows.add_parser("regenerate", help="a new version of the generated data set, from new seeds")
+    regenerate.add_argument("--version", help="name of the version; today's date if not given")
+    regenerate.add_argument("--seed", type=int, help="the seed; made from the version if not given")
+    iterate = flows.add_parser("iterate", help="corner-case rounds until the collision rate stops rising")
+    iterate.add_argument("--min-gain", type=float, default=0.0, help="a round must raise the rate by more than this")
+    return parser
+
+
+def _run(arguments: argparse.Namespace) -> Any:
+    """The final state of the flow. Flows are imported here because Prefect reads its settings on import."""
+    if arguments.flow == "experiment":
+        from flows.experiment import experiment
+
+        return experiment(return_state=True)
+    if arguments.flow == "regenerate":
+        from flows.regenerate import regenerate
+
+        return regenerate(version=arguments.version, seed=arguments.seed, return_state=True)
+    from flows.iterate import iterate
+
+    return iterate(min_gain=arguments.min_gain, return_state=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,156 @@
+"""The one file that knows DVC: its graph, which stages are out of date, and how to run one of them.
+
+DVC owns whether a stage runs (hashes, cache, lock), Prefect owns when: Prefect's own task cache stays off. A stage runs
+in a process of its own, so its lines can be streamed and its crash hurts nobody. DVC lets independent stages run at
+once but refuses, without waiting, a stage whose files another one holds: `reproduce` waits and asks again.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import networkx as nx
+from dvc.repo import Repo
+
+_BUSY = ("is busy", "Unable to acquire lock")
+_UNCHANGED = ("didn't change, skipping", "is cached - skipping run")
+_HINTS = ("To track the changes with git", "git add ", "To enable auto staging", "Use `dvc push`", "dvc config core.autostage")
+_PATIENCE = 120.0
+"""How long to ask again for files that another stage holds [s]."""
+
+
+class StageFailed(RuntimeError):
+    """A stage ended with an error; its last lines say why."""
+
+
+@dataclass(frozen=True)
+class Pipeline:
+    """DVC's graph at one moment.
+
+    Attributes:
+        needs: each stage's direct predecessors; keys are in an order in which the stages can run.
+        stale: stages that changed, or depend on one that did; DVC would skip all others.
+    """
+
+    needs: dict[str, list[str]]
+    stale: frozenset[str]
+
+    def upstream(self, stage: str) -> list[str]:
+        """All stages that `stage` depends on, directly or not, in running order."""
+        reached: set[str] = set()
+        frontier = [stage]
+        while frontier:
+            for name in self.needs[frontier.pop()]:
+                if name not in reached:
+                    reached.add(name)
+                    frontier.append(name)
+        return [name for name in self.needs if name in reached]
+
+
+def pipeline(root: Path = Path()) -> Pipeline:
+    """Read dvc.yaml and compare it with the workspace, in this process: about half a second when nothing changed."""
+    with Repo(str(root)) as repo:
+        graph = repo.index.graph  # an edge (a, b) means that a depends on b
+        order = list(nx.topological_sort(graph.reverse(copy=True)))
+        needs = {stage.addressing: sorted(d.addressing for d in graph.successors(stage)) for stage in order}
+        stale = set(repo.status())
+    for stage, before in needs.items():
+        if stale.intersection(before):
+            stale.add(stage)
+    return Pipeline(needs, frozenset(stale))
+
+
+def reproduce(stage: str, say: Callable[[str], None], root: Path = Path(), force: bool = False) -> bool:
+    """Run `dvc repro --single-item STAGE`, hand each line of output to `say`; True if it ran, False if DVC skipped it.
+
+    Raises StageFailed when it ends with an error.
+    """
+    command = [sys.executable, "-m", "dvc", "repro", "--single-item", *(["--force"] if force else []), stage]
+    deadline = time.monotonic() + _PATIENCE
+    while True:
+        code, lines = _run(command, root, say)
+        text = "\n".join(lines)
+        if code == 0:
+            return not any(words in text for words in _UNCHANGED)
+        if not any(words in text for words in _BUSY) or time.monotonic() > deadline:
+            raise StageFailed(f"stage {stage} failed: {_reason(lines)}")
+        time.sleep(0.5)
+
+
+def checkout(paths: list[str], root: Path) -> None:
+    """Put tracked files of dvc.lock back from the cache. Raises StageFailed if the cache lacks them."""
+    done = subprocess.run(
+        [sys.executable, "-m", "dvc", "checkout", "--quiet", *paths],
+        cwd=root, env=_environment(), capture_output=True, text=True, timeout=600, check=False,
+    )  # fmt: skip
+    if done.returncode:
+        raise StageFailed(f"cannot bring back {', '.join(paths)}: run `make run` first ({_reason(done.stderr.splitlines())})")
+
+
+def outputs(stage: str, root: Path = Path()) -> list[str]:
+    """The paths that `stage` writes, metrics and plots included."""
+    with Repo(str(root)) as repo:
+        return [str(out.def_path) for out in _find(repo, stage).outs]
+
+
+def inputs(stage: str, root: Path = Path()) -> list[str]:
+    """The paths that `stage` reads and another stage writes."""
+    with Repo(str(root)) as repo:
+        found = _find(repo, stage)
+        written = {out.fs_path: str(out.def_path) for other in repo.index.stages for out in other.outs}
+        return [path for where, path in written.items() if any(_overlap(where, dep.fs_path) for dep in found.deps)]
+
+
+def metrics(stage: str, root: Path = Path()) -> dict[str, Any]:
+    """The JSON metrics that `stage` declares, merged. Raises StageFailed where it declares none or they are missing."""
+    with Repo(str(root)) as repo:
+        files = [Path(out.fs_path) for out in _find(repo, stage).outs if out.metric]
+    merged: dict[str, Any] = {}
+    for file in files:
+        if not file.exists():
+            raise StageFailed(f"stage {stage} has not written {file}")
+        merged.update(json.loads(file.read_text()))
+    if not merged:
+        raise StageFailed(f"stage {stage} declares no metrics in dvc.yaml")
+    return merged
+
+
+def _find(repo: Repo, stage: str) -> Any:
+    return next(s for s in repo.index.stages if s.addressing == stage)
+
+
+def _overlap(one: str, other: str) -> bool:
+    return Path(one).is_relative_to(other) or Path(other).is_relative_to(one)
+
+
+def _run(command: list[str], root: Path, say: Callable[[str], None]) -> tuple[int, list[str]]:
+    """Exit code and all lines of output, handed to `say` as they come."""
+    lines: list[str] = []
+    with subprocess.Popen(
+        command, cwd=root, env=_environment(), text=True, errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    ) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            lines.append(line.rstrip())
+            if lines[-1] and not lines[-1].startswith(_HINTS):
+                say(lines[-1])
+    return process.returncode, lines
+
+
+def _environment() -> dict[str, str]:
+    """Our own environment, with this Python first on the path for stages that find no .venv above them."""
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+    return {**os.environ, "PATH": path, "PYTHONUNBUFFERED": "1", "DVC_NO_ANALYTICS": "1"}
+
+
+def _reason(lines: list[str]) -> str:
+    """The last words of a failed stage itself, which come before DVC's."""
+    noise = ("ERROR: failed to reproduce", "Running stage", "> ", *_HINTS)
+    words = [line for line in lines if line.strip() and not line.startswith(noise)]
+    return words[-1] if words else "it said nothing"

@@ -1,0 +1,67 @@
+"""All tables: one Prefect task per DVC stage, in the order of DVC's graph, independent stages at once."""
+
+import time
+from typing import Any
+from uuid import UUID
+
+from prefect import flow, get_run_logger, task
+from prefect.artifacts import create_progress_artifact, create_table_artifact, update_progress_artifact
+from prefect.cache_policies import NO_CACHE
+from prefect.client.schemas.objects import State
+from prefect.futures import PrefectFuture, as_completed
+from prefect.states import Completed, Failed
+from prefect.task_runners import ThreadPoolTaskRunner
+
+from flows import dvc
+
+RUNNER: ThreadPoolTaskRunner[Any] = ThreadPoolTaskRunner(max_workers=2)
+"""Two stages at once; each may itself use `run.workers` processes."""
+
+
+@task(cache_policy=NO_CACHE, task_run_name="{stage}")
+def run_stage(stage: str, stale: bool) -> State[float]:
+    """One stage, its lines in the log; the state is called Cached if DVC had nothing to do. The result is seconds."""
+    began = time.monotonic()
+    try:
+        ran = stale and dvc.reproduce(stage, get_run_logger().info)
+    except dvc.StageFailed as error:
+        return Failed(message=str(error))
+    seconds = time.monotonic() - began
+    return Completed(data=seconds) if ran else Completed(name="Cached", data=seconds)
+
+
+@flow(name="experiment", task_runner=RUNNER)
+def experiment() -> State[list[dict[str, str]]]:
+    """Bring every stage of dvc.yaml up to date; records one row a stage. Fails, naming them, if stages do."""
+    began = time.monotonic()
+    plan = dvc.pipeline()
+    get_run_logger().info(
+        "%d stages, %d to run (asked DVC in %.1f s)", len(plan.needs), len(plan.stale), time.monotonic() - began
+    )
+    futures: dict[str, PrefectFuture[Any]] = {}
+    for stage, before in plan.needs.items():
+        behind = [futures[name] for name in before]
+        futures[stage] = run_stage.submit(stage, stage in plan.stale, wait_for=behind, return_state=False)
+    _follow(list(futures.values()))
+    rows = [_row(stage, future) for stage, future in futures.items()]
+    create_table_artifact(rows, key="stages", description="Every stage of dvc.yaml, in running order")
+    failed = [row["why"] for row in rows if row["state"] == "Failed"]
+    if failed:
+        return Failed(message="; ".join(failed))
+    return Completed(data=rows, message=f"{len(rows)} stages, {sum(row['state'] == 'Cached' for row in rows)} unchanged")
+
+
+def _follow(futures: list[PrefectFuture[Any]]) -> None:
+    """Keep a progress artifact while the stages run."""
+    progress = create_progress_artifact(0.0, key="progress", description="Stages done")
+    assert isinstance(progress, UUID)  # a coroutine only where a loop runs
+    for done, _ in enumerate(as_completed(futures), 1):
+        update_progress_artifact(progress, 100.0 * done / len(futures))
+
+
+def _row(stage: str, future: PrefectFuture[Any]) -> dict[str, str]:
+    """Stages behind a failed one end as NotReady."""
+    future.wait()
+    state = future.state
+    seconds = f"{future.result():.1f}" if state.is_completed() else ""
+    return {"stage": stage, "state": str(state.name), "seconds": seconds, "why": state.message or ""}

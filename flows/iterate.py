@@ -1,0 +1,49 @@
+"""Corner cases until no gain: one round after another, stopping when the driver's collision rate stops rising.
+
+The rounds are stages of dvc.yaml (`corner@0`, `corner@1`, ...), each built on what the one before it found, so they
+are cached like any stage; only whether to go on is decided here.
+"""
+
+from prefect import flow, get_run_logger, task
+from prefect.artifacts import create_table_artifact
+from prefect.cache_policies import NO_CACHE
+
+from flows import dvc
+
+ROUNDS = "corner@"
+GAIN = "collision_rate"
+"""The number, in each round's metrics, that must rise."""
+
+
+@flow(name="iterate")
+def iterate(min_gain: float = 0.0) -> list[float]:
+    """The collision rate of each round that was run; a round follows only if the last raised it by more than `min_gain`."""
+    plan = dvc.pipeline()
+    rounds = [stage for stage in plan.needs if stage.startswith(ROUNDS)]
+    if not rounds:
+        raise dvc.StageFailed(f"dvc.yaml has no stage {ROUNDS}0: list rounds in params.yaml")
+    rates: list[float] = []
+    done: set[str] = set()
+    for stage in rounds:
+        for name in [*plan.upstream(stage), stage]:
+            if name in plan.stale and name not in done:
+                run_round.with_options(task_run_name=name)(name)
+            done.add(name)
+        rates.append(float(dvc.metrics(stage)[GAIN]))
+        get_run_logger().info("%s: %s %.3f", stage, GAIN, rates[-1])
+        if not gains(rates, min_gain):
+            break
+    rows = [{"round": stage, GAIN: f"{rate:.4f}"} for stage, rate in zip(rounds, rates, strict=False)]
+    create_table_artifact(rows, key="rounds", description="Corner-case rounds until no gain")
+    return rates
+
+
+@task(cache_policy=NO_CACHE)
+def run_round(stage: str) -> None:
+    """One round, or a stage that it needs."""
+    dvc.reproduce(stage, get_run_logger().info)
+
+
+def gains(rates: list[float], min_gain: float) -> bool:
+    """Whether another round is worth it: there is nothing to compare yet, or the last one raised the rate enough."""
+    return len(rates) < 2 or rates[-1] - rates[-2] > min_gain

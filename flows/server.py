@@ -1,0 +1,93 @@
+"""A Prefect server of our own for the time of one flow, on 127.0.0.1 and a free port.
+
+Without it Prefect starts a hidden one inside the flow's process, which prints hundreds of lines of tracebacks when it
+ends. Its database and log stay in .drivegen/prefect. Where PREFECT_API_URL is set, that server is used instead.
+"""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+HOME = Path(".drivegen/prefect")
+_READY_WITHIN = 90.0
+_STOP_WITHIN = 10.0
+
+QUIET = {"DO_NOT_TRACK": "1", "PREFECT_SERVER_ANALYTICS_ENABLED": "false", "PREFECT_LOGGING_SERVER_LEVEL": "ERROR"}
+"""Settings for the server and for flows: nothing leaves the machine."""
+
+
+def settle(home: Path = HOME) -> None:
+    """Put our settings into the environment; to be called before Prefect is imported, which reads them once."""
+    for name, value in {**QUIET, "PREFECT_HOME": str(home.resolve())}.items():
+        os.environ.setdefault(name, value)
+
+
+@contextmanager
+def local_server(home: Path = HOME) -> Iterator[str]:
+    """The URL of a running server's API. Raises RuntimeError, naming the log, if it does not come up."""
+    settle(home)
+    if url := os.environ.get("PREFECT_API_URL"):
+        yield url
+        return
+    home.mkdir(parents=True, exist_ok=True)
+    port = _free_port()
+    url = f"http://127.0.0.1:{port}/api"
+    command = [sys.executable, "-m", "prefect", "server", "start", "--host", "127.0.0.1", "--port", str(port), "--no-ui"]
+    with (home / "server.log").open("w") as log:
+        # A session of its own: Ctrl-C reaches the flow, which still needs the server to write down that it was stopped.
+        server = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, start_new_session=True)
+        try:
+            _await(url, server, home / "server.log")
+            os.environ["PREFECT_API_URL"] = url
+            yield url
+        finally:
+            drain()
+            os.environ.pop("PREFECT_API_URL", None)
+            _stop(server)
+
+
+def drain() -> None:
+    """Send what Prefect still holds back (log lines, events): without its server it would retry for over a minute."""
+    from prefect.events.worker import EventsWorker
+    from prefect.logging.handlers import APILogWorker
+
+    APILogWorker.drain_all(timeout=_STOP_WITHIN)
+    EventsWorker.drain_all(timeout=_STOP_WITHIN)
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def _await(url: str, server: "subprocess.Popen[bytes]", log: Path) -> None:
+    deadline = time.monotonic() + _READY_WITHIN
+    while time.monotonic() < deadline and server.poll() is None:
+        try:
+            with urllib.request.urlopen(f"{url}/health", timeout=2) as answer:  # noqa: S310 - our own loopback address
+                if answer.status == 200:
+                    return
+        except (urllib.error.URLError, ConnectionError, TimeoutError):
+            time.sleep(0.1)
+    raise RuntimeError(f"the local Prefect server did not start: see {log}; `drivegen doctor` checks its versions")
+
+
+def _stop(server: "subprocess.Popen[bytes]") -> None:
+    """Ask the server's whole process group to end, then make it."""
+    for number in (signal.SIGINT, signal.SIGKILL):
+        if server.poll() is not None:
+            return
+        os.killpg(server.pid, number)
+        try:
+            server.wait(_STOP_WITHIN)
+        except subprocess.TimeoutExpired:
+            continue

@@ -1,0 +1,49 @@
+"""A second workspace beside this one: the same tree, the same DVC cache, parameters of its own.
+
+What runs there cannot disturb this workspace or its dvc.lock, and nothing that this one has computed is computed again.
+"""
+
+import shutil
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+
+def copy(source: Path, target: Path, params: Mapping[str, Any]) -> None:
+    """Copy the files that git knows or does not ignore to the new folder `target`, with `params` over params.yaml.
+
+    Raises FileExistsError if `target` exists.
+    """
+    target.mkdir(parents=True)
+    for name in _files(source):
+        there = target / name
+        there.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(source / name, there)
+    values = yaml.safe_load((target / "params.yaml").read_text())
+    (target / "params.yaml").write_text(yaml.safe_dump(merged(values, params), sort_keys=False))
+    cache = f"[core]\n    no_scm = true\n[cache]\n    dir = {(source / '.dvc' / 'cache').resolve()}\n"
+    (target / ".dvc" / "config.local").write_text(cache)
+
+
+def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """`values` with `over` laid on top, section by section. Raises KeyError for a name that `values` does not have."""
+    if unknown := sorted(set(over) - set(values)):
+        raise KeyError(f"params.yaml has no {unknown[0]!r} to replace")
+    return {
+        name: merged(value, over[name])
+        if isinstance(value, Mapping) and isinstance(over.get(name), Mapping)
+        else over.get(name, value)
+        for name, value in values.items()
+    }
+
+
+def _files(source: Path) -> list[str]:
+    """Tracked files, and new ones that nothing ignores; those deleted but still tracked are left out."""
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=source, capture_output=True, text=True, timeout=60, check=True,
+    ).stdout  # fmt: skip
+    return [name for name in sorted(set(listed.split("\0"))) if name and (source / name).is_file()]
