@@ -32,12 +32,11 @@ def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]
     """`values` with `over` laid on top, section by section. Raises KeyError for a name that `values` does not have."""
     if unknown := sorted(set(over) - set(values)):
         raise KeyError(f"params.yaml has no {unknown[0]!r} to replace")
-    return {
-        name: merged(value, over[name])
-        if isinstance(value, Mapping) and isinstance(over.get(name), Mapping)
-        else over.get(name, value)
-        for name, value in values.items()
-    }
+    result = {**values, **over}
+    for name, value in values.items():
+        if isinstance(value, Mapping) and isinstance(over.get(name), Mapping):
+            result[name] = merged(value, over[name])
+    return result
 
 
 def _files(source: Path) -> list[str]:
