@@ -1,0 +1,99 @@
+"""Varied drivers and vehicles for simulated traffic: sizes by documented classes, car following by IDM and EIDM.
+
+Every vehicle has SUMO's class `passenger`, so that each route drawn for cars is open to it; size, acceleration and
+speed are what make it a truck or a bus. Lane changes are sublane ones (SL2015) wherever lateral resolution is on.
+"""
+
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from drivegen.scenario import VehicleKind
+
+SHARES = {VehicleKind.CAR: 0.85, VehicleKind.TRUCK: 0.08, VehicleKind.BUS: 0.04, VehicleKind.MOTORCYCLE: 0.03}
+"""Shares of kinds in the traffic: an urban mix, assumed."""
+
+
+@dataclass(frozen=True)
+class _Body:
+    """Mean and spread of length, width, height [m]; acceleration and comfortable deceleration [m/s2]; top speed [m/s]."""
+
+    size: tuple[float, float, float]
+    spread: tuple[float, float, float]
+    acceleration: float
+    deceleration: float
+    top_speed: float
+
+
+_BODIES: dict[VehicleKind, tuple[_Body, ...]] = {
+    VehicleKind.CAR: (
+        _Body((4.0, 1.74, 1.50), (0.20, 0.04, 0.05), 2.0, 2.6, 55.0),  # small cars (EU segments A and B)
+        _Body((4.55, 1.82, 1.47), (0.18, 0.04, 0.04), 2.0, 2.6, 60.0),  # compact and middle class (C and D)
+        _Body((4.70, 1.90, 1.68), (0.18, 0.04, 0.06), 1.9, 2.5, 55.0),  # SUVs
+        _Body((5.40, 1.98, 2.20), (0.35, 0.05, 0.25), 1.6, 2.3, 45.0),  # vans
+    ),
+    VehicleKind.TRUCK: (_Body((8.2, 2.45, 3.20), (1.10, 0.06, 0.30), 1.1, 2.0, 25.0),),  # rigid lorries
+    VehicleKind.BUS: (_Body((12.0, 2.55, 3.10), (0.30, 0.01, 0.10), 1.1, 1.9, 24.0),),  # solo city buses
+    VehicleKind.MOTORCYCLE: (_Body((2.2, 0.82, 1.50), (0.10, 0.04, 0.06), 2.6, 2.8, 55.0),),
+}
+
+
+_SHAPES = {
+    VehicleKind.CAR: "passenger",
+    VehicleKind.TRUCK: "truck",
+    VehicleKind.BUS: "bus",
+    VehicleKind.MOTORCYCLE: "motorcycle",
+}
+"""SUMO's name for a vehicle's looks: `traffic` reads the kind from it."""
+
+
+@dataclass(frozen=True)
+class VehicleType:
+    """One kind of vehicle with its driver: `name` begins with the kind, size is length, width, height [m]."""
+
+    name: str
+    kind: VehicleKind
+    size: tuple[float, float, float]
+
+
+def draw_types(count: int, random: np.random.Generator, parent: Element) -> list[VehicleType]:
+    """Draw `count` types, kinds by SHARES, and write each as a <vType> below `parent`."""
+    kinds = random.choice(list(SHARES), size=count, p=list(SHARES.values()))
+    return [
+        _draw_type(f"{VehicleKind(kind).name.lower()}-{i}", VehicleKind(kind), random, parent) for i, kind in enumerate(kinds)
+    ]
+
+
+def _draw_type(name: str, kind: VehicleKind, random: np.random.Generator, parent: Element) -> VehicleType:
+    bodies = _BODIES[kind]
+    body = bodies[int(random.integers(len(bodies)))]
+    length, width, height = np.round(random.normal(body.size, body.spread).clip(0.8 * np.array(body.size)), 2).tolist()
+    calm = random.uniform()  # one number makes a driver calm or brisk in every respect
+    SubElement(
+        parent,
+        "vType",
+        id=name,
+        vClass="passenger",
+        guiShape=_SHAPES[kind],
+        length=f"{length:.2f}",
+        width=f"{width:.2f}",
+        height=f"{height:.2f}",
+        carFollowModel="EIDM" if random.uniform() < 0.5 else "IDM",
+        accel=f"{body.acceleration * (1.15 - 0.35 * calm):.3f}",
+        decel=f"{body.deceleration * (1.15 - 0.35 * calm):.3f}",
+        emergencyDecel="8.0",
+        tau=f"{0.9 + 0.9 * calm + random.uniform(-0.1, 0.1):.3f}",
+        minGap=f"{1.5 + 1.2 * calm + random.uniform(-0.2, 0.2):.3f}",
+        maxSpeed=f"{body.top_speed:.2f}",
+        speedFactor=f"{1.12 - 0.24 * calm + random.normal(0.0, 0.04):.3f}",
+        speedDev="0",
+        lcAssertive=f"{1.6 - 0.8 * calm:.3f}",
+        lcSpeedGain=f"{random.uniform(0.5, 2.0) * (1.3 - 0.6 * calm):.3f}",
+        lcKeepRight=f"{random.uniform(0.0, 1.0):.3f}",
+        lcCooperative=f"{random.uniform(0.5, 1.0):.3f}",
+        latAlignment=f"{random.normal(0.0, 0.12):.3f}",
+        minGapLat="0.6",
+        maxSpeedLat=f"{random.uniform(0.7, 1.2):.3f}",
+    )
+    return VehicleType(name, kind, (length, width, height))
