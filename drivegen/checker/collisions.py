@@ -1,0 +1,120 @@
+"""Collisions of oriented boxes over all steps: separating axes in closed form behind a circle test.
+
+With half sizes (la, wa), (lb, wb), centres d apart and headings differing by delta, boxes are apart iff one of the four
+box axes separates them, and on a's long axis the sum of half extents is la + lb |cos delta| + wb |sin delta|. The
+smallest of the four overlaps is how deep the boxes are in each other. At 10 Hz boxes of a car's length do not jump
+through each other below 45 m/s of relative speed.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from drivegen.checker.limits import NEVER
+
+Motion = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]
+"""position (B, T, 2), heading (B, T), valid (B, T), contiguous."""
+
+
+@njit(cache=True)
+def depth(dx, dy, heading_a, length_a, width_a, heading_b, length_b, width_b):  # type: ignore[no-untyped-def]
+    """How deep two boxes are in each other [m]; negative: apart by at least that. (dx, dy): from a's centre to b's."""
+    cos_a, sin_a = np.cos(heading_a), np.sin(heading_a)
+    cos_b, sin_b = np.cos(heading_b), np.sin(heading_b)
+    cos, sin = abs(cos_a * cos_b + sin_a * sin_b), abs(sin_b * cos_a - cos_b * sin_a)
+    la, wa, lb, wb = 0.5 * length_a, 0.5 * width_a, 0.5 * length_b, 0.5 * width_b
+    on_a = min(la + lb * cos + wb * sin - abs(cos_a * dx + sin_a * dy), wa + lb * sin + wb * cos - abs(cos_a * dy - sin_a * dx))
+    on_b = min(lb + la * cos + wa * sin - abs(cos_b * dx + sin_b * dy), wb + la * sin + wa * cos - abs(cos_b * dy - sin_b * dx))
+    return min(on_a, on_b)
+
+
+@njit(cache=True)
+def _pair(pos_a, head_a, valid_a, length_a, width_a, pos_b, head_b, valid_b, length_b, width_b, tolerance):  # type: ignore[no-untyped-def]
+    """(deepest overlap, first step deeper than `tolerance` or -1) of one pair.
+
+    A pair that overlaps at its first common step is not judged until it has come apart: that is given, not planned.
+    """
+    reach = 0.5 * (np.sqrt(length_a**2 + width_a**2) + np.sqrt(length_b**2 + width_b**2))
+    worst, first, inherited, seen = NEVER, -1, False, False
+    for t in range(valid_a.shape[0]):
+        if not (valid_a[t] and valid_b[t]):
+            continue
+        dx, dy = pos_b[t, 0] - pos_a[t, 0], pos_b[t, 1] - pos_a[t, 1]
+        touching = False
+        if dx * dx + dy * dy <= reach * reach:
+            deep = depth(dx, dy, head_a[t], length_a, width_a, head_b[t], length_b, width_b)
+            touching = deep > 0
+            if touching and not seen:
+                inherited = True
+            if touching and not inherited:
+                worst = max(worst, deep)
+                if first < 0 and deep > tolerance:
+                    first = t
+        if not touching:
+            inherited = False
+        seen = True
+    return worst, first
+
+
+@njit(cache=True)
+def _near(box_a, box_b, margin):  # type: ignore[no-untyped-def]
+    """Whether two bounding boxes (low x, low y, high x, high y) come within `margin` of each other."""
+    return (
+        box_a[0] - margin <= box_b[2]
+        and box_b[0] - margin <= box_a[2]
+        and box_a[1] - margin <= box_b[3]
+        and box_b[1] - margin <= box_a[3]
+    )
+
+
+@njit(cache=True)
+def bounds(position, valid):  # type: ignore[no-untyped-def]
+    """(B, 4) low x, low y, high x, high y of the valid steps; low above high where there are none."""
+    boxes = np.empty((valid.shape[0], 4), np.float32)
+    for b in range(valid.shape[0]):
+        boxes[b, :2] = np.inf
+        boxes[b, 2:] = -np.inf
+        for t in range(valid.shape[1]):
+            if valid[b, t]:
+                for axis in range(2):
+                    boxes[b, axis] = min(boxes[b, axis], position[b, t, axis])
+                    boxes[b, 2 + axis] = max(boxes[b, 2 + axis], position[b, t, axis])
+    return boxes
+
+
+@njit(cache=True)
+def _record(worst, first, b, found, step):  # type: ignore[no-untyped-def]
+    worst[b] = max(worst[b], found)
+    if step >= 0 and (first[b] < 0 or step < first[b]):
+        first[b] = step
+
+
+@njit(cache=True)
+def against(pos_a, head_a, valid_a, size_a, pos_b, head_b, valid_b, size_b, tolerance, worst, first):  # type: ignore[no-untyped-def]
+    """Every a (A boxes) against every b (B boxes); fills `worst` (A,) and `first` (A,) of a."""
+    boxes_a, boxes_b = bounds(pos_a, valid_a), bounds(pos_b, valid_b)
+    for a in range(valid_a.shape[0]):
+        for b in range(valid_b.shape[0]):
+            margin = 0.5 * (size_a[a, 0] + size_a[a, 1] + size_b[b, 0] + size_b[b, 1])
+            if _near(boxes_a[a], boxes_b[b], margin):
+                found, step = _pair(
+                    pos_a[a], head_a[a], valid_a[a], size_a[a, 0], size_a[a, 1],
+                    pos_b[b], head_b[b], valid_b[b], size_b[b, 0], size_b[b, 1], tolerance,
+                )  # fmt: skip
+                _record(worst, first, a, found, step)
+
+
+@njit(cache=True)
+def among(position, heading, valid, size, skip, tolerance, worst, first):  # type: ignore[no-untyped-def]
+    """Every pair of N vehicles, both partners charged, vehicle `skip` (or -1) left out; fills `worst`, `first` (N,)."""
+    boxes = bounds(position, valid)
+    for a in range(valid.shape[0]):
+        for b in range(a):
+            margin = 0.5 * (size[a, 0] + size[a, 1] + size[b, 0] + size[b, 1])
+            if a != skip and b != skip and _near(boxes[a], boxes[b], margin):
+                found, step = _pair(
+                    position[a], heading[a], valid[a], size[a, 0], size[a, 1],
+                    position[b], heading[b], valid[b], size[b, 0], size[b, 1], tolerance,
+                )  # fmt: skip
+                _record(worst, first, a, found, step)
+                _record(worst, first, b, found, step)

@@ -1,0 +1,180 @@
+"""Red lights, stop lines and giving way, at the gates that a trajectory passes.
+
+A vehicle passes a gate when its front comes LINE_MARGIN beyond the line. It may have taken any sibling lane that its
+centre then stays near; a rule is broken only if it is broken on all of these. Giving way is measured by post-encroachment
+time: from the moment when the vehicle leaves a conflict point to the one when a vehicle with priority reaches it.
+"""
+
+import numpy as np
+from numba import njit
+
+from drivegen.checker.collisions import bounds
+from drivegen.checker.dynamics import exceed
+from drivegen.checker.gates import HALF_WIDTH
+from drivegen.checker.limits import NEVER, RED_GRACE, STOP_SPEED, YIELD_GAP
+from drivegen.scenario import DT
+
+LINE_MARGIN = 1.0
+"""Fronts may stand this far beyond a line [m]: drivers do, and positions are noisy."""
+
+STOP_APPROACH = 5.0
+"""A stop must happen on this last stretch before the line [m]."""
+
+AMBIGUOUS = 0.4
+"""Sibling lanes are told apart by a mean distance greater than this [m]."""
+
+_POINT_RADIUS = 0.3
+_ALIGNED = 0.7
+
+
+@njit(cache=True)
+def _front(position, heading, gate, direction, length):  # type: ignore[no-untyped-def]
+    """(distance of the front beyond the gate, offset of the centre from its middle, cosine to its direction)."""
+    dx, dy = position[0] - gate[0], position[1] - gate[1]
+    cosine = np.cos(heading) * direction[0] + np.sin(heading) * direction[1]
+    along = dx * direction[0] + dy * direction[1] + 0.5 * length * cosine
+    return along, abs(direction[0] * dy - direction[1] * dx), cosine
+
+
+@njit(cache=True)
+def _passes(position, heading, valid, length, gate, direction):  # type: ignore[no-untyped-def]
+    """The step at which a vehicle that was seen before the gate is first beyond it, or -1."""
+    behind = False
+    for t in range(valid.shape[0]):
+        if valid[t]:
+            along, aside, cosine = _front(position[t], heading[t], gate, direction, length)
+            if along < LINE_MARGIN:
+                behind = True
+            elif behind:
+                return t if aside < HALF_WIDTH and cosine > _ALIGNED else -1
+    return -1
+
+
+@njit(cache=True)
+def _deviation(position, valid, since, line):  # type: ignore[no-untyped-def]
+    """Mean distance of the centres from `line` (P, 2), from step `since` to where the line ends."""
+    total, count = 0.0, 0
+    for t in range(since, valid.shape[0], 2):
+        if not valid[t]:
+            continue
+        best, at_end = np.inf, False
+        for i in range(line.shape[0] - 1):
+            sx, sy = line[i + 1, 0] - line[i, 0], line[i + 1, 1] - line[i, 1]
+            dx, dy = position[t, 0] - line[i, 0], position[t, 1] - line[i, 1]
+            u = (dx * sx + dy * sy) / max(sx * sx + sy * sy, 1e-9)
+            v = min(max(u, 0.0), 1.0)
+            gap = (dx - v * sx) ** 2 + (dy - v * sy) ** 2
+            if gap < best:
+                best, at_end = gap, i == line.shape[0] - 2 and u >= 1.0
+        if at_end:
+            break
+        total += np.sqrt(best)
+        count += 1
+    return total / max(count, 1)
+
+
+@njit(cache=True)
+def _slowest(position, heading, velocity, valid, length, passed, gate, direction):  # type: ignore[no-untyped-def]
+    """Lowest speed on the last metres before the line, or NEVER if the vehicle was not seen coming that far."""
+    slowest = np.inf
+    for t in range(passed, -1, -1):
+        if not valid[t]:
+            break
+        along, _, _ = _front(position[t], heading[t], gate, direction, length)
+        if along < -STOP_APPROACH:
+            return slowest
+        slowest = min(slowest, np.sqrt(velocity[t, 0] ** 2 + velocity[t, 1] ** 2))
+    return NEVER
+
+
+@njit(cache=True)
+def _covers(position, heading, size, point):  # type: ignore[no-untyped-def]
+    dx, dy = point[0] - position[0], point[1] - position[1]
+    cos, sin = np.cos(heading), np.sin(heading)
+    return abs(cos * dx + sin * dy) <= 0.5 * size[0] + _POINT_RADIUS and abs(cos * dy - sin * dx) <= 0.5 * size[1] + _POINT_RADIUS
+
+
+@njit(cache=True)
+def _stay(position, heading, valid, size, point, since):  # type: ignore[no-untyped-def]
+    """(first, last) step from `since` on at which the box covers `point`, or (-1, -1)."""
+    begin, end = -1, -1
+    for t in range(since, valid.shape[0]):
+        if valid[t] and _covers(position[t], heading[t], size, point):
+            begin = t if begin < 0 else begin
+            end = t
+        elif begin >= 0:
+            break
+    return begin, end
+
+
+@njit(cache=True)
+def _intrusion(a, passed, g, gates, conflict, towards, motion, size, others, other_size, skip_own, skip):  # type: ignore[no-untyped-def]
+    """Minus the smallest post-encroachment time [s] of vehicle a at one conflict point; NEVER if nobody came after it."""
+    position, heading, _, valid = motion
+    other_position, other_heading, _, other_valid = others
+    begin, end = _stay(position[a], heading[a], valid[a], size[a], conflict, passed)
+    worst = NEVER
+    if begin < 0:
+        return worst
+    for m in range(other_valid.shape[0]):
+        if m == skip or (skip_own and m == a):
+            continue
+        came, _ = _stay(other_position[m], other_heading[m], other_valid[m], other_size[m], conflict, 0)
+        if came < begin:
+            continue
+        same_way = np.cos(other_heading[m, came]) * towards[0] + np.sin(other_heading[m, came]) * towards[1]
+        if same_way < _ALIGNED:
+            continue
+        own_gate = _passes(other_position[m], other_heading[m], other_valid[m], other_size[m, 0], gates[0][g], gates[1][g])
+        if own_gate < 0:  # whoever follows through the same gate has no priority
+            worst = max(worst, -(came - end) * DT)
+    return worst
+
+
+@njit(cache=True)
+def judge(gates, motion, size, others, other_size, skip_own, skip, limit, worst, first):  # type: ignore[no-untyped-def]
+    """Fill the rules of priority in `worst`, `first` (B, R).
+
+    gates: position, direction, group, start, end, line, red_for, stop, give_way, conflict_start, conflict, towards.
+    motion and others: position (B, T, 2), heading, velocity, valid, boxes `size` (B, 2). With `skip_own` both are the same
+    vehicles and nobody has priority over itself; other number `skip` (or -1) is left out.
+    """
+    position, heading, _, valid = motion
+    boxes = bounds(position, valid)
+    for b in range(valid.shape[0]):
+        for g in range(gates[2].shape[0]):
+            at = gates[0][g]
+            reach = 0.5 * size[b, 0]
+            near = boxes[b, 0] - reach <= at[0] <= boxes[b, 2] + reach and boxes[b, 1] - reach <= at[1] <= boxes[b, 3] + reach
+            if gates[2][g] != g or not near:
+                continue
+            passed = _passes(position[b], heading[b], valid[b], size[b, 0], at, gates[1][g])
+            if passed >= 0:
+                _judge_gate(b, g, passed, gates, motion, size, others, other_size, skip_own, skip, limit, worst[b], first[b])
+
+
+@njit(cache=True)
+def _judge_gate(b, leader, passed, gates, motion, size, others, other_size, skip_own, skip, limit, worst, first):  # type: ignore[no-untyped-def]
+    """The rules of one group of siblings, for a vehicle that passed their line at step `passed`."""
+    position, heading, velocity, valid = motion
+    _, _, group, start, end, line, red_for, stop, give_way, conflict_start, conflict, towards = gates
+    siblings = np.flatnonzero(group == leader)
+    deviation = np.array([_deviation(position[b], valid[b], passed, line[start[g] : end[g]]) for g in siblings])
+    red, rolled, intruded = np.inf, np.inf, np.inf
+    for g in siblings[deviation <= deviation.min() + AMBIGUOUS]:
+        red = min(red, red_for[g, passed] * DT)
+        slowest = NEVER
+        if stop[g]:
+            slowest = _slowest(
+                position[b], heading[b], velocity[b], valid[b], size[b, 0], passed, gates[0][leader], gates[1][leader]
+            )
+        rolled = min(rolled, slowest)
+        intrusion = NEVER
+        if give_way[g]:
+            for c in range(conflict_start[g], conflict_start[g + 1]):
+                found = _intrusion(b, passed, g, gates, conflict[c], towards[c], motion, size, others, other_size, skip_own, skip)
+                intrusion = max(intrusion, found)
+        intruded = min(intruded, intrusion)
+    exceed(worst, first, RED_GRACE, red, limit, passed)
+    exceed(worst, first, STOP_SPEED, rolled, limit, passed)
+    exceed(worst, first, YIELD_GAP, intruded, limit, passed)

@@ -1,0 +1,159 @@
+"""The entrance to the legal checker: one `SceneChecker` per scenario, asked for one vehicle or for whole samples.
+
+What the arrays mean: `violation` are `samples.Violation` flags, 0 is legal; `first` is the first step at which the
+trajectory is illegal, -1 if it is legal. A pair of boxes that overlaps at its first common step is not judged until it
+has come apart, and nobody is judged off-road who starts there: initial states are given.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.checker import collisions, dynamics, priority, road
+from drivegen.checker.gates import Gates
+from drivegen.checker.limits import FLAGS, NEVER, OVERLAP, OVERLAP_CONTEXT, RULES, Limits
+from drivegen.render.drivable import RoadField, road_field
+from drivegen.scenario import TARGET, Scenario, Trajectories
+
+NOBODY = -1
+
+_FLAGS = np.array(FLAGS, np.uint16)
+
+
+@dataclass(frozen=True)
+class Severities:
+    """How far B trajectories went, rule by rule.
+
+    Attributes:
+        worst: (B, R) float32 largest severity in the order of `limits.RULES`, -inf where a rule had nothing to judge.
+        first: (B, R) int16 first step beyond the limit, -1 if never.
+    """
+
+    worst: NDArray[np.float32]
+    first: NDArray[np.int16]
+
+    @property
+    def violation(self) -> NDArray[np.uint16]:
+        """(B,) Violation flags."""
+        flags: NDArray[np.uint16] = np.bitwise_or.reduce(np.where(self.first >= 0, _FLAGS, np.uint16(0)), axis=-1)
+        return flags
+
+    @property
+    def first_step(self) -> NDArray[np.int16]:
+        """(B,) first step at which any rule is broken, -1 if none is."""
+        steps = np.where(self.first >= 0, self.first, np.iinfo(np.int16).max).min(axis=-1)
+        return np.where(steps == np.iinfo(np.int16).max, -1, steps).astype(np.int16)
+
+
+class SceneChecker:
+    """The legal checker of one scenario; made in a few milliseconds, most of which is the road field.
+
+    Args:
+        scenario: its map, sizes, context actors and signals are read; its log is not.
+        limits: Limits.
+        field: the map's `road_field`, where it was made already.
+    """
+
+    def __init__(self, scenario: Scenario, limits: Limits, field: RoadField | None = None) -> None:
+        self.size = np.ascontiguousarray(scenario.vehicles.size[:, :2], np.float32)
+        self.limit = limits.severities()
+        self.field = field if field is not None else road_field(scenario.map)
+        self._context = _arrays(scenario.context.motion)
+        self._context_size = np.ascontiguousarray(scenario.context.size[:, :2], np.float32)
+        gates = Gates.of(scenario.map, scenario.signals)
+        self._gates = (
+            gates.position, gates.direction, gates.group, gates.start, gates.end, gates.line, gates.red_for, gates.stop,
+            gates.give_way, gates.conflict_start, gates.conflict, gates.conflict_direction,
+        )  # fmt: skip
+
+    def check(
+        self, vehicle: int, motion: Trajectories, committed: Trajectories, committed_size: NDArray[np.float32]
+    ) -> tuple[NDArray[np.uint16], NDArray[np.int16]]:
+        """Judge K candidates of one vehicle against what is committed already; leave out of it whom to ignore.
+
+        Args:
+            vehicle: index into the scenario's vehicles.
+            motion: (K, T) its candidates. committed: (M, T) others' motion. committed_size: (M, 2) length, width [m].
+
+        Returns violation (K,) and first (K,).
+        """
+        found = self.severities_of(vehicle, motion, committed, committed_size)
+        return found.violation, found.first_step
+
+    def severities_of(
+        self, vehicle: int, motion: Trajectories, committed: Trajectories, committed_size: NDArray[np.float32]
+    ) -> Severities:
+        """As `check`, with every rule's severity."""
+        arrays, others = _arrays(motion), _arrays(committed)
+        size = np.broadcast_to(self.size[vehicle], (len(motion.valid), 2)).copy()
+        other_size = np.ascontiguousarray(committed_size[:, :2], np.float32)
+        found = self._judge_alone(arrays, size)
+        worst, first = found.worst[:, OVERLAP].copy(), found.first[:, OVERLAP].copy()
+        collisions.against(*_boxes(arrays, size), *_boxes(others, other_size), self.limit[OVERLAP], worst, first)
+        found.worst[:, OVERLAP], found.first[:, OVERLAP] = worst, first
+        priority.judge(self._gates, arrays, size, others, other_size, False, NOBODY, self.limit, found.worst, found.first)
+        return found
+
+    def check_samples(self, motion: Trajectories, ignore_target: bool = False) -> tuple[NDArray[np.uint16], NDArray[np.int16]]:
+        """Judge K samples of all N vehicles at once; both partners of a collision are charged.
+
+        Args:
+            motion: (K, N, T). ignore_target: leave the target out as a partner, because its driver has yet to react; the
+                target itself is still judged by all rules that need no partner.
+
+        Returns violation (K, N) and first (K, N).
+        """
+        found = [self.severities(motion[k], ignore_target) for k in range(len(motion.valid))]
+        return np.stack([f.violation for f in found]), np.stack([f.first_step for f in found])
+
+    def severities(self, motion: Trajectories, ignore_target: bool = False) -> Severities:
+        """Every rule's severity for one sample (N, T) of all vehicles."""
+        arrays = _arrays(motion)
+        skip = TARGET if ignore_target else NOBODY
+        found = self._judge_alone(arrays, self.size)
+        worst, first = found.worst[:, OVERLAP].copy(), found.first[:, OVERLAP].copy()
+        collisions.among(*_boxes(arrays, self.size), skip, self.limit[OVERLAP], worst, first)
+        found.worst[:, OVERLAP], found.first[:, OVERLAP] = worst, first
+        priority.judge(self._gates, arrays, self.size, arrays, self.size, True, skip, self.limit, found.worst, found.first)
+        return found
+
+    def _judge_alone(self, arrays: "_Arrays", size: NDArray[np.float32]) -> Severities:
+        """All rules that need no other vehicle; context actors are part of the scenario."""
+        count = len(size)
+        worst = np.full((count, len(RULES)), NEVER, np.float32)
+        first = np.full((count, len(RULES)), -1, np.int16)
+        dynamics.judge(*arrays, self.limit, worst, first)
+        f = self.field
+        road.judge(f.outside, f.directions, f.limit, f.origin, *arrays, size, self.limit, worst, first)
+        if len(self._context_size):
+            hit, when = worst[:, OVERLAP_CONTEXT].copy(), first[:, OVERLAP_CONTEXT].copy()
+            people = _boxes(self._context, self._context_size)
+            collisions.against(*_boxes(arrays, size), *people, self.limit[OVERLAP_CONTEXT], hit, when)
+            worst[:, OVERLAP_CONTEXT], first[:, OVERLAP_CONTEXT] = hit, when
+        return Severities(worst, first)
+
+
+_Arrays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]
+
+
+def _arrays(motion: Trajectories) -> _Arrays:
+    """position, heading, velocity, valid as the kernels are compiled for them."""
+    position, heading, velocity = (
+        np.ascontiguousarray(a, np.float32) for a in (motion.position, motion.heading, motion.velocity)
+    )
+    return position, heading, velocity, np.ascontiguousarray(motion.valid, np.bool_)
+
+
+def _boxes(
+    arrays: _Arrays, size: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.float32]]:
+    position, heading, _, valid = arrays
+    return position, heading, valid, size
+
+
+def check_samples(
+    scenario: Scenario, motion: Trajectories, limits: Limits, ignore_target: bool = False
+) -> tuple[NDArray[np.uint16], NDArray[np.int16]]:
+    """Judge K samples (K, N, T) of one scenario: violation (K, N) and first (K, N). See `SceneChecker.check_samples`."""
+    return SceneChecker(scenario, limits).check_samples(motion, ignore_target)
