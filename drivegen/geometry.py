@@ -83,6 +83,32 @@ def boxes_overlap(
     )
 
 
+def boxes_gap(
+    position_a: Floats,
+    heading_a: Floats,
+    size_a: Floats,
+    position_b: Floats,
+    heading_b: Floats,
+    size_b: Floats,
+) -> Floats:
+    """Distance (...) [m] between oriented boxes a and b, 0 where they overlap; arguments as in `boxes_overlap`.
+
+    Two convex outlines that do not overlap are nearest at a corner of one of them.
+    """
+    corners_a = box_corners(position_a, heading_a, size_a[..., 0], size_a[..., 1])
+    corners_b = box_corners(position_b, heading_b, size_b[..., 0], size_b[..., 1])
+    corners_a, corners_b = np.broadcast_arrays(corners_a, corners_b)
+
+    def outside(corners: Floats, position: Floats, heading: Floats, size: Floats) -> Floats:
+        beyond = np.maximum(np.abs(to_vehicle_frame(corners, position, heading)) - size[..., None, :] / 2, 0)
+        distance: Floats = np.hypot(beyond[..., 0], beyond[..., 1])
+        return np.asarray(distance.min(axis=-1))
+
+    gap = np.minimum(outside(corners_b, position_a, heading_a, size_a), outside(corners_a, position_b, heading_b, size_b))
+    overlap = boxes_overlap(position_a, heading_a, size_a, position_b, heading_b, size_b)
+    return np.where(overlap, np.zeros_like(gap), gap)
+
+
 def arc_length(line: Floats) -> Floats:
     """Distance (P,) along the polyline (P, 2), 0 at its first point."""
     steps = np.hypot(*np.diff(line, axis=0).T)

@@ -1,0 +1,42 @@
+"""How the viewer lays a recording out: the scene from above, beside it the image, plots and verdicts."""
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+from numpy.typing import NDArray
+
+from drivegen.recording import colours
+
+
+def layout(centre: NDArray[np.floating], extent: float, *, image: bool, verdicts: bool) -> rrb.Blueprint:
+    """A blueprint that looks at `centre` (2,) from where about `extent` metres fit into the view."""
+    x, y = float(centre[0]), float(centre[1])
+    eye = rrb.EyeControls3D(
+        kind=rrb.Eye3DKind.Orbital,
+        position=(x, y - 0.42 * extent, 0.8 * extent),
+        look_target=(x, y, 0.0),
+        eye_up=(0.0, 0.0, 1.0),
+    )
+    scene = rrb.Spatial3DView(
+        origin="/world",
+        name="Scene",
+        background=rrb.Background(color=colours.BACKGROUND, kind=rrb.BackgroundKind.SolidColor),
+        line_grid=False,
+        eye_controls=eye,
+    )
+    side: list[rrb.View | rrb.Container] = []
+    if image:
+        side.append(rrb.Spatial2DView(origin="/bird_eye", name="What the goal selector sees"))
+    for kind, unit in (("speed", "m/s"), ("clearance", "m")):
+        legend = rrb.PlotLegend(rrb.Corner2D.RightTop)
+        side.append(rrb.TimeSeriesView(origin=f"/plots/{kind}", name=f"Target's {kind} [{unit}]", plot_legend=legend))
+    if verdicts:
+        side.append(rrb.TextLogView(origin="/verdicts", name="Checker's verdicts"))
+    shares = [3.0] * image + [2.0, 2.0] + [2.0] * verdicts
+    return rrb.Blueprint(
+        rrb.Horizontal(scene, rrb.Vertical(*side, row_shares=shares), column_shares=[5, 2]),
+        rrb.TimePanel(timeline="time", state="collapsed", play_state=rr.blueprint.components.PlayState.Playing),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.BlueprintPanel(state="collapsed"),
+        auto_views=False,
+    )

@@ -1,0 +1,22 @@
+"""One palette for recordings (RGBA, 0-255), readable on a dark ground and with red-green weakness."""
+
+Colour = tuple[int, int, int, int]
+
+BACKGROUND: Colour = (17, 20, 26, 255)
+ROAD: Colour = (46, 52, 63, 255)
+BIKE_LANE: Colour = (40, 60, 56, 255)
+MARKING: Colour = (120, 130, 146, 255)
+CONNECTION: Colour = (84, 93, 109, 255)
+KERB: Colour = (72, 80, 96, 255)
+CROSSING: Colour = (170, 176, 188, 255)
+STOP_LINE: Colour = (225, 229, 235, 255)
+SIGNAL: tuple[Colour, ...] = ((120, 120, 120, 255), (63, 205, 130, 255), (250, 200, 60, 255), (240, 70, 80, 255))
+"""By SignalState."""
+
+TARGET: Colour = (255, 138, 61, 255)
+SOCIAL: Colour = (77, 163, 255, 255)
+CONTEXT: Colour = (180, 220, 90, 255)
+ILLEGAL: Colour = (255, 64, 96, 255)
+LOGGED: Colour = (226, 232, 240, 110)
+CANDIDATE: Colour = (190, 140, 255, 130)
+CHOSEN: Colour = (208, 160, 255, 255)

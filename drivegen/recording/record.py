@@ -1,0 +1,114 @@
+"""One scenario as a Rerun recording (.rrd) with its layout saved inside: `rerun FILE` shows it.
+
+Entities (x, y, z in the map's frame, metres; time lines "time" [s] and "step"):
+
+    world/roads/*          surface, boundaries, connections, drivable, crossings, stop_lines
+    world/signals          bars across guarded lanes, coloured by state
+    world/traffic/*        target and social vehicles: what is shown, generated or logged
+    world/logged           the log as wire frames, where generated traffic is shown
+    world/context          pedestrians and cyclists
+    world/paths            the lines that vehicles drive
+    world/goals/*          candidates and chosen
+    bird_eye               the goal selector's image
+    plots/speed, plots/clearance, verdicts
+
+Identities and times inside an .rrd are drawn anew by Rerun at every write, so two recordings of one scenario have the
+same content but not the same bytes.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+from drivegen.errors import UnusableInput
+from drivegen.recording import colours, traffic
+from drivegen.recording.blueprint import layout
+from drivegen.recording.roads import flat, log_roads, log_signals
+from drivegen.samples import Samples
+from drivegen.scenario import TARGET, Scenario, Trajectories
+
+MIN_EXTENT, MAX_EXTENT = 60.0, 260.0
+"""Limits of the first view's width [m]."""
+
+
+@dataclass(frozen=True)
+class GoalMarks:
+    """C candidate goals of a scene's vehicles, as they are drawn.
+
+    Attributes:
+        position: (C, 2) float32 [m].
+        vehicle: (C,) int32 whose goal it is.
+        number: (C,) int32 its number in the bird-eye image.
+        probability: (C,) float32 the selector's.
+        chosen: (C,) bool whether it was followed.
+    """
+
+    position: NDArray[np.float32]
+    vehicle: NDArray[np.int32]
+    number: NDArray[np.int32]
+    probability: NDArray[np.float32]
+    chosen: NDArray[np.bool_]
+
+
+def record_scenario(
+    path: Path,
+    scenario: Scenario,
+    samples: Samples | None = None,
+    sample: int = 0,
+    goals: GoalMarks | None = None,
+    bird_eye: NDArray[np.uint8] | None = None,
+) -> None:
+    """Write the recording of `scenario`: its log, or sample number `sample` of `samples` with the log as ghosts.
+
+    `bird_eye` is an (H, W, 3) RGB image. The file grows while it is written: hand over a temporary path. Raises
+    UnusableInput where there is neither a log nor a sample to show.
+    """
+    motion = scenario.log if samples is None else samples.motion[sample]
+    if motion is None:
+        raise UnusableInput(f"scenario {scenario.scenario_id} has no log: give generated samples to record", reason="no-motion")
+    recording = rr.RecordingStream("drivegen", recording_id=scenario.scenario_id, send_properties=False)
+    centre, extent = _view(motion)
+    show = layout(centre, extent, image=bird_eye is not None, verdicts=samples is not None)
+    recording.save(path, default_blueprint=show)
+    recording.send_recording_name(f"{scenario.scenario_id} ({scenario.source})")
+    log_roads(recording, scenario.map)
+    log_signals(recording, scenario.map, scenario.signals)
+    traffic.log_vehicles(recording, scenario, motion, samples, sample)
+    traffic.log_context(recording, scenario.context)
+    motions = {"generated" if samples is not None else "logged": motion}
+    if samples is not None:
+        traffic.log_verdicts(recording, scenario, samples, sample)
+        if scenario.log is not None:
+            traffic.log_ghosts(recording, scenario, scenario.log)
+            motions["logged"] = scenario.log
+    traffic.log_speeds(recording, scenario, motions)
+    if goals is not None:
+        _log_goals(recording, goals)
+    if bird_eye is not None:
+        recording.log("bird_eye", rr.Image(bird_eye).compress(jpeg_quality=85), static=True)
+    recording.flush()
+    recording.disconnect()
+
+
+def _view(motion: Trajectories) -> tuple[NDArray[np.float32], float]:
+    """Where to look, and how wide: the target's path and the vehicles around it."""
+    path = motion.position[TARGET][motion.valid[TARGET]]
+    centre = (path.min(axis=0) + path.max(axis=0)) / 2
+    reach = np.abs(motion.position[motion.valid] - centre).max(axis=1)
+    return centre, float(np.clip(2.2 * np.quantile(reach, 0.8), MIN_EXTENT, MAX_EXTENT))
+
+
+def _log_goals(recording: rr.RecordingStream, goals: GoalMarks) -> None:
+    for name, keep, colour, radius in (
+        ("candidates", ~goals.chosen, colours.CANDIDATE, 0.5),
+        ("chosen", goals.chosen, colours.CHOSEN, 0.9),
+    ):
+        if keep.any():
+            labels = [f"{n}: {p:.0%}" for n, p in zip(goals.number[keep], goals.probability[keep], strict=True)]
+            points = rr.Points3D(
+                flat(goals.position[keep], 0.2), colors=[colour], radii=radius, labels=labels, show_labels=name == "chosen"
+            )
+            recording.log(f"world/goals/{name}", points, static=True)
