@@ -23,3 +23,6 @@ class Dataset(Protocol):
 
     def read(self, split: str, scene: str) -> RecordedLog:
         """One recording. Raises UnusableInput with a countable reason where the file cannot be used."""
+
+    def files(self, split: str, scene: str) -> tuple[Path, ...]:
+        """The files that a scene is read from: when their bytes change, what was made from it is made again."""

@@ -1,0 +1,40 @@
+"""Write one scenario in the official Argoverse 2 Motion Forecasting layout, which the av2 package's own loaders open.
+
+`<folder>/<id>/scenario_<id>.parquet`, `log_map_archive_<id>.json` and, where there are signals, `signals_<id>.json`.
+Beyond the official columns and keys: box sizes, lane speed limits and control, stop lines (`schema`, `maps`).
+"""
+
+import re
+from pathlib import Path
+
+from drivegen.av2.maps import write_map
+from drivegen.av2.signals import write_signals
+from drivegen.av2.tracks import track_table
+from drivegen.errors import UnusableInput
+from drivegen.scenario import Scenario, Trajectories
+from drivegen.store.files import whole, write_table
+
+_SAFE = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,199}")
+
+
+def export_scenario(scenario: Scenario, motion: Trajectories, folder: Path, scenario_id: str) -> Path:
+    """Write the scenario with its vehicles moving by `motion` (N, T) and return its folder `folder/scenario_id`.
+
+    Context actors and signals go with it as logged; vehicles or steps that are not valid have no rows. Same scenario,
+    same bytes. Raises UnusableInput where `scenario_id` cannot name a folder or `motion` has another shape.
+    """
+    if not _SAFE.fullmatch(scenario_id):
+        raise UnusableInput(f"{scenario_id!r} cannot name a folder: use letters, digits, dots, dashes and underscores")
+    if motion.valid.shape != (len(scenario.vehicles), scenario.steps):
+        raise UnusableInput(f"scenario {scenario_id}: motion and vehicles differ in shape", reason="bad-trajectories")
+    place = folder / scenario_id
+    write_table(place / f"scenario_{scenario_id}.parquet", track_table(scenario, motion, scenario_id))
+    _write(place / f"log_map_archive_{scenario_id}.json", write_map(scenario.map))
+    if len(scenario.signals):
+        _write(place / f"signals_{scenario_id}.json", write_signals(scenario.signals, scenario.map))
+    return place
+
+
+def _write(path: Path, raw: bytes) -> None:
+    with whole(path) as temporary:
+        temporary.write_bytes(raw)

@@ -1,0 +1,54 @@
+"""One scenario folder in the official layout, read whole: `scenario_<id>.parquet`, `log_map_archive_<id>.json`.
+
+Source: argoverse/av2-api, `datasets/motion_forecasting/scenario_serialization.py`.
+"""
+
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from drivegen.av2.maps import read_map
+from drivegen.av2.schema import CONSTANTS, REQUIRED, SIZE_COLUMNS, WORDS
+from drivegen.av2.signals import read_signals
+from drivegen.av2.tracks import read_log
+from drivegen.errors import UnusableInput
+from drivegen.recorded import RecordedLog
+
+
+def scenario_files(folder: Path) -> tuple[Path, ...]:
+    """The files of one scenario folder: tracks, map and, if there, signals.
+
+    Raises UnusableInput, reason `no-such-scenario`, where there is not exactly one of each of the first two.
+    """
+    tracks, maps = sorted(folder.glob("scenario_*.parquet")), sorted(folder.glob("log_map_archive_*.json"))
+    for found, pattern in ((tracks, "scenario_<id>.parquet"), (maps, "log_map_archive_<id>.json")):
+        if len(found) != 1:
+            raise UnusableInput(
+                f"{folder} holds {len(found)} files {pattern}; an Argoverse 2 scenario has one", reason="no-such-scenario"
+            )
+    return tracks[0], maps[0], *sorted(folder.glob("signals_*.json"))[:1]
+
+
+def read_folder(folder: Path, source: str) -> RecordedLog:
+    """The recording in `folder`, tracks in the map's local frame.
+
+    Raises UnusableInput with a countable reason (see `read_map`, `read_table`, `read_log`), naming the file.
+    """
+    tracks, archive, *signals = scenario_files(folder)
+    road_map = read_map(archive.read_bytes(), str(archive))
+    states = read_signals(signals[0].read_bytes(), road_map, str(signals[0])) if signals else None
+    return read_log(read_table(tracks), road_map, source, str(tracks), states)
+
+
+def read_table(path: Path) -> pa.Table:
+    """The columns of a tracks file that `read_log` takes, words as dictionaries.
+
+    Raises UnusableInput, reason `truncated`, for a file that is empty, cut short or no Parquet.
+    """
+    try:
+        with pq.ParquetFile(path, read_dictionary=[*WORDS, *CONSTANTS]) as file:
+            return file.read(columns=[*REQUIRED, *SIZE_COLUMNS], use_threads=False)
+    except (pa.ArrowException, OSError) as error:
+        what = str(error).splitlines()[0]
+        raise UnusableInput(f"{path} is no whole Parquet file ({what}): copy it again", reason="truncated") from None

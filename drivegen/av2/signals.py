@@ -1,0 +1,42 @@
+"""Traffic signals of an Argoverse 2 folder, in a file of our own: the official layout has none, real ones have no file.
+
+`signals_<id>.json` is `{"signals": [{"lane": 17, "states": "GGGYYRRR"}]}`: one letter per time step for the signal that
+guards the entry into a lane of the map, U unknown, G green, Y yellow, R red.
+"""
+
+import numpy as np
+import orjson
+
+from drivegen.errors import UnusableInput
+from drivegen.roadmap import RoadMap
+from drivegen.scenario import Signals
+
+LETTERS = "UGYR"
+"""The letter of each SignalState."""
+
+
+def read_signals(raw: bytes, road_map: RoadMap, place: str) -> Signals:
+    """Signals over the file's steps; those of lanes that a cropped map does not hold are left out.
+
+    Raises UnusableInput, reason `bad-signals`, naming `place`.
+    """
+    index = {number: i for i, number in enumerate(road_map.lane_id.tolist())}
+    try:
+        rows = [(index[row["lane"]], row["states"]) for row in orjson.loads(raw)["signals"] if row["lane"] in index]
+        states = [[LETTERS.index(letter) for letter in letters] for _, letters in rows]
+        if len({len(row) for row in states}) > 1:
+            raise ValueError("its signals differ in length")
+    except (orjson.JSONDecodeError, KeyError, TypeError, ValueError) as error:
+        raise UnusableInput(f"{place} is no signals file: {error}", reason="bad-signals") from None
+    steps = len(states[0]) if states else 0
+    return Signals(np.array([lane for lane, _ in rows], np.int32), np.array(states, np.uint8).reshape(len(rows), steps))
+
+
+def write_signals(signals: Signals, road_map: RoadMap) -> bytes:
+    """The file's bytes; same signals, same bytes."""
+    letter = np.array(list(LETTERS))
+    rows = [
+        {"lane": int(road_map.lane_id[lane]), "states": "".join(letter[state])}
+        for lane, state in zip(signals.lane, signals.state, strict=True)
+    ]
+    return orjson.dumps({"signals": rows})
