@@ -31,7 +31,8 @@ def layout(centre: NDArray[np.floating], extent: float, *, image: bool, verdicts
         legend = rrb.PlotLegend(rrb.Corner2D.RightTop)
         side.append(rrb.TimeSeriesView(origin=f"/plots/{kind}", name=f"Target's {kind} [{unit}]", plot_legend=legend))
     if verdicts:
-        side.append(rrb.TextLogView(origin="/verdicts", name="Checker's verdicts"))
+        columns = rrb.TextLogColumns(timeline_columns=["time"], text_log_columns=["loglevel", "body"])
+        side.append(rrb.TextLogView(origin="/verdicts", name="Checker's verdicts", columns=columns))
     shares = [3.0] * image + [2.0, 2.0] + [2.0] * verdicts
     return rrb.Blueprint(
         rrb.Horizontal(scene, rrb.Vertical(*side, row_shares=shares), column_shares=[5, 2]),

@@ -29,6 +29,7 @@ from drivegen.recording.blueprint import layout
 from drivegen.recording.roads import flat, log_roads, log_signals
 from drivegen.samples import Samples
 from drivegen.scenario import TARGET, Scenario, Trajectories
+from drivegen.store.files import whole
 
 MIN_EXTENT, MAX_EXTENT = 60.0, 260.0
 """Limits of the first view's width [m]."""
@@ -63,34 +64,34 @@ def record_scenario(
 ) -> None:
     """Write the recording of `scenario`: its log, or sample number `sample` of `samples` with the log as ghosts.
 
-    `bird_eye` is an (H, W, 3) RGB image. The file grows while it is written: hand over a temporary path. Raises
-    UnusableInput where there is neither a log nor a sample to show.
+    `bird_eye` is an (H, W, 3) RGB image. Raises UnusableInput where there is neither a log nor a sample to show.
     """
     motion = scenario.log if samples is None else samples.motion[sample]
     if motion is None:
         raise UnusableInput(f"scenario {scenario.scenario_id} has no log: give generated samples to record", reason="no-motion")
-    recording = rr.RecordingStream("drivegen", recording_id=scenario.scenario_id, send_properties=False)
-    centre, extent = _view(motion)
-    show = layout(centre, extent, image=bird_eye is not None, verdicts=samples is not None)
-    recording.save(path, default_blueprint=show)
-    recording.send_recording_name(f"{scenario.scenario_id} ({scenario.source})")
-    log_roads(recording, scenario.map)
-    log_signals(recording, scenario.map, scenario.signals)
-    traffic.log_vehicles(recording, scenario, motion, samples, sample)
-    traffic.log_context(recording, scenario.context)
-    motions = {"generated" if samples is not None else "logged": motion}
-    if samples is not None:
-        traffic.log_verdicts(recording, scenario, samples, sample)
-        if scenario.log is not None:
-            traffic.log_ghosts(recording, scenario, scenario.log)
-            motions["logged"] = scenario.log
-    traffic.log_speeds(recording, scenario, motions)
-    if goals is not None:
-        _log_goals(recording, goals)
-    if bird_eye is not None:
-        recording.log("bird_eye", rr.Image(bird_eye).compress(jpeg_quality=85), static=True)
-    recording.flush()
-    recording.disconnect()
+    with whole(path) as temporary:
+        recording = rr.RecordingStream("drivegen", recording_id=scenario.scenario_id, send_properties=False)
+        centre, extent = _view(motion)
+        show = layout(centre, extent, image=bird_eye is not None, verdicts=samples is not None)
+        recording.save(temporary, default_blueprint=show)
+        recording.send_recording_name(f"{scenario.scenario_id} ({scenario.source})")
+        log_roads(recording, scenario.map)
+        log_signals(recording, scenario.map, scenario.signals)
+        traffic.log_vehicles(recording, scenario, motion, samples, sample)
+        traffic.log_context(recording, scenario.context)
+        motions = {"generated" if samples is not None else "logged": motion}
+        if samples is not None:
+            traffic.log_verdicts(recording, scenario, samples, sample)
+            if scenario.log is not None:
+                traffic.log_ghosts(recording, scenario, scenario.log)
+                motions["logged"] = scenario.log
+        traffic.log_speeds(recording, scenario, motions)
+        if goals is not None:
+            _log_goals(recording, goals)
+        if bird_eye is not None:
+            recording.log("bird_eye", rr.Image(bird_eye).compress(jpeg_quality=85), static=True)
+        recording.flush()
+        recording.disconnect()
 
 
 def _view(motion: Trajectories) -> tuple[NDArray[np.float32], float]:
