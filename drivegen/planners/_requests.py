@@ -186,7 +186,7 @@ def _leader(
     """Gap [m] and speed [m/s] along the route of the nearest box ahead on it; (inf, 0) if there is none."""
     best, speed = np.inf, 0.0
     for other in range(len(state)):
-        if other == me:
+        if other == me or len(line) < 2:
             continue
         nearest, squared = 0, np.inf
         for p in range(len(line)):

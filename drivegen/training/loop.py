@@ -1,0 +1,188 @@
+"""One training loop for every network here: plain torch, seeded, resumable, on one device or several (torchrun).
+
+AdamW with linear warm-up and cosine decay, an exponential moving average of the weights (which is what is kept),
+clipped gradients, budgets in optimiser steps. Everything random is a function of (seed, step): the order of the
+examples, the noise of the loss, dropout. So training that was killed goes on from its checkpoint to the same bytes, and
+with W processes each takes its W-th part of the very batch that one process would have taken.
+"""
+
+import copy
+import os
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import torch
+import torch.distributed as dist
+from torch import Tensor, nn
+from torch.nn.parallel import DistributedDataParallel
+
+from drivegen import seeds
+from drivegen.errors import UnusableInput
+from drivegen.training import checkpoint
+from drivegen.training.curve import LossRow
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to train.
+
+    Attributes:
+        steps: optimiser steps, the whole budget. batch: examples per step, over all processes together.
+        learning_rate: the highest; reached after `warmup` steps, then a cosine down to zero, or held if not `decay`.
+        weight_decay: AdamW's. average: decay of the moving average of the weights, 0 for none.
+        clip: highest norm of the gradient. bf16: autocast of the forward pass to bfloat16.
+        report_every: steps between rows of the loss curve. checkpoint_every: steps between checkpoints.
+    """
+
+    steps: int
+    batch: int
+    learning_rate: float
+    warmup: int
+    decay: bool
+    weight_decay: float
+    average: float
+    clip: float
+    bf16: bool
+    report_every: int
+    checkpoint_every: int
+
+
+class Objective(Protocol):
+    """What is minimised over `size` examples, as the mean over the rows of a batch."""
+
+    size: int
+
+    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:
+        """The random numbers of a batch of `rows` examples: tensors on the CPU with `rows` as first dimension."""
+
+    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:
+        """Mean loss (scalar) over the examples `rows` (b,) with their random numbers."""
+
+    def validation(self, model: nn.Module) -> float:
+        """Loss on the validation examples, the same noise at each call; NaN if there are none."""
+
+
+def device() -> torch.device:
+    """This process's GPU if there is one, else the CPU."""
+    if not torch.cuda.is_available():
+        return torch.device("cpu")
+    return torch.device("cuda", int(os.environ.get("LOCAL_RANK", "0")))
+
+
+def train(
+    model: nn.Module, objective: Objective, settings: Settings, seed: int, path: Path | None, report: Callable[[str], None]
+) -> tuple[nn.Module, list[LossRow]]:
+    """Train `model`, already on its device; returns the averaged copy and the loss curve.
+
+    With `path`, progress is kept there every `checkpoint_every` steps and taken up from there; the file of a training
+    that ended well is left to the caller to remove. Raises UnusableInput where there is nothing to learn from.
+    """
+    if objective.size == 0:
+        raise UnusableInput("there is no example to learn from", reason="no-examples")
+    torch.set_num_threads(1)  # sums depend on the number of threads
+    run = _Run(model, objective, settings, seed)
+    if path is not None:
+        run.progress = checkpoint.read(path, model, run.averaged, run.optimiser)
+    if run.progress.step:
+        report(f"going on from step {run.progress.step}")
+    while run.progress.step < settings.steps:
+        run.step()
+        done = run.progress.step
+        if done % settings.report_every == 0 or done == settings.steps:
+            row = run.close_row()
+            report(f"step {done}/{settings.steps} loss {row.train:.4f} validation {row.validation:.4f}")
+        if path is not None and run.rank == 0 and done % settings.checkpoint_every == 0:
+            checkpoint.write(path, model, run.averaged, run.optimiser, run.progress)
+    return run.averaged, run.progress.curve
+
+
+class _Run:
+    """One training under way."""
+
+    def __init__(self, model: nn.Module, objective: Objective, settings: Settings, seed: int) -> None:
+        self.objective, self.settings, self.seed = objective, settings, seed
+        self.device = next(model.parameters()).device
+        self.rank, self.world = _join()
+        if settings.batch % self.world:
+            raise UnusableInput(f"a batch of {settings.batch} cannot be shared by {self.world} processes")
+        self.model = model
+        self.parallel: nn.Module = DistributedDataParallel(model) if self.world > 1 else model
+        self.averaged = copy.deepcopy(model).requires_grad_(False)
+        self.optimiser = torch.optim.AdamW(
+            model.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay, foreach=True
+        )
+        self.progress = checkpoint.Progress()
+
+    def step(self) -> None:
+        """One optimiser step."""
+        settings, done = self.settings, self.progress.step
+        for group in self.optimiser.param_groups:
+            group["lr"] = settings.learning_rate * _rate(settings, done)
+        rows = batch_rows(self.objective.size, settings.batch, self.seed, done)
+        generator = torch.Generator().manual_seed(seeds.derive(self.seed, "noise", done))
+        drawn = self.objective.draw(len(rows), generator)
+        mine = slice(self.rank * len(rows) // self.world, (self.rank + 1) * len(rows) // self.world)
+        torch.manual_seed(seeds.derive(self.seed, "dropout", done, self.rank))
+        self.model.train()
+        with self._autocast():
+            loss = self.objective.loss(self.parallel, rows[mine].to(self.device), *(d[mine].to(self.device) for d in drawn))
+        self.optimiser.zero_grad(set_to_none=True)
+        loss.backward()  # type: ignore[no-untyped-call]
+        torch.nn.utils.clip_grad_norm_(self.model.parameters(), settings.clip)
+        self.optimiser.step()
+        self._average()
+        self.progress.step += 1
+        self.progress.since += 1
+        self.progress.loss_since += self._mean(loss.detach())
+
+    def close_row(self) -> LossRow:
+        """Add the row of the loss curve that ends at this step."""
+        progress = self.progress
+        self.averaged.eval()
+        with torch.no_grad():
+            validation = self.objective.validation(self.averaged)
+        row = LossRow(progress.step, progress.loss_since / progress.since, validation)
+        progress.curve.append(row)
+        progress.since, progress.loss_since = 0, 0.0
+        return row
+
+    def _average(self) -> None:
+        """Move the average towards the weights; early on faster, so that it forgets where it started."""
+        decay = min(self.settings.average, (1 + self.progress.step) / (10 + self.progress.step))
+        torch._foreach_lerp_(list(self.averaged.parameters()), [p.detach() for p in self.model.parameters()], 1 - decay)
+        for mine, theirs in zip(self.averaged.buffers(), self.model.buffers(), strict=True):
+            mine.copy_(theirs)
+
+    def _autocast(self) -> torch.autocast | nullcontext[None]:
+        return torch.autocast(self.device.type, torch.bfloat16) if self.settings.bf16 else nullcontext()
+
+    def _mean(self, loss: Tensor) -> float:
+        if self.world > 1:
+            dist.all_reduce(loss)
+        return float(loss) / self.world
+
+
+def batch_rows(size: int, batch: int, seed: int, step: int) -> Tensor:
+    """Example numbers (batch,) of one step: the endless chain of shuffled epochs, cut into batches."""
+    first = step * batch
+    epochs = range(first // size, (first + batch - 1) // size + 1)
+    chain = np.concatenate([seeds.rng(seed, "order", epoch).permutation(size) for epoch in epochs])
+    return torch.from_numpy(chain[first - epochs[0] * size :][:batch])
+
+
+def _rate(settings: Settings, done: int) -> float:
+    """Share of the highest learning rate."""
+    warm = min(1.0, (done + 1) / max(settings.warmup, 1))
+    return warm * (0.5 + 0.5 * float(np.cos(np.pi * done / settings.steps)) if settings.decay else 1.0)
+
+
+def _join() -> tuple[int, int]:
+    """Rank and number of processes; joins torchrun's group if this process was started by it."""
+    world = int(os.environ.get("WORLD_SIZE", "1"))
+    if world > 1 and not dist.is_initialized():
+        dist.init_process_group("nccl" if torch.cuda.is_available() else "gloo")
+    return (dist.get_rank(), world) if world > 1 else (0, 1)

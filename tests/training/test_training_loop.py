@@ -1,0 +1,131 @@
+"""The training loop learns, resumes after a kill to the same bytes, and shares a batch between processes."""
+
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import torch
+from safetensors.torch import load_file, save_file
+from torch import Tensor, nn
+
+from drivegen.errors import UnusableInput
+from drivegen.training.loop import Settings, batch_rows, train
+
+ROOT = Path(__file__).parents[2]
+SETTINGS = Settings(
+    steps=60,
+    batch=32,
+    learning_rate=1e-2,
+    warmup=5,
+    decay=True,
+    weight_decay=1e-3,
+    average=0.9,
+    clip=1.0,
+    bf16=False,
+    report_every=20,
+    checkpoint_every=7,
+)
+
+
+class NoisyCosine:
+    """Learn cos(x) of noisy x: an objective that uses rows, noise and (through the network) dropout."""
+
+    size = 100
+
+    def __init__(self, pause: float = 0.0) -> None:
+        self.x, self.pause = torch.linspace(-3, 3, self.size)[:, None], pause
+
+    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:
+        return (0.01 * torch.randn(rows, 1, generator=generator),)
+
+    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:
+        time.sleep(self.pause)
+        return (model(self.x[rows] + drawn[0]) - self.x[rows].cos()).square().mean()
+
+    def validation(self, model: nn.Module) -> float:
+        return float((model(self.x) - self.x.cos()).square().mean())
+
+
+def net(dropout: float = 0.1) -> nn.Module:
+    torch.manual_seed(3)
+    return nn.Sequential(nn.Linear(1, 32), nn.SiLU(), nn.Dropout(dropout), nn.Linear(32, 1))
+
+
+def run(out: Path, path: Path | None, pause: float = 0.0, dropout: float = 0.1) -> None:
+    """What the subprocesses of these tests run: train and write the averaged weights."""
+    model, curve = train(net(dropout), NoisyCosine(pause), SETTINGS, 5, path, lambda line: print(line, flush=True))
+    save_file(model.state_dict(), out)
+    out.with_suffix(".curve").write_text(repr(curve))
+
+
+def start(out: Path, path: str, pause: float = 0.0, dropout: float = 0.1, **environment: str) -> "subprocess.Popen[bytes]":
+    code = f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); from pathlib import Path; "
+    code += f"from test_training_loop import run; run(Path({str(out)!r}), {path}, {pause}, {dropout})"
+    return subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, env={**os.environ, "OMP_NUM_THREADS": "1", **environment})
+
+
+def test_training_lowers_the_loss_and_reports_a_curve() -> None:
+    _, curve = train(net(0.0), NoisyCosine(), replace(SETTINGS, steps=200), 5, None, lambda line: None)
+    assert [row.step for row in curve] == list(range(20, 201, 20))
+    assert curve[-1].validation < 0.2 * curve[0].validation
+
+
+def test_training_killed_at_a_random_step_resumes_to_the_same_bytes(tmp_path: Path) -> None:
+    run(tmp_path / "whole.safetensors", None)
+    checkpoint = tmp_path / "checkpoint.safetensors"
+    killed = start(tmp_path / "resumed.safetensors", f"Path({str(checkpoint)!r})", pause=0.02)
+    patience = time.monotonic() + 60
+    while not checkpoint.exists() and time.monotonic() < patience:
+        time.sleep(0.01)
+    time.sleep(random.uniform(0.0, 0.5))
+    killed.send_signal(signal.SIGKILL)
+    assert killed.wait() == -signal.SIGKILL
+    assert not (tmp_path / "resumed.safetensors").exists()
+    run(tmp_path / "resumed.safetensors", checkpoint)
+    for suffix in (".safetensors", ".curve"):
+        assert (tmp_path / f"resumed{suffix}").read_bytes() == (tmp_path / f"whole{suffix}").read_bytes()
+
+
+def test_two_processes_get_equal_weights_that_agree_with_one(tmp_path: Path) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    group = {"WORLD_SIZE": "2", "MASTER_ADDR": "127.0.0.1", "MASTER_PORT": str(port)}
+    ranks = [start(tmp_path / f"{r}.safetensors", "None", dropout=0.0, RANK=str(r), **group) for r in range(2)]
+    assert [rank.wait(timeout=120) for rank in ranks] == [0, 0]
+    run(tmp_path / "one.safetensors", None, dropout=0.0)
+    one, first, second = (load_file(tmp_path / f"{name}.safetensors") for name in ("one", "0", "1"))
+    for key, value in one.items():
+        assert torch.equal(first[key], second[key])
+        torch.testing.assert_close(first[key], value, rtol=1e-4, atol=1e-5)
+
+
+def test_a_damaged_checkpoint_is_named(tmp_path: Path) -> None:
+    (tmp_path / "c.safetensors").write_bytes(b"half a file")
+    with pytest.raises(UnusableInput, match=r"c\.safetensors.*remove it"):
+        train(net(), NoisyCosine(), SETTINGS, 5, tmp_path / "c.safetensors", lambda line: None)
+
+
+def test_a_checkpoint_of_another_network_is_refused(tmp_path: Path) -> None:
+    run(tmp_path / "out.safetensors", tmp_path / "c.safetensors")
+    other = nn.Sequential(nn.Linear(1, 8), nn.Linear(8, 1))
+    with pytest.raises(UnusableInput, match="does not fit"):
+        train(other, NoisyCosine(), SETTINGS, 5, tmp_path / "c.safetensors", lambda line: None)
+
+
+def test_every_epoch_sees_every_example_once() -> None:
+    rows = torch.cat([batch_rows(100, 32, 1, step) for step in range(25)])
+    assert len(rows) == 800
+    for epoch in range(8):
+        assert sorted(rows[100 * epoch :][:100].tolist()) == list(range(100))
+
+
+def test_a_batch_larger_than_the_examples_repeats_them() -> None:
+    assert len(batch_rows(3, 10, 1, 0)) == 10
