@@ -1,0 +1,118 @@
+"""The stages' door: strict parameters, results in task order, one sentence and an exit code for an error."""
+
+import errno
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from drivegen.errors import MissingTool, UnusableInput
+from stages import _door
+
+
+@dataclass(frozen=True)
+class Inner:
+    width: int
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Params:
+    seed: int
+    rate: float
+    inner: Inner
+    limit: float | None
+
+
+GOOD = "run:\n  seed: 7\n  workers: 2\nwork:\n  rate: 1\n  limit: null\n  inner:\n    width: 3\n    names: [a, b]\n"
+
+
+def write(folder: Path, text: str) -> Path:
+    path = folder / "params.yaml"
+    path.write_text(text)
+    return path
+
+
+def test_a_section_becomes_its_dataclass_with_the_shared_seed(tmp_path):
+    params = _door.read_params("work", Params, write(tmp_path, GOOD))
+    assert params == Params(7, 1.0, Inner(3, ("a", "b")), None)
+    assert isinstance(params.rate, float)
+
+
+def test_a_dotted_section_is_a_section_inside_a_section(tmp_path):
+    assert _door.read_params("work.inner", Inner, write(tmp_path, GOOD)).width == 3
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (("rate: 1", "rate: 1\n  speed: 2"), r"work: unknown name 'speed'; known are inner, limit, rate, seed"),
+        (("width: 3", "width: 3\n    hight: 1"), r"work\.inner: unknown name 'hight'; known are names, width"),
+        (("  rate: 1\n", ""), r"work: 'rate' is missing"),
+        (("rate: 1", "rate: fast"), r"work\.rate must be float, not 'fast'"),
+        (("width: 3", "width: true"), r"work\.inner\.width must be int, not True"),
+        (("[a, b]", "[a, 1]"), r"work\.inner\.names must be str, not 1"),
+        (("work:", "play:"), r"no section 'work'"),
+    ],
+)
+def test_a_wrong_parameter_is_named_with_its_place(tmp_path, change, sentence):
+    with pytest.raises(UnusableInput, match=sentence):
+        _door.read_params("work", Params, write(tmp_path, GOOD.replace(*change)))
+
+
+def square(number: int) -> int:
+    return number * number
+
+
+def test_results_come_in_task_order_whatever_the_number_of_workers(capsys):
+    tasks = [5, 3, 8, 1]
+    expected = [(5, 25), (3, 9), (8, 64), (1, 1)]
+    assert list(_door.spread(square, tasks, 1, "squares")) == expected
+    assert list(_door.spread(square, tasks, 2, "squares")) == expected
+    assert capsys.readouterr().out.splitlines()[-1] == "squares 4/4"
+
+
+def test_no_tasks_are_no_results():
+    assert list(_door.spread(square, [], 2, "squares")) == []
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """No parameters."""
+
+
+def full_disk(params: Nothing, out: Path) -> None:
+    raise OSError(errno.ENOSPC, "No space left on device", str(out))
+
+
+def no_weights(params: Nothing, out: Path) -> None:
+    raise MissingTool(f"{out} is not there: run `make run`")
+
+
+def bad_file(params: Nothing, out: Path) -> None:
+    raise UnusableInput(f"{out} is empty", reason="empty")
+
+
+@pytest.mark.parametrize(
+    ("main", "code", "sentence"),
+    [
+        (full_disk, 1, "work: x.bin: No space left on device; nothing half-written was kept\n"),
+        (no_weights, 1, "work: x.bin is not there: run `make run`\n"),
+        (bad_file, 2, "work: x.bin is empty\n"),
+    ],
+)
+def test_an_error_is_one_sentence_and_an_exit_code(tmp_path, monkeypatch, capsys, main, code, sentence):
+    write(tmp_path, "work: {}\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["work", "x.bin"])
+    with pytest.raises(SystemExit) as left:
+        _door.enter("work", Nothing, main)
+    assert left.value.code == code
+    assert capsys.readouterr().err == sentence
+
+
+def test_what_is_required_and_absent_is_told_with_its_remedy(tmp_path):
+    with pytest.raises(MissingTool, match="run the corpus stage"):
+        _door.require(tmp_path / "data", "run the corpus stage")
+    assert _door.require(tmp_path, "never said") == tmp_path
