@@ -23,7 +23,6 @@ from drivegen.av2.schema import (
     SIZE_COLUMNS,
     TRUCK_LENGTH,
     TYPE_OF_KIND,
-    WORDS,
     TrackCategory,
 )
 from drivegen.errors import UnusableInput
@@ -233,6 +232,3 @@ def _column(values: Any, kind: pa.DataType, count: int) -> pa.Array:
     if isinstance(values, np.ndarray):
         return pa.array(values).cast(kind)
     return pa.repeat(pa.scalar(values, kind), count)
-
-
-__all__ = ["WORDS", "read_log", "track_table"]

@@ -1,0 +1,239 @@
+"""One log of Argoverse 2 Sensor: annotated boxes and ego poses to tracks in the map's frame.
+
+Source: argoverse/av2-api, `structures/cuboid.py`, `datasets/sensor`. Boxes are in the ego frame of their own timestamp
+and `city_SE3_egovehicle` holds the pose of that frame: p_city = R(q) p_ego + t. Boxes have true sizes; there are no
+velocities, so they are the slope of a line fitted to 5 positions (0.4 s).
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.feather
+from numpy.typing import NDArray
+
+from drivegen.av2.maps import read_map
+from drivegen.errors import UnusableInput
+from drivegen.roadmap import RoadMap
+from drivegen.scenario import DT, Trajectories, VehicleKind
+
+EGO_TRACK = "AV"
+
+EGO_SIZE = (4.877, 2.0, 1.473)
+"""Length, width, height [m] of the recording car, a Ford Fusion, as in the EGO_VEHICLE boxes that some logs have;
+assumed in the logs that have none."""
+
+EGO_CENTRE = 1.42
+"""The box's centre lies this far ahead [m] of the ego frame's origin, the middle of the rear axle (half the wheelbase of
+2.85 m). EGO_VEHICLE boxes stand at the origin itself and would trail the car, so the ego's motion is always its poses'."""
+
+KIND_OF_CATEGORY = {
+    "REGULAR_VEHICLE": VehicleKind.CAR,
+    "LARGE_VEHICLE": VehicleKind.TRUCK,
+    "TRUCK": VehicleKind.TRUCK,
+    "BOX_TRUCK": VehicleKind.TRUCK,
+    "TRUCK_CAB": VehicleKind.TRUCK,
+    "BUS": VehicleKind.BUS,
+    "SCHOOL_BUS": VehicleKind.BUS,
+    "ARTICULATED_BUS": VehicleKind.BUS,
+    "MOTORCYCLE": VehicleKind.MOTORCYCLE,
+    "MOTORCYCLIST": VehicleKind.MOTORCYCLE,
+    "BICYCLE": VehicleKind.CYCLIST,
+    "BICYCLIST": VehicleKind.CYCLIST,
+    "WHEELED_RIDER": VehicleKind.CYCLIST,
+    "WHEELED_DEVICE": VehicleKind.CYCLIST,
+    "PEDESTRIAN": VehicleKind.PEDESTRIAN,
+    "OFFICIAL_SIGNALER": VehicleKind.PEDESTRIAN,
+    "WHEELCHAIR": VehicleKind.PEDESTRIAN,
+    "STROLLER": VehicleKind.PEDESTRIAN,
+    "ANIMAL": VehicleKind.PEDESTRIAN,
+    "DOG": VehicleKind.PEDESTRIAN,
+}
+"""Categories that move or get in the way; cones, signs, trailers and the like are skipped and counted."""
+
+CITY_OF_CODE = {
+    "ATX": "austin",
+    "DTW": "dearborn",
+    "MIA": "miami",
+    "PAO": "palo-alto",
+    "PIT": "pittsburgh",
+    "WDC": "washington-dc",
+}
+"""City names as in Motion Forecasting, by the code in the map's file name."""
+
+_EGO_CATEGORY = "EGO_VEHICLE"
+_POSE = ("timestamp_ns", "qw", "qx", "qy", "qz", "tx_m", "ty_m", "tz_m")
+_BOX = (*_POSE, "track_uuid", "category", "length_m", "width_m", "height_m")
+_PERIOD = round(DT * 1e9)
+_POSE_TOLERANCE = 10_000_000
+"""A pose farther than this [ns] from an annotation's timestamp is not its pose; poses come every 5 to 10 ms."""
+_HALF_FIT = 2
+"""Positions before and after that a velocity is fitted to."""
+
+
+@dataclass(frozen=True)
+class SensorLog:
+    """A whole log: M tracks over T steps of 0.1 s, in the frame of `road_map`.
+
+    Attributes:
+        road_map: the log's map. city: its city.
+        track_id: (M,) str, the ego is "AV". kind: (M,) uint8 VehicleKind. size: (M, 3) float32 [m].
+        motion: Trajectories (M, T).
+        skipped: tracks left out by category.
+    """
+
+    road_map: RoadMap
+    city: str
+    track_id: NDArray[np.str_]
+    kind: NDArray[np.uint8]
+    size: NDArray[np.float32]
+    motion: Trajectories
+    skipped: dict[str, int]
+
+
+def log_files(folder: Path) -> tuple[Path, Path, Path]:
+    """Annotations, poses and map of one log; raises UnusableInput, reason `no-such-scenario`, where one is missing."""
+    wanted = ("annotations*.feather", "city_SE3_egovehicle.feather", "map/log_map_archive_*.json")
+    found = [sorted(folder.glob(pattern)) for pattern in wanted]
+    for files, pattern in zip(found, wanted, strict=True):
+        if not files:
+            raise UnusableInput(f"{folder} has no {pattern}; an Argoverse 2 Sensor log has one", reason="no-such-scenario")
+    return found[0][0], found[1][0], found[2][0]
+
+
+def count_frames(folder: Path) -> int:
+    """Annotated frames of one log, read from one column."""
+    annotations = log_files(folder)[0]
+    return len(_read(annotations, ("timestamp_ns",))["timestamp_ns"].unique())
+
+
+def read_sensor_log(folder: Path) -> SensorLog:
+    """The whole log. Raises UnusableInput with a countable reason, naming the file."""
+    annotations, poses, archive = log_files(folder)
+    road_map = read_map(archive.read_bytes(), str(archive))
+    boxes = _read(annotations, _BOX)
+    category, uuid = (np.array(boxes[name].to_pylist(), np.str_) for name in ("category", "track_uuid"))
+    keep = np.isin(category, list(KIND_OF_CATEGORY))
+    left_out = ~keep & (category != _EGO_CATEGORY)
+    skipped = {str(word): len(np.unique(uuid[category == word])) for word in np.unique(category[left_out])}
+    time, frame = np.unique(boxes["timestamp_ns"].to_numpy(), return_inverse=True)
+    step = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(np.diff(time) / _PERIOD)))]).astype(np.int64)
+    if len(time) == 0 or step[-1] > 100 * len(time):
+        raise UnusableInput(f"{annotations} has no frames at 10 Hz", reason="no-rows")
+    rotation, translation = _pose_at(_read(poses, _POSE), time, str(poses))
+    tracks, first_row, track = np.unique(uuid[keep], return_index=True, return_inverse=True)
+    centre, forward = _in_city(boxes.filter(pa.array(keep)), rotation[frame[keep]], translation[frame[keep]])
+    motion = Trajectories.empty(len(tracks) + 1, int(step[-1]) + 1)
+    _place(motion, track, step[frame[keep]], centre - road_map.origin, forward)
+    ego = translation[:, :2] + EGO_CENTRE * rotation[:, :2, 0]
+    _place(motion, np.full(len(time), len(tracks)), step, ego - road_map.origin, rotation[:, :2, 0])
+    motion.velocity[:] = fitted_velocity(motion.position, motion.valid)
+    _check(motion, annotations)
+    size = np.stack([boxes[f"{word}_m"].to_numpy()[keep][first_row] for word in ("length", "width", "height")], axis=-1)
+    kind = [KIND_OF_CATEGORY[word] for word in category[keep][first_row].tolist()]
+    code = archive.stem.partition("____")[2].partition("_")[0]
+    return SensorLog(
+        road_map=road_map,
+        city=CITY_OF_CODE.get(code, code or "unknown"),
+        track_id=np.append(tracks, EGO_TRACK),
+        kind=np.array([*kind, VehicleKind.CAR], np.uint8),
+        size=np.concatenate([size, [EGO_SIZE]]).astype(np.float32),
+        motion=motion,
+        skipped=skipped,
+    )
+
+
+def fitted_velocity(position: NDArray[np.float32], valid: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """Velocity (..., T, 2) [m/s]: slope of the line fitted to the valid ones among 5 positions; 0 where there is one only."""
+    reach = _HALF_FIT
+    weight = np.pad(valid.astype(np.float64), [*[(0, 0)] * (valid.ndim - 1), (reach, reach)])
+    padded = np.pad(position.astype(np.float64), [*[(0, 0)] * (valid.ndim - 1), (reach, reach), (0, 0)])
+    steps = valid.shape[-1]
+    count = np.zeros(valid.shape)
+    sum_t, sum_tt = count.copy(), count.copy()
+    sum_x, sum_tx = np.zeros(position.shape), np.zeros(position.shape)
+    for offset in range(-reach, reach + 1):
+        window = slice(offset + reach, offset + reach + steps)
+        w, x = weight[..., window], padded[..., window, :]
+        count += w
+        sum_t += w * offset
+        sum_tt += w * offset**2
+        sum_x += w[..., None] * x
+        sum_tx += (w * offset)[..., None] * x
+    spread = count * sum_tt - sum_t**2
+    slope = (count[..., None] * sum_tx - sum_t[..., None] * sum_x) / np.maximum(spread, 1.0)[..., None]
+    return np.where((spread > 0)[..., None] & valid[..., None], slope / DT, 0.0).astype(np.float32)
+
+
+def _read(path: Path, columns: tuple[str, ...]) -> pa.Table:
+    try:
+        table = pyarrow.feather.read_table(path, use_threads=False)
+    except (pa.ArrowException, OSError) as error:
+        what = str(error).splitlines()[0]
+        raise UnusableInput(f"{path} is no whole Feather file ({what}): copy it again", reason="truncated") from None
+    if missing := [name for name in columns if name not in table.column_names]:
+        raise UnusableInput(f"{path} lacks the column {', '.join(missing)}", reason="missing-columns")
+    table = table.select(columns)
+    if table.num_rows == 0:
+        raise UnusableInput(f"{path} has no rows", reason="no-rows")
+    if empty := [name for name in columns if table[name].null_count]:
+        raise UnusableInput(f"{path}: column {empty[0]} has empty cells", reason="not-a-number")
+    return table.combine_chunks()
+
+
+def _rotation(table: pa.Table) -> NDArray[np.float64]:
+    """Rotation matrices (R, 3, 3) of the quaternions (w, x, y, z), which need not be of unit length."""
+    quaternion = np.stack([table[name].to_numpy() for name in ("qw", "qx", "qy", "qz")]).astype(np.float64)
+    length = np.sqrt((quaternion**2).sum(0))
+    w, x, y, z = np.divide(quaternion, length, where=length > 0, out=np.full_like(quaternion, np.nan))
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.array(rows).transpose(2, 0, 1)
+
+
+def _translation(table: pa.Table) -> NDArray[np.float64]:
+    return np.stack([table[name].to_numpy() for name in ("tx_m", "ty_m", "tz_m")], axis=-1).astype(np.float64)
+
+
+def _pose_at(poses: pa.Table, time: NDArray[np.int64], place: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Rotations (F, 3, 3) and translations (F, 3) of the ego at `time` (F,) [ns]: the pose of that timestamp."""
+    poses = poses.sort_by("timestamp_ns")
+    known = poses["timestamp_ns"].to_numpy()
+    after = np.clip(np.searchsorted(known, time), 1, max(1, len(known) - 1))
+    nearest = np.where(time - known[after - 1] <= np.abs(known[np.minimum(after, len(known) - 1)] - time), after - 1, after)
+    nearest = np.minimum(nearest, len(known) - 1)
+    if np.abs(known[nearest] - time).max() > _POSE_TOLERANCE:
+        raise UnusableInput(f"{place} lacks the pose of an annotated frame", reason="missing-poses")
+    return _rotation(poses)[nearest], _translation(poses)[nearest]
+
+
+def _in_city(
+    boxes: pa.Table, rotation: NDArray[np.float64], translation: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Centres and forward directions (R, 2) of boxes in city coordinates, given the ego's pose (R, ...) for each row."""
+    centre = np.einsum("rij,rj->ri", rotation, _translation(boxes)) + translation
+    forward = np.einsum("rij,rj->ri", rotation, _rotation(boxes)[:, :, 0])
+    return centre[:, :2], forward[:, :2]
+
+
+def _place(
+    motion: Trajectories,
+    track: NDArray[np.integer],
+    step: NDArray[np.int64],
+    position: NDArray[np.float64],
+    forward: NDArray[np.float64],
+) -> None:
+    motion.position[track, step] = position
+    motion.heading[track, step] = np.arctan2(forward[:, 1], forward[:, 0])
+    motion.valid[track, step] = True
+
+
+def _check(motion: Trajectories, place: Path) -> None:
+    try:
+        motion.validate()
+    except UnusableInput as error:
+        raise UnusableInput(f"{place}: {error}", reason=error.reason) from None

@@ -1,0 +1,41 @@
+"""Argoverse 2 Motion Forecasting: `<root>/{train,val,test}/<uuid>/`, one official folder a scene.
+
+Source: Wilson et al., "Argoverse 2", NeurIPS 2021 Datasets; layout as argoverse/av2-api downloads it. 11 s at 10 Hz,
+no box sizes, no signals; in the test split the last 6 s are withheld.
+"""
+
+import os
+from pathlib import Path
+
+from drivegen.av2.folder import read_folder, scenario_files
+from drivegen.errors import UnusableInput
+from drivegen.recorded import RecordedLog
+
+SPLITS = ("train", "val", "test")
+
+
+class Plugin:
+    """The data set below `root`; see `base.Dataset`."""
+
+    description = "Argoverse 2 Motion Forecasting"
+
+    def __init__(self, root: Path) -> None:
+        if not any((root / split).is_dir() for split in SPLITS):
+            raise UnusableInput(f"{root} holds no Argoverse 2 Motion Forecasting: it needs train/, val/ or test/ with one folder a scene")
+        self.root = root
+
+    def scenes(self, split: str) -> list[str]:
+        """Folder names, sorted."""
+        folder = self.root / split
+        if not folder.is_dir():
+            return []
+        with os.scandir(folder) as entries:  # 200 000 folders: no Path object each
+            return sorted(entry.name for entry in entries if entry.is_dir() and not entry.name.startswith("."))
+
+    def read(self, split: str, scene: str) -> RecordedLog:
+        """One scene; raises UnusableInput with a countable reason."""
+        return read_folder(self.root / split / scene, self.description)
+
+    def files(self, split: str, scene: str) -> tuple[Path, ...]:
+        """Tracks, map and, if there, signals."""
+        return scenario_files(self.root / split / scene)
