@@ -8,12 +8,8 @@ through each other below 45 m/s of relative speed.
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from drivegen.checker.limits import NEVER
-
-Motion = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]
-"""position (B, T, 2), heading (B, T), valid (B, T), contiguous."""
 
 
 @njit(cache=True)
@@ -106,15 +102,19 @@ def against(pos_a, head_a, valid_a, size_a, pos_b, head_b, valid_b, size_b, tole
 
 @njit(cache=True)
 def among(position, heading, valid, size, skip, tolerance, worst, first):  # type: ignore[no-untyped-def]
-    """Every pair of N vehicles, both partners charged, vehicle `skip` (or -1) left out; fills `worst`, `first` (N,)."""
-    boxes = bounds(position, valid)
-    for a in range(valid.shape[0]):
-        for b in range(a):
-            margin = 0.5 * (size[a, 0] + size[a, 1] + size[b, 0] + size[b, 1])
-            if a != skip and b != skip and _near(boxes[a], boxes[b], margin):
-                found, step = _pair(
-                    position[a], heading[a], valid[a], size[a, 0], size[a, 1],
-                    position[b], heading[b], valid[b], size[b, 0], size[b, 1], tolerance,
-                )  # fmt: skip
-                _record(worst, first, a, found, step)
-                _record(worst, first, b, found, step)
+    """Every pair of N vehicles in each of K samples (K, N, T), both partners charged, vehicle `skip` (or -1) left out.
+
+    Fills `worst` and `first` (K, N).
+    """
+    for k in range(valid.shape[0]):
+        boxes = bounds(position[k], valid[k])
+        for a in range(valid.shape[1]):
+            for b in range(a):
+                margin = 0.5 * (size[a, 0] + size[a, 1] + size[b, 0] + size[b, 1])
+                if a != skip and b != skip and _near(boxes[a], boxes[b], margin):
+                    found, step = _pair(
+                        position[k, a], heading[k, a], valid[k, a], size[a, 0], size[a, 1],
+                        position[k, b], heading[k, b], valid[k, b], size[b, 0], size[b, 1], tolerance,
+                    )  # fmt: skip
+                    _record(worst[k], first[k], a, found, step)
+                    _record(worst[k], first[k], b, found, step)

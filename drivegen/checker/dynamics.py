@@ -9,7 +9,16 @@ an error of its own, else a generator could state whatever is legal.
 import numpy as np
 from numba import njit
 
-from drivegen.checker.limits import ACCELERATION, BRAKING, CURVATURE, LATERAL_ACCELERATION, SIDE_SLIP, SPEED, VELOCITY_ERROR
+from drivegen.checker.limits import (
+    ACCELERATION,
+    BRAKING,
+    CURVATURE,
+    LATERAL_ACCELERATION,
+    NEVER,
+    SIDE_SLIP,
+    SPEED,
+    VELOCITY_ERROR,
+)
 from drivegen.scenario import DT
 
 HALF = 5
@@ -21,59 +30,67 @@ STEERING_SPEED = 3.0
 CRAWL = 1.0
 """Below this speed [m/s] the direction of travel is the vehicle's heading."""
 
-_SQUARES = float(sum(k * k for k in range(-HALF, HALF + 1)))
+_MEAN = 1 / (2 * HALF + 1)
+_SLOPE = 1 / (sum(k * k for k in range(-HALF, HALF + 1)) * DT)
+_SPAN = 1 / (2 * HALF * DT)
+_RULES = (SPEED, ACCELERATION, BRAKING, LATERAL_ACCELERATION, VELOCITY_ERROR, CURVATURE, SIDE_SLIP)
 
 
 @njit(cache=True)
-def exceed(worst, first, rule, value, limit, step):  # type: ignore[no-untyped-def]
-    """Note a severity of `rule` at `step`, and that step if it is the first beyond the limit."""
-    if value > worst[rule]:
-        worst[rule] = value
-    if value > limit[rule] and first[rule] < 0:
-        first[rule] = step
+def exceed(worst, first, b, rule, value, limit, step):  # type: ignore[no-untyped-def]
+    """Note a severity of `rule` of trajectory b at `step`, and that step if it is the first beyond the limit."""
+    if value > worst[b, rule]:
+        worst[b, rule] = value
+        if value > limit[rule] and first[b, rule] < 0:
+            first[b, rule] = step
 
 
-@njit(cache=True)
-def _window(sums, moments, t, axis):  # type: ignore[no-untyped-def]
-    """Mean and slope of one velocity component over the window around step t, from running sums."""
-    low, high = t - HALF, t + HALF + 1
-    total = sums[high, axis] - sums[low, axis]
-    moment = moments[high, axis] - moments[low, axis] - t * total
-    return total / (2 * HALF + 1), moment / (_SQUARES * DT)
-
-
-@njit(cache=True)
-def judge(position, heading, velocity, valid, limit, worst, first):  # type: ignore[no-untyped-def]
-    """Fill the dynamic rules of `worst`, `first` (B, R) for B trajectories (B, T, ...)."""
+@njit(cache=True, error_model="numpy")
+def judge(position, direction, velocity, valid, limit, worst, first):  # type: ignore[no-untyped-def]
+    """Fill the dynamic rules of `worst`, `first` (B, R) for B trajectories (B, T, ...); `direction` are unit headings."""
     steps = valid.shape[1]
-    sums, moments = np.zeros((steps + 1, 2)), np.zeros((steps + 1, 2))
+    sums, moments = np.zeros((2, steps + 1)), np.zeros((2, steps + 1))
+    whole = np.zeros(steps, np.bool_)  # whether the window around a step has no gap
+    found = np.empty((len(_RULES), steps), np.float32)
     for b in range(valid.shape[0]):
-        run = 0  # valid steps up to and including this one, without a gap
+        run = 0
         for t in range(steps):
             run = run + 1 if valid[b, t] else 0
+            whole[max(t - HALF, 0)] = run > 2 * HALF
             for axis in range(2):
                 value = velocity[b, t, axis] if valid[b, t] else 0.0
-                sums[t + 1, axis] = sums[t, axis] + value
-                moments[t + 1, axis] = moments[t, axis] + t * value
-            if run > 2 * HALF:
-                _judge_step(position[b], heading[b], sums, moments, t - HALF, limit, worst[b], first[b])
+                sums[axis, t + 1] = sums[axis, t] + value
+                moments[axis, t + 1] = moments[axis, t] + t * value
+        _severities(position[b], direction[b], sums[0], sums[1], moments[0], moments[1], found)
+        for i, rule in enumerate(_RULES):
+            highest = np.float32(NEVER)
+            for t in range(HALF, steps - HALF):
+                highest = max(highest, found[i, t] if whole[t] else highest)
+            worst[b, rule] = highest
+            if highest > limit[rule]:
+                first[b, rule] = np.argmax((found[i] > limit[rule]) & whole)
 
 
-@njit(cache=True)
-def _judge_step(position, heading, sums, moments, t, limit, worst, first):  # type: ignore[no-untyped-def]
-    vx, ax = _window(sums, moments, t, 0)
-    vy, ay = _window(sums, moments, t, 1)
-    speed = np.sqrt(vx * vx + vy * vy)
-    span = 2 * HALF * DT
-    mx, my = (position[t + HALF, 0] - position[t - HALF, 0]) / span, (position[t + HALF, 1] - position[t - HALF, 1]) / span
-    exceed(worst, first, VELOCITY_ERROR, np.sqrt((mx - vx) ** 2 + (my - vy) ** 2), limit, t)
-    exceed(worst, first, SPEED, speed, limit, t)
-    cos, sin = np.cos(heading[t]), np.sin(heading[t])
-    ux, uy = (vx / speed, vy / speed) if speed > CRAWL else (cos, sin)
-    along, across = ux * ax + uy * ay, abs(ux * ay - uy * ax)
-    exceed(worst, first, ACCELERATION, along, limit, t)
-    exceed(worst, first, BRAKING, -along, limit, t)
-    exceed(worst, first, LATERAL_ACCELERATION, across, limit, t)
-    exceed(worst, first, SIDE_SLIP, abs(cos * vy - sin * vx), limit, t)
-    if speed > STEERING_SPEED:
-        exceed(worst, first, CURVATURE, across / (speed * speed), limit, t)
+@njit(cache=True, error_model="numpy")
+def _severities(position, direction, sum_x, sum_y, moment_x, moment_y, found):  # type: ignore[no-untyped-def]
+    """Fill `found` (7, T) in the order of _RULES. No branches, so that the compiler makes vector instructions of it."""
+    for t in range(HALF, position.shape[0] - HALF):
+        low, high = t - HALF, t + HALF + 1
+        total_x, total_y = sum_x[high] - sum_x[low], sum_y[high] - sum_y[low]
+        vx, vy = total_x * _MEAN, total_y * _MEAN
+        ax = (moment_x[high] - moment_x[low] - t * total_x) * _SLOPE
+        ay = (moment_y[high] - moment_y[low] - t * total_y) * _SLOPE
+        error_x = (position[t + HALF, 0] - position[t - HALF, 0]) * _SPAN - vx
+        error_y = (position[t + HALF, 1] - position[t - HALF, 1]) * _SPAN - vy
+        speed = np.sqrt(vx * vx + vy * vy)
+        inverse = 1 / max(speed, CRAWL)
+        ux = vx * inverse if speed > CRAWL else direction[t, 0]
+        uy = vy * inverse if speed > CRAWL else direction[t, 1]
+        along, across = ux * ax + uy * ay, abs(ux * ay - uy * ax)
+        found[0, t] = speed
+        found[1, t] = along
+        found[2, t] = -along
+        found[3, t] = across
+        found[4, t] = np.sqrt(error_x * error_x + error_y * error_y)
+        found[5, t] = across * inverse * inverse if speed > STEERING_SPEED else 0.0
+        found[6, t] = abs(direction[t, 0] * vy - direction[t, 1] * vx)

@@ -119,5 +119,5 @@ FLAGS = (
 )
 """(R,) the flag that each rule sets."""
 
-NEVER = np.float32(-np.inf)
+NEVER = -float("inf")
 """Severity where a rule had nothing to judge."""

@@ -23,6 +23,7 @@ STOP_APPROACH = 5.0
 AMBIGUOUS = 0.4
 """Sibling lanes are told apart by a mean distance greater than this [m]."""
 
+_FARTHEST_STEP = 8.0  # [m]: 60 m/s, and a car that turns its front towards the line
 _POINT_RADIUS = 0.3
 _ALIGNED = 0.7
 
@@ -32,21 +33,22 @@ def _front(position, heading, gate, direction, length):  # type: ignore[no-untyp
     """(distance of the front beyond the gate, offset of the centre from its middle, cosine to its direction)."""
     dx, dy = position[0] - gate[0], position[1] - gate[1]
     cosine = np.cos(heading) * direction[0] + np.sin(heading) * direction[1]
-    along = dx * direction[0] + dy * direction[1] + 0.5 * length * cosine
-    return along, abs(direction[0] * dy - direction[1] * dx), cosine
+    return dx * direction[0] + dy * direction[1] + 0.5 * length * cosine, abs(direction[0] * dy - direction[1] * dx), cosine
 
 
 @njit(cache=True)
 def _passes(position, heading, valid, length, gate, direction):  # type: ignore[no-untyped-def]
     """The step at which a vehicle that was seen before the gate is first beyond it, or -1."""
-    behind = False
-    for t in range(valid.shape[0]):
-        if valid[t]:
-            along, aside, cosine = _front(position[t], heading[t], gate, direction, length)
-            if along < LINE_MARGIN:
-                behind = True
-            elif behind:
-                return t if aside < HALF_WIDTH and cosine > _ALIGNED else -1
+    behind, t = False, 0
+    while t < valid.shape[0]:
+        if not valid[t]:
+            t += 1
+            continue
+        along, aside, cosine = _front(position[t], heading[t], gate, direction, length)
+        if along >= LINE_MARGIN:
+            return t if behind and aside < HALF_WIDTH and cosine > _ALIGNED else -1
+        behind = True
+        t += 1 + int((LINE_MARGIN - along) / _FARTHEST_STEP)  # it can't be there earlier
     return -1
 
 
@@ -54,7 +56,7 @@ def _passes(position, heading, valid, length, gate, direction):  # type: ignore[
 def _deviation(position, valid, since, line):  # type: ignore[no-untyped-def]
     """Mean distance of the centres from `line` (P, 2), from step `since` to where the line ends."""
     total, count = 0.0, 0
-    for t in range(since, valid.shape[0], 2):
+    for t in range(since, valid.shape[0], 4):
         if not valid[t]:
             continue
         best, at_end = np.inf, False
@@ -150,7 +152,15 @@ def judge(gates, motion, size, others, other_size, skip_own, skip, limit, worst,
                 continue
             passed = _passes(position[b], heading[b], valid[b], size[b, 0], at, gates[1][g])
             if passed >= 0:
-                _judge_gate(b, g, passed, gates, motion, size, others, other_size, skip_own, skip, limit, worst[b], first[b])
+                _judge_gate(b, g, passed, gates, motion, size, others, other_size, skip_own, skip, limit, worst, first)
+
+
+@njit(cache=True)
+def judge_samples(gates, position, heading, velocity, valid, size, skip, limit, worst, first):  # type: ignore[no-untyped-def]
+    """The same for K samples (K, N, T) whose N vehicles are each other's traffic; `worst`, `first` (K, N, R)."""
+    for k in range(valid.shape[0]):
+        motion = (position[k], heading[k], velocity[k], valid[k])
+        judge(gates, motion, size, motion, size, True, skip, limit, worst[k], first[k])
 
 
 @njit(cache=True)
@@ -159,10 +169,13 @@ def _judge_gate(b, leader, passed, gates, motion, size, others, other_size, skip
     position, heading, velocity, valid = motion
     _, _, group, start, end, line, red_for, stop, give_way, conflict_start, conflict, towards = gates
     siblings = np.flatnonzero(group == leader)
+    if not (red_for[siblings, passed].any() or give_way[siblings].any()):
+        exceed(worst, first, b, RED_GRACE, 0.0, limit, passed)
+        return
     deviation = np.array([_deviation(position[b], valid[b], passed, line[start[g] : end[g]]) for g in siblings])
     red, rolled, intruded = np.inf, np.inf, np.inf
     for g in siblings[deviation <= deviation.min() + AMBIGUOUS]:
-        red = min(red, red_for[g, passed] * DT)
+        red = min(red, float(red_for[g, passed] * DT))
         slowest = NEVER
         if stop[g]:
             slowest = _slowest(
@@ -175,6 +188,6 @@ def _judge_gate(b, leader, passed, gates, motion, size, others, other_size, skip
                 found = _intrusion(b, passed, g, gates, conflict[c], towards[c], motion, size, others, other_size, skip_own, skip)
                 intrusion = max(intrusion, found)
         intruded = min(intruded, intrusion)
-    exceed(worst, first, RED_GRACE, red, limit, passed)
-    exceed(worst, first, STOP_SPEED, rolled, limit, passed)
-    exceed(worst, first, YIELD_GAP, intruded, limit, passed)
+    exceed(worst, first, b, RED_GRACE, red, limit, passed)
+    exceed(worst, first, b, STOP_SPEED, rolled, limit, passed)
+    exceed(worst, first, b, YIELD_GAP, intruded, limit, passed)

@@ -8,8 +8,11 @@ from drivegen.checker.limits import OFF_ROAD, OVER_LIMIT, WRONG_WAY
 from drivegen.render.drivable import CELL, LIMIT_UNIT, SECTORS
 from drivegen.scenario import DT
 
+STRIDE = 2
+"""Every second step is looked at [steps]."""
+
 OFF_ROAD_STEPS = 5
-"""A corner is off the road only if one is in each of this many steps in a row."""
+"""A vehicle is off the road only if a corner is for this many steps, three looks, in a row."""
 
 START_TOLERANCE = 0.3
 """A vehicle that starts with a corner farther out than this [m] (parked on a drive, a cropped map) is not judged."""
@@ -20,93 +23,87 @@ WRONG_WAY_SPEED = 1.0
 _AGAINST = 5
 """More than this many sixteenths of a turn from every lane under the vehicle is the wrong way (about 120 degrees)."""
 
+_AGREEING = np.array(
+    [sum(1 << ((sector + turn) % SECTORS) for turn in range(-_AGAINST, _AGAINST + 1)) for sector in range(SECTORS)], np.uint16
+)
 _STILL = 0.05
 _LEAST = np.float32(-1e9)
+_PER_METRE = np.float32(1 / CELL)
+_HALF = np.float32(0.5)
 
 
-@njit(cache=True)
-def _outside(field, origin, x, y):  # type: ignore[no-untyped-def]
-    """Signed distance to the road [m], interpolated between four cells; beyond the raster everything is road."""
-    column, row = (x - origin[0]) / CELL, (y - origin[1]) / CELL
-    j, i = int(np.floor(column)), int(np.floor(row))
-    if i < 0 or j < 0 or i >= field.shape[0] - 1 or j >= field.shape[1] - 1:
+@njit(cache=True, error_model="numpy")
+def _outside(field, x, y):  # type: ignore[no-untyped-def]
+    """Signed distance to the road [m] at column x, row y, between four cells; beyond the raster everything is road."""
+    j, i = int(x), int(y)
+    if x < 0 or y < 0 or i >= field.shape[0] - 1 or j >= field.shape[1] - 1:
         return _LEAST
-    u, v = column - j, row - i
-    return (1 - v) * ((1 - u) * field[i, j] + u * field[i, j + 1]) + v * ((1 - u) * field[i + 1, j] + u * field[i + 1, j + 1])
+    u, v = x - j, y - i
+    upper = field[i, j] + u * (field[i, j + 1] - field[i, j])
+    lower = field[i + 1, j] + u * (field[i + 1, j + 1] - field[i + 1, j])
+    return upper + v * (lower - upper)
 
 
-@njit(cache=True)
-def corner_outside(field, origin, x, y, heading, length, width):  # type: ignore[no-untyped-def]
+@njit(cache=True, error_model="numpy")
+def corner_outside(field, origin, x, y, cos, sin, length, width):  # type: ignore[no-untyped-def]
     """Signed distance of the outermost corner of a box to the road [m]; exact only where it matters, near the edge."""
-    centre = _outside(field, origin, x, y)
-    if centre < -0.5 * np.sqrt(length * length + width * width) - CELL:
+    column, row = (x - origin[0]) * _PER_METRE, (y - origin[1]) * _PER_METRE
+    centre = _outside(field, column, row)
+    if centre < -0.5 * (length + width):
         return centre
-    cos, sin = 0.5 * np.cos(heading), 0.5 * np.sin(heading)
-    worst = _LEAST
-    for along in (-length, length):
-        for across in (-width, width):
-            worst = max(worst, _outside(field, origin, x + along * cos - across * sin, y + along * sin + across * cos))
-    return worst
+    half = np.float32(0.5 * _PER_METRE)
+    ax, ay, bx, by = length * half * cos, length * half * sin, -width * half * sin, width * half * cos
+    front = max(_outside(field, column + ax + bx, row + ay + by), _outside(field, column + ax - bx, row + ay - by))
+    rear = max(_outside(field, column - ax + bx, row - ay + by), _outside(field, column - ax - bx, row - ay - by))
+    return max(front, rear)
 
 
-@njit(cache=True)
-def _against_lanes(directions, heading):  # type: ignore[no-untyped-def]
-    """Whether `directions`, the bit mask of a cell, holds lanes but none within _AGAINST sectors of `heading`."""
-    if directions == 0:
-        return False
-    sector = int(np.floor(heading / (2 * np.pi) * SECTORS))
-    near = 0
-    for turn in range(-_AGAINST, _AGAINST + 1):
-        near |= (directions >> ((sector + turn) % SECTORS)) & 1
-    return near == 0
+@njit(cache=True, error_model="numpy")
+def judge(outside, directions, limits, origin, position, direction, sector, velocity, valid, size, limit, worst, first):  # type: ignore[no-untyped-def]
+    """Fill the road rules of `worst`, `first` (B, R) for B trajectories (B, T, ...) of boxes `size` (B, 2).
 
-
-@njit(cache=True)
-def judge(outside, directions, limits, origin, position, heading, velocity, valid, size, limit, worst, first):  # type: ignore[no-untyped-def]
-    """Fill the road rules of `worst`, `first` (B, R) for B trajectories (B, T, ...) of boxes `size` (B, 2)."""
+    `direction` (B, T, 2) are unit headings, `sector` (B, T) their numbers in the mask of lane directions.
+    """
     for b in range(valid.shape[0]):
-        _judge_one(
-            outside,
-            directions,
-            limits,
-            origin,
-            position[b],
-            heading[b],
-            velocity[b],
-            valid[b],
-            size[b],
-            limit,
-            worst[b],
-            first[b],
-        )
+        _judge_edges(outside, origin, position[b], direction[b], valid[b], size[b], b, limit, worst, first)
+        _judge_lanes(directions, limits, origin, position[b], sector[b], velocity[b], valid[b], b, limit, worst, first)
 
 
-@njit(cache=True)
-def _judge_one(outside, directions, limits, origin, position, heading, velocity, valid, size, limit, worst, first):  # type: ignore[no-untyped-def]
-    recent = np.full(OFF_ROAD_STEPS, _LEAST)  # how far out the last steps were
-    seen, judged, against = 0, 0, 0
-    last_x, last_y, out = np.inf, np.inf, _LEAST
-    for t in range(valid.shape[0]):
+@njit(cache=True, error_model="numpy")
+def _judge_edges(outside, origin, position, direction, valid, size, b, limit, worst, first):  # type: ignore[no-untyped-def]
+    looked, last_x, last_y = 0, np.float32(np.inf), np.float32(np.inf)
+    now = before = earlier = _LEAST  # how far out the last three looks were
+    for t in range(0, valid.shape[0], STRIDE):
         if not valid[t]:
-            recent[:] = _LEAST
-            against = 0
+            now = before = earlier = _LEAST
             continue
         x, y = position[t, 0], position[t, 1]
+        earlier, before = before, now
         if abs(x - last_x) + abs(y - last_y) > _STILL:
-            out = corner_outside(outside, origin, x, y, heading[t], size[0], size[1])
+            now = corner_outside(outside, origin, x, y, direction[t, 0], direction[t, 1], size[0], size[1])
             last_x, last_y = x, y
-        if seen == 0:
-            judged = int(out <= START_TOLERANCE)
-        recent[seen % OFF_ROAD_STEPS] = out
-        seen += 1
-        if judged and out > 0:
-            exceed(worst, first, OFF_ROAD, recent.min(), limit, t)
-        speed = np.sqrt(velocity[t, 0] ** 2 + velocity[t, 1] ** 2)
-        i, j = int(np.rint((y - origin[1]) / CELL)), int(np.rint((x - origin[0]) / CELL))
-        if i < 0 or j < 0 or i >= outside.shape[0] or j >= outside.shape[1]:
+        if looked == 0 and now > START_TOLERANCE:
+            return
+        looked += 1
+        if now > 0:
+            exceed(worst, first, b, OFF_ROAD, min(now, before, earlier), limit, t)
+
+
+@njit(cache=True, error_model="numpy")
+def _judge_lanes(directions, limits, origin, position, sector, velocity, valid, b, limit, worst, first):  # type: ignore[no-untyped-def]
+    against = 0
+    for t in range(0, valid.shape[0], STRIDE):
+        if not valid[t]:
             against = 0
             continue
-        against = against + 1 if speed > WRONG_WAY_SPEED and _against_lanes(directions[i, j], heading[t]) else 0
-        exceed(worst, first, WRONG_WAY, against * DT, limit, t)
+        j, i = int((position[t, 0] - origin[0]) * _PER_METRE + _HALF), int((position[t, 1] - origin[1]) * _PER_METRE + _HALF)
+        if i < 0 or j < 0 or i >= limits.shape[0] or j >= limits.shape[1]:
+            against = 0
+            continue
+        speed = np.sqrt(velocity[t, 0] ** 2 + velocity[t, 1] ** 2)
+        lanes = directions[i, j]
+        wrong = speed > WRONG_WAY_SPEED and lanes != 0 and lanes & _AGREEING[sector[t]] == 0
+        against = against + STRIDE if wrong else 0
+        exceed(worst, first, b, WRONG_WAY, against * DT, limit, t)
         if limits[i, j] > 0:
-            exceed(worst, first, OVER_LIMIT, speed - limits[i, j] * LIMIT_UNIT, limit, t)
+            exceed(worst, first, b, OVER_LIMIT, speed - limits[i, j] * LIMIT_UNIT, limit, t)

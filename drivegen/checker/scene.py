@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from drivegen.checker import collisions, dynamics, priority, road
 from drivegen.checker.gates import Gates
 from drivegen.checker.limits import FLAGS, NEVER, OVERLAP, OVERLAP_CONTEXT, RULES, Limits
-from drivegen.render.drivable import RoadField, road_field
+from drivegen.geometry import unit
+from drivegen.render.drivable import RoadField, road_field, sectors
 from drivegen.scenario import TARGET, Scenario, Trajectories
 
 NOBODY = -1
@@ -23,11 +24,11 @@ _FLAGS = np.array(FLAGS, np.uint16)
 
 @dataclass(frozen=True)
 class Severities:
-    """How far B trajectories went, rule by rule.
+    """How far trajectories went, rule by rule; leading dimensions are those that were asked for.
 
     Attributes:
-        worst: (B, R) float32 largest severity in the order of `limits.RULES`, -inf where a rule had nothing to judge.
-        first: (B, R) int16 first step beyond the limit, -1 if never.
+        worst: (..., R) float32 largest severity in the order of `limits.RULES`, -inf where a rule had nothing to judge.
+        first: (..., R) int16 first step beyond the limit, -1 if never.
     """
 
     worst: NDArray[np.float32]
@@ -35,13 +36,13 @@ class Severities:
 
     @property
     def violation(self) -> NDArray[np.uint16]:
-        """(B,) Violation flags."""
+        """(...) Violation flags."""
         flags: NDArray[np.uint16] = np.bitwise_or.reduce(np.where(self.first >= 0, _FLAGS, np.uint16(0)), axis=-1)
         return flags
 
     @property
     def first_step(self) -> NDArray[np.int16]:
-        """(B,) first step at which any rule is broken, -1 if none is."""
+        """(...) first step at which any rule is broken, -1 if none is."""
         steps = np.where(self.first >= 0, self.first, np.iinfo(np.int16).max).min(axis=-1)
         return np.where(steps == np.iinfo(np.int16).max, -1, steps).astype(np.int16)
 
@@ -85,12 +86,14 @@ class SceneChecker:
         self, vehicle: int, motion: Trajectories, committed: Trajectories, committed_size: NDArray[np.float32]
     ) -> Severities:
         """As `check`, with every rule's severity."""
-        arrays, others = _arrays(motion), _arrays(committed)
-        size = np.broadcast_to(self.size[vehicle], (len(motion.valid), 2)).copy()
+        position, heading, _, valid = arrays = _arrays(motion)
+        others = _arrays(committed)
+        size = np.repeat(self.size[vehicle : vehicle + 1], len(valid), axis=0)
         other_size = np.ascontiguousarray(committed_size[:, :2], np.float32)
         found = self._judge_alone(arrays, size)
-        worst, first = found.worst[:, OVERLAP].copy(), found.first[:, OVERLAP].copy()
-        collisions.against(*_boxes(arrays, size), *_boxes(others, other_size), self.limit[OVERLAP], worst, first)
+        worst, first = _nothing(len(valid))
+        boxes = (others[0], others[1], others[3], other_size)
+        collisions.against(position, heading, valid, size, *boxes, self.limit[OVERLAP], worst, first)
         found.worst[:, OVERLAP], found.first[:, OVERLAP] = worst, first
         priority.judge(self._gates, arrays, size, others, other_size, False, NOBODY, self.limit, found.worst, found.first)
         return found
@@ -104,52 +107,59 @@ class SceneChecker:
 
         Returns violation (K, N) and first (K, N).
         """
-        found = [self.severities(motion[k], ignore_target) for k in range(len(motion.valid))]
-        return np.stack([f.violation for f in found]), np.stack([f.first_step for f in found])
+        found = self.severities(motion, ignore_target)
+        return found.violation, found.first_step
 
     def severities(self, motion: Trajectories, ignore_target: bool = False) -> Severities:
-        """Every rule's severity for one sample (N, T) of all vehicles."""
-        arrays = _arrays(motion)
+        """As `check_samples`, with every rule's severity: `worst` and `first` are (K, N, R)."""
+        position, heading, _, valid = arrays = _arrays(motion)
+        samples, count, _ = valid.shape
         skip = TARGET if ignore_target else NOBODY
-        found = self._judge_alone(arrays, self.size)
-        worst, first = found.worst[:, OVERLAP].copy(), found.first[:, OVERLAP].copy()
-        collisions.among(*_boxes(arrays, self.size), skip, self.limit[OVERLAP], worst, first)
-        found.worst[:, OVERLAP], found.first[:, OVERLAP] = worst, first
-        priority.judge(self._gates, arrays, self.size, arrays, self.size, True, skip, self.limit, found.worst, found.first)
+        flat = self._judge_alone(_flat(arrays), np.tile(self.size, (samples, 1)))
+        found = Severities(flat.worst.reshape(samples, count, -1), flat.first.reshape(samples, count, -1))
+        worst, first = _nothing(samples, count)
+        collisions.among(position, heading, valid, self.size, skip, self.limit[OVERLAP], worst, first)
+        found.worst[..., OVERLAP], found.first[..., OVERLAP] = worst, first
+        priority.judge_samples(self._gates, *arrays, self.size, skip, self.limit, found.worst, found.first)
         return found
 
     def _judge_alone(self, arrays: "_Arrays", size: NDArray[np.float32]) -> Severities:
-        """All rules that need no other vehicle; context actors are part of the scenario."""
-        count = len(size)
-        worst = np.full((count, len(RULES)), NEVER, np.float32)
-        first = np.full((count, len(RULES)), -1, np.int16)
-        dynamics.judge(*arrays, self.limit, worst, first)
-        f = self.field
-        road.judge(f.outside, f.directions, f.limit, f.origin, *arrays, size, self.limit, worst, first)
+        """All rules that need no other vehicle, for B trajectories; context actors are part of the scenario."""
+        position, heading, velocity, valid = arrays
+        direction = unit(heading).astype(np.float32)
+        worst, first = _nothing(len(size), len(RULES))
+        dynamics.judge(position, direction, velocity, valid, self.limit, worst, first)
+        field = self.field
+        rasters = (field.outside, field.directions, field.limit, field.origin)
+        road.judge(*rasters, position, direction, sectors(heading), velocity, valid, size, self.limit, worst, first)
         if len(self._context_size):
-            hit, when = worst[:, OVERLAP_CONTEXT].copy(), first[:, OVERLAP_CONTEXT].copy()
-            people = _boxes(self._context, self._context_size)
-            collisions.against(*_boxes(arrays, size), *people, self.limit[OVERLAP_CONTEXT], hit, when)
+            hit, when = _nothing(len(size))
+            people = (self._context[0], self._context[1], self._context[3], self._context_size)
+            collisions.against(position, heading, valid, size, *people, self.limit[OVERLAP_CONTEXT], hit, when)
             worst[:, OVERLAP_CONTEXT], first[:, OVERLAP_CONTEXT] = hit, when
         return Severities(worst, first)
 
 
 _Arrays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]
+"""position (..., T, 2), heading (..., T), velocity (..., T, 2), valid (..., T), contiguous as the kernels need them."""
 
 
 def _arrays(motion: Trajectories) -> _Arrays:
-    """position, heading, velocity, valid as the kernels are compiled for them."""
     position, heading, velocity = (
         np.ascontiguousarray(a, np.float32) for a in (motion.position, motion.heading, motion.velocity)
     )
     return position, heading, velocity, np.ascontiguousarray(motion.valid, np.bool_)
 
 
-def _boxes(
-    arrays: _Arrays, size: NDArray[np.float32]
-) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.float32]]:
-    position, heading, _, valid = arrays
-    return position, heading, valid, size
+def _flat(arrays: _Arrays) -> _Arrays:
+    position, heading, velocity, valid = arrays
+    steps = valid.shape[-1]
+    return position.reshape(-1, steps, 2), heading.reshape(-1, steps), velocity.reshape(-1, steps, 2), valid.reshape(-1, steps)
+
+
+def _nothing(*shape: int) -> tuple[NDArray[np.float32], NDArray[np.int16]]:
+    """Severities and first steps before anything was judged."""
+    return np.full(shape, NEVER, np.float32), np.full(shape, -1, np.int16)
 
 
 def check_samples(

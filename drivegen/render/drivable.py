@@ -88,6 +88,12 @@ def road_field(map_: RoadMap) -> RoadField:
     )
 
 
+def sectors(heading: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Number of the direction sector of each heading [rad], of any shape."""
+    number: NDArray[np.uint8] = np.floor(heading * (SECTORS / (2 * np.pi))).astype(np.int64).astype(np.uint8) % SECTORS
+    return number
+
+
 def _fill(plane: NDArray[np.uint8], pieces: NDArray[np.int32], values: NDArray[np.integer]) -> None:
     for piece, value in zip(pieces, values.tolist(), strict=True):
         cv2.fillConvexPoly(plane, piece, value, shift=_SUBPIXEL)
@@ -104,7 +110,7 @@ def _signed_distance(road: NDArray[np.uint8]) -> NDArray[np.float32]:
 
 
 def _directions(map_: RoadMap, quads: _Quads, pieces: NDArray[np.int32], shape: tuple[int, int]) -> NDArray[np.uint16]:
-    sector = np.floor(quads.heading / (2 * np.pi) * SECTORS).astype(np.int64) % SECTORS
+    sector = sectors(quads.heading).astype(np.int64)
     sector[map_.in_junction[quads.lane]] = SECTORS
     mask = np.zeros(shape, np.uint16)
     plane = np.empty(shape, np.uint8)
