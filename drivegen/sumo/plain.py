@@ -156,7 +156,8 @@ def _root(tag: str) -> Element:
 
 
 def _bytes(root: Element) -> bytes:
-    return tostring(root, encoding="utf-8", xml_declaration=True)
+    text: bytes = tostring(root, encoding="utf-8", xml_declaration=True)
+    return text
 
 
 def _number(value: float) -> str:

@@ -33,11 +33,12 @@ def draw(alignment: Alignment) -> Line:
 
 def _arc(start: Line, heading: float, angle: float, radius: float) -> Line:
     steps = max(2, int(np.ceil(abs(angle) / _BEND_STEP)))
-    turned = np.linspace(0.0, angle, steps + 1)[1:] * 1.0
+    turned = np.linspace(0.0, angle, steps + 1)[1:]
     side = np.copysign(1.0, angle)
     centre = start + side * radius * np.array([-np.sin(heading), np.cos(heading)])
     around = heading + turned - side * np.pi / 2
-    return centre + radius * np.stack([np.cos(around), np.sin(around)], axis=-1)
+    points: Line = centre + radius * np.stack([np.cos(around), np.sin(around)], axis=-1)
+    return points
 
 
 def length(line: Line) -> float:
@@ -58,7 +59,8 @@ def beside(line: Line, along: Line, left: Line) -> Line:
     share = np.clip((along - at[segment]) / (at[segment + 1] - at[segment]), 0.0, 1.0)[:, None]
     tangent = vertex[segment] / _norm(vertex[segment]) * (1 - share) + vertex[segment + 1] / _norm(vertex[segment + 1]) * share
     tangent /= _norm(tangent)
-    return point + np.asarray(left)[:, None] * np.stack([-tangent[:, 1], tangent[:, 0]], axis=-1)
+    moved: Line = point + np.asarray(left)[:, None] * np.stack([-tangent[:, 1], tangent[:, 0]], axis=-1)
+    return moved
 
 
 def part(line: Line, start: float, end: float, left: float = 0.0) -> Line:
@@ -75,4 +77,5 @@ def points(line: Line) -> tuple[Point, ...]:
 
 
 def _norm(vectors: Line) -> Line:
-    return np.linalg.norm(vectors, axis=1, keepdims=True)
+    norm: Line = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return norm

@@ -1,7 +1,10 @@
 """Streets: a road of any alignment, and a straight one with crossings, side streets or roundabouts along it."""
 
+import numpy as np
+
+from drivegen.geometry import rotate
 from drivegen.maps.compilers import _lines as lines
-from drivegen.maps.compilers.crossings import MAIN, NODE_TYPES, add_arm
+from drivegen.maps.compilers.crossings import MAIN, MINOR, NODE_TYPES, add_arm
 from drivegen.maps.compilers.roundabouts import add_ring
 from drivegen.maps.spec import Arm, Corridor, Junction
 from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
@@ -9,7 +12,8 @@ from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
 Place = tuple[str, Point]
 
 _RING_SPEED = 30 / 3.6
-_TURNING_PLACE = 8.0
+_TURNING_RADIUS = 9.0
+_TURNING_SPEED = 15 / 3.6
 
 
 def compile_corridor(spec: Corridor, plain: PlainNetwork) -> None:
@@ -17,7 +21,7 @@ def compile_corridor(spec: Corridor, plain: PlainNetwork) -> None:
     line = lines.draw(spec.alignment)
     start, end = _corner(line[0]), _corner(line[-1])
     plain.nodes.append(Node("w", *start))
-    plain.nodes.append(Node("e", *end, radius=_TURNING_PLACE if spec.dead_end else None))
+    plain.nodes.append(Node("e", *end))
     leaving: Place = ("w", start)
     for i, junction in enumerate(spec.junctions):
         west, east = _junction(plain, f"j{i}", junction)
@@ -26,12 +30,29 @@ def compile_corridor(spec: Corridor, plain: PlainNetwork) -> None:
     last = f"m{len(spec.junctions)}"
     _stretch(plain, spec, last, leaving, ("e", end), line if not spec.junctions else None)
     if spec.dead_end:
-        turn_back(plain, last, f"-{last}", spec.lanes, spec.lanes_back)
+        heading = float(np.arctan2(*(line[-1] - line[-2])[::-1]))
+        add_turning_place(plain, "e", end, heading, last, f"-{last}")
 
 
-def turn_back(plain: PlainNetwork, there: str, back: str, lanes: int, lanes_back: int) -> None:
-    """Let cars turn round at a dead end: from the inner lane into the inner lane."""
-    plain.connections.append(Connection(there, back, lanes - 1, lanes_back - 1))
+def add_turning_place(plain: PlainNetwork, node: str, at: Point, heading: float, there: str, back: str) -> None:
+    """Close a dead end at `node` with a loop that a bus can drive round, from edge `there` to edge `back`.
+
+    The loop is a drop: its tangents leave the node, its round end lies ahead of it along `heading` [radians].
+    """
+    distance = 1.6 * _TURNING_RADIUS
+    opening = float(np.arcsin(_TURNING_RADIUS / distance))
+    around = np.linspace(-np.pi / 2 - opening, np.pi / 2 + opening, 33)
+    round_end = np.array([distance, 0.0]) + _TURNING_RADIUS * np.stack([np.cos(around), np.sin(around)], axis=-1)
+    drop = np.asarray(at) + rotate(np.concatenate([np.zeros((1, 2)), round_end, np.zeros((1, 2))]), np.float64(heading))
+    half = len(drop) // 2
+    tip = f"{node}_turn"
+    plain.nodes.append(Node(tip, *_corner(drop[half])))
+    for name, a, b, shape in ((f"{tip}1", node, tip, drop[: half + 1]), (f"{tip}2", tip, node, drop[half:])):
+        plain.edges.append(Edge(name, a, b, 1, _TURNING_SPEED, MINOR, lines.points(shape), spread="center", width=4.5))
+    for source, target in ((there, f"{tip}1"), (f"{tip}1", f"{tip}2"), (f"{tip}2", back)):
+        lanes = {edge.id: edge.lanes for edge in plain.edges}
+        ways = range(max(lanes[source], lanes[target]))
+        plain.connections += [Connection(source, target, min(i, lanes[source] - 1), min(i, lanes[target] - 1)) for i in ways]
 
 
 def _stretch(plain: PlainNetwork, spec: Corridor, name: str, a: Place, b: Place, line: lines.Line | None) -> None:
@@ -62,7 +83,9 @@ def _side_road(plain: PlainNetwork, name: str, junction: Junction, angle: float,
     arm = Arm(angle=angle, lanes_in=lanes, lanes_out=lanes, speed=junction.side_speed, length=junction.side_length, main=False)
     add_arm(plain, name, arm, node, at, {})
     if junction.dead_end:
-        turn_back(plain, f"{name}_out", f"{name}_in", lanes, lanes)
+        heading = float(np.radians(angle))
+        end = (at[0] + arm.length * np.cos(heading), at[1] + arm.length * np.sin(heading))
+        add_turning_place(plain, name, end, heading, f"{name}_out", f"{name}_in")
 
 
 def _corner(point: lines.Line) -> Point:

@@ -1,5 +1,7 @@
 """Street grids: rows and columns of streets that go on beyond the outermost crossings."""
 
+from itertools import pairwise
+
 from drivegen.maps.compilers.crossings import MAIN, NODE_TYPES
 from drivegen.maps.spec import Grid
 from drivegen.sumo.plain import Edge, Node, PlainNetwork
@@ -20,7 +22,7 @@ def compile_grid(spec: Grid, plain: PlainNetwork) -> None:
 
 
 def _street(spec: Grid, plain: PlainNetwork, stops: list[str], odd: bool) -> None:
-    for a, b in zip(stops, stops[1:], strict=False):
+    for a, b in pairwise(stops):
         if not spec.one_way or not odd:
             plain.edges.append(Edge(f"{a}_{b}", a, b, spec.lanes, spec.speed, MAIN))
         if not spec.one_way or odd:

@@ -56,7 +56,7 @@ def compile_fork(spec: Fork, plain: PlainNetwork) -> None:
     stem = np.array([[-spec.length, 0.0], [0.0, 0.0]])
     way = _Carriageway("h", stem, spec.speed, spec.lanes)
     _begin(plain, way)
-    _draw_to(plain, way, spec.length, spec.lanes + 1)
+    _draw_to(plain, way, spec.length, spec.lanes)
     for name, lanes, side in (("left", spec.left_lanes, 1.0), ("right", spec.right_lanes, -1.0)):
         first = spec.lanes - lanes if side > 0 else 0
         edge_line = _branch(side * np.radians(spec.angle / 2), spec.length)
@@ -87,7 +87,8 @@ def _carriageway(spec: Highway, plain: PlainNetwork, name: str, axis: lines.Line
 
 def _event(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent, ramp: str, start: float) -> None:
     if event.kind in ("lane_drop", "lane_gain"):
-        _draw_to(plain, way, start, way.lanes + event.lanes)
+        widest = way.lanes + (event.lanes if event.kind == "lane_gain" else 0)
+        _draw_to(plain, way, start, widest, left_too=event.side == "left")
         _change_lanes(plain, way, event)
         return
     main, extra = way.lanes, event.lanes
@@ -130,22 +131,25 @@ def _begin(plain: PlainNetwork, way: _Carriageway) -> None:
     plain.nodes.append(Node(way.node, float(x), float(y)))
 
 
-def _draw_to(plain: PlainNetwork, way: _Carriageway, end: float, widest: int) -> None:
-    """Draw the carriageway on to `end` [m] and put a node there, `widest` lanes wide; 0 for the end of the road."""
+def _draw_to(plain: PlainNetwork, way: _Carriageway, end: float, widest: int, left_too: bool = False) -> None:
+    """Draw the carriageway on to `end` [m] and put a node there, `widest` lanes wide; 0 for the end of the road.
+
+    What is wider than the carriageway lies to its right, or on both sides where `left_too`.
+    """
     shape = lines.part(way.line, way.drawn, end, way.left)
     source = way.node
     way.cuts += 1
     way.drawn = end
     x, y = shape[-1]
-    cut = _across(way, end, widest) if widest else None
+    cut = _across(way, end, widest, left_too) if widest else None
     plain.nodes.append(Node(way.node, float(x), float(y), shape=cut))
     edge = Edge(way.last_edge, source, way.node, way.lanes, way.speed, _PRIORITY, lines.points(shape), width=LANE_WIDTH)
     plain.edges.append(edge)
 
 
-def _across(way: _Carriageway, at: float, lanes: int) -> tuple[Point, ...]:
+def _across(way: _Carriageway, at: float, lanes: int, left_too: bool) -> tuple[Point, ...]:
     """The outline of a cut: a thin rectangle across the carriageway, so that netconvert cuts nothing else off."""
-    left, right = way.left + lanes * LANE_WIDTH, way.left - lanes * LANE_WIDTH
+    left, right = way.left + (lanes - way.lanes) * LANE_WIDTH * left_too, way.left - lanes * LANE_WIDTH
     along = np.array([at - _HALF_CUT, at + _HALF_CUT, at + _HALF_CUT, at - _HALF_CUT])
     return lines.points(lines.beside(way.line, along, np.array([left, left, right, right])))
 
