@@ -1,0 +1,56 @@
+"""What a report is made of: everything that the stages measured, as plain values. Any part may be missing."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG with its caption and a title above it."""
+
+    title: str
+    caption: str
+    png: bytes
+
+
+@dataclass(frozen=True)
+class Link:
+    """A file beside the page, by its relative path."""
+
+    text: str
+    href: str
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A training curve: named columns of numbers over a first column (step or epoch)."""
+
+    title: str
+    columns: Mapping[str, list[float]]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All that was found.
+
+    Attributes:
+        results: contents of the JSON files below reports/metrics, by path without suffix, e.g. "quality/drivegen".
+        source: the data set in words, as in every scenario; "" if there is none yet.
+        scenes: pictures of scenarios drawn by seed. maps: pictures of generated maps.
+        curves: training curves. recordings: links to .rrd files.
+        provenance: names and hashes that say what the numbers were made from.
+    """
+
+    results: Mapping[str, Any] = field(default_factory=dict)
+    source: str = ""
+    scenes: tuple[Picture, ...] = ()
+    maps: tuple[Picture, ...] = ()
+    curves: tuple[Curve, ...] = ()
+    recordings: tuple[Link, ...] = ()
+    provenance: Mapping[str, str] = field(default_factory=dict)
+
+    def below(self, folder: str) -> dict[str, Any]:
+        """Results whose path begins with `folder/`, by the rest of it, sorted."""
+        prefix = folder + "/"
+        return {path.removeprefix(prefix): value for path, value in sorted(self.results.items()) if path.startswith(prefix)}

@@ -1,0 +1,104 @@
+"""Plots as SVG with the same bytes for the same numbers; matplotlib without pyplot and without a display."""
+
+import io
+from collections.abc import Mapping, Sequence
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+INK, FAINT, OURS, THEIRS, LOG = "#1f2733", "#d7dce3", "#ea6914", "#7d8aa0", "#1f2733"
+SERIES = ("#ea6914", "#2570c4", "#7c42d6", "#26a65b", "#d62846", "#8a6d3b", "#0f8b8d", "#555b66")
+
+_STYLE = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 9,
+    "axes.edgecolor": FAINT,
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#eceff3",
+    "axes.axisbelow": True,
+    "svg.hashsalt": "drivegen",
+    "svg.fonttype": "path",
+}
+
+
+class Canvas:
+    """A figure with one set of axes: `with Canvas(6, 3) as (canvas, axes): ...; canvas.svg`."""
+
+    def __init__(self, width: float, height: float) -> None:
+        self._size = (width, height)
+        self.svg = b""
+
+    def __enter__(self) -> tuple["Canvas", Axes]:
+        self._style = mpl.rc_context(_STYLE)
+        self._style.__enter__()
+        self._figure = Figure(figsize=self._size, layout="constrained")
+        FigureCanvasSVG(self._figure)
+        return self, self._figure.add_subplot()
+
+    def __exit__(self, *failure: object) -> None:
+        if failure[0] is None:
+            buffer = io.BytesIO()
+            self._figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
+            self.svg = buffer.getvalue()
+        self._style.__exit__(None, None, None)
+
+
+def realism_against_diversity(ours: Mapping[str, tuple[float, float]], theirs: Mapping[str, tuple[float, float]]) -> bytes:
+    """(diversity ratio, min-sADE) of each method; right in the middle and low is good."""
+    with Canvas(5.6, 3.6) as (canvas, axes):
+        axes.axvline(1.0, color=FAINT, lw=1.2, zorder=0)
+        for points, colour, marker, side in ((theirs, THEIRS, "o", 5), (ours, OURS, "D", -10)):
+            for name, (x, y) in points.items():
+                axes.scatter([x], [y], s=42, color=colour, marker=marker, zorder=3, edgecolor="white", linewidth=0.8)
+                axes.annotate(name, (x, y), xytext=(6, side), textcoords="offset points", fontsize=7.5, color=colour)
+        axes.set_xlabel("diversity ratio (1 = as diverse as the real set)")
+        axes.set_ylabel("min-sADE [m]")
+        axes.set_ylim(bottom=0)
+        axes.margins(x=0.2)
+    return canvas.svg
+
+
+def curves(columns: Mapping[str, Sequence[float]], over: str) -> bytes:
+    """Lines of every column over the column `over`; on a logarithmic axis where values span two decades."""
+    with Canvas(5.6, 2.8) as (canvas, axes):
+        names = [name for name in columns if name != over]
+        for name, colour in zip(names, SERIES, strict=False):
+            points = [(x, y) for x, y in zip(columns[over], columns[name], strict=True) if y == y]
+            axes.plot(*zip(*points, strict=True), color=colour, lw=1.4, label=name.replace("_", " ")) if points else None
+        positive = [y for name in names for y in columns[name] if y == y]
+        if positive and min(positive) > 0 and max(positive) / min(positive) > 100:
+            axes.set_yscale("log")
+        axes.set_xlabel(over.replace("_", " "))
+        if len(names) > 1:
+            axes.legend(frameon=False, fontsize=8)
+        else:
+            axes.set_ylabel(names[0].replace("_", " ") if names else "")
+    return canvas.svg
+
+
+def bars(groups: Mapping[str, float], label: str, errors: Mapping[str, tuple[float, float]] | None = None) -> bytes:
+    """Horizontal bars, the first on top, with intervals where `errors` has (low, high)."""
+    names = list(groups)
+    with Canvas(5.6, 0.7 + 0.3 * len(names)) as (canvas, axes):
+        values = [groups[name] for name in names]
+        spread = None
+        if errors is not None:
+            ends = [errors.get(name, (groups[name], groups[name])) for name in names]
+            pairs = list(zip(values, ends, strict=True))
+            spread = [[max(v - low, 0) for v, (low, _) in pairs], [max(high - v, 0) for v, (_, high) in pairs]]
+        style = {"ecolor": INK, "elinewidth": 1, "capsize": 2}
+        axes.barh(range(len(names)), values, xerr=spread, color=SERIES[1], height=0.62, error_kw=style)
+        axes.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
+        axes.invert_yaxis()
+        axes.grid(visible=False, axis="y")
+        axes.set_xlabel(label)
+    return canvas.svg

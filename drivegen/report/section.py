@@ -1,0 +1,44 @@
+"""A section of the report: words, tables, figures and links."""
+
+from dataclasses import dataclass
+
+from drivegen.report.evidence import Link, Picture
+from drivegen.report.table import Table
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture with its words; `media` is its MIME type."""
+
+    title: str
+    caption: str
+    media: str
+    data: bytes
+
+    @classmethod
+    def svg(cls, title: str, caption: str, data: bytes) -> "Figure":
+        """A plot."""
+        return cls(title, caption, "image/svg+xml", data)
+
+    @classmethod
+    def of(cls, picture: Picture) -> "Figure":
+        """A PNG picture."""
+        return cls(picture.title, picture.caption, "image/png", picture.png)
+
+
+@dataclass(frozen=True)
+class Section:
+    """`lead` is one paragraph; `missing` says what to run where nothing was measured."""
+
+    anchor: str
+    title: str
+    lead: str
+    tables: tuple[Table, ...] = ()
+    figures: tuple[Figure, ...] = ()
+    links: tuple[Link, ...] = ()
+    missing: str = ""
+
+
+def not_measured(stage: str) -> str:
+    """The sentence for a part that has not run."""
+    return f"Not measured: the stage {stage} has not run."

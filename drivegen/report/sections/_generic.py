@@ -1,0 +1,72 @@
+"""Tables from a stage's JSON whose exact names the report need not know.
+
+Scalars at the top become one table of names and values, a mapping of scalars a table of its own, and a mapping (or list)
+of mappings a matrix with one row each. `x`, `x_low` and `x_high` become one cell with an interval.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from drivegen.report.table import Cell, Table, measured, number, row
+
+_INTERVAL = ("_low", "_high")
+
+
+def words(name: str) -> str:
+    """A key as words: "min_gap" -> "min gap"."""
+    return name.replace("_", " ").replace(".", ": ")
+
+
+def tables(name: str, title: str, value: Any) -> tuple[Table, ...]:
+    """All tables that `value` gives rise to, none for an empty one."""
+    if isinstance(value, list):
+        value = {"": {str(i + 1): item for i, item in enumerate(value)}}
+    if not isinstance(value, Mapping):
+        return ()
+    plain = {key: item for key, item in value.items() if _scalar(item)}
+    found = [_pairs(name, title, plain)] if plain else []
+    for key, item in value.items():
+        label, inner = f"{name}-{_slug(key)}".rstrip("-"), f"{title}: {words(str(key))}" if key else title
+        if isinstance(item, list):
+            item = {str(i + 1): entry for i, entry in enumerate(item)}
+        if isinstance(item, Mapping) and item:
+            if all(isinstance(entry, Mapping) for entry in item.values()):
+                found.append(matrix(label, inner, item))
+            else:
+                found += tables(label, inner, item)
+    return tuple(found)
+
+
+def matrix(name: str, title: str, rows: Mapping[str, Mapping[str, Any]], first: str = "") -> Table:
+    """One row a mapping, one column a name that any of them has; nested values are left out."""
+    keys = list(dict.fromkeys(key for entry in rows.values() for key, item in entry.items() if _scalar(item)))
+    keys = [key for key in keys if not _is_bound(key, keys)]
+    lines = [row(words(str(label)), *(_cell(dict(entry), key) for key in keys)) for label, entry in rows.items()]
+    return Table(name, title, (first, *map(words, keys)), tuple(lines))
+
+
+def _pairs(name: str, title: str, values: Mapping[str, Any]) -> Table:
+    keys = [key for key in values if not _is_bound(key, list(values))]
+    lines = [row(words(key), _cell(dict(values), key)) for key in keys]
+    return Table(name, title, ("", "value"), tuple(lines))
+
+
+def _cell(values: dict[str, Any], key: str) -> Cell:
+    value = values.get(key)
+    if isinstance(value, float) and f"{key}_low" in values:
+        return measured(values, key, 3)
+    if key not in values:
+        return Cell("\u2013")
+    return Cell(number(value, 3))
+
+
+def _is_bound(key: str, keys: list[str]) -> bool:
+    return any(key.endswith(end) and key.removesuffix(end) in keys for end in _INTERVAL)
+
+
+def _scalar(value: Any) -> bool:
+    return value is None or isinstance(value, str | int | float)
+
+
+def _slug(key: Any) -> str:
+    return "".join(c if c.isalnum() else "-" for c in str(key)).strip("-").lower()

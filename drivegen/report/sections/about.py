@@ -1,0 +1,48 @@
+"""The page's frame: the numbers in brief, pictures of scenes, recordings, provenance."""
+
+from drivegen.report.evidence import Evidence
+from drivegen.report.section import Figure, Section, not_measured
+from drivegen.report.sections.quality import NAMES, ordered
+from drivegen.report.table import Table, measured, row
+
+
+def summary(evidence: Evidence) -> Section:
+    """Three numbers of each method that was evaluated."""
+    methods = ordered(evidence.below("quality"))
+    lead = "DriveGen makes traffic scenarios from words, maps and logs, and corner cases for a given driver without training."
+    if evidence.source:
+        lead += f" All our numbers below are on: {evidence.source}."
+    if not methods:
+        return Section("summary", "In brief", lead, missing=not_measured("evaluate"))
+    keys = ("min_sade", "diversity_ratio", "collision_per_vehicle")
+    lines = [
+        row(NAMES.get(name, name), *(measured(values, key, 3 if "collision" in key else 2) for key in keys), origin="ours")
+        for name, values in methods.items()
+    ]
+    heads = ("", "min-sADE [m]", "diversity ratio", "vehicles in collision")
+    return Section("summary", "In brief", lead, (Table("summary", "This run", heads, tuple(lines)),))
+
+
+def scenes(evidence: Evidence) -> Section:
+    """Pictures of test scenes."""
+    lead = (
+        "Test scenes drawn by seed, not chosen. Orange: the target; blue: the others; boxes stand at the first frame. Lines are "
+        "all samples over one another, red where the checker objects; black dashes are the log, longer when faster."
+    )
+    figures = tuple(Figure.of(picture) for picture in evidence.scenes)
+    return Section("scenes", "Scenes", lead, (), figures, missing="" if figures else not_measured("rollout"))
+
+
+def recordings(evidence: Evidence) -> Section:
+    """Links to recordings."""
+    lead = "Open with `.venv/bin/rerun FILE`; the layout is saved inside."
+    missing = "" if evidence.recordings else not_measured("record")
+    return Section("recordings", "Recordings", lead, links=evidence.recordings, missing=missing)
+
+
+def provenance(evidence: Evidence) -> Section:
+    """Hashes and seeds."""
+    lead = "Same seed, parameters and inputs give the same bytes on one machine and pin set; this page among them."
+    lines = tuple(row(name, value) for name, value in evidence.provenance.items())
+    tables = (Table("provenance", "Made from", ("", "value"), lines),) if lines else ()
+    return Section("provenance", "Provenance", lead, tables)

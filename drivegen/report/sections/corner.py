@@ -1,0 +1,73 @@
+"""Corner cases: rounds against a given driver, beside the paper's tables III and IV."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from drivegen.report import paper, plots
+from drivegen.report.evidence import Evidence
+from drivegen.report.section import Figure, Section, not_measured
+from drivegen.report.sections._generic import matrix, tables
+from drivegen.report.sections.driving import COLUMNS
+from drivegen.report.table import NOT_MEASURED, Row, Table, measured, row
+
+OURS = {"CR": "collision_rate", "Dis [m]": "distance", "Comfort": "comfort", "Div": "diversity"}
+"""Column of table III -> name in the JSON of a round and of a driver."""
+
+
+def section(evidence: Evidence) -> Section:
+    """Rounds, what was learned, and the paper's tables."""
+    rounds = {name: value for name, value in evidence.below("corner").items() if isinstance(value, Mapping)}
+    lead = (
+        "Rounds of generation steered by what made the driver fail. Nothing is trained: goals of social vehicles are drawn "
+        "with other odds. The driver's own reaction is left out of the legality check; hard rules between social vehicles stay."
+    )
+    found = [_against_paper(evidence, rounds), _gpu_hours()]
+    figures = []
+    if rounds:
+        found.append(matrix("corner-rounds", "Corner-case rounds", rounds, "round"))
+        for name, values in rounds.items():
+            nested = {key: value for key, value in values.items() if isinstance(value, Mapping | list)}
+            found += tables(f"corner-{name}", f"Round {name}", nested)
+        figures = _plot(rounds)
+    missing = "" if rounds else not_measured("corner")
+    return Section("corner", "Corner cases", lead, tuple(found), tuple(figures), missing=missing)
+
+
+def _against_paper(evidence: Evidence, rounds: Mapping[str, Mapping[str, Any]]) -> Table:
+    driver = evidence.below("driving").get("idm")
+    last = rounds[max(rounds)] if rounds else None
+    ours = [_our_row(label, values) for label, values in (("Dataset, ours", driver), ("DriveGen-CS, ours", last))]
+    theirs = [
+        row(name, paper.MARK, *(paper.printed(value) for one in drivers for value in one), origin="paper")
+        for name, drivers in paper.CORNER.items()
+    ]
+    heads = ("", "data", *(f"{one} {column}" for one in ("IDM", "GAIL", "SAC") for column in COLUMNS))
+    notes = ("A high collision rate and low other columns are good for corner cases: they are hard for the driver.",)
+    return Table("corner-cases", "Table III. Corner cases", heads, (*ours, *theirs), notes)
+
+
+def _our_row(label: str, values: Any) -> Row:
+    found = values if isinstance(values, dict) else {}
+    idm = [measured(found, OURS[column]) for column in COLUMNS]
+    return row(label, "this run" if found else NOT_MEASURED, *idm, *[NOT_MEASURED] * 8, origin="ours")
+
+
+def _gpu_hours() -> Table:
+    ours = row("DriveGen-CS, ours", NOT_MEASURED, NOT_MEASURED, origin="ours")
+    theirs = [row(name, *map(paper.printed, values), origin="paper") for name, values in paper.GPU_HOURS.items()]
+    notes = ("Our times differ from run to run and are kept in reports/drivegen.duckdb, view cost_per_item.",)
+    heads = ("", "finetune [GPU h]", "generate [GPU h]")
+    return Table("gpu-hours", "Table IV. GPU hours for 1000 corner cases", heads, (*(ours,), *theirs), notes)
+
+
+def _plot(rounds: Mapping[str, Mapping[str, Any]]) -> list[Figure]:
+    rates = {name: values for name, values in rounds.items() if isinstance(values.get("collision_rate"), float)}
+    if not rates:
+        return []
+    errors = {
+        f"round {name}": (float(v["collision_rate_low"]), float(v["collision_rate_high"]))
+        for name, v in rates.items()
+        if "collision_rate_low" in v and "collision_rate_high" in v
+    }
+    groups = {f"round {name}": float(v["collision_rate"]) for name, v in rates.items()}
+    return [Figure.svg("Collision rate by round", "With 95 % intervals.", plots.bars(groups, "collision rate", errors))]

@@ -1,0 +1,79 @@
+"""Tables of text cells, for the page and for Markdown."""
+
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any
+
+NOT_MEASURED = "not measured"
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Text with a small note beside it (an interval) and whether it is the best of its column."""
+
+    text: str
+    note: str = ""
+    best: bool = False
+
+
+@dataclass(frozen=True)
+class Row:
+    """Cells under a heading; `origin` is "ours", "paper" or "" and decides the look and the mark."""
+
+    cells: tuple[Cell, ...]
+    origin: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """`name` is the file name in reports/tables, `columns` the headings, the first one of the row's names."""
+
+    name: str
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[Row, ...]
+    notes: tuple[str, ...] = field(default=())
+
+    def markdown(self) -> str:
+        """The table with its title and notes; cells' pipes are escaped."""
+        lines = [f"### {self.title}", "", _line(self.columns), _line(["---"] + ["---:"] * (len(self.columns) - 1))]
+        lines += [_line([_plain(cell) for cell in row.cells]) for row in self.rows]
+        lines += ["", *self.notes] if self.notes else []
+        return "\n".join(lines) + "\n"
+
+
+def _line(cells: "list[str] | tuple[str, ...]") -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in cells) + " |"
+
+
+def _plain(cell: Cell) -> str:
+    text = f"**{cell.text}**" if cell.best else cell.text
+    return f"{text} ({cell.note})" if cell.note else text
+
+
+def row(*cells: "str | Cell", origin: str = "") -> Row:
+    """A row of texts and cells."""
+    return Row(tuple(cell if isinstance(cell, Cell) else Cell(cell) for cell in cells), origin)
+
+
+def number(value: Any, digits: int = 2) -> str:
+    """A number for reading: thousands apart, `digits` decimals for fractions; text stays, nothing is "not measured"."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", "\u202f")
+    if isinstance(value, float):
+        if not isfinite(value):
+            return NOT_MEASURED
+        if value.is_integer() and abs(value) >= 10:
+            return number(int(value))
+        return f"{value:.{digits}f}" if abs(value) >= 10**-digits or value == 0 else f"{value:.2g}"
+    return NOT_MEASURED if value is None else str(value)
+
+
+def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:
+    """`values[key]` with its interval from `key_low` and `key_high`, where they are."""
+    value = values.get(key)
+    low, high = values.get(f"{key}_low"), values.get(f"{key}_high")
+    note = f"{number(low, digits)}\u2013{number(high, digits)}" if low is not None and high is not None else ""
+    return Cell(number(value if value is None else float(value), digits), note)
