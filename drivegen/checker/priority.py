@@ -8,7 +8,7 @@ time: from the moment when the vehicle leaves a conflict point to the one when a
 import numpy as np
 from numba import njit
 
-from drivegen.checker.collisions import bounds
+from drivegen.boxes import bounds
 from drivegen.checker.dynamics import exceed
 from drivegen.checker.gates import HALF_WIDTH
 from drivegen.checker.limits import NEVER, RED_GRACE, STOP_SPEED, YIELD_GAP

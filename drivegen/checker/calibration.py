@@ -1,0 +1,98 @@
+"""Set the checker's limits from logs: people drove them, so at least 99 % of their tracks must pass each rule.
+
+The limit of a rule is the larger of a floor (what is sensible on any road) and the quantile of the logged severities. Where
+several rules set one flag, each may reject only its part of the 1 %, so that the share holds for the flag too.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.checker.limits import FLAGS, RULES, Limits
+from drivegen.checker.scene import SceneChecker
+from drivegen.errors import UnusableInput
+from drivegen.samples import Violation
+from drivegen.scenario import Scenario
+
+_DECIMALS = 1000
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Limits, and how the logs that they come from fare under them.
+
+    Attributes:
+        limits: Limits.
+        tracks: number of logged tracks.
+        judged: rule -> number of tracks that had anything to judge (a signal to pass, a limit to exceed).
+        quantile: rule -> the logs' own quantile, None where it lies among tracks with nothing to judge.
+        pass_rate: rule -> share of all tracks that pass.
+        flag_pass_rate: flag -> share of all tracks without it; "LEGAL": without any.
+    """
+
+    limits: Limits
+    tracks: int
+    judged: dict[str, int]
+    quantile: dict[str, float | None]
+    pass_rate: dict[str, float]
+    flag_pass_rate: dict[str, float]
+
+    def to_json(self) -> dict[str, Any]:
+        """A plain mapping, for the stage's metrics."""
+        return {
+            "tracks": self.tracks,
+            "judged": self.judged,
+            "quantile": self.quantile,
+            "pass_rate": self.pass_rate,
+            "flag_pass_rate": self.flag_pass_rate,
+            "limits": self.limits.to_json(),
+        }
+
+
+def calibrate(scenarios: Iterable[Scenario], floors: Limits, share: float) -> Calibration:
+    """Limits such that at least `share` of the scenarios' logged tracks pass each rule, and none below `floors`.
+
+    Raises UnusableInput where no scenario has a log.
+    """
+    return from_severities([logged_severities(scenario, floors) for scenario in scenarios], floors, share)
+
+
+def logged_severities(scenario: Scenario, limits: Limits) -> NDArray[np.float32]:
+    """(tracks, R) severities of every logged track of one scenario; none for a scenario without log.
+
+    Severities don't depend on the limits; one set is needed to build a checker.
+    """
+    if scenario.log is None:
+        return np.zeros((0, len(RULES)), np.float32)
+    worst = SceneChecker(scenario, limits).severities(scenario.log[None]).worst[0]
+    tracks: NDArray[np.float32] = worst[scenario.log.valid.any(axis=-1)]
+    return tracks
+
+
+def from_severities(parts: list[NDArray[np.float32]], floors: Limits, share: float) -> Calibration:
+    """As `calibrate`, from what `logged_severities` found scenario by scenario (in any processes)."""
+    severity = np.concatenate([np.zeros((0, len(RULES)), np.float32), *parts])
+    if not len(severity):
+        raise UnusableInput("there is no logged track to calibrate the checker on", reason="no-logs")
+    rules_of_flag = np.array([FLAGS.count(flag) for flag in FLAGS])
+    shares = 1 - (1 - share) / rules_of_flag
+    found = np.array([np.quantile(severity[:, r], shares[r], method="higher") for r in range(len(RULES))])
+    limits = Limits.from_severities(np.maximum(floors.severities(), np.ceil(found * _DECIMALS) / _DECIMALS).astype(np.float32))
+    passes = severity <= limits.severities()
+    flags = np.array(FLAGS)
+    flag_pass_rate = {str(flag.name): float(passes[:, flags == flag].all(axis=1).mean()) for flag in Violation if flag}
+    return Calibration(
+        limits=limits,
+        tracks=len(severity),
+        judged=_by_rule(np.isfinite(severity).sum(axis=0).tolist()),
+        quantile=_by_rule([v if np.isfinite(v) else None for v in found.tolist()]),
+        pass_rate=_by_rule(passes.mean(axis=0).tolist()),
+        flag_pass_rate={**flag_pass_rate, "LEGAL": float(passes.all(axis=1).mean())},
+    )
+
+
+def _by_rule(values: list[Any]) -> dict[str, Any]:
+    return dict(zip(RULES, values, strict=True))
