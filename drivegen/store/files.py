@@ -1,5 +1,6 @@
 """Files are written whole or not at all, with the same bytes for the same content."""
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,6 +15,8 @@ import pyarrow.parquet as pq
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
     """A temporary path beside `path` that takes its place when the block ends well, and is removed when it does not."""
+    if path.exists() and not path.is_file():
+        raise FileExistsError(errno.EEXIST, "is there and no plain file", str(path))  # never replace a device
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:

@@ -96,3 +96,10 @@ def test_readers_never_see_a_file_in_the_making(tmp_path):
         temporary.write_text("1")
         assert not path.exists()
     assert path.read_text() == "1"
+
+
+def test_what_is_no_plain_file_is_never_replaced(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(FileExistsError, match="no plain file"):
+        write_json(tmp_path / "pipe", 1)
+    assert (tmp_path / "pipe").is_fifo()

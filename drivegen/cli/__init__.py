@@ -1,0 +1,49 @@
+"""The command `drivegen`: single pieces of the pipeline by hand, one file a command. Nobody imports this package.
+
+Only the command that is asked for is imported: the others' libraries cost seconds, and the doctor must be able to speak
+when one of them is broken.
+"""
+
+import importlib
+import sys
+
+import typer
+
+from drivegen.errors import DriveGenError
+
+COMMANDS = ("map", "generate", "view", "doctor", "bench")
+
+
+def main() -> None:
+    """The console script: whatever goes wrong is one sentence on stderr and an exit code, never a traceback."""
+    try:
+        build(sys.argv[1:])()
+    except DriveGenError as error:
+        _leave(str(error), error.exit_code)
+    except ImportError as error:
+        _leave(f"{error.name or 'a package'} cannot be imported: `drivegen doctor` says what to do", 1)
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        _leave(f"{where}{error.strerror or error}; nothing half-written was kept", 1)
+
+
+def build(words: list[str]) -> typer.Typer:
+    """The command line with the command that `words` begin with, or with all of them."""
+    app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    app.callback()(drivegen)
+    for name in words[:1] if words and words[0] in COMMANDS else COMMANDS:
+        app.command(name)(importlib.import_module(f"drivegen.cli.{name}").command)
+    return app
+
+
+def drivegen() -> None:
+    """Traffic scenarios for autonomous driving: roads from words, traffic from goals, corner cases for a driver.
+
+    Exit codes: 0 done; 1 failed (a missing tool or weights, a full disk); 2 the request was not understood or the
+    input is unusable.
+    """
+
+
+def _leave(sentence: str, code: int) -> None:
+    sys.stderr.write(f"drivegen: {sentence}\n")
+    sys.exit(code)

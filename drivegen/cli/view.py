@@ -1,0 +1,64 @@
+"""`drivegen view`: look at a scenario folder, logged or generated, in the Rerun viewer."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Annotated
+
+from rich.console import Console
+from typer import Argument, Option
+
+from drivegen.av2.folder import read_folder
+from drivegen.errors import MissingTool, UnusableInput
+from drivegen.recording.record import record_scenario
+from drivegen.selection import Settings, select
+from drivegen.store.files import whole
+
+EVERYTHING = Settings(target="focal", max_vehicles=128, first_step=0, horizon=10_000, map_radius=None, smallest_shrink=0.7)
+"""All vehicles over the whole recording, on the whole map."""
+
+
+def command(
+    scenario: Annotated[Path, Argument(help="A scenario folder: scenario_<id>.parquet and log_map_archive_<id>.json.")],
+    out: Annotated[Path | None, Option(help="Write the recording here; else <id>.rrd in the current folder.")] = None,
+    show: Annotated[bool, Option(help="Open the viewer; without a screen only the file is written.")] = True,
+) -> None:
+    """Open the recording of SCENARIO; one that `drivegen generate` left there is taken, else it is made from the log."""
+    console = Console()
+    path = _recorded(scenario, out) or _record(scenario, out)
+    if show and _has_screen():
+        _open(path)
+    else:
+        console.print(f"{path}: look at it with `rerun {path}`", soft_wrap=True)
+
+
+def _recorded(scenario: Path, out: Path | None) -> Path | None:
+    """The recording that lies in the folder, unless another place is asked for."""
+    if not scenario.is_dir():
+        raise UnusableInput(f"{scenario} is no folder: give one that holds scenario_<id>.parquet and log_map_archive_<id>.json")
+    found = sorted(scenario.glob("*.rrd"))
+    return found[0] if found and out is None else None
+
+
+def _record(scenario: Path, out: Path | None) -> Path:
+    log = read_folder(scenario, f"log in {scenario.name}")
+    path = out or Path(f"{log.scenario_id}.rrd")
+    with whole(path) as temporary:
+        record_scenario(temporary, select(log, EVERYTHING))
+    return path
+
+
+def _has_screen() -> bool:
+    return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def _open(path: Path) -> None:
+    viewer = shutil.which("rerun", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
+    if viewer is None:
+        raise MissingTool(f"{path} is written but the viewer is not installed: pip install rerun-sdk==0.41.0")
+    if subprocess.run([viewer, str(path)], check=False).returncode:
+        raise MissingTool(
+            f"{path} is written but the viewer cannot open a window: try `rerun --serve-web --bind 127.0.0.1 {path}`"
+        )

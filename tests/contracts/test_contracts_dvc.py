@@ -1,0 +1,113 @@
+"""dvc.yaml tells the truth: what a stage imports are its deps, what it reads from params.yaml are its params.
+
+DVC hashes files and follows no import, so an edit in a module that is not listed would leave a stale result standing.
+"""
+
+import dataclasses
+import importlib
+import re
+from functools import cache
+from pathlib import Path
+
+import grimp
+import pytest
+from dvc.dependency.param import ParamsDependency
+from dvc.repo import Repo
+
+from stages import _door
+
+ROOT = Path(__file__).parents[2]
+LOADED = re.compile(r"""\bload\(\s*"(\w+)",""")
+UNHASHED = {"workers"}
+"""Parameters that change no result, so that changing them reruns nothing."""
+
+
+@cache
+def imports() -> grimp.ImportGraph:
+    return grimp.build_graph("drivegen", "stages", cache_dir=None)
+
+
+def stages() -> dict[str, list]:
+    """Stages of dvc.yaml by word: the items of a matrix together."""
+    found: dict[str, list] = {}
+    with Repo(str(ROOT)) as repo:
+        for stage in repo.index.stages:
+            found.setdefault(stage.addressing.split("@")[0], []).append(stage)
+    return found
+
+
+STAGES = stages()
+
+
+def code_deps(stage) -> list[str]:
+    return [dep.def_path for dep in stage.deps if dep.def_path.startswith(("drivegen", "stages"))]
+
+
+def path_of(module: str) -> Path:
+    path = ROOT / Path(*module.split("."))
+    return path.with_suffix(".py") if path.with_suffix(".py").exists() else path / "__init__.py"
+
+
+def modules_at(path: str) -> set[str]:
+    """The modules of a file, or of a folder and all below it."""
+    name = path.removesuffix(".py").replace("/", ".")
+    return {module for module in imports().modules if module == name or module.startswith(f"{name}.")}
+
+
+def needed(stage) -> set[str]:
+    """Everything that the stage's module imports, and what the plugins among its deps import."""
+    word = stage.cmd.split()[1]
+    plugins = {m for path in code_deps(stage) for m in modules_at(path) if (path_of(m).parent / "base.py").exists()}
+    start = {f"stages.{word}", *plugins}
+    closure = start.union(*(imports().find_upstream_modules(module) for module in start))
+    return {module for module in closure if path_of(module).read_text().strip() and path_of(module).name != "__init__.py"}
+
+
+@pytest.mark.parametrize("word", STAGES)
+def test_the_stage_is_called_like_its_file_and_its_command(word):
+    assert (ROOT / "stages" / f"{word}.py").exists()
+    for stage in STAGES[word]:
+        assert stage.cmd.split()[:2] == ["stages/run", word]
+
+
+@pytest.mark.parametrize("word", STAGES)
+def test_what_a_stage_imports_is_listed_and_nothing_else(word):
+    for stage in STAGES[word]:
+        listed = {path: modules_at(path) for path in code_deps(stage)}
+        wanted = needed(stage)
+        missing = sorted(str(path_of(m).relative_to(ROOT)) for m in wanted.difference(*listed.values()))
+        useless = sorted(path for path, modules in listed.items() if not modules & wanted)
+        assert (missing, useless) == ([], []), f"{stage.addressing}: add the first, remove the second"
+
+
+@pytest.mark.parametrize("word", STAGES)
+def test_plugins_that_are_loaded_by_name_are_listed(word):
+    """Import graphs do not see them."""
+    for stage in STAGES[word]:
+        folders = {folder for module in needed(stage) for folder in LOADED.findall(path_of(module).read_text())}
+        for folder in folders:
+            chosen = [
+                p for p in code_deps(stage) if p == f"drivegen/{folder}" or re.fullmatch(rf"drivegen/{folder}/[a-z]\w*\.py", p)
+            ]
+            assert [p for p in chosen if not p.endswith("/base.py")], f"{stage.addressing}: which drivegen/{folder} does it load?"
+
+
+@pytest.mark.parametrize("word", STAGES)
+def test_every_path_of_the_command_is_a_dep_or_an_out(word):
+    for stage in STAGES[word]:
+        known = [str(entry.def_path) for entry in [*stage.deps, *stage.outs]]
+        for path in stage.cmd.split()[2:]:
+            assert any(Path(path).is_relative_to(k) or Path(k).is_relative_to(path) for k in known), (stage.addressing, path)
+
+
+@pytest.mark.parametrize("word", STAGES)
+def test_params_are_those_that_the_stage_reads_and_the_file_holds(word):
+    module = importlib.import_module(f"stages.{word}")
+    params = _door.read_params(word, module.Params, ROOT / "params.yaml")
+    own = {field.name for field in dataclasses.fields(module.Params)}
+    for stage in STAGES[word]:
+        listed = {name for dep in stage.deps if isinstance(dep, ParamsDependency) for name in dep.params}
+        shared = {name.removeprefix("run.") for name in listed if name.startswith("run.")}
+        assert shared == (own & {"seed"}) - UNHASHED, stage.addressing
+        assert word in listed or not own - {"seed", "workers"}, f"{stage.addressing}: params must list {word!r}"
+    assert params is not None
