@@ -80,8 +80,8 @@ def from_severities(parts: list[NDArray[np.float32]], floors: Limits, share: flo
     rules_of_flag = np.array([FLAGS.count(flag) for flag in FLAGS])
     shares = 1 - (1 - share) / rules_of_flag
     found = np.array([np.quantile(severity[:, r], shares[r], method="higher") for r in range(len(RULES))])
-    limits = Limits.from_severities(np.maximum(floors.severities(), np.ceil(found * _DECIMALS) / _DECIMALS).astype(np.float32))
-    passes = severity <= limits.severities()
+    limits = Limits.from_severities(np.maximum(floors.severities(), np.ceil(found * _DECIMALS) / _DECIMALS))
+    passes = severity <= limits.severities().astype(np.float32)
     flags = np.array(FLAGS)
     flag_pass_rate = {str(flag.name): float(passes[:, flags == flag].all(axis=1).mean()) for flag in Violation if flag}
     return Calibration(

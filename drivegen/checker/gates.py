@@ -105,8 +105,7 @@ def _siblings(position: NDArray[np.float32], direction: NDArray[np.float32]) -> 
     """Every gate is in the group of the first gate that is near enough."""
     gap = position[:, None] - position[None]
     near = (np.hypot(gap[..., 0], gap[..., 1]) < SIBLING_REACH) & (direction @ direction.T > np.cos(np.pi / 6))
-    group: NDArray[np.int32] = near.argmax(axis=1).astype(np.int32)
-    return group
+    return np.array([np.flatnonzero(row)[0] for row in near], np.int32)
 
 
 def _red_for(lanes: NDArray[np.intp], signals: Signals) -> NDArray[np.int16]:

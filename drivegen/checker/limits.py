@@ -51,9 +51,9 @@ class Limits:
     stop_speed: float
     yield_gap: float
 
-    def severities(self) -> NDArray[np.float32]:
+    def severities(self) -> NDArray[np.float64]:
         """(R,) the largest severity that is allowed, in the order of RULES; the yield gap negated: less is worse."""
-        values = np.array([getattr(self, name) for name in RULES], np.float32)
+        values = np.array([getattr(self, name) for name in RULES], np.float64)
         values[YIELD_GAP] = -values[YIELD_GAP]
         return values
 

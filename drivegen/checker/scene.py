@@ -58,7 +58,7 @@ class SceneChecker:
 
     def __init__(self, scenario: Scenario, limits: Limits, field: RoadField | None = None) -> None:
         self.size = np.ascontiguousarray(scenario.vehicles.size[:, :2], np.float32)
-        self.limit = limits.severities()
+        self.limit = limits.severities().astype(np.float32)
         self.field = field if field is not None else road_field(scenario.map)
         self._context = _arrays(scenario.context.motion)
         self._context_size = np.ascontiguousarray(scenario.context.size[:, :2], np.float32)
