@@ -33,7 +33,7 @@ P = TypeVar("P")
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 
-COST_FOLDER = Path("reports/cost")
+COST_FOLDER = Path(".drivegen/costs")
 """Where times are kept: they differ from run to run, so no stage's output holds any."""
 
 SHARED = "run"
