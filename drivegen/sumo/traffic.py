@@ -30,7 +30,7 @@ _LONGEST_MESSAGE = 300
 
 
 class SimulationFailed(UnusableInput):
-    """SUMO refused the input, crashed or took too long; `reason` is sumo-refused, sumo-crashed or timeout."""
+    """SUMO refused the input, crashed or took too long; `reason` is sumo-refused, sumo-crashed, timeout or no-traffic."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +87,8 @@ def simulate(network: bytes, demand: bytes, origin: NDArray[np.float64], run: Ru
         tracks = pq.read_table(folder / "tracks.parquet")
         types = json.loads((folder / "types.json").read_text())
         changes = json.loads((folder / "lights.json").read_text())
+    if not tracks.num_rows:
+        raise SimulationFailed("no vehicle drove: no route of the demand fits the network", reason="no-traffic")
     lights = {light: _states(changed, first, steps) for light, changed in changes.items()}
     return _dense(tracks, types, lights, origin, (first, steps))
 

@@ -1,0 +1,126 @@
+"""The embedded corpus: simulated logs in Argoverse 2's layout, many scenarios to a file.
+
+    <root>/<split>/tracks-<part>.parquet   official columns and length, width, height; one row group a scenario
+    <root>/<split>/maps-<part>.parquet     scenario_id, city, log_map_archive (official JSON), signals (JSON of av2.signals)
+
+Row group k of the tracks belongs to row k of the maps. Everything is named "SUMO corpus (simulated)".
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from drivegen.av2.maps import read_map, write_map
+from drivegen.av2.schema import COLUMNS, CONSTANTS, REQUIRED, SIZE_COLUMNS, WORDS
+from drivegen.av2.signals import read_signals, write_signals
+from drivegen.av2.tracks import read_log, track_table
+from drivegen.errors import UnusableInput
+from drivegen.recorded import RecordedLog
+from drivegen.scenario import Scenario
+from drivegen.store.files import whole, write_table
+
+_MAPS = pa.schema(
+    [
+        ("scenario_id", pa.string()),
+        ("city", pa.string()),
+        ("log_map_archive", pa.binary()),
+        ("signals", pa.binary()),
+    ]
+)
+
+_READ = [*REQUIRED, *SIZE_COLUMNS]
+_REPEATED = [*WORDS, *CONSTANTS]
+
+
+class Plugin:
+    """Reads the corpus below a folder; keeps one shard open, so scenes are best read in order."""
+
+    description = "SUMO corpus (simulated)"
+
+    def __init__(self, root: Path) -> None:
+        if not root.is_dir():
+            raise UnusableInput(f"{root} is not there: run the stage `corpus`, or name the folder that holds its splits")
+        self._root = root
+        self._index: dict[str, dict[str, tuple[Path, int]]] = {}
+        self._open: tuple[Path, pq.ParquetFile, pa.Table] | None = None
+
+    def scenes(self, split: str) -> list[str]:
+        """Scenario ids of a split, sorted; empty if the split is absent."""
+        return sorted(self._scenes(split))
+
+    def read(self, split: str, scene: str) -> RecordedLog:
+        """One recording with its map and signals. Raises UnusableInput where the files cannot be used."""
+        found = self._scenes(split).get(scene)
+        if found is None:
+            raise UnusableInput(f"{self._root / split} holds no scenario {scene!r}", reason="no-rows")
+        path, row = found
+        tracks, maps = self._shard(path)
+        place = f"{path} [{scene}]"
+        try:
+            table = tracks.read_row_group(row, columns=_READ, use_threads=False)
+            record = maps.slice(row, 1).to_pylist()[0]
+        except (pa.ArrowException, OSError, IndexError) as error:
+            raise UnusableInput(f"{place} cannot be read: {error}", reason="truncated") from None
+        road_map = read_map(record["log_map_archive"], place)
+        return read_log(table, road_map, self.description, place, read_signals(record["signals"], road_map, place))
+
+    def files(self, split: str, scene: str) -> tuple[Path, ...]:
+        """The scene's shard: tracks and maps."""
+        found = self._scenes(split).get(scene)
+        return () if found is None else (found[0], _maps_of(found[0]))
+
+    def _scenes(self, split: str) -> dict[str, tuple[Path, int]]:
+        if split not in self._index:
+            index: dict[str, tuple[Path, int]] = {}
+            for maps in sorted((self._root / split).glob("maps-*.parquet")):
+                tracks = maps.with_name(maps.name.replace("maps-", "tracks-", 1))
+                index.update({name: (tracks, row) for row, name in enumerate(_column(maps, "scenario_id"))})
+            self._index[split] = index
+        return self._index[split]
+
+    def _shard(self, path: Path) -> tuple[pq.ParquetFile, pa.Table]:
+        if self._open is None or self._open[0] != path:
+            maps = _maps_of(path)
+            try:
+                self._open = (path, pq.ParquetFile(path, read_dictionary=_REPEATED), pq.read_table(maps, schema=_MAPS))
+            except (pa.ArrowException, OSError) as error:
+                raise UnusableInput(f"{path} or {maps.name} cannot be read: {error}", reason="truncated") from None
+        return self._open[1], self._open[2]
+
+
+def _column(path: Path, name: str) -> list[str]:
+    try:
+        return [str(value) for value in pq.read_table(path, columns=[name])[name].to_pylist()]
+    except (pa.ArrowException, OSError, KeyError) as error:
+        raise UnusableInput(f"{path} cannot be read: {error}", reason="truncated") from None
+
+
+def _maps_of(tracks: Path) -> Path:
+    return tracks.with_name(tracks.name.replace("tracks-", "maps-", 1))
+
+
+def write_part(folder: Path, part: str, scenarios: Sequence[Scenario]) -> None:
+    """Write scenarios with a log as `tracks-<part>.parquet` and `maps-<part>.parquet`; same scenarios, same bytes.
+
+    The maps are written last: without them a part does not exist.
+    """
+    with (
+        whole(folder / f"tracks-{part}.parquet") as temporary,
+        pq.ParquetWriter(temporary, COLUMNS, compression="zstd", compression_level=3) as writer,
+    ):
+        for scenario in scenarios:
+            if scenario.log is None:
+                raise UnusableInput(f"scenario {scenario.scenario_id} has no log to write", reason="no-rows")
+            writer.write_table(track_table(scenario, scenario.log, scenario.scenario_id))
+    rows = [
+        {
+            "scenario_id": scenario.scenario_id,
+            "city": scenario.city,
+            "log_map_archive": write_map(scenario.map),
+            "signals": write_signals(scenario.signals, scenario.map),
+        }
+        for scenario in scenarios
+    ]
+    write_table(folder / f"maps-{part}.parquet", pa.Table.from_pylist(rows, _MAPS))

@@ -1,0 +1,94 @@
+"""Simulated logs for machines without data: a prepared network in, a number of scenario windows out.
+
+"SUMO corpus (simulated)" wherever it is named. The networks' own demand is replaced by random trips and their own
+signal programs by fixed-time ones: several of those that come with SUMO hold a phase for an hour.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivegen import seeds
+from drivegen.crop import Cropper
+from drivegen.errors import UnusableInput
+from drivegen.scenario import Scenario
+from drivegen.sumo.demand import Demand, draw_demand
+from drivegen.sumo.netconvert import convert
+from drivegen.sumo.network import Network
+from drivegen.sumo.sensing import SensingSettings, sensed
+from drivegen.sumo.traffic import Run, simulate
+from drivegen.sumo.windows import EGO, Recording, WindowSettings, cut_windows
+
+_BARREN_RUNS = 4
+"""A network that gives no scenario in this many runs one after the other is given up."""
+
+_CYCLES = (50, 60, 70, 80, 90)
+"""Cycle times of signals [s]."""
+
+
+@dataclass(frozen=True)
+class CorpusSettings:
+    """How logs are simulated.
+
+    Attributes:
+        least_density, most_density: vehicles per kilometre of lane at the beginning; each run draws its own.
+        most_vehicles: bound on the vehicles at the beginning of a run.
+        warm_up: [s] before recording begins. windows_per_run: windows one after the other in a run.
+        lateral_resolution: width of a sublane [m].
+        time_limit: processor time that one run may take [s].
+        window: which windows make scenarios. sensing: how they are measured.
+    """
+
+    least_density: float
+    most_density: float
+    most_vehicles: int
+    warm_up: float
+    windows_per_run: int
+    lateral_resolution: float
+    time_limit: float
+    window: WindowSettings
+    sensing: SensingSettings
+
+
+def prepare_network(raw: bytes, city: str, seed: int) -> bytes:
+    """The network with fixed-time programs of its own at every signal, cycle time drawn by `seed`.
+
+    Raises UnusableInput where the file is no network that netconvert accepts.
+    """
+    Network.read(raw, city)  # netconvert must not be the first to parse it
+    cycle = seeds.rng(seed, "signals", city).choice(_CYCLES)
+    files = {"in.net.xml.gz" if raw[:2] == b"\x1f\x8b" else "in.net.xml": raw}
+    rebuild = ["--tls.rebuild", "true", "--tls.default-type", "static", "--tls.cycle.time", str(cycle)]
+    plain = ["--offset.disable-normalization", "true", "--output.street-names", "false", "--no-warnings", "true"]
+    return convert(files, ["-s", next(iter(files)), *rebuild, *plain, "-o", "out.net.xml"], "out.net.xml")
+
+
+def simulate_scenarios(raw: bytes, city: str, part: int, count: int, settings: CorpusSettings, seed: int) -> list[Scenario]:
+    """`count` scenarios on the prepared network `raw`, the same ones for the same city, part, settings and seed.
+
+    Raises UnusableInput where the network yields too few.
+    """
+    network = Network.read(raw, city)
+    cropper = Cropper(network.map)
+    scenarios: list[Scenario] = []
+    barren = run = 0
+    while len(scenarios) < count:
+        name = f"{city}-{part:03d}-{run:02d}"
+        random = seeds.rng(seed, "corpus", city, part, run)
+        recording = _record(raw, network, cropper, city, settings, random)
+        found = cut_windows(recording, name, settings.window, random)
+        scenarios += [sensed(scenario, EGO, settings.sensing, random) for scenario in found[: count - len(scenarios)]]
+        barren, run = (0 if found else barren + 1), run + 1
+        if barren == _BARREN_RUNS:
+            raise UnusableInput(f"{city}: the network gives no scenario in {barren} runs: take another", reason="no-scenarios")
+    return scenarios
+
+
+def _record(
+    raw: bytes, network: Network, cropper: Cropper, city: str, settings: CorpusSettings, random: np.random.Generator
+) -> Recording:
+    seconds = settings.windows_per_run * settings.window.steps / 10
+    density = float(random.uniform(settings.least_density, settings.most_density))
+    demand = draw_demand(network, Demand(density, settings.most_vehicles, settings.warm_up + seconds), random)
+    run = Run(int(random.integers(2**31)), settings.warm_up, seconds, settings.lateral_resolution, settings.time_limit)
+    return Recording(network, simulate(raw, demand, network.map.origin, run), cropper, city)

@@ -1,0 +1,107 @@
+"""What a recording vehicle would have measured: tracks with noise, and only while somebody can be seen."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.geometry import box_corners, rotate
+from drivegen.scenario import Actors, Scenario, Trajectories
+
+
+@dataclass(frozen=True)
+class SensingSettings:
+    """How the simulated truth is measured; all off gives the truth.
+
+    Attributes:
+        occlusion: tracks have gaps where another vehicle hides them from the recording one (from the focal one where
+            there is no recording one).
+        position_noise: standard deviation of each coordinate [m]. heading_noise: of the heading [rad].
+        speed_noise: of each component of the velocity [m/s].
+    """
+
+    occlusion: bool
+    position_noise: float
+    heading_noise: float
+    speed_noise: float
+
+
+def sensed(scenario: Scenario, observer: str, settings: SensingSettings, random: np.random.Generator) -> Scenario:
+    """The scenario as measured from the vehicle with track id `observer`; that vehicle and the focal one stay complete.
+
+    Noise is white: each step is measured anew. Initial states follow their tracks.
+    """
+    if scenario.log is None:
+        return scenario
+    count = len(scenario.vehicles)
+    motion = _joined(scenario.log, scenario.context.motion)
+    if settings.occlusion:
+        names = scenario.vehicles.track_id.tolist()
+        eye = names.index(observer) if observer in names else 0
+        size = np.concatenate([scenario.vehicles.size, scenario.context.size])
+        hidden = _hidden(motion, size, eye)
+        hidden[[0, eye]] = False
+        motion = replace(motion, valid=motion.valid & ~hidden)
+    motion = _noisy(motion, settings, random)
+    log, riders = motion[:count], motion[count:]
+    seen, met = log.valid.any(-1), riders.valid.any(-1)
+    log, riders = log[seen], riders[met]
+    context = Actors(scenario.context.track_id[met], scenario.context.kind[met], scenario.context.size[met], riders)
+    start, each = np.argmax(log.valid, axis=-1), np.arange(len(log.valid))
+    vehicles = replace(
+        scenario.vehicles[seen],
+        position=log.position[each, start],
+        heading=log.heading[each, start],
+        speed=log.speed[each, start],
+    )
+    return replace(scenario, vehicles=vehicles, log=log, context=context)
+
+
+def _joined(a: Trajectories, b: Trajectories) -> Trajectories:
+    pairs = ((a.position, b.position), (a.heading, b.heading), (a.velocity, b.velocity))
+    position, heading, velocity = (np.concatenate(pair) for pair in pairs)
+    return Trajectories(position, heading, velocity, np.concatenate([a.valid, b.valid]))
+
+
+def _noisy(motion: Trajectories, settings: SensingSettings, random: np.random.Generator) -> Trajectories:
+    def off(values: NDArray[np.float32], deviation: float) -> NDArray[np.float32]:
+        if deviation == 0:
+            return values
+        return (values + deviation * random.standard_normal(values.shape, np.float32)).astype(np.float32)
+
+    return replace(
+        motion,
+        position=off(motion.position, settings.position_noise),
+        heading=off(motion.heading, settings.heading_noise),
+        velocity=off(motion.velocity, settings.speed_noise),
+    )
+
+
+def _hidden(motion: Trajectories, size: NDArray[np.float32], eye: int) -> NDArray[np.bool_]:
+    """(N, T) whether every line of sight from vehicle `eye` to a vehicle's centre and corners meets another box."""
+    points = np.concatenate(
+        [motion.position[:, :, None], box_corners(motion.position, motion.heading, size[:, :1], size[:, 1:2])], axis=2
+    )
+    from_eye = motion.position[eye]  # (T, 2)
+    hidden = np.ones(points.shape[:3], np.bool_)
+    for target in range(len(size)):
+        blocked = np.zeros(points.shape[1:3], np.bool_)
+        for other in range(len(size)):
+            if other not in (target, eye):
+                crossed = _crosses(from_eye, points[target], motion[other], size[other])
+                blocked |= crossed & motion.valid[other][:, None]
+        hidden[target] = blocked
+    return np.asarray(hidden.all(-1))
+
+
+def _crosses(
+    start: NDArray[np.float32], end: NDArray[np.float32], box: Trajectories, size: NDArray[np.float32]
+) -> NDArray[np.bool_]:
+    """(T, P) whether the segments from `start` (T, 2) to `end` (T, P, 2) meet the moving box (slab test in its frame)."""
+    a = rotate(start - box.position, -box.heading)[:, None]
+    step = rotate(end - box.position[:, None], -box.heading[:, None]) - a
+    step = np.where(np.abs(step) < 1e-9, 1e-9, step)
+    low, high = (-size[:2] / 2 - a) / step, (size[:2] / 2 - a) / step
+    enter = np.maximum(np.minimum(low, high).max(-1), 0.0)
+    leave = np.minimum(np.maximum(low, high).min(-1), 1.0)
+    return np.asarray(enter < leave)

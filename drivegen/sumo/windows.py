@@ -1,0 +1,194 @@
+"""Cut scenario windows out of simulated traffic: 11 s around a focal vehicle that drives, with the map that it sees."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.crop import Cropper
+from drivegen.geometry import boxes_overlap
+from drivegen.scenario import Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
+from drivegen.sumo.network import Network
+from drivegen.sumo.traffic import Traffic
+
+SOURCE = "SUMO corpus (simulated)"
+
+EGO = "AV"
+"""Track id of the vehicle that stands for the recording one, as in Argoverse 2."""
+
+MOVED = 2.0
+"""A vehicle moves if it gets farther than this from where it was first seen [m]."""
+
+_FOCAL_KINDS = (VehicleKind.CAR, VehicleKind.TRUCK, VehicleKind.BUS)
+
+
+@dataclass(frozen=True)
+class WindowSettings:
+    """Which windows make scenarios.
+
+    Attributes:
+        steps: length T of a window.
+        radius: vehicles are seen while within this distance of the focal one, lanes if they come within it [m].
+        apart: focal vehicles of windows at the same time are at least this far from each other [m].
+        focal_travel: the focal vehicle gets at least this far [m].
+        fewest: vehicles at the first step, the focal one included.
+        moving_share: at least this share of the vehicles moves.
+    """
+
+    steps: int
+    radius: float
+    apart: float
+    focal_travel: float
+    fewest: int
+    moving_share: float
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Traffic on a network, with what is needed over and over to cut windows out of it."""
+
+    network: Network
+    traffic: Traffic
+    cropper: Cropper
+    city: str
+
+
+def cut_windows(recording: Recording, name: str, settings: WindowSettings, random: np.random.Generator) -> list[Scenario]:
+    """All scenarios of a recording in order of time, called `<name>-<first step>-<track id>`."""
+    motion = recording.traffic.motion
+    scenarios = []
+    for first in range(0, motion.steps - settings.steps + 1, settings.steps):
+        window = _slice(motion, first, settings.steps)
+        clashes = overlapping_pairs(window, recording.traffic.size)
+        for focal in _focal_vehicles(window, recording.traffic.kind, settings, random):
+            seen = _seen(window, focal, clashes, settings)
+            if seen is not None:
+                scenario_id = f"{name}-{first:05d}-{recording.traffic.track_id[focal]}"
+                scenarios.append(_scenario(recording, window, (first, focal), seen, settings, scenario_id))
+    return scenarios
+
+
+def _slice(motion: Trajectories, first: int, steps: int) -> Trajectories:
+    last = first + steps
+    parts = (motion.position[:, first:last], motion.heading[:, first:last], motion.velocity[:, first:last])
+    return Trajectories(*parts, motion.valid[:, first:last])
+
+
+def _focal_vehicles(
+    window: Trajectories, kind: NDArray[np.uint8], settings: WindowSettings, random: np.random.Generator
+) -> list[int]:
+    """Vehicles that are there throughout and drive, far enough apart, in random order."""
+    travel = np.hypot(*(window.position[:, -1] - window.position[:, 0]).T)
+    fit = window.valid.all(-1) & (travel >= settings.focal_travel) & np.isin(kind, _FOCAL_KINDS)
+    chosen: list[int] = []
+    middle = window.position[:, settings.steps // 2]
+    for vehicle in random.permutation(np.flatnonzero(fit)).tolist():
+        gaps = np.hypot(*(middle[chosen] - middle[vehicle]).T)
+        if (gaps >= settings.apart).all():
+            chosen.append(vehicle)
+    return chosen
+
+
+def _seen(window: Trajectories, focal: int, clashes: NDArray[np.intp], settings: WindowSettings) -> NDArray[np.bool_] | None:
+    """Where each vehicle is seen (V, T), or None where the window makes no scenario.
+
+    SUMO keeps gaps along lanes, not between boxes, so waiting and turning vehicles sometimes overlap in junctions:
+    windows that show such a pair are left out.
+    """
+    gap = window.position - window.position[focal]
+    seen: NDArray[np.bool_] = window.valid & ((gap**2).sum(-1) <= settings.radius**2)
+    if np.count_nonzero(seen[:, 0]) < settings.fewest:
+        return None
+    shown = np.asarray(seen.any(-1))
+    if shown[clashes].all(-1).any():
+        return None
+    rows = np.flatnonzero(shown)
+    moving = moves(Trajectories(window.position[rows], window.heading[rows], window.velocity[rows], seen[rows]))
+    return seen if moving.mean() >= settings.moving_share else None
+
+
+def moves(motion: Trajectories) -> NDArray[np.bool_]:
+    """(...) whether each track gets farther than MOVED from where it was first seen."""
+    first = np.argmax(motion.valid, axis=-1)[..., None, None]
+    gap = motion.position - np.take_along_axis(motion.position, first, axis=-2)
+    return np.asarray((motion.valid & (np.hypot(gap[..., 0], gap[..., 1]) > MOVED)).any(-1))
+
+
+def _scenario(
+    recording: Recording,
+    window: Trajectories,
+    at: tuple[int, int],
+    seen: NDArray[np.bool_],
+    settings: WindowSettings,
+    scenario_id: str,
+) -> Scenario:
+    first, focal = at
+    traffic = recording.traffic
+    rows = np.flatnonzero(seen.any(-1))
+    gap = np.hypot(*(window.position[rows, 0] - window.position[focal, 0]).T)
+    rows = rows[np.lexsort((rows, np.where(seen[rows, 0], gap, np.inf)))]  # the focal one first, then by distance
+    path = window.position[focal, ::10]
+    origin = np.round(path[0].astype(np.float64) + recording.network.map.origin)
+    cut, lanes = recording.cropper.around(path, settings.radius)
+    shift = (recording.network.map.origin - origin).astype(np.float32)
+    valid = seen[rows]
+    motion = Trajectories(
+        np.where(valid[..., None], window.position[rows] + shift, 0.0),
+        np.where(valid, window.heading[rows], 0.0).astype(np.float32),
+        np.where(valid[..., None], window.velocity[rows], 0.0).astype(np.float32),
+        valid,
+    )
+    names = traffic.track_id[rows].astype(object)
+    ego = np.flatnonzero(valid.all(-1) & np.isin(traffic.kind[rows], _FOCAL_KINDS))[1:2]
+    names[ego] = EGO
+    ridden = traffic.kind[rows] == VehicleKind.MOTORCYCLE
+    start = np.argmax(valid, axis=-1)
+    each = np.arange(len(rows))
+    vehicles = Vehicles(
+        track_id=names.astype(np.str_),
+        kind=traffic.kind[rows],
+        size=traffic.size[rows],
+        size_source=np.full(len(rows), SizeSource.MEASURED, np.uint8),
+        position=motion.position[each, start],
+        heading=motion.heading[each, start],
+        speed=motion.speed[each, start],
+    )
+    riders = Actors(vehicles.track_id[ridden], vehicles.kind[ridden], vehicles.size[ridden], motion[ridden])
+    return Scenario(
+        scenario_id=scenario_id,
+        source=SOURCE,
+        city=recording.city,
+        map=cut.moved_to(origin),
+        vehicles=vehicles[~ridden],
+        horizon=settings.steps - 1,
+        log=motion[~ridden],
+        context=riders,
+        signals=_signals(recording, lanes, (first, settings.steps)),
+    )
+
+
+def _signals(recording: Recording, lanes: NDArray[np.int64], window: tuple[int, int]) -> Signals:
+    """What the lights showed for the kept lanes."""
+    network, (first, steps) = recording.network, window
+    number = {lane: i for i, lane in enumerate(lanes.tolist())}
+    kept = [g for g, lane in enumerate(network.signal_lane.tolist()) if lane in number]
+    state = np.zeros((len(kept), steps), np.uint8)
+    for row, g in zip(state, kept, strict=True):
+        light = recording.traffic.lights.get(str(network.signal_name[g]))
+        if light is not None and network.signal_link[g] < len(light):
+            row[:] = light[network.signal_link[g], first : first + steps]
+    return Signals(np.array([number[int(network.signal_lane[g])] for g in kept], np.int32), state)
+
+
+def overlapping_pairs(motion: Trajectories, size: NDArray[np.float32]) -> NDArray[np.intp]:
+    """Pairs (P, 2) of tracks (V, T) whose boxes `size` (V, 3) overlap at any step while both are valid."""
+    half = np.hypot(size[:, 0], size[:, 1])[:, None] / 2
+    low = np.where(motion.valid[..., None], motion.position, np.inf).min(1) - half
+    high = np.where(motion.valid[..., None], motion.position, -np.inf).max(1) + half
+    a, b = np.nonzero(np.triu(((low[:, None] <= high) & (low <= high[:, None])).all(-1), 1))  # their paths come near
+    pair, step = np.nonzero(motion.valid[a] & motion.valid[b])
+    boxes = [(motion.position[i, step], motion.heading[i, step], size[i, :2]) for i in (a[pair], b[pair])]
+    close = ((boxes[0][0] - boxes[1][0]) ** 2).sum(-1) <= (half[a[pair], 0] + half[b[pair], 0]) ** 2
+    pair, boxes = pair[close], [(p[close], h[close], s[close]) for p, h, s in boxes]
+    hit = np.unique(pair[boxes_overlap(*boxes[0], *boxes[1])])
+    return np.stack([a[hit], b[hit]], axis=-1)
