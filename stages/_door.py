@@ -93,6 +93,8 @@ def build(cls: type[P], values: dict[str, Any], place: str) -> P:
 
 
 def _typed(hint: Any, value: Any, place: str) -> Any:
+    if hint is Any:  # checked by whoever knows the value's own types
+        return value
     origin, inner = typing.get_origin(hint), typing.get_args(hint)
     if dataclasses.is_dataclass(hint) and isinstance(value, dict):
         return build(hint, value, place)  # type: ignore[arg-type]

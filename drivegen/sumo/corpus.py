@@ -17,7 +17,7 @@ from drivegen.sumo.netconvert import convert
 from drivegen.sumo.network import Network
 from drivegen.sumo.sensing import SensingSettings, sensed
 from drivegen.sumo.traffic import Run, simulate
-from drivegen.sumo.windows import EGO, Recording, WindowSettings, cut_windows
+from drivegen.sumo.windows import EGO, Recording, WindowSettings, cut_windows, moves
 
 _BARREN_RUNS = 4
 """A network that gives no scenario in this many runs one after the other is given up."""
@@ -92,3 +92,9 @@ def _record(
     demand = draw_demand(network, Demand(density, settings.most_vehicles, settings.warm_up + seconds), random)
     run = Run(int(random.integers(2**31)), settings.warm_up, seconds, settings.lateral_resolution, settings.time_limit)
     return Recording(network, simulate(raw, demand, network.map.origin, run), cropper, city)
+
+
+def moving_vehicles(scenarios: list[Scenario]) -> tuple[int, int]:
+    """How many vehicles and riders of the scenarios move (see `windows.moves`), and how many there are."""
+    tracks = [np.concatenate([moves(s.log), moves(s.context.motion)]) for s in scenarios if s.log is not None]
+    return sum(int(track.sum()) for track in tracks), sum(len(track) for track in tracks)
