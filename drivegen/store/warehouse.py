@@ -4,7 +4,8 @@ The parts are the record, the file is a convenience: it can be deleted and made 
 process write and then nobody read, so the file is made under a temporary name and renamed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
 
@@ -21,10 +22,8 @@ def read_parts(parts: Sequence[Path], schema: pa.Schema) -> pa.Table:
     """All rows of `parts` in the given order. Raises UnusableInput for a part that is no Parquet or has other columns."""
     tables = [schema.empty_table()]
     for part in parts:
-        try:
+        with _naming(part):
             table = pq.read_table(part, partitioning=None)
-        except (pa.ArrowInvalid, OSError) as error:
-            raise UnusableInput(f"{part} is not a Parquet file: remove it and run its stage again", reason="truncated") from error
         if table.schema.remove_metadata() != schema:
             wanted, found = ", ".join(schema.names), ", ".join(table.column_names)
             raise UnusableInput(f"{part} has columns {found}; wanted {wanted}: run its stage again", reason="columns")
@@ -33,8 +32,25 @@ def read_parts(parts: Sequence[Path], schema: pa.Schema) -> pa.Table:
 
 
 def result_parts(folder: Path) -> list[Path]:
-    """Parquet files below `folder` that hold results (others have columns of their own and are left alone), sorted."""
-    return [part for part in sorted(folder.rglob("*.parquet")) if pq.read_schema(part).names == RESULT.names]
+    """Parquet files below `folder` that hold results (others have columns of their own and are left alone), sorted.
+
+    Raises UnusableInput for a file that is no Parquet.
+    """
+    found = []
+    for part in sorted(folder.rglob("*.parquet")):
+        with _naming(part):
+            columns = pq.read_schema(part).names
+        if columns == RESULT.names:
+            found.append(part)
+    return found
+
+
+@contextmanager
+def _naming(part: Path) -> Iterator[None]:
+    try:
+        yield
+    except pa.ArrowException as error:
+        raise UnusableInput(f"{part} is not a Parquet file: remove it and run its stage again", reason="truncated") from error
 
 
 def build(path: Path, results: pa.Table, costs: pa.Table) -> None:

@@ -1,0 +1,34 @@
+import numpy as np
+
+from drivegen.metrics.intervals import bootstrap_mean, bootstrap_means
+
+
+def test_the_interval_holds_the_true_mean_about_as_often_as_it_says():
+    random = np.random.default_rng(0)
+    held = 0
+    for _ in range(200):
+        interval = bootstrap_mean(random.normal(3.0, 1.0, 60), 300, random)
+        held += interval.low <= 3.0 <= interval.high
+    assert 178 <= held <= 198
+
+
+def test_multinomial_counts_equal_resampling_row_by_row():
+    values = np.random.default_rng(1).gamma(2.0, size=80)
+    fast = bootstrap_mean(values, 4000, np.random.default_rng(2))
+    random = np.random.default_rng(3)
+    slow = np.quantile([random.choice(values, 80).mean() for _ in range(4000)], [0.025, 0.975])
+    np.testing.assert_allclose([fast.low, fast.high], slow, rtol=0.03)
+    assert fast.value == values.mean()
+
+
+def test_rows_without_a_value_do_not_count():
+    table = np.array([[1.0, np.nan], [3.0, 5.0], [2.0, np.nan]])
+    both = bootstrap_means(table, 500, np.random.default_rng(0))
+    assert [interval.value for interval in both] == [2.0, 5.0]
+    assert (both[1].low, both[1].high) == (5.0, 5.0)
+
+
+def test_nothing_to_average_is_not_a_number():
+    empty = bootstrap_mean(np.zeros(0), 10, np.random.default_rng(0))
+    unknown = bootstrap_mean(np.full(3, np.nan), 10, np.random.default_rng(0))
+    assert np.isnan([empty.value, empty.low, unknown.value, unknown.high]).all()

@@ -1,0 +1,97 @@
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from drivegen.errors import UnusableInput
+from drivegen.store.results import COST, RESULT, Run, result_rows, run_id, write_cost, write_results
+from drivegen.store.warehouse import build, query, read_parts, result_parts
+
+RUN = Run("0123456789ab", "evaluate", "drivegen", "", 7, "learned")
+
+
+def rows(run=RUN, **metrics):
+    return result_rows(run, ["a", "b", "c"], {name.replace("__", "."): np.array(value) for name, value in metrics.items()})
+
+
+def warehouse(folder, *parts):
+    for i, part in enumerate(parts):
+        write_results(folder / "metrics" / f"{i}.parquet", [part])
+    write_cost(folder / "costs", "evaluate", "drivegen", {"cpu_seconds": 6.0, "scenarios": 3})
+    results = read_parts(result_parts(folder / "metrics"), RESULT)
+    build(folder / "drivegen.duckdb", results, read_parts(sorted((folder / "costs").glob("*.parquet")), COST))
+    return folder / "drivegen.duckdb"
+
+
+def test_rows_are_one_number_of_one_scenario_each():
+    table = rows(min_sade=[1.0, 2.0, np.nan], mean_sade=[4.0, 5.0, 6.0])
+    assert table.schema == RESULT
+    assert len(table) == 5
+    found = {(r["scenario"], r["metric"]): r["value"] for r in table.to_pylist()}
+    assert found["b", "min_sade"] == 2.0
+    assert ("c", "min_sade") not in found
+    assert set(table["run"].to_pylist()) == {RUN.run}
+
+
+def test_the_same_rows_are_the_same_bytes(tmp_path):
+    for name in ("one", "two"):
+        write_results(tmp_path / name, [rows(min_sade=[1.0, 2.0, 3.0])])
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+
+
+def test_a_part_without_rows_can_be_read(tmp_path):
+    write_results(tmp_path / "none.parquet", [])
+    assert read_parts([tmp_path / "none.parquet"], RESULT).num_rows == 0
+
+
+def test_a_run_is_named_by_settings_and_contents(tmp_path):
+    (tmp_path / "data").mkdir()
+    file = tmp_path / "data" / "x"
+    file.write_bytes(b"1")
+    before = run_id({"seed": 7}, [tmp_path / "data"])
+    assert run_id({"seed": 7}, [tmp_path / "data"]) == before
+    assert run_id({"seed": 8}, [tmp_path / "data"]) != before
+    file.write_bytes(b"2")
+    changed = run_id({"seed": 7}, [tmp_path / "data"])
+    file.rename(tmp_path / "data" / "y")
+    assert len({before, changed, run_id({"seed": 7}, [tmp_path / "data"])}) == 3
+
+
+def test_the_warehouse_gives_back_every_row(tmp_path):
+    part = rows(min_sade=[1.0, 2.0, 6.0])
+    other = result_rows(Run("x", "drive", "", "idm", 7, "batch"), ["a"], {"collision": np.array([1.0])})
+    made = warehouse(tmp_path, part, other)
+    order = "order by stage, scenario, metric"
+    assert query(made, f"from results {order}").to_pylist() == [*other.to_pylist(), *part.sort_by("scenario").to_pylist()]
+    assert query(made, "select sum(value) as total from costs").to_pylist() == [{"total": 9.0}]
+
+
+def test_views_average_per_method_and_by_kind_of_scene(tmp_path):
+    one = {"label__road__junction": [1.0, 1.0, np.nan], "label__road__fast_road": [np.nan, np.nan, 1.0]}
+    made = warehouse(tmp_path, rows(min_sade=[1.0, 2.0, 6.0], collision_per_vehicle=[0.0, 0.0, 0.3], **one))
+    quality = query(made, "select method, min_sade, collision_per_vehicle, min_sfde from scenario_quality").to_pylist()
+    assert quality == [{"method": "drivegen", "min_sade": 3.0, "collision_per_vehicle": pytest.approx(0.1), "min_sfde": None}]
+    assert {m["metric"] for m in query(made, "from metrics").to_pylist()} == {"min_sade", "collision_per_vehicle"}
+    by_label = query(made, "select label, mean from metrics_by_label where metric = 'min_sade' order by label").to_pylist()
+    assert by_label == [{"label": "fast_road", "mean": 6.0}, {"label": "junction", "mean": 1.5}]
+    assert query(made, "select cpu_seconds_per_scenario as s from cost_per_item").to_pylist() == [{"s": 2.0}]
+
+
+def test_a_warehouse_is_replaced_as_a_whole(tmp_path):
+    made = warehouse(tmp_path, rows(min_sade=[1.0, 2.0, 6.0]))
+    build(made, RESULT.empty_table(), COST.empty_table())
+    assert query(made, "select count(*) as n from results").to_pylist() == [{"n": 0}]
+    assert [file.name for file in tmp_path.iterdir() if file.is_file()] == ["drivegen.duckdb"]
+
+
+def test_a_truncated_part_is_named(tmp_path):
+    write_results(tmp_path / "part.parquet", [rows(min_sade=[1.0, 2.0, 6.0])])
+    (tmp_path / "part.parquet").write_bytes((tmp_path / "part.parquet").read_bytes()[:-40])
+    with pytest.raises(UnusableInput, match=r"part\.parquet is not a Parquet file"):
+        result_parts(tmp_path)
+
+
+def test_a_part_with_other_columns_is_refused_or_left_alone(tmp_path):
+    pq.write_table(rows(min_sade=[1.0, 2.0, 6.0]).drop_columns("seed"), tmp_path / "other.parquet")
+    assert result_parts(tmp_path) == []
+    with pytest.raises(UnusableInput, match="wanted run, stage"):
+        read_parts([tmp_path / "other.parquet"], RESULT)
