@@ -58,8 +58,9 @@ def pipeline(root: Path = Path()) -> Pipeline:
     with Repo(str(root)) as repo:
         graph = repo.index.graph  # an edge (a, b) means that a depends on b
         order = list(nx.topological_sort(graph.reverse(copy=True)))
-        needs = {stage.addressing: sorted(d.addressing for d in graph.successors(stage)) for stage in order}
-        stale = set(repo.status())
+        needs = {stage.name: sorted(d.name for d in graph.successors(stage)) for stage in order}
+        changed = repo.status()
+        stale = {stage.name for stage in order if stage.addressing in changed}
     for stage, before in needs.items():
         if stale.intersection(before):
             stale.add(stage)
@@ -122,7 +123,7 @@ def metrics(stage: str, root: Path = Path()) -> dict[str, Any]:
 
 
 def _find(repo: Repo, stage: str) -> Any:
-    return next(s for s in repo.index.stages if s.addressing == stage)
+    return next(s for s in repo.index.stages if s.name == stage)
 
 
 def _overlap(one: str, other: str) -> bool:
@@ -138,7 +139,7 @@ def _run(command: list[str], root: Path, say: Callable[[str], None]) -> tuple[in
         assert process.stdout is not None
         for line in process.stdout:
             lines.append(line.rstrip())
-            if lines[-1] and not lines[-1].startswith(_HINTS):
+            if lines[-1] and not line.lstrip().startswith(_HINTS):
                 say(lines[-1])
     return process.returncode, lines
 
@@ -152,5 +153,5 @@ def _environment() -> dict[str, str]:
 def _reason(lines: list[str]) -> str:
     """The last words of a failed stage itself, which come before DVC's."""
     noise = ("ERROR: failed to reproduce", "Running stage", "> ", *_HINTS)
-    words = [line for line in lines if line.strip() and not line.startswith(noise)]
+    words = [line for line in lines if line.strip() and not line.lstrip().startswith(noise)]
     return words[-1] if words else "it said nothing"

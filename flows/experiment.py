@@ -10,11 +10,11 @@ from prefect.cache_policies import NO_CACHE
 from prefect.client.schemas.objects import State
 from prefect.futures import PrefectFuture, as_completed
 from prefect.states import Completed, Failed
-from prefect.task_runners import TaskRunner, ThreadPoolTaskRunner
+from prefect.task_runners import ThreadPoolTaskRunner
 
 from flows import dvc
 
-RUNNER: TaskRunner[PrefectFuture[Any]] = ThreadPoolTaskRunner(max_workers=2)
+RUNNER: ThreadPoolTaskRunner[Any] = ThreadPoolTaskRunner(max_workers=2)
 """Two stages at once; each may itself use `run.workers` processes."""
 
 
@@ -30,7 +30,7 @@ def run_stage(stage: str, stale: bool) -> State[float]:
     return Completed(data=seconds) if ran else Completed(name="Cached", data=seconds)
 
 
-@flow(name="experiment", task_runner=RUNNER)
+@flow(name="experiment", task_runner=RUNNER)  # type: ignore[arg-type]  # Prefect's own generics disagree
 def experiment() -> State[list[dict[str, str]]]:
     """Bring every stage of dvc.yaml up to date; records one row a stage. Fails, naming them, if stages do."""
     began = time.monotonic()

@@ -1,0 +1,116 @@
+"""What flows know of DVC, on a pipeline of shell commands; no Prefect here."""
+
+import shutil
+import threading
+from pathlib import Path
+
+import pytest
+
+from flows import dvc, workspace
+from tests.flows import toy
+
+
+@pytest.fixture
+def root(tmp_path, monkeypatch) -> Path:
+    """A pipeline of which nothing has run."""
+    monkeypatch.chdir(toy.build(tmp_path))
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory) -> Path:
+    folder = toy.build(tmp_path_factory.mktemp("built"))
+    plan = dvc.pipeline(folder)
+    for stage in plan.needs:
+        assert dvc.reproduce(stage, lambda _: None, folder)
+    return folder
+
+
+@pytest.fixture
+def done(built, tmp_path, monkeypatch) -> Path:
+    """A pipeline of which everything has run."""
+    root = tmp_path / "done"
+    shutil.copytree(built, root, symlinks=True)
+    monkeypatch.chdir(root)
+    return root
+
+
+def run_stale() -> list[str]:
+    plan = dvc.pipeline()
+    return [stage for stage in plan.needs if stage in plan.stale and dvc.reproduce(stage, lambda _: None)]
+
+
+def test_stages_come_in_an_order_in_which_they_can_run(root):
+    plan = dvc.pipeline()
+    order = list(plan.needs)
+    assert plan.needs["place"] == ["ingest", "maps"]
+    assert all(order.index(before) < order.index(stage) for stage, needs in plan.needs.items() for before in needs)
+    assert set(plan.upstream("corner@1")) == {"ingest", "corner@0"}
+    assert plan.stale == set(order)
+
+
+def test_only_what_a_change_reaches_is_stale(done):
+    assert dvc.pipeline().stale == frozenset()
+    (done / "dvc.yaml").write_text(toy.DVC.replace("cat data/maps data/scenarios", "cat data/scenarios data/maps"))
+    assert dvc.pipeline().stale == {"place", "ship"}
+    assert sorted(run_stale()) == ["place", "ship"]
+
+
+def test_a_stage_whose_inputs_come_out_equal_is_not_run_again(done):
+    (done / "dvc.yaml").write_text(toy.DVC.replace("grep -o", "grep  -o"))
+    assert dvc.pipeline().stale == {"maps", "place", "ship"}
+    assert run_stale() == ["maps"]
+
+
+def test_lines_are_streamed_and_hints_left_out(root):
+    lines: list[str] = []
+    assert dvc.reproduce("ingest", lines.append)
+    assert any("mkdir -p data" in line for line in lines)
+    assert not any("git add" in line for line in lines)
+    assert not dvc.reproduce("ingest", lines.append)
+
+
+def test_a_failed_stage_says_its_own_last_words(root):
+    (root / "dvc.yaml").write_text(toy.DVC.replace("echo logs >", "echo ingest, no such folder && false >"))
+    with pytest.raises(dvc.StageFailed, match="stage ingest failed: ingest, no such folder"):
+        dvc.reproduce("ingest", lambda _: None)
+
+
+def test_a_stage_whose_files_are_held_waits_for_them(root):
+    (root / "dvc.yaml").write_text(toy.DVC.replace("cat data/maps", "sleep 2; cat data/maps"))
+    for stage in ("ingest", "maps"):
+        dvc.reproduce(stage, lambda _: None)
+    holder = threading.Thread(target=dvc.reproduce, args=("place", lambda _: None))
+    holder.start()
+    lines: list[str] = []
+    assert dvc.reproduce("ingest", lines.append, force=True)  # it rewrites what `place` reads
+    holder.join()
+
+
+def test_outputs_inputs_and_metrics_are_those_of_dvc_yaml(done):
+    assert dvc.outputs("ship") == ["data/shipped", "data/ship.json"]
+    assert sorted(dvc.inputs("place")) == ["data/maps", "data/scenarios"]
+    assert dvc.metrics("ship") == {"scenarios": 1}
+    with pytest.raises(dvc.StageFailed, match="declares no metrics"):
+        dvc.metrics("place")
+    (done / "data" / "ship.json").unlink()
+    with pytest.raises(dvc.StageFailed, match=r"has not written .*ship\.json"):
+        dvc.metrics("ship")
+
+
+def test_a_second_workspace_shares_the_cache_and_has_its_own_params(done, tmp_path):
+    room = tmp_path / "room"
+    workspace.copy(done, room, {"run": {"seed": 8}})
+    dvc.checkout(["data/scenarios"], room)
+    assert (room / "data" / "scenarios").read_text() == "logs\n"
+    assert dvc.reproduce("maps", lambda _: None, room)
+    assert (room / "data" / "maps").read_text().strip() == "seed: 8"
+    assert (done / "data" / "maps").read_text().strip() == "seed: 7"
+    assert not (room / ".dvc" / "cache").exists()
+
+
+def test_overrides_replace_values_and_refuse_unknown_names():
+    values = {"run": {"seed": 7, "workers": 2}, "rounds": [1, 2]}
+    assert workspace.merged(values, {"run": {"seed": 8}, "rounds": [3]}) == {"run": {"seed": 8, "workers": 2}, "rounds": [3]}
+    with pytest.raises(KeyError, match="speed"):
+        workspace.merged(values, {"run": {"speed": 1}})

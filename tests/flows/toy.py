@@ -1,0 +1,57 @@
+"""A pipeline of shell commands with our stages' names, in a git repository of its own: what flows do, without the work."""
+
+import subprocess
+from pathlib import Path
+
+DVC = """
+stages:
+  ingest:
+    cmd: mkdir -p data && echo logs > data/scenarios
+    params: [run.seed]
+    outs: [data/scenarios]
+  maps:
+    cmd: mkdir -p data && grep -o 'seed.*' params.yaml > data/maps
+    params: [run.seed]
+    outs: [data/maps]
+  place:
+    cmd: cat data/maps data/scenarios > data/placed
+    deps: [data/maps, data/scenarios]
+    outs: [data/placed]
+  ship:
+    cmd: mkdir data/shipped && cp data/placed data/shipped/shard && echo '{"scenarios":1}' > data/ship.json
+    deps: [data/placed]
+    outs: [data/shipped]
+    metrics: [data/ship.json]
+  corner:
+    foreach: ${rounds}
+    do:
+      cmd: cp ${item.before} data/round-${item.k} && echo '{"collision_rate":${item.rate}}' > data/round-${item.k}.json
+      deps:
+      - ${item.before}
+      outs:
+      - data/round-${item.k}
+      metrics:
+      - data/round-${item.k}.json
+"""
+
+PARAMS = """
+run:
+  seed: 7
+rounds:
+- {k: 0, before: data/scenarios, rate: 0.1}
+- {k: 1, before: data/round-0, rate: 0.3}
+- {k: 2, before: data/round-1, rate: 0.3}
+- {k: 3, before: data/round-2, rate: 0.9}
+"""
+
+
+def build(folder: Path) -> Path:
+    """Write the toy pipeline into `folder`."""
+    (folder / ".dvc").mkdir()
+    (folder / ".dvc" / "config").write_text("[core]\n    analytics = false\n")
+    (folder / "dvc.yaml").write_text(DVC)
+    (folder / "params.yaml").write_text(PARAMS)
+    (folder / ".gitignore").write_text("/data/*\n/.drivegen/\n")
+    for command in (["git", "init", "-q"], ["git", "add", "-A"]):
+        subprocess.run(command, cwd=folder, check=True)
+    return folder
