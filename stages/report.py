@@ -14,7 +14,7 @@ import orjson
 
 from drivegen.errors import UnusableInput
 from drivegen.render.scene_picture import png, scene_picture
-from drivegen.report import Curve, Evidence, Link, Picture, all_tables, build_page
+from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_page
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
 from drivegen.store.draw import draw_scenes
@@ -53,9 +53,11 @@ def main(
             **{f"version of {name}": version(name) for name in _PINNED},
         },
     )
-    _write(page, build_page(evidence))
-    for table in all_tables(evidence):
-        _write(tables / f"{table.name}.md", table.markdown())
+    sections = all_sections(evidence)
+    _write(page, build_page(sections, evidence.source))
+    for section in sections:
+        for table in section.tables:
+            _write(tables / f"{table.name}.md", table.markdown())
     print(f"report: {page.resolve().as_uri()}")
 
 

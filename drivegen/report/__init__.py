@@ -2,6 +2,6 @@
 
 from drivegen.report.evidence import Curve, Evidence, Link, Picture
 from drivegen.report.page import build_page
-from drivegen.report.sections import all_sections, all_tables
+from drivegen.report.sections import all_sections
 
-__all__ = ["Curve", "Evidence", "Link", "Picture", "all_sections", "all_tables", "build_page"]
+__all__ = ["Curve", "Evidence", "Link", "Picture", "all_sections", "build_page"]

@@ -1,17 +1,16 @@
 """The page: sections through a Jinja template into one HTML file with everything inside it."""
 
 import base64
+from collections.abc import Sequence
 from importlib.resources import files
 
 from jinja2 import Environment, StrictUndefined
 
-from drivegen.report.evidence import Evidence
-from drivegen.report.section import Figure
-from drivegen.report.sections import all_sections
+from drivegen.report.section import Figure, Section
 
 
-def build_page(evidence: Evidence) -> str:
-    """HTML that loads nothing from anywhere; the same text for the same evidence."""
+def build_page(sections: Sequence[Section], source: str) -> str:
+    """HTML that loads nothing from anywhere; the same text for the same sections. `source` is the data set in words."""
     here = files("drivegen.report")
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["inline"] = _inline

@@ -1,0 +1,163 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rerun as rr
+
+from drivegen.errors import UnusableInput
+from drivegen.recording import GoalMarks, record_scenario
+from drivegen.recording.traffic import FREE, clearance
+from drivegen.samples import Violation
+from drivegen.scenario import Actors, Trajectories
+from tests.scenes import busy_crossing, drive, noisy_samples, scenario, stack, straight_road
+
+
+def read(path: Path) -> dict[str, dict[str, list]]:
+    """Entity -> component column -> rows, and under "" the time lines."""
+    found: dict[str, dict[str, list]] = {}
+    for chunk in rr.chunk.RrdReader(path).stream():
+        entity = found.setdefault(chunk.entity_path, {})
+        batch = chunk.to_record_batch()
+        for name in batch.schema.names:
+            if ":" in name:
+                entity.setdefault(name, []).extend(batch.column(name).to_pylist())
+        entity.setdefault("times", []).extend(chunk.timeline_names)
+        entity.setdefault("static", []).append(chunk.is_static)
+    return found
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    scene = busy_crossing()
+    goals = GoalMarks(
+        position=np.concatenate([scene.log.position[:, -1], scene.log.position[:2, -1] + 5]),
+        vehicle=np.arange(10, dtype=np.int32) % 8,
+        number=np.arange(10, dtype=np.int32),
+        probability=np.full(10, 0.25, np.float32),
+        chosen=np.arange(10) < 8,
+    )
+    path = tmp_path_factory.mktemp("recording") / "scene.rrd"
+    image = np.zeros((64, 64, 3), np.uint8)
+    record_scenario(path, scene, noisy_samples(scene), sample=0, goals=goals, bird_eye=image)
+    return path, read(path)
+
+
+def test_everything_that_a_viewer_should_see_is_there(recorded):
+    _, found = recorded
+    wanted = {"/bird_eye", "/verdicts", "/world/signals", "/world/paths", "/world/logged"}
+    wanted |= {f"/world/roads/{what}" for what in ("surface", "boundaries", "connections", "drivable", "stop_lines")}
+    wanted |= {"/world/traffic/target", "/world/traffic/social", "/world/goals/candidates", "/world/goals/chosen"}
+    wanted |= {f"/plots/{kind}/{of}" for kind in ("speed", "clearance") for of in ("generated", "logged")}
+    assert wanted <= set(found)
+
+
+def test_vehicles_move_over_both_time_lines(recorded):
+    _, found = recorded
+    social = found["/world/traffic/social"]
+    assert {"time", "step"} <= set(social["times"])
+    centres = [row for row in social["Boxes3D:centers"] if row is not None]
+    assert len(centres) == 101
+    assert {len(row) for row in centres} == {7}
+    moved = (
+        np.array(found["/world/traffic/target"]["Boxes3D:centers"][-1][0])
+        - found["/world/traffic/target"]["Boxes3D:centers"][0][0]
+    )
+    assert np.hypot(moved[0], moved[1]) > 50
+
+
+def test_boxes_turn_red_at_their_first_violation(recorded):
+    _, found = recorded
+    colours = [row[0] for row in found["/world/traffic/target"]["Boxes3D:colors"] if row is not None]
+    assert len(set(colours[:40])) == len(set(colours[40:])) == 1
+    assert colours[39] != colours[40]
+
+
+def test_verdicts_say_who_what_and_when(recorded):
+    _, found = recorded
+    lines = [row[0] for row in found["/verdicts"]["TextLog:text"]]
+    assert len(lines) == 8
+    assert "target: collision from step 40" in lines
+    assert "vehicle track-5: legal" in lines
+
+
+def test_signals_are_logged_once_while_nothing_changes(recorded):
+    _, found = recorded
+    assert len([row for row in found["/world/signals"]["LineStrips3D:colors"] if row is not None]) == 1
+
+
+def test_chosen_goals_carry_number_and_probability(recorded):
+    _, found = recorded
+    assert found["/world/goals/chosen"]["Points3D:labels"][0][:2] == ["0: 25%", "1: 25%"]
+
+
+def test_the_layout_is_inside_and_the_file_is_light(recorded):
+    path, _ = recorded
+    assert len(list(rr.chunk.RrdReader(path).blueprints())) == 1
+    assert path.stat().st_size < 300_000
+    assert [file.name for file in path.parent.iterdir()] == ["scene.rrd"]
+
+
+def test_two_recordings_of_one_scene_have_the_same_content(recorded, tmp_path):
+    scene = busy_crossing()
+    for name in ("one", "two"):
+        record_scenario(tmp_path / name, scene)
+    assert read(tmp_path / "one") == read(tmp_path / "two")
+
+
+def test_a_log_alone_has_no_ghosts_and_no_verdicts(tmp_path):
+    record_scenario(tmp_path / "log.rrd", busy_crossing())
+    found = read(tmp_path / "log.rrd")
+    assert not {"/world/logged", "/verdicts", "/bird_eye"} & set(found)
+    assert "/plots/speed/logged" in found
+
+
+def test_a_vehicle_that_was_not_seen_is_not_drawn(tmp_path):
+    scene = busy_crossing(steps=20)
+    scene.log.valid[3, 5:] = False
+    record_scenario(tmp_path / "gap.rrd", scene)
+    rows = read(tmp_path / "gap.rrd")["/world/traffic/social"]["Boxes3D:centers"]
+    assert [len(row) for row in rows] == [7] * 5 + [6] * 15
+
+
+def test_nothing_to_show_is_refused(tmp_path):
+    scene = busy_crossing()
+    with pytest.raises(UnusableInput, match="no log"):
+        record_scenario(tmp_path / "x.rrd", scene.with_motion(None))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_left_out_vehicles_and_repeated_planning_are_named(tmp_path):
+    scene = busy_crossing(steps=30)
+    samples = noisy_samples(scene, 1)
+    samples.violation[:] = Violation.NONE
+    samples.dropped[0, 2], samples.attempts[0, 1:3] = True, 4
+    record_scenario(tmp_path / "x.rrd", scene, samples)
+    lines = [row[0] for row in read(tmp_path / "x.rrd")["/verdicts"]["TextLog:text"]]
+    assert "vehicle track-2: left out, nothing legal was found, 4 planned" in lines
+    assert "vehicle track-1: legal, 4 planned" in lines
+
+
+def test_clearance_is_bumper_to_bumper_and_capped():
+    lane = straight_road().centreline[0]
+    log = stack([drive(lane, 20, 5, 11), drive(lane, 32, 5, 11)])
+    scene = scenario(straight_road(), log)
+    np.testing.assert_allclose(clearance(scene, log), 12 - 4.6, atol=1e-3)
+    log.valid[1, 6:] = False
+    assert clearance(scene, log)[-1] == FREE
+
+
+def test_people_count_for_clearance_and_are_drawn(tmp_path):
+    lane = straight_road().centreline[0]
+    log = stack([drive(lane, 20, 0, 11)])
+    walker = Trajectories(
+        np.full((1, 11, 2), (20, 5), np.float32),
+        np.zeros((1, 11), np.float32),
+        np.zeros((1, 11, 2), np.float32),
+        np.ones((1, 11), np.bool_),
+    )
+    people = Actors(np.array(["p"]), np.array([5], np.uint8), np.float32([[0.6, 0.6, 1.8]]), walker)
+    base = scenario(straight_road(), log)
+    scene = type(base)(**{**vars(base), "context": people})
+    np.testing.assert_allclose(clearance(scene, log), 5 - 0.95 - 0.3, atol=1e-3)
+    record_scenario(tmp_path / "p.rrd", scene)
+    assert "/world/context" in read(tmp_path / "p.rrd")

@@ -1,0 +1,147 @@
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from drivegen.render.scene_picture import png
+from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_page
+from drivegen.report.paper import MARK
+
+DOT = png(np.zeros((2, 2, 3), np.uint8))
+
+
+def quality(error: float, diversity: float) -> dict[str, float]:
+    names = ("min_sade", "min_sfde", "mean_sade", "mean_sfde")
+    values = dict(zip(names, (error, 2 * error, 2.5 * error, 4 * error), strict=True))
+    values |= {f"diversity_ratio{end}": diversity for end in ("", "_plain", "_any_sample", "_any_sample_plain")}
+    values |= {f"{what}_per_{of}": 0.0125 for what in ("collision", "off_road", "illegal") for of in ("vehicle", "scene")}
+    values["violation.red_light"] = 0.02
+    values |= {f"{name}_{end}": value for name, value in values.items() for end in ("low", "high")}
+    return values | {"diversity_pairs": 1200, "label.road.junction": 3.0, "manoeuvre.left": 12.0}
+
+
+FULL = Evidence(
+    results={
+        "quality/log": quality(0.0, 1.0),
+        "quality/constant_velocity": quality(3.0, 0.6),
+        "quality/drivegen": quality(1.0, 0.9),
+        "quality/drivegen_without_goals": quality(2.0, 1.3),
+        "ingest": {"accepted": {"train": 600}, "rejected": {"truncated": 2}, "scored": 192000},
+        "calibrate": {"speed": {"limit": 33.1, "passes": 0.991}},
+        "train_selector": {"top_1": 0.62},
+        "train_planner/route_fm": {"loss": 0.01},
+        "goals/learned": {"top_1": 0.62},
+        "driving/idm": {"collision_rate": 0.05, "collision_rate_low": 0.01, "collision_rate_high": 0.09, "distance": 50.5},
+        "corner/1": {"collision_rate": 0.05},
+        "corner/2": {"collision_rate": 0.15, "collision_rate_low": 0.1, "collision_rate_high": 0.2},
+        "maps": {"roundabout": {"text": "a roundabout <script>", "valid": True}},
+    },
+    source="hand-made scenes",
+    scenes=(Picture("Scene <1>", "16 vehicles", DOT),),
+    maps=(Picture("roundabout", "a roundabout", DOT),),
+    curves=(Curve("train_planner/route_fm", {"step": [1.0, 2.0], "train": [1.0, 0.5], "validation": [1.1, float("nan")]}),),
+    recordings=(Link("scene 1", "recordings/scene-1.rrd"),),
+    provenance={"seed": "7"},
+)
+
+
+HELPS = {"quality": 3, "train_selector": 1}
+"""Sections that a result fills, where it is not one."""
+
+
+SECTIONS = all_sections(FULL)
+TABLES = {table.name: table for section in SECTIONS for table in section.tables}
+
+
+def page_of(evidence: Evidence) -> str:
+    return build_page(all_sections(evidence), evidence.source)
+
+
+class Reader(HTMLParser):
+    """Collects what the page refers to and the text of its tables."""
+
+    def __init__(self):
+        super().__init__()
+        self.refers, self.ids, self.open = [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        values = dict(attrs)
+        self.refers += [values[name] for name in ("src", "href", "srcset", "data", "action") if name in values]
+        self.ids += [values["id"]] if "id" in values else []
+        if tag not in {"meta", "img", "link", "br"}:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def read(page: str) -> Reader:
+    reader = Reader()
+    reader.feed(page)
+    assert reader.open == []
+    return reader
+
+
+def test_the_page_loads_nothing_from_anywhere():
+    page = build_page(SECTIONS, FULL.source)
+    reader = read(page)
+    assert all(re.match(r"data:image/|#|recordings/", place) for place in reader.refers)
+    style = page[page.index("<style>") : page.index("</style>")]
+    assert "url(" not in style
+    assert "@import" not in style
+    assert "<script" not in page
+
+
+def test_every_table_stands_in_the_page_once():
+    reader = read(build_page(SECTIONS, FULL.source))
+    names = [table.name for section in SECTIONS for table in section.tables]
+    assert len(names) == len(set(names))
+    assert {f"table-{name}" for name in names} <= set(reader.ids)
+    assert {"quality", "diversity", "safety", "downstream", "corner-cases", "gpu-hours", "corner-rounds"} <= set(names)
+
+
+def test_a_page_without_evidence_says_what_was_not_measured():
+    page = page_of(Evidence())
+    read(page)
+    for stage in ("evaluate", "ingest", "corner", "train_planner", "maps", "record", "rollout", "drive", "calibrate"):
+        assert f"the stage {stage} has not run" in page
+    assert MARK in page
+
+
+@pytest.mark.parametrize("only", sorted(FULL.results))
+def test_any_part_may_be_there_alone(only):
+    page = page_of(Evidence({only: FULL.results[only]}))
+    read(page)
+    assert page.count("has not run") == page_of(Evidence()).count("has not run") - HELPS.get(only.split("/")[0], 1)
+
+
+def test_the_same_evidence_is_the_same_page():
+    assert page_of(FULL) == build_page(SECTIONS, FULL.source)
+
+
+def test_the_paper_s_rows_are_marked_and_ours_name_their_data():
+    table = TABLES["quality"]
+    by_origin = {origin: [row for row in table.rows if row.origin == origin] for origin in ("ours", "paper")}
+    assert {row.cells[1].text for row in by_origin["paper"]} == {MARK}
+    assert {row.cells[1].text for row in by_origin["ours"]} == {FULL.source}
+    paper_drivegen = [cell.text for cell in by_origin["paper"][-1].cells]
+    assert paper_drivegen == ["DriveGen", MARK, "1.18", "2.16", "2.59", "3.64", "0.93"]
+
+
+def test_the_best_generator_is_bold_and_the_log_never():
+    table = TABLES["quality"]
+    bold = {row.cells[0].text for row in table.rows for cell in row.cells if cell.best}
+    assert bold == {"DriveGen"}
+
+
+def test_markup_in_names_and_texts_is_text():
+    page = build_page(SECTIONS, FULL.source)
+    assert "Scene &lt;1&gt;" in page
+    assert "a roundabout &lt;script&gt;" in page
+
+
+def test_sections_have_one_anchor_each():
+    anchors = [section.anchor for section in SECTIONS]
+    assert len(anchors) == len(set(anchors))
+    assert set(anchors) <= set(read(build_page(SECTIONS, FULL.source)).ids)

@@ -1,0 +1,63 @@
+import pytest
+
+from drivegen.report.sections._generic import tables
+from drivegen.report.table import NOT_MEASURED, Cell, Table, measured, number, row
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.5, "0.50"),
+        (0.0, "0.00"),
+        (0.00123, "0.0012"),
+        (192000, "192\u202f000"),
+        (192000.0, "192\u202f000"),
+        (True, "yes"),
+        ("words", "words"),
+        (None, NOT_MEASURED),
+        (float("nan"), NOT_MEASURED),
+    ],
+)
+def test_numbers_as_they_are_read(value, text):
+    assert number(value) == text
+
+
+def test_a_measured_number_carries_its_interval():
+    assert measured({"x": 1.0, "x_low": 0.5, "x_high": 1.25}, "x") == Cell("1.00", "0.50\u20131.25")
+    assert measured({"x": 1}, "x") == Cell("1.00")
+    assert measured({}, "x") == Cell(NOT_MEASURED)
+
+
+def test_markdown_has_a_header_aligned_rows_and_notes():
+    table = Table("t", "Title", ("", "a|b"), (row("x", Cell("1", "0\u20132", best=True)),), ("A note.",))
+    assert table.markdown().splitlines() == [
+        "### Title",
+        "",
+        "|  | a\\|b |",
+        "| --- | ---: |",
+        "| x | **1** (0\u20132) |",
+        "",
+        "A note.",
+    ]
+
+
+def test_scalars_become_one_table_and_mappings_of_mappings_a_matrix():
+    found = tables(
+        "s", "Stage", {"steps": 3, "by_kind": {"car": {"n": 1, "n_low": 0}, "bus": {"size": 12.5}}, "counts": {"a": 1}}
+    )
+    assert [(table.name, table.title) for table in found] == [
+        ("s", "Stage"),
+        ("s-by-kind", "Stage: by kind"),
+        ("s-counts", "Stage: counts"),
+    ]
+    assert found[1].columns == ("", "n", "size")
+    assert [cell.text for cell in found[1].rows[1].cells] == ["bus", "\u2013", "12.500"]
+
+
+def test_lists_of_mappings_become_a_matrix_too():
+    (found,) = tables("s", "Stage", [{"name": "a", "ok": True}, {"name": "b", "ok": False}])
+    assert [[cell.text for cell in line.cells] for line in found.rows] == [["1", "a", "yes"], ["2", "b", "no"]]
+
+
+def test_nothing_gives_no_table():
+    assert tables("s", "Stage", None) == tables("s", "Stage", {}) == ()
