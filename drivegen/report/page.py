@@ -15,7 +15,7 @@ def build_page(sections: Sequence[Section], source: str) -> str:
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["inline"] = _inline
     template = environment.from_string(here.joinpath("page.html.j2").read_text())
-    return template.render(sections=all_sections(evidence), source=evidence.source, style=here.joinpath("page.css").read_text())
+    return template.render(sections=sections, source=source, style=here.joinpath("page.css").read_text())
 
 
 def _inline(figure: Figure) -> str:
