@@ -86,6 +86,15 @@ class Trajectories:
             self.position[..., :steps, :], self.heading[..., :steps], self.velocity[..., :steps, :], self.valid[..., :steps]
         )
 
+    def between(self, first: int, last: int) -> "Trajectories":
+        """Steps `first` to `last`, the latter not included."""
+        return Trajectories(
+            self.position[..., first:last, :],
+            self.heading[..., first:last],
+            self.velocity[..., first:last, :],
+            self.valid[..., first:last],
+        )
+
     def last_valid(self) -> NDArray[np.intp]:
         """(...) index of the last valid step; 0 where none is."""
         return np.where(self.valid.any(-1), self.steps - 1 - np.argmax(self.valid[..., ::-1], axis=-1), 0)

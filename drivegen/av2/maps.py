@@ -113,7 +113,8 @@ def _local(lines: Lines, origin: NDArray[np.float64]) -> Polylines:
 def _middle(points: NDArray[np.float64]) -> NDArray[np.float64]:
     if not len(points):
         raise ValueError("its lanes have no points")
-    return np.round((points.min(0) + points.max(0)) / 2)
+    middle: NDArray[np.float64] = np.round((points.min(0) + points.max(0)) / 2)
+    return middle
 
 
 def _centrelines(lanes: Sequence[Mapping[str, Any]], left: Lines, right: Lines) -> Lines:
@@ -217,9 +218,7 @@ def _areas(road_map: RoadMap) -> dict[str, Any]:
     guarded = road_map.lane_id[road_map.stop_lane].tolist()
     return {
         "drivable_areas": {str(i): {"area_boundary": line, "id": i} for i, line in enumerate(drivable)},
-        "pedestrian_crossings": {
-            str(i): {"edge1": [a, b], "edge2": [d, c], "id": i} for i, (a, b, c, d) in enumerate(crossings)
-        },
+        "pedestrian_crossings": {str(i): {"edge1": [a, b], "edge2": [d, c], "id": i} for i, (a, b, c, d) in enumerate(crossings)},
         "stop_lines": {str(i): {"lane": lane, "line": line} for i, (lane, line) in enumerate(zip(guarded, stops, strict=True))},
     }
 

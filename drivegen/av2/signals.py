@@ -24,12 +24,10 @@ def read_signals(raw: bytes, road_map: RoadMap, place: str) -> Signals:
     try:
         rows = [(index[row["lane"]], row["states"]) for row in orjson.loads(raw)["signals"] if row["lane"] in index]
         states = [[LETTERS.index(letter) for letter in letters] for _, letters in rows]
-        if len({len(row) for row in states}) > 1:
-            raise ValueError("its signals differ in length")
+        state = np.array(states, np.uint8).reshape(len(rows), -1 if rows else 0)  # unequal lengths are a ValueError
     except (orjson.JSONDecodeError, KeyError, TypeError, ValueError) as error:
         raise UnusableInput(f"{place} is no signals file: {error}", reason="bad-signals") from None
-    steps = len(states[0]) if states else 0
-    return Signals(np.array([lane for lane, _ in rows], np.int32), np.array(states, np.uint8).reshape(len(rows), steps))
+    return Signals(np.array([lane for lane, _ in rows], np.int32), state)
 
 
 def write_signals(signals: Signals, road_map: RoadMap) -> bytes:

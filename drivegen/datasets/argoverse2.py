@@ -21,7 +21,9 @@ class Plugin:
 
     def __init__(self, root: Path) -> None:
         if not any((root / split).is_dir() for split in SPLITS):
-            raise UnusableInput(f"{root} holds no Argoverse 2 Motion Forecasting: it needs train/, val/ or test/ with one folder a scene")
+            raise UnusableInput(
+                f"{root} holds no Argoverse 2 Motion Forecasting: it needs train/, val/ or test/ with one folder a scene"
+            )
         self.root = root
 
     def scenes(self, split: str) -> list[str]:

@@ -12,7 +12,7 @@ import numpy as np
 from drivegen.av2.sensor import EGO_TRACK, SensorLog, count_frames, log_files, read_sensor_log
 from drivegen.errors import UnusableInput
 from drivegen.recorded import NO_TRACK, RecordedLog
-from drivegen.scenario import Signals, Trajectories
+from drivegen.scenario import Signals
 
 SPLITS = ("train", "val", "test")
 
@@ -44,7 +44,9 @@ class Plugin:
         """One window; raises UnusableInput with a countable reason."""
         name, _, window = scene.rpartition(":")
         if not name or not window.isdecimal():
-            raise UnusableInput(f"{scene!r} is no scene of {self.root}: they are called <log>:<window>", reason="no-such-scenario")
+            raise UnusableInput(
+                f"{scene!r} is no scene of {self.root}: they are called <log>:<window>", reason="no-such-scenario"
+            )
         log = self._log(self.root / split / name)
         first = int(window) * STRIDE
         if first >= log.motion.steps:
@@ -64,10 +66,7 @@ def _windows(log: Path) -> int:
 
 
 def _cut(log: SensorLog, scene: str, first: int) -> RecordedLog:
-    whole = log.motion
-    motion = Trajectories(
-        *(a[:, first : first + WINDOW] for a in (whole.position, whole.heading, whole.velocity, whole.valid))
-    )
+    motion = log.motion.between(first, first + WINDOW)
     seen = motion.valid.any(-1)
     ego = np.flatnonzero(log.track_id[seen] == EGO_TRACK)
     return RecordedLog(
