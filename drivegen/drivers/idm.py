@@ -1,0 +1,87 @@
+"""The Intelligent Driver Model (Treiber, Hennecke, Helbing 2000), the paper's third driving algorithm.
+
+    a = a_max (1 - (v / v0)^delta - (s* / s)^2),   s* = s0 + max(0, v T + v (v - v_lead) / (2 sqrt(a_max b)))
+
+v0 is the road's speed limit, or `desired_speed` where it has none. The leader is the nearest box ahead on the path that
+reaches into the target's way, or will within `look_ahead`.
+"""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from drivegen.drivers.base import Action, Observation
+
+_NO_GAP = 0.001
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Parameters of the model.
+
+    Attributes:
+        desired_speed: [m/s] where the road has no limit. headway: T [s]. min_gap: s0 [m].
+        acceleration: a_max [m/s2]. braking: comfortable b [m/s2]. emergency_braking: the most that is possible [m/s2].
+        exponent: delta.
+        side_margin: distance that a box beside the way must keep not to count as on it [m].
+        look_ahead: time for which crossing vehicles are extrapolated [s]; 0 sees only who is on the way already.
+    """
+
+    desired_speed: float
+    headway: float
+    min_gap: float
+    acceleration: float
+    braking: float
+    emergency_braking: float
+    exponent: float
+    side_margin: float
+    look_ahead: float
+
+
+class Plugin:
+    """IDM along the path, at the path's speed limits."""
+
+    name = "idm"
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+
+    def act(self, observation: Observation) -> Action:
+        """Follow the leader or the desired speed."""
+        gap, leader_speed = self._leader(observation)
+        settings, speed = self.settings, observation.speed
+        unknown = torch.full_like(speed, settings.desired_speed)
+        desired = torch.where(observation.speed_limit.isnan(), unknown, observation.speed_limit)
+        comfort = 2 * (settings.acceleration * settings.braking) ** 0.5
+        wanted = settings.min_gap + (speed * settings.headway + speed * (speed - leader_speed) / comfort).clamp_min(0.0)
+        free = (speed / desired) ** settings.exponent
+        acceleration = settings.acceleration * (1 - free - (wanted / gap) ** 2)
+        return Action(acceleration.clamp_min(-settings.emergency_braking))
+
+    def _leader(self, seen: Observation) -> tuple[Tensor, Tensor]:
+        """Gap (S,) to the nearest box ahead [m], inf if none, and its speed (S,) along the path [m/s]."""
+        reach = seen.half_width + (0.5 * seen.width + self.settings.side_margin)[:, None]
+        now = seen.left - seen.offset[:, None]
+        later = now + seen.speed_across * self.settings.look_ahead
+        sweeps = (now * later <= 0) | (torch.minimum(now.abs(), later.abs()) < reach)
+        ahead = seen.present & sweeps & (seen.ahead > 0)
+        gaps = (seen.ahead - seen.half_length - 0.5 * seen.length[:, None]).clamp_min(_NO_GAP)
+        gap, nearest = torch.where(ahead, gaps, torch.inf).min(dim=1)
+        return gap, seen.speed_along.gather(1, nearest[:, None])[:, 0]
+
+    def vehicle_type(self) -> dict[str, str]:
+        """SUMO's own IDM with the same parameters."""
+        settings = self.settings
+        return {
+            "carFollowModel": "IDM",
+            "accel": str(settings.acceleration),
+            "decel": str(settings.braking),
+            "emergencyDecel": str(settings.emergency_braking),
+            "tau": str(settings.headway),
+            "minGap": str(settings.min_gap),
+            "delta": str(settings.exponent),
+            "speedFactor": "1",
+            "speedDev": "0",
+            "maxSpeed": "70",
+        }

@@ -1,0 +1,127 @@
+"""The batch simulator: thousands of scenarios advance together, a step is a few tensor operations.
+
+The target keeps to its path: with acceleration a its speed becomes max(0, v + a dt) and it moves on by that (the Euler step
+that SUMO takes, too); an offset that the driver asks for is approached at most at STEEPEST to the path. Scenarios run in
+chunks of fixed shape, padded, on any torch device; on one device a result does not depend on who shares the batch.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from drivegen.drivers.base import Driver, Observation, Paths
+from drivegen.scenario import DT, Scenario, Trajectories
+from drivegen.simulators._contact import first_collisions
+from drivegen.simulators._paths import target_paths
+from drivegen.simulators._replay import Replay, replay
+from drivegen.simulators.base import DrivingOutcome, TargetPaths
+
+CHUNK = 256
+"""Scenarios that advance together."""
+
+STEEPEST = 0.3
+"""Largest slope towards a wanted offset [m across per m along]."""
+
+
+class Plugin:
+    """Batched closed loop on a torch device."""
+
+    name = "batch"
+
+    def __init__(self, device: str = "cpu") -> None:
+        self._device = torch.device(device)
+
+    def run(
+        self,
+        driver: Driver,
+        scenarios: Sequence[Scenario],
+        traffic: Sequence[Trajectories],
+        paths: TargetPaths | None = None,
+    ) -> DrivingOutcome:
+        """See `base.Simulator.run`."""
+        paths = paths if paths is not None else target_paths(scenarios, traffic)
+        steps = max(motion.steps for motion in traffic)
+        parts = []
+        for begin in range(0, len(scenarios), CHUNK):
+            rows = slice(begin, begin + CHUNK)
+            parts.append(self._run_chunk(driver, scenarios[rows], traffic[rows], _rows(paths, rows), steps))
+        return DrivingOutcome.joined(parts)
+
+    def _run_chunk(
+        self, driver: Driver, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths: TargetPaths, steps: int
+    ) -> DrivingOutcome:
+        others = replay(scenarios, traffic, paths, CHUNK)
+        with torch.inference_mode():
+            track = _drive(driver, others, _padded(paths, CHUNK), self._device)
+        return outcome(_trajectories(track, others, steps), others, len(scenarios))
+
+
+def outcome(motion: Trajectories, others: Replay, count: int) -> DrivingOutcome:
+    """What became of the first `count` rows, their motion cut after the collision."""
+    kind, step, partner = first_collisions(motion, others)
+    after = (step[:, None] >= 0) & (np.arange(motion.steps) > step[:, None])
+    ended = Trajectories(motion.position, motion.heading, motion.velocity, motion.valid & ~after)
+    unjudged = np.full(count, np.nan, np.float32)
+    return DrivingOutcome(kind[:count], step[:count], partner[:count], ended[:count], unjudged)
+
+
+def _drive(driver: Driver, others: Replay, paths: Paths, device: torch.device) -> tuple[Tensor, Tensor, Tensor]:
+    """Position (T, S, 2), heading (T, S) and speed (T, S) of the targets."""
+    paths = Paths(*(tensor.to(device) for tensor in (paths.point, paths.heading, paths.speed_limit, paths.length)))
+    frame = torch.from_numpy(others.frame).to(device)
+    present = torch.from_numpy(np.ascontiguousarray(others.valid.transpose(2, 0, 1))).to(device)
+    length, width = torch.from_numpy(others.target_size).to(device).unbind(-1)
+    speed = torch.from_numpy(others.target_speed).to(device)
+    along, offset, slope = torch.zeros_like(speed), torch.zeros_like(speed), torch.zeros_like(speed)
+    poses = []
+    for t in range(present.shape[0]):
+        row = paths.row(along[:, None])
+        heading = paths.heading.gather(1, row)[:, 0]
+        left = torch.stack([-heading.sin(), heading.cos()], -1)
+        poses.append((paths.position(along[:, None])[:, 0] + offset[:, None] * left, heading + slope.atan(), speed))
+        limit = paths.speed_limit.gather(1, row)[:, 0]
+        a, l, hl, hw, va, vc = frame[:, t]  # noqa: E741
+        seen = Observation(
+            t, along, offset, speed, length, width, limit, a - along[:, None], l, hl, hw, va, vc, present[t], paths
+        )
+        action = driver.act(seen)
+        speed = (speed + action.acceleration * DT).clamp_min(0.0)
+        along = along + speed * DT
+        if action.offset is not None:
+            most = STEEPEST * speed * DT
+            change = torch.minimum(torch.maximum(action.offset - offset, -most), most)
+            slope = change / (speed * DT).clamp_min(1e-6)
+            offset = offset + change
+    return torch.stack([p for p, _, _ in poses]), torch.stack([h for _, h, _ in poses]), torch.stack([v for _, _, v in poses])
+
+
+def _trajectories(track: tuple[Tensor, Tensor, Tensor], others: Replay, steps: int) -> Trajectories:
+    """The targets' motion (S, steps), valid for as long as their scenarios last; step 0 is their logged pose."""
+    position, heading, speed = (tensor.transpose(0, 1).cpu().numpy() for tensor in track)
+    rows, done = speed.shape
+    motion = Trajectories.empty(rows, steps)
+    motion.position[:, :done], motion.heading[:, :done] = position, heading
+    motion.position[:, 0], motion.heading[:, 0] = others.target_position, others.target_heading
+    direction = np.stack([np.cos(motion.heading), np.sin(motion.heading)], axis=-1)
+    motion.velocity[:, :done] = speed[..., None] * direction[:, :done]
+    motion.valid[:] = np.arange(steps) < others.steps[:, None]
+    return motion
+
+
+def _rows(paths: TargetPaths, rows: slice) -> TargetPaths:
+    return TargetPaths(paths.point[rows], paths.speed_limit[rows], paths.length[rows])
+
+
+def _padded(paths: TargetPaths, rows: int) -> Paths:
+    """The paths as tensors, with the last one repeated up to `rows`."""
+    index = np.minimum(np.arange(rows), len(paths) - 1)
+    point = torch.from_numpy(paths.point[index])
+    step = point[:, 1:] - point[:, :-1]
+    heading = torch.atan2(step[..., 1], step[..., 0])
+    last = torch.from_numpy(paths.length[index]).long() - 1  # beyond it points repeat and have no direction
+    column = torch.minimum(torch.arange(point.shape[1])[None], last[:, None])
+    return Paths(
+        point, heading.gather(1, column), torch.from_numpy(paths.speed_limit[index]), torch.from_numpy(paths.length[index])
+    )
