@@ -1,0 +1,102 @@
+"""Shards: one Parquet file of a few hundred rows, whose columns are lists of numbers; arrays in and out, no row objects.
+
+A column of a shard is one array of all rows' numbers, end to end, with the rows' offsets: writing concatenates, reading
+slices. Floats are stored as byte streams (Parquet's BYTE_STREAM_SPLIT), which zstd packs far better than whole floats.
+Same content, same bytes; the schema's version stands in the file and is checked.
+"""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from drivegen.errors import UnusableInput
+from drivegen.store.files import whole
+
+_KIND = b"drivegen"
+_VERSION = b"drivegen.version"
+
+
+class Shard:
+    """A shard that was read: `shard["map.links"][i]` is row i of a column, flat; strings are lists."""
+
+    def __init__(self, table: pa.Table) -> None:
+        self._columns = {name: _rows(table[name]) for name in table.column_names}
+        self.count = table.num_rows
+
+    def __getitem__(self, column: str) -> Any:
+        return self._columns[column]
+
+
+def column(rows: Sequence[NDArray[Any]], kind: pa.DataType) -> pa.Array:
+    """A list column from one array of any shape per row, flattened."""
+    start = np.cumsum([0, *(row.size for row in rows)]).astype(np.int32)
+    if pa.types.is_string(kind):
+        values = pa.array([word for row in rows for word in row.tolist()], kind)
+    else:
+        values = pa.array(np.concatenate([row.ravel() for row in rows]) if rows else np.zeros(0)).cast(kind)
+    return pa.ListArray.from_arrays(start, values, type=_list_of(kind))
+
+
+def _list_of(kind: pa.DataType) -> pa.DataType:
+    return pa.list_(pa.field("element", kind, nullable=False))  # no nulls: nothing to decode for each number
+
+
+def write_shard_table(path: Path, columns: Mapping[str, pa.Array], kind: str, version: int) -> None:
+    """Write the columns as one row group of a file that says what it is."""
+    fields = [pa.field(name, array.type, nullable=False) for name, array in columns.items()]
+    schema = pa.schema(fields, metadata={_KIND: kind.encode(), _VERSION: str(version).encode()})
+    table = pa.Table.from_arrays(list(columns.values()), schema=schema)
+    floats = [f"{f.name}.list.element" for f in fields if pa.types.is_list(f.type) and pa.types.is_floating(f.type.value_type)]
+    with whole(path) as temporary:
+        pq.write_table(
+            table,
+            temporary,
+            row_group_size=max(1, table.num_rows),
+            compression="zstd",
+            compression_level=3,
+            use_dictionary=False,
+            use_byte_stream_split=floats,
+            write_statistics=False,
+        )
+
+
+def read_shard_table(path: Path, kind: str, version: int) -> Shard:
+    """Read a shard back.
+
+    Raises UnusableInput naming the file: reason `truncated` if it is cut short, empty or no Parquet, `foreign-file` if it
+    is not of this kind, `old-version` if another version of DriveGen wrote it.
+    """
+    try:
+        with pq.ParquetFile(path) as file:
+            metadata = file.schema_arrow.metadata or {}
+            if metadata.get(_KIND) != kind.encode():
+                raise UnusableInput(f"{path} holds no {kind} of DriveGen", reason="foreign-file")
+            if metadata.get(_VERSION) != str(version).encode():
+                found = metadata.get(_VERSION, b"none").decode(errors="replace")
+                raise UnusableInput(
+                    f"{path} holds {kind} of version {found}, this DriveGen reads {version}: run the stage that made it again",
+                    reason="old-version",
+                )
+            return Shard(file.read(use_threads=False))
+    except (pa.ArrowException, OSError) as error:
+        what = (str(error).splitlines() or ["unreadable"])[0]
+        raise UnusableInput(f"{path} is no whole shard ({what}): make it again", reason="truncated") from None
+
+
+def _rows(column: pa.ChunkedArray) -> list[Any]:
+    """Each row's value: a flat array or a list of words for list columns, else the value itself."""
+    array = column.combine_chunks() if column.num_chunks != 1 else column.chunk(0)
+    if not pa.types.is_list(array.type):
+        return list(array.to_pylist())
+    start = array.offsets.to_numpy().tolist()
+    if pa.types.is_string(array.type.value_type):
+        values: Any = array.values.to_pylist()
+    else:
+        values = array.values.to_numpy(zero_copy_only=False)
+        values = values if values.flags.writeable else values.copy()  # torch and numba mind read-only arrays
+    return [values[a:b] for a, b in zip(start[:-1], start[1:], strict=True)]
