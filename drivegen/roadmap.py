@@ -89,35 +89,6 @@ class RoadMap:
         """(L,) lanes that motor vehicles use."""
         return np.not_equal(self.kind, LaneKind.BIKE)
 
-    def take(self, keep: NDArray[np.bool_]) -> "RoadMap":
-        """The map with the lanes `keep` (L,) only; links that led from them to others are counted as dangling."""
-        kept = np.flatnonzero(keep)
-        new = np.full(len(self) + 1, NO_LANE, np.int32)  # the last entry translates NO_LANE to itself
-        new[kept] = np.arange(len(kept), dtype=np.int32)
-        links = new[self.links].reshape(-1, 2)
-        held = (links != NO_LANE).all(-1)
-        cut = (links != NO_LANE).any(-1) & ~held
-        neighbour = new[self.neighbour[kept]].reshape(-1, 2)
-        stops = keep[self.stop_lane] if len(self.stop_lane) else np.zeros(0, np.bool_)
-        return replace(
-            self,
-            lane_id=self.lane_id[kept],
-            kind=self.kind[kept],
-            centreline=self.centreline.take(kept),
-            left=self.left.take(kept),
-            right=self.right.take(kept),
-            speed_limit=self.speed_limit[kept],
-            in_junction=self.in_junction[kept],
-            control=self.control[kept],
-            links=links[held],
-            neighbour=neighbour,
-            same_direction=self.same_direction[kept] & (neighbour != NO_LANE),
-            may_change=self.may_change[kept] & (neighbour != NO_LANE),
-            stop_lines=self.stop_lines[stops],
-            stop_lane=new[self.stop_lane[stops]],
-            dangling=self.dangling + int(np.count_nonzero(cut)),
-        )
-
     def moved_to(self, origin: Floats) -> "RoadMap":
         """The same map in a local frame at `origin` (2,) [m, source frame]."""
         shift = (self.origin - np.asarray(origin, np.float64)).astype(np.float64)

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.crop import Cropper
 from drivegen.errors import UnusableInput
 from drivegen.geometry import boxes_overlap, wrap_angle
-from drivegen.lanes.crop import crop
 from drivegen.recorded import NO_TRACK, RecordedLog
 from drivegen.roadmap import NO_LANE
 from drivegen.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
@@ -41,6 +41,9 @@ PARKED_SPEED = 0.5
 SHORTEST_HORIZON = 10
 """A recording that goes on for fewer steps after the first frame is rejected: one second is no traffic."""
 
+_PATH_STRIDE = 10
+"""Every so many steps of the target's path the map around it is kept."""
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -51,7 +54,7 @@ class Settings:
         max_vehicles: target and social vehicles together.
         first_step: step of the recording that becomes step 0.
         horizon: steps after it; less where the recording ends before.
-        map_radius: lanes farther from the target's first position [m] are left out; None keeps the whole map.
+        map_radius: lanes farther from the target's path [m] are left out; None keeps the whole map.
         smallest_shrink: assumed boxes of overlapping parked vehicles are scaled down to this at most.
     """
 
@@ -220,7 +223,7 @@ def _shrink(
 
 
 def _in_frame_of(log: RecordedLog, target: int, radius: float | None) -> RecordedLog:
-    """The recording in a frame near the target, its map cut to `radius` about it."""
+    """The recording in a frame near the target, its map cut to `radius` about the target's path."""
     old = log.map.origin
     origin = np.round(log.motion.position[target, 0].astype(np.float64) + old)
     shift = old - origin
@@ -230,10 +233,14 @@ def _in_frame_of(log: RecordedLog, target: int, radius: float | None) -> Recorde
     road_map = log.map.moved_to(origin)
     if radius is None:
         return replace(log, map=road_map, motion=motion)
-    road_map, lane = crop(road_map, position[target, 0], radius)
+    path = position[target][log.motion.valid[target]][::_PATH_STRIDE]
+    road_map, kept = Cropper(road_map).around(path, radius)
+    if not len(kept):
+        raise UnusableInput(f"scenario {log.scenario_id}: no lane within {radius:g} m of the target", reason="no-lanes")
+    lane = np.full(len(log.map), NO_LANE, np.int32)
+    lane[kept] = np.arange(len(kept), dtype=np.int32)
     guarded = lane[log.signals.lane]
-    held = guarded != NO_LANE
-    signals = Signals(guarded[held], log.signals.state[held])
+    signals = Signals(guarded[guarded != NO_LANE], log.signals.state[guarded != NO_LANE])
     return replace(log, map=road_map, motion=motion, signals=signals)
 
 

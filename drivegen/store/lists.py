@@ -6,6 +6,7 @@ Same content, same bytes; the schema's version stands in the file and is checked
 """
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -99,4 +100,4 @@ def _rows(column: pa.ChunkedArray) -> list[Any]:
     else:
         values = array.values.to_numpy(zero_copy_only=False)
         values = values if values.flags.writeable else values.copy()  # torch and numba mind read-only arrays
-    return [values[a:b] for a, b in zip(start[:-1], start[1:], strict=True)]
+    return [values[a:b] for a, b in pairwise(start)]
