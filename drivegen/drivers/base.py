@@ -126,5 +126,9 @@ class Driver(Protocol):
 class SumoDriver(Protocol):
     """A driver that SUMO itself can play."""
 
+    @property
+    def desired_speed(self) -> float:
+        """Speed on roads without a limit [m/s]."""
+
     def vehicle_type(self) -> dict[str, str]:
         """Attributes of the SUMO vType that drives like this driver, `id` excepted."""

@@ -70,6 +70,11 @@ class Plugin:
         gap, nearest = torch.where(ahead, gaps, torch.inf).min(dim=1)
         return gap, seen.speed_along.gather(1, nearest[:, None])[:, 0]
 
+    @property
+    def desired_speed(self) -> float:
+        """Speed on roads without a limit [m/s]."""
+        return self.settings.desired_speed
+
     def vehicle_type(self) -> dict[str, str]:
         """SUMO's own IDM with the same parameters."""
         settings = self.settings

@@ -13,12 +13,21 @@ from drivegen.boxes import depth
 from drivegen.geometry import Floats, box_corners, to_vehicle_frame
 from drivegen.scenario import Trajectories
 from drivegen.simulators._replay import Replay
-from drivegen.simulators.base import NO_PARTNER, CollisionKind
+from drivegen.simulators.base import NO_PARTNER, CollisionKind, DrivingOutcome
 
 STANDING = 0.1
 """Slower than this [m/s] the target stands."""
 
 _FRONT, _SIDE, _REAR = 0, 1, 2
+
+
+def outcome(motion: Trajectories, others: Replay, count: int) -> DrivingOutcome:
+    """What became of the first `count` rows, their motion cut after the collision."""
+    kind, step, partner = first_collisions(motion, others)
+    after = (step[:, None] >= 0) & (np.arange(motion.steps) > step[:, None])
+    ended = Trajectories(motion.position, motion.heading, motion.velocity, motion.valid & ~after)
+    unjudged = np.full(count, np.nan, np.float32)
+    return DrivingOutcome(kind[:count], step[:count], partner[:count], ended[:count], unjudged)
 
 
 def first_collisions(motion: Trajectories, others: Replay) -> tuple[NDArray[np.uint8], NDArray[np.int16], NDArray[np.int32]]:

@@ -13,7 +13,7 @@ from torch import Tensor
 
 from drivegen.drivers.base import Driver, Observation, Paths
 from drivegen.scenario import DT, Scenario, Trajectories
-from drivegen.simulators._contact import first_collisions
+from drivegen.simulators._contact import outcome
 from drivegen.simulators._paths import target_paths
 from drivegen.simulators._replay import Replay, replay
 from drivegen.simulators.base import DrivingOutcome, TargetPaths
@@ -56,15 +56,6 @@ class Plugin:
         with torch.inference_mode():
             track = _drive(driver, others, _padded(paths, CHUNK), self._device)
         return outcome(_trajectories(track, others, steps), others, len(scenarios))
-
-
-def outcome(motion: Trajectories, others: Replay, count: int) -> DrivingOutcome:
-    """What became of the first `count` rows, their motion cut after the collision."""
-    kind, step, partner = first_collisions(motion, others)
-    after = (step[:, None] >= 0) & (np.arange(motion.steps) > step[:, None])
-    ended = Trajectories(motion.position, motion.heading, motion.velocity, motion.valid & ~after)
-    unjudged = np.full(count, np.nan, np.float32)
-    return DrivingOutcome(kind[:count], step[:count], partner[:count], ended[:count], unjudged)
 
 
 def _drive(driver: Driver, others: Replay, paths: Paths, device: torch.device) -> tuple[Tensor, Tensor, Tensor]:
