@@ -5,14 +5,15 @@ signal programs by fixed-time ones: several of those that come with SUMO hold a 
 """
 
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
 from drivegen import seeds
 from drivegen.crop import Cropper
 from drivegen.errors import UnusableInput
-from drivegen.scenario import Scenario
-from drivegen.sumo.demand import Demand, draw_demand
+from drivegen.scenario import DT, Scenario
+from drivegen.sumo.demand import Demand, draw_demand, vehicles_at_begin
 from drivegen.sumo.netconvert import convert
 from drivegen.sumo.network import Network
 from drivegen.sumo.sensing import SensingSettings, sensed
@@ -21,6 +22,9 @@ from drivegen.sumo.windows import EGO, Recording, WindowSettings, cut_windows, m
 
 _BARREN_RUNS = 4
 """A network that gives no scenario in this many runs one after the other is given up."""
+
+_VEHICLES_PER_SCENARIO = 20
+"""About so many vehicles on the network give one scenario per window: decides how long a run is, nothing else."""
 
 _CYCLES = (50, 60, 70, 80, 90)
 """Cycle times of signals [s]."""
@@ -33,7 +37,7 @@ class CorpusSettings:
     Attributes:
         least_density, most_density: vehicles per kilometre of lane at the beginning; each run draws its own.
         most_vehicles: bound on the vehicles at the beginning of a run.
-        warm_up: [s] before recording begins. windows_per_run: windows one after the other in a run.
+        warm_up: [s] before recording begins. most_windows_per_run: windows one after the other in a run, at most.
         lateral_resolution: width of a sublane [m].
         time_limit: processor time that one run may take [s].
         window: which windows make scenarios. sensing: how they are measured.
@@ -43,7 +47,7 @@ class CorpusSettings:
     most_density: float
     most_vehicles: int
     warm_up: float
-    windows_per_run: int
+    most_windows_per_run: int
     lateral_resolution: float
     time_limit: float
     window: WindowSettings
@@ -73,11 +77,11 @@ def simulate_scenarios(raw: bytes, city: str, part: int, count: int, settings: C
     scenarios: list[Scenario] = []
     barren = run = 0
     while len(scenarios) < count:
-        name = f"{city}-{part:03d}-{run:02d}"
         random = seeds.rng(seed, "corpus", city, part, run)
-        recording = _record(raw, network, cropper, city, settings, random)
-        found = cut_windows(recording, name, settings.window, random)
-        scenarios += [sensed(scenario, EGO, settings.sensing, random) for scenario in found[: count - len(scenarios)]]
+        recording = _record(raw, network, cropper, city, settings, count - len(scenarios), random)
+        windows = cut_windows(recording, f"{city}-{part:03d}-{run:02d}", settings.window, random)
+        found = [sensed(window, EGO, settings.sensing, random) for window in islice(windows, count - len(scenarios))]
+        scenarios += found
         barren, run = (0 if found else barren + 1), run + 1
         if barren == _BARREN_RUNS:
             raise UnusableInput(f"{city}: the network gives no scenario in {barren} runs: take another", reason="no-scenarios")
@@ -85,11 +89,20 @@ def simulate_scenarios(raw: bytes, city: str, part: int, count: int, settings: C
 
 
 def _record(
-    raw: bytes, network: Network, cropper: Cropper, city: str, settings: CorpusSettings, random: np.random.Generator
+    raw: bytes,
+    network: Network,
+    cropper: Cropper,
+    city: str,
+    settings: CorpusSettings,
+    wanted: int,
+    random: np.random.Generator,
 ) -> Recording:
-    seconds = settings.windows_per_run * settings.window.steps / 10
+    """One run, about as long as `wanted` scenarios need."""
     density = float(random.uniform(settings.least_density, settings.most_density))
-    demand = draw_demand(network, Demand(density, settings.most_vehicles, settings.warm_up + seconds), random)
+    vehicles = vehicles_at_begin(network, density, settings.most_vehicles)
+    windows = int(np.clip(np.ceil(wanted * _VEHICLES_PER_SCENARIO / vehicles), 1, settings.most_windows_per_run))
+    seconds = windows * settings.window.steps * DT
+    demand = draw_demand(network, Demand(vehicles, settings.warm_up + seconds), random)
     run = Run(int(random.integers(2**31)), settings.warm_up, seconds, settings.lateral_resolution, settings.time_limit)
     return Recording(network, simulate(raw, demand, network.map.origin, run), cropper, city)
 

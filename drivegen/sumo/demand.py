@@ -30,13 +30,11 @@ class Demand:
     """How much traffic.
 
     Attributes:
-        density: vehicles per kilometre of lane that the traffic begins with.
-        most: bound on the vehicles at the beginning, and the rate of new ones follows it.
+        vehicles: that the traffic begins with; new ones enter at the rate at which these leave.
         seconds: until when new vehicles enter [s].
     """
 
-    density: float
-    most: int
+    vehicles: int
     seconds: float
 
 
@@ -53,18 +51,26 @@ class _Edges:
     sinks: NDArray[np.int64]
 
 
+def vehicles_at_begin(network: Network, density: float, most: int) -> int:
+    """How many vehicles fill the network's roads with `density` vehicles per kilometre of lane; 8 at least."""
+    road = np.flatnonzero((network.map.kind == LaneKind.VEHICLE) & ~network.map.in_junction)
+    metres = sum(float(np.hypot(*np.diff(network.map.centreline[lane], axis=0).T).sum()) for lane in road.tolist())
+    return int(min(most, max(8.0, density * metres / 1000.0)))
+
+
 def draw_demand(network: Network, demand: Demand, random: np.random.Generator) -> bytes:
     """A SUMO routes file with types, routes and departures. Raises UnusableInput where no trip fits on the network."""
     edges = _edges(network)
-    begin = int(min(demand.most, max(8.0, demand.density * float((edges.length * edges.lanes).sum()) / 1000.0)))
     root = Element("routes")
     types = draw_types(_TYPES, random, root)
-    routes = _draw_routes(edges, 2 * begin, random)
+    routes = _draw_routes(edges, 2 * demand.vehicles, random)
     if not routes:
         raise UnusableInput("the network has no two roads that a trip connects", reason="no-trips")
-    rate = begin / float(np.mean([edges.duration[route].sum() for route in routes])) * 2.0  # trips begin halfway on average
+    rate = (
+        demand.vehicles / float(np.mean([edges.duration[route].sum() for route in routes])) * 2.0
+    )  # trips begin halfway on average
     later = random.uniform(1.0, demand.seconds, size=int(rate * demand.seconds))
-    for i, depart in enumerate([0.0] * begin + sorted(later.tolist())):
+    for i, depart in enumerate([0.0] * demand.vehicles + sorted(later.tolist())):
         vehicle = SubElement(root, "vehicle", id=str(i), type=types[int(random.integers(_TYPES))].name, depart=f"{depart:.1f}")
         vehicle.set("departLane", "best" if depart else "random")
         vehicle.set("departSpeed", "desired")

@@ -1,5 +1,6 @@
 """Cut scenario windows out of simulated traffic: 11 s around a focal vehicle that drives, with the map that it sees."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,10 +54,9 @@ class Recording:
     city: str
 
 
-def cut_windows(recording: Recording, name: str, settings: WindowSettings, random: np.random.Generator) -> list[Scenario]:
-    """All scenarios of a recording in order of time, called `<name>-<first step>-<track id>`."""
+def cut_windows(recording: Recording, name: str, settings: WindowSettings, random: np.random.Generator) -> Iterator[Scenario]:
+    """The scenarios of a recording in order of time, called `<name>-<first step>-<track id>`, each when asked for."""
     motion = recording.traffic.motion
-    scenarios = []
     for first in range(0, motion.steps - settings.steps + 1, settings.steps):
         window = _slice(motion, first, settings.steps)
         clashes = overlapping_pairs(window, recording.traffic.size)
@@ -64,8 +64,7 @@ def cut_windows(recording: Recording, name: str, settings: WindowSettings, rando
             seen = _seen(window, focal, clashes, settings)
             if seen is not None:
                 scenario_id = f"{name}-{first:05d}-{recording.traffic.track_id[focal]}"
-                scenarios.append(_scenario(recording, window, (first, focal), seen, settings, scenario_id))
-    return scenarios
+                yield _scenario(recording, window, (first, focal), seen, settings, scenario_id)
 
 
 def _slice(motion: Trajectories, first: int, steps: int) -> Trajectories:
