@@ -12,10 +12,10 @@ from typing import Any
 import yaml
 
 
-def copy(source: Path, target: Path, params: Mapping[str, Any]) -> None:
+def copy(source: Path, target: Path, params: Mapping[str, Any], cache: Path | None = None) -> None:
     """Copy the files that git knows or does not ignore to the new folder `target`, with `params` over params.yaml.
 
-    Raises FileExistsError if `target` exists.
+    DVC keeps its files in `cache`, by default that of `source`. Raises FileExistsError if `target` exists.
     """
     target.mkdir(parents=True)
     for name in _files(source):
@@ -24,8 +24,8 @@ def copy(source: Path, target: Path, params: Mapping[str, Any]) -> None:
         shutil.copy2(source / name, there)
     values = yaml.safe_load((target / "params.yaml").read_text())
     (target / "params.yaml").write_text(yaml.safe_dump(merged(values, params), sort_keys=False))
-    cache = f"[core]\n    no_scm = true\n[cache]\n    dir = {(source / '.dvc' / 'cache').resolve()}\n"
-    (target / ".dvc" / "config.local").write_text(cache)
+    kept = (cache or source / ".dvc" / "cache").resolve()
+    (target / ".dvc" / "config.local").write_text(f"[core]\n    no_scm = true\n[cache]\n    dir = {kept}\n")
 
 
 def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
