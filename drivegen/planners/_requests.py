@@ -12,9 +12,11 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen import seeds
-from drivegen.geometry import Floats, project
+from drivegen.geometry import Floats
+from drivegen.lanes.frenet import to_frenet
 from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.routes import Route, match_route
+from drivegen.lanes.line import Route
+from drivegen.lanes.routes import match_route
 from drivegen.planners.base import ROUTE_POINTS, ROUTE_SPACING, Examples, PlanRequests
 from drivegen.scenario import Scenario, SignalState, Trajectories
 
@@ -46,9 +48,7 @@ class Goals:
     d: Floats
 
 
-def plan_requests(
-    scenarios: Sequence[Scenario], routes: Sequence[Route], goals: Goals, seed: NDArray[np.int64]
-) -> PlanRequests:
+def plan_requests(scenarios: Sequence[Scenario], routes: Sequence[Route], goals: Goals, seed: NDArray[np.int64]) -> PlanRequests:
     """Requests (B,) for `goals`, drawing noise from `seed` (B,).
 
     Every route belongs to one vehicle: its s = 0 is abreast of it. A route that several goals share is looked at once.
@@ -60,7 +60,7 @@ def plan_requests(
     line, length, limit = _route_table(routes)
 
     def state(name: str) -> NDArray[np.float32]:
-        return np.concatenate([getattr(v, name) for v in of_vehicle])[row].astype(np.float32)
+        return np.asarray(np.concatenate([getattr(v, name) for v in of_vehicle])[row], np.float32)
 
     return PlanRequests(
         scenario=goals.scenario.astype(np.int32),
@@ -86,9 +86,7 @@ def plan_requests(
     )
 
 
-def examples_from_logs(
-    scenarios: Sequence[Scenario], graphs: Sequence[LaneGraph], min_seen: float, seed: int
-) -> Examples:
+def examples_from_logs(scenarios: Sequence[Scenario], graphs: Sequence[LaneGraph], min_seen: float, seed: int) -> Examples:
     """All logged tracks that are there at step 0 and at `min_seen` (0..1) of the steps, with their own end as goal.
 
     The route is the one that the track followed (`match_route`), none where none fits; the goal is the last valid step.
@@ -115,7 +113,8 @@ def _examples(scenarios: Sequence[Scenario], found: list[tuple[int, int, Route |
         for whole, part in zip(_arrays(motion), _arrays(log[vehicle]), strict=True):
             whole[i, : log.steps] = part
         if matched is not None:
-            route[i], along[i] = len(routes), project(matched.line, log.position[vehicle, log[vehicle].last_valid()])
+            end = log.position[vehicle, log[vehicle].last_valid()]
+            route[i], along[i] = len(routes), to_frenet(matched, end[None])[0]
             routes.append(matched)
     last, row = motion.last_valid(), np.arange(len(found))
     goals = Goals(

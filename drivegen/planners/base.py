@@ -80,7 +80,7 @@ class PlanRequests:
     def parked(self) -> NDArray[np.bool_]:
         """(B,) vehicles that stand and are to stay: they are not planned but left exactly where they are."""
         away = np.hypot(*(self.goal_position - self.position).T)
-        return (self.speed < PARKED_SPEED) & (away < PARKED_GOAL)
+        return np.asarray((self.speed < PARKED_SPEED) & (away < PARKED_GOAL))
 
 
 _ROUTE_TABLE = {"route_line", "route_length", "route_speed_limit"}

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 import torch
@@ -24,6 +24,8 @@ from drivegen import seeds
 from drivegen.errors import UnusableInput
 from drivegen.training import checkpoint
 from drivegen.training.curve import LossRow
+
+Net = TypeVar("Net", bound=nn.Module)
 
 
 @dataclass(frozen=True)
@@ -74,8 +76,8 @@ def device() -> torch.device:
 
 
 def train(
-    model: nn.Module, objective: Objective, settings: Settings, seed: int, path: Path | None, report: Callable[[str], None]
-) -> tuple[nn.Module, list[LossRow]]:
+    model: Net, objective: Objective, settings: Settings, seed: int, path: Path | None, report: Callable[[str], None]
+) -> tuple[Net, list[LossRow]]:
     """Train `model`, already on its device; returns the averaged copy and the loss curve.
 
     With `path`, progress is kept there every `checkpoint_every` steps and taken up from there; the file of a training
@@ -100,10 +102,10 @@ def train(
     return run.averaged, run.progress.curve
 
 
-class _Run:
+class _Run(Generic[Net]):
     """One training under way."""
 
-    def __init__(self, model: nn.Module, objective: Objective, settings: Settings, seed: int) -> None:
+    def __init__(self, model: Net, objective: Objective, settings: Settings, seed: int) -> None:
         self.objective, self.settings, self.seed = objective, settings, seed
         self.device = next(model.parameters()).device
         self.rank, self.world = _join()
@@ -111,7 +113,8 @@ class _Run:
             raise UnusableInput(f"a batch of {settings.batch} cannot be shared by {self.world} processes")
         self.model = model
         self.parallel: nn.Module = DistributedDataParallel(model) if self.world > 1 else model
-        self.averaged = copy.deepcopy(model).requires_grad_(False)
+        self.averaged = copy.deepcopy(model)
+        self.averaged.requires_grad_(False)
         self.optimiser = torch.optim.AdamW(
             model.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay, foreach=True
         )

@@ -60,7 +60,7 @@ def net(dropout: float = 0.1) -> nn.Module:
 
 def run(out: Path, path: Path | None, pause: float = 0.0, dropout: float = 0.1) -> None:
     """What the subprocesses of these tests run: train and write the averaged weights."""
-    model, curve = train(net(dropout), NoisyCosine(pause), SETTINGS, 5, path, lambda line: print(line, flush=True))
+    model, curve = train(net(dropout), NoisyCosine(pause), SETTINGS, 5, path, lambda line: None)
     save_file(model.state_dict(), out)
     out.with_suffix(".curve").write_text(repr(curve))
 

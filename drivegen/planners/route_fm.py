@@ -1,0 +1,185 @@
+"""Planner `route_fm`: flow matching of low-rank residuals in the frame of the retrieved route (default).
+
+The paper retrieves a route for every goal and then generates all of the motion by diffusion. Here the route does most of
+the work: a base meets the initial state and the goal exactly (`_profile`, `_motion`), and what is left of a logged track,
+when and how it brakes, accelerates and moves across its lane, is a short vector: principal components of the residuals'
+spline coefficients. A small network learns to draw it (`_flow`), so thousands of trajectories cost a CPU-second, and a
+goal is met by construction, not by hope. Without a route the path is a Bezier curve from pose to pose (`_paths`).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from drivegen import seeds
+from drivegen.errors import UnusableInput
+from drivegen.planners._features import FEATURES, features
+from drivegen.planners._flow import FlowNet, FlowObjective
+from drivegen.planners._motion import GRID, Encoded, Residuals, decode, encode
+from drivegen.planners._noise import normals
+from drivegen.planners._paths import Frames
+from drivegen.planners._profile import spline
+from drivegen.planners._weights import read_weights, write_weights
+from drivegen.planners.base import Examples, PlanRequests
+from drivegen.scenario import Scenario, Trajectories
+from drivegen.training import loop
+from drivegen.training.curve import LossRow
+
+CHUNK = 256
+"""Requests that go through the network at once, always: sums differ between batch sizes."""
+
+
+@dataclass(frozen=True)
+class RouteFmSettings:
+    """Values stand in params.yaml, `train_planner.route_fm`.
+
+    Attributes:
+        along, across: principal components kept along and across the route; their sum is even.
+        width, blocks: of the network. draws: noises per example and training step.
+        euler_steps: steps when sampling: 2 for the least error, 8 for the truest spread.
+        training: see `training.loop.Settings`.
+    """
+
+    along: int
+    across: int
+    width: int
+    blocks: int
+    draws: int
+    euler_steps: int
+    training: loop.Settings
+
+
+class Plugin:
+    """See `planners.base.Planner`."""
+
+    Settings = RouteFmSettings
+
+    def __init__(self, settings: RouteFmSettings) -> None:
+        self.settings = settings
+        self.basis: dict[str, NDArray[np.float64]] = {}
+        self.net = FlowNet(FEATURES, settings.along + settings.across, settings.width, settings.blocks)
+
+    def fit(
+        self, train: Examples, validation: Examples, seed: int, checkpoints: Path | None, report: Callable[[str], None]
+    ) -> list[LossRow]:
+        """See `planners.base.Planner`. Raises UnusableInput where fewer tracks move than there are components."""
+        known, held_out = self._encoded(train), self._encoded(validation)
+        if len(known[0]) < max(self.settings.along, self.settings.across):
+            raise UnusableInput(f"only {len(known[0])} logged tracks move: too few to learn from", reason="no-examples")
+        self.basis = _principal(known[1], self.settings.along, "along") | _principal(known[2], self.settings.across, "across")
+        torch.manual_seed(seeds.derive(seed, "network"))
+        settings, device = self.settings, loop.device()
+        net = FlowNet(FEATURES, settings.along + settings.across, settings.width, settings.blocks).to(device)
+        told, latents = (t.to(device) for t in self._tensors(*known))
+        held = self._tensors(*held_out)
+        weight = torch.from_numpy(self._importance()).to(device)
+        objective = FlowObjective(
+            told, latents, weight, settings.draws, (held[0].to(device), held[1].to(device)), seeds.derive(seed, "validation")
+        )
+        path = None if checkpoints is None else checkpoints / "route_fm.safetensors"
+        report(f"{len(known[0])} of {len(train)} logged tracks move and keep to their path")
+        averaged, curve = loop.train(net, objective, settings.training, seed, path, report)
+        self.net = averaged.cpu().eval()
+        return curve
+
+    def sample(self, scenarios: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
+        """See `planners.base.Planner`. Raises UnusableInput if it was never trained."""
+        if not self.basis:
+            raise UnusableInput("planner route_fm has not been trained", reason="untrained")
+        horizon = np.array([s.steps for s in scenarios])[requests.scenario]
+        frames = Frames.of(requests)
+        latents = self._latents(features(frames, requests), normals(requests.seed, self.settings.along + self.settings.across))
+        motion = decode(frames, requests, self._residuals(latents), int(horizon.max(initial=1)))
+        motion.valid[:] = np.arange(motion.steps) < horizon[:, None]
+        return motion
+
+    def save(self, folder: Path) -> None:
+        """See `planners.base.Planner`."""
+        tensors = {f"net/{k}": v.numpy() for k, v in self.net.state_dict().items()}
+        write_weights(folder, "route_fm", asdict(self.settings), tensors | {f"basis/{k}": v for k, v in self.basis.items()})
+
+    @classmethod
+    def load(cls, folder: Path) -> Self:
+        """See `planners.base.Planner`."""
+        settings, tensors = read_weights(folder, "route_fm")
+        settings["training"] = loop.Settings(**settings["training"])
+        planner = cls(RouteFmSettings(**settings))
+        planner.basis = {k.removeprefix("basis/"): v for k, v in tensors.items() if k.startswith("basis/")}
+        weights = {k.removeprefix("net/"): torch.from_numpy(v) for k, v in tensors.items() if k.startswith("net/")}
+        planner.net.load_state_dict(weights)
+        planner.net.eval()
+        return planner
+
+    def _encoded(self, examples: Examples) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.float64]]:
+        """Features (E, F) and spline coefficients along and across (E, C) of the tracks that can be learnt from."""
+        frames = Frames.of(examples.requests)
+        encoded: Encoded = encode(frames, examples.requests, examples.motion)
+        keep = encoded.usable
+        return features(frames, examples.requests)[keep], encoded.along[keep], encoded.across[keep]
+
+    def _tensors(
+        self, told: NDArray[np.float32], along: NDArray[np.float64], across: NDArray[np.float64]
+    ) -> tuple[Tensor, Tensor]:
+        """Features and whitened latents (E, along + across)."""
+        parts = [
+            (coefficients - self.basis[f"{name}_mean"]) @ self.basis[f"{name}_components"].T / self.basis[f"{name}_scale"]
+            for name, coefficients in (("along", along), ("across", across))
+        ]
+        return torch.from_numpy(told), torch.from_numpy(np.concatenate(parts, axis=1).astype(np.float32))
+
+    def _importance(self) -> NDArray[np.float32]:
+        """Weight of each latent in the loss: the root of its scale, so that what moves a vehicle most counts most."""
+        parts = [np.sqrt(self.basis[f"{name}_scale"] / self.basis[f"{name}_scale"].max()) for name in ("along", "across")]
+        weight = np.concatenate(parts)
+        return np.asarray(weight / weight.mean(), np.float32)
+
+    def _latents(self, told: NDArray[np.float32], noise: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Latents (B, Z), computed in chunks of CHUNK rows, the last one filled up with zeros."""
+        torch.set_num_threads(1)
+        out = np.empty_like(noise)
+        padded = [torch.zeros(CHUNK, a.shape[1]) for a in (told, noise)]
+        with torch.inference_mode():
+            for low in range(0, len(noise), CHUNK):
+                count = min(CHUNK, len(noise) - low)
+                for buffer, array in zip(padded, (told, noise), strict=True):
+                    buffer[:count] = torch.from_numpy(array[low : low + count])
+                    buffer[count:] = 0
+                out[low : low + count] = self.net.sample(padded[0], padded[1], self.settings.euler_steps)[:count].numpy()
+        return out
+
+    def _residuals(self, latents: NDArray[np.float32]) -> Residuals:
+        """Residuals of latents (B, Z) on the grid."""
+        value, slope = spline(np.linspace(0.0, 1.0, GRID))
+        along, across = np.split(latents, [self.settings.along], axis=1)
+        return Residuals(
+            pace=_expanded(along, self.basis, "along", slope),
+            offset=_expanded(across, self.basis, "across", value),
+            slope=_expanded(across, self.basis, "across", slope),
+        )
+
+
+def _principal(coefficients: NDArray[np.float64], count: int, name: str) -> dict[str, NDArray[np.float64]]:
+    """Mean (C,), the first `count` principal components (count, C) and their standard deviations (count,)."""
+    mean = coefficients.mean(axis=0)
+    value, vector = np.linalg.eigh(np.cov(coefficients.T))
+    components = vector[:, ::-1][:, :count].T
+    components = components * np.sign(components[np.arange(count), np.abs(components).argmax(axis=1)])[:, None]
+    scale = np.sqrt(np.maximum(value[::-1][:count], 1e-10))
+    return {f"{name}_mean": mean, f"{name}_components": np.ascontiguousarray(components), f"{name}_scale": scale}
+
+
+def _expanded(
+    latents: NDArray[np.float32], basis: dict[str, NDArray[np.float64]], name: str, table: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    """Curves (B, GRID) of whitened latents (B, K); summed one by one, so that a row does not depend on the others."""
+    components = (basis[f"{name}_scale"][:, None] * basis[f"{name}_components"] @ table.T).astype(np.float32)
+    curves = np.tile((table @ basis[f"{name}_mean"]).astype(np.float32), (len(latents), 1))
+    for k, component in enumerate(components):
+        curves += latents[:, k, None] * component
+    return curves
