@@ -6,7 +6,7 @@ path. The same driver works in every simulator.
 """
 
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import ClassVar, Protocol, runtime_checkable
 
 import torch
 from torch import Tensor
@@ -110,13 +110,15 @@ class Action:
 
 
 class Driver(Protocol):
-    """A driving algorithm. `Plugin(settings)` makes one, `Settings` being the plugin module's own frozen dataclass.
+    """A driving algorithm; `Plugin(settings)` makes one.
 
     Attributes:
         name: the plugin's name, as it stands in tables.
+        settings_type: the frozen dataclass of its settings.
     """
 
     name: str
+    settings_type: ClassVar[type]
 
     def act(self, observation: Observation) -> Action:
         """Actions for S targets; row i depends on row i alone, so results do not depend on who shares the batch."""

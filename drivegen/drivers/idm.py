@@ -43,6 +43,7 @@ class Plugin:
     """IDM along the path, at the path's speed limits."""
 
     name = "idm"
+    settings_type = Settings
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings

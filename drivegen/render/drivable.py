@@ -54,6 +54,13 @@ class RoadField:
     directions: NDArray[np.uint16]
     limit: NDArray[np.uint8]
 
+    def distance_outside(self, points: NDArray[np.floating]) -> NDArray[np.float32]:
+        """Signed distance (...) [m] of points (..., 2) to the drivable area, of their cell; beyond the raster -inf."""
+        cell = np.rint((points - self.origin) / CELL).astype(np.int64)
+        inside = (cell >= 0).all(axis=-1) & (cell[..., 1] < self.outside.shape[0]) & (cell[..., 0] < self.outside.shape[1])
+        at = np.where(inside[..., None], cell, 0)
+        return np.where(inside, self.outside[at[..., 1], at[..., 0]], np.float32(-np.inf))
+
 
 @dataclass(frozen=True)
 class _Quads:

@@ -5,7 +5,7 @@ Social vehicles and context actors are replayed whatever the target does (they d
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Protocol
 
@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.drivers.base import Driver
-from drivegen.scenario import Scenario, Trajectories
+from drivegen.geometry import box_corners
+from drivegen.render.drivable import RoadField, road_field
+from drivegen.scenario import TARGET, Scenario, Trajectories
 
 NO_PARTNER = -1
 
@@ -71,7 +73,7 @@ class DrivingOutcome:
         partner: (S,) int32 index into the scenario's vehicles, or number of vehicles + index into its context actors;
             NO_PARTNER if none.
         motion: Trajectories (S, T) of the targets, valid up to and including the collision; shorter scenarios end earlier.
-        off_road: (S,) float32 share of valid steps with a corner off the drivable area; NaN where nobody judged it.
+        off_road: (S,) float32 share of valid steps with a corner off the drivable area; NaN until `with_off_road` judges it.
     """
 
     kind: NDArray[np.uint8]
@@ -112,6 +114,24 @@ class DrivingOutcome:
     def end(self) -> NDArray[np.float32]:
         """(S, 2) last position [m]."""
         return self.motion.position[np.arange(len(self.kind)), self.motion.last_valid()]
+
+
+OFF_ROAD_TOLERANCE = 0.3
+"""A corner farther out than this [m] is off the road."""
+
+
+def with_off_road(outcome: DrivingOutcome, scenarios: Sequence[Scenario]) -> DrivingOutcome:
+    """The outcome with `off_road` filled in; scenarios that share a map object share its raster."""
+    fields: dict[int, RoadField] = {}
+    share = np.full(len(scenarios), np.nan, np.float32)
+    for s, scenario in enumerate(scenarios):
+        if id(scenario.map) not in fields:
+            fields[id(scenario.map)] = road_field(scenario.map)
+        motion, size = outcome.motion[s], scenario.vehicles.size[TARGET]
+        corners = box_corners(motion.position, motion.heading, np.full(motion.steps, size[0]), np.full(motion.steps, size[1]))
+        out = (fields[id(scenario.map)].distance_outside(corners) > OFF_ROAD_TOLERANCE).any(axis=-1)
+        share[s] = out[motion.valid].mean()
+    return replace(outcome, off_road=share)
 
 
 class Simulator(Protocol):
