@@ -43,7 +43,7 @@ def add_turning_place(plain: PlainNetwork, node: str, at: Point, heading: float,
     opening = float(np.arcsin(_TURNING_RADIUS / distance))
     around = np.linspace(-np.pi / 2 - opening, np.pi / 2 + opening, 33)
     round_end = np.array([distance, 0.0]) + _TURNING_RADIUS * np.stack([np.cos(around), np.sin(around)], axis=-1)
-    drop = np.asarray(at) + rotate(np.concatenate([np.zeros((1, 2)), round_end, np.zeros((1, 2))]), np.float64(heading))
+    drop = np.asarray(at) + rotate(np.concatenate([np.zeros((1, 2)), round_end, np.zeros((1, 2))]), np.asarray(heading))
     half = len(drop) // 2
     tip = f"{node}_turn"
     plain.nodes.append(Node(tip, *_corner(drop[half])))

@@ -1,0 +1,90 @@
+"""From words, or from a specification, to a map on disk: `map.net.xml` (SUMO), `map.json` (the account), `map.png`."""
+
+from collections.abc import Set
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from drivegen import plugins
+from drivegen.maps.checks import Check, check, failures
+from drivegen.maps.compile import compile_map
+from drivegen.maps.spec import MapSpec
+from drivegen.maps.structure import Structure, measure
+from drivegen.maps.writers.base import MapWriter, Understanding
+from drivegen.render.map_picture import draw_map, encode_png
+from drivegen.roadmap import RoadMap
+from drivegen.store.files import whole, write_json
+from drivegen.sumo.network import read_network
+
+NETWORK, ACCOUNT, PICTURE = "map.net.xml", "map.json", "map.png"
+"""Names of the three files of a map's folder."""
+
+
+@dataclass(frozen=True)
+class BuiltMap:
+    """A map that was drawn, built and checked.
+
+    Attributes:
+        network: the SUMO network's bytes. road_map: the same as our road map.
+        structure: what the network really is. checks: what was asked against it.
+        account: everything for `map.json`.
+    """
+
+    network: bytes
+    road_map: RoadMap
+    structure: Structure
+    checks: tuple[Check, ...]
+    account: dict[str, Any]
+
+    @property
+    def as_asked(self) -> bool:
+        """Whether every check passed."""
+        return all(c.passed for c in self.checks)
+
+    def save(self, folder: Path) -> None:
+        """Write the three files into `folder`."""
+        _write(folder / NETWORK, self.network)
+        _write(folder / PICTURE, encode_png(draw_map(self.road_map, str(self.account.get("text", "")))))
+        write_json(folder / ACCOUNT, self.account)
+
+
+def build_map(
+    text: str, seed: int, writer: str = "offline", vehicle_words: Set[str] = frozenset(), folder: Path | None = None
+) -> BuiltMap:
+    """The map that `text` describes, saved into `folder` if one is given.
+
+    Raises UnusableInput (not understood, impossible) or MissingTool (netconvert).
+    """
+    plugin: MapWriter = plugins.load("maps.writers", writer)()
+    understanding = plugin.write(text, seed, vehicle_words)
+    built = build_spec(understanding.spec, {"text": text, "seed": seed, "backend": plugin.description, **_told(understanding)})
+    if folder is not None:
+        built.save(folder)
+    return built
+
+
+def build_spec(spec: MapSpec, account: dict[str, Any]) -> BuiltMap:
+    """The map of a specification; `account` is what is known about where it comes from."""
+    network = compile_map(spec)
+    structure = measure(network, NETWORK)
+    checks = check(spec, structure)
+    told = {**account, "spec": spec.model_dump(mode="json"), "checks": checks, "failed": failures(checks), "structure": structure}
+    return BuiltMap(network, read_network(network, NETWORK), structure, tuple(checks), told)
+
+
+def with_history(built: BuiltMap, history: list[dict[str, Any]]) -> BuiltMap:
+    """The same map with the list of edits that led to it in its account."""
+    return replace(built, account={**built.account, "history": history})
+
+
+def _told(understanding: Understanding) -> dict[str, Any]:
+    return {
+        "understood": [{"phrase": phrase, "meaning": meaning} for phrase, meaning in understanding.understood],
+        "assumed": list(understanding.assumed),
+        "ignored": list(understanding.ignored),
+    }
+
+
+def _write(path: Path, content: bytes) -> None:
+    with whole(path) as temporary:
+        temporary.write_bytes(content)

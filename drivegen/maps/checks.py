@@ -1,0 +1,134 @@
+"""Whether a network has what its specification asks for: arms, lanes, signals, lengths, ramps, and nobody stuck."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from drivegen.maps.spec import Arm, Corridor, Crossing, Fork, Graph, Grid, Highway, MapSpec, Roundabout
+from drivegen.maps.structure import Structure
+
+_TOLERANCE = 0.15
+
+
+@dataclass(frozen=True)
+class Check:
+    """One thing that was asked, and what the network has."""
+
+    name: str
+    asked: Any
+    got: Any
+    passed: bool
+
+
+def check(spec: MapSpec, found: Structure) -> list[Check]:
+    """All checks of a specification against its network's structure, the failed ones included."""
+    checks = [
+        Check("nobody stuck", "none", list(found.stuck[:5]), not found.stuck),
+        Check("left-hand traffic", spec.left_hand, found.left_hand, spec.left_hand == found.left_hand),
+    ]
+    asked = _EXPECTED[spec.road.kind](spec.road)
+    for name, want in asked.items():
+        got = getattr(found, name)
+        checks.append(Check(name.replace("_", " "), want, got, _agrees(want, got)))
+    return checks
+
+
+def failures(checks: list[Check]) -> list[str]:
+    """The failed checks as sentences, for a person or for the writer that repairs."""
+    return [f"{c.name}: asked {c.asked}, got {c.got}" for c in checks if not c.passed]
+
+
+def _agrees(want: Any, got: Any) -> bool:
+    if isinstance(want, float):
+        return bool(abs(got - want) <= _TOLERANCE * want)
+    return bool(want == got)
+
+
+def _crossing(road: Crossing) -> dict[str, Any]:
+    count = len(road.arms)
+    return {
+        "arms": (count,),
+        "signals": int(road.control == "signals"),
+        "roundabouts": (),
+        "max_lanes": max(max(a.lanes_out, a.lanes_in + _pockets(a, road)) for a in road.arms),
+        "merges": 0,
+        "diverges": 0,
+    }
+
+
+def _pockets(arm: Arm, road: Crossing) -> int:
+    """Turn lanes that an arm really gets: only where there is somewhere to turn."""
+    if not arm.lanes_in:
+        return 0
+    turns = [(o.angle - arm.angle) % 360.0 - 180.0 for o in road.arms if o is not arm and o.lanes_out]
+    left, right = any(turn > 40 for turn in turns), any(turn < -40 for turn in turns)
+    return int(arm.left_turn_lane and left) + int(arm.right_turn_lane and right)
+
+
+def _roundabout(road: Roundabout) -> dict[str, Any]:
+    return {"arms": (), "signals": 0, "roundabouts": (len(road.arms),), "ring_lanes": road.ring_lanes}
+
+
+def _corridor(road: Corridor) -> dict[str, Any]:
+    crossings = [j for j in road.junctions if j.form == "crossing"]
+    rings = [2 + len(j.sides) for j in road.junctions if j.form == "roundabout"]
+    expected: dict[str, Any] = {
+        "arms": tuple(sorted((2 + len(j.sides) for j in crossings), reverse=True)),
+        "signals": sum(j.control == "signals" for j in crossings),
+        "roundabouts": tuple(rings),
+        "one_way": road.lanes_back == 0 and not road.junctions,
+    }
+    if not road.junctions and not road.dead_end:
+        expected |= {"lanes": road.lanes if road.lanes_back in (0, road.lanes) else None, "speed": road.speed}
+        expected |= {"turn": _turn(road), "length": _line_length(road)}
+    return {name: value for name, value in expected.items() if value is not None}
+
+
+def _turn(road: Corridor | Highway) -> float | None:
+    bends = {"straight": 0, "curve": 1, "hairpin": 1, "s_curve": 2}[road.alignment.shape]
+    return float(bends * abs(road.alignment.angle)) if bends else None
+
+
+def _line_length(road: Corridor | Highway) -> float | None:
+    return float(road.alignment.length) if road.alignment.shape == "straight" else None
+
+
+def _grid(road: Grid) -> dict[str, Any]:
+    crossings = road.rows * road.columns
+    lit = crossings if road.control == "signals" else 0
+    return {"arms": (4,) * crossings, "signals": lit, "lanes": road.lanes, "speed": road.speed, "one_way": road.one_way}
+
+
+def _highway(road: Highway) -> dict[str, Any]:
+    kinds = [event.kind for event in road.events] * (2 if road.both and road.carriageways == 2 else 1)
+    expected: dict[str, Any] = {
+        "arms": (),
+        "signals": 0,
+        "merges": sum(kind in ("on_ramp", "weaving") for kind in kinds),
+        "diverges": sum(kind in ("off_ramp", "weaving") for kind in kinds),
+        "speed": road.speed,
+        "one_way": True,
+        "turn": _turn(road),
+        "length": _line_length(road),
+    }
+    if not kinds:
+        expected["lanes"] = road.lanes
+    return {name: value for name, value in expected.items() if value is not None}
+
+
+def _fork(road: Fork) -> dict[str, Any]:
+    return {"arms": (), "signals": 0, "diverges": 1, "one_way": True, "max_lanes": road.lanes, "speed": road.speed}
+
+
+def _graph(road: Graph) -> dict[str, Any]:
+    return {"max_lanes": max(max(r.lanes, r.lanes_back) for r in road.roads)}
+
+
+_EXPECTED: dict[str, Any] = {
+    "crossing": _crossing,
+    "roundabout": _roundabout,
+    "corridor": _corridor,
+    "grid": _grid,
+    "highway": _highway,
+    "fork": _fork,
+    "graph": _graph,
+}

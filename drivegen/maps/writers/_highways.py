@@ -1,0 +1,103 @@
+"""Highways and forks from facts: where along the carriageway things happen, and how many lanes there are."""
+
+from collections.abc import Callable
+from typing import Any
+
+from drivegen.errors import UnusableInput
+from drivegen.maps.writers._choices import KMH, Choices
+from drivegen.maps.writers._facts import EventWords, Facts
+
+Road = dict[str, Any]
+
+_FIRST, _BETWEEN, _LAST = 250.0, 120.0, 250.0
+_AUXILIARY = {"on_ramp": 200.0, "off_ramp": 150.0, "weaving": 300.0}
+_BEND_RADIUS = 250.0
+
+
+def highway(facts: Facts, choices: Choices, alignment: Callable[..., Road]) -> Road:
+    """A highway with what the description puts along it."""
+    fast = facts.has("highway") or bool(facts.events) and not facts.surroundings
+    speed = choices.speed(facts, highway=fast)
+    events = _events(facts)
+    lanes = _lanes(facts, choices, 3 if fast and not facts.has("divided") else 2, events)
+    placed, needed = _place(facts, events, speed)
+    line = alignment(facts, choices, (800, 1200), radius=_BEND_RADIUS)
+    if events and line["length"] < needed:
+        if "length" in facts.lengths:
+            raise UnusableInput(
+                f"a road of {line['length']:.0f} m is too short for what happens along it: it needs {needed:.0f} m",
+                reason="impossible-map",
+            )
+        line["length"] = needed
+    one_way = bool(facts.one_way) and not facts.two_way
+    return {
+        "kind": "highway",
+        "alignment": line,
+        "lanes": lanes,
+        "speed": speed,
+        "carriageways": 1 if one_way else 2,
+        "events": placed,
+    }
+
+
+def fork(facts: Facts, choices: Choices) -> Road:
+    """A road that splits into two: one-way where it is a highway or said so, else a Y of two-way roads."""
+    lanes = choices.lanes(facts, 2, "main")
+    angle = facts.angle if facts.angle is not None and facts.angle <= 120 else 50.0
+    length = facts.lengths.get("length") or choices.length("arms", 140, 200)
+    fast = facts.has("highway")
+    speed = choices.speed(facts, highway=fast)
+    if fast or (facts.one_way and not facts.two_way) or facts.events:
+        left = (lanes + 1) // 2
+        road = {"kind": "fork", "lanes": lanes, "left_lanes": left, "right_lanes": max(1, lanes - left), "length": length}
+        return {**road, "angle": min(angle, 40.0) if fast else angle, "speed": speed}
+    arms = [{"angle": a, "lanes_in": lanes, "lanes_out": lanes, "length": length, "speed": speed} for a in _branches(angle)]
+    return {"kind": "crossing", "arms": arms, "control": facts.control or "yield"}
+
+
+def _branches(angle: float) -> list[float]:
+    half = max(angle, 30.0) / 2
+    return [180.0, half, -half]
+
+
+def _events(facts: Facts) -> list[EventWords]:
+    events = list(facts.events)
+    change = (facts.to_lanes or 0) - (facts.from_lanes or 0)
+    if facts.to_lanes is not None and facts.from_lanes is not None and change:
+        kind = "lane_gain" if change > 0 else "lane_drop"
+        at = facts.features.get(kind, 0)
+        side = facts.turn if facts.turn == "left" else "right"
+        events.append(EventWords(kind, at, abs(change), side or "right"))
+    if facts.has("weaving"):
+        # The weaving section is made of the ramps that the description may also name.
+        events = [e for e in events if e.kind not in ("on_ramp", "off_ramp")]
+        events.append(EventWords("weaving", facts.features["weaving"]))
+    return sorted(events, key=lambda event: event.at)
+
+
+def _lanes(facts: Facts, choices: Choices, usual: int, events: list[EventWords]) -> int:
+    if facts.from_lanes is not None:
+        return facts.from_lanes
+    lanes = choices.lanes(facts, usual, "main")
+    if facts.to_lanes is not None:  # "a three-lane highway that narrows to two"
+        change = facts.to_lanes - lanes
+        if change == 0:
+            raise UnusableInput(f"a road of {lanes} lanes cannot change to {lanes} lanes", reason="impossible-map")
+        events.append(EventWords("lane_gain" if change > 0 else "lane_drop", facts.features.get("lane_change", 0), abs(change)))
+        events.sort(key=lambda event: event.at)
+    return lanes
+
+
+def _place(facts: Facts, events: list[EventWords], speed: float) -> tuple[list[Road], float]:
+    """Positions along the carriageway; returns the events and the length of road that they need."""
+    here = facts.lengths.get("position", _FIRST)
+    between = max(_BETWEEN, facts.lengths.get("spacing", 0.0))
+    ramp_speed = facts.speeds.get("ramp", max(30 * KMH, min(speed, 60 * KMH)))
+    placed = []
+    for event in events:
+        lanes = event.lanes or (facts.lanes.get("ramp", 1) if event.kind in _AUXILIARY else 1)
+        length = facts.lengths.get("auxiliary", _AUXILIARY.get(event.kind, 0.0))
+        road: Road = {"kind": event.kind, "position": here, "lanes": lanes, "ramp_speed": ramp_speed, "side": event.side}
+        placed.append({**road, "length": length} if event.kind in _AUXILIARY else road)
+        here += length + between
+    return placed, here - between + _LAST

@@ -1,0 +1,132 @@
+"""A description while it is read: plain words and digits, which of them are taken, and what they meant.
+
+Everything is lowercased, numbers in words become digits, units one word each, hyphens spaces; punctuation survives as
+commas and full stops, because clauses matter.
+"""
+
+import re
+from collections.abc import Iterator
+
+_UNITS = (
+    (r"k\.?m\.? ?/ ?h\b|\bkm ?h\b|kph|kmph|(?:km|kilomet(?:re|er)s?) (?:per|an|a|every) hour|\bkmhr?\b|\bk/h\b", " kmh "),
+    (r"m\.?p\.?h\b\.?|mi ?/ ?h\b|miles? (?:per|an|a) hour", " mph "),
+    (r"\bm ?/ ?s\b|met(?:re|er)s? (?:per|a) second", " mps "),
+    (r"°|\bdegs?\b\.?", " degrees "),
+    (r"\bkilomet(?:re|er)s?\b|\bkms?\b", " km "),
+    (r"\bmet(?:re|er)s?\b", " m "),
+    (r"\bfeet\b|\bfoot\b|\bft\b\.?", " ft "),
+    (r"\byards?\b|\byds?\b", " yd "),
+    (r"\bmiles?\b|\bmi\b", " mile "),
+)
+_SMALL = {
+    **{w: i for i, w in enumerate("zero one two three four five six seven eight nine ten eleven twelve".split())},
+    **{w: i for i, w in enumerate("thirteen fourteen fifteen sixteen seventeen eighteen nineteen".split(), 13)},
+}
+_TENS = {w: 10 * i for i, w in enumerate("twenty thirty forty fifty sixty seventy eighty ninety".split(), 2)}
+_OTHER_NUMBERS = (
+    (r"\b(?:a )?pair of\b|\ba couple of\b|\btwin\b|\bdouble(?= lane)|\bdual(?= lane)", "2"),
+    (r"\btriple(?= lane)", "3"),
+    (r"\bsingle(?= (?:\w+ )?lane)", "1"),
+    (r"\b(?:a |one |1 )?half (?:a |of a )?(?=km|mile)", "0.5 "),
+    (r"\b(?:a |one |1 )?quarter (?:of a |of an )?(?=km|mile)", "0.25 "),
+    (r"\ba (?=km|mile)", "1 "),
+    (r"\b(?:a |one |1 )?dozen\b", "12"),
+    (r"\ba (?=hundred|thousand)", "1 "),
+)
+_NUMBER_WORD = "|".join([*_SMALL, *_TENS])
+_NEGATOR = re.compile(
+    r"\b(?:no|without|not|non|never|lacks|lacking|nor|neither|isn t|aren t|instead of|rather than|free of|any|zero|0)"
+    r"((?: \w+){0,3}|(?: \w+){0,3},?(?: \w+){0,3} (?:or|nor)(?: \w+){0,2}) ?$"
+)
+_STOPS_NEGATION = re.compile(r"\b(?:but|with|has|have|only|just|and a|and an|then)\b")
+_NEGATES_ALONE = re.compile(r"\bany (?:\w+ )*$")
+
+
+class Reading:
+    """A normalised description with the spans that rules have taken."""
+
+    def __init__(self, text: str) -> None:
+        self.text = normalise(text)
+        self.notes: list[tuple[str, str]] = []
+        self._taken = bytearray(len(self.text))
+
+    def all(self, pattern: str) -> Iterator[re.Match[str]]:
+        """Matches of `pattern` on whole words that touch nothing taken, in order."""
+        for match in re.finditer(rf"(?<!\w)(?:{pattern})(?!\w)", self.text):
+            if not any(self._taken[match.start() : match.end()]):
+                yield match
+
+    def first(self, pattern: str) -> re.Match[str] | None:
+        """The first such match."""
+        return next(self.all(pattern), None)
+
+    def take(self, match: re.Match[str], meaning: str) -> None:
+        """Mark the matched words as understood, as meaning `meaning`; an empty meaning notes nothing."""
+        self._taken[match.start() : match.end()] = b"\1" * (match.end() - match.start())
+        if meaning:
+            self.notes.append((match.group().strip(" ,."), meaning))
+
+    def set_aside(self, match: re.Match[str]) -> None:
+        """Keep rules from the matched words without understanding them: they stay among the words left over."""
+        self._taken[match.start() : match.end()] = b"\2" * (match.end() - match.start())
+
+    def negated(self, match: re.Match[str]) -> bool:
+        """Whether words such as "no" or "without" stand before the match, in its clause."""
+        clause = re.split(r"[.;:]", self.text[: match.start()])[-1]
+        found = _NEGATOR.search(clause)
+        if found is None or _STOPS_NEGATION.search(found.group(1)):
+            return False
+        if found.group().startswith("any"):
+            return bool(re.search(r"\b(?:without|not|no|free of)\b", clause))
+        return True
+
+    def before(self, match: re.Match[str], words: int) -> str:
+        """Up to `words` words before the match."""
+        return " ".join(self.text[: match.start()].split()[-words:])
+
+    def after(self, match: re.Match[str], words: int) -> str:
+        """Up to `words` words after the match."""
+        return " ".join(self.text[match.end() :].split()[:words])
+
+    def left_over(self) -> list[str]:
+        """The words that nothing has taken, in order."""
+        words = re.finditer(r"[^\s,.;:]+", self.text)
+        return [w.group() for w in words if 1 not in self._taken[w.start() : w.end()]]
+
+
+def normalise(text: str) -> str:
+    """The description in the one form that all patterns are written for."""
+    text = text.lower().translate({0x2019: "'", 0x2018: "'", 0xD7: " x ", 0x2010: "-", 0x2011: "-", 0x2013: "-", 0x2014: ","})
+    text = re.sub(r"(\d)[.,](\d{3})(?!\d)", r"\1\2", text)
+    text = re.sub(r"(\d)(?=[a-z°])", r"\1 ", text)
+    text = re.sub(r"(?<=\d) x ?(?=\d)", " x ", text)
+    for pattern, unit in _UNITS:
+        text = re.sub(pattern, unit, text)
+    text = re.sub(r"(?<!\d)\.(?=\d)", "0.", text)
+    text = re.sub(r"(?<![\w.])-(?=\d)", "minus ", text)
+    text = re.sub(r"['\"`*_/\\-]", " ", text)
+    text = re.sub(r"[()\[\]{};:!?\n\r]", " , ", text)
+    text = re.sub(r"(?<!\d)\.|\.(?!\d)", " . ", text)
+    text = re.sub(r",", " , ", text)
+    return _digits(re.sub(r"\s+", " ", text).strip())
+
+
+def _digits(text: str) -> str:
+    for pattern, number in _OTHER_NUMBERS:
+        text = re.sub(pattern, number, text)
+    text = re.sub(rf"\b({'|'.join(_TENS)}) ({'|'.join(list(_SMALL)[1:10])})\b", _tens_and_ones, text)
+    # "one" stays a word where it is no count: "one way", "that one".
+    text = re.sub(rf"\b({_NUMBER_WORD})\b(?! ?way (?:street|road|traffic|system|lane|carriage))(?! by one)", _word, text)
+    text = re.sub(r"\b1 way\b", "one way", text)
+    text = re.sub(r"\b(\d+) hundred(?: and)?(?: (\d{1,2})\b)?", lambda m: str(int(m[1]) * 100 + int(m[2] or 0)), text)
+    text = re.sub(r"\b(\d+) thousand\b", lambda m: str(int(m[1]) * 1000), text)
+    text = re.sub(r"\b(\d+) and 0\.5 |\b(\d+) and a half ", lambda m: f"{m[1] or m[2]}.5 ", text)
+    return re.sub(r"\s+", " ", text)
+
+
+def _tens_and_ones(match: re.Match[str]) -> str:
+    return str(_TENS[match[1]] + _SMALL[match[2]])
+
+
+def _word(match: re.Match[str]) -> str:
+    return str(_SMALL.get(match[1], _TENS.get(match[1])))

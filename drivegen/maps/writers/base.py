@@ -1,0 +1,41 @@
+"""The protocol of a map writer: words in, a typed specification out, with an account of what was understood."""
+
+from collections.abc import Set
+from dataclasses import dataclass
+from typing import Protocol
+
+from drivegen.maps.spec import MapSpec
+
+
+@dataclass(frozen=True)
+class Understanding:
+    """What a writer made of a description.
+
+    Attributes:
+        spec: the map.
+        understood: phrases of the description and what each was taken to mean.
+        assumed: what the description leaves open and the writer chose.
+        ignored: words that were not understood and change nothing.
+    """
+
+    spec: MapSpec
+    understood: tuple[tuple[str, str], ...]
+    assumed: tuple[str, ...]
+    ignored: tuple[str, ...]
+
+
+class MapWriter(Protocol):
+    """Turns descriptions into specifications.
+
+    Attributes:
+        description: who writes, as it stands in tables, e.g. "offline rules (no language model)".
+    """
+
+    description: str
+
+    def write(self, text: str, seed: int, vehicle_words: Set[str] = frozenset()) -> Understanding:
+        """The map that `text` describes; `vehicle_words` were understood by whoever reads vehicles, so are not ignored.
+
+        The same text and seed give the same specification. Raises UnusableInput, saying what can be asked for, where
+        the text describes no road, an impossible one, or one that this writer is not sure about.
+        """
