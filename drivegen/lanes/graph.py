@@ -48,6 +48,7 @@ class LaneGraph:
         map: the map it was made of.
         usable: (L,) bool lanes for motor vehicles.
         length: (L,) float32 [m].
+        heading: (L, 2) float32 [rad] at its start and end.
         successors, predecessors: Links between usable lanes.
         change: (L, 2) int32 usable lane to the left, right into which a lane change is legal, else NO_LANE.
         leaves_map: (L,) bool nothing follows, neither here nor by changing lanes: the map is cropped or ends.
@@ -60,6 +61,7 @@ class LaneGraph:
     map: RoadMap
     usable: NDArray[np.bool_]
     length: NDArray[np.float32]
+    heading: NDArray[np.float32]
     successors: Links
     predecessors: Links
     change: NDArray[np.int32]
@@ -88,6 +90,7 @@ class LaneGraph:
             map=road_map,
             usable=usable,
             length=length,
+            heading=_end_headings(line),
             successors=successors,
             predecessors=predecessors,
             change=change,
@@ -142,6 +145,13 @@ def _densified(lines: Polylines) -> tuple[Polylines, NDArray[np.float32], NDArra
     dense = Polylines((points[owner] + share[:, None] * step[owner]).astype(np.float32), start)
     along = (travelled[owner] + share * size[owner]).astype(np.float32)
     return dense, along, along[dense.start[1:] - 1]
+
+
+def _end_headings(line: Polylines) -> NDArray[np.float32]:
+    """(L, 2) heading of each line's first and last segment."""
+    first, last = line.start[:-1], line.start[1:] - 1
+    step = np.stack([line.points[first + 1] - line.points[first], line.points[last] - line.points[last - 1]], axis=1)
+    return np.arctan2(step[..., 1], step[..., 0])
 
 
 def _leaves_map(ends: NDArray[np.bool_], change: NDArray[np.int32]) -> NDArray[np.bool_]:

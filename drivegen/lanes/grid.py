@@ -5,6 +5,7 @@ radius plus half a piece finds everything. Built by sorting, a few numpy calls w
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -76,12 +77,14 @@ class SegmentGrid:
         start = np.searchsorted(number[order], np.arange(columns * rows + 1)).astype(np.int32)
         return cls(piece[order], lane[order], s[order], low, cell, columns, rows, start)
 
+    @property
+    def arrays(self) -> tuple[Any, ...]:
+        """Everything that the compiled searches below need, in their order."""
+        return self.piece, self.lane, self.s, self.origin, self.cell, self.columns, self.rows, self.start
+
     def near(self, position: NDArray[np.floating], radius: float) -> LaneHits:
         """All lanes within `radius` [m] of `position` (2,), each once at its nearest point, nearest first."""
-        lane, numbers = _near(
-            float(position[0]), float(position[1]), radius, self.piece, self.lane, self.s, self.origin, self.cell,
-            self.columns, self.rows, self.start,
-        )  # fmt: skip
+        lane, numbers = _near(float(position[0]), float(position[1]), radius, *self.arrays)
         order = np.lexsort((lane, numbers[:, 3]))
         s, d, heading, distance = numbers[order].T.astype(np.float32)
         return LaneHits(lane[order], s, d, heading, distance)
@@ -90,10 +93,8 @@ class SegmentGrid:
         self, positions: NDArray[np.floating], headings: NDArray[np.floating], radius: float, max_angle: float
     ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
         """For Q poses the nearest lane (Q,) that runs within `max_angle`, -1 if none; and (Q, 4) s, d, heading, distance."""
-        result: tuple[NDArray[np.int32], NDArray[np.float32]] = _nearest(
-            np.ascontiguousarray(positions, np.float64), np.ascontiguousarray(headings, np.float64), radius, max_angle,
-            self.piece, self.lane, self.s, self.origin, self.cell, self.columns, self.rows, self.start,
-        )  # fmt: skip
+        poses = np.ascontiguousarray(positions, np.float64), np.ascontiguousarray(headings, np.float64)
+        result: tuple[NDArray[np.int32], NDArray[np.float32]] = _nearest(*poses, radius, max_angle, *self.arrays)
         return result
 
 
