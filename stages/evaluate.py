@@ -62,7 +62,8 @@ def main(params: Params, scenarios: Path, generated: Path, results: Path, summar
         scenes += part
     if not scenes:
         raise UnusableInput(f"{scenarios} holds no scenario with a log to compare with", reason="no-scenarios")
-    run = Run(run_id(asdict(params), [scenarios, generated]), "evaluate", summary.stem, "", params.seed, "")
+    settings = {"seed": params.seed, "draws": params.draws, "splits": params.splits}  # results don't depend on workers
+    run = Run(run_id(settings, [scenarios, generated]), "evaluate", summary.stem, "", params.seed, "")
     write_results(results, _rows(run, scenes))
     write_json(summary, _summary(scenes, params) | _diversity(scenes, params))
     return {"scenarios": float(len(scenes))}

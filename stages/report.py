@@ -49,7 +49,7 @@ def main(
         recordings=tuple(Link(**link) for link in results.get("recordings", [])),
         provenance={
             "seed": str(params.seed),
-            "results (hash of reports/metrics)": run_id({}, [metrics]),
+            "results (hash of reports/metrics)": run_id({}, [metrics]) if results else "nothing yet",
             **{f"version of {name}": version(name) for name in _PINNED},
         },
     )

@@ -56,7 +56,7 @@ class View:
         return fixed
 
 
-def view_of(motion: Trajectories, pixels: int, narrowest: float = 70.0, widest: float = 220.0) -> View:
+def view_of(motion: Trajectories, pixels: int, narrowest: float = 60.0, widest: float = 150.0) -> View:
     """A window around all valid motion (..., N, T), cut to `widest` metres about the target."""
     target = motion.position[..., TARGET, :, :][motion.valid[..., TARGET, :]]
     points = motion.position[motion.valid]

@@ -1,0 +1,128 @@
+import csv
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from drivegen.errors import UnusableInput
+from drivegen.samples import Samples
+from drivegen.store.results import COST, RESULT, write_cost
+from drivegen.store.samples import write_samples
+from drivegen.store.scenarios import write_shard
+from drivegen.store.warehouse import query
+from stages import collect, evaluate, report
+from tests.scenes import busy_crossing, noisy_samples
+
+PARAMS = evaluate.Params(seed=7, workers=1, draws=50, splits=4)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Two shards of scenes with two methods' samples, all evaluated."""
+    root = tmp_path_factory.mktemp("run")
+    for shard, ids in (("shard-00000.parquet", "abc"), ("shard-00001.parquet", "de")):
+        scenes = [busy_crossing(60, f"scene-{letter}") for letter in ids]
+        write_shard(root / "test" / shard, scenes)
+        noisy = [noisy_samples(scene, 4, seed=i, method="drivegen") for i, scene in enumerate(scenes)]
+        write_samples(root / "generated" / "drivegen" / shard, noisy)
+        logs = [Samples.without_goals(scene.scenario_id, "log", scene.log[np.newaxis]) for scene in scenes]
+        write_samples(root / "generated" / "log" / shard, logs)
+    for method in ("drivegen", "log"):
+        run(root, method)
+    return root
+
+
+def run(root, method, params=PARAMS, out="quality"):
+    results, summary = (root / "metrics" / out / f"{method}.{end}" for end in ("parquet", "json"))
+    evaluate.main(params, root / "test", root / "generated" / method, results, summary)
+    return json.loads(summary.read_text())
+
+
+def test_the_log_makes_no_error_and_is_as_diverse_as_itself(made):
+    summary = json.loads((made / "metrics/quality/log.json").read_text())
+    assert (summary["min_sade"], summary["mean_sfde"], summary["collision_per_vehicle"]) == (0, 0, 0)
+    assert summary["diversity_ratio"] == summary["diversity_ratio_any_sample_plain"] == pytest.approx(1.0)
+
+
+def test_the_summary_is_flat_and_its_means_are_those_of_the_rows(made):
+    summary = json.loads((made / "metrics/quality/drivegen.json").read_text())
+    assert all(value is None or isinstance(value, int | float) for value in summary.values())
+    rows = pq.read_table(made / "metrics/quality/drivegen.parquet").to_pylist()
+    for name in ("min_sade", "min_sfde", "mean_sade", "mean_sfde", "collision_per_scene", "violation.collision"):
+        values = [row["value"] for row in rows if row["metric"] == name]
+        assert len(values) == 5
+        assert summary[name] == pytest.approx(np.mean(values))
+        assert summary[f"{name}_low"] <= summary[name] <= summary[f"{name}_high"]
+    assert summary["scenarios"] == summary["label.road.signalised_junction"] == 5
+    assert summary["agent_steps"] == 5 * 8 * 59
+    assert summary["diversity_pairs"] == 4 * (5 // 2)
+    assert 0 < summary["min_sade"] < summary["mean_sade"]
+
+
+def test_rows_name_run_method_and_seed(made):
+    table = pq.read_table(made / "metrics/quality/drivegen.parquet")
+    assert table.schema.remove_metadata() == RESULT
+    first = table.to_pylist()[0]
+    assert re.fullmatch(r"[0-9a-f]{12}", first["run"])
+    assert (first["stage"], first["method"], first["seed"]) == ("evaluate", "drivegen", 7)
+
+
+def test_two_processes_give_the_same_bytes_as_one(made):
+    again = run(made, "drivegen", replace(PARAMS, workers=2), "again")
+    assert again["scenarios"] == 5
+    for end in ("parquet", "json"):
+        first, second = (made / "metrics" / folder / f"drivegen.{end}" for folder in ("quality", "again"))
+        assert first.read_bytes() == second.read_bytes()
+        second.unlink()
+
+
+def test_samples_of_other_scenes_are_refused(made, tmp_path):
+    write_shard(tmp_path / "test" / "shard-00000.parquet", [busy_crossing(20, "another")])
+    with pytest.raises(UnusableInput, match="lacks scenario another"):
+        evaluate.main(PARAMS, tmp_path / "test", made / "generated/drivegen", tmp_path / "x.parquet", tmp_path / "x.json")
+    assert not (tmp_path / "x.json").exists()
+
+
+def test_all_results_and_costs_are_collected(made, tmp_path):
+    write_cost(tmp_path / "costs", "evaluate", "drivegen", {"cpu_seconds": 5.0, "scenarios": 5})
+    collect.main(collect.Params(), made / "metrics", tmp_path / "costs", tmp_path / "drivegen.duckdb")
+    quality = query(tmp_path / "drivegen.duckdb", "from scenario_quality order by method").to_pylist()
+    summary = json.loads((made / "metrics/quality/drivegen.json").read_text())
+    assert [row["method"] for row in quality] == ["drivegen", "log"]
+    assert quality[0]["min_sade"] == pytest.approx(summary["min_sade"])
+    assert query(tmp_path / "drivegen.duckdb", "from costs").schema.names == COST.names
+
+
+def report_of(made, out):
+    places = [made / "metrics", made / "plots", made / "test", made / "generated/drivegen", made / "maps"]
+    report.main(report.Params(seed=7, scenes=2, maps=4), *places, out / "index.html", out / "tables")
+    return (out / "index.html").read_text()
+
+
+def test_the_report_shows_what_was_measured(made, tmp_path):
+    (made / "plots/train_planner").mkdir(parents=True, exist_ok=True)
+    with (made / "plots/train_planner/route_fm.csv").open("w", newline="") as file:
+        csv.writer(file).writerows([["step", "train", "validation"], [1, 2.0, 2.5], [2, 1.0, ""]])
+    page = report_of(made, tmp_path / "one")
+    summary = json.loads((made / "metrics/quality/drivegen.json").read_text())
+    assert f"{summary['min_sade']:.2f}" in page
+    assert "hand-made scenes" in page
+    assert page.count("data:image/png") == 2
+    assert "Training: planner route fm" in page
+    assert (tmp_path / "one/tables/quality.md").read_text().startswith("### Table I")
+    assert report_of(made, tmp_path / "two") == page
+
+
+def test_the_report_survives_that_nothing_has_run(tmp_path):
+    page = report_of(tmp_path, tmp_path)
+    assert "the stage evaluate has not run" in page
+
+
+def test_a_broken_json_is_named(tmp_path):
+    (tmp_path / "metrics").mkdir()
+    (tmp_path / "metrics" / "ingest.json").write_text('{"accepted": ')
+    with pytest.raises(UnusableInput, match=r"ingest\.json is not JSON"):
+        report_of(tmp_path, tmp_path)
