@@ -29,16 +29,14 @@ class Calibration:
         tracks: number of logged tracks.
         judged: rule -> number of tracks that had anything to judge (a signal to pass, a limit to exceed).
         quantile: rule -> the logs' own quantile, None where it lies among tracks with nothing to judge.
-        pass_rate: rule -> share of all tracks that pass.
-        flag_pass_rate: flag -> share of all tracks without it; "LEGAL": without any.
+        pass_rate: see `pass_rates`.
     """
 
     limits: Limits
     tracks: int
     judged: dict[str, int]
     quantile: dict[str, float | None]
-    pass_rate: dict[str, float]
-    flag_pass_rate: dict[str, float]
+    pass_rate: dict[str, float | None]
 
     def to_json(self) -> dict[str, Any]:
         """A plain mapping, for the stage's metrics."""
@@ -47,7 +45,6 @@ class Calibration:
             "judged": self.judged,
             "quantile": self.quantile,
             "pass_rate": self.pass_rate,
-            "flag_pass_rate": self.flag_pass_rate,
             "limits": self.limits.to_json(),
         }
 
@@ -81,17 +78,25 @@ def from_severities(parts: list[NDArray[np.float32]], floors: Limits, share: flo
     shares = 1 - (1 - share) / rules_of_flag
     found = np.array([np.quantile(severity[:, r], shares[r], method="higher") for r in range(len(RULES))])
     limits = Limits.from_severities(np.maximum(floors.severities(), np.ceil(found * _DECIMALS) / _DECIMALS))
-    passes = severity <= limits.severities().astype(np.float32)
-    flags = np.array(FLAGS)
-    flag_pass_rate = {str(flag.name): float(passes[:, flags == flag].all(axis=1).mean()) for flag in Violation if flag}
     return Calibration(
         limits=limits,
         tracks=len(severity),
         judged=_by_rule(np.isfinite(severity).sum(axis=0).tolist()),
         quantile=_by_rule([v if np.isfinite(v) else None for v in found.tolist()]),
-        pass_rate=_by_rule(passes.mean(axis=0).tolist()),
-        flag_pass_rate={**flag_pass_rate, "LEGAL": float(passes.all(axis=1).mean())},
+        pass_rate=pass_rates(severity, limits),
     )
+
+
+def pass_rates(severity: NDArray[np.float32], limits: Limits) -> dict[str, float | None]:
+    """Share of the tracks (M, R) that pass each rule, that are free of each flag, and that are `legal`; None without tracks."""
+    passes = severity <= limits.severities().astype(np.float32)
+    flags = np.array(FLAGS)
+    groups = {name: [r] for r, name in enumerate(RULES)}
+    groups |= {str(flag.name): np.flatnonzero(flags == flag).tolist() for flag in Violation if flag}
+    groups["legal"] = list(range(len(RULES)))
+    if not len(severity):
+        return dict.fromkeys(groups)
+    return {name: float(np.all(passes[:, rules], axis=1).mean()) for name, rules in groups.items()}
 
 
 def _by_rule(values: list[Any]) -> dict[str, Any]:

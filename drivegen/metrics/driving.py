@@ -63,7 +63,7 @@ def comfort(mean_acceleration: float) -> float:
 def spread_over_runs(motion: Trajectories, weights: NDArray[np.floating]) -> NDArray[np.float64]:
     """Div over S runs (S, T), each in its own first frame, for D weightings (D, S) of the runs (bootstrap counts, or ones)."""
     own = rotate(motion.position.astype(np.float64) - motion.position[:, :1], -motion.heading[:, :1].astype(np.float64))
-    return _spread(own, motion.valid, weights)
+    return _spread(own.astype(np.float64), motion.valid, weights)
 
 
 def spread_over_samples(motion: Trajectories, scene: NDArray[np.integer]) -> NDArray[np.float64]:
@@ -94,4 +94,5 @@ def _spread(position: NDArray[np.float64], valid: NDArray[np.bool_], weights: ND
 def _mean(values: NDArray[np.float64], mask: NDArray[np.bool_], count: NDArray[np.integer]) -> NDArray[np.float64]:
     """Mean (S,) over the masked entries of each row; NaN where there are none."""
     total = np.where(mask, values, 0.0).sum(axis=1)
-    return np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
+    mean: NDArray[np.float64] = np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
+    return mean

@@ -129,8 +129,8 @@ def with_off_road(outcome: DrivingOutcome, scenarios: Sequence[Scenario]) -> Dri
             fields[id(scenario.map)] = road_field(scenario.map)
         motion, size = outcome.motion[s], scenario.vehicles.size[TARGET]
         corners = box_corners(motion.position, motion.heading, np.full(motion.steps, size[0]), np.full(motion.steps, size[1]))
-        out = (fields[id(scenario.map)].distance_outside(corners) > OFF_ROAD_TOLERANCE).any(axis=-1)
-        share[s] = out[motion.valid].mean()
+        out = fields[id(scenario.map)].distance_outside(corners).max(axis=-1) > OFF_ROAD_TOLERANCE
+        share[s] = np.mean(out, where=motion.valid)
     return replace(outcome, off_road=share)
 
 

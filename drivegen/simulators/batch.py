@@ -41,6 +41,7 @@ class Plugin:
         paths: TargetPaths | None = None,
     ) -> DrivingOutcome:
         """See `base.Simulator.run`."""
+        torch.set_num_threads(1)  # sums depend on the thread count
         paths = paths if paths is not None else target_paths(scenarios, traffic)
         steps = max(motion.steps for motion in traffic)
         parts = []

@@ -1,0 +1,53 @@
+"""Stage calibrate: limits of the legal checker, so that at least 99 % of logged train tracks pass each rule.
+
+argv: scenarios (folder with train and val), limits (JSON), pass rates (JSON). The validation split shows how the limits do
+on logs that they were not set by.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.checker.calibration import from_severities, logged_severities, pass_rates
+from drivegen.checker.limits import RULES, Limits
+from drivegen.errors import UnusableInput
+from drivegen.store.files import write_json
+from drivegen.store.scenarios import read_shard, shards
+from stages._door import enter, require, spread
+
+
+@dataclass(frozen=True)
+class Params:
+    """`share` of logged tracks that must pass each rule; `floors` below which no limit is set."""
+
+    workers: int
+    share: float
+    floors: Limits
+
+
+def main(params: Params, scenarios: Path, limits: Path, rates: Path) -> None:
+    """Measure every logged track, set the limits, report who passes."""
+    train = _severities(require(scenarios / "train", "run the ingest stage"), params)
+    if not train:
+        raise UnusableInput(f"{scenarios}/train holds no scenario to calibrate the checker on", reason="no-scenarios")
+    calibration = from_severities(train, params.floors, params.share)
+    held_out = np.concatenate([np.zeros((0, len(RULES)), np.float32), *_severities(scenarios / "val", params)])
+    write_json(limits, calibration.limits.to_json())
+    write_json(rates, calibration.to_json() | {"held_out": pass_rates(held_out, calibration.limits)})
+
+
+def _severities(split: Path, params: Params) -> list[NDArray[np.float32]]:
+    tasks = [(shard, params.floors) for shard in shards(split)] if split.exists() else []
+    return [part for _, part in spread(_shard_severities, tasks, params.workers, f"calibrate {split.name}")]
+
+
+def _shard_severities(task: tuple[Path, Limits]) -> NDArray[np.float32]:
+    shard, floors = task
+    parts = [logged_severities(scenario, floors) for scenario in read_shard(shard)]
+    return np.concatenate([np.zeros((0, len(RULES)), np.float32), *parts])
+
+
+if __name__ == "__main__":
+    enter("calibrate", Params, main)
