@@ -54,3 +54,12 @@ class Evidence:
         """Results whose path begins with `folder/`, by the rest of it, sorted."""
         prefix = folder + "/"
         return {path.removeprefix(prefix): value for path, value in sorted(self.results.items()) if path.startswith(prefix)}
+
+    @property
+    def trained_on(self) -> tuple[str, ...]:
+        """A note on what models were trained on, none if unknown: every table of ours carries it."""
+        ingest = self.results.get("ingest")
+        if not isinstance(ingest, Mapping) or not ingest.get("trained_on"):
+            return ()
+        said = [f"Models were trained on: {ingest['trained_on']}", str(ingest.get("note") or "")]
+        return (" ".join(f"{sentence.rstrip('.')}." for sentence in said if sentence),)

@@ -145,3 +145,12 @@ def test_sections_have_one_anchor_each():
     anchors = [section.anchor for section in SECTIONS]
     assert len(anchors) == len(set(anchors))
     assert set(anchors) <= set(read(build_page(SECTIONS, FULL.source)).ids)
+
+
+def test_tables_say_what_models_were_trained_on():
+    note = "argoverse2 has 5 usable training tracks, fewer than 200: not trained on"
+    results = {**FULL.results, "ingest": {"trained_on": "SUMO corpus (simulated)", "note": note}}
+    sections = all_sections(Evidence(results))
+    wanted = f"Models were trained on: SUMO corpus (simulated). {note}."
+    carry = {table.name for section in sections for table in section.tables if wanted in table.notes}
+    assert {"quality", "diversity", "safety", "violations", "corner-cases", "summary"} <= carry

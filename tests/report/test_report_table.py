@@ -61,3 +61,11 @@ def test_lists_of_mappings_become_a_matrix_too():
 
 def test_nothing_gives_no_table():
     assert tables("s", "Stage", None) == tables("s", "Stage", {}) == ()
+
+
+def test_deeper_nesting_becomes_tables_of_its_own():
+    counts = {"splits": {"train": {"corpus": {"accepted": 600}}, "test": {"corpus": {"accepted": 120, "truncated": 1}}}}
+    found = tables("data", "Scenarios", {"trained_on": "the corpus", **counts})
+    assert [table.name for table in found] == ["data", "data-splits-train", "data-splits-test"]
+    assert found[2].columns == ("", "accepted", "truncated")
+    assert [cell.text for cell in found[2].rows[0].cells] == ["corpus", "120", "1"]

@@ -1,7 +1,7 @@
 """Tables from a stage's JSON whose exact names the report need not know.
 
-Scalars at the top become one table of names and values, a mapping of scalars a table of its own, and a mapping (or list)
-of mappings a matrix with one row each. `x`, `x_low` and `x_high` become one cell with an interval.
+Scalars become one table of names and values, a mapping (or list) of mappings of scalars a matrix with one row each, and
+what is nested deeper becomes tables of its own. `x`, `x_low` and `x_high` become one cell with an interval.
 """
 
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ def words(name: str) -> str:
 def tables(name: str, title: str, value: Any) -> tuple[Table, ...]:
     """All tables that `value` gives rise to, none for an empty one."""
     if isinstance(value, list):
-        value = {"": {str(i + 1): item for i, item in enumerate(value)}}
+        return tables(name, title, {"": value})
     if not isinstance(value, Mapping):
         return ()
     plain = {key: item for key, item in value.items() if _scalar(item)}
@@ -30,7 +30,7 @@ def tables(name: str, title: str, value: Any) -> tuple[Table, ...]:
         if isinstance(item, list):
             item = {str(i + 1): entry for i, entry in enumerate(item)}
         if isinstance(item, Mapping) and item:
-            if all(isinstance(entry, Mapping) for entry in item.values()):
+            if all(isinstance(entry, Mapping) and any(map(_scalar, entry.values())) for entry in item.values()):
                 found.append(matrix(label, inner, item))
             else:
                 found += tables(label, inner, item)

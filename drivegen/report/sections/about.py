@@ -20,7 +20,7 @@ def summary(evidence: Evidence) -> Section:
         for name, values in methods.items()
     ]
     heads = ("", "min-sADE [m]", "diversity ratio", "vehicles in collision")
-    return Section("summary", "In brief", lead, (Table("summary", "This run", heads, tuple(lines)),))
+    return Section("summary", "In brief", lead, (Table("summary", "This run", heads, tuple(lines), evidence.trained_on),))
 
 
 def scenes(evidence: Evidence) -> Section:

@@ -43,7 +43,7 @@ def _against_paper(evidence: Evidence, rounds: Mapping[str, Mapping[str, Any]]) 
     ]
     heads = ("", "data", *(f"{one} {column}" for one in ("IDM", "GAIL", "SAC") for column in COLUMNS))
     notes = ("A high collision rate and low other columns are good for corner cases: they are hard for the driver.",)
-    return Table("corner-cases", "Table III. Corner cases", heads, (*ours, *theirs), notes)
+    return Table("corner-cases", "Table III. Corner cases", heads, (*ours, *theirs), (*evidence.trained_on, *notes))
 
 
 def _our_row(label: str, values: Any) -> Row:

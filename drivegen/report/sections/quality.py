@@ -27,7 +27,7 @@ def section(evidence: Evidence) -> Section:
         "Ten samples of every test scenario from its map and first frame, against what was logged. Distances in metres, mean "
         "over scenarios with 95 % bootstrap intervals; every vehicle of every sample counts."
     )
-    found = (_realism(methods, evidence.source), *(() if not methods else (_diversity(methods),)))
+    found = (_realism(methods, evidence), *((_diversity(methods, evidence),) if methods else ()))
     figures = (_map_of_methods(methods),) if methods else ()
     return Section("quality", "Scenario quality", lead, found, figures, missing="" if methods else not_measured("evaluate"))
 
@@ -51,8 +51,8 @@ def safety(evidence: Evidence) -> Section:
     by_kind = [row(_name(method), *(_share(values, kind) for kind in kinds)) for method, values in methods.items()]
     heads = ("", *(kind.removeprefix("violation.").replace("_", " ") for kind in kinds))
     found = (
-        Table("safety", "Share of generated vehicles and scenes with a violation", columns, tuple(lines)),
-        Table("violations", "Share of generated vehicles by violation", heads, tuple(by_kind)),
+        Table("safety", "Share of generated vehicles and scenes with a violation", columns, tuple(lines), evidence.trained_on),
+        Table("violations", "Share of generated vehicles by violation", heads, tuple(by_kind), evidence.trained_on),
     )
     return Section("safety", "Safety of generated traffic", lead, found)
 
@@ -63,19 +63,19 @@ def ordered(methods: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return {method: dict(methods[method]) for method in [*known, *sorted(set(methods) - set(NAMES))]}
 
 
-def _realism(methods: Mapping[str, dict[str, Any]], source: str) -> Table:
+def _realism(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table:
     best = {key: _best(methods, key) for key in _COLUMNS}
     ours = []
     for method in methods or NAMES:
         cells = [replace(measured(methods.get(method, {}), key), best=method == best[key]) for key in _COLUMNS]
-        ours.append(row(_name(method), source or NOT_MEASURED, *cells, origin="ours"))
+        ours.append(row(_name(method), evidence.source or NOT_MEASURED, *cells, origin="ours"))
     theirs = [row(name, paper.MARK, *map(paper.printed, values), origin="paper") for name, values in paper.QUALITY.items()]
     heads = ("", "data", "min-sADE \u2193", "min-sFDE \u2193", "mean-sADE \u2193", "mean-sFDE \u2193", "diversity \u2192 1")
     notes = (
         "Rows of different data cannot be compared with one another; the paper's are printed for orientation.",
         "Errors are taken at steps 1 to T-1 (step 0 is given), the final one at each track's last observed step.",
     )
-    return Table("quality", "Table I. Scenario quality", heads, (*ours, *theirs), notes)
+    return Table("quality", "Table I. Scenario quality", heads, (*ours, *theirs), (*evidence.trained_on, *notes))
 
 
 def _best(methods: Mapping[str, dict[str, Any]], key: str) -> str:
@@ -85,7 +85,7 @@ def _best(methods: Mapping[str, dict[str, Any]], key: str) -> str:
     return min(badness, key=badness.__getitem__) if len(badness) > 1 else ""
 
 
-def _diversity(methods: Mapping[str, dict[str, Any]]) -> Table:
+def _diversity(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table:
     readings = ("diversity_ratio", "diversity_ratio_plain", "diversity_ratio_any_sample", "diversity_ratio_any_sample_plain")
     heads = ("", "best sample, squared (paper)", "best sample, plain norm", "random sample, squared", "random sample, plain norm")
     lines = [
@@ -96,7 +96,7 @@ def _diversity(methods: Mapping[str, dict[str, Any]]) -> Table:
         f"Ratio to the real set on {pairs} seeded random pairs of scenes; the paper writes the squared norm. Steps that the log "
         "did not observe are left out of both.",
     )
-    return Table("diversity", "Readings of the diversity ratio", heads, tuple(lines), notes)
+    return Table("diversity", "Readings of the diversity ratio", heads, tuple(lines), (*evidence.trained_on, *notes))
 
 
 def _map_of_methods(methods: Mapping[str, dict[str, Any]]) -> Figure:
