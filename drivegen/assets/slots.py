@@ -1,0 +1,137 @@
+"""Where vehicles can stand on a map: points along the lanes, how fast one may go there, and how far lanes lie apart."""
+
+import heapq
+from collections import defaultdict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.geometry import arc_length, interpolate, line_heading
+from drivegen.roadmap import LaneControl, LaneKind, RoadMap
+
+SPACING = 2.0
+"""Distance between slots along a lane [m]."""
+
+REACH = 120.0
+"""How far ahead vehicles matter to each other [m]."""
+
+_BRAKING = 2.0
+"""Comfortable deceleration [m/s2] before bends and stop lines."""
+
+_LATERAL = 2.5
+"""Lateral acceleration [m/s2] that drivers accept in bends."""
+
+_YIELD_SPEED = 5.0
+"""Speed [m/s] at which one can still give way."""
+
+_UNKNOWN_LIMIT = 13.9
+"""Speed limit [m/s] assumed where the map has none: 50 km/h."""
+
+
+class Slots:
+    """Q slots on the lanes of one map, made once and used for many scenes.
+
+    Attributes:
+        map: the map.
+        lane: (Q,) int32. along: (Q,) float32 [m] from the lane's start. position: (Q, 2). heading: (Q,).
+        limit: (Q,) float32 [m/s] speed from which one can still keep the limits, bends and stop lines ahead.
+        length: (L,) [m] of each lane. width: (L,) [m] the narrowest of each lane.
+    """
+
+    def __init__(self, road_map: RoadMap) -> None:
+        self.map = road_map
+        lines = [road_map.centreline[i].astype(np.float64) for i in range(len(road_map))]
+        self.length = np.array([arc_length(line)[-1] for line in lines])
+        self.width = np.array([_width(road_map, i) for i in range(len(road_map))])
+        self._onward: dict[int, list[int]] = defaultdict(list)
+        for before, after in road_map.links.tolist():
+            self._onward[before].append(after)
+        self._ahead: dict[int, dict[int, float]] = {}
+        profiles = _Profiles(road_map, lines, self.length, self._onward)
+        usable = np.flatnonzero((road_map.kind != LaneKind.BIKE) & ~road_map.in_junction & (self.length > SPACING))
+        places = [(lane, np.arange(SPACING / 2, self.length[lane], SPACING)) for lane in usable.tolist()]
+        self.lane = np.concatenate([np.full(len(at), lane, np.int32) for lane, at in places] or [np.zeros(0, np.int32)])
+        self.along = np.concatenate([at for _, at in places] or [np.zeros(0)])
+        self.position = np.concatenate([interpolate(lines[lane], at) for lane, at in places] or [np.zeros((0, 2))])
+        self.heading = np.concatenate([_headings(lines[lane], at) for lane, at in places] or [np.zeros(0)])
+        self.limit = np.concatenate([profiles.speed(lane, at) for lane, at in places] or [np.zeros(0)])
+
+    def __len__(self) -> int:
+        return len(self.lane)
+
+    def limit_before(self, closed: NDArray[np.int32]) -> NDArray[np.float64]:
+        """`limit` (Q,) where the lanes `closed` (C,) must not be entered now, as behind a red light."""
+        shut = np.zeros(len(self.map), np.bool_)
+        shut[closed] = True
+        blocked = np.array(
+            [bool(after) and bool(shut[after].all()) for after in (self._onward.get(i, []) for i in range(len(shut)))]
+        )
+        stopping = np.sqrt(2 * _BRAKING * (self.length[self.lane] - self.along))
+        return np.where(blocked[self.lane], np.minimum(self.limit, stopping), self.limit)
+
+    def distance_ahead(
+        self, lane: int, along: float, lanes: NDArray[np.int32], alongs: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Driving distance (K,) [m] from one place to others ahead of it; inf where there is none within REACH or so."""
+        row = self._lanes_ahead(lane)
+        start = np.array([row.get(other, np.inf) for other in lanes.tolist()])
+        ahead = start + (self.length[lane] - along) + alongs
+        here = (lanes == lane) & (alongs >= along)
+        return np.where(here, alongs - along, ahead)
+
+    def _lanes_ahead(self, lane: int) -> dict[int, float]:
+        """Distance from the end of `lane` to the start of every lane within REACH of it (kept for the next question)."""
+        if lane not in self._ahead:
+            best: dict[int, float] = {}
+            heap = [(0.0, after) for after in self._onward.get(lane, [])]
+            while heap:
+                so_far, here = heapq.heappop(heap)
+                if here in best or so_far > REACH:
+                    continue
+                best[here] = so_far
+                for after in self._onward.get(here, []):
+                    heapq.heappush(heap, (so_far + float(self.length[here]), after))
+            self._ahead[lane] = best
+        return self._ahead[lane]
+
+
+def _width(road_map: RoadMap, lane: int) -> float:
+    left, right = road_map.left[lane], road_map.right[lane]
+    return float(min(np.hypot(*(left[0] - right[0])), np.hypot(*(left[-1] - right[-1]))))
+
+
+def _headings(line: NDArray[np.float64], at: NDArray[np.float64]) -> NDArray[np.float64]:
+    segment = np.clip(np.searchsorted(arc_length(line), at, side="right") - 1, 0, len(line) - 2)
+    return np.asarray(line_heading(line)[segment])
+
+
+class _Profiles:
+    """Speeds along lanes from which the driver can still slow down for what follows."""
+
+    def __init__(
+        self, road_map: RoadMap, lines: list[NDArray[np.float64]], length: NDArray[np.float64], onward: dict[int, list[int]]
+    ) -> None:
+        known = np.isfinite(road_map.speed_limit)
+        limit = np.where(known, road_map.speed_limit, _UNKNOWN_LIMIT).astype(np.float64)
+        self._cap = np.minimum(limit, [_bend_speed(line) for line in lines])
+        self._length = length
+        entry = np.where(road_map.control == LaneControl.YIELD, np.minimum(self._cap, _YIELD_SPEED), self._cap)
+        entry = np.where(road_map.control == LaneControl.STOP, 0.0, entry)
+        self._end = np.array([max((entry[after] for after in onward.get(i, [])), default=entry[i]) for i in range(len(lines))])
+
+    def speed(self, lane: int, at: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(K,) [m/s] at `at` (K,) [m] along the lane."""
+        braking = np.sqrt(self._end[lane] ** 2 + 2 * _BRAKING * (self._length[lane] - at))
+        return np.asarray(np.minimum(self._cap[lane], braking))
+
+
+def _bend_speed(line: NDArray[np.float64]) -> float:
+    """Speed [m/s] at the sharpest bend of the line: lateral acceleration over the turn spread around each vertex."""
+    step = np.diff(line, axis=0)
+    if len(step) < 2:
+        return float("inf")
+    heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
+    size = np.hypot(step[:, 0], step[:, 1])
+    reach = np.maximum((size[1:] + size[:-1]) / 2, 4.0)
+    sharpest = float((np.abs(np.diff(heading)) / reach).max())
+    return float(np.sqrt(_LATERAL / max(sharpest, 1e-4)))
