@@ -2,7 +2,7 @@
 
 Official keys are those of av2's `map/{lane_segment,drivable_area,pedestrian_crossing}.py`. Sensor maps have no
 centrelines: the midline of the boundaries stands in, as in av2. Keys of our own, ignored by av2 and read back here:
-`origin`, `stop_lines`, and per lane `speed_limit` [m/s] and `control`.
+`origin`, `dangling_links`, `stop_lines`, and per lane `speed_limit` [m/s] and `control`.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -89,7 +89,7 @@ def _build(tree: Mapping[str, Any]) -> RoadMap:
         crossings=_local(_crossings(tree.get("pedestrian_crossings", {}).values()), origin),
         stop_lines=(ends - origin).astype(np.float32),
         stop_lane=np.array([index[stop["lane"]] for stop in stops], np.int32),
-        dangling=dangling,
+        dangling=dangling + int(tree.get("dangling_links", 0)),
     )
 
 
@@ -209,7 +209,9 @@ def write_map(road_map: RoadMap) -> bytes:
             "control": LaneControl(int(road_map.control[i])).name,
             "speed_limit": None if np.isnan(limit) else limit,
         }
-    return orjson.dumps({"lane_segments": lanes, "origin": road_map.origin.tolist(), **_areas(road_map)})
+    return orjson.dumps(
+        {"lane_segments": lanes, "origin": road_map.origin.tolist(), "dangling_links": road_map.dangling, **_areas(road_map)}
+    )
 
 
 def _areas(road_map: RoadMap) -> dict[str, Any]:
