@@ -62,8 +62,7 @@ def main(params: Params, scenarios: Path, generated: Path, results: Path, summar
         scenes += part
     if not scenes:
         raise UnusableInput(f"{scenarios} holds no scenario with a log to compare with", reason="no-scenarios")
-    settings = {"seed": params.seed, "draws": params.draws, "splits": params.splits}  # results don't depend on workers
-    run = Run(run_id(settings, [scenarios, generated]), "evaluate", summary.stem, "", params.seed, "")
+    run = Run(run_id(asdict(params), [scenarios, generated]), "evaluate", summary.stem, "", params.seed, "")
     write_results(results, _rows(run, scenes))
     write_json(summary, _summary(scenes, params) | _diversity(scenes, params))
     return {"scenarios": float(len(scenes))}
@@ -119,7 +118,7 @@ def _summary(scenes: list[Scored], params: Params) -> dict[str, float]:
     intervals = bootstrap_means(table, params.draws, rng(params.seed, "evaluate", "bootstrap"))
     out = {name: float(np.nansum(_column(scenes, name))) for name in sorted(labels)}
     for name, interval in zip(names, intervals, strict=True):
-        out |= {name: interval.value, f"{name}_low": interval.low, f"{name}_high": interval.high}
+        out |= {name: interval.value, f"{name}.low": interval.low, f"{name}.high": interval.high}
     totals = {name: float(_column(scenes, name).sum()) for name in ("agent_steps", "vehicles")}
     return out | totals | {"scenarios": len(scenes)}
 
@@ -142,7 +141,7 @@ def _diversity(scenes: list[Scored], params: Params) -> dict[str, float]:
                 stream = rng(params.seed, "evaluate", "diversity", norm, name)
                 interval = ratio(values[name], values["log"], pairs, params.draws, stream)
                 key = "_".join(word for word in ("diversity_ratio", name, norm) if word)
-                out |= {key: interval.value, f"{key}_low": interval.low, f"{key}_high": interval.high}
+                out |= {key: interval.value, f"{key}.low": interval.low, f"{key}.high": interval.high}
     return out
 
 

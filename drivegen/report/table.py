@@ -72,8 +72,8 @@ def number(value: Any, digits: int = 2) -> str:
 
 
 def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:
-    """`values[key]` with its interval from `key_low` and `key_high`, where they are."""
+    """`values[key]` with its interval from `key.low` and `key.high`, where they are."""
     value = values.get(key)
-    low, high = values.get(f"{key}_low"), values.get(f"{key}_high")
+    low, high = values.get(f"{key}.low"), values.get(f"{key}.high")
     note = f"{number(low, digits)}\u2013{number(high, digits)}" if low is not None and high is not None else ""
     return Cell(number(value if value is None else float(value), digits), note)

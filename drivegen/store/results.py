@@ -55,8 +55,12 @@ class Run:
 
 
 def run_id(settings: Mapping[str, object], inputs: Sequence[Path]) -> str:
-    """Twelve hex digits over settings and the bytes of the input files (folders: all files below, by relative name)."""
-    digest = hashlib.sha256(orjson.dumps(dict(settings), option=orjson.OPT_SORT_KEYS))
+    """Twelve hex digits over settings and the bytes of the input files (folders: all files below, by relative name).
+
+    The setting `workers` is left out: results do not depend on it.
+    """
+    named = {name: value for name, value in settings.items() if name != "workers"}
+    digest = hashlib.sha256(orjson.dumps(named, option=orjson.OPT_SORT_KEYS | orjson.OPT_NON_STR_KEYS))
     for place in inputs:
         files = sorted(p for p in place.rglob("*") if p.is_file()) if place.is_dir() else [place]
         for file in files:

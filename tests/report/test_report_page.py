@@ -17,7 +17,7 @@ def quality(error: float, diversity: float) -> dict[str, float]:
     values |= {f"diversity_ratio{end}": diversity for end in ("", "_plain", "_any_sample", "_any_sample_plain")}
     values |= {f"{what}_per_{of}": 0.0125 for what in ("collision", "off_road", "illegal") for of in ("vehicle", "scene")}
     values["violation.red_light"] = 0.02
-    values |= {f"{name}_{end}": value for name, value in values.items() for end in ("low", "high")}
+    values |= {f"{name}.{end}": value for name, value in values.items() for end in ("low", "high")}
     return values | {"diversity_pairs": 1200, "label.road.junction": 3.0, "manoeuvre.left": 12.0}
 
 
@@ -32,9 +32,9 @@ FULL = Evidence(
         "train_selector": {"top_1": 0.62},
         "train_planner/route_fm": {"loss": 0.01},
         "goals/learned": {"top_1": 0.62},
-        "driving/idm": {"collision_rate": 0.05, "collision_rate_low": 0.01, "collision_rate_high": 0.09, "distance": 50.5},
-        "corner/1": {"collision_rate": 0.05},
-        "corner/2": {"collision_rate": 0.15, "collision_rate_low": 0.1, "collision_rate_high": 0.2},
+        "driving/idm": {"log.collision": 0.05, "log.collision.low": 0.01, "log.distance": 50.5, "drivegen.collision": 0.07},
+        "corner/1": {"collision": 0.05},
+        "corner/2": {"collision": 0.15, "collision.low": 0.1, "collision.high": 0.2},
         "maps": {"roundabout": {"text": "a roundabout <script>", "valid": True}},
     },
     source="hand-made scenes",
@@ -154,3 +154,9 @@ def test_tables_say_what_models_were_trained_on():
     wanted = f"Models were trained on: SUMO corpus (simulated). {note}."
     carry = {table.name for section in sections for table in section.tables if wanted in table.notes}
     assert {"quality", "diversity", "safety", "violations", "corner-cases", "summary"} <= carry
+
+
+def test_the_driver_in_logs_is_the_dataset_s_row_of_table_three():
+    (ours,) = (row for row in TABLES["corner-cases"].rows if row.cells[0].text == "Dataset, ours")
+    assert [cell.text for cell in ours.cells[2:5]] == ["0.05", "50.50", "not measured"]
+    assert [row.cells[0].text for row in TABLES["driving-idm"].rows] == ["Log (real futures)", "DriveGen"]

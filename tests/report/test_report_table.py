@@ -23,7 +23,7 @@ def test_numbers_as_they_are_read(value, text):
 
 
 def test_a_measured_number_carries_its_interval():
-    assert measured({"x": 1.0, "x_low": 0.5, "x_high": 1.25}, "x") == Cell("1.00", "0.50\u20131.25")
+    assert measured({"x": 1.0, "x.low": 0.5, "x.high": 1.25}, "x") == Cell("1.00", "0.50\u20131.25")
     assert measured({"x": 1}, "x") == Cell("1.00")
     assert measured({}, "x") == Cell(NOT_MEASURED)
 
@@ -43,7 +43,7 @@ def test_markdown_has_a_header_aligned_rows_and_notes():
 
 def test_scalars_become_one_table_and_mappings_of_mappings_a_matrix():
     found = tables(
-        "s", "Stage", {"steps": 3, "by_kind": {"car": {"n": 1, "n_low": 0}, "bus": {"size": 12.5}}, "counts": {"a": 1}}
+        "s", "Stage", {"steps": 3, "by_kind": {"car": {"n": 1, "n.low": 0}, "bus": {"size": 12.5}}, "counts": {"a": 1}}
     )
     assert [(table.name, table.title) for table in found] == [
         ("s", "Stage"),

@@ -55,7 +55,7 @@ def test_the_summary_is_flat_and_its_means_are_those_of_the_rows(made):
         values = [row["value"] for row in rows if row["metric"] == name]
         assert len(values) == 5
         assert summary[name] == pytest.approx(np.mean(values))
-        assert summary[f"{name}_low"] <= summary[name] <= summary[f"{name}_high"]
+        assert summary[f"{name}.low"] <= summary[name] <= summary[f"{name}.high"]
     assert summary["scenarios"] == summary["label.road.signalised_junction"] == 5
     assert summary["agent_steps"] == 5 * 8 * 59
     assert summary["diversity_pairs"] == 4 * (5 // 2)

@@ -1,7 +1,7 @@
 """Tables from a stage's JSON whose exact names the report need not know.
 
 Scalars become one table of names and values, a mapping (or list) of mappings of scalars a matrix with one row each, and
-what is nested deeper becomes tables of its own. `x`, `x_low` and `x_high` become one cell with an interval.
+what is nested deeper becomes tables of its own. `x`, `x.low` and `x.high` become one cell with an interval.
 """
 
 from collections.abc import Mapping
@@ -9,7 +9,7 @@ from typing import Any
 
 from drivegen.report.table import Cell, Table, measured, number, row
 
-_INTERVAL = ("_low", "_high")
+_INTERVAL = (".low", ".high")
 
 
 def words(name: str) -> str:
@@ -53,7 +53,7 @@ def _pairs(name: str, title: str, values: Mapping[str, Any]) -> Table:
 
 def _cell(values: dict[str, Any], key: str) -> Cell:
     value = values.get(key)
-    if isinstance(value, float) and f"{key}_low" in values:
+    if isinstance(value, float) and f"{key}.low" in values:
         return measured(values, key, 3)
     if key not in values:
         return Cell("\u2013")

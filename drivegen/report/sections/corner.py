@@ -7,11 +7,11 @@ from drivegen.report import paper, plots
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.sections._generic import matrix, tables
-from drivegen.report.sections.driving import COLUMNS
+from drivegen.report.sections.driving import PAPER_COLUMNS, by_traffic
 from drivegen.report.table import NOT_MEASURED, Row, Table, measured, row
 
-OURS = {"CR": "collision_rate", "Dis [m]": "distance", "Comfort": "comfort", "Div": "diversity"}
-"""Column of table III -> name in the JSON of a round and of a driver."""
+DRIVERS = ("idm", "gail", "sac")
+"""The drivers of table III."""
 
 
 def section(evidence: Evidence) -> Section:
@@ -34,22 +34,23 @@ def section(evidence: Evidence) -> Section:
 
 
 def _against_paper(evidence: Evidence, rounds: Mapping[str, Mapping[str, Any]]) -> Table:
-    driver = evidence.below("driving").get("idm")
-    last = rounds[max(rounds)] if rounds else None
-    ours = [_our_row(label, values) for label, values in (("Dataset, ours", driver), ("DriveGen-CS, ours", last))]
+    driving = {name: by_traffic(values) for name, values in evidence.below("driving").items() if isinstance(values, Mapping)}
+    logs = {driver: traffic.get("log", {}) for driver, traffic in driving.items()}
+    last = {"idm": dict(rounds[max(rounds)])} if rounds else {}
+    source = evidence.source or NOT_MEASURED
+    ours = [_our_row("Dataset, ours", source, logs), _our_row("DriveGen-CS, ours", source, last)]
     theirs = [
         row(name, paper.MARK, *(paper.printed(value) for one in drivers for value in one), origin="paper")
         for name, drivers in paper.CORNER.items()
     ]
-    heads = ("", "data", *(f"{one} {column}" for one in ("IDM", "GAIL", "SAC") for column in COLUMNS))
+    heads = ("", "data", *(f"{driver.upper()} {column}" for driver in DRIVERS for column in PAPER_COLUMNS))
     notes = ("A high collision rate and low other columns are good for corner cases: they are hard for the driver.",)
     return Table("corner-cases", "Table III. Corner cases", heads, (*ours, *theirs), (*evidence.trained_on, *notes))
 
 
-def _our_row(label: str, values: Any) -> Row:
-    found = values if isinstance(values, dict) else {}
-    idm = [measured(found, OURS[column]) for column in COLUMNS]
-    return row(label, "this run" if found else NOT_MEASURED, *idm, *[NOT_MEASURED] * 8, origin="ours")
+def _our_row(label: str, source: str, drivers: Mapping[str, dict[str, Any]]) -> Row:
+    cells = [measured(drivers.get(driver, {}), key) for driver in DRIVERS for key in PAPER_COLUMNS.values()]
+    return row(label, source, *cells, origin="ours")
 
 
 def _gpu_hours() -> Table:
@@ -57,17 +58,15 @@ def _gpu_hours() -> Table:
     theirs = [row(name, *map(paper.printed, values), origin="paper") for name, values in paper.GPU_HOURS.items()]
     notes = ("Our times differ from run to run and are kept in reports/drivegen.duckdb, view cost_per_item.",)
     heads = ("", "finetune [GPU h]", "generate [GPU h]")
-    return Table("gpu-hours", "Table IV. GPU hours for 1000 corner cases", heads, (*(ours,), *theirs), notes)
+    return Table("gpu-hours", "Table IV. GPU hours for 1000 corner cases", heads, (ours, *theirs), notes)
 
 
 def _plot(rounds: Mapping[str, Mapping[str, Any]]) -> list[Figure]:
-    rates = {name: values for name, values in rounds.items() if isinstance(values.get("collision_rate"), float)}
+    rates = {f"round {name}": values for name, values in rounds.items() if isinstance(values.get("collision"), float)}
     if not rates:
         return []
-    errors = {
-        f"round {name}": (float(v["collision_rate_low"]), float(v["collision_rate_high"]))
-        for name, v in rates.items()
-        if "collision_rate_low" in v and "collision_rate_high" in v
+    groups = {name: float(values["collision"]) for name, values in rates.items()}
+    ends = {
+        name: (values["collision.low"], values["collision.high"]) for name, values in rates.items() if "collision.low" in values
     }
-    groups = {f"round {name}": float(v["collision_rate"]) for name, v in rates.items()}
-    return [Figure.svg("Collision rate by round", "With 95 % intervals.", plots.bars(groups, "collision rate", errors))]
+    return [Figure.svg("Collision rate by round", "With 95 % intervals.", plots.bars(groups, "collision rate", ends))]

@@ -1,32 +1,64 @@
-"""Drivers: replayed logs, downstream training (table II) and what corner cases cost (table IV)."""
+"""Drivers: how they drive in logged and in generated traffic, and the paper's downstream training (table II)."""
+
+from collections.abc import Mapping
+from typing import Any
 
 from drivegen.report import paper
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section, not_measured
-from drivegen.report.sections._generic import tables
-from drivegen.report.table import NOT_MEASURED, Table, row
+from drivegen.report.sections.quality import NAMES
+from drivegen.report.table import NOT_MEASURED, Table, measured, number, row
 
-COLUMNS = ("CR", "Dis [m]", "Comfort", "Div")
+PAPER_COLUMNS = {"CR": "collision", "Dis [m]": "distance", "Comfort": "comfort_absolute", "Div": "spread_over_runs"}
+"""The paper's columns -> names in a driver's or a round's JSON, in the readings that we compare with."""
+
+_COLUMNS = {
+    "CR": "collision",
+    "of it at fault": "collision.at_fault",
+    "in the first second": "collision.in_first_second",
+    "off-road": "off_road",
+    "Dis [m]": "distance",
+    "Comfort, absolute": "comfort_absolute",
+    "Comfort, signed": "comfort_signed",
+    "Div over scenes": "spread_over_runs",
+    "Div over samples": "spread_over_samples",
+}
 
 
 def section(evidence: Evidence) -> Section:
-    """Every driver that was driven, and the paper's downstream table."""
-    drivers = evidence.below("driving")
+    """Every driver that was driven, by traffic, and the paper's downstream table."""
+    drivers = {name: by_traffic(values) for name, values in evidence.below("driving").items() if isinstance(values, Mapping)}
     lead = (
-        "The target is driven by a driver, the others replay. CR is the share of scenes in which the driver collides, Dis "
-        "the distance driven, Comfort the reciprocal of its mean acceleration, Div the spread of its trajectories."
+        "The target is driven by a driver, the others replay. CR is the share of runs that end in a collision, Dis the way "
+        "driven, Comfort the reciprocal of the mean acceleration, Div the spread of trajectories; where the paper can be read "
+        "in two ways, both are here."
     )
-    found = tuple(
-        table
-        for name, values in drivers.items()
-        for table in tables(f"driving-{name.replace('/', '-')}", f"Driver {name}", values)
-    )
+    found = [_table(name, traffic, evidence) for name, traffic in drivers.items()]
     missing = "" if drivers else not_measured("drive")
     return Section("driving", "Driving", lead, (*found, _downstream()), missing=missing)
 
 
+def by_traffic(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Flat names `<traffic>.<metric>` as one mapping per traffic."""
+    out: dict[str, dict[str, Any]] = {}
+    for key, value in values.items():
+        traffic, _, metric = key.partition(".")
+        out.setdefault(traffic, {})[metric] = value
+    return out
+
+
+def _table(driver: str, traffic: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table:
+    known = [name for name in NAMES if name in traffic]
+    lines = []
+    for name in [*known, *sorted(set(traffic) - set(NAMES))]:
+        values = traffic[name]
+        cells = [measured(values, key) for key in _COLUMNS.values()]
+        lines.append(row(NAMES.get(name, name.replace("_", " ")), number(values.get("runs")), *cells, origin="ours"))
+    return Table(f"driving-{driver}", f"Driver {driver}", ("traffic", "runs", *_COLUMNS), tuple(lines), evidence.trained_on)
+
+
 def _downstream() -> Table:
-    heads = ("", "data", *(f"{driver} {column}" for driver in ("GAIL", "SAC") for column in COLUMNS))
+    heads = ("", "data", *(f"{driver} {column}" for driver in ("GAIL", "SAC") for column in PAPER_COLUMNS))
     ours = [row(f"{name}, ours", NOT_MEASURED, *[NOT_MEASURED] * 8, origin="ours") for name in ("Dataset", "DriveGen")]
     theirs = [
         row(name, paper.MARK, *(paper.printed(value) for driver in drivers for value in driver), origin="paper")

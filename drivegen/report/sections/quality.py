@@ -111,11 +111,11 @@ def _map_of_methods(methods: Mapping[str, dict[str, Any]]) -> Figure:
 
 
 def _bounds(methods: Mapping[str, dict[str, Any]]) -> set[str]:
-    return {f"{key}{end}" for values in methods.values() for key in values for end in ("_low", "_high")}
+    return {f"{key}{end}" for values in methods.values() for key in values for end in (".low", ".high")}
 
 
 def _share(values: dict[str, Any], key: str) -> Cell:
-    percent = {k: 100 * values[k] for k in (key, f"{key}_low", f"{key}_high") if values.get(k) is not None}
+    percent = {k: 100 * values[k] for k in (key, f"{key}.low", f"{key}.high") if values.get(k) is not None}
     cell = measured(percent, key, 1)
     return cell if cell.text == NOT_MEASURED else replace(cell, text=f"{cell.text} %")
 
