@@ -1,5 +1,6 @@
-"""One measured row, and the clock: CPU seconds of this process, the best of several turns."""
+"""One measured row, and the clock: CPU seconds of this process and its ended children, the best of several turns."""
 
+import resource
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -50,7 +51,12 @@ def cpu_seconds(work: Callable[[], Any], turns: int = 5) -> float:
     work()
     best = float("inf")
     for _ in range(turns):
-        began = time.process_time()
+        began = _spent()
         work()
-        best = min(best, time.process_time() - began)
+        best = min(best, _spent() - began)
     return best
+
+
+def _spent() -> float:
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
