@@ -83,7 +83,7 @@ class FlowObjective:
 
     def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:
         """Weighted mean squared velocity error."""
-        return (model(self.features[rows], self.latents[rows], *drawn) * self.weight).mean()
+        return torch.as_tensor((model(self.features[rows], self.latents[rows], *drawn) * self.weight).mean())
 
     def validation(self, model: nn.Module) -> float:
         """The same on the validation examples, with noise drawn once."""

@@ -6,13 +6,14 @@ from numpy.typing import NDArray
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 
 
-def normals(seed: NDArray[np.int64], count: int) -> NDArray[np.float32]:
-    """(B, count) independent standard normals, row b from seed[b]; count must be even.
+def normals(seed: NDArray[np.int64], count: int, stream: int = 0) -> NDArray[np.float32]:
+    """(B, count) independent standard normals, row b from seed[b]; count must be even. Streams are independent, too.
 
     splitmix64 (Steele, Lea, Flood 2014) at positions 1..2 * count of each seed's stream, then Box and Muller's transform.
     """
     with np.errstate(over="ignore"):
-        state = _mixed(seed.astype(np.uint64))[:, None] + _GOLDEN * np.arange(1, count + 1, dtype=np.uint64)
+        key = _mixed(_mixed(seed.astype(np.uint64)) + np.uint64(stream))
+        state = key[:, None] + _GOLDEN * np.arange(1, count + 1, dtype=np.uint64)
     uniform = (_mixed(state) >> np.uint64(11)).astype(np.float64) * 2.0**-53
     radius = np.sqrt(-2.0 * np.log1p(-uniform[:, : count // 2]))
     angle = 2.0 * np.pi * uniform[:, count // 2 :]

@@ -1,0 +1,178 @@
+"""Planner `paper`: the diffusion transformer as the paper writes it, on a raster of the map, for comparison.
+
+What the paper gives: a 4-layer CNN on a 256x256 vehicle-centric raster, a 3-layer transformer of width 256 with 4 heads,
+affine fusion X' = X * W + B by two 2-layer MLPs of (m, t_d) between self-attention and feed-forward network, prediction
+of the noise given tau_t, s_0, s_goal, t_d, 100 diffusion steps, 90 epochs, learning rate 1e-4, batch size 32.
+
+What it leaves open, and what each setting here chooses:
+  * the state vector: `state` "pose" (x, y, cos h, sin h, v) or "position" (x, y; heading and speed from differences);
+  * raster channels and extent: `channels`, `extent`;
+  * the noise schedule: `schedule` cosine or linear;
+  * how it samples: `sampler` ddpm or ddim, `sampling_steps`; what is predicted when not noise: `target`;
+  * whether 32 counts trajectories or scenarios: `batch_of`;
+  * widths of the CNN, positions, head: see `_paper_net`; optimiser (AdamW, constant rate) and the moving average of weights:
+    `training`. It says nothing of a moving average, so the default is none.
+States are in the vehicle's frame at step 0. Tokens run from step 1 to the goal's step, so shorter tracks are stretched
+to the same number of tokens. The goal is a condition, not a guarantee; the first frame is the initial state itself.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from drivegen import seeds
+from drivegen.errors import UnusableInput
+from drivegen.planners._diffusion import alpha_bars, both, kept_steps, reverse_step
+from drivegen.planners._noise import normals
+from drivegen.planners._paper_examples import DiffusionObjective, Rasters
+from drivegen.planners._paper_net import PaperNet
+from drivegen.planners._paper_states import SCALES, conditions, from_states
+from drivegen.planners._weights import read_weights, write_weights
+from drivegen.planners.base import Examples, PlanRequests
+from drivegen.scenario import Scenario, Trajectories
+from drivegen.training import loop
+from drivegen.training.curve import LossRow
+
+CHUNK = 32
+"""Requests that go through the network at once, always: sums differ between batch sizes."""
+
+
+@dataclass(frozen=True)
+class PaperSettings:
+    """Values stand in params.yaml, `train_planner.paper`; see the module for what the paper leaves open.
+
+    Attributes:
+        state: "pose" or "position". tokens: T, states between start and goal, the goal's own step included.
+        width, heads, layers: of the transformer. noise_steps: diffusion steps.
+        schedule: "cosine" or "linear". target: "noise" or "clean". sampler: "ddpm" or "ddim".
+        sampling_steps: of the noise steps, those that sampling visits. batch_of: "trajectories" or "scenarios".
+        channels: see `render.raster.CHANNELS`. extent: [m] side of the raster. bf16: sample in bfloat16, too.
+        training: see `training.loop.Settings`; 90 epochs are 90 * examples / batch steps.
+    """
+
+    state: str
+    tokens: int
+    width: int
+    heads: int
+    layers: int
+    noise_steps: int
+    schedule: str
+    target: str
+    sampler: str
+    sampling_steps: int
+    batch_of: str
+    channels: tuple[str, ...]
+    extent: float
+    bf16: bool
+    training: loop.Settings
+
+
+class Plugin:
+    """See `planners.base.Planner`."""
+
+    Settings = PaperSettings
+
+    def __init__(self, settings: PaperSettings) -> None:
+        _check(settings)
+        self.settings, self.trained = settings, False
+        self.net = self._new_net()
+
+    def fit(
+        self, train: Examples, validation: Examples, seed: int, checkpoints: Path | None, report: Callable[[str], None]
+    ) -> list[LossRow]:
+        """See `planners.base.Planner`."""
+        torch.manual_seed(seeds.derive(seed, "network"))
+        settings, device = self.settings, loop.device()
+        alpha_bar = alpha_bars(settings.schedule, settings.noise_steps).to(device)
+        objective = DiffusionObjective(
+            train[~train.requests.parked], validation[~validation.requests.parked], alpha_bar, settings.target, settings.state,
+            settings.tokens, settings.batch_of, settings.channels, settings.extent, seeds.derive(seed, "validation"),
+        )  # fmt: skip
+        path = None if checkpoints is None else checkpoints / "paper.safetensors"
+        averaged, curve = loop.train(self._new_net().to(device), objective, settings.training, seed, path, report)
+        self.net, self.trained = averaged.cpu().eval(), True
+        return curve
+
+    def sample(self, scenarios: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
+        """See `planners.base.Planner`. Goals are approached, not met exactly; raises UnusableInput if never trained."""
+        if not self.trained:
+            raise UnusableInput("planner paper has not been trained", reason="untrained")
+        horizon = np.array([s.steps for s in scenarios])[requests.scenario]
+        states = np.empty((len(requests), self.settings.tokens, len(SCALES[self.settings.state])), np.float32)
+        rasters = Rasters(scenarios, self.settings.channels, self.settings.extent)
+        torch.set_num_threads(1)
+        device = loop.device()
+        net = self.net.to(device)
+        with torch.inference_mode(), torch.autocast(device.type, torch.bfloat16, enabled=self.settings.bf16):
+            codes = self._codes(net, rasters, requests, device)
+            for low in range(0, len(requests), CHUNK):
+                count = min(CHUNK, len(requests) - low)
+                padded = np.resize(np.arange(low, low + count), CHUNK)
+                states[low : low + count] = self._denoised(net, requests[padded], codes[padded], device)[:count]
+        return from_states(states, requests, self.settings.state, horizon)
+
+    def save(self, folder: Path) -> None:
+        """See `planners.base.Planner`."""
+        write_weights(folder, "paper", asdict(self.settings), {k: v.numpy() for k, v in self.net.cpu().state_dict().items()})
+
+    @classmethod
+    def load(cls, folder: Path) -> Self:
+        """See `planners.base.Planner`."""
+        values, tensors = read_weights(folder, "paper")
+        values |= {"training": loop.Settings(**values["training"]), "channels": tuple(values["channels"])}
+        planner = cls(PaperSettings(**values))
+        try:
+            planner.net.load_state_dict({k: torch.from_numpy(v) for k, v in tensors.items()})
+        except RuntimeError as error:
+            raise UnusableInput(f"{folder}: weights do not fit the settings ({error}): train it again") from None
+        planner.net.eval()
+        planner.trained = True
+        return planner
+
+    def _new_net(self) -> PaperNet:
+        s = self.settings
+        return PaperNet(len(s.channels), len(SCALES[s.state]), s.tokens, s.width, s.heads, s.layers, s.noise_steps)
+
+    def _codes(self, net: PaperNet, rasters: Rasters, requests: PlanRequests, device: torch.device) -> Tensor:
+        """Raster codes (B, width): each vehicle's map is drawn and encoded once, one at a time."""
+        who = np.column_stack([requests.scenario, requests.vehicle])
+        _, first, inverse = np.unique(who, axis=0, return_index=True, return_inverse=True)
+        codes = [net.raster(torch.from_numpy(rasters.of(requests[[b]])).to(device)) for b in first]
+        return torch.cat(codes)[torch.from_numpy(inverse.reshape(-1)).to(device)]
+
+    def _denoised(self, net: PaperNet, requests: PlanRequests, code: Tensor, device: torch.device) -> NDArray[np.float32]:
+        """Scaled states (CHUNK, T, S) sampled from noise."""
+        settings = self.settings
+        shape = (len(requests), settings.tokens, len(SCALES[settings.state]))
+        start, goal = (torch.from_numpy(a).to(device) for a in conditions(requests, settings.state))
+        alpha_bar = torch.cat([alpha_bars(settings.schedule, settings.noise_steps), torch.ones(1)]).to(device)
+
+        def noise(stream: int) -> Tensor:
+            return torch.from_numpy(normals(requests.seed, shape[1] * shape[2], stream).reshape(shape)).to(device)
+
+        x, visited = noise(0), kept_steps(settings.noise_steps, settings.sampling_steps)
+        for turn, (now, following) in enumerate(zip(visited, [*visited[1:], -1], strict=True), 1):
+            found = net.denoise(x, start, goal, code, torch.full((len(x),), now, device=device)).float()
+            clean, eps = both(found, x, alpha_bar[now], settings.target)
+            fresh = noise(turn) if settings.sampler == "ddpm" else None
+            x = reverse_step(clean, eps, x, alpha_bar[now], alpha_bar[following], fresh)
+        return np.asarray(x.float().cpu().numpy())
+
+
+def _check(settings: PaperSettings) -> None:
+    """Raise UnusableInput for words that mean nothing here."""
+    allowed = {
+        "state": tuple(SCALES),
+        "target": ("noise", "clean"),
+        "sampler": ("ddpm", "ddim"),
+        "batch_of": ("trajectories", "scenarios"),
+    }
+    for name, words in allowed.items():
+        if getattr(settings, name) not in words:
+            raise UnusableInput(f"train_planner.paper.{name} must be one of {', '.join(words)}, not {getattr(settings, name)!r}")
