@@ -27,7 +27,7 @@ from typing import Any, TypeVar
 import yaml
 
 from drivegen.errors import DriveGenError, MissingTool, UnusableInput
-from drivegen.store.results import write_cost
+from drivegen.store.costs import write_cost
 
 P = TypeVar("P")
 Task = TypeVar("Task")

@@ -6,7 +6,8 @@ argv: folder of result parts, folder of cost parts, the DuckDB file to write.
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivegen.store.results import COST, RESULT
+from drivegen.store.costs import COST
+from drivegen.store.results import RESULT
 from drivegen.store.warehouse import build, read_parts, result_parts
 from stages._door import enter, require
 

@@ -1,7 +1,6 @@
 """Results as long rows: one number of one scenario a row, in Parquet parts that DuckDB reads together.
 
-Times are not results: they differ from run to run. They go to a cost table of their own (`write_cost`), which is kept
-out of everything that promises the same bytes for the same seed.
+Times are no results: they differ from run to run and are kept by `costs.py`.
 """
 
 import hashlib
@@ -30,9 +29,6 @@ RESULT = pa.schema(
     ]
 )
 """Columns of a result. `driver` and `method` are "" where there is none; `scenario` is "" for a whole set."""
-
-COST = pa.schema([("stage", pa.string()), ("item", pa.string()), ("name", pa.string()), ("value", pa.float64())])
-"""Columns of a cost: stage, item (method, driver, ...), what was measured with its unit (cpu_seconds, ...)."""
 
 
 @dataclass(frozen=True)
@@ -86,11 +82,3 @@ def result_rows(run: Run, scenarios: Sequence[str], metrics: Mapping[str, NDArra
 def write_results(path: Path, parts: Sequence[pa.Table]) -> None:
     """All rows of one stage's item as one Parquet part."""
     write_table(path, pa.concat_tables([RESULT.empty_table(), *parts]))
-
-
-def write_cost(folder: Path, stage: str, item: str, costs: Mapping[str, float]) -> None:
-    """What a stage took, as `folder/<stage>-<item>.parquet`: {"cpu_seconds": 3.1, "scenarios": 120}."""
-    names = sorted(costs)
-    columns = ([stage] * len(names), [item] * len(names), names, [float(costs[name]) for name in names])
-    table = pa.table({field.name: pa.array(column, field.type) for field, column in zip(COST, columns, strict=True)})
-    write_table(folder / (f"{stage}-{item}.parquet" if item else f"{stage}.parquet"), table)

@@ -9,7 +9,8 @@ import pytest
 
 from drivegen.errors import UnusableInput
 from drivegen.samples import Samples
-from drivegen.store.results import COST, RESULT, write_cost
+from drivegen.store.costs import COST, write_cost
+from drivegen.store.results import RESULT
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
 from drivegen.store.warehouse import query

@@ -3,7 +3,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from drivegen.errors import UnusableInput
-from drivegen.store.results import COST, RESULT, Run, result_rows, run_id, write_cost, write_results
+from drivegen.store.costs import COST, write_cost
+from drivegen.store.results import RESULT, Run, result_rows, run_id, write_results
 from drivegen.store.warehouse import build, query, read_parts, result_parts
 
 RUN = Run("0123456789ab", "evaluate", "drivegen", "", 7, "learned")
