@@ -195,6 +195,12 @@ class Signals:
     def __len__(self) -> int:
         return len(self.lane)
 
+    def on_lanes(self, kept: NDArray[np.integer]) -> "Signals":
+        """The signals of the lanes `kept` (K,) only, which are numbered 0..K-1 from now on."""
+        number = {lane: i for i, lane in enumerate(kept.tolist())}
+        inside = np.array([g for g, lane in enumerate(self.lane.tolist()) if lane in number], np.intp)
+        return Signals(np.array([number[lane] for lane in self.lane[inside].tolist()], np.int32), self.state[inside])
+
     @classmethod
     def none(cls, steps: int) -> "Signals":
         """No signals over `steps` steps."""

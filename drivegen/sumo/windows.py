@@ -162,21 +162,19 @@ def _scenario(
         horizon=settings.steps - 1,
         log=motion[~ridden],
         context=riders,
-        signals=_signals(recording, lanes, (first, settings.steps)),
+        signals=_signals(recording, first, settings.steps).on_lanes(lanes),
     )
 
 
-def _signals(recording: Recording, lanes: NDArray[np.int64], window: tuple[int, int]) -> Signals:
-    """What the lights showed for the kept lanes."""
-    network, (first, steps) = recording.network, window
-    number = {lane: i for i, lane in enumerate(lanes.tolist())}
-    kept = [g for g, lane in enumerate(network.signal_lane.tolist()) if lane in number]
-    state = np.zeros((len(kept), steps), np.uint8)
-    for row, g in zip(state, kept, strict=True):
-        light = recording.traffic.lights.get(str(network.signal_name[g]))
-        if light is not None and network.signal_link[g] < len(light):
-            row[:] = light[network.signal_link[g], first : first + steps]
-    return Signals(np.array([number[int(network.signal_lane[g])] for g in kept], np.int32), state)
+def _signals(recording: Recording, first: int, steps: int) -> Signals:
+    """What the lights showed on the whole network; UNKNOWN for links that SUMO does not switch."""
+    network = recording.network
+    state = np.zeros((len(network.signal_lane), steps), np.uint8)
+    for name, shown in recording.traffic.lights.items():
+        rows = np.flatnonzero(network.signal_name == name)
+        rows = rows[network.signal_link[rows] < len(shown)]
+        state[rows] = shown[network.signal_link[rows], first : first + steps]
+    return Signals(network.signal_lane, state)
 
 
 def overlapping_pairs(motion: Trajectories, size: NDArray[np.float32]) -> NDArray[np.intp]:

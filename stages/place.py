@@ -1,0 +1,109 @@
+"""Stage `place`: put vehicles on the maps made from words, as new scenarios without a log.
+
+argv: maps (a folder with <name>/map.net.xml), assets, out (folder of shards), counts (JSON).
+"""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from drivegen import seeds
+from drivegen.assets.place import PlaceSettings, place_vehicles
+from drivegen.assets.retrieve import draw_kinds, retrieve
+from drivegen.assets.slots import Slots
+from drivegen.assets.table import Table
+from drivegen.crop import Cropper
+from drivegen.errors import MissingTool, UnusableInput
+from drivegen.scenario import DT, TARGET, Actors, Scenario, SignalState, VehicleKind
+from drivegen.store.assets import read_assets
+from drivegen.store.files import write_json
+from drivegen.store.scenarios import write_shard
+from drivegen.sumo.network import Network
+from stages._door import enter, require
+
+SOURCE = "DriveGen (map from words)"
+
+
+@dataclass(frozen=True)
+class Params:
+    """Section `place`.
+
+    Attributes:
+        per_map: scenarios on each map. vehicles: asked for in each, the target included. horizon: steps after the first.
+        shares: of kinds, by the names of VehicleKind in lower case. map_radius: lanes this near to the target are kept [m].
+        longest_cycle: signal programs begin at a random time within this [s].
+        settings: see `PlaceSettings`.
+    """
+
+    seed: int
+    per_map: int
+    vehicles: int
+    horizon: int
+    per_shard: int
+    shares: dict[str, float]
+    map_radius: float
+    longest_cycle: float
+    settings: PlaceSettings
+
+
+def main(params: Params, maps: Path, assets: Path, out: Path, counts: Path) -> None:
+    """Place `per_map` scenes on every map; asked = placed + rejected."""
+    table = Table.from_arrow(read_assets(require(assets, "run the assets stage")), str(assets))
+    files = sorted(require(maps, "run the maps stage").glob("*/map.net.xml"))
+    if not files:
+        raise MissingTool(f"{maps} holds no map: run the maps stage")
+    rejected: Counter[str] = Counter()
+    scenarios = [scenario for file in files for scenario in _scenes(params, file, table, rejected)]
+    for shard, start in enumerate(range(0, len(scenarios), params.per_shard)):
+        write_shard(out / f"shard-{shard:05d}.parquet", scenarios[start : start + params.per_shard])
+    placed = sum(len(scenario.vehicles) for scenario in scenarios)
+    asked = len(files) * params.per_map * params.vehicles
+    write_json(counts, {"maps": len(files), "scenarios": len(scenarios), "asked": asked, "placed": placed, "rejected": rejected})
+    print(f"place: {placed} of {asked} vehicles on {len(files)} maps")
+
+
+def _scenes(params: Params, file: Path, table: Table, rejected: Counter[str]) -> Iterator[Scenario]:
+    name = file.parent.name
+    network = Network.read(file.read_bytes(), str(file))
+    slots, cropper = Slots(network.map), Cropper(network.map)
+    shares = {_kind(word): share for word, share in params.shares.items()}
+    for number in range(params.per_map):
+        random = seeds.rng(params.seed, "place", name, number)
+        time = random.uniform(0.0, params.longest_cycle) + DT * np.arange(params.horizon + 1)
+        signals = network.signals(time.astype(np.float64))
+        rows = [int(retrieve(table, kind, 1, random)[0]) for kind in draw_kinds(shares, params.vehicles, random)]
+        closed = signals.lane[np.isin(signals.state[:, 0], (SignalState.RED, SignalState.YELLOW))]
+        try:
+            placement = place_vehicles(slots, table, rows, params.settings, random, closed)
+        except UnusableInput as error:
+            rejected[error.reason] += params.vehicles
+            continue
+        rejected.update(placement.rejected)
+        origin = np.round(network.map.origin + placement.vehicles.position[TARGET])
+        cut, lanes = cropper.around(placement.vehicles.position[:1], params.map_radius)
+        shift = (network.map.origin - origin).astype(np.float32)
+        yield Scenario(
+            scenario_id=f"{name}-{number:04d}",
+            source=SOURCE,
+            city=name,
+            map=cut.moved_to(origin),
+            vehicles=replace(placement.vehicles, position=placement.vehicles.position + shift),
+            horizon=params.horizon,
+            log=None,
+            context=Actors.none(params.horizon + 1),
+            signals=signals.on_lanes(lanes),
+        )
+
+
+def _kind(word: str) -> VehicleKind:
+    try:
+        return VehicleKind[word.upper()]
+    except KeyError:
+        raise UnusableInput(f"place.shares: there is no kind {word!r}; known are car, truck, bus") from None
+
+
+if __name__ == "__main__":
+    enter("place", Params, main)
