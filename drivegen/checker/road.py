@@ -27,6 +27,7 @@ _AGREEING = np.array(
     [sum(1 << ((sector + turn) % SECTORS) for turn in range(-_AGAINST, _AGAINST + 1)) for sector in range(SECTORS)], np.uint16
 )
 _STILL = 0.05
+"""Less change of position [m] and direction than this needs no new look-up."""
 _LEAST = np.float32(-1e9)
 _PER_METRE = np.float32(1 / CELL)
 _HALF = np.float32(0.5)
@@ -71,7 +72,8 @@ def judge(outside, directions, limits, origin, position, direction, sector, velo
 
 @njit(cache=True, error_model="numpy")
 def _judge_edges(outside, origin, position, direction, valid, size, b, limit, worst, first):  # type: ignore[no-untyped-def]
-    looked, last_x, last_y = 0, np.float32(np.inf), np.float32(np.inf)
+    looked = 0
+    last_x = last_y = last_cos = last_sin = np.float32(np.inf)  # what `now` was found for: most vehicles at rest stay so
     now = before = earlier = _LEAST  # how far out the last three looks were
     for t in range(0, valid.shape[0], STRIDE):
         if not valid[t]:
@@ -79,9 +81,10 @@ def _judge_edges(outside, origin, position, direction, valid, size, b, limit, wo
             continue
         x, y = position[t, 0], position[t, 1]
         earlier, before = before, now
-        if abs(x - last_x) + abs(y - last_y) > _STILL:
-            now = corner_outside(outside, origin, x, y, direction[t, 0], direction[t, 1], size[0], size[1])
-            last_x, last_y = x, y
+        cos, sin = direction[t, 0], direction[t, 1]
+        if abs(x - last_x) + abs(y - last_y) + abs(cos - last_cos) + abs(sin - last_sin) > _STILL:
+            now = corner_outside(outside, origin, x, y, cos, sin, size[0], size[1])
+            last_x, last_y, last_cos, last_sin = x, y, cos, sin
         if looked == 0 and now > START_TOLERANCE:
             return
         looked += 1

@@ -15,7 +15,7 @@ from drivegen.geometry import Polylines
 from drivegen.roadmap import RoadMap
 
 CELL = 0.5
-"""Edge of a cell [m]; distances are interpolated between cells (error below 0.3 m, see the tests)."""
+"""Edge of a cell [m]; distances are right within 0.45 m by cell, and within 0.3 m interpolated (see the tests)."""
 
 MARGIN = 10.0
 """Width of the border around the map that still belongs to the raster [m]."""
@@ -73,7 +73,7 @@ def road_field(map_: RoadMap) -> RoadField:
     """The rasters of `map_`. The drivable area is that of the map joined with its vehicle lanes, or the lanes alone."""
     quads = _lane_pieces(map_)
     beyond = _continuations(map_, quads)
-    points = np.concatenate([quads.corner.reshape(-1, 2), map_.drivable.points])
+    points = np.concatenate([quads.corner.reshape(-1, 2), map_.drivable.points, map_.centreline.points])
     low = np.floor(points.min(0) - MARGIN)
     width, height = (np.ceil((points.max(0) + MARGIN - low) / CELL).astype(int) + 1).tolist()
     shape = (height, width)
