@@ -1,3 +1,5 @@
+"""Displacement errors: by hand, against av2's formulas, against plain loops, and what must not change them."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings

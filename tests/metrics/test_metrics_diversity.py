@@ -1,3 +1,5 @@
+"""Diversity: against the paper's sums in four loops, and what must not change it."""
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -1,3 +1,5 @@
+"""Bootstrap intervals: coverage, and equality with resampling row by row."""
+
 import numpy as np
 
 from drivegen.metrics.intervals import bootstrap_mean, bootstrap_means

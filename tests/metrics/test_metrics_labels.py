@@ -1,3 +1,5 @@
+"""Labels of scenes whose manoeuvres and conflicts are known."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""Rates of violations by hand."""
+
 import pytest
 
 from drivegen.metrics.safety import safety_rates, violation_shares

@@ -1,3 +1,5 @@
+"""Recordings, read back from their files."""
+
 from pathlib import Path
 
 import numpy as np

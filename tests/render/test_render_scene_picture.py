@@ -1,3 +1,5 @@
+"""Pictures of scenes: what has which colour, and where it stands."""
+
 import cv2
 import numpy as np
 

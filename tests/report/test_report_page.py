@@ -1,3 +1,5 @@
+"""The page: complete whatever is missing, self-contained, the same for the same evidence."""
+
 import re
 from html.parser import HTMLParser
 

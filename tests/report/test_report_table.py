@@ -1,3 +1,5 @@
+"""Tables: numbers as they are read, Markdown, and tables from any JSON."""
+
 import pytest
 
 from drivegen.report.sections._generic import tables

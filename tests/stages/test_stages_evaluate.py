@@ -1,3 +1,5 @@
+"""Stages evaluate, collect and report on small shards."""
+
 import csv
 import json
 import re

@@ -1,3 +1,5 @@
+"""Long rows, their names, and the warehouse over them."""
+
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
