@@ -5,6 +5,7 @@ or leave is none. It is what a specification is checked against, and what tables
 """
 
 import heapq
+import itertools
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable
@@ -228,8 +229,8 @@ class _Graph:
         for point in line[1:]:
             if math.dist(point, apart[-1]) >= 3:
                 apart.append(point)
-        headings = [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in zip(apart, apart[1:], strict=False)]
-        steps = (math.remainder(b - a, math.tau) for a, b in zip(headings, headings[1:], strict=False))
+        headings = [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in itertools.pairwise(apart)]
+        steps = (math.remainder(b - a, math.tau) for a, b in itertools.pairwise(headings))
         return math.degrees(sum(abs(step) for step in steps))
 
 

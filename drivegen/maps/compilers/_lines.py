@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import arc_length
+from drivegen.geometry import Floats, arc_length
 from drivegen.maps.spec import Alignment
 from drivegen.sumo.plain import Point
 
@@ -71,7 +71,7 @@ def part(line: Line, start: float, end: float, left: float = 0.0) -> Line:
     return beside(line, along, np.full(len(along), left))
 
 
-def points(line: Line) -> tuple[Point, ...]:
+def points(line: Floats) -> tuple[Point, ...]:
     """The polyline as SUMO takes it."""
     return tuple((float(x), float(y)) for x, y in line)
 

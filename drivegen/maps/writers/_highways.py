@@ -16,7 +16,7 @@ _BEND_RADIUS = 250.0
 
 def highway(facts: Facts, choices: Choices, alignment: Callable[..., Road]) -> Road:
     """A highway with what the description puts along it."""
-    fast = facts.has("highway") or bool(facts.events) and not facts.surroundings
+    fast = facts.has("highway") or (bool(facts.events) and not facts.surroundings)
     speed = choices.speed(facts, highway=fast)
     events = _events(facts)
     lanes = _lanes(facts, choices, 3 if fast and not facts.has("divided") else 2, events)
@@ -66,8 +66,7 @@ def _events(facts: Facts) -> list[EventWords]:
     if facts.to_lanes is not None and facts.from_lanes is not None and change:
         kind = "lane_gain" if change > 0 else "lane_drop"
         at = facts.features.get(kind, 0)
-        side = facts.turn if facts.turn == "left" else "right"
-        events.append(EventWords(kind, at, abs(change), side or "right"))
+        events.append(EventWords(kind, at, abs(change), "left" if facts.turn == "left" else "right"))
     if facts.has("weaving"):
         # The weaving section is made of the ramps that the description may also name.
         events = [e for e in events if e.kind not in ("on_ramp", "off_ramp")]

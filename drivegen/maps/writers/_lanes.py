@@ -8,7 +8,7 @@ from drivegen.maps.writers._reading import Reading
 _ROAD = r"(?:roads?|streets?|arms?|legs?|approach(?:es)?|avenues?|carriageways?|lanes?)"
 NOUNS = {
     "ring": r"(?:roundabouts?|traffic circles?|rotar(?:y|ies)|rings?|circles?|circulating (?:road|carriageway))",
-    "ramp": r"(?:(?:on |off |entry |exit |entrance |access |merging )?(?:ramps?|slip roads?)|exits?|entrance)",
+    "ramp": r"(?:(?:on |off |entry |exit |entrance |access |merging )?(?:ramps?|slip roads?))",
     "side": rf"(?:(?:side|minor|secondary|smaller|cross|crossing|lesser|local|access|branch|joining|other) {_ROAD}|stem)",
     "main": rf"(?:(?:main|major|primary|priority|through|bigger|larger|big|mainline) ?{_ROAD}?|arterial(?: {_ROAD})?|mainline)",
 }
@@ -46,7 +46,7 @@ def read_lanes(reading: Reading, facts: Facts) -> None:
 
 
 def _read_role(reading: Reading, facts: Facts, role: str, noun: str) -> None:
-    between = rf"(?:(?:is|has|having|have|with|of|that|which|carrying|each|only|and a|wide|,) ){{0,3}}"
+    between = r"(?:(?:is|has|having|have|with|of|that|which|carrying|each|only|and a|wide|,) ){0,3}"
     adjectives = r"(?:(?!and\b|with\b|meets?\b|cross\w*\b|from\b|road\b|street\b|highway\b|intersection\b|\d)\w+ ){0,2}?"
     patterns = (
         rf"{_N} {_LANES}(?: {_EACH})? (?:on|in|for|along|at|inside|around|of|to) (?:the |each |its |every |all )*{noun}",
@@ -67,6 +67,7 @@ def _read_changes(reading: Reading, facts: Facts) -> None:
     """A road that narrows or widens from one number of lanes to another."""
     patterns = (
         rf"{_N}(?: {_LANES})?(?: road| highway| street| motorway)?{_NARROWS} (?:in)?to (?:only |just )?{_N}(?: {_LANES})?",
+        rf"{_N}(?: {_LANES})? becom\w+ (?:only |just )?{_N}(?: {_LANES})?",
         rf"from {_N}(?: {_LANES})? (?:down |up )?to {_N} ?(?:{_LANES})?",
         rf"{_N} to {_N} {_LANES}",
     )
@@ -77,8 +78,7 @@ def _read_changes(reading: Reading, facts: Facts) -> None:
             change = "lane_drop" if facts.to_lanes < facts.from_lanes else "lane_gain"
             facts.features[change] = match.start()
             reading.take(match, f"{_count(facts.from_lanes)} become {facts.to_lanes}")
-    becomes = rf"{_NARROWS} (?:in)?to (?:only |just )?{_N} {_LANES}"
-    match = reading.first(becomes)
+    match = reading.first(rf"{_NARROWS} (?:in)?to (?:only |just )?{_N} {_LANES}")
     if match is not None and facts.from_lanes is None:
         facts.to_lanes = int(match[1])
         facts.features["lane_change"] = match.start()
@@ -96,7 +96,7 @@ def _read_pockets(reading: Reading, facts: Facts) -> None:
         facts.left_pocket |= "left" in which
         facts.right_pocket |= "right" in which
         reading.take(match, f"turn lanes ({which})")
-    if match := reading.first(rf"{kinds}lanes? for (?:the )?(left|right) turn(?:s|ing)?"):
+    for match in list(reading.all(rf"{kinds}lanes? for (?:the )?(left|right) turn(?:s|ing)?")):
         facts.left_pocket |= match[1] == "left"
         facts.right_pocket |= match[1] == "right"
         reading.take(match, f"turn lanes ({match[1]})")

@@ -10,6 +10,7 @@ NUMBER = r"(\d+(?:\.\d+)?)"
 _SPEED_UNITS = {"kmh": 1 / 3.6, "mph": 0.44704, "mps": 1.0}
 _LENGTH_UNITS = {"m": 1.0, "km": 1000.0, "ft": 0.3048, "yd": 0.9144, "mile": 1609.344}
 _LENGTH = rf"{NUMBER} ?(m|km|ft|yd|mile)"
+_BESIDE = r"(?:acceleration|deceleration|auxiliary|merg\w+|weaving)"
 _LIMIT = r"(?:speed|limit|limited|posted|maximum|max|signed|restricted|design)"
 _DRIVING = re.compile(r"\b(?:cars?|trucks?|bus(?:es)?|vehicles?|vans?|lorr(?:y|ies)|traffic (?:moving|driving|flowing)|driver)\b")
 
@@ -52,10 +53,10 @@ def read_lengths(reading: Reading, facts: Facts) -> None:
         ("spacing", rf"{_LENGTH}(?: \w+)? (?:later|further on|after (?:that|it))"),
         ("radius", rf"{_LENGTH} radius|radius (?:of |is )?(?:about )?{_LENGTH}"),
         ("diameter", rf"{_LENGTH} (?:in )?(?:diameter|across|wide)|diameter (?:of |is )?(?:about )?{_LENGTH}"),
-        ("auxiliary", rf"{_LENGTH}(?: long)? (?:acceleration|deceleration|auxiliary|merg\w+|weaving)(?: (?:lane|section|area))?"),
+        ("auxiliary", rf"{_LENGTH}(?: long)? {_BESIDE}(?: (?:lane|section|area))?"),
         (
             "auxiliary",
-            rf"(?:acceleration|deceleration|auxiliary|merg\w+|weaving) (?:lane|section|area) (?:\w+ )?(?:of |is )?{_LENGTH}(?: long)?",
+            rf"{_BESIDE} (?:lane|section|area) (?:, )?(?:\w+ )?(?:of |is )?{_LENGTH}(?: long)?",
         ),
         ("offset", rf"(?:offset|staggered|displaced|shifted)(?: by| of)?(?: about)? {_LENGTH}|{_LENGTH} offset"),
         ("position", rf"(?:after|at)(?: about| the first)? {_LENGTH}"),
@@ -66,7 +67,9 @@ def read_lengths(reading: Reading, facts: Facts) -> None:
         for match in list(reading.all(pattern)):
             value, unit = [g for g in match.groups() if g is not None][:2]
             facts.lengths.setdefault(role, float(value) * _LENGTH_UNITS[unit])
-            reading.take(match, f"{role.replace('auxiliary', 'auxiliary lane')} {value} {unit}")
+            # The words beside an auxiliary lane's length decide the kind of road, so only the number is taken there.
+            found = re.compile(_LENGTH).search(reading.text, match.start(), match.end()) if role == "auxiliary" else match
+            reading.take(found or match, f"{role.replace('auxiliary', 'auxiliary lane')} {value} {unit}")
 
 
 def read_angles(reading: Reading, facts: Facts) -> None:
@@ -74,6 +77,7 @@ def read_angles(reading: Reading, facts: Facts) -> None:
     for match in list(reading.all(rf"(?:(?:through|by|of|at|an angle of|about) )*{NUMBER} degrees?(?: angle)?")):
         facts.angle = float(match[1]) if facts.angle is None else facts.angle
         reading.take(match, f"angle {match[1]} degrees")
-    if facts.angle is None and (match := reading.first(r"(?:at |a )*right angles?|quarter turn|perpendicular(?:ly)?")):
+    right = reading.first(r"(?:at |a )*right angles?|quarter turn|perpendicular(?:ly)?")
+    if facts.angle is None and right is not None:
         facts.angle = 90.0
-        reading.take(match, "angle 90 degrees")
+        reading.take(right, "angle 90 degrees")

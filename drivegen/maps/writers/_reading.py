@@ -18,11 +18,11 @@ _UNITS = (
     (r"\byards?\b|\byds?\b", " yd "),
     (r"\bmiles?\b|\bmi\b", " mile "),
 )
-_SMALL = {
-    **{w: i for i, w in enumerate("zero one two three four five six seven eight nine ten eleven twelve".split())},
-    **{w: i for i, w in enumerate("thirteen fourteen fifteen sixteen seventeen eighteen nineteen".split(), 13)},
-}
-_TENS = {w: 10 * i for i, w in enumerate("twenty thirty forty fifty sixty seventy eighty ninety".split(), 2)}
+_ONES = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_TEENS = ("thirteen", "fourteen", "fifteen", "sixteen", "seventeen", "eighteen", "nineteen")
+_SMALL = {word: i for i, word in enumerate((*_ONES, *_TEENS))}
+_DECADES = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
+_TENS = {word: 10 * i for i, word in enumerate(_DECADES, 2)}
 _OTHER_NUMBERS = (
     (r"\b(?:a )?pair of\b|\ba couple of\b|\btwin\b|\bdouble(?= lane)|\bdual(?= lane)", "2"),
     (r"\btriple(?= lane)", "3"),
@@ -52,9 +52,14 @@ class Reading:
 
     def all(self, pattern: str) -> Iterator[re.Match[str]]:
         """Matches of `pattern` on whole words that touch nothing taken, in order."""
-        for match in re.finditer(rf"(?<!\w)(?:{pattern})(?!\w)", self.text):
-            if not any(self._taken[match.start() : match.end()]):
+        compiled = re.compile(rf"(?<!\w)(?:{pattern})(?!\w)")
+        match = compiled.search(self.text)
+        while match is not None:
+            free = match.end() > match.start() and not any(self._taken[match.start() : match.end()])
+            if free:
                 yield match
+            # Where a match runs into taken words, a shorter one may begin later in it.
+            match = compiled.search(self.text, match.end() if free else match.start() + 1)
 
     def first(self, pattern: str) -> re.Match[str] | None:
         """The first such match."""

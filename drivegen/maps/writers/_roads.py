@@ -75,7 +75,7 @@ def _crossing(facts: Facts, choices: Choices) -> Road:
     length = facts.lengths.get("length") or facts.lengths.get("side") or choices.length("arms", 140, 200)
     speed = choices.speed(facts)
     side_speed = facts.speeds.get("side", speed)
-    unequal = count == 3 and shape == "t" or minor or facts.has("main_road")
+    unequal = (count == 3 and shape == "t") or minor or facts.has("main_road")
     arms = []
     for i, angle in enumerate(_arms_at(count, shape, facts)):
         is_main = i in _main_arms(count, shape)
@@ -111,7 +111,7 @@ def _make_one_way(facts: Facts, arms: list[Road], count: int) -> None:
     if count == 3:
         through = [(0, 1)] if len(facts.one_way) == 1 else [(0, 1), (2, None)]
     else:
-        both = len(facts.one_way) > 1 or not facts.two_way and not facts.has("crossed_by_another")
+        both = len(facts.one_way) > 1 or (not facts.two_way and not facts.has("crossed_by_another"))
         pairs = [(i, i + count // 2) for i in range(count // 2)]
         through = pairs if both else pairs[:1]
     for way_in, way_out in through:
@@ -233,10 +233,14 @@ def alignment(facts: Facts, choices: Choices, usual: tuple[int, int], radius: fl
         return {"shape": shape, "length": facts.lengths.get("length") or choices.length("length", *usual, step=50)}
     angle = facts.angle or {"hairpin": 180.0, "s_curve": 60.0, "curve": 90.0}[shape]
     angle = 180.0 if shape == "hairpin" else angle
-    bend = facts.lengths.get("radius") or (20.0 if shape == "hairpin" else radius)
+    bend = facts.lengths.get("radius") or (20.0 if shape == "hairpin" else radius * _bend(facts))
     arcs = math.radians(angle) * bend * (2 if shape == "s_curve" else 1)
     length = facts.lengths.get("length") or arcs + choices.length("straight roads beside the bend", 200, 300, step=20)
     return {"shape": shape, "length": length, "angle": -angle if facts.turn == "right" else angle, "radius": bend}
+
+
+def _bend(facts: Facts) -> float:
+    return 0.5 if facts.has("sharp") else 2.0 if facts.has("gentle") else 1.0
 
 
 def _grid(facts: Facts, choices: Choices) -> Road:
@@ -257,11 +261,11 @@ def _grid(facts: Facts, choices: Choices) -> Road:
 
 def _is_highway(facts: Facts) -> bool:
     along = bool(facts.events) or facts.has("weaving", "lane_drop", "lane_gain", "lane_change")
-    return along or facts.has("highway", "divided") and not facts.junctions and not facts.side_streets
+    return along or (facts.has("highway", "divided") and not facts.junctions and not facts.side_streets)
 
 
 def _is_crossing(facts: Facts) -> bool:
-    if not facts.junctions and facts.has("meets") and facts.has("side_road", "main_road") or facts.has("verb_cross"):
+    if (not facts.junctions and facts.has("meets") and facts.has("side_road", "main_road")) or facts.has("verb_cross"):
         facts.junctions.append(JunctionWords("crossing", 0, 3 if facts.has("meets") else 4, "t" if facts.has("meets") else ""))
     return bool(facts.junctions)
 

@@ -13,9 +13,11 @@ from drivegen.errors import UnusableInput
 from drivegen.maps.spec import MapSpec
 from drivegen.maps.writers._choices import Choices
 from drivegen.maps.writers._facts import Facts
-from drivegen.maps.writers._kinds import read_control, read_junctions, read_kinds
+from drivegen.maps.writers._junctions import read_junctions
+from drivegen.maps.writers._kinds import read_control, read_hand, read_highway, read_kinds, read_one_way
 from drivegen.maps.writers._lanes import read_lanes
 from drivegen.maps.writers._measures import read_angles, read_lengths, read_speeds
+from drivegen.maps.writers._ramps import read_ramps, read_side_streets
 from drivegen.maps.writers._reading import Reading
 from drivegen.maps.writers._roads import road
 from drivegen.maps.writers.base import Understanding
@@ -38,13 +40,27 @@ _BESIDE_THE_POINT = (
     r"(?:pedestrian|zebra|foot|crosswalk|bicycle|cycle|animal|wildlife) ?crossings?|crosswalks?|(?:bus|bike|bicycle|cycle|"
     r"cycling|parking|tram) lanes?|bus stops?|(?:hard )?shoulders?|side ?walks?|pavements?"
 )
+_COUNTED = r"lanes?|ways?|arms?|legs?|roads?|streets?|exits?|branches|junctions?|crossings?|intersections?|roundabouts?|ramps?"
 _SMALL_WORDS = frozenset(
-    "a an the of in on at to and or with for from by as is are be it its that this there has have where which who into onto "
-    "each every all both only just please create generate make draw build give me us i we want would like need map scene "
-    "scenario road network layout show simple typical basic standard normal ordinary about around approximately roughly some "
-    "then one no not without two way through across over between after before near along up down where when while their "
-    "them they he she you your my our also very quite another same other first second last next end ends side sides "
-    "here than more most less any s t design set use using".split()
+    re.findall(
+        r"\w+",
+        """
+        a an the of in on at to and or with for from by as is are be it its that this there has have where which who
+        into onto each every all both only just please create generate make draw build give me us i we want would like
+        need map scene scenario road network layout show simple typical basic standard normal ordinary about around
+        approximately roughly some then one no not without two way through across over between after before near along
+        up down when while their them they he she you your my our also very quite another same other first second last
+        next end ends side sides here than more most less any s t design set use using but must can should followed row
+        together come comes joined joining controlled control angle meeting linked connected connecting connects placed
+        located
+        """,
+    )
+)
+
+# What is read first takes its words: lane numbers before the junctions that they belong to, ramps before bends.
+_RULES = (
+    *(read_hand, read_lanes, read_speeds, read_lengths, read_one_way, read_junctions, read_highway),
+    *(read_ramps, read_side_streets, read_kinds, read_angles, read_control),
 )
 
 
@@ -58,13 +74,14 @@ class Plugin:
         reading = _read(text)
         facts = Facts()
         _refuse_the_unknown(reading)
-        read_angles_after = (read_lanes, read_speeds, read_lengths, read_junctions, read_kinds, read_angles, read_control)
-        for read in read_angles_after:
+        for read in _RULES:
             read(reading, facts)
         choices = Choices(reading.text, seed)
         fields = road(facts, choices)
         ignored = [w for w in reading.left_over() if w not in vehicle_words and w not in _SMALL_WORDS]
         understood = tuple((phrase, meaning) for phrase, meaning in reading.notes if meaning)
+        if fields is not None:
+            _refuse_lost_numbers(reading)
         if fields is None or _unsure(facts, understood, ignored):
             raise UnusableInput(
                 f"no road that I know is described in {_quoted(text)}; I can draw {CAN_DRAW}", reason="not-understood"
@@ -88,10 +105,16 @@ def _refuse_the_unknown(reading: Reading) -> None:
         if not reading.negated(match):
             raise UnusableInput(f"I cannot draw {match.group()!r}; I can draw {CAN_DRAW}", reason="not-understood")
         reading.take(match, f"no {match.group()}")
-    if match := reading.first(r"minus \d+"):
-        raise UnusableInput(f"{match.group()!r} makes no road: numbers must be positive", reason="impossible-map")
+    if negative := reading.first(r"minus \d+"):
+        raise UnusableInput(f"{negative.group()!r} makes no road: numbers must be positive", reason="impossible-map")
     for match in list(reading.all(_BESIDE_THE_POINT)):
         reading.set_aside(match)
+
+
+def _refuse_lost_numbers(reading: Reading) -> None:
+    """Stop at a number of roads or lanes that no rule took: leaving it out would draw another road than was asked for."""
+    if match := reading.first(rf"(?:[2-9]|\d\d+) (?:\w+ )?(?:{_COUNTED})"):
+        raise UnusableInput(f"I do not understand {match.group()!r} here; please say it in other words", reason="not-understood")
 
 
 def _unsure(facts: Facts, understood: tuple[tuple[str, str], ...], ignored: list[str]) -> bool:
