@@ -77,12 +77,14 @@ def _drive(lane: int, stream: np.random.Generator) -> Trajectories:
     along = np.concatenate([[0.0], np.cumsum(pace[:-1] * DT)])
     facing = np.interp(along, np.arange(len(route.line)), np.unwrap(route.heading))
     velocity = pace[:, None] * np.stack([np.cos(facing), np.sin(facing)], axis=1)
-    arrays = (interpolate(route.line.astype(np.float64), along), facing, velocity)
-    return Trajectories(*(a.astype(np.float32) for a in arrays), np.ones(STEPS, np.bool_))  # type: ignore[arg-type]
+    position = interpolate(route.line.astype(np.float64), along)
+    arrays = [a.astype(np.float32) for a in (position, facing, velocity)]
+    return Trajectories(arrays[0], arrays[1], arrays[2], np.ones(STEPS, np.bool_))
 
 
 def _stacked(parts: list[Trajectories]) -> Trajectories:
-    return Trajectories(*(np.stack([getattr(p, name) for p in parts]) for name in ("position", "heading", "velocity", "valid")))
+    names = ("position", "heading", "velocity", "valid")
+    return Trajectories(*(np.stack([getattr(part, name) for part in parts]) for name in names))
 
 
 def _cars(motion: Trajectories) -> Vehicles:
@@ -90,7 +92,7 @@ def _cars(motion: Trajectories) -> Vehicles:
     return Vehicles(
         track_id=np.array([str(i) for i in range(count)]),
         kind=np.full(count, VehicleKind.CAR, np.uint8),
-        size=np.tile(np.float32(_CAR), (count, 1)),
+        size=np.tile(np.array(_CAR, np.float32), (count, 1)),
         size_source=np.full(count, SizeSource.ASSUMED, np.uint8),
         position=motion.position[:, 0],
         heading=motion.heading[:, 0],

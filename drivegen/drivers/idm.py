@@ -7,6 +7,7 @@ reaches into the target's way, or will within `look_ahead`.
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import torch
 from torch import Tensor
@@ -43,7 +44,7 @@ class Plugin:
     """IDM along the path, at the path's speed limits."""
 
     name = "idm"
-    settings_type = Settings
+    settings_type: ClassVar[type] = Settings
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
