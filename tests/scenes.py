@@ -1,5 +1,7 @@
 """Small hand-made scenes for tests: a straight road, a signalised crossing, vehicles that drive along given lines."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -189,3 +191,43 @@ def _rescaled(motion: Trajectories, pace: float) -> Trajectories:
     position = interpolate(line, np.minimum(along, arc_length(line)[-1]))
     heading = motion.heading.copy()
     return Trajectories(position.astype(np.float32), heading, motion.velocity * np.float32(pace), motion.valid.copy())
+
+
+def any_scenario(seed: int, scenario_id: str = "any-0") -> Scenario:
+    """A scenario with all that files may hold: a far origin, fragments, people, signals, unknown limits, bus lanes, notes."""
+    random = np.random.default_rng(seed)
+    base = busy_crossing(int(random.integers(2, 30)), scenario_id)
+    assert base.log is not None
+    steps, roads, log = base.steps, base.map, base.log
+    valid = random.random(log.valid.shape) < 0.8
+    valid[:, 0] = True
+    limit = np.where(random.random(len(roads)) < 0.3, np.nan, random.uniform(5, 40, len(roads))).astype(np.float32)
+    kind = random.choice([LaneKind.VEHICLE, LaneKind.BUS], len(roads)).astype(np.uint8)
+    control = random.choice(list(LaneControl), len(roads)).astype(np.uint8)
+    origin = np.round(random.uniform(-20_000, 20_000, 2))
+    crossings = Polylines.of([np.float64([(0, 0), (4, 0), (4, 3), (0, 3)]) + random.uniform(-50, 50, 2) for _ in range(2)])
+    people = int(random.integers(0, 3))
+    walk = Trajectories(
+        random.uniform(-60, 60, (people, steps, 2)).astype(np.float32),
+        random.uniform(-3, 3, (people, steps)).astype(np.float32),
+        random.uniform(-2, 2, (people, steps, 2)).astype(np.float32),
+        np.ones((people, steps), np.bool_),
+    )
+    kinds = random.choice([VehicleKind.PEDESTRIAN, VehicleKind.CYCLIST, VehicleKind.MOTORCYCLE], people).astype(np.uint8)
+    size = random.uniform(0.3, 2.0, (people, 3)).astype(np.float32)
+    return replace(
+        base,
+        map=replace(
+            roads,
+            origin=origin,
+            speed_limit=limit,
+            kind=kind,
+            control=control,
+            crossings=crossings,
+            dangling=int(random.integers(5)),
+        ),
+        log=replace(log, valid=valid),
+        context=Actors(np.array([f"person-{i}" for i in range(people)], np.str_), kinds, size, walk),
+        signals=Signals(base.signals.lane, random.integers(0, 4, base.signals.state.shape).astype(np.uint8)),
+        notes={"target": "AV, because the focal track is no vehicle"} if random.random() < 0.5 else {},
+    )

@@ -15,6 +15,8 @@ from drivegen.av2.tracks import read_log
 from drivegen.errors import UnusableInput
 from drivegen.recorded import RecordedLog
 
+_TEXT = [*WORDS, *CONSTANTS]
+
 
 def scenario_files(folder: Path) -> tuple[Path, ...]:
     """The files of one scenario folder: tracks, map and, if there, signals.
@@ -44,11 +46,16 @@ def read_folder(folder: Path, source: str) -> RecordedLog:
 def read_table(path: Path) -> pa.Table:
     """The columns of a tracks file that `read_log` takes, words as dictionaries.
 
-    Raises UnusableInput, reason `truncated`, for a file that is empty, cut short or no Parquet.
+    Raises UnusableInput, reason `truncated`, for a file that is empty, cut short or no Parquet, and `missing-columns`.
     """
     try:
-        with pq.ParquetFile(path, read_dictionary=[*WORDS, *CONSTANTS]) as file:
-            return file.read(columns=[*REQUIRED, *SIZE_COLUMNS], use_threads=False)
-    except (pa.ArrowException, OSError) as error:
+        with pq.ParquetFile(path, read_dictionary=_TEXT) as file:
+            table = file.read(columns=[*REQUIRED, *SIZE_COLUMNS], use_threads=False)
+            table.select([name for name in _TEXT if name in table.column_names]).validate(full=True)  # UTF-8, indices in range
+            return table
+    except KeyError as error:  # pyarrow's for a dictionary column that is not there
+        name = error.args[0].decode() if isinstance(error.args[0], bytes) else error.args[0]
+        raise UnusableInput(f"{path} lacks the column {name}", reason="missing-columns") from None
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         what = str(error).splitlines()[0]
         raise UnusableInput(f"{path} is no whole Parquet file ({what}): copy it again", reason="truncated") from None

@@ -16,7 +16,7 @@ from drivegen.av2.schema import (
     CONSTANTS,
     EGO_TRACK,
     KIND_OF_TYPE,
-    MOST_STEPS,
+    MOST_CELLS,
     NUMBERS,
     OBSERVED_STEPS,
     REQUIRED,
@@ -33,6 +33,9 @@ from drivegen.scenario import DT, TARGET, Scenario, Signals, Trajectories, Vehic
 
 FARTHEST = 50_000.0
 """Positions farther from the map's origin than this [m] are a broken file: float32 would lose the centimetres."""
+
+FASTEST = 10_000.0
+"""Velocities beyond this [m/s] are a broken file; what no vehicle can do is left to `selection`."""
 
 
 def read_log(tracks: pa.Table, road_map: RoadMap, source: str, place: str, signals: Signals | None = None) -> RecordedLog:
@@ -53,6 +56,8 @@ def read_log(tracks: pa.Table, road_map: RoadMap, source: str, place: str, signa
     step = tracks["timestep"].to_numpy()
     track_id, track = _encoded(tracks["track_id"])
     steps = int(step.max()) + 1
+    if len(track_id) * steps > MOST_CELLS:
+        raise UnusableInput(f"{place} names {len(track_id)} tracks over {steps} steps", reason="out-of-range")
     first_row = np.zeros(len(track_id), np.int64)
     first_row[track[::-1]] = np.arange(len(track))[::-1]
     type_word, type_code = _encoded(tracks["object_type"])
@@ -97,12 +102,12 @@ def _checked(tracks: pa.Table, place: str) -> pa.Table:
         wanted = COLUMNS.field(name).type
         if not (_is_word(found) if _is_word(wanted) else pa.types.is_integer(found) or pa.types.is_floating(found)):
             raise UnusableInput(f"{place}: column {name} holds {found}, not {wanted}", reason="missing-columns")
+    if not pa.types.is_integer(tracks.schema.field("timestep").type):
+        raise UnusableInput(f"{place}: column timestep holds no whole numbers", reason="missing-columns")
     low, high = pc.min_max(tracks["timestep"]).as_py().values()
-    if not (low >= 0 and high < MOST_STEPS and float(low).is_integer()):
+    if low < 0 or high >= MOST_CELLS:
         raise UnusableInput(f"{place}: time steps run from {low} to {high}", reason="out-of-range")
-    if pa.types.is_integer(tracks.schema.field("timestep").type):
-        return tracks
-    raise UnusableInput(f"{place}: column timestep holds no whole numbers", reason="missing-columns")
+    return tracks
 
 
 def _is_word(kind: pa.DataType) -> bool:
@@ -140,6 +145,8 @@ def _dense(
         local = columns[f"position_{name}"] - origin[axis]
         if np.abs(local).max() > FARTHEST:
             raise UnusableInput(f"{place} has positions more than {FARTHEST / 1000:g} km off its map", reason="out-of-range")
+        if np.abs(columns[f"velocity_{name}"]).max() > FASTEST:
+            raise UnusableInput(f"{place} has velocities beyond {FASTEST:g} m/s", reason="out-of-range")
         position[cell, axis] = local
         velocity[cell, axis] = columns[f"velocity_{name}"]
     return motion

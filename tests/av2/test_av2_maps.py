@@ -1,0 +1,169 @@
+"""Argoverse 2 maps in and out."""
+
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+import orjson
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drivegen.av2.maps import read_map, write_map
+from drivegen.errors import UnusableInput
+from drivegen.roadmap import NO_LANE, LaneControl, RoadMap
+from tests.scenes import any_scenario, crossing, straight_road
+
+INDEXED = ("lane_id", "kind", "in_junction", "control", "links", "neighbour", "same_direction", "may_change", "stop_lane")
+LINES = ("centreline", "left", "right", "drivable", "crossings")
+
+
+def assert_same(one: RoadMap, other: RoadMap, tolerance: float = 1e-4) -> None:
+    for name in INDEXED:
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
+    np.testing.assert_array_equal(one.speed_limit, other.speed_limit)
+    np.testing.assert_array_equal(one.origin, other.origin)
+    assert one.dangling == other.dangling
+    for name in LINES:
+        np.testing.assert_array_equal(getattr(one, name).start, getattr(other, name).start)
+        np.testing.assert_allclose(getattr(one, name).points, getattr(other, name).points, atol=tolerance)
+    np.testing.assert_allclose(one.stop_lines, other.stop_lines, atol=tolerance)
+
+
+@given(st.integers(0, 10_000))
+@settings(max_examples=25, deadline=None)
+def test_what_is_written_is_read_back(seed: int) -> None:
+    written = any_scenario(seed).map
+    again = read_map(write_map(written), "map.json")
+    assert_same(written, again)
+    assert write_map(again) == write_map(read_map(write_map(again), "map.json"))
+
+
+def official(**changes: object) -> dict:
+    """Two lanes side by side along +x, the left one the other way, as the official files have them; no centrelines."""
+
+    def points(y: float, back: bool = False) -> list[dict]:
+        line = [{"x": 1000.0 + x, "y": y, "z": 1.0} for x in (0.0, 10.0, 20.0)]
+        return line[::-1] if back else line
+
+    lane = {
+        "id": 1,
+        "is_intersection": False,
+        "lane_type": "VEHICLE",
+        "left_lane_boundary": points(2.0),
+        "right_lane_boundary": points(-2.0),
+        "left_lane_mark_type": "DASHED_WHITE",
+        "right_lane_mark_type": "SOLID_WHITE",
+        "left_neighbor_id": 2,
+        "right_neighbor_id": 77,
+        "successors": [3, 4],
+        "predecessors": [],
+    }
+    other = lane | {
+        "id": 2,
+        "left_lane_boundary": points(2.0, back=True),
+        "right_lane_boundary": points(6.0, back=True),
+        "left_neighbor_id": 1,
+        "right_neighbor_id": None,
+        "successors": [],
+    }
+    third = lane | {"id": 3, "predecessors": [1], "successors": [], "left_neighbor_id": None, "right_neighbor_id": None}
+    lanes = {"1": lane | changes, "2": other, "3": third}
+    return {"lane_segments": lanes, "drivable_areas": {}, "pedestrian_crossings": {}}
+
+
+def test_without_centrelines_the_midline_of_the_boundaries_stands_in() -> None:
+    found = read_map(orjson.dumps(official()), "map.json")
+    line = found.centreline[0] + found.origin
+    np.testing.assert_allclose(line[[0, -1]], [[1000, 0], [1020, 0]])
+
+
+def test_a_lane_beside_that_runs_the_other_way_is_no_lane_to_change_to() -> None:
+    found = read_map(orjson.dumps(official()), "map.json")
+    assert found.neighbour[0].tolist() == [1, NO_LANE]
+    assert not found.same_direction.any()
+    assert not found.may_change.any()
+
+
+@pytest.mark.parametrize(
+    ("mark", "allowed"),
+    [("DASHED_WHITE", True), ("NONE", True), ("DASH_SOLID_YELLOW", True), ("SOLID_DASH_WHITE", False), ("SOLID_WHITE", False)],
+)
+def test_the_line_on_the_lanes_own_side_decides_about_lane_changes(mark: str, allowed: bool) -> None:
+    tree = official(left_neighbor_id=3, left_lane_mark_type=mark)
+    assert bool(read_map(orjson.dumps(tree), "map.json").may_change[0, 0]) is allowed
+
+
+def test_links_to_lanes_that_a_cropped_map_lacks_are_counted() -> None:
+    found = read_map(orjson.dumps(official()), "map.json")
+    assert found.dangling == 1
+    assert found.links.tolist() == [[0, 2]]
+
+
+def test_crossings_have_four_corners_whichever_way_their_edges_point() -> None:
+    corners = [{"x": 1000.0 + x, "y": y, "z": 0.0} for x, y in ((0, 0), (0, 6), (3, 0), (3, 6))]
+    a, b, c, d = corners
+    tree = official() | {
+        "pedestrian_crossings": {
+            "0": {"id": 0, "edge1": [a, b], "edge2": [c, d]},
+            "1": {"id": 1, "edge1": [a, b], "edge2": [d, c]},
+        }
+    }
+    found = read_map(orjson.dumps(tree), "map.json")
+    for polygon in found.crossings.lines():
+        x, y = polygon.astype(np.float64).T
+        assert abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2 == pytest.approx(18.0)
+
+
+def broken() -> dict[str, bytes]:
+    good = orjson.dumps(official())
+    return {
+        "not JSON": b"<net></net>",
+        "empty": b"",
+        "cut short": good[: len(good) // 2],
+        "a list": b"[]",
+        "no lanes key": b"{}",
+        "lanes are a list": b'{"lane_segments": [1]}',
+        "a lane is a number": b'{"lane_segments": {"1": 5}}',
+        "unknown lane type": orjson.dumps(official(lane_type="TRAM")),
+        "point without y": orjson.dumps(official(left_lane_boundary=[{"x": 1.0}, {"x": 2.0}])),
+        "coordinates are words": orjson.dumps(official(left_lane_boundary=[{"x": "a", "y": "b"}] * 2)),
+        "coordinates are null": orjson.dumps(official(left_lane_boundary=[{"x": None, "y": 0.0}] * 2)),
+        "boundary of one point": orjson.dumps(official(left_lane_boundary=[{"x": 1.0, "y": 2.0}])),
+        "boundary of no points": orjson.dumps(official(left_lane_boundary=[])),
+        "two lanes of one id": orjson.dumps(official(id=2)),
+        "id is a word": orjson.dumps(official(id="one")),
+        "id beyond 64 bits": orjson.dumps(official()).replace(b'"id":1,', b'"id":18446744073709551615,'),
+        "origin is far too large": orjson.dumps(official() | {"origin": [1e300]}),
+    }
+
+
+@pytest.mark.parametrize("what", broken())
+def test_a_broken_map_is_refused_with_one_sentence_that_names_the_file(what: str) -> None:
+    with pytest.raises(UnusableInput, match=r"log_map\.json") as caught:
+        read_map(broken()[what], "log_map.json")
+    assert caught.value.reason == "bad-map"
+    assert "\n" not in str(caught.value)
+
+
+def test_a_map_without_lanes_has_a_reason_of_its_own() -> None:
+    with pytest.raises(UnusableInput) as caught:
+        read_map(b'{"lane_segments": {}, "drivable_areas": {}}', "log_map.json")
+    assert caught.value.reason == "no-lanes"
+
+
+@given(st.data())
+@settings(max_examples=40, deadline=None)
+def test_a_file_with_changed_bytes_is_read_or_refused_but_never_crashes(data: st.DataObject) -> None:
+    raw = bytearray(write_map(straight_road(60.0)))
+    for place, value in data.draw(st.lists(st.tuples(st.integers(0, len(raw) - 1), st.integers(0, 255)), min_size=1, max_size=6)):
+        raw[place] = value
+    with suppress(UnusableInput):
+        read_map(bytes(raw), "map.json").validate()
+
+
+def test_controls_and_limits_survive() -> None:
+    roads = replace(crossing(control=LaneControl.STOP), origin=np.array([512.0, -40.0]))
+    again = read_map(write_map(roads), "map.json")
+    assert (again.control[again.in_junction] == LaneControl.STOP).all()
+    np.testing.assert_array_equal(again.speed_limit, roads.speed_limit)

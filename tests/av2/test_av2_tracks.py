@@ -1,0 +1,180 @@
+"""Argoverse 2 folders: what is exported is read back, and what is broken is refused."""
+
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drivegen.av2.export import export_scenario
+from drivegen.av2.folder import read_folder, read_table
+from drivegen.av2.schema import COLUMNS, OBSERVED_STEPS, TrackCategory
+from drivegen.av2.tracks import read_log, track_table
+from drivegen.errors import UnusableInput
+from drivegen.recorded import NO_TRACK
+from drivegen.scenario import Scenario, VehicleKind
+from tests.scenes import any_scenario, busy_crossing
+
+FIRST = ["observed", "track_id", "object_type", "object_category", "timestep"]
+STATE = ["position_x", "position_y", "heading", "velocity_x", "velocity_y"]
+LAST = ["scenario_id", "start_timestamp", "end_timestamp", "num_timestamps", "focal_track_id", "city"]
+
+
+def table(scene: Scenario) -> pa.Table:
+    assert scene.log is not None
+    return track_table(scene, scene.log, scene.scenario_id)
+
+
+@given(st.integers(0, 10_000))
+@settings(max_examples=25, deadline=None)
+def test_tracks_come_back_bit_by_bit(seed: int) -> None:
+    scene = any_scenario(seed)
+    assert scene.log is not None
+    log = read_log(table(scene), scene.map, "test", "x.parquet")
+    vehicles = len(scene.vehicles)
+    assert log.track_id.tolist() == [*scene.vehicles.track_id, *scene.context.track_id]
+    assert log.kind.tolist() == [*scene.vehicles.kind, *scene.context.kind]
+    np.testing.assert_array_equal(log.size, np.concatenate([scene.vehicles.size, scene.context.size]))
+    assert log.focal == 0
+    assert log.ego == NO_TRACK
+    for got, given_ in ((log.motion[:vehicles], scene.log), (log.motion[vehicles:], scene.context.motion)):
+        seen = given_.valid[:, : got.steps]
+        np.testing.assert_array_equal(got.valid, seen)
+        assert not given_.valid[:, got.steps :].any()
+        for name in ("position", "velocity"):
+            np.testing.assert_array_equal(getattr(got, name)[seen], getattr(given_, name)[:, : got.steps][seen])
+        np.testing.assert_allclose(np.cos(got.heading - given_.heading[:, : got.steps])[seen], 1.0, atol=1e-6)
+
+
+def test_the_file_has_the_official_columns_and_our_sizes(tmp_path: Path) -> None:
+    scene = busy_crossing()
+    assert scene.log is not None
+    folder = export_scenario(scene, scene.log, tmp_path, "crossing-0")
+    written = pq.read_table(folder / "scenario_crossing-0.parquet")
+    assert written.column_names == [*FIRST, *STATE, *LAST, "length", "width", "height"]
+    assert written.schema.equals(COLUMNS)
+    assert written["timestep"].to_pylist()[:101] == list(range(101))
+    assert written["num_timestamps"][0].as_py() == 101
+    observed, step = written["observed"].to_numpy(), written["timestep"].to_numpy()
+    np.testing.assert_array_equal(observed, step < OBSERVED_STEPS)
+
+
+def test_exported_folders_are_read_back_with_map_and_signals(tmp_path: Path) -> None:
+    scene = any_scenario(3)
+    assert scene.log is not None
+    log = read_folder(export_scenario(scene, scene.log, tmp_path, "any-0"), "test")
+    np.testing.assert_array_equal(log.signals.lane, scene.signals.lane)
+    np.testing.assert_array_equal(log.signals.state, scene.signals.state[:, : log.motion.steps])
+    np.testing.assert_array_equal(log.map.lane_id, scene.map.lane_id)
+    assert (log.scenario_id, log.city, log.source) == ("any-0", scene.city, "test")
+
+
+def test_the_same_scenario_gives_the_same_bytes(tmp_path: Path) -> None:
+    scene = any_scenario(5)
+    assert scene.log is not None
+    one, two = (export_scenario(scene, scene.log, tmp_path / word, "any-0") for word in "ab")
+    assert {p.name: p.read_bytes() for p in one.iterdir()} == {p.name: p.read_bytes() for p in two.iterdir()}
+
+
+def test_trucks_are_vehicles_buses_are_buses_and_the_target_is_focal() -> None:
+    scene = busy_crossing()
+    kind, size = scene.vehicles.kind.copy(), scene.vehicles.size.copy()
+    kind[1], kind[2] = VehicleKind.TRUCK, VehicleKind.BUS
+    size[1] = (8.0, 2.5, 3.0)
+    scene = replace(scene, vehicles=replace(scene.vehicles, kind=kind, size=size))
+    written = table(scene)
+    of_track = dict(zip(written["track_id"].to_pylist(), written["object_type"].to_pylist(), strict=True))
+    assert [of_track[f"track-{i}"] for i in range(3)] == ["vehicle", "vehicle", "bus"]
+    category = dict(zip(written["track_id"].to_pylist(), written["object_category"].to_pylist(), strict=True))
+    assert category["track-0"] == TrackCategory.FOCAL
+    assert category["track-1"] == TrackCategory.SCORED
+    assert read_log(written, scene.map, "test", "x").kind[:3].tolist() == [VehicleKind.CAR, VehicleKind.TRUCK, VehicleKind.BUS]
+
+
+def test_static_objects_are_skipped_and_counted() -> None:
+    scene = busy_crossing(5)
+    types = pa.array(["static" if word == "track-3" else "vehicle" for word in table(scene)["track_id"].to_pylist()])
+    log = read_log(table(scene).set_column(2, "object_type", types), scene.map, "test", "x")
+    assert log.skipped == {"static": 1}
+    assert len(log.kind) == 7
+
+
+def test_time_lasts_as_long_as_the_tracks_whatever_num_timestamps_says() -> None:
+    scene = busy_crossing(20)
+    claimed = table(scene).set_column(13, "num_timestamps", pa.array([110] * table(scene).num_rows))
+    assert read_log(claimed, scene.map, "test", "x").motion.steps == 20
+
+
+def changed(name: str, values: object) -> pa.Table:
+    whole = table(busy_crossing(4))
+    column = whole[name].to_pylist()
+    column[1] = values
+    return whole.set_column(whole.column_names.index(name), name, pa.array(column))
+
+
+@pytest.mark.parametrize(
+    ("tracks", "reason"),
+    [
+        (table(busy_crossing(4)).drop_columns(["heading"]), "missing-columns"),
+        (table(busy_crossing(4)).slice(0, 0), "no-rows"),
+        (changed("position_x", float("nan")), "not-a-number"),
+        (changed("velocity_y", float("inf")), "not-a-number"),
+        (changed("position_y", None), "not-a-number"),
+        (changed("position_y", 1e9), "out-of-range"),
+        (changed("timestep", -1), "out-of-range"),
+        (changed("timestep", 10**9), "out-of-range"),
+        (changed("timestep", 0), "duplicate-rows"),
+    ],
+)
+def test_unusable_tracks_are_refused_with_a_reason(tracks: pa.Table, reason: str) -> None:
+    with pytest.raises(UnusableInput, match=r"tracks\.parquet") as caught:
+        read_log(tracks, busy_crossing(4).map, "test", "tracks.parquet")
+    assert caught.value.reason == reason
+
+
+def test_words_where_numbers_belong_are_refused() -> None:
+    whole = table(busy_crossing(4))
+    bad = whole.set_column(5, "position_x", pa.array(["here"] * whole.num_rows))
+    with pytest.raises(UnusableInput, match="position_x"):
+        read_log(bad, busy_crossing(4).map, "test", "x")
+
+
+def test_tracks_of_static_objects_only_are_refused() -> None:
+    whole = table(busy_crossing(4))
+    bad = whole.set_column(2, "object_type", pa.array(["background"] * whole.num_rows))
+    with pytest.raises(UnusableInput) as caught:
+        read_log(bad, busy_crossing(4).map, "test", "x")
+    assert caught.value.reason == "no-tracks"
+
+
+@given(st.data())
+@settings(max_examples=40, deadline=None)
+def test_a_damaged_file_is_read_or_refused_but_never_crashes(
+    tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    path = tmp_path_factory.mktemp("damaged") / "scenario_x.parquet"
+    pq.write_table(table(busy_crossing(4)), path)
+    raw = bytearray(path.read_bytes())
+    for place, value in data.draw(st.lists(st.tuples(st.integers(0, len(raw) - 1), st.integers(0, 255)), max_size=4)):
+        raw[place] = value
+    path.write_bytes(raw[: data.draw(st.integers(0, len(raw)))])
+    with suppress(UnusableInput):
+        read_log(read_table(path), busy_crossing(4).map, "test", str(path))
+
+
+def test_a_folder_without_its_files_says_what_is_missing(tmp_path: Path) -> None:
+    with pytest.raises(UnusableInput, match=r"scenario_<id>\.parquet"):
+        read_folder(tmp_path, "test")
+
+
+def test_an_id_that_cannot_name_a_folder_is_refused(tmp_path: Path) -> None:
+    scene = busy_crossing(4)
+    assert scene.log is not None
+    with pytest.raises(UnusableInput, match="cannot name a folder"):
+        export_scenario(scene, scene.log, tmp_path, "../out")
+    assert not list(tmp_path.iterdir())
