@@ -41,6 +41,7 @@ class Route:
         heading: (P,) float32 [rad] of the line, continuous (not wrapped).
         lane: (P,) int32 lane under each point; the last one stays where the route has left the map.
         shift: (P,) int8 lanes changed to the left minus to the right until there.
+        turned: (P,) float32 [rad] heading change within junctions until there.
         speed_limit: (P,) float32 [m/s], NaN where unknown.
         half_width_left, half_width_right: (P,) float32 [m] from the line to the lane's boundaries.
         length: [m] of the line, (P - 1) * SPACING.
@@ -53,6 +54,7 @@ class Route:
     heading: NDArray[np.float32]
     lane: NDArray[np.int32]
     shift: NDArray[np.int8]
+    turned: NDArray[np.float32]
     speed_limit: NDArray[np.float32]
     half_width_left: NDArray[np.float32]
     half_width_right: NDArray[np.float32]
@@ -100,6 +102,7 @@ def build_route(graph: LaneGraph, pieces: Sequence[Piece]) -> Route:
         heading=heading,
         lane=lane,
         shift=np.cumsum(changes).astype(np.int8)[piece],
+        turned=np.cumsum(np.diff(heading, prepend=heading[:1]) * graph.map.in_junction[lane], dtype=np.float32),
         speed_limit=graph.map.speed_limit[lane],
         half_width_left=room[:, 0],
         half_width_right=room[:, 1],

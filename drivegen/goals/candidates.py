@@ -1,0 +1,270 @@
+"""Candidate goals of a vehicle: where it may be at the end (paper, "Scenario Rollout": sampled goals on all routes).
+
+All feasible routes are found, each gets places that can be reached within the horizon, weighted by a prior, and at most
+`most` of them are kept so that they cover the prior's mass. A vehicle that stands may stay; one that is on no lane gets
+goals on arcs ahead of it.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.geometry import Floats, rotate, wrap_angle
+from drivegen.goals.cover import cover
+from drivegen.goals.prior import Places, places
+from drivegen.goals.reach import Dynamics, end_speed, stopping_distance
+from drivegen.goals.traffic import Ahead, Neighbours, look_ahead
+from drivegen.lanes.frenet import from_frenet, to_frenet
+from drivegen.lanes.graph import LaneGraph
+from drivegen.lanes.line import SPACING, Route
+from drivegen.lanes.routes import feasible_routes
+from drivegen.roadmap import NO_LANE
+from drivegen.scenario import DT, Scenario
+
+NO_ROUTE = -1
+
+STANDING = 0.5
+"""Slower than this [m/s] a vehicle stands."""
+
+MAY_STAY = 2.0
+"""A vehicle slower than this [m/s] may end where it is."""
+
+TURN = np.deg2rad(35)
+"""Heading change inside junctions from which on a way is a turn [rad] ..."""
+
+U_TURN = np.deg2rad(140)
+"""... or a U-turn."""
+
+SETTLE = 25.0
+"""A vehicle's offset from its lane's middle fades with this length [m]."""
+
+OFF_LANE = 3.5
+"""A vehicle farther from its route's line than this [m] also gets goals off the lanes."""
+
+CURVATURES = (-1 / 8, -1 / 20, 0.0, 1 / 20, 1 / 8)
+"""Bends of the arcs that a vehicle off the lanes may drive [1/m]."""
+
+MOST_ARC = 30.0
+"""Arcs end after this distance [m]: nobody crosses a car park for longer."""
+
+
+FINER = (1.0, 0.7, 0.5)
+"""Shares of the radius with which candidates are added while there is room for more."""
+
+
+class Manoeuvre(IntEnum):
+    """What a vehicle does on its way to a candidate."""
+
+    KEEP = 0
+    LEFT = 1
+    RIGHT = 2
+    CHANGE_LEFT = 3
+    CHANGE_RIGHT = 4
+    U_TURN = 5
+    STOP = 6
+    STAY = 7
+    OFF_LANE = 8
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How candidates are made.
+
+    Attributes:
+        most: candidates per vehicle at most. most_routes: routes per vehicle at most.
+        radius: a candidate stands for all places within this distance [m].
+        dynamics: bounds on acceleration.
+    """
+
+    most: int
+    most_routes: int
+    radius: float
+    dynamics: Dynamics
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """C candidate end states of one vehicle, at least one.
+
+    Attributes:
+        position: (C, 2) float32 [m]. heading: (C,) float32 [rad]. speed: (C,) float32 [m/s] at the end.
+        route: (C,) int32 index into `routes`, NO_ROUTE off the lanes. s, d: (C,) float32 [m] along and left of it.
+        step: (C,) int32 at which it is reached, the scenario's last one unless the log ends before.
+        manoeuvre: (C,) uint8 Manoeuvre. lane: (C,) int32 lane at the end, NO_LANE off the lanes.
+        leaves_map: (C,) bool the end lies beyond the map. prior: (C,) float32 mass that the candidate stands for, sum 1.
+        routes: the routes. ahead: what is in the way on each of them at the first frame.
+        offset: (R,) float32 [m] of the vehicle itself to the left of each route's line.
+    """
+
+    position: NDArray[np.float32]
+    heading: NDArray[np.float32]
+    speed: NDArray[np.float32]
+    route: NDArray[np.int32]
+    s: NDArray[np.float32]
+    d: NDArray[np.float32]
+    step: NDArray[np.int32]
+    manoeuvre: NDArray[np.uint8]
+    lane: NDArray[np.int32]
+    leaves_map: NDArray[np.bool_]
+    prior: NDArray[np.float32]
+    routes: tuple[Route, ...]
+    ahead: tuple[Ahead, ...]
+    offset: NDArray[np.float32]
+
+    def __len__(self) -> int:
+        return len(self.heading)
+
+
+def candidates(
+    graph: LaneGraph, scenario: Scenario, vehicle: int, settings: Settings, seconds: float | None = None
+) -> Candidates:
+    """Candidates of `vehicle` at the end of the scenario's horizon (or after `seconds`), by what is seen at step 0.
+
+    Deterministic; sorted by route, then by distance. Never empty: a vehicle that can go nowhere stays.
+    """
+    seconds = scenario.horizon * DT if seconds is None else seconds
+    v = scenario.vehicles
+    position, heading, speed = v.position[vehicle], float(v.heading[vehicle]), float(max(v.speed[vehicle], 0.0))
+    reach = _reach(speed, settings.dynamics, seconds)
+    routes = feasible_routes(graph, position, heading, speed, reach, settings.most_routes)
+    around = Neighbours.of(scenario, vehicle).near(position, reach + 20.0)
+    ahead = [look_ahead(scenario, route, around, float(v.size[vehicle, 0])) for route in routes]
+    offset = np.array([to_frenet(route, position[None])[0, 1] for route in routes], np.float32)
+    tables = [
+        _on_route(number, route, places(route, speed, what, settings.dynamics, seconds), float(offset[number]), speed, seconds)
+        for number, (route, what) in enumerate(zip(routes, ahead, strict=True))
+    ]
+    if speed < MAY_STAY or not routes:
+        tables.append(_stay(position, heading, routes, offset, speed))
+    if not routes or np.abs(offset).min() > OFF_LANE:
+        tables.append(_arcs(position, heading, speed, settings.dynamics, seconds))
+    whole = _Table.joined(tables)
+    keep = np.flatnonzero(whole.manoeuvre == Manoeuvre.STAY)
+    for share in FINER:
+        keep = cover(whole.position, whole.mass, keep, share * settings.radius, settings.most)
+    keep = keep[np.lexsort((whole.s[keep], whole.route[keep]))]
+    return whole.finished(keep, routes, ahead, offset, round(seconds / DT))
+
+
+def _reach(speed: float, dynamics: Dynamics, seconds: float) -> float:
+    """Length of routes [m] that is enough whatever the speed limit, up to 1.5 times the present or usual speed."""
+    fastest = max(speed * 1.2, 18.0) + 3.0
+    time = min((fastest - speed) / dynamics.acceleration, seconds)
+    return speed * time + dynamics.acceleration * time**2 / 2 + fastest * (seconds - time) + 10.0
+
+
+@dataclass(frozen=True)
+class _Table:
+    """Q places of all kinds with their prior mass; the columns of `Candidates`."""
+
+    position: Floats
+    heading: Floats
+    speed: Floats
+    route: NDArray[np.int32]
+    s: Floats
+    d: Floats
+    manoeuvre: NDArray[np.uint8]
+    lane: NDArray[np.int32]
+    leaves_map: NDArray[np.bool_]
+    mass: Floats
+
+    @classmethod
+    def joined(cls, tables: "list[_Table]") -> "_Table":
+        return cls(*(np.concatenate([getattr(t, name) for t in tables]) for name in cls.__dataclass_fields__))
+
+    def finished(
+        self, keep: NDArray[np.intp], routes: list[Route], ahead: list[Ahead], offset: NDArray[np.float32], step: int
+    ) -> Candidates:
+        """The chosen rows; each inherits the mass of the places nearest to it."""
+        gap = ((self.position[:, None] - self.position[keep]) ** 2).sum(-1)
+        prior = np.bincount(gap.argmin(1), self.mass, len(keep))
+        return Candidates(
+            position=self.position[keep].astype(np.float32),
+            heading=wrap_angle(self.heading[keep]).astype(np.float32),
+            speed=self.speed[keep].astype(np.float32),
+            route=self.route[keep],
+            s=self.s[keep].astype(np.float32),
+            d=self.d[keep].astype(np.float32),
+            step=np.full(len(keep), step, np.int32),
+            manoeuvre=self.manoeuvre[keep],
+            lane=self.lane[keep],
+            leaves_map=self.leaves_map[keep],
+            prior=(prior / prior.sum()).astype(np.float32),
+            routes=tuple(routes),
+            ahead=tuple(ahead),
+            offset=offset,
+        )
+
+
+def _on_route(number: int, route: Route, where: Places, offset: float, speed: float, seconds: float) -> _Table:
+    """Places along a route; the vehicle's own offset fades on the way."""
+    d = offset * np.exp(-where.s / SETTLE)
+    position, heading = from_frenet(route, where.s, d)
+    final = np.where(where.stop, 0.0, end_speed(where.s, speed, where.cap, seconds))
+    at = np.minimum((where.s / SPACING).astype(int), len(route.lane) - 1)
+    return _Table(
+        position=position,
+        heading=heading,
+        speed=final,
+        route=np.full(len(at), number, np.int32),
+        s=where.s,
+        d=d,
+        manoeuvre=_manoeuvre(route, at, final),
+        lane=route.lane[at],
+        leaves_map=where.s > route.exit_s,
+        mass=where.mass,
+    )
+
+
+def _manoeuvre(route: Route, at: NDArray[np.intp], final: Floats) -> NDArray[np.uint8]:
+    """What is done until point `at` (Q,) of the route: turns count before lane changes, both before stopping."""
+    turned, shift = route.turned[at], route.shift[at]
+    kind = np.where(final < STANDING, Manoeuvre.STOP, Manoeuvre.KEEP)
+    kind = np.where(shift > 0, Manoeuvre.CHANGE_LEFT, np.where(shift < 0, Manoeuvre.CHANGE_RIGHT, kind))
+    kind = np.where(turned > TURN, Manoeuvre.LEFT, np.where(turned < -TURN, Manoeuvre.RIGHT, kind))
+    return np.where(np.abs(turned) > U_TURN, Manoeuvre.U_TURN, kind).astype(np.uint8)
+
+
+def _stay(position: Floats, heading: float, routes: list[Route], offset: NDArray[np.float32], speed: float) -> _Table:
+    """The place where the vehicle is."""
+    number = int(np.argmin(np.abs(offset))) if routes else NO_ROUTE
+    return _Table(
+        position=position[None],
+        heading=np.array([heading]),
+        speed=np.zeros(1),
+        route=np.array([number], np.int32),
+        s=np.zeros(1),
+        d=offset[number : number + 1] if routes else np.zeros(1),
+        manoeuvre=np.array([Manoeuvre.STAY], np.uint8),
+        lane=np.array([routes[number].lane[0] if routes else NO_LANE], np.int32),
+        leaves_map=np.zeros(1, np.bool_),
+        mass=np.array([1.0 if speed < STANDING else 0.3]),
+    )
+
+
+def _arcs(position: Floats, heading: float, speed: float, dynamics: Dynamics, seconds: float) -> _Table:
+    """Places on arcs ahead of a vehicle that is on no lane; sharper arcs end sooner."""
+    nearest = stopping_distance(speed, dynamics.braking, seconds)
+    steady = min(speed, 8.0) * seconds
+    s = np.arange(max(nearest, 4.0), max(MOST_ARC, min(steady, 3 * MOST_ARC)), 4.0)
+    bend, along = (a.ravel() for a in np.meshgrid(CURVATURES, s, indexing="ij"))
+    keep = np.abs(bend * along) <= np.pi / 2 + 0.1
+    bend, along = bend[keep], along[keep]
+    angle = bend * along
+    local = along[:, None] * np.stack([np.sinc(angle / np.pi), np.sin(angle / 2) * np.sinc(angle / 2 / np.pi)], axis=-1)
+    count = len(along)
+    none = np.zeros(count, np.float64)
+    return _Table(
+        position=position + rotate(local, np.full(count, heading)),
+        heading=heading + angle,
+        speed=end_speed(along, speed, np.full(count, 15.0), seconds),
+        route=np.full(count, NO_ROUTE, np.int32),
+        s=none,
+        d=none,
+        manoeuvre=np.full(count, Manoeuvre.OFF_LANE, np.uint8),
+        lane=np.full(count, NO_LANE, np.int32),
+        leaves_map=np.zeros(count, np.bool_),
+        mass=np.where(bend == 0, 2.0, 1.0) / count,
+    )

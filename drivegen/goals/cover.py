@@ -1,0 +1,57 @@
+"""Choose a few places that stand for many: greedy maximum coverage.
+
+Every place has a mass, the prior belief that a vehicle ends there. One chosen place covers all mass within `radius`.
+Taking the place that covers most of what is not yet covered is within 1 - 1/e of the best choice (Nemhauser, Wolsey and
+Fisher, 1978); it spaces places evenly where mass is, drops doubles of routes that share a stretch, and takes few where
+little is believed.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+def cover(
+    position: NDArray[np.floating], mass: NDArray[np.floating], chosen: NDArray[np.intp], radius: float, most: int
+) -> NDArray[np.intp]:
+    """Up to `most` indices of places (Q, 2) [m]: `chosen` ones first, then the best; fewer once all mass is covered."""
+    picked: NDArray[np.intp] = _cover(
+        np.ascontiguousarray(position, np.float64), mass.astype(np.float64), chosen.astype(np.int64), radius**2, most
+    )
+    return picked
+
+
+@njit(cache=True)
+def _neighbourhoods(position, squared):  # type: ignore[no-untyped-def]
+    """(Q, Q) whether two places cover each other."""
+    count = len(position)
+    near = np.empty((count, count), np.bool_)
+    for i in range(count):
+        for j in range(i, count):
+            close = (position[i, 0] - position[j, 0]) ** 2 + (position[i, 1] - position[j, 1]) ** 2 <= squared
+            near[i, j] = near[j, i] = close
+    return near
+
+
+@njit(cache=True)
+def _cover(position, mass, chosen, squared, most):  # type: ignore[no-untyped-def]
+    count = len(mass)
+    near = _neighbourhoods(position, squared)
+    gain = np.zeros(count)
+    for i in range(count):
+        for j in range(count):
+            gain[i] += mass[j] if near[i, j] else 0.0
+    uncovered = np.ones(count, np.bool_)
+    picked = np.empty(most, np.int64)
+    total, best = 0, 0
+    while total < most:
+        best = int(chosen[total]) if total < len(chosen) else int(np.argmax(gain))
+        if total >= len(chosen) and gain[best] <= 1e-9:
+            break
+        picked[total] = best
+        total += 1
+        for j in np.flatnonzero(near[best] & uncovered):
+            uncovered[j] = False
+            for i in np.flatnonzero(near[j]):
+                gain[i] -= mass[j]
+    return picked[:total]

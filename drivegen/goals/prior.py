@@ -1,0 +1,94 @@
+"""How likely a vehicle is to end at each distance along a route, before any learning: what candidates are spread by.
+
+A mixture for each route: drive freely (towards the limit, slower in bends), keep the present speed, do anything that
+dynamics allow, follow the vehicle ahead or stop behind it, stop at a red light or before a junction, stay. It only has
+to put candidates where vehicles end; ranking them is the selectors' business.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.goals.reach import Dynamics, speed_caps, stopping_distance, travelled
+from drivegen.goals.traffic import Ahead
+from drivegen.lanes.line import SPACING, Route
+
+FREE, STEADY, ANY, BEHIND, RED, ENTRY = 0.45, 0.25, 0.30, 0.5, 1.0, 0.3
+"""Weights of the parts of the mixture; those that stop count only where there is something to stop for."""
+
+COMFORTABLE = 1.3
+"""Usual acceleration [m/s2]."""
+
+USUAL_LIMIT = 1.0
+"""Share of the limit that vehicles approach."""
+
+HEADWAY = 1.2
+"""Time gap to a moving vehicle ahead [s]."""
+
+GAP = 2.5
+"""Gap to a standing vehicle ahead [m]."""
+
+CHANGE = 0.15
+"""A route counts this much less for each lane change."""
+
+STEP = 2.0
+"""Distance between places on a route [m]."""
+
+
+@dataclass(frozen=True)
+class Places:
+    """Q places along one route where a vehicle may end.
+
+    Attributes:
+        s: (Q,) [m]. mass: (Q,) prior weight. cap: (Q,) [m/s] most speed there.
+        stop: (Q,) bool places made for stopping (red light, junction, behind a leader).
+    """
+
+    s: NDArray[np.float64]
+    mass: NDArray[np.float64]
+    cap: NDArray[np.float32]
+    stop: NDArray[np.bool_]
+
+
+def places(route: Route, speed: float, ahead: Ahead, dynamics: Dynamics, seconds: float) -> Places:
+    """All places on `route` that can be reached in `seconds` from `speed` [m/s], with their prior mass."""
+    caps = speed_caps(route, speed, dynamics)
+    usual = np.minimum(caps, np.maximum(caps * USUAL_LIMIT / dynamics.limit_factor, 1.0))
+    nearest = stopping_distance(speed, dynamics.braking, seconds)
+    farthest = travelled(caps, speed, dynamics.acceleration, dynamics.braking, seconds)
+    farthest = max(min(farthest, route.length), nearest)
+    free = travelled(usual, speed, COMFORTABLE, dynamics.braking, seconds)
+    steady = travelled(caps, speed, 0.0, dynamics.braking, seconds)
+    stops = [(s, w) for s, w in _stops(ahead) if nearest <= s <= farthest]
+    s = np.concatenate([np.arange(nearest, farthest + STEP / 2, STEP), [s for s, _ in stops]])
+    mass = _density(s, free, steady, ahead, nearest, farthest, seconds)
+    for place, weight in stops:
+        mass += weight * _bell(s, place, 1.5)
+    at = np.minimum((s / SPACING).astype(int), len(caps) - 1)
+    kind = np.arange(len(s)) >= len(s) - len(stops)
+    return Places(s, mass * CHANGE**route.lane_changes, caps[at], kind)
+
+
+def _stops(ahead: Ahead) -> list[tuple[float, float]]:
+    """Where the vehicle may stop, with weights."""
+    behind = max(ahead.leader_gap - GAP, 0.0)
+    standing = ahead.leader_speed < 1.0
+    return [(behind, BEHIND if standing else 0.0), (ahead.red_s, RED), (ahead.entry_s, ENTRY)]
+
+
+def _density(
+    s: NDArray[np.float64], free: float, steady: float, ahead: Ahead, nearest: float, farthest: float, seconds: float
+) -> NDArray[np.float64]:
+    """Mass per place of driving on: freely, at the present speed, behind the leader, anyhow."""
+    if np.isfinite(ahead.leader_gap):
+        hoped = 0.5 * (ahead.leader_speed + free / seconds)
+        following = ahead.leader_gap - GAP - HEADWAY * min(hoped, ahead.leader_speed + 3.0) + seconds * hoped
+        free, steady = min(free, following), min(steady, following)
+    mass = FREE * _bell(s, free, 3.0 + 0.12 * free) + STEADY * _bell(s, steady, 3.0 + 0.06 * steady)
+    return mass + ANY * STEP / max(farthest - nearest, STEP)
+
+
+def _bell(s: NDArray[np.float64], middle: float, width: float) -> NDArray[np.float64]:
+    """Mass per place of a normal distribution."""
+    return np.exp(-0.5 * ((s - middle) / width) ** 2) * (STEP / (width * 2.5066))

@@ -1,0 +1,103 @@
+"""What stands in the way on a route at the first frame: the next vehicle ahead, red lights, ways into junctions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.geometry import Floats, wrap_angle
+from drivegen.lanes.frenet import to_frenet
+from drivegen.lanes.line import SPACING, Route
+from drivegen.roadmap import LaneControl, RoadMap
+from drivegen.scenario import Scenario, SignalState
+
+IN_LANE = 1.4
+"""A vehicle whose middle is this near to the line [m] is on the route."""
+
+SAME_WAY = np.pi / 3
+"""A vehicle with a heading farther from the line's than this [rad] leads nobody."""
+
+
+@dataclass(frozen=True)
+class Ahead:
+    """What a vehicle finds ahead on one route, as distances of its own centre [m]; inf where there is nothing.
+
+    Attributes:
+        leader_gap: bumper to bumper to the next vehicle ahead. leader_speed: [m/s] along the route, 0 without a leader.
+        red_s: where its centre is when it stands at the next stop line that is red or yellow.
+        entry_s: the same for the next way into a junction where it may have to wait.
+    """
+
+    leader_gap: float
+    leader_speed: float
+    red_s: float
+    entry_s: float
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """Everybody else at step 0: M vehicles and context actors that are there.
+
+    Attributes:
+        position: (M, 2). heading: (M,). speed: (M,). length: (M,).
+    """
+
+    position: Floats
+    heading: Floats
+    speed: Floats
+    length: Floats
+
+    @classmethod
+    def of(cls, scenario: Scenario, vehicle: int) -> "Neighbours":
+        """All but `vehicle`."""
+        v, a = scenario.vehicles, scenario.context
+        others = np.arange(len(v)) != vehicle
+        here = a.motion.valid[:, 0]
+        return cls(
+            np.concatenate([v.position[others], a.motion.position[here, 0]]),
+            np.concatenate([v.heading[others], a.motion.heading[here, 0]]),
+            np.concatenate([v.speed[others], a.motion.speed[here, 0]]),
+            np.concatenate([v.size[others, 0], a.size[here, 0]]),
+        )
+
+    def near(self, position: Floats, radius: float) -> "Neighbours":
+        """Those within `radius` [m]."""
+        keep = np.hypot(*(self.position - position).T) <= radius
+        return Neighbours(self.position[keep], self.heading[keep], self.speed[keep], self.length[keep])
+
+
+def look_ahead(scenario: Scenario, route: Route, neighbours: Neighbours, length: float) -> Ahead:
+    """What a vehicle of `length` [m] at s = 0 finds on `route`."""
+    gap, speed = _leader(route, neighbours, length)
+    front = length / 2 + 1.0
+    closed = np.isin(scenario.signals.state[:, 0], (SignalState.RED, SignalState.YELLOW))
+    return Ahead(gap, speed, _first_entry(route, scenario.signals.lane[closed]) - front, _first_wait(route, scenario.map) - front)
+
+
+def _leader(route: Route, neighbours: Neighbours, length: float) -> tuple[float, float]:
+    if len(neighbours.position) == 0:
+        return np.inf, 0.0
+    s, d = to_frenet(route, neighbours.position).T
+    at = np.clip(s / SPACING, 0, len(route.heading) - 1).astype(int)
+    turn = np.abs(wrap_angle(neighbours.heading - route.heading[at]))
+    gap = s - (neighbours.length + length) / 2
+    leads = (s > 0) & (np.abs(d) < IN_LANE) & (turn < SAME_WAY) & (s < route.length)
+    if not leads.any():
+        return np.inf, 0.0
+    first = int(np.flatnonzero(leads)[np.argmin(gap[leads])])
+    return max(float(gap[first]), 0.0), float(neighbours.speed[first] * np.cos(turn[first]))
+
+
+def _first_entry(route: Route, lanes: NDArray[np.int32]) -> float:
+    """Distance [m] to where the route enters the first of `lanes`; inf if it does not."""
+    entries = np.flatnonzero(route.lane[1:] != route.lane[:-1]) + 1
+    hit = entries[np.isin(route.lane[entries], lanes)]
+    return float(hit[0]) * SPACING if len(hit) else np.inf
+
+
+def _first_wait(route: Route, road_map: RoadMap) -> float:
+    """Distance [m] to the first lane across a junction that is not known to be free; inf if there is none."""
+    entries = np.flatnonzero(route.lane[1:] != route.lane[:-1]) + 1
+    entered, left = route.lane[entries], route.lane[entries - 1]
+    waits = road_map.in_junction[entered] & ~road_map.in_junction[left] & (road_map.control[entered] != LaneControl.FREE)
+    return float(entries[np.argmax(waits)]) * SPACING if waits.any() else np.inf
