@@ -76,6 +76,34 @@ class PlanRequests:
         chosen = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name not in _ROUTE_TABLE}
         return replace(self, **chosen)
 
+    @classmethod
+    def join(cls, parts: "Sequence[PlanRequests]", scenarios: Sequence[int]) -> "PlanRequests":
+        """All parts in order; part k speaks of `scenarios[k]` scenarios of its own, which are numbered on."""
+        first_scenario = np.cumsum([0, *scenarios])
+        first_route = np.cumsum([0, *(len(p.route_length) for p in parts)])
+        moved = [
+            replace(
+                part,
+                scenario=part.scenario + np.int32(first_scenario[k]),
+                route=np.where(part.route >= 0, part.route + np.int32(first_route[k]), part.route),
+            )
+            for k, part in enumerate(parts)
+        ]
+        whole = [cls.none(), *moved]
+        return cls(**{f.name: np.concatenate([getattr(part, f.name) for part in whole]) for f in fields(cls)})
+
+    @classmethod
+    def none(cls) -> "PlanRequests":
+        """No request at all."""
+        number, count, point = np.zeros(0, np.float32), np.zeros(0, np.int32), np.zeros((0, 2), np.float32)
+        return cls(
+            scenario=count, vehicle=count, position=point, heading=number, speed=number, size=np.zeros((0, 3), np.float32),
+            goal_position=point, goal_heading=number, goal_speed=number, goal_step=count, route=count,
+            route_line=np.zeros((0, ROUTE_POINTS, 2), np.float32), route_length=number,
+            route_speed_limit=np.zeros((0, ROUTE_POINTS), np.float32), goal_s=number, goal_d=number, leader_gap=number,
+            leader_speed=number, stop_s=number, seed=np.zeros(0, np.int64),
+        )  # fmt: skip
+
     @property
     def parked(self) -> NDArray[np.bool_]:
         """(B,) vehicles that stand and are to stay: they are not planned but left exactly where they are."""
@@ -106,6 +134,22 @@ class Examples:
     def __getitem__(self, index: Any) -> "Examples":
         """The chosen tracks."""
         return Examples(self.scenarios, self.requests[index], self.motion[index])
+
+    @classmethod
+    def join(cls, parts: "Sequence[Examples]") -> "Examples":
+        """All parts in order, of one or of different lengths in time."""
+        scenarios = [s for part in parts for s in part.scenarios]
+        steps = max((part.motion.steps for part in parts), default=1)
+        motion = Trajectories.empty(sum(map(len, parts)), steps)
+        low = 0
+        for part in parts:
+            rows = slice(low, low + len(part))
+            motion.position[rows, : part.motion.steps] = part.motion.position
+            motion.heading[rows, : part.motion.steps] = part.motion.heading
+            motion.velocity[rows, : part.motion.steps] = part.motion.velocity
+            motion.valid[rows, : part.motion.steps] = part.motion.valid
+            low += len(part)
+        return cls(scenarios, PlanRequests.join([p.requests for p in parts], [len(p.scenarios) for p in parts]), motion)
 
 
 class Planner(Protocol):
