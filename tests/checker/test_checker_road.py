@@ -11,7 +11,7 @@ from tests.scenes import LANE_WIDTH, road_map
 
 @settings(max_examples=30, deadline=None)
 @given(st.floats(-3.1, 3.1), st.floats(-3.1, 3.1), st.floats(-4, 4))
-def test_the_outermost_corner_is_found_within_a_foot(road, heading, aside):
+def test_the_outermost_corner_is_found_within_a_cell(road, heading, aside):
     """A box turned by `heading` on a straight road that runs in direction `road`, `aside` from its middle."""
     line = rotate(np.stack([np.linspace(-60, 60, 13), np.zeros(13)], axis=1), np.float64(road))
     field = road_field(road_map([line]))
@@ -28,4 +28,4 @@ def test_the_outermost_corner_is_found_within_a_foot(road, heading, aside):
     corners = rotate(box_corners(np.array([x, y]), np.float64(heading), np.float64(4.6), np.float64(1.9)), np.float64(-road))
     truth = np.abs(corners[:, 1]).max() - LANE_WIDTH / 2
     if abs(truth) < 3:
-        assert found == pytest.approx(truth, abs=0.3)
+        assert found == pytest.approx(truth, abs=0.5)
