@@ -51,9 +51,13 @@ _RULES: tuple[tuple[str, str, str], ...] = (
     ("side_road", r"(?:side|minor|secondary|smaller|local|access) (?:road|street)s?|stem", "side road"),
     ("road", r"carriage ?ways?|roads?|streets?|avenues?|roadway|alley|drive|route", ""),
 )
+_FAST_ROADS = (
+    r"(?:high ?ways?|motor ?ways?|free ?ways?|express ?ways?|inter ?states?|auto ?bahn(?:en)?|turnpikes?|thruway|parkway"
+    r"|autoroute)"
+)
 _HIGHWAY = (
-    r"dual carriage ?ways?|(?:(?:divided|controlled access|limited access) )*"
-    r"(?:high ?ways?|motor ?ways?|free ?ways?|express ?ways?|inter ?states?|auto ?bahn(?:en)?|turnpikes?|thruway|parkway|autoroute)|divided (?:two way |urban )?(?:roads?|arterial)"
+    rf"dual carriage ?ways?|(?:(?:divided|controlled access|limited access) )*{_FAST_ROADS}"
+    r"|divided (?:two way |urban )?(?:roads?|arterial)"
 )
 _SURROUNDINGS = (
     ("residential", r"residential|neighbou?rhood|housing(?: estate)?|suburban|village|living street|school zone"),

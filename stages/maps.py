@@ -1,0 +1,67 @@
+"""Stage `maps`: roads from words, each as a SUMO network, an account and a picture.
+
+argv: out (gets <name>/{map.net.xml, map.json, map.png}), table (JSON, one row per description).
+"""
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from drivegen.errors import UnusableInput
+from drivegen.maps.build import build_map
+from drivegen.store.files import write_json
+from stages._door import enter, spread
+
+
+@dataclass(frozen=True)
+class Params:
+    """Section `maps`: the writer's name, and descriptions by the name of the map's folder."""
+
+    seed: int
+    workers: int
+    writer: str
+    prompts: dict[str, str]
+
+
+@dataclass(frozen=True)
+class _Task:
+    name: str
+    text: str
+    seed: int
+    writer: str
+    folder: Path
+
+
+def main(params: Params, out: Path, table: Path) -> None:
+    """Build every map; a description that is not understood is a row in the table, not the end of the stage."""
+    tasks = [_Task(name, text, params.seed, params.writer, out / name) for name, text in sorted(params.prompts.items())]
+    rows = [row for _, row in spread(_build, tasks, params.workers, "maps")]
+    good = Counter[str]()
+    for row in rows:
+        good.update(name for name in ("understood", "network", "as_asked") if row[name])
+    counts = {name: good[name] for name in ("understood", "network", "as_asked")}
+    write_json(table, {"descriptions": len(rows), **counts, "maps": rows})
+    if good["network"] == 0:
+        raise UnusableInput("none of the descriptions in params.yaml (maps.prompts) became a map")
+    print(f"maps: {good['as_asked']} of {len(rows)} descriptions became the road that was asked for")
+
+
+def _build(task: _Task) -> dict[str, Any]:
+    """One map; the row says who wrote it and how far it got."""
+    row: dict[str, Any] = {"name": task.name, "text": task.text, "understood": False, "network": False, "as_asked": False}
+    try:
+        built = build_map(task.text, task.seed, task.writer, folder=task.folder)
+    except UnusableInput as error:
+        # What netconvert refuses was understood; what the writer refuses was not.
+        return {**row, "writer": task.writer, "reason": error.reason, "understood": error.reason.startswith("netconvert")}
+    found = built.structure
+    told = {"writer": built.account["backend"], "kind": built.account["spec"]["road"]["kind"], "reason": ""}
+    told |= {"ignored": built.account["ignored"], "failed": built.account["failed"]}
+    told |= {"lanes": len(built.road_map), "junctions": found.junctions, "roundabouts": len(found.roundabouts)}
+    told |= {"most_lanes": found.max_lanes, "length": found.length, "turn": found.turn, "signals": found.signals}
+    return {**row, **told, "understood": True, "network": True, "as_asked": built.as_asked}
+
+
+if __name__ == "__main__":
+    enter("maps", Params, main)
