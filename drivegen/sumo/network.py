@@ -5,10 +5,7 @@ the links `from -> x -> to`, and its right of way or traffic light guards the en
 lanes link directly. Rail, water and foot lanes are left out, bicycle lanes are BIKE.
 """
 
-import zlib
 from dataclasses import dataclass
-from gzip import GzipFile
-from io import BytesIO
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -22,7 +19,7 @@ from drivegen.sumo import net_lanes, strips
 from drivegen.sumo.neighbours import neighbours
 from drivegen.sumo.net_lanes import NetLanes
 from drivegen.sumo.programs import Program, read_programs
-from drivegen.sumo.safe_xml import MAX_BYTES, parse
+from drivegen.sumo.safe_xml import parse
 
 _CONTROL = {
     "M": LaneControl.FREE,
@@ -62,9 +59,7 @@ class Network:
 
         Raises UnusableInput for anything that is no SUMO network with at least one lane for vehicles or bicycles.
         """
-        root = parse(_unzipped(raw, place), place)
-        if root.tag != "net":
-            raise UnusableInput(f"{place} is no SUMO network: its root is <{root.tag}>, not <net>", reason="not-a-network")
+        root = parse(raw, place, root="net")
         lanes = net_lanes.read_lanes(root, place)
         return _assemble(root, lanes, place)
 
@@ -81,16 +76,6 @@ class Network:
 def read_network(raw: bytes, place: str) -> RoadMap:
     """The road map of a SUMO network; see `Network.read`, which keeps SUMO's names too."""
     return Network.read(raw, place).map
-
-
-def _unzipped(raw: bytes, place: str) -> bytes:
-    if raw[:2] != b"\x1f\x8b":
-        return raw
-    try:
-        with GzipFile(fileobj=BytesIO(raw)) as stream:
-            return stream.read(MAX_BYTES + 1)  # one byte more than `parse` accepts
-    except (OSError, EOFError, zlib.error) as error:
-        raise UnusableInput(f"{place} is not a sound gzip file: {error}", reason="truncated") from None
 
 
 @dataclass(frozen=True)

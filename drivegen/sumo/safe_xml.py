@@ -6,6 +6,8 @@ under the same cap.
 """
 
 import zlib
+from gzip import GzipFile
+from io import BytesIO
 from typing import Any
 from xml.etree.ElementTree import Element, ParseError  # the types only: parsing is defusedxml's
 
@@ -43,13 +45,13 @@ def unpack(raw: bytes, place: str, max_bytes: int = MAX_BYTES) -> bytes:
     if not raw:
         raise UnusableInput(f"{place} is empty", reason="empty")
     if raw.startswith(_GZIP):
-        stream = zlib.decompressobj(wbits=31)
         try:
-            data = stream.decompress(raw, max_bytes + 1)
-        except zlib.error as error:
+            with GzipFile(fileobj=BytesIO(raw)) as stream:  # several members, as SUMO's own files may have
+                data = stream.read(max_bytes + 1)
+        except EOFError as error:
+            raise UnusableInput(f"{place} ends in the middle of its gzip stream", reason="truncated") from error
+        except (OSError, zlib.error) as error:
             raise UnusableInput(f"{place} is not a sound gzip file: {error}", reason="truncated") from error
-        if not stream.eof and len(data) <= max_bytes:
-            raise UnusableInput(f"{place} ends in the middle of its gzip stream", reason="truncated")
         raw = data
     if len(raw) > max_bytes:
         raise UnusableInput(f"{place} is larger than {max_bytes // 1024} kB", reason="too-large")

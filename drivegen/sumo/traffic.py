@@ -87,7 +87,7 @@ def simulate(network: bytes, demand: bytes, origin: NDArray[np.float64], run: Ru
         tracks = pq.read_table(folder / "tracks.parquet")
         types = json.loads((folder / "types.json").read_text())
         changes = json.loads((folder / "lights.json").read_text())
-    if not tracks.num_rows:
+    if not tracks.num_rows or "vehicle_id" not in tracks.column_names:  # without a vehicle there are no columns either
         raise SimulationFailed("no vehicle drove: no route of the demand fits the network", reason="no-traffic")
     lights = {light: _states(changed, first, steps) for light, changed in changes.items()}
     return _dense(tracks, types, lights, origin, (first, steps))
