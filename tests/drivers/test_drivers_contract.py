@@ -1,0 +1,61 @@
+"""Every driver plugin, whatever it is, keeps the promises of `drivers/base.py`."""
+
+import pickle
+from dataclasses import fields, is_dataclass, replace
+
+import numpy as np
+import pytest
+import torch
+
+from drivegen import plugins
+from drivegen.simulators.batch import Plugin as Batch
+from stages._door import read_params
+from stages.drive import Params, make_driver
+from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
+
+LINE = straight_road().centreline[0].astype(np.float64)
+
+
+@pytest.fixture(params=plugins.names("drivers"))
+def driver(request):
+    return make_driver(request.param, read_params("drive", Params))
+
+
+def test_it_has_its_name_and_typed_settings_without_defaults(driver):
+    assert plugins.load("drivers", driver.name) is type(driver)
+    assert is_dataclass(driver.settings_type)
+    assert all(f.default is f.default_factory for f in fields(driver.settings_type))
+
+
+def test_it_drives_forward_on_a_free_road_and_does_not_hit_a_parked_car(driver):
+    road = straight_road()
+    free, blocked = stack([drive(LINE, 10, 8, 101)]), stack([drive(LINE, 10, 8, 101), drive(LINE, 70, 0, 101)])
+    outcome = Batch().run(driver, [scenario(road, free), scenario(road, blocked)], [free, blocked])
+    assert outcome.end[0, 0] > 60
+    assert not outcome.collided.any()
+
+
+def test_what_it_does_depends_on_its_own_row_only(driver):
+    seen = []
+
+    class Spy:
+        name = "spy"
+
+        def act(self, observation):
+            seen.append(observation)
+            return driver.act(observation)
+
+    scene = busy_crossing()
+    Batch().run(Spy(), [scene, scene], [scene.log, scene.log])
+    whole = seen[20]
+    shuffled = torch.arange(len(whole.speed)).flip(0)
+    turned = replace(
+        whole,
+        paths=replace(whole.paths, **{f.name: getattr(whole.paths, f.name)[shuffled] for f in fields(whole.paths)}),
+        **{f.name: getattr(whole, f.name)[shuffled] for f in fields(whole) if f.name not in ("step", "paths")},
+    )
+    assert torch.equal(driver.act(turned).acceleration, driver.act(whole).acceleration[shuffled])
+
+
+def test_it_travels_to_other_processes(driver):
+    assert pickle.loads(pickle.dumps(driver)).name == driver.name
