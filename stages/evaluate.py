@@ -1,6 +1,7 @@
 """Stage evaluate: how realistic, diverse and safe one method's traffic is, against the log of the same scenarios.
 
-argv: scenarios of one split, generated samples of one method, results (Parquet rows), summary (JSON, flat numbers).
+argv: scenarios of one split, generated samples of one method, results (Parquet rows), all means with their intervals and
+counts of labels (JSON), the few numbers that DVC shows (JSON).
 """
 
 from dataclasses import asdict, dataclass, replace
@@ -32,6 +33,19 @@ from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, require, spread
 
+SHOWN = (
+    "min_sade",
+    "min_sfde",
+    "mean_sade",
+    "mean_sfde",
+    "diversity_ratio",
+    "collision_per_vehicle",
+    "off_road_per_vehicle",
+    "illegal_per_vehicle",
+    "scenarios",
+)
+"""What `dvc metrics show` prints: one row a method."""
+
 
 @dataclass(frozen=True)
 class Params:
@@ -54,7 +68,7 @@ class Scored:
     any_sample: Trajectories
 
 
-def main(params: Params, scenarios: Path, generated: Path, results: Path, summary: Path) -> dict[str, float]:
+def main(params: Params, scenarios: Path, generated: Path, results: Path, details: Path, summary: Path) -> dict[str, float]:
     """Score every shard, then the whole set."""
     pairs = [(shard, require(generated / shard.name, "run the rollout stage"), params.seed) for shard in shards(scenarios)]
     scenes: list[Scored] = []
@@ -64,7 +78,9 @@ def main(params: Params, scenarios: Path, generated: Path, results: Path, summar
         raise UnusableInput(f"{scenarios} holds no scenario with a log to compare with", reason="no-scenarios")
     run = Run(run_id(asdict(params), [scenarios, generated]), "evaluate", summary.stem, "", params.seed, "")
     write_results(results, _rows(run, scenes))
-    write_json(summary, _summary(scenes, params) | _diversity(scenes, params))
+    numbers = _summary(scenes, params) | _diversity(scenes, params)
+    write_json(details, numbers)
+    write_json(summary, {name: numbers[name] for name in SHOWN})
     return {"scenarios": float(len(scenes))}
 
 

@@ -25,10 +25,10 @@ def quality(error: float, diversity: float) -> dict[str, float]:
 
 FULL = Evidence(
     results={
-        "quality/log": quality(0.0, 1.0),
-        "quality/constant_velocity": quality(3.0, 0.6),
-        "quality/drivegen": quality(1.0, 0.9),
-        "quality/drivegen_without_goals": quality(2.0, 1.3),
+        "quality_details/log": quality(0.0, 1.0),
+        "quality_details/constant_velocity": quality(3.0, 0.6),
+        "quality_details/drivegen": quality(1.0, 0.9),
+        "quality_details/drivegen_without_goals": quality(2.0, 1.3),
         "ingest": {"accepted": {"train": 600}, "rejected": {"truncated": 2}, "scored": 192000},
         "calibrate": {"speed": {"limit": 33.1, "passes": 0.991}},
         "train_selector": {"top_1": 0.62},
@@ -48,7 +48,7 @@ FULL = Evidence(
 )
 
 
-HELPS = {"quality": 3, "train_selector": 1}
+HELPS = {"quality_details": 3, "train_selector": 1}
 """Sections that a result fills, where it is not one."""
 
 

@@ -39,19 +39,23 @@ def made(tmp_path_factory):
 
 
 def run(root, method, params=PARAMS, out="quality"):
-    results, summary = (root / "metrics" / out / f"{method}.{end}" for end in ("parquet", "json"))
-    evaluate.main(params, root / "test", root / "generated" / method, results, summary)
-    return json.loads(summary.read_text())
+    places = (f"{out}/{method}.parquet", f"{out}_details/{method}.json", f"{out}/{method}.json")
+    evaluate.main(params, root / "test", root / "generated" / method, *(root / "metrics" / place for place in places))
+    return details_of(root, method, out)
+
+
+def details_of(root, method, out="quality"):
+    return json.loads((root / "metrics" / f"{out}_details" / f"{method}.json").read_text())
 
 
 def test_the_log_makes_no_error_and_is_as_diverse_as_itself(made):
-    summary = json.loads((made / "metrics/quality/log.json").read_text())
+    summary = details_of(made, "log")
     assert (summary["min_sade"], summary["mean_sfde"], summary["collision_per_vehicle"]) == (0, 0, 0)
     assert summary["diversity_ratio"] == summary["diversity_ratio_any_sample_plain"] == pytest.approx(1.0)
 
 
 def test_the_summary_is_flat_and_its_means_are_those_of_the_rows(made):
-    summary = json.loads((made / "metrics/quality/drivegen.json").read_text())
+    summary = details_of(made, "drivegen")
     assert all(value is None or isinstance(value, int | float) for value in summary.values())
     rows = pq.read_table(made / "metrics/quality/drivegen.parquet").to_pylist()
     for name in ("min_sade", "min_sfde", "mean_sade", "mean_sfde", "collision_per_scene", "violation.collision"):
@@ -63,6 +67,13 @@ def test_the_summary_is_flat_and_its_means_are_those_of_the_rows(made):
     assert summary["agent_steps"] == 5 * 8 * 59
     assert summary["diversity_pairs"] == 4 * (5 // 2)
     assert 0 < summary["min_sade"] < summary["mean_sade"]
+
+
+def test_dvc_shows_few_numbers(made):
+    shown = json.loads((made / "metrics/quality/drivegen.json").read_text())
+    details = details_of(made, "drivegen")
+    assert len(shown) < 10
+    assert all(details[name] == value for name, value in shown.items())
 
 
 def test_rows_name_run_method_and_seed(made):
@@ -84,16 +95,17 @@ def test_two_processes_give_the_same_bytes_as_one(made):
 
 def test_samples_of_other_scenes_are_refused(made, tmp_path):
     write_shard(tmp_path / "test" / "shard-00000.parquet", [busy_crossing(20, "another")])
+    outs = [tmp_path / name for name in ("x.parquet", "details.json", "x.json")]
     with pytest.raises(UnusableInput, match="lacks scenario another"):
-        evaluate.main(PARAMS, tmp_path / "test", made / "generated/drivegen", tmp_path / "x.parquet", tmp_path / "x.json")
-    assert not (tmp_path / "x.json").exists()
+        evaluate.main(PARAMS, tmp_path / "test", made / "generated/drivegen", *outs)
+    assert [place.name for place in tmp_path.iterdir()] == ["test"]
 
 
 def test_all_results_and_costs_are_collected(made, tmp_path):
     write_cost(tmp_path / "costs", "evaluate", "drivegen", {"cpu_seconds": 5.0, "scenarios": 5})
     collect.main(collect.Params(), made / "metrics", tmp_path / "costs", tmp_path / "drivegen.duckdb")
     quality = query(tmp_path / "drivegen.duckdb", "from scenario_quality order by method").to_pylist()
-    summary = json.loads((made / "metrics/quality/drivegen.json").read_text())
+    summary = details_of(made, "drivegen")
     assert [row["method"] for row in quality] == ["drivegen", "log"]
     assert quality[0]["min_sade"] == pytest.approx(summary["min_sade"])
     assert query(tmp_path / "drivegen.duckdb", "from costs").schema.names == COST.names
@@ -110,7 +122,7 @@ def test_the_report_shows_what_was_measured(made, tmp_path):
     with (made / "plots/train_planner/route_fm.csv").open("w", newline="") as file:
         csv.writer(file).writerows([["step", "train", "validation"], [1, 2.0, 2.5], [2, 1.0, ""]])
     page = report_of(made, tmp_path / "one")
-    summary = json.loads((made / "metrics/quality/drivegen.json").read_text())
+    summary = details_of(made, "drivegen")
     assert f"{summary['min_sade']:.2f}" in page
     assert "hand-made scenes" in page
     assert page.count("data:image/png") == 2

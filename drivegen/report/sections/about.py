@@ -8,7 +8,7 @@ from drivegen.report.table import Table, measured, row
 
 def summary(evidence: Evidence) -> Section:
     """Three numbers of each method that was evaluated."""
-    methods = ordered(evidence.below("quality"))
+    methods = ordered(evidence.below("quality_details"))
     lead = "DriveGen makes traffic scenarios from words, maps and logs, and corner cases for a given driver without training."
     if evidence.source:
         lead += f" All our numbers below are on: {evidence.source}."

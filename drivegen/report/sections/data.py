@@ -26,7 +26,7 @@ def limits(evidence: Evidence) -> Section:
 
 
 def _labels(evidence: Evidence) -> tuple[Figure, ...]:
-    quality = evidence.below("quality")
+    quality = evidence.below("quality_details")
     values = quality.get("log") or next(iter(quality.values()), None)
     if not values:
         return ()

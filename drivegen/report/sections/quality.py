@@ -22,7 +22,7 @@ _COLUMNS = ("min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity_ratio")
 
 def section(evidence: Evidence) -> Section:
     """Tables and plot of realism and diversity."""
-    methods = ordered(evidence.below("quality"))
+    methods = ordered(evidence.below("quality_details"))
     lead = (
         "Ten samples of every test scenario from its map and first frame, against what was logged. Distances in metres, mean "
         "over scenarios with 95 % bootstrap intervals; every vehicle of every sample counts."
@@ -34,7 +34,7 @@ def section(evidence: Evidence) -> Section:
 
 def safety(evidence: Evidence) -> Section:
     """Collision and off-road rates of generated traffic, which the paper does not report."""
-    methods = ordered(evidence.below("quality"))
+    methods = ordered(evidence.below("quality_details"))
     lead = (
         "What the legal checker finds in the same samples. Nobody is dropped here: where nothing legal was found, the least "
         "illegal sample stays and counts. The log's row is what perception noise and box sizes alone amount to."
