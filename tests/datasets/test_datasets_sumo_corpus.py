@@ -1,0 +1,169 @@
+"""The embedded corpus as a contract: what it promises about its scenarios holds on a tiny one."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from drivegen.datasets.sumo_corpus import Plugin, write_part
+from drivegen.errors import UnusableInput
+from drivegen.geometry import resample
+from drivegen.recorded import RecordedLog
+from drivegen.scenario import TARGET
+from drivegen.sumo.corpus import CorpusSettings
+from drivegen.sumo.sensing import SensingSettings, sensed
+from drivegen.sumo.windows import WindowSettings, moves, overlapping_pairs
+from stages.corpus import Params, main
+from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
+
+CROSS = {
+    "kind": "crossing",
+    "control": "signals",
+    "arms": [{"angle": a, "lanes_in": 2, "lanes_out": 2} for a in (0, 90, 180, 270)],
+}
+PARAMS = Params(
+    seed=7,
+    workers=1,
+    scenarios={"train": 5, "test": 2},
+    per_part=3,
+    real={"test": {"square": "tools/game/square/square.net.xml"}},
+    own={"train": {"cross": CROSS}},
+    own_share=0.5,
+    settings=CorpusSettings(
+        least_density=10.0,
+        most_density=15.0,
+        most_vehicles=60,
+        warm_up=10.0,
+        most_windows_per_run=1,
+        lateral_resolution=0.8,
+        time_limit=60.0,
+        window=WindowSettings(steps=110, radius=150.0, apart=20.0, focal_travel=8.0, fewest=4, moving_share=0.6),
+        sensing=SensingSettings(occlusion=False, position_noise=0.0, heading_noise=0.0, speed_noise=0.0),
+    ),
+)
+
+
+@pytest.fixture(scope="module")
+def corpus(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("corpus")
+    main(PARAMS, folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def logs(corpus: Path) -> list[RecordedLog]:
+    plugin = Plugin(corpus)
+    return [plugin.read(split, scene) for split in ("train", "test") for scene in plugin.scenes(split)]
+
+
+def test_as_many_scenarios_as_asked_from_networks_of_their_split_alone(corpus, logs):
+    plugin = Plugin(corpus)
+    assert [len(plugin.scenes(split)) for split in ("train", "val", "test")] == [5, 0, 2]
+    assert [log.city for log in logs] == ["cross"] * 5 + ["square"] * 2
+    assert all(log.source == "SUMO corpus (simulated)" for log in logs)
+
+
+def test_the_focal_vehicle_is_seen_throughout_and_drives_and_most_others_move(logs):
+    for log in logs:
+        assert log.motion.valid[log.focal].all()
+        assert log.motion.steps == 110
+        assert np.hypot(*(log.motion.position[log.focal, -1] - log.motion.position[log.focal, 0])) >= 8.0
+        assert moves(log.motion).mean() >= 0.6
+
+
+def test_boxes_are_known_and_never_overlap(logs):
+    for log in logs:
+        assert np.isfinite(log.size).all()
+        assert len(overlapping_pairs(log.motion, log.size)) == 0
+
+
+def test_vehicles_stand_on_the_map_that_comes_with_them(logs):
+    for log in logs:
+        log.map.validate()
+        points = np.concatenate([resample(line, 1.0) for line in log.map.centreline.lines()])
+        near = np.hypot(*(log.motion.position[log.motion.valid][::50, None] - points).T).min(0)
+        assert near.max() < 3.5  # a lane's width; they stand beside its centre while they change lanes
+        assert log.signals.state.shape == (len(log.signals.lane), 110)
+        assert len(log.signals) > 0
+
+
+def test_files_have_the_official_columns_and_one_row_group_a_scenario(corpus):
+    files = sorted((corpus / "train").glob("tracks-*.parquet"))
+    assert [file.name for file in files] == ["tracks-cross-000.parquet", "tracks-cross-001.parquet"]
+    assert pq.ParquetFile(files[0]).num_row_groups == 3
+    assert pq.read_schema(files[0]).names[:4] == ["observed", "track_id", "object_type", "object_category"]
+    assert len(pq.read_schema(files[0])) == 19
+
+
+def test_two_workers_write_the_same_bytes(corpus, tmp_path):
+    main(replace(PARAMS, workers=2), tmp_path)
+    names = sorted(path.relative_to(corpus) for path in corpus.rglob("*") if path.is_file())
+    assert names == sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file())
+    assert all((corpus / name).read_bytes() == (tmp_path / name).read_bytes() for name in names)
+
+
+def test_a_network_in_two_splits_is_refused(tmp_path):
+    twice = {"train": {"a": "tools/game/square/square.net.xml"}, "test": {"b": "tools/game/square/square.net.xml"}}
+    with pytest.raises(UnusableInput, match="train and test"):
+        main(replace(PARAMS, real=twice), tmp_path)
+
+
+def test_unsound_networks_are_refused_by_name(tmp_path):
+    with pytest.raises(UnusableInput, match="'cross'"):
+        main(replace(PARAMS, own={"train": {"cross": {"kind": "crossing", "arms": []}}}), tmp_path)
+
+
+def test_what_was_written_is_read_back(tmp_path):
+    written = busy_crossing(110)
+    write_part(tmp_path / "val", "x-000", [written])
+    plugin = Plugin(tmp_path)
+    log = plugin.read("val", written.scenario_id)
+    assert written.log is not None
+    assert np.allclose(log.motion.position, written.log.position, atol=1e-3)
+    assert np.array_equal(log.signals.state, written.signals.state)
+    assert np.array_equal(log.map.links, written.map.links)
+    assert all(path.is_file() for path in plugin.files("val", written.scenario_id))
+
+
+def test_damaged_and_missing_files_are_refused_by_name(tmp_path):
+    with pytest.raises(UnusableInput, match="nowhere"):
+        Plugin(tmp_path / "nowhere")
+    write_part(tmp_path / "val", "x-000", [busy_crossing(20)])
+    with pytest.raises(UnusableInput, match="no scenario 'y'"):
+        Plugin(tmp_path).read("val", "y")
+    tracks = tmp_path / "val" / "tracks-x-000.parquet"
+    tracks.write_bytes(tracks.read_bytes()[:500])
+    with pytest.raises(UnusableInput, match="tracks-x-000") as caught:
+        Plugin(tmp_path).read("val", "crossing-0")
+    assert caught.value.reason == "truncated"
+
+
+def row_of_cars(steps: int = 20):
+    """The target looks along a lane at two cars one behind the other; a third one drives in the next lane."""
+    roads = straight_road(400)
+    lanes = [roads.centreline[0].astype(np.float64), roads.centreline[1].astype(np.float64)]
+    motions = [drive(lanes[lane], start, 10, steps) for lane, start in ((0, 20), (0, 40), (0, 52), (1, 40))]
+    return scenario(roads, stack(motions))
+
+
+def test_occlusion_hides_who_is_behind_another_and_never_the_target():
+    seen = sensed(row_of_cars(), "AV", SensingSettings(True, 0.0, 0.0, 0.0), np.random.default_rng(0))
+    assert seen.vehicles.track_id.tolist() == ["track-0", "track-1", "track-3"]
+    assert seen.log is not None
+    assert seen.log.valid[TARGET].all()
+
+
+def test_noise_has_the_asked_size_and_sensing_off_is_the_truth():
+    truth = row_of_cars(100)
+    assert truth.log is not None
+    off = sensed(truth, "AV", SensingSettings(False, 0.0, 0.0, 0.0), np.random.default_rng(0))
+    assert off.log is not None
+    assert np.array_equal(off.log.position, truth.log.position)
+    noisy = sensed(truth, "AV", SensingSettings(False, 0.2, 0.02, 0.0), np.random.default_rng(0))
+    assert noisy.log is not None
+    assert np.std(noisy.log.position - truth.log.position) == pytest.approx(0.2, rel=0.1)
+    assert np.std(noisy.log.heading - truth.log.heading) == pytest.approx(0.02, rel=0.1)
+    assert np.array_equal(noisy.log.velocity, truth.log.velocity)
+    assert np.array_equal(noisy.vehicles.position, noisy.log.position[:, 0])
