@@ -8,22 +8,23 @@ from drivegen.report.table import Table
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture with its words; `media` is its MIME type."""
+    """A picture with its words; `media` is its MIME type, two fit beside one another if it is `wide`, else three."""
 
     title: str
     caption: str
     media: str
     data: bytes
+    wide: bool
 
     @classmethod
     def svg(cls, title: str, caption: str, data: bytes) -> "Figure":
         """A plot."""
-        return cls(title, caption, "image/svg+xml", data)
+        return cls(title, caption, "image/svg+xml", data, wide=True)
 
     @classmethod
-    def of(cls, picture: Picture) -> "Figure":
-        """A PNG picture."""
-        return cls(picture.title, picture.caption, "image/png", picture.png)
+    def png(cls, picture: Picture, *, wide: bool) -> "Figure":
+        """A picture."""
+        return cls(picture.title, picture.caption, "image/png", picture.png, wide)
 
 
 @dataclass(frozen=True)

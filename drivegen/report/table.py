@@ -73,7 +73,10 @@ def number(value: Any, digits: int = 2) -> str:
 
 def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:
     """`values[key]` with its interval from `key.low` and `key.high`, where they are."""
-    value = values.get(key)
-    low, high = values.get(f"{key}.low"), values.get(f"{key}.high")
-    note = f"{number(low, digits)}\u2013{number(high, digits)}" if low is not None and high is not None else ""
-    return Cell(number(value if value is None else float(value), digits), note)
+    value, low, high = (values.get(f"{key}{end}") for end in ("", ".low", ".high"))
+    if value is None or not isfinite(value):
+        return Cell(NOT_MEASURED)
+    text = f"{value:.{digits}f}" if abs(value) >= 10**-digits or value == 0 else f"{value:.2g}"
+    if low is None or high is None:
+        return Cell(text)
+    return Cell(text, f"{low:.{digits}f}\u2013{high:.{digits}f}")

@@ -29,7 +29,7 @@ def scenes(evidence: Evidence) -> Section:
         "Test scenes drawn by seed, not chosen. Orange: the target; blue: the others; boxes stand at the first frame. Lines are "
         "all samples over one another, red where the checker objects; black dashes are the log, longer when faster."
     )
-    figures = tuple(Figure.of(picture) for picture in evidence.scenes)
+    figures = tuple(Figure.png(picture, wide=True) for picture in evidence.scenes)
     return Section("scenes", "Scenes", lead, (), figures, missing="" if figures else not_measured("rollout"))
 
 

@@ -10,5 +10,5 @@ def section(evidence: Evidence) -> Section:
     found = evidence.results.get("maps")
     lead = "Roads made from descriptions: text, typed specification, SUMO network, road map. Written by offline rules."
     parts = (*tables("maps", "Maps", found), *tables("shipped", "New scenarios", evidence.results.get("ship")))
-    figures = tuple(Figure.of(picture) for picture in evidence.maps)
+    figures = tuple(Figure.png(picture, wide=False) for picture in evidence.maps)
     return Section("maps", "Maps from words", lead, parts, figures, missing="" if found or figures else not_measured("maps"))
