@@ -58,7 +58,12 @@ def test_scalars_become_one_table_and_mappings_of_mappings_a_matrix():
 
 def test_lists_of_mappings_become_a_matrix_too():
     (found,) = tables("s", "Stage", [{"name": "a", "ok": True}, {"name": "b", "ok": False}])
-    assert [[cell.text for cell in line.cells] for line in found.rows] == [["1", "a", "yes"], ["2", "b", "no"]]
+    assert [[cell.text for cell in line.cells] for line in found.rows] == [["a", "yes"], ["b", "no"]]
+
+
+def test_lists_of_words_are_one_cell():
+    (found,) = tables("s", "Stage", {"rows": [{"ignored": ["red", "blue"], "n": 1}, {"ignored": [], "n": 2}]})
+    assert [[cell.text for cell in line.cells] for line in found.rows] == [["1", "red, blue", "1"], ["2", "", "2"]]
 
 
 def test_nothing_gives_no_table():

@@ -1,7 +1,8 @@
 """Tables from a stage's JSON whose exact names the report need not know.
 
 Scalars become one table of names and values, a mapping (or list) of mappings of scalars a matrix with one row each, and
-what is nested deeper becomes tables of its own. `x`, `x.low` and `x.high` become one cell with an interval.
+what is nested deeper becomes tables of its own. `x`, `x.low` and `x.high` become one cell with an interval; a list of
+scalars is one cell, and mappings of a list are named by their "name".
 """
 
 from collections.abc import Mapping
@@ -19,16 +20,13 @@ def words(name: str) -> str:
 
 def tables(name: str, title: str, value: Any) -> tuple[Table, ...]:
     """All tables that `value` gives rise to, none for an empty one."""
-    if isinstance(value, list):
-        return tables(name, title, {"": value})
+    value = _named({"": value} if isinstance(value, list) else value)
     if not isinstance(value, Mapping):
         return ()
     plain = {key: item for key, item in value.items() if _scalar(item)}
     found = [_pairs(name, title, plain)] if plain else []
     for key, item in value.items():
         label, inner = f"{name}-{_slug(key)}".rstrip("-"), f"{title}: {words(str(key))}" if key else title
-        if isinstance(item, list):
-            item = {str(i + 1): entry for i, entry in enumerate(item)}
         if isinstance(item, Mapping) and item:
             if all(isinstance(entry, Mapping) and any(map(_scalar, entry.values())) for entry in item.values()):
                 found.append(matrix(label, inner, item))
@@ -58,6 +56,18 @@ def _cell(values: dict[str, Any], key: str) -> Cell:
     if key not in values:
         return Cell("\u2013")
     return Cell(number(value, 3))
+
+
+def _named(value: Any) -> Any:
+    """`value` with lists of scalars as text and lists of mappings as mappings, at any depth."""
+    if isinstance(value, Mapping):
+        return {key: _named(item) for key, item in value.items()}
+    if not isinstance(value, list):
+        return value
+    if all(_scalar(item) for item in value):
+        return ", ".join(map(number, value))
+    entries = [dict(item) if isinstance(item, Mapping) else {"": item} for item in value]
+    return {str(entry.pop("name", i + 1)): _named(entry) for i, entry in enumerate(entries)}
 
 
 def _is_bound(key: str, keys: list[str]) -> bool:
