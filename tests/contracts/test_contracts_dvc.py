@@ -17,7 +17,7 @@ from dvc.repo import Repo
 from stages import _door
 
 ROOT = Path(__file__).parents[2]
-LOADED = re.compile(r"""\bload\(\s*"(\w+)",""")
+LOADED = re.compile(r"""\bload\(\s*"([\w.]+)",""")
 UNHASHED = {"workers"}
 """Parameters that change no result, so that changing them reruns nothing."""
 
@@ -89,10 +89,9 @@ def test_plugins_that_are_loaded_by_name_are_listed(word):
     for stage in STAGES[word]:
         folders = {folder for module in needed(stage) for folder in LOADED.findall(path_of(module).read_text())}
         for folder in folders:
-            chosen = [
-                p for p in code_deps(stage) if p == f"drivegen/{folder}" or re.fullmatch(rf"drivegen/{folder}/[a-z]\w*\.py", p)
-            ]
-            assert [p for p in chosen if not p.endswith("/base.py")], f"{stage.addressing}: which drivegen/{folder} does it load?"
+            place = f"drivegen/{folder.replace('.', '/')}"
+            chosen = [p for p in code_deps(stage) if p == place or re.fullmatch(rf"{place}/[a-z]\w*\.py", p)]
+            assert [p for p in chosen if not p.endswith("/base.py")], f"{stage.addressing}: which {place} does it load?"
 
 
 @pytest.mark.parametrize("word", STAGES)
@@ -121,5 +120,7 @@ def test_params_are_those_that_the_stage_reads_and_the_file_holds(word):
         listed = {name for dep in stage.deps if isinstance(dep, ParamsDependency) for name in dep.params}
         shared = {name.removeprefix("run.") for name in listed if name.startswith("run.")}
         assert shared == (own & {"seed"}) - UNHASHED, stage.addressing
-        assert {name.split(".")[0] for name in listed} & {word} or not own - {"seed", "workers"}, f"{stage.addressing}: params must list {word!r}"
+        assert {name.split(".")[0] for name in listed} & {word} or not own - {"seed", "workers"}, (
+            f"{stage.addressing}: params must list {word!r}"
+        )
     assert params is not None

@@ -7,7 +7,7 @@ import pytest
 from drivegen import plugins
 
 ROOT = Path(__file__).parents[2]
-FOLDERS = sorted(base.parent.name for base in (ROOT / "drivegen").glob("*/base.py"))
+FOLDERS = sorted(".".join(base.parent.relative_to(ROOT / "drivegen").parts) for base in (ROOT / "drivegen").rglob("base.py"))
 
 
 def test_the_known_seams_are_plugin_folders():

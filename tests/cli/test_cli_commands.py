@@ -1,0 +1,117 @@
+"""The command line as a user meets it: exit codes, one sentence, no traceback."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from drivegen import cli
+from drivegen.av2.export import export_scenario
+from drivegen.cli import doctor
+from tests import scenes
+
+COMMAND = [sys.executable, "-c", "from drivegen.cli import main; main()"]
+
+
+def run(*words: str, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*COMMAND, *words], cwd=cwd, env={**os.environ, "DISPLAY": "", **environment}, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    """A scenario folder in the official layout."""
+    road = scenes.straight_road()
+    log = scenes.stack([scenes.drive(road.centreline[0], 20.0 + 15 * i, 8.0, 101) for i in range(3)])
+    return export_scenario(scenes.scenario(road, log), log, tmp_path, "scene-0")
+
+
+def test_view_writes_a_recording_where_no_screen_is(folder, tmp_path):
+    done = run("view", str(folder), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "scene-0.rrd" in done.stdout
+    assert (tmp_path / "scene-0.rrd").stat().st_size > 1000
+
+
+def test_view_takes_the_recording_that_lies_in_the_folder(folder, tmp_path):
+    (folder / "made.rrd").write_bytes(b"RRF2")
+    done = run("view", str(folder), "--no-show", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "made.rrd" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "sentence"),
+    [
+        (["view", "nowhere"], 2, "drivegen: nowhere is no folder"),
+        (["view", "."], 2, "holds 0 files scenario_<id>.parquet"),
+        (["map", "sing me a song", "--out", "m"], 2, "drivegen: no road that I know"),
+        (["map", "--out", "m"], 2, "Missing argument"),
+        (["bench", "--only", "nothing"], 2, "no benchmark is called 'nothing'"),
+    ],
+)
+def test_what_cannot_be_done_is_one_sentence_and_exit_code(tmp_path, words, code, sentence):
+    done = run(*words, cwd=tmp_path)
+    assert done.returncode == code
+    assert sentence in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+SMALL_DISK = """
+import resource, signal
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, resource.RLIM_INFINITY))  # the network fits, its picture does not
+from drivegen.cli import main
+main()
+"""
+
+
+def test_a_full_disk_exits_1_and_leaves_nothing_half_written(tmp_path):
+    command = [sys.executable, "-c", SMALL_DISK, "map", "roundabout with four arms", "--out", "m"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stderr
+    assert done.stderr.startswith("drivegen: ")
+    assert "nothing half-written was kept" in done.stderr
+    assert {file.name for file in (tmp_path / "m").iterdir()} <= {"map.net.xml", "map.json"}
+
+
+def test_map_writes_three_files_and_says_what_it_ignored(tmp_path):
+    done = run("map", "a T-junction with purple cows", "--out", "m", "--seed", "3", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    account = json.loads((tmp_path / "m" / "map.json").read_text())
+    assert "purple" in " ".join(account["ignored"])
+    assert "purple" in done.stdout
+    assert {file.name for file in (tmp_path / "m").iterdir()} == {"map.net.xml", "map.json", "map.png"}
+
+
+def test_the_doctor_finds_this_installation_sound_and_says_what_is_not_made_yet(tmp_path):
+    done = run("doctor", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    assert "all" in done.stdout
+    assert "make run" in done.stdout
+
+
+def test_the_doctor_names_a_wrong_version_with_its_remedy(monkeypatch):
+    monkeypatch.setattr(doctor.importlib.metadata, "version", lambda name: "0.165.0" if name == "fastapi" else "nothing")
+    wrong = {finding.what: finding for finding in doctor.versions()}
+    assert wrong["fastapi"].ok is False
+    assert wrong["fastapi"].found == "0.165.0"
+    assert "<0.151" in wrong["fastapi"].remedy
+
+
+def test_a_broken_package_is_told_without_a_traceback(tmp_path):
+    (tmp_path / "rerun").mkdir()
+    (tmp_path / "rerun" / "__init__.py").write_text("raise ImportError('broken', name='rerun')\n")
+    done = run("view", ".", cwd=tmp_path, PYTHONPATH=str(tmp_path))
+    assert done.returncode == 1
+    assert done.stderr == "drivegen: rerun cannot be imported: `drivegen doctor` says what to do\n"
+
+
+def test_help_lists_every_command(tmp_path):
+    done = run("--help", cwd=tmp_path)
+    assert done.returncode == 0
+    assert all(f"  {name}" in done.stdout for name in cli.COMMANDS)
