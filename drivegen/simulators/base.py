@@ -24,7 +24,7 @@ FIRST_SECOND = 10
 
 
 class CollisionKind(IntEnum):
-    """Who hit whom, by where the boxes first touch, as seen from both (`_contact.py`)."""
+    """Who hit whom, by the faces of the boxes that meet first (`_contact.py`)."""
 
     NONE = 0
     AT_SPAWN = 1

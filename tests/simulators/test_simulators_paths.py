@@ -1,0 +1,73 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drivegen.geometry import arc_length, project
+from drivegen.simulators._paths import packed, target_paths
+from drivegen.simulators._replay import replay
+from tests.scenes import LIMIT, crossing, drive, joined, road_map, scenario, stack, straight_road
+
+CROSS = crossing()
+
+
+def path_of(scene):
+    paths = target_paths([scene], [scene.log])
+    return paths.point[0, : int(paths.length[0]) + 1], paths
+
+
+def test_a_path_follows_the_log_and_goes_on_along_the_lanes():
+    left = joined(CROSS, 0, 9, 5)
+    scene = scenario(CROSS, stack([drive(left, 60, 4, 101)]))  # gets 40 m far, into the turn
+    line, paths = path_of(scene)
+    assert np.allclose(line[0], scene.log.position[0, 0], atol=1e-4)
+    assert max(abs(project(left, point)[1]) for point in line[:90].astype(np.float64)) < 0.6
+    assert paths.length[0] >= 200
+    assert np.nanmax(paths.speed_limit) == pytest.approx(LIMIT)
+
+
+def test_points_are_a_metre_apart_and_beyond_the_map_the_path_goes_straight_on():
+    scene = scenario(straight_road(100), stack([drive(straight_road(100).centreline[0].astype(np.float64), 20, 10, 101)]))
+    line, _ = path_of(scene)
+    steps = np.hypot(*np.diff(line, axis=0).T)
+    assert steps == pytest.approx(1.0, abs=1e-3)
+    assert line[-1, 0] > 200
+    assert np.abs(line[:, 1]).max() < 0.01
+
+
+def test_a_parked_target_gets_a_route_to_drive_nevertheless():
+    scene = scenario(CROSS, stack([drive(joined(CROSS, 0), 30, 0, 101)]))
+    line, _ = path_of(scene)
+    assert arc_length(line.astype(np.float64))[-1] > 150
+
+
+def test_a_target_off_all_lanes_goes_straight_on():
+    far = np.array([[500.0, 500.0], [600.0, 500.0]])
+    scene = scenario(CROSS, stack([drive(far, 0, 5, 101)]))
+    line, paths = path_of(scene)
+    assert np.abs(line[:, 1] - 500).max() < 0.1
+    assert np.isnan(paths.speed_limit).all()
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10_000))
+def test_replayed_boxes_are_projected_like_by_exhaustive_search(seed):
+    random = np.random.default_rng(seed)
+    turns = np.cumsum(random.uniform(-0.03, 0.03, 150))
+    line = np.cumsum(np.stack([np.cos(turns), np.sin(turns)], axis=1), axis=0)
+    x, y = line[int(random.integers(20, 130))] + random.uniform(-8, 8, 2)
+    angle = random.uniform(-3, 3)
+    way = np.stack([x + np.array([0, 80]) * np.cos(angle), y + np.array([0, 80]) * np.sin(angle)], axis=1)
+    log = stack([drive(line, 5, 5, 40), drive(way, 0, 6, 40)])
+    paths = packed([line], [np.full(150, np.nan)])
+    others = replay([scenario(road_map([line]), log)], [log], paths, 1)
+    points = paths.point[0].astype(np.float64)
+    for t in range(0, 40, 3):
+        along, left = project(points, log.position[1, t].astype(np.float64))
+        inside = 1 < along < 145
+        if inside and abs(left) < 15:
+            assert others.frame[0, t, 0, 0] == pytest.approx(along, abs=0.4)  # on the outside of a bend two feet tie
+            assert others.frame[1, t, 0, 0] == pytest.approx(left, abs=0.1)
+    half = np.hypot(4.6, 1.9) / 2
+    assert (others.frame[2:4, :, 0, 0] <= half + 1e-5).all()
+    assert np.allclose(np.hypot(others.frame[4, :, 0, 0], others.frame[5, :, 0, 0]), 6.0, atol=1e-4)
