@@ -5,11 +5,11 @@ or leave is none. It is what a specification is checked against, and what tables
 """
 
 import heapq
-import itertools
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TypeVar
 from xml.etree.ElementTree import Element
 
@@ -216,22 +216,26 @@ class _Graph:
 
     def _turned(self, start: str) -> float:
         """Degrees turned along the edge and all that follows it as its only way on."""
-        line, here = list(self.edges[start].shape), start
-        seen = {here}
+        here, seen = start, {start}
+        headings = _headings(self.edges[start].shape)
         while len(self.on[here]) == 1:
             (following,) = self.on[here]
             if len(self.back[following]) != 1 or following in seen:
                 break
-            line += self.edges[following].shape
+            # Edges of different width lie beside one another, so their headings are joined, not their points.
+            headings += _headings(self.edges[following].shape)
             seen.add(following)
             here = following
-        apart = [line[0]]
-        for point in line[1:]:
-            if math.dist(point, apart[-1]) >= 3:
-                apart.append(point)
-        headings = [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in itertools.pairwise(apart)]
-        steps = (math.remainder(b - a, math.tau) for a, b in itertools.pairwise(headings))
-        return math.degrees(sum(abs(step) for step in steps))
+        return math.degrees(sum(abs(math.remainder(b - a, math.tau)) for a, b in pairwise(headings)))
+
+
+def _headings(line: tuple[Point, ...]) -> list[float]:
+    """Headings [rad] of the steps of a line, steps below 3 m merged."""
+    apart = [line[0]]
+    for point in line[1:]:
+        if math.dist(point, apart[-1]) >= 3:
+            apart.append(point)
+    return [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in pairwise(apart)]
 
 
 def _flood(starts: Iterable[str], on: dict[str, set[str]]) -> set[str]:

@@ -71,6 +71,10 @@ def _read_grid(reading: Reading, facts: Facts) -> None:
             if match[1] and facts.grid is None:
                 facts.grid = (int(match[1]), int(match[2]))
             reading.take(match, f"grid of {match[1]} x {match[2]} streets" if match[1] else "street grid")
+    alone = reading.first(size) if facts.has("grid") and facts.grid is None else None
+    if alone is not None:
+        facts.grid = (int(alone[1]), int(alone[2]))
+        reading.take(alone, f"grid of {alone[1]} x {alone[2]} streets")
 
 
 def _read_roundabouts(reading: Reading, facts: Facts) -> None:

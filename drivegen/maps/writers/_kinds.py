@@ -129,7 +129,9 @@ def _apply(reading: Reading, facts: Facts, feature: str, pattern: str, meaning: 
 def read_one_way(reading: Reading, facts: Facts) -> None:
     """How many roads are said to be one-way."""
     for match in list(
-        reading.all(r"(?:(\d+) )?one ?way|single direction|unidirectional|in 1 direction only|only (?:in )?1 direction")
+        reading.all(
+            r"(?:(?<!by )(?<!x )(\d+) )?one ?way|single direction|unidirectional|in 1 direction only|only (?:in )?1 direction"
+        )
     ):
         if reading.negated(match):
             facts.two_way = True

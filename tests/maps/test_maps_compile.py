@@ -1,0 +1,104 @@
+"""Specifications become networks that have what they ask for, whatever side traffic keeps to."""
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from drivegen.errors import UnusableInput
+from drivegen.maps.build import build_spec
+from drivegen.maps.checks import failures
+from drivegen.maps.compile import compile_map, draw
+from drivegen.maps.spec import MapSpec
+
+FOUR = [{"angle": angle} for angle in (0, 90, 180, 270)]
+ROADS: dict[str, dict[str, Any]] = {
+    "crossing": {"kind": "crossing", "arms": FOUR, "control": "signals"},
+    "pockets": {
+        "kind": "crossing",
+        "control": "stop",
+        "arms": [{"angle": a, "lanes_in": 2, "left_turn_lane": True, "right_turn_lane": True} for a in (0, 180, 270)],
+    },
+    "roundabout": {"kind": "roundabout", "arms": FOUR, "ring_lanes": 2, "diameter": 60},
+    "corridor": {
+        "kind": "corridor",
+        "lanes": 2,
+        "lanes_back": 2,
+        "junctions": [{"position": 150}, {"position": 330, "form": "roundabout"}, {"position": 500, "sides": ["left"]}],
+    },
+    "dead_end": {"kind": "corridor", "alignment": {"length": 150}, "dead_end": True},
+    "s_curve": {"kind": "corridor", "alignment": {"shape": "s_curve", "angle": -50, "radius": 80}},
+    "grid": {"kind": "grid", "rows": 2, "columns": 3, "one_way": True, "control": "uncontrolled"},
+    "ramps": {
+        "kind": "highway",
+        "alignment": {"shape": "curve", "angle": 40, "radius": 600, "length": 1100},
+        "events": [{"kind": "on_ramp", "position": 250}, {"kind": "weaving", "position": 600, "length": 250, "lanes": 2}],
+    },
+    "lane_changes": {
+        "kind": "highway",
+        "lanes": 4,
+        "both": True,
+        "events": [{"kind": "lane_drop", "position": 300, "lanes": 2}, {"kind": "lane_gain", "position": 600, "side": "left"}],
+    },
+    "fork": {"kind": "fork", "lanes": 3, "left_lanes": 2, "right_lanes": 1},
+    "graph": {
+        "kind": "graph",
+        "nodes": [{"name": "a", "x": 0, "y": 0}, {"name": "b", "x": 200, "y": 0}, {"name": "c", "x": 300, "y": 150}],
+        "roads": [
+            {"name": "ab", "start": "a", "end": "b", "lanes": 2},
+            {"name": "bc", "start": "b", "end": "c", "shape": [[260, 20]]},
+        ],
+    },
+}
+
+
+@pytest.mark.parametrize("left_hand", [False, True], ids=["right-hand", "left-hand"])
+@pytest.mark.parametrize("name", ROADS)
+def test_every_kind_of_road_is_built_as_asked(name: str, left_hand: bool) -> None:
+    built = build_spec(MapSpec.model_validate({"road": ROADS[name], "left_hand": left_hand}), {})
+    assert failures(list(built.checks)) == []
+    built.road_map.validate()
+
+
+def test_left_hand_traffic_keeps_the_arms_where_they_were_asked_for() -> None:
+    road = {"kind": "crossing", "arms": [{"angle": 10}, {"angle": 120}, {"angle": 250}]}
+    ends = []
+    for left_hand in (False, True):
+        nodes = draw(MapSpec.model_validate({"road": road, "left_hand": left_hand})).nodes
+        ends.append(sorted(round(math.degrees(math.atan2(n.y, n.x)) % 360) for n in nodes if n.id != "c"))
+    assert ends == [[10, 120, 250], [10, 120, 250]]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"arms": FOUR[:2]},
+        {"arms": [*FOUR, {"angle": 5}]},
+        {"arms": [{**arm, "lanes_in": 0} for arm in FOUR]},
+        {"arms": [{**arm, "lanes_in": 9} for arm in FOUR]},
+        {"arms": [{**arm, "speed": math.nan} for arm in FOUR]},
+        {"control": "police"},
+        {"colour": "red"},
+    ],
+)
+def test_specifications_out_of_bounds_are_refused(change: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError):
+        MapSpec.model_validate({"road": {**ROADS["crossing"], **change}})
+
+
+def test_a_ring_too_small_for_its_roads_is_refused_with_the_size_it_needs() -> None:
+    arms = [{"angle": 45 * i} for i in range(8)]
+    with pytest.raises(UnusableInput, match="at least"):
+        compile_map(MapSpec.model_validate({"road": {"kind": "roundabout", "arms": arms, "diameter": 24}}))
+
+
+@given(st.lists(st.integers(0, 17), min_size=3, max_size=8, unique=True), st.integers(1, 4), st.booleans())
+@settings(max_examples=8, deadline=None)
+def test_any_arms_that_are_apart_meet_at_one_crossing(sectors: list[int], lanes: int, signals: bool) -> None:
+    arms = [{"angle": 20.0 * s, "lanes_in": lanes, "lanes_out": lanes, "left_turn_lane": s % 2 == 0} for s in sectors]
+    control = "signals" if signals else "yield"
+    built = build_spec(MapSpec.model_validate({"road": {"kind": "crossing", "arms": arms, "control": control}}), {})
+    assert failures(list(built.checks)) == []
