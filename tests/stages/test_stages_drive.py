@@ -1,0 +1,98 @@
+import json
+from dataclasses import replace
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from drivegen.checker.limits import RULES, Limits
+from drivegen.errors import UnusableInput
+from drivegen.simulators.base import CollisionKind
+from drivegen.store.results import RESULT
+from drivegen.store.samples import write_samples
+from drivegen.store.scenarios import write_shard
+from stages import calibrate, drive
+from stages._door import read_params
+from tests.checking import LIMITS
+from tests.scenes import busy_crossing, noisy_samples
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Train, validation and test scenes with samples of one method."""
+    root = tmp_path_factory.mktemp("drive")
+    for split, shard, ids in (("train", 0, "abcd"), ("val", 0, "ef"), ("test", 0, "gh"), ("test", 1, "i")):
+        scenes = [busy_crossing(81, f"scene-{letter}") for letter in ids]
+        write_shard(root / "scenarios" / split / f"shard-{shard:05}.parquet", scenes)
+        if split == "test":
+            noisy = [noisy_samples(scene, 3, seed=i) for i, scene in enumerate(scenes)]
+            write_samples(root / "generated" / "drivegen" / f"shard-{shard:05}.parquet", noisy)
+    return root
+
+
+def driven(root, out, params):
+    results, summary = (root / out / f"idm.{end}" for end in ("parquet", "json"))
+    drive.main(params, root / "scenarios" / "test", root / "generated" / "drivegen", results, summary)
+    return results, summary
+
+
+@pytest.fixture(scope="module")
+def params():
+    return replace(read_params("drive", drive.Params), workers=1, draws=50)
+
+
+def test_every_method_of_traffic_gets_rows_and_a_flat_summary(made, params):
+    results, summary = driven(made, "out", params)
+    rows = pq.read_table(results)
+    assert rows.schema.equals(RESULT)
+    rows = rows.to_pylist()
+    assert {row["method"] for row in rows} == {"log", "drivegen"}
+    assert {row["driver"] for row in rows} == {"idm"}
+    numbers = json.loads(summary.read_text())
+    assert all(value is None or isinstance(value, int | float) for value in numbers.values())
+    assert (numbers["log.scenarios"], numbers["log.runs"], numbers["drivegen.runs"]) == (3, 3, 9)
+    for name in ("collision", "distance", "absolute_acceleration", "off_road"):
+        values = [row["value"] for row in rows if row["metric"] == name and row["method"] == "drivegen"]
+        assert numbers[f"drivegen.{name}"] == pytest.approx(np.mean(values))
+        assert numbers[f"drivegen.{name}_low"] <= numbers[f"drivegen.{name}"] + 1e-9
+    kinds = sum(numbers[f"drivegen.collision.{kind.name.lower()}"] for kind in CollisionKind if kind)
+    assert kinds == pytest.approx(numbers["drivegen.collision"])
+    assert numbers["log.spread_over_samples"] is None  # one run a scene
+    assert numbers["drivegen.distance"] > 20
+
+
+def test_the_same_seed_gives_the_same_bytes(made, params):
+    first, second = driven(made, "one", params), driven(made, "two", params)
+    assert [file.read_bytes() for file in first] == [file.read_bytes() for file in second]
+
+
+def test_a_driver_without_settings_or_a_method_without_samples_is_named(made, params):
+    with pytest.raises(UnusableInput, match="no settings for the driver 'idm'"):
+        driven(made, "none", replace(params, drivers={}))
+    with pytest.raises(UnusableInput, match="unknown name 'haste'"):
+        driven(made, "none", replace(params, drivers={"idm": {**params.drivers["idm"], "haste": 1.0}}))
+    samples = noisy_samples(busy_crossing(81, "another"), 3)
+    write_samples(made / "generated" / "odd" / "shard-00000.parquet", [samples])
+    with pytest.raises(UnusableInput, match="lacks scenario scene-g"):
+        drive.main(
+            params, made / "scenarios" / "test", made / "generated" / "odd", made / "x" / "idm.parquet", made / "x" / "idm.json"
+        )
+    assert not (made / "x").exists()
+
+
+def test_calibrate_writes_limits_that_can_be_read_and_rates_of_both_splits(made):
+    settings = calibrate.Params(workers=1, share=0.99, floors=LIMITS)
+    calibrate.main(settings, made / "scenarios", made / "limits.json", made / "calibrate.json")
+    limits = Limits.from_json(json.loads((made / "limits.json").read_text()), "limits.json")
+    assert limits.off_road >= LIMITS.off_road
+    rates = json.loads((made / "calibrate.json").read_text())
+    assert rates["tracks"] == 32
+    assert all(rates["pass_rate"][rule] >= 0.99 for rule in RULES)
+    assert rates["held_out"]["legal"] == 1.0
+
+
+def test_calibrate_needs_train_logs(tmp_path):
+    (tmp_path / "train").mkdir()
+    with pytest.raises(UnusableInput, match="no scenario to calibrate"):
+        calibrate.main(calibrate.Params(1, 0.99, LIMITS), tmp_path, tmp_path / "limits.json", tmp_path / "rates.json")
+    assert not (tmp_path / "limits.json").exists()
