@@ -28,6 +28,9 @@ NO_ROUTE = -1
 STANDING = 0.5
 """Slower than this [m/s] a vehicle stands."""
 
+NO_MOVE = 0.5
+"""Who ends within this distance [m] along its route has stayed."""
+
 MAY_STAY = 2.0
 """A vehicle slower than this [m/s] may end where it is."""
 
@@ -132,16 +135,14 @@ def candidates(
     around = Neighbours.of(scenario, vehicle).near(position, reach + 20.0)
     ahead = [look_ahead(scenario, route, around, float(v.size[vehicle, 0])) for route in routes]
     offset = np.array([to_frenet(route, position[None])[0, 1] for route in routes], np.float32)
-    tables = [
-        _on_route(number, route, places(route, speed, what, settings.dynamics, seconds), float(offset[number]), speed, seconds)
-        for number, (route, what) in enumerate(zip(routes, ahead, strict=True))
-    ]
-    if speed < MAY_STAY or not routes:
-        tables.append(_stay(position, heading, routes, offset, speed))
+    tables = [_stay(position, heading, routes, offset, speed)] if speed < MAY_STAY or not routes else []
+    keep = np.arange(len(tables))  # staying is always on offer
+    for number, (route, what) in enumerate(zip(routes, ahead, strict=True)):
+        where = places(route, speed, what, settings.dynamics, seconds)
+        tables.append(_on_route(number, route, where, float(offset[number]), speed, seconds))
     if not routes or np.abs(offset).min() > OFF_LANE:
         tables.append(_arcs(position, heading, speed, settings.dynamics, seconds))
     whole = _Table.joined(tables)
-    keep = np.flatnonzero(whole.manoeuvre == Manoeuvre.STAY)
     for share in FINER:
         keep = cover(whole.position, whole.mass, keep, share * settings.radius, settings.most)
     keep = keep[np.lexsort((whole.s[keep], whole.route[keep]))]
@@ -211,20 +212,28 @@ def _on_route(number: int, route: Route, where: Places, offset: float, speed: fl
         route=np.full(len(at), number, np.int32),
         s=where.s,
         d=d,
-        manoeuvre=_manoeuvre(route, at, final),
+        manoeuvre=manoeuvres(route, where.s, final),
         lane=route.lane[at],
         leaves_map=where.s > route.exit_s,
         mass=where.mass,
     )
 
 
-def _manoeuvre(route: Route, at: NDArray[np.intp], final: Floats) -> NDArray[np.uint8]:
-    """What is done until point `at` (Q,) of the route: turns count before lane changes, both before stopping."""
+def manoeuvres(route: Route | None, s: Floats | float, final: Floats | float) -> NDArray[np.uint8]:
+    """Manoeuvre (...) of ending on `route` at `s` (...) [m] with `final` (...) [m/s]; OFF_LANE without a route.
+
+    Turns inside junctions count before lane changes, both before stopping.
+    """
+    if route is None:
+        return np.full(np.shape(s), Manoeuvre.OFF_LANE, np.uint8)
+    at = np.clip(np.asarray(s) / SPACING, 0, len(route.line) - 1).astype(int)
     turned, shift = route.turned[at], route.shift[at]
-    kind = np.where(final < STANDING, Manoeuvre.STOP, Manoeuvre.KEEP)
+    kind = np.where(np.asarray(final) < STANDING, Manoeuvre.STOP, Manoeuvre.KEEP)
     kind = np.where(shift > 0, Manoeuvre.CHANGE_LEFT, np.where(shift < 0, Manoeuvre.CHANGE_RIGHT, kind))
     kind = np.where(turned > TURN, Manoeuvre.LEFT, np.where(turned < -TURN, Manoeuvre.RIGHT, kind))
-    return np.where(np.abs(turned) > U_TURN, Manoeuvre.U_TURN, kind).astype(np.uint8)
+    kind = np.where(np.abs(turned) > U_TURN, Manoeuvre.U_TURN, kind)
+    still = (np.asarray(s) < NO_MOVE) & (np.asarray(final) < STANDING)
+    return np.where(still, Manoeuvre.STAY, kind).astype(np.uint8)
 
 
 def _stay(position: Floats, heading: float, routes: list[Route], offset: NDArray[np.float32], speed: float) -> _Table:

@@ -43,15 +43,23 @@ def _cover(position, mass, chosen, squared, most):  # type: ignore[no-untyped-de
             gain[i] += mass[j] if near[i, j] else 0.0
     uncovered = np.ones(count, np.bool_)
     picked = np.empty(most, np.int64)
-    total, best = 0, 0
+    total = 0
     while total < most:
-        best = int(chosen[total]) if total < len(chosen) else int(np.argmax(gain))
+        best = chosen[total] if total < len(chosen) else np.argmax(gain)
         if total >= len(chosen) and gain[best] <= 1e-9:
             break
         picked[total] = best
         total += 1
-        for j in np.flatnonzero(near[best] & uncovered):
-            uncovered[j] = False
-            for i in np.flatnonzero(near[j]):
-                gain[i] -= mass[j]
+        _take(best, near, uncovered, gain, mass)
     return picked[:total]
+
+
+@njit(cache=True)
+def _take(best, near, uncovered, gain, mass):  # type: ignore[no-untyped-def]
+    """Cover everything near place `best`: nobody gains from it any more. In place."""
+    for j in range(len(mass)):
+        if uncovered[j] and near[best, j]:
+            uncovered[j] = False
+            for i in range(len(mass)):
+                if near[i, j]:
+                    gain[i] -= mass[j]

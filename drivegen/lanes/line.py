@@ -36,7 +36,7 @@ class Route:
     """A way over the lane graph with P points, one per SPACING; s = 0 is abreast of the vehicle it was made for.
 
     Attributes:
-        lanes: the lanes in order of travel.
+        pieces: the stretches of lanes it is made of, in order of travel.
         line: (P, 2) float32 [m].
         heading: (P,) float32 [rad] of the line, continuous (not wrapped).
         lane: (P,) int32 lane under each point; the last one stays where the route has left the map.
@@ -49,7 +49,7 @@ class Route:
         exit_s: [m] where the line leaves the mapped lanes and goes straight on, inf if it does not.
     """
 
-    lanes: tuple[int, ...]
+    pieces: "tuple[Piece, ...]"
     line: NDArray[np.float32]
     heading: NDArray[np.float32]
     lane: NDArray[np.int32]
@@ -61,6 +61,11 @@ class Route:
     length: float
     lane_changes: int
     exit_s: float
+
+    @property
+    def lanes(self) -> tuple[int, ...]:
+        """The lanes in order of travel."""
+        return tuple(piece.lane for piece in self.pieces)
 
     @property
     def leaves_map(self) -> bool:
@@ -97,7 +102,7 @@ def build_route(graph: LaneGraph, pieces: Sequence[Piece]) -> Route:
     overshoot = last.end - float(graph.length[last.lane])
     length = (len(line) - 1) * SPACING
     return Route(
-        lanes=tuple(int(i) for i in lanes),
+        pieces=tuple(pieces),
         line=line,
         heading=heading,
         lane=lane,

@@ -1,0 +1,216 @@
+"""The default selector: a small listwise ranker that imitates logs. It is not a language model and does not pretend to be.
+
+Trained on the train split's logs: cross-entropy between the softmax over a vehicle's candidates and the soft label
+exp(-d^2 / 2 sigma^2), d the distance from the logged end; then one temperature is set on the validation split so that
+its probabilities mean what they say.
+"""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save_file
+from torch import Tensor
+
+from drivegen import seeds
+from drivegen.errors import MissingTool, UnusableInput
+from drivegen.goals.candidates import Candidates
+from drivegen.goals.scores import scorable
+from drivegen.lanes.graph import LaneGraph
+from drivegen.scenario import Scenario
+from drivegen.selectors._features import NAMES, features
+from drivegen.selectors._ranker import MOST, Ranker
+from drivegen.selectors.base import FirstFrameSelector
+from drivegen.store.files import whole, write_json
+from drivegen.training.curve import LossRow
+from drivegen.training.loop import Settings as Training
+from drivegen.training.loop import train
+
+WEIGHTS, ABOUT = "ranker.safetensors", "ranker.json"
+
+CHUNK = 64
+"""Lists are ranked in chunks of this many, padded, so that a result does not depend on its neighbours."""
+
+TEMPERATURES = np.exp(np.linspace(-1.0, 1.5, 51))
+"""Tried on the validation split."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to learn.
+
+    Attributes:
+        width: of the layers. sigma: [m] width of the soft label. farthest: [m] lists whose nearest candidate is farther
+            from the logged end are left out.
+        training: the loop's settings.
+    """
+
+    width: int
+    sigma: float
+    farthest: float
+    training: Training
+
+
+@dataclass(frozen=True)
+class Lists:
+    """V lists to learn from, padded: x (V, MOST, F), distance (V, MOST) [m] of candidates from the logged end, inf for none."""
+
+    x: NDArray[np.float32]
+    distance: NDArray[np.float32]
+
+    @classmethod
+    def none(cls) -> "Lists":
+        """No list."""
+        return cls(np.zeros((0, MOST, len(NAMES)), np.float32), np.zeros((0, MOST), np.float32))
+
+    @classmethod
+    def of(cls, scenario: Scenario, candidates: Sequence[Candidates]) -> "Lists":
+        """Those of all vehicles whose logged end can be a label."""
+        rows = np.flatnonzero(scorable(scenario)).tolist()
+        if scenario.log is None or len(rows) == 0:
+            return cls.none()
+        given = features(scenario, candidates)
+        x, there = _padded([given[n] for n in rows])
+        end = scenario.log.position[rows, scenario.log.last_valid()[rows]]
+        distance = np.full(there.shape, np.inf, np.float32)
+        for i, n in enumerate(rows):
+            distance[i, : len(candidates[n])] = np.hypot(*(candidates[n].position - end[i]).T)
+        return cls(x, distance)
+
+    @classmethod
+    def joined(cls, parts: "Sequence[Lists]") -> "Lists":
+        """All of them, in order."""
+        return cls(np.concatenate([p.x for p in parts]), np.concatenate([p.distance for p in parts]))
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+
+class Plugin(FirstFrameSelector):
+    """The trained ranker."""
+
+    described = "learned selector (imitates logs)"
+
+    def __init__(self, net: Ranker) -> None:
+        torch.set_num_threads(1)  # sums depend on the number of threads
+        self.net = net.eval().requires_grad_(False)
+
+    @classmethod
+    def fit(
+        cls, learnt: Lists, held_out: Lists, settings: Settings, seed: int, checkpoint: Path | None, report: Callable[[str], None]
+    ) -> tuple[Self, list[LossRow]]:
+        """Learn from `learnt`, calibrate on `held_out` (on `learnt` where that is empty); the loss curve beside it.
+
+        Raises UnusableInput where there is nothing to learn from.
+        """
+        torch.manual_seed(seeds.derive(seed, "ranker"))
+        net = Ranker(len(NAMES), settings.width)
+        objective = _Listwise(learnt, held_out, settings)
+        if objective.size:
+            rows = objective.x[objective.there]
+            net.mean.copy_(rows.mean(0))
+            net.scale.copy_(rows.std(0).clamp(min=1e-3))
+        net, curve = train(net, objective, settings.training, seed, checkpoint, report)
+        calibration = objective if len(held_out) == 0 else _Listwise(held_out, held_out, settings)
+        net.temperature.fill_(_temperature(net.eval(), calibration))
+        return cls(net), curve
+
+    def rank(
+        self,
+        graph: LaneGraph,  # noqa: ARG002 protocol
+        scenario: Scenario,
+        candidates: Sequence[Candidates],
+    ) -> list[NDArray[np.float32]]:
+        """Calibrated probabilities."""
+        x, there = _padded(features(scenario, candidates))
+        chunks = [self._chunk(x[i : i + CHUNK], there[i : i + CHUNK]) for i in range(0, len(x), CHUNK)]
+        return [p[: len(c)] for p, c in zip(np.concatenate(chunks), candidates, strict=True)]
+
+    def _chunk(self, x: NDArray[np.float32], there: NDArray[np.bool_]) -> NDArray[np.float32]:
+        """Probabilities (b, MOST) of one chunk of at most CHUNK lists, computed at full size."""
+        padding = CHUNK - len(x)
+        whole_x = torch.from_numpy(np.pad(x, ((0, padding), (0, 0), (0, 0))))
+        whole_there = torch.from_numpy(np.pad(there, ((0, padding), (0, 0))))
+        tempered = self.net(whole_x, whole_there) / self.net.temperature
+        return torch.softmax(tempered, -1)[: len(x)].numpy()
+
+    def save(self, folder: Path) -> None:
+        """Weights as safetensors, and what they belong to; equal weights give equal bytes."""
+        with whole(folder / WEIGHTS) as temporary:
+            save_file(self.net.state_dict(), temporary)
+        about = {"described": self.described, "features": list(NAMES), "width": self.net.scored[0].out_features}
+        write_json(folder / ABOUT, about)
+
+    @classmethod
+    def load(cls, folder: Path) -> Self:
+        """What `save` wrote. Raises MissingTool where there are no weights, UnusableInput where they are not ours."""
+        if not (folder / WEIGHTS).exists() or not (folder / ABOUT).exists():
+            raise MissingTool(f"{folder} holds no trained goal selector: run the train_selector stage (`make run`)")
+        try:
+            about = json.loads((folder / ABOUT).read_text())
+            if tuple(about["features"]) != NAMES:
+                raise UnusableInput(f"{folder} was trained on other features: run the train_selector stage again")
+            net = Ranker(len(NAMES), int(about["width"]))
+            net.load_state_dict(load_file(folder / WEIGHTS))
+        except (ValueError, KeyError, TypeError, RuntimeError, SafetensorError) as error:
+            raise UnusableInput(f"{folder} holds no weights of a goal selector: {str(error).splitlines()[0]}") from None
+        return cls(net)
+
+
+class _Listwise:
+    """Soft-label cross-entropy over lists; an `Objective` of the training loop."""
+
+    def __init__(self, learnt: Lists, held_out: Lists, settings: Settings) -> None:
+        self.x, self.there, self.label = _tensors(learnt, settings)
+        self.held_out = _tensors(held_out, settings)
+        self.size = len(self.x)
+
+    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:  # noqa: ARG002 nothing is random
+        return ()
+
+    def loss(self, model: torch.nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:  # noqa: ARG002
+        return _cross_entropy(model(self.x[rows], self.there[rows]), self.label[rows])
+
+    def validation(self, model: torch.nn.Module) -> float:
+        x, there, label = self.held_out
+        return float(_cross_entropy(model(x, there), label)) if len(x) else float("nan")
+
+
+def _cross_entropy(log_probability: Tensor, label: Tensor) -> Tensor:
+    return -(label * log_probability.clamp(min=-30)).sum(-1).mean()
+
+
+def _tensors(lists: Lists, settings: Settings) -> tuple[Tensor, Tensor, Tensor]:
+    """x, there, soft label of the lists that have a candidate near enough."""
+    near = lists.distance.min(1, initial=np.inf) <= settings.farthest
+    distance = lists.distance[near].astype(np.float64)
+    label = np.exp(-(distance**2 - distance.min(1, keepdims=True) ** 2) / (2 * settings.sigma**2))
+    label = (label / label.sum(1, keepdims=True)).astype(np.float32)
+    return torch.from_numpy(lists.x[near]), torch.from_numpy(np.isfinite(distance)), torch.from_numpy(label)
+
+
+@torch.no_grad()
+def _temperature(net: Ranker, lists: _Listwise) -> float:
+    """The temperature of the highest likelihood of the nearest candidate."""
+    if lists.size == 0:
+        return 1.0
+    score, best = net(lists.x, lists.there), lists.label.argmax(-1, keepdim=True)
+    losses = [-torch.log_softmax(score / t, -1).gather(1, best).mean().item() for t in TEMPERATURES]
+    return float(TEMPERATURES[int(np.argmin(losses))])
+
+
+def _padded(lists: Sequence[NDArray[np.float32]]) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """x (V, MOST, F), there (V, MOST). Raises UnusableInput where a list is longer than MOST."""
+    x = np.zeros((len(lists), MOST, len(NAMES)), np.float32)
+    there = np.zeros((len(lists), MOST), np.bool_)
+    for i, rows in enumerate(lists):
+        if len(rows) > MOST:
+            raise UnusableInput(f"a vehicle has {len(rows)} candidates, the learned selector ranks {MOST} at most")
+        x[i, : len(rows)], there[i, : len(rows)] = rows, True
+    return x, there

@@ -1,0 +1,86 @@
+"""Stage train_selector: learn the goal selector from the train split's logs, calibrate and score it on the validation split.
+
+argv: scenarios (folder with train and val), model (folder), metrics (JSON), loss curve (CSV). The metrics stand beside
+those of a uniform choice and of the hand-made prior on the same candidates.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from drivegen.goals.candidates import Settings as CandidateSettings
+from drivegen.goals.candidates import candidates
+from drivegen.goals.scores import Judged, judge, scores
+from drivegen.lanes.graph import LaneGraph
+from drivegen.selectors.base import Selector
+from drivegen.selectors.learned import Lists, Plugin, Settings
+from drivegen.selectors.prior import Plugin as Prior
+from drivegen.selectors.random import Plugin as Random
+from drivegen.store.files import whole, write_json
+from drivegen.store.scenarios import read_shard, shards
+from drivegen.training.curve import LossRow
+from stages._door import enter, require, spread
+
+
+@dataclass(frozen=True)
+class Params:
+    """`candidates`: see `goals.candidates`; `learned`: see `selectors.learned`."""
+
+    seed: int
+    workers: int
+    candidates: CandidateSettings
+    learned: Settings
+
+
+def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Path) -> None:
+    """Learn, save, score."""
+    learnt = _lists(require(scenarios / "train", "run the ingest stage"), params)
+    held_out = _lists(scenarios / "val", params)
+    selector, rows = Plugin.fit(learnt, held_out, params.learned, params.seed, None, _say)
+    selector.save(model)
+    _write_curve(curve, rows)
+    counts = {"train_vehicles": len(learnt), "validation_vehicles": len(held_out)}
+    temperature = {"temperature": float(selector.net.temperature)}
+    write_json(metrics, counts | temperature | {"validation": _scores(scenarios / "val", params, selector)})
+
+
+def _say(line: str) -> None:
+    print(f"train_selector: {line}", flush=True)
+
+
+def _lists(split: Path, params: Params) -> Lists:
+    tasks = [(shard, params.candidates) for shard in shards(split)] if split.exists() else []
+    return Lists.joined(
+        [Lists.none(), *(part for _, part in spread(_shard_lists, tasks, params.workers, f"goals of {split.name}"))]
+    )
+
+
+def _shard_lists(task: tuple[Path, CandidateSettings]) -> Lists:
+    shard, settings = task
+    parts = [Lists.none()]
+    for scenario in read_shard(shard):
+        graph = LaneGraph.of(scenario.map)
+        parts.append(Lists.of(scenario, [candidates(graph, scenario, n, settings) for n in range(len(scenario.vehicles))]))
+    return Lists.joined(parts)
+
+
+def _scores(split: Path, params: Params, selector: Plugin) -> dict[str, dict[str, dict[str, float]]]:
+    """Scores of the learned, the prior and the uniform choice."""
+    compared: dict[str, Selector] = {"learned": selector, "prior": Prior(), "random": Random()}
+    judged: dict[str, list[Judged]] = {name: [] for name in compared}
+    for shard in shards(split) if split.exists() else []:
+        for scenario in read_shard(shard):
+            graph = LaneGraph.of(scenario.map)
+            offered = [candidates(graph, scenario, n, params.candidates) for n in range(len(scenario.vehicles))]
+            for name, each in compared.items():
+                judged[name].append(judge(scenario, offered, each.rank(graph, scenario, offered)))
+    return {name: scores(Judged.joined(parts)) for name, parts in judged.items()}
+
+
+def _write_curve(path: Path, rows: list[LossRow]) -> None:
+    lines = ["step,train,validation", *(f"{row.step},{row.train:.6f},{row.validation:.6f}" for row in rows)]
+    with whole(path) as temporary:
+        temporary.write_text("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    enter("train_selector", Params, main)
