@@ -1,15 +1,20 @@
 """Stage record: Rerun recordings of a few scenes drawn by seed, generated traffic against the log (a leaf).
 
-argv: scenarios of one split, generated samples, goals that they were drawn from, the folder of recordings, the list of
+argv: scenarios of one split, generated samples, the goals that they were drawn from, the folder of recordings, the list of
 recordings (JSON, for the report: .rrd files differ in bytes at every write, their list does not).
 """
 
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivegen.recording import record_scenario
-from drivegen.store.draw import draw_scenes
+import numpy as np
+
+from drivegen.errors import UnusableInput
+from drivegen.recording import GoalMarks, record_scenario
+from drivegen.samples import Samples
+from drivegen.store.draw import Drawn, draw_scenes
 from drivegen.store.files import write_json
+from drivegen.store.goals import GoalColumns, read_goals
 from stages._door import enter, require
 
 
@@ -21,17 +26,40 @@ class Params:
     scenes: int
 
 
-def main(params: Params, scenarios: Path, generated: Path, out: Path, listing: Path) -> dict[str, float]:
+def main(params: Params, scenarios: Path, generated: Path, goals: Path, out: Path, listing: Path) -> dict[str, float]:
     """Record sample 0 of each drawn scene."""
     require(generated, "run the rollout stage")
     links = []
-    for scenario, samples in draw_scenes(params.seed, scenarios, generated, params.scenes):
+    for drawn in draw_scenes(params.seed, scenarios, generated, params.scenes):
+        scenario, samples = drawn.scenario, drawn.samples
         file = out / f"{scenario.scenario_id}.rrd"
-        record_scenario(file, scenario, samples, sample=0)
+        record_scenario(file, scenario, samples, 0, _marks(_goals_of(drawn, goals), samples, 0))
         text = f"{scenario.scenario_id}, {scenario.city}: {samples.method} against the log"
         links.append({"text": text, "href": f"{out.name}/{file.name}"})
     write_json(listing, links)
     return {"scenarios": float(len(links))}
+
+
+def _goals_of(drawn: Drawn, goals: Path) -> GoalColumns:
+    shard = require(goals / drawn.shard, "run the goals stage")
+    found = [one for one in read_goals(shard) if one.scenario_id == drawn.scenario.scenario_id]
+    if not found:
+        raise UnusableInput(f"{shard} lacks scenario {drawn.scenario.scenario_id}: run the goals stage again")
+    return found[0]
+
+
+def _marks(goals: GoalColumns, samples: Samples, sample: int) -> GoalMarks:
+    """All vehicles' candidates, those chosen that `sample` follows."""
+    count = goals.columns["candidates"]
+    vehicle = np.repeat(np.arange(len(count), dtype=np.int32), count)
+    number = np.arange(len(vehicle), dtype=np.int32) - np.repeat(np.cumsum(count) - count, count).astype(np.int32)
+    return GoalMarks(
+        position=goals.columns["position"].reshape(-1, 2),
+        vehicle=vehicle,
+        number=number,
+        probability=goals.columns["probability"],
+        chosen=samples.goal[sample][vehicle] == number,
+    )
 
 
 if __name__ == "__main__":

@@ -13,7 +13,8 @@ from typing import Any
 import orjson
 
 from drivegen.errors import UnusableInput
-from drivegen.render.scene_picture import png, scene_picture
+from drivegen.render.png import png, shrunk
+from drivegen.render.scene_picture import scene_picture
 from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_page
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
@@ -23,6 +24,10 @@ from drivegen.store.results import run_id
 from stages._door import enter
 
 _PINNED = ("drivegen", "numpy", "torch", "libsumo", "pyarrow", "duckdb", "opencv-python-headless")
+
+
+SCENE_WIDTH, MAP_WIDTH = 700, 640
+"""Widths of pictures in the page [pixels]."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +47,8 @@ def main(
     drawn = draw_scenes(params.seed, scenarios, generated, params.scenes) if scenarios.exists() and generated.exists() else []
     evidence = Evidence(
         results=results,
-        source=drawn[0][0].source if drawn else "",
-        scenes=tuple(_scene(scenario, samples) for scenario, samples in drawn),
+        source=drawn[0].scenario.source if drawn else "",
+        scenes=tuple(_scene(one.scenario, one.samples) for one in drawn),
         maps=tuple(_map(folder) for folder in sorted(maps.glob("*/map.png"))[: params.maps]),
         curves=tuple(_curve(curves, file) for file in sorted(curves.rglob("*.csv"))),
         recordings=tuple(Link(**link) for link in results.get("recordings", [])),
@@ -72,7 +77,7 @@ def _results(folder: Path) -> dict[str, Any]:
 
 
 def _scene(scenario: Scenario, samples: Samples) -> Picture:
-    image = scene_picture(scenario, samples.motion, ~samples.legal, pixels=600)
+    image = scene_picture(scenario, samples.motion, ~samples.legal, pixels=SCENE_WIDTH)
     title = f"{scenario.scenario_id} ({scenario.city})"
     return Picture(title, f"{len(scenario.vehicles)} vehicles, {len(samples.violation)} samples", png(image))
 
@@ -80,7 +85,7 @@ def _scene(scenario: Scenario, samples: Samples) -> Picture:
 def _map(file: Path) -> Picture:
     about = file.with_suffix(".json")
     words = orjson.loads(about.read_bytes()) if about.exists() else {}
-    return Picture(file.parent.name.replace("_", " "), str(words.get("text", "")), file.read_bytes())
+    return Picture(file.parent.name.replace("_", " "), str(words.get("text", "")), shrunk(file.read_bytes(), MAP_WIDTH))
 
 
 def _curve(folder: Path, file: Path) -> Curve:

@@ -98,14 +98,6 @@ def scene_picture(
     return image
 
 
-def png(image: Image) -> bytes:
-    """The image as PNG; the same bytes for the same image."""
-    done, data = cv2.imencode(".png", image[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 9])
-    if not done:
-        raise ValueError("OpenCV could not encode the image")
-    return bytes(data)
-
-
 def _draw_roads(image: Image, view: View, roads: RoadMap) -> None:
     for outline in roads.drivable.lines():
         _fill(image, view, outline, ROAD)

@@ -1,5 +1,6 @@
 """Scenes drawn by seed for pictures and recordings, so that nobody chose the good ones."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import pyarrow.parquet as pq
@@ -12,7 +13,16 @@ from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
 
 
-def draw_scenes(seed: int, scenarios: Path, generated: Path, count: int) -> list[tuple[Scenario, Samples]]:
+@dataclass(frozen=True)
+class Drawn:
+    """A scene with its samples, and the shard that both are in (its file name)."""
+
+    shard: str
+    scenario: Scenario
+    samples: Samples
+
+
+def draw_scenes(seed: int, scenarios: Path, generated: Path, count: int) -> list[Drawn]:
     """`count` scenes of all shards below `scenarios` (fewer if there are fewer) with their samples; in a random order.
 
     The first scenes are the same whatever the count. Reads only the shards that scenes are drawn from. Raises
@@ -30,5 +40,5 @@ def draw_scenes(seed: int, scenarios: Path, generated: Path, count: int) -> list
         scenes, samples = read[file]
         if scenes[row].scenario_id not in samples:
             raise UnusableInput(f"{generated / file.name} lacks scenario {scenes[row].scenario_id}: run the rollout stage again")
-        drawn.append((scenes[row], samples[scenes[row].scenario_id]))
+        drawn.append(Drawn(file.name, scenes[row], samples[scenes[row].scenario_id]))
     return drawn

@@ -2,7 +2,10 @@
 
 import cv2
 import numpy as np
+import pytest
 
+from drivegen.errors import UnusableInput
+from drivegen.render.png import png, shrunk
 from drivegen.render.scene_picture import (
     GOAL_COLOUR,
     ILLEGAL_COLOUR,
@@ -10,7 +13,6 @@ from drivegen.render.scene_picture import (
     SOCIAL_COLOUR,
     TARGET_COLOUR,
     View,
-    png,
     scene_picture,
     view_of,
 )
@@ -70,3 +72,16 @@ def test_a_picture_is_the_same_every_time_and_is_a_png_in_the_right_colours():
 
 def test_a_scene_without_a_log_is_drawn_around_its_target():
     assert scene_picture(busy_crossing().with_motion(None), None, pixels=128).shape == (128, 128, 3)
+
+
+def test_shrinking_keeps_shape_and_colours():
+    data = png(np.full((100, 200, 3), (10, 200, 30), np.uint8))
+    small = cv2.imdecode(np.frombuffer(shrunk(data, 50), np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
+    assert small.shape == (25, 50, 3)
+    assert tuple(small[0, 0]) == (10, 200, 30)
+    assert shrunk(data, 400) == data
+
+
+def test_half_a_picture_is_refused():
+    with pytest.raises(UnusableInput, match="not whole"):
+        shrunk(png(np.zeros((100, 200, 3), np.uint8))[:40], 50)

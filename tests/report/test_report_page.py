@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from drivegen.render.scene_picture import png
+from drivegen.render.png import png
 from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_page
 from drivegen.report.paper import MARK
 
