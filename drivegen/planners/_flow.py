@@ -18,9 +18,12 @@ class FlowNet(nn.Module):
     FiLM are added, so at sampling time the first is computed once, too.
     """
 
-    def __init__(self, features: int, latent: int, width: int, blocks: int) -> None:
+    def __init__(self, features: int, latent: int, width: int, blocks: int, dropout: float) -> None:
         super().__init__()
-        self.encode = nn.Sequential(nn.Linear(features, width), nn.SiLU(), nn.Linear(width, width), nn.SiLU())
+        self.encode = nn.Sequential(
+            nn.Dropout(dropout), nn.Linear(features, width), nn.SiLU(), nn.Dropout(dropout), nn.Linear(width, width), nn.SiLU()
+        )
+        self.drop = nn.Dropout(dropout)
         self.film = nn.Linear(width, 2 * width * blocks)
         self.time = nn.Sequential(nn.Linear(2 * TIME_WAVES, width), nn.SiLU(), nn.Linear(width, 2 * width * blocks))
         self.enter = nn.Linear(latent, width)
@@ -42,7 +45,7 @@ class FlowNet(nn.Module):
         film = (context + self.time(torch.cat([angle.sin(), angle.cos()], dim=-1))).chunk(2 * len(self.inner), dim=-1)
         h = self.enter(z)
         for k, (norm, inner, outer) in enumerate(zip(self.norms, self.inner, self.outer, strict=True)):
-            h = h + outer(nn.functional.silu(inner(norm(h) * (1 + film[2 * k]) + film[2 * k + 1])))
+            h = h + outer(self.drop(nn.functional.silu(inner(norm(h) * (1 + film[2 * k]) + film[2 * k + 1]))))
         return torch.as_tensor(self.leave(h))
 
     def forward(self, features: Tensor, z1: Tensor, noise: Tensor, t: Tensor) -> Tensor:

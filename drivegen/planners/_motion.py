@@ -175,6 +175,7 @@ def decode(frames: Frames, requests: PlanRequests, residuals: Residuals, steps: 
         residuals.pace, residuals.offset, residuals.slope, steps,
     )  # fmt: skip
     heading, speed = wrap_angle(state[..., 2]), state[..., 3:]
+    heading[:, 0] = requests.heading
     velocity = speed * np.stack([np.cos(heading), np.sin(heading)], axis=-1)
     return Trajectories(
         state[..., :2].astype(np.float32),

@@ -41,7 +41,7 @@ class RouteFmSettings:
 
     Attributes:
         along, across: principal components kept along and across the route; their sum is even.
-        width, blocks: of the network. draws: noises per example and training step.
+        width, blocks, dropout: of the network. draws: noises per example and training step.
         euler_steps: steps when sampling: 2 for the least error, 8 for the truest spread.
         training: see `training.loop.Settings`.
     """
@@ -50,6 +50,7 @@ class RouteFmSettings:
     across: int
     width: int
     blocks: int
+    dropout: float
     draws: int
     euler_steps: int
     training: loop.Settings
@@ -63,7 +64,7 @@ class Plugin:
     def __init__(self, settings: RouteFmSettings) -> None:
         self.settings = settings
         self.basis: dict[str, NDArray[np.float64]] = {}
-        self.net = FlowNet(FEATURES, settings.along + settings.across, settings.width, settings.blocks)
+        self.net = FlowNet(FEATURES, settings.along + settings.across, settings.width, settings.blocks, settings.dropout)
 
     def fit(
         self, train: Examples, validation: Examples, seed: int, checkpoints: Path | None, report: Callable[[str], None]
@@ -75,7 +76,7 @@ class Plugin:
         self.basis = _principal(known[1], self.settings.along, "along") | _principal(known[2], self.settings.across, "across")
         torch.manual_seed(seeds.derive(seed, "network"))
         settings, device = self.settings, loop.device()
-        net = FlowNet(FEATURES, settings.along + settings.across, settings.width, settings.blocks).to(device)
+        net = FlowNet(FEATURES, settings.along + settings.across, settings.width, settings.blocks, settings.dropout).to(device)
         told, latents = (t.to(device) for t in self._tensors(*known))
         held = self._tensors(*held_out)
         weight = torch.from_numpy(self._importance()).to(device)

@@ -1,0 +1,147 @@
+"""What every planner promises, tried with a tiny net on a busy crossing."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from drivegen import plugins
+from drivegen.errors import MissingTool, UnusableInput
+from drivegen.geometry import wrap_angle
+from drivegen.lanes.graph import LaneGraph
+from drivegen.planners._requests import examples_from_logs
+from drivegen.planners.base import Examples, Planner, PlanRequests
+from drivegen.scenario import Trajectories
+from stages._door import build
+from tests.scenes import crossing, drive, joined, scenario, stack
+
+ROOT = Path(__file__).parents[2]
+NAMES = plugins.names("planners")
+FEWER = {"width": 32, "blocks": 1, "layers": 1, "heads": 2, "tokens": 20, "sampling_steps": 3, "euler_steps": 2, "bf16": False}
+SHORT = {"steps": 6, "batch": 8, "report_every": 3, "checkpoint_every": 2, "bf16": False}
+WAYS = [(0, 8, 4), (0, 9, 5), (0, 10, 7), (2, 14, 6), (2, 15, 7), (1, 11, 5), (3, 19, 6)]
+
+
+def tiny(name: str) -> Planner:
+    """The planner with its own parameters, but small."""
+    params = yaml.safe_load((ROOT / "params.yaml").read_text())["train_planner"]["planners"][name]
+    small = {key: FEWER.get(key, value) for key, value in params.items()} | {"training": params["training"] | SHORT}
+    plugin = plugins.load("planners", name)
+    planner: Planner = plugin(build(plugin.Settings, small, "test"))
+    return planner
+
+
+def examples(count: int = 3, seed: int = 0) -> Examples:
+    """Tracks through a crossing, some braking, one parked, one seen for nine tenths of the time."""
+    random, roads, scenes = np.random.default_rng(seed), crossing(), []
+    for number in range(count):
+        motions = [
+            drive(joined(roads, *way), random.uniform(2, 50), random.uniform(4, 12), 101, random.choice([0.0, -1.0, 0.3]))
+            for way in WAYS
+        ]
+        motions.append(drive(joined(roads, 3), 20, 0.0, 101))
+        motions[1].valid[91:] = False
+        scenes.append(scenario(roads, stack(motions), f"scene-{number}"))
+    graph = LaneGraph.of(roads)
+    return examples_from_logs(scenes, [graph] * count, 0.8, 7)
+
+
+@pytest.fixture(scope="module")
+def logs() -> Examples:
+    return examples()
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def trained(request: pytest.FixtureRequest, logs: Examples) -> Planner:
+    planner = tiny(request.param)
+    planner.fit(logs, logs[:4], 7, None, lambda line: None)
+    return planner
+
+
+def same(a: Trajectories, b: Trajectories) -> bool:
+    return all(np.array_equal(getattr(a, n), getattr(b, n)) for n in ("position", "heading", "velocity", "valid"))
+
+
+def without_routes(requests: PlanRequests) -> PlanRequests:
+    none = np.full(len(requests), -1, np.int32)
+    return replace(requests, route=none, goal_s=0 * requests.goal_s, goal_d=0 * requests.goal_d)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_same_seed_gives_the_same_bytes(name: str, logs: Examples, tmp_path: Path) -> None:
+    for folder in ("a", "b"):
+        planner = tiny(name)
+        planner.fit(logs, logs[:4], 7, tmp_path / f"checkpoints-{folder}", lambda line: None)
+        planner.save(tmp_path / folder)
+    for file in ("settings.json", "weights.safetensors"):
+        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
+
+
+def test_the_loss_curve_covers_the_budget(logs: Examples) -> None:
+    curve = tiny("route_fm").fit(logs, logs[:4], 7, None, lambda line: None)
+    assert [row.step for row in curve] == [3, 6]
+    assert all(np.isfinite([row.train, row.validation]).all() for row in curve)
+
+
+def test_a_request_gets_the_same_motion_alone_and_in_any_batch(trained: Planner, logs: Examples) -> None:
+    rows = np.tile(np.arange(len(logs)), 14)
+    requests = replace(logs.requests[rows], seed=np.arange(len(rows), dtype=np.int64))
+    together = trained.sample(logs.scenarios, requests)
+    for b in (0, 5, 100, 255, 256, len(rows) - 1):
+        assert same(trained.sample(logs.scenarios, requests[[b]])[0], together[b])
+    assert same(trained.sample(logs.scenarios, requests[::-1]), together[::-1])
+
+
+def test_motion_starts_in_the_initial_state_and_is_finite(trained: Planner, logs: Examples) -> None:
+    for requests in (logs.requests, without_routes(logs.requests)):
+        motion = trained.sample(logs.scenarios, requests)
+        motion.validate()
+        assert motion.valid.all()
+        np.testing.assert_array_equal(motion.position[:, 0], requests.position)
+        np.testing.assert_array_equal(motion.heading[:, 0], requests.heading)
+        np.testing.assert_allclose(motion.speed[:, 0], requests.speed, atol=1e-5)
+
+
+def test_parked_vehicles_stay_exactly_where_they_are(trained: Planner, logs: Examples) -> None:
+    parked = logs.requests[logs.requests.parked]
+    assert len(parked) == 3
+    motion = trained.sample(logs.scenarios, parked)
+    np.testing.assert_array_equal(motion.position, np.repeat(parked.position[:, None], 101, axis=1))
+    np.testing.assert_allclose(wrap_angle(motion.heading - parked.heading[:, None]), 0, atol=1e-6)
+
+
+def test_another_seed_gives_another_motion(trained: Planner, logs: Examples) -> None:
+    moving = logs.requests[~logs.requests.parked]
+    other = replace(moving, seed=moving.seed + 1)
+    a, b = (trained.sample(logs.scenarios, r).position for r in (moving, other))
+    assert (np.abs(a - b).max(axis=(1, 2)) > 1e-3).mean() > 0.9
+
+
+def test_saved_and_loaded_it_plans_the_same(trained: Planner, logs: Examples, tmp_path: Path) -> None:
+    trained.save(tmp_path)
+    loaded = type(trained).load(tmp_path)
+    assert same(loaded.sample(logs.scenarios, logs.requests), trained.sample(logs.scenarios, logs.requests))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_missing_foreign_and_damaged_weights_are_named(name: str, trained: Planner, tmp_path: Path) -> None:
+    plugin = plugins.load("planners", name)
+    with pytest.raises(MissingTool, match="make run"):
+        plugin.load(tmp_path / "nothing")
+    trained.save(tmp_path)
+    if not isinstance(trained, plugin):
+        with pytest.raises(UnusableInput, match="holds planner"):
+            plugin.load(tmp_path)
+    (tmp_path / "weights.safetensors").write_bytes(b"half a file")
+    with pytest.raises(UnusableInput):
+        plugin.load(tmp_path)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_untrained_planner_and_a_train_set_without_motion_are_refused(name: str, logs: Examples) -> None:
+    with pytest.raises(UnusableInput, match="not been trained"):
+        tiny(name).sample(logs.scenarios, logs.requests)
+    with pytest.raises(UnusableInput):
+        tiny(name).fit(logs[logs.requests.parked], logs, 7, None, lambda line: None)
