@@ -113,6 +113,11 @@ class _Graph:
         self.lit = {j.get("id", "") for j in root.iter("junction") if "traffic_light" in j.get("type", "")}
         self.left_hand = root.get("lefthand", "false") in ("true", "1")
         self.rings = [(set(r.get("nodes", "").split()), set(r.get("edges", "").split())) for r in root.iter("roundabout")]
+        self.leaving: defaultdict[str, list[str]] = defaultdict(list)
+        self.entering: defaultdict[str, list[str]] = defaultdict(list)
+        for edge in edges.values():
+            self.leaving[edge.source].append(edge.id)
+            self.entering[edge.target].append(edge.id)
         self.on, self.back = defaultdict(set), defaultdict(set)  # type: defaultdict[str, set[str]], defaultdict[str, set[str]]
         for link in root.iter("connection"):
             a, b = link.get("from", ""), link.get("to", "")
@@ -148,7 +153,7 @@ class _Graph:
             speed=_mode((edge.speed, edge.length) for edge in edges),
             length=self._longest_way(),
             turn=max(self._turned(edge) for edge in self.edges),
-            one_way=not any(self._opposite(a, b) for a in self.edges for b in self._leaving(self.edges[a].target)),
+            one_way=not any(self._opposite(a, b) for a in self.edges for b in self.leaving[self.edges[a].target]),
             left_hand=self.left_hand,
             edges=len(edges),
             size=max(max(p[i] for p in points) - min(p[i] for p in points) for i in (0, 1)),
@@ -158,9 +163,6 @@ class _Graph:
     def _only(self, edge: str, towards: dict[str, set[str]], away: dict[str, set[str]]) -> bool:
         others = towards.get(edge, set())
         return len(others) >= 2 and all(away.get(other) == {edge} for other in others)
-
-    def _leaving(self, node: str) -> list[str]:
-        return [e.id for e in self.edges.values() if e.source == node]
 
     def _arms(self) -> dict[str, int]:
         """Number of neighbouring nodes of every node: one per road that meets there."""
@@ -183,13 +185,8 @@ class _Graph:
 
     def _ends(self) -> tuple[list[str], list[str]]:
         """Edges that begin and edges that end at the border of the network."""
-        entering: dict[str, list[str]] = defaultdict(list)
-        leaving: dict[str, list[str]] = defaultdict(list)
-        for edge in self.edges.values():
-            entering[edge.target].append(edge.id)
-            leaving[edge.source].append(edge.id)
-        into = [e for e in self.edges if all(self._opposite(i, e) for i in entering[self.edges[e].source])]
-        out = [e for e in self.edges if all(self._opposite(e, o) for o in leaving[self.edges[e].target])]
+        into = [e for e in self.edges if all(self._opposite(i, e) for i in self.entering[self.edges[e].source])]
+        out = [e for e in self.edges if all(self._opposite(e, o) for o in self.leaving[self.edges[e].target])]
         return into, out
 
     def _stuck(self) -> list[str]:

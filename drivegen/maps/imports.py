@@ -1,0 +1,121 @@
+"""Real roads in, and any of our roads out: SUMO networks, OpenStreetMap, OpenDRIVE, Argoverse 2.
+
+What a file is, is decided by its content. Every file is parsed without DTD before netconvert sees it. A window of
+scenario size can be cut out of a city; a SUMO network that is not cut keeps its bytes.
+"""
+
+import math
+import re
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import Any
+from xml.etree.ElementTree import Element
+
+from drivegen.av2.maps import read_map
+from drivegen.errors import UnusableInput
+from drivegen.maps.argoverse2 import to_network
+from drivegen.maps.build import BuiltMap
+from drivegen.maps.structure import measure
+from drivegen.sumo.netconvert import convert
+from drivegen.sumo.network import read_network
+from drivegen.sumo.safe_xml import parse, unpack
+
+_CAR = ("--keep-edges.by-vclass", "passenger,bus,truck,delivery")
+_OSM = (
+    *("--geometry.remove", "true", "--roundabouts.guess", "true", "--ramps.guess", "true", "--junctions.join", "true"),
+    *("--tls.guess-signals", "true", "--tls.discard-simple", "true", "--tls.join", "true", "--no-turnarounds", "true"),
+    *_CAR,
+)
+_SOURCES = {"net": "SUMO network", "osm": "OpenStreetMap", "OpenDRIVE": "OpenDRIVE"}
+_TIMEOUT = 300.0
+_DATE = re.compile(rb'(<header[^>]*?\sdate=")[^"]*(")')
+
+
+@dataclass(frozen=True)
+class Window:
+    """A square cut out of a network, `radius` [m] to each side of a place.
+
+    The place is `around` (x, y) [m, network frame], or junction `junction`, or, with neither, the junction with most
+    incoming car lanes.
+    """
+
+    radius: float
+    around: tuple[float, float] | None = None
+    junction: str | None = None
+
+
+def import_map(raw: bytes, place: str, window: Window | None = None) -> BuiltMap:
+    """The map in a file's bytes (`place` is its name, for errors), cut to `window`.
+
+    Raises UnusableInput where the file is none of the four formats, is damaged, or the window holds no road.
+    """
+    data = unpack(raw, place)
+    if data.lstrip()[:1] == b"{":
+        network, source = to_network(read_map(data, place)), "Argoverse 2"
+    else:
+        root = parse(data, place)
+        source = _SOURCES.get(root.tag, "")
+        if not source:
+            known = ", ".join(_SOURCES.values())
+            raise UnusableInput(
+                f"{place} is no map: it holds <{root.tag}>; known are {known} and Argoverse 2", reason="not-a-map"
+            )
+        network = data if root.tag == "net" else _converted(data, root.tag)
+    if window is not None:
+        network = cut(network, place, window)
+    road_map = read_network(network, place)
+    structure = measure(network, place)
+    account: dict[str, Any] = {"text": f"{source}: {place}", "backend": "import", "source": source, "structure": structure}
+    account |= {"window": window, "understood": [], "ignored": [], "assumed": [], "failed": [], "checks": []}
+    return BuiltMap(network, road_map, structure, (), account)
+
+
+def cut(network: bytes, place: str, window: Window) -> bytes:
+    """The part of a SUMO network inside `window`, coordinates kept."""
+    if not 10 <= window.radius <= 5000:
+        raise UnusableInput(f"the window's radius must be between 10 and 5000 m, not {window.radius:g}", reason="bad-window")
+    x, y = _centre(parse(network, place, root="net"), place, window)
+    box = ",".join(f"{value:.2f}" for value in (x - window.radius, y - window.radius, x + window.radius, y + window.radius))
+    arguments = ["-s", "in.net.xml", "--keep-edges.in-boundary", box, *_CAR, "--offset.disable-normalization", "true"]
+    arguments += ["--remove-edges.isolated", "true", "--ignore-errors", "true", "-o", "out.net.xml"]
+    made = convert({"in.net.xml": network}, arguments, "out.net.xml", _TIMEOUT)
+    if b"<connection " not in made and b"<lane " not in made:
+        raise UnusableInput(f"{place} has no road within {window.radius:g} m of ({x:.0f}, {y:.0f})", reason="empty-window")
+    return made
+
+
+def export_opendrive(network: bytes) -> bytes:
+    """A SUMO network as OpenDRIVE (.xodr), without the date of writing."""
+    made = convert({"in.net.xml": network}, ["-s", "in.net.xml", "--opendrive-output", "out.xodr"], "out.xodr", _TIMEOUT)
+    return _DATE.sub(rb"\1\2", made)
+
+
+def _converted(data: bytes, root: str) -> bytes:
+    kind, flags = ("--osm-files", _OSM) if root == "osm" else ("--opendrive-files", ("--no-turnarounds", "true", *_CAR))
+    return convert({"in.xml": data}, [kind, "in.xml", *flags, "-o", "out.net.xml"], "out.net.xml", _TIMEOUT)
+
+
+def _centre(root: Element, place: str, window: Window) -> tuple[float, float]:
+    if window.around is not None:
+        if not all(math.isfinite(value) for value in window.around):
+            raise UnusableInput("the window's place must be two numbers", reason="bad-window")
+        return window.around
+    nodes = {j.get("id", ""): j for j in root.iter("junction") if j.get("type") != "internal"}
+    name = window.junction if window.junction is not None else _busiest(root, nodes)
+    if name not in nodes:
+        raise UnusableInput(f"{place} has no junction {name!r}", reason="bad-window")
+    return float(nodes[name].get("x", "nan")), float(nodes[name].get("y", "nan"))
+
+
+def _busiest(root: Element, nodes: dict[str, Element]) -> str:
+    """The junction with most incoming car lanes; the first by name among equals."""
+    lanes: dict[str, int] = defaultdict(int)
+    for edge in root.iter("edge"):
+        if edge.get("function") is None and edge.get("to") in nodes:
+            lanes[edge.get("to", "")] += sum(_for_cars(lane) for lane in edge.iter("lane"))
+    return min(lanes, key=lambda name: (-lanes[name], name), default="")
+
+
+def _for_cars(lane: Element) -> bool:
+    allow = lane.get("allow")
+    return "passenger" in allow.split() if allow is not None else "passenger" not in lane.get("disallow", "").split()
