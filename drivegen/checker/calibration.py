@@ -76,7 +76,7 @@ def from_severities(parts: list[NDArray[np.float32]], floors: Limits, share: flo
         raise UnusableInput("there is no logged track to calibrate the checker on", reason="no-logs")
     rules_of_flag = np.array([FLAGS.count(flag) for flag in FLAGS])
     shares = 1 - (1 - share) / rules_of_flag
-    found = np.array([np.quantile(severity[:, r], shares[r], method="higher") for r in range(len(RULES))])
+    found = np.array([np.quantile(severity[:, r], shares[r], method="higher") for r in range(len(RULES))], np.float64)
     limits = Limits.from_severities(np.maximum(floors.severities(), np.ceil(found * _DECIMALS) / _DECIMALS))
     return Calibration(
         limits=limits,
