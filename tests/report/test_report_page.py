@@ -29,11 +29,11 @@ FULL = Evidence(
         "quality_details/constant_velocity": quality(3.0, 0.6),
         "quality_details/drivegen": quality(1.0, 0.9),
         "quality_details/drivegen_without_goals": quality(2.0, 1.3),
-        "ingest": {"accepted": {"train": 600}, "rejected": {"truncated": 2}, "scored": 192000},
+        "ingest": {"trained_on": "the corpus", "splits": {"train": {"corpus": {"accepted": 600, "rejected: truncated": 2}}}},
         "calibrate": {"speed": {"limit": 33.1, "passes": 0.991}},
         "train_selector": {"top_1": 0.62},
         "train_planner/route_fm": {"loss": 0.01},
-        "goals/learned": {"top_1": 0.62},
+        "goals/learned": {"described": "imitates logs", "moving": {"hit_1": 0.62}},
         "driving/idm": {"log.collision": 0.05, "log.collision.low": 0.01, "log.distance": 50.5, "drivegen.collision": 0.07},
         "corner/1": {"collision": 0.05},
         "corner/2": {"collision": 0.15, "collision.low": 0.1, "collision.high": 0.2},
@@ -161,4 +161,4 @@ def test_tables_say_what_models_were_trained_on():
 def test_the_driver_in_logs_is_the_dataset_s_row_of_table_three():
     (ours,) = (row for row in TABLES["corner-cases"].rows if row.cells[0].text == "Dataset, ours")
     assert [cell.text for cell in ours.cells[2:5]] == ["0.05", "50.50", "not measured"]
-    assert [row.cells[0].text for row in TABLES["driving-idm"].rows] == ["Log (real futures)", "DriveGen"]
+    assert [row.cells[0].text for row in TABLES["driving-idm"].rows] == ["Log (recorded futures)", "DriveGen"]

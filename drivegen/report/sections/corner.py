@@ -1,6 +1,7 @@
 """Corner cases: rounds against a given driver, beside the paper's tables III and IV."""
 
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any
 
 from drivegen.report import paper, plots
@@ -39,10 +40,7 @@ def _against_paper(evidence: Evidence, rounds: Mapping[str, Mapping[str, Any]]) 
     last = {"idm": dict(rounds[max(rounds)])} if rounds else {}
     source = evidence.source or NOT_MEASURED
     ours = [_our_row("Dataset, ours", source, logs), _our_row("DriveGen-CS, ours", source, last)]
-    theirs = [
-        row(name, paper.MARK, *(paper.printed(value) for one in drivers for value in one), origin="paper")
-        for name, drivers in paper.CORNER.items()
-    ]
+    theirs = [row(name, paper.MARK, *chain(*drivers), origin="paper") for name, drivers in paper.CORNER.items()]
     heads = ("", "data", *(f"{driver.upper()} {column}" for driver in DRIVERS for column in PAPER_COLUMNS))
     notes = ("A high collision rate and low other columns are good for corner cases: they are hard for the driver.",)
     return Table("corner-cases", "Table III. Corner cases", heads, (*ours, *theirs), (*evidence.trained_on, *notes))
@@ -55,7 +53,7 @@ def _our_row(label: str, source: str, drivers: Mapping[str, dict[str, Any]]) -> 
 
 def _gpu_hours() -> Table:
     ours = row("DriveGen-CS, ours", NOT_MEASURED, NOT_MEASURED, origin="ours")
-    theirs = [row(name, *map(paper.printed, values), origin="paper") for name, values in paper.GPU_HOURS.items()]
+    theirs = [row(name, *values, origin="paper") for name, values in paper.GPU_HOURS.items()]
     notes = ("Our times differ from run to run and are kept in reports/drivegen.duckdb, view cost_per_item.",)
     heads = ("", "finetune [GPU h]", "generate [GPU h]")
     return Table("gpu-hours", "Table IV. GPU hours for 1000 corner cases", heads, (ours, *theirs), notes)

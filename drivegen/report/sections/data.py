@@ -1,9 +1,13 @@
 """The data: what was read, accepted and rejected, what kinds of scenes they are, and the limits they calibrated."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from drivegen.report import plots
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Figure, Section, not_measured
-from drivegen.report.sections._generic import tables, words
+from drivegen.report.sections._generic import matrix, tables, words
+from drivegen.report.table import Table
 
 
 def section(evidence: Evidence) -> Section:
@@ -13,7 +17,7 @@ def section(evidence: Evidence) -> Section:
     if evidence.source:
         lead += f" Source: {evidence.source}."
     figures = _labels(evidence)
-    found = (*tables("data", "Scenarios", ingest), *tables("assets", "Vehicle assets", evidence.results.get("assets")))
+    found = (*_counts(ingest), *tables("assets", "Vehicle assets", evidence.results.get("assets")))
     return Section("data", "Data", lead, found, figures, missing="" if ingest else not_measured("ingest"))
 
 
@@ -23,6 +27,16 @@ def limits(evidence: Evidence) -> Section:
     lead = "Limits of the legal checker are set so that 99 % of logged tracks pass each of them."
     missing = "" if found else not_measured("calibrate")
     return Section("limits", "Legal checker", lead, tables("checker", "Limits and pass rates", found), missing=missing)
+
+
+def _counts(ingest: Any) -> tuple[Table, ...]:
+    """Counts by split and data set as one table, and whatever else the stage says."""
+    if not isinstance(ingest, Mapping) or not isinstance(ingest.get("splits"), Mapping):
+        return tables("data", "Scenarios", ingest)
+    splits = [(split, ingest["splits"][split]) for split in ("train", "val", "test") if split in ingest["splits"]]
+    rows = {f"{split}, {source}": counts for split, sources in splits for source, counts in sources.items()}
+    rest = {key: value for key, value in ingest.items() if key != "splits" and value}
+    return (matrix("scenarios", "Scenarios by split", rows, "split"), *tables("data", "Training data", rest))
 
 
 def _labels(evidence: Evidence) -> tuple[Figure, ...]:

@@ -1,6 +1,7 @@
 """Drivers: how they drive in logged and in generated traffic, and the paper's downstream training (table II)."""
 
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any
 
 from drivegen.report import paper
@@ -60,9 +61,6 @@ def _table(driver: str, traffic: Mapping[str, dict[str, Any]], evidence: Evidenc
 def _downstream() -> Table:
     heads = ("", "data", *(f"{driver} {column}" for driver in ("GAIL", "SAC") for column in PAPER_COLUMNS))
     ours = [row(f"{name}, ours", NOT_MEASURED, *[NOT_MEASURED] * 8, origin="ours") for name in ("Dataset", "DriveGen")]
-    theirs = [
-        row(name, paper.MARK, *(paper.printed(value) for driver in drivers for value in driver), origin="paper")
-        for name, drivers in paper.DOWNSTREAM.items()
-    ]
+    theirs = [row(name, paper.MARK, *chain(*drivers), origin="paper") for name, drivers in paper.DOWNSTREAM.items()]
     notes = ("Training drivers on generated scenarios is not part of this run.",)
     return Table("downstream", "Table II. Drivers trained on generated scenarios", heads, (*ours, *theirs), notes)

@@ -10,9 +10,15 @@ from drivegen.report.table import Table
 def selector(evidence: Evidence) -> Section:
     """The learned ranker of goals."""
     found = evidence.results.get("train_selector")
-    goals = {name: value for name, value in evidence.below("goals").items() if isinstance(value, dict)}
+    goals = {
+        f"{name}, {vehicles} vehicles": scores
+        for name, value in evidence.below("goals").items()
+        if isinstance(value, dict)
+        for vehicles, scores in value.items()
+        if isinstance(scores, dict)
+    }
     lead = "The learned selector ranks candidate goals as drivers in the logs chose them; it is no language model."
-    compared = (matrix("selectors", "Selectors", goals, "selector"),) if goals else ()
+    compared = (matrix("selectors", "Selectors on test scenes", goals, "selector"),) if goals else ()
     parts = (*compared, *tables("selector", "Learned selector", found))
     missing = "" if found or goals else not_measured("train_selector")
     return Section("selector", "Goal selection", lead, parts, _curves(evidence, "train_selector"), missing=missing)

@@ -10,12 +10,16 @@ from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.table import NOT_MEASURED, Cell, Table, measured, number, row
 
 NAMES = {
-    "log": "Log (real futures)",
+    "log": "Log (recorded futures)",
     "constant_velocity": "Constant velocity",
     "drivegen_without_goals": "DriveGen w/o gs",
     "drivegen": "DriveGen",
+    "drivegen_true_goals": "DriveGen, true goals",
 }
 """Methods in the table's order; others follow under their own names."""
+
+_TOLD = ("log", "drivegen_true_goals")
+"""Methods that are told what happened: bounds, not rivals."""
 
 _COLUMNS = ("min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity_ratio")
 
@@ -69,7 +73,7 @@ def _realism(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table
     for method in methods or NAMES:
         cells = [replace(measured(methods.get(method, {}), key), best=method == best[key]) for key in _COLUMNS]
         ours.append(row(_name(method), evidence.source or NOT_MEASURED, *cells, origin="ours"))
-    theirs = [row(name, paper.MARK, *map(paper.printed, values), origin="paper") for name, values in paper.QUALITY.items()]
+    theirs = [row(name, paper.MARK, *map(number, values), origin="paper") for name, values in paper.QUALITY.items()]
     heads = ("", "data", "min-sADE \u2193", "min-sFDE \u2193", "mean-sADE \u2193", "mean-sFDE \u2193", "diversity \u2192 1")
     notes = (
         "Rows of different data cannot be compared with one another; the paper's are printed for orientation.",
@@ -79,8 +83,8 @@ def _realism(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table
 
 
 def _best(methods: Mapping[str, dict[str, Any]], key: str) -> str:
-    """The best of those that generate, "" if there are fewer than two: the log is the truth itself and wins nothing."""
-    values = {method: methods[method][key] for method in methods if method != "log" and methods[method].get(key) is not None}
+    """The best of those that generate, "" if there are fewer than two; those that are told the truth win nothing."""
+    values = {method: methods[method][key] for method in methods if method not in _TOLD and methods[method].get(key) is not None}
     badness = {method: abs(value - 1) if key == "diversity_ratio" else value for method, value in values.items()}
     return min(badness, key=badness.__getitem__) if len(badness) > 1 else ""
 
