@@ -35,7 +35,7 @@ def regenerate(version: str | None = None, seed: int | None = None) -> str:
         raise FileExistsError(f"{target} exists and versions are never overwritten: give another name")
     room = _ROOM / version
     shutil.rmtree(room, ignore_errors=True)
-    workspace.copy(Path(), room, {"run": {"seed": seed}})
+    workspace.duplicate(Path(), room, {"run.seed": seed})
     prepare(room)
     for stage in STAGES:
         regenerate_stage.with_options(task_run_name=stage)(stage, room)

@@ -3,6 +3,7 @@
 What runs there cannot disturb this workspace or its dvc.lock, and nothing that this one has computed is computed again.
 """
 
+import copy
 import shutil
 import subprocess
 from collections.abc import Mapping
@@ -12,8 +13,8 @@ from typing import Any
 import yaml
 
 
-def copy(source: Path, target: Path, params: Mapping[str, Any], cache: Path | None = None) -> None:
-    """Copy the files that git knows or does not ignore to the new folder `target`, with `params` over params.yaml.
+def duplicate(source: Path, target: Path, params: Mapping[str, Any], cache: Path | None = None) -> None:
+    """Copy the files that git knows or does not ignore to the new folder `target`, with `params` over those of params.yaml.
 
     DVC keeps its files in `cache`, by default that of `source`. Raises FileExistsError if `target` exists.
     """
@@ -23,19 +24,28 @@ def copy(source: Path, target: Path, params: Mapping[str, Any], cache: Path | No
         there.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(source / name, there)
     values = yaml.safe_load((target / "params.yaml").read_text())
-    (target / "params.yaml").write_text(yaml.safe_dump(merged(values, params), sort_keys=False))
+    (target / "params.yaml").write_text(yaml.safe_dump(overridden(values, params), sort_keys=False))
     kept = (cache or source / ".dvc" / "cache").resolve()
     (target / ".dvc" / "config.local").write_text(f"[core]\n    no_scm = true\n[cache]\n    dir = {kept}\n")
 
 
-def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """`values` with `over` laid on top, section by section. Raises KeyError for a name that `values` does not have."""
-    if unknown := sorted(set(over) - set(values)):
-        raise KeyError(f"params.yaml has no {unknown[0]!r} to replace")
-    result = {**values, **over}
-    for name, value in values.items():
-        if isinstance(value, Mapping) and isinstance(over.get(name), Mapping):
-            result[name] = merged(value, over[name])
+def overridden(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """`values` with some replaced whole, named by dotted paths as in `dvc exp run -S`.
+
+    >>> overridden({"run": {"seed": 7, "workers": 2}}, {"run.seed": 8})
+    {'run': {'seed': 8, 'workers': 2}}
+
+    Raises KeyError for a name that `values` does not have.
+    """
+    result = copy.deepcopy(dict(values))
+    for name, value in over.items():
+        *sections, last = name.split(".")
+        place: Any = result
+        for word in sections:
+            place = place[word]
+        if last not in place:
+            raise KeyError(f"params.yaml has no {name!r} to replace")
+        place[last] = value
     return result
 
 

@@ -28,7 +28,7 @@ def tiny(tmp_path_factory) -> Path:
 
 def copy(folder: Path) -> Path:
     params = yaml.safe_load((ROOT / "tests" / "tiny.yaml").read_text())
-    workspace.copy(ROOT, folder / "tree", params, cache=folder / "cache")
+    workspace.duplicate(ROOT, folder / "tree", params, cache=folder / "cache")
     (folder / "tree" / "dvc.lock").unlink(missing_ok=True)
     return folder / "tree"
 
@@ -63,7 +63,7 @@ def test_a_second_run_executes_nothing(tiny):
 def test_the_flow_gives_the_same_bytes_in_another_process_order_and_hash_seed(tiny, tmp_path, monkeypatch):
     root = copy(tmp_path)
     params = yaml.safe_load((root / "params.yaml").read_text())
-    (root / "params.yaml").write_text(yaml.safe_dump(workspace.merged(params, {"run": {"workers": 1}}), sort_keys=False))
+    (root / "params.yaml").write_text(yaml.safe_dump(workspace.overridden(params, {"run.workers": 1}), sort_keys=False))
     for name, value in {"PYTHONHASHSEED": "123", "OMP_NUM_THREADS": "2"}.items():
         monkeypatch.setenv(name, value)
     done = subprocess.run(

@@ -100,7 +100,7 @@ def test_outputs_inputs_and_metrics_are_those_of_dvc_yaml(done):
 
 def test_a_second_workspace_shares_the_cache_and_has_its_own_params(done, tmp_path):
     room = tmp_path / "room"
-    workspace.copy(done, room, {"run": {"seed": 8}})
+    workspace.duplicate(done, room, {"run.seed": 8})
     dvc.checkout(["data/scenarios"], room)
     assert (room / "data" / "scenarios").read_text() == "logs\n"
     assert dvc.reproduce("maps", lambda _: None, room)
@@ -111,6 +111,8 @@ def test_a_second_workspace_shares_the_cache_and_has_its_own_params(done, tmp_pa
 
 def test_overrides_replace_values_and_refuse_unknown_names():
     values = {"run": {"seed": 7, "workers": 2}, "rounds": [1, 2]}
-    assert workspace.merged(values, {"run": {"seed": 8}, "rounds": [3]}) == {"run": {"seed": 8, "workers": 2}, "rounds": [3]}
-    with pytest.raises(KeyError, match="speed"):
-        workspace.merged(values, {"run": {"speed": 1}})
+    over = {"run.seed": 8, "rounds": [3]}
+    assert workspace.overridden(values, over) == {"run": {"seed": 8, "workers": 2}, "rounds": [3]}
+    assert values["run"]["seed"] == 7
+    with pytest.raises(KeyError, match=r"run\.speed"):
+        workspace.overridden(values, {"run.speed": 1})
