@@ -90,7 +90,7 @@ METRICS = (
 
 
 def _row(distance: NDArray[np.float32], probability: NDArray[np.float32], manoeuvre: NDArray[np.uint8]) -> tuple[float, ...]:
-    label = int(np.argmin(distance))
+    label = int(np.lexsort((-probability, distance))[0])  # of two at one place the likelier one
     rank = int((probability > probability[label]).sum() + ((probability == probability[label]).sum() - 1) / 2)
     p = np.maximum(probability.astype(np.float64), 1e-9)
     best = np.bincount(manoeuvre, probability, len(Manoeuvre)).argmax()

@@ -1,0 +1,208 @@
+"""The image that a goal selector sees: 200 m x 200 m around one vehicle, its heading up, its candidate goals numbered.
+
+Paper, "Scenario Rollout". Marks as in Set-of-Mark prompting (Yang et al., 2023): dark discs, white digits, no overlaps,
+a line from a disc that had to move to its place. Goals outside the window sit on its border with their distance and lane.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.geometry import Floats, Polylines, box_corners, to_vehicle_frame
+from drivegen.render.marks import place_marks
+from drivegen.roadmap import LaneKind, RoadMap
+from drivegen.scenario import TARGET, Scenario, SignalState
+
+Picture = NDArray[np.uint8]
+Colour = tuple[int, int, int]
+
+EXTENT = 200.0
+"""Side of the window [m]."""
+
+# Colours are red, green, blue.
+_GROUND: Colour = (232, 236, 228)
+_ASPHALT: Colour = (186, 186, 190)
+_BUS: Colour = (196, 180, 160)
+_BIKE: Colour = (206, 214, 200)
+_EDGE: Colour = (250, 250, 250)
+_CENTRE: Colour = (140, 140, 146)
+_OTHER: Colour = (70, 110, 180)
+_TARGET: Colour = (230, 140, 20)
+_THIS: Colour = (210, 30, 40)
+_ACTOR: Colour = (120, 60, 150)
+_DISC: Colour = (25, 25, 30)
+_WHITE: Colour = (255, 255, 255)
+_SIGNALS: dict[int, Colour] = {
+    SignalState.GREEN: (30, 170, 60),
+    SignalState.YELLOW: (240, 190, 0),
+    SignalState.RED: (220, 20, 20),
+}
+
+_SHIFT = 4
+_FAR = 20000
+_FONT = cv2.FONT_HERSHEY_SIMPLEX
+_RADIUS = 13
+_GAP = 2
+_DIGIT_SIZE, _NOTE_SIZE = 0.5, 0.35
+
+
+@dataclass(frozen=True)
+class Marks:
+    """Where the numbers went: disc centres (C, 2) [px], the places they mark (C, 2) [px], whether those are in the window."""
+
+    disc: NDArray[np.float64]
+    place: NDArray[np.float64]
+    inside: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class _View:
+    """The window: pose of the vehicle, pixels per metre, side in pixels."""
+
+    position: Floats
+    heading: float
+    scale: float
+    size: int
+
+    def pixels(self, points: Floats) -> NDArray[np.float64]:
+        """Pixel coordinates (..., 2): forward is up, left is left."""
+        flat = np.asarray(points, np.float64).reshape(-1, 2)
+        local = to_vehicle_frame(flat, np.asarray(self.position, np.float64), np.asarray(self.heading))
+        return np.asarray(self.size / 2 - local[:, ::-1] * self.scale, np.float64).reshape(*points.shape)
+
+
+def draw_bird_eye(
+    scenario: Scenario, vehicle: int, position: Floats, lane: NDArray[np.integer], size: int = 768
+) -> tuple[Picture, Marks]:
+    """The picture (size, size, 3) uint8 red-green-blue at the first frame, and where the numbers are.
+
+    Candidate i is at `position[i]` (C, 2) [m] on lane `lane[i]` (-1 for none) and is numbered i.
+    """
+    v = scenario.vehicles
+    view = _View(v.position[vehicle], float(v.heading[vehicle]), size / EXTENT, size)
+    picture: Picture = np.empty((size, size, 3), np.uint8)
+    cv2.rectangle(picture, (0, 0), (size, size), _GROUND, cv2.FILLED)
+    _draw_roads(picture, scenario.map, view)
+    _draw_signals(picture, scenario, view)
+    _draw_vehicles(picture, scenario, vehicle, view)
+    _draw_scale_bar(picture, view)
+    return picture, _draw_marks(picture, view, np.asarray(position, np.float64), lane)
+
+
+def _fixed(points: Floats) -> NDArray[np.int32]:
+    """Fixed point for OpenCV; far points are clipped, since it overflows."""
+    return np.rint(np.clip(points, -_FAR, _FAR) * (1 << _SHIFT)).astype(np.int32)
+
+
+def _seen(lines: Polylines, pixels: NDArray[np.float64], size: int) -> NDArray[np.bool_]:
+    """(L,) lines whose bounding box touches the window."""
+    if len(lines) == 0:
+        return np.zeros(0, np.bool_)
+    first = lines.start[:-1]
+    low, high = np.minimum.reduceat(pixels, first), np.maximum.reduceat(pixels, first)
+    return np.asarray(((high >= 0) & (low <= size)).all(-1))
+
+
+def _draw_roads(picture: Picture, road_map: RoadMap, view: _View) -> None:
+    """Surfaces, boundaries, centrelines with arrows."""
+    pixels = {name: view.pixels(getattr(road_map, name).points) for name in ("drivable", "left", "right", "centreline")}
+    fixed = {name: _fixed(points) for name, points in pixels.items()}
+
+    def part(name: str, i: int) -> NDArray[np.int32]:
+        start = getattr(road_map, name).start
+        return fixed[name][start[i] : start[i + 1]]
+
+    for i in np.flatnonzero(_seen(road_map.drivable, pixels["drivable"], view.size)).tolist():
+        cv2.fillPoly(picture, [part("drivable", i)], _ASPHALT, cv2.LINE_8, _SHIFT)
+    lanes = np.flatnonzero(_seen(road_map.centreline, pixels["centreline"], view.size)).tolist()
+    for i in lanes:
+        colour = {LaneKind.BUS: _BUS, LaneKind.BIKE: _BIKE}.get(LaneKind(road_map.kind[i]), _ASPHALT)
+        cv2.fillPoly(picture, [np.concatenate([part("left", i), part("right", i)[::-1]])], colour, cv2.LINE_8, _SHIFT)
+    plain = [i for i in lanes if not road_map.in_junction[i]]
+    edges = [part(side, i) for side in ("left", "right") for i in plain]
+    cv2.polylines(picture, edges, False, _EDGE, 1, cv2.LINE_8, _SHIFT)
+    cv2.polylines(picture, [part("centreline", i) for i in lanes], False, _CENTRE, 1, cv2.LINE_8, _SHIFT)
+    arrows = _fixed(_arrows(pixels["centreline"], road_map.centreline.start, np.array(lanes, int)))
+    cv2.polylines(picture, list(arrows), False, _CENTRE, 1, cv2.LINE_8, _SHIFT)
+
+
+def _arrows(pixels: NDArray[np.float64], start: NDArray[np.int32], lanes: NDArray[np.integer]) -> NDArray[np.float64]:
+    """Chevrons (L, 3, 2) in the middle of lanes, pointing the way they run."""
+    middle = (start[lanes] + start[lanes + 1]) // 2
+    tip, step = pixels[middle], pixels[middle] - pixels[middle - 1]
+    forward = step / np.maximum(np.hypot(step[:, 0], step[:, 1]), 1e-6)[:, None]
+    left = np.stack([forward[:, 1], -forward[:, 0]], axis=-1)
+    return np.stack([tip - 5 * forward + 4 * left, tip, tip - 5 * forward - 4 * left], axis=1)
+
+
+def _draw_signals(picture: Picture, scenario: Scenario, view: _View) -> None:
+    """A coloured bar where each guarded lane begins."""
+    lines = scenario.map.centreline
+    for lane, state in zip(scenario.signals.lane.tolist(), scenario.signals.state[:, 0].tolist(), strict=True):
+        if state not in _SIGNALS:
+            continue
+        a, b = view.pixels(lines[lane][:2])
+        step = (b - a) / max(float(np.hypot(*(b - a))), 1e-6)
+        across = np.array([step[1], -step[0]]) * 1.4 * view.scale
+        cv2.line(picture, _point(a - across), _point(a + across), _SIGNALS[state], 3, cv2.LINE_8, _SHIFT)
+
+
+def _draw_vehicles(picture: Picture, scenario: Scenario, vehicle: int, view: _View) -> None:
+    """Boxes with a line at the front: this vehicle red, the target orange, others blue, context actors violet."""
+    v, a = scenario.vehicles, scenario.context
+    here = np.flatnonzero(a.motion.valid[:, 0])
+    position = np.concatenate([v.position, a.motion.position[here, 0]])
+    heading = np.concatenate([v.heading, a.motion.heading[here, 0]])
+    size = np.concatenate([v.size, a.size[here]])
+    corners = _fixed(view.pixels(box_corners(position, heading, size[:, 0], size[:, 1])))
+    for i in [*range(vehicle), *range(vehicle + 1, len(position)), vehicle]:
+        colour = _ACTOR if i >= len(v) else _OTHER
+        colour = _THIS if i == vehicle else _TARGET if i == TARGET else colour
+        cv2.fillConvexPoly(picture, corners[i], colour, cv2.LINE_AA, _SHIFT)
+        cv2.line(picture, corners[i][0].tolist(), corners[i][3].tolist(), _WHITE, 2, cv2.LINE_AA, _SHIFT)
+
+
+def _draw_marks(picture: Picture, view: _View, position: Floats, lane: NDArray[np.integer]) -> Marks:
+    """Dots at the places, lines to discs that moved, discs at the border with their notes; discs on top of everything."""
+    place = view.pixels(position)
+    middle = view.size / 2
+    inside = np.asarray((np.abs(place - middle) <= middle).all(-1))
+    onto_border = np.maximum(np.abs(place - middle).max(-1, keepdims=True) / middle, 1.0)
+    distance = np.hypot(*(position - view.position).T)
+    notes = ["" if inside[i] else _note(distance[i], int(lane[i])) for i in range(len(place))]
+    width = np.array([cv2.getTextSize(note, _FONT, _NOTE_SIZE, 1)[0][0] + 4 if note else 0 for note in notes])
+    half = np.stack([_RADIUS + width / 2, np.full(len(place), float(_RADIUS))], axis=-1)
+    mark = place_marks(middle + (place - middle) / onto_border, half, _GAP, view.size)
+    disc = mark - np.stack([width / 2, np.zeros(len(place))], axis=-1)
+    for i in np.flatnonzero(inside).tolist():
+        cv2.circle(picture, _point(place[i]), 3 << _SHIFT, _DISC, cv2.FILLED, cv2.LINE_8, _SHIFT)
+        cv2.line(picture, _point(place[i]), _point(disc[i]), _DISC, 1, cv2.LINE_8, _SHIFT)
+    for i, centre in enumerate(disc):
+        cv2.circle(picture, _point(centre), _RADIUS << _SHIFT, _DISC, cv2.FILLED, cv2.LINE_AA, _SHIFT)
+        (wide, high), _ = cv2.getTextSize(str(i), _FONT, _DIGIT_SIZE, 1)
+        corner = (round(centre[0] - wide / 2), round(centre[1] + high / 2))
+        cv2.putText(picture, str(i), corner, _FONT, _DIGIT_SIZE, _WHITE, 1, cv2.LINE_AA)
+        corner = (round(centre[0]) + _RADIUS + 3, round(centre[1]) + 4)
+        cv2.putText(picture, notes[i], corner, _FONT, _NOTE_SIZE, _DISC, 1, cv2.LINE_AA)
+    return Marks(disc, place, inside)
+
+
+def _note(distance: float, lane: int) -> str:
+    """Distance and lane of a goal outside the window."""
+    return f"{distance:.0f} m" + (f" L{lane}" if lane >= 0 else "")
+
+
+def _draw_scale_bar(picture: Picture, view: _View) -> None:
+    """20 m at the bottom left."""
+    y, x = view.size - 14, 14
+    end = round(x + 20 * view.scale)
+    for a, b in (((x, y), (end, y)), ((x, y - 4), (x, y + 4)), ((end, y - 4), (end, y + 4))):
+        cv2.line(picture, a, b, _DISC, 1, cv2.LINE_8)
+    cv2.putText(picture, "20 m", (end + 6, y + 4), _FONT, 0.4, _DISC, 1, cv2.LINE_AA)
+
+
+def _point(pixel: NDArray[np.float64]) -> tuple[int, int]:
+    x, y = _fixed(pixel).tolist()
+    return x, y
