@@ -1,7 +1,7 @@
 """From words, or from a specification, to a map on disk: `map.net.xml` (SUMO), `map.json` (the account), `map.png`."""
 
 from collections.abc import Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -70,11 +70,6 @@ def build_spec(spec: MapSpec, account: dict[str, Any]) -> BuiltMap:
     checks = check(spec, structure)
     told = {**account, "spec": spec.model_dump(mode="json"), "checks": checks, "failed": failures(checks), "structure": structure}
     return BuiltMap(network, read_network(network, NETWORK), structure, tuple(checks), told)
-
-
-def with_history(built: BuiltMap, history: list[dict[str, Any]]) -> BuiltMap:
-    """The same map with the list of edits that led to it in its account."""
-    return replace(built, account={**built.account, "history": history})
 
 
 def _told(understanding: Understanding) -> dict[str, Any]:

@@ -2,11 +2,14 @@
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
+import orjson
 from pydantic import ValidationError
 
 from drivegen.errors import UnusableInput
+from drivegen.maps.build import ACCOUNT, BuiltMap, build_spec
 from drivegen.maps.spec import MapSpec
 from drivegen.maps.writers._reading import Reading
 
@@ -21,6 +24,25 @@ Fields = dict[str, Any]
 _LANES = ("lanes", "lanes_back", "lanes_in", "lanes_out", "left_lanes")
 _UNITS = {"kmh": 1 / 3.6, "mph": 0.44704, "mps": 1.0, "": 1 / 3.6}
 _REMOVES = r"(?:remove|delete|drop|without|no|take (?:away|out)|get rid of|switch off)"
+
+
+def refine_map(folder: Path, text: str) -> BuiltMap:
+    """The map in `folder` after one more edit; its account keeps the edits so far, with the specification before each.
+
+    Raises UnusableInput where the folder holds no map made from words, or as `refine` does. Nothing is written.
+    """
+    file = folder / ACCOUNT
+    try:
+        account = orjson.loads(file.read_bytes())
+        spec = MapSpec.model_validate(account["spec"])
+    except FileNotFoundError:
+        raise UnusableInput(f"{file} is not there: make the map first", reason="no-map") from None
+    except (orjson.JSONDecodeError, KeyError, TypeError, ValidationError):
+        raise UnusableInput(f"{file} holds no map specification: imported maps cannot be refined", reason="no-map") from None
+    after, understood = refine(spec, text)
+    edit = {"edit": text, "understood": [{"phrase": p, "meaning": m} for p, m in understood], "before": account["spec"]}
+    kept = {name: account[name] for name in ("text", "seed", "backend", "understood", "assumed", "ignored") if name in account}
+    return build_spec(after, {**kept, "history": [*account.get("history", []), edit]})
 
 
 def refine(spec: MapSpec, text: str) -> tuple[MapSpec, tuple[tuple[str, str], ...]]:
@@ -206,7 +228,8 @@ _EDITS: tuple[tuple[str, Callable[[Fields, re.Match[str]], str]], ...] = (
         _turn_lanes,
     ),
     (
-        r"(add|widen|remove|drop|delete|extra) (?:by )?(?:a |an |1 |one |another |more )*(?:(\d+) )?(?:more )?lanes?(?: \w+ direction)?",
+        r"(add|widen|remove|drop|delete|extra) (?:by )?(?:a |an |1 |one |another |more )*(?:(\d+) )?(?:more )?lanes?"
+        r"(?: \w+ direction)?",
         _change_lanes,
     ),
     (r"(\d+) lanes?(?: (?:per|in each|each) (?:direction|way))?", _set_lanes),

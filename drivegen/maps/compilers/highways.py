@@ -16,6 +16,7 @@ LANE_WIDTH = 3.5
 """Width of a highway lane [m]."""
 
 _RAMP_LENGTH = 180.0
+_SHORTEST_RAMP = 60.0
 _RAMP_AWAY = 32.0
 _PRIORITY, _RAMP_PRIORITY = 9, 6
 _HALF_CUT = 2.0
@@ -156,9 +157,11 @@ def _across(way: _Carriageway, at: float, lanes: int, left_too: bool) -> tuple[P
 
 def _add_ramp(plain: PlainNetwork, way: _Carriageway, name: str, event: HighwayEvent, at: float, main: int, joins: bool) -> None:
     """A ramp that runs in (or out) beside the `main` lanes, tangent to them at distance `at`."""
+    room = at if joins else lines.length(way.line) - at
+    length = min(_RAMP_LENGTH, max(room, _SHORTEST_RAMP))
     share = np.linspace(1.0, 0.0, 25)
-    away = way.left - main * LANE_WIDTH - _RAMP_AWAY * share**2
-    shape = lines.beside(way.line, at - (_RAMP_LENGTH if joins else -_RAMP_LENGTH) * share, away)
+    away = way.left - main * LANE_WIDTH - _RAMP_AWAY * (length / _RAMP_LENGTH) * share**2
+    shape = lines.beside(way.line, at - (length if joins else -length) * share, away)
     shape = shape if joins else shape[::-1]
     x, y = shape[0] if joins else shape[-1]
     far = f"{name}_end"

@@ -1,0 +1,69 @@
+"""Maps from files: what they are is seen by their content, windows are cut out, damage is said."""
+
+import gzip
+from pathlib import Path
+
+import pytest
+
+from drivegen.errors import UnusableInput
+from drivegen.maps.build import build_map
+from drivegen.maps.imports import Window, export_opendrive, import_map
+
+OSM = b"""<?xml version="1.0"?><osm version="0.6">
+<node id="1" lat="52.0000" lon="13.0000"/><node id="2" lat="52.0000" lon="13.0030"/>
+<node id="3" lat="52.0000" lon="13.0060"/><node id="4" lat="52.0015" lon="13.0030"/><node id="5" lat="51.9985" lon="13.0030"/>
+<way id="10"><nd ref="1"/><nd ref="2"/><nd ref="3"/><tag k="highway" v="secondary"/></way>
+<way id="11"><nd ref="4"/><nd ref="2"/><nd ref="5"/><tag k="highway" v="residential"/></way>
+<way id="12"><nd ref="1"/><nd ref="4"/><tag k="highway" v="footway"/></way>
+<way id="13"><nd ref="3"/><nd ref="5"/><tag k="railway" v="rail"/></way></osm>"""
+
+
+@pytest.fixture(scope="module")
+def grid() -> bytes:
+    return build_map("a 3 by 3 grid of streets with blocks of 200 m and one lane each", 7).network
+
+
+def test_a_sumo_network_keeps_its_bytes_gzipped_or_not(grid: bytes) -> None:
+    assert import_map(grid, "grid.net.xml").network == grid
+    assert import_map(gzip.compress(grid), "grid.net.xml.gz").network == grid
+
+
+def test_a_window_holds_the_busiest_junction_the_one_named_or_the_place_asked_for(grid: bytes) -> None:
+    whole = import_map(grid, "grid.net.xml")
+    for window in (Window(150.0), Window(150.0, junction="r2c2"), Window(150.0, around=(200.0, 200.0))):
+        built = import_map(grid, "grid.net.xml", window)
+        assert 0 < built.structure.edges < whole.structure.edges
+        assert len(built.road_map) < len(whole.road_map)
+
+
+@pytest.mark.parametrize(
+    "window", [Window(150.0, junction="nowhere"), Window(-5.0), Window(100.0, around=(1e6, 1e6)), Window(float("nan"))]
+)
+def test_a_window_on_nothing_is_refused(grid: bytes, window: Window) -> None:
+    with pytest.raises(UnusableInput):
+        import_map(grid, "grid.net.xml", window)
+
+
+def test_openstreetmap_streets_are_kept_and_paths_and_rails_left_out() -> None:
+    built = import_map(OSM, "town.osm")
+    assert built.structure.arms == (4,)
+    assert built.account["source"] == "OpenStreetMap"
+
+
+def test_a_map_goes_out_as_opendrive_and_comes_back(grid: bytes) -> None:
+    first = export_opendrive(grid)
+    assert first == export_opendrive(grid)
+    assert import_map(first, "grid.xodr").structure.junctions == 9
+
+
+def test_an_imported_map_is_saved_with_its_picture(grid: bytes, tmp_path: Path) -> None:
+    import_map(grid, "grid.net.xml", Window(120.0)).save(tmp_path)
+    assert {file.name for file in tmp_path.iterdir()} == {"map.net.xml", "map.json", "map.png"}
+
+
+@pytest.mark.parametrize(
+    "raw", [b"", b"{", b'{"a": 1}', b"<html/>", b"<net", b"<net/>", b"<osm/>", b"<OpenDRIVE/>", gzip.compress(b"<net/>")[:9]]
+)
+def test_what_is_no_map_is_refused_by_name(raw: bytes) -> None:
+    with pytest.raises(UnusableInput):
+        import_map(raw, "some.file")
