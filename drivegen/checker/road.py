@@ -88,7 +88,7 @@ def _judge_edges(outside, origin, position, direction, valid, size, b, limit, wo
         if looked == 0 and now > START_TOLERANCE:
             return
         looked += 1
-        if now > 0:
+        if earlier > _LEAST:
             exceed(worst, first, b, OFF_ROAD, min(now, before, earlier), limit, t)
 
 

@@ -31,7 +31,7 @@ SECTORS = 16
 
 EVERY_DIRECTION = np.uint16(0xFFFF)
 LIMIT_UNIT = 0.5
-"""Speed limits are stored in steps of half a metre per second; 0 is unknown."""
+"""Speed limits are stored in steps of half a metre per second, rounded up; 0 is unknown."""
 
 _SUBPIXEL = 4
 _FAR = 100.0
@@ -131,7 +131,7 @@ def _directions(map_: RoadMap, quads: _Quads, pieces: NDArray[np.int32], shape: 
 
 def _limits(map_: RoadMap, quads: _Quads, pieces: NDArray[np.int32], shape: tuple[int, int]) -> NDArray[np.uint8]:
     limit = map_.speed_limit[quads.lane]
-    code = np.clip(np.nan_to_num(limit) / LIMIT_UNIT, 0, 255).astype(np.int64)
+    code = np.ceil(np.clip(np.nan_to_num(limit) / LIMIT_UNIT, 0, 255)).astype(np.int64)
     rising = np.argsort(code, kind="stable")  # the highest limit is painted last
     plane = np.zeros(shape, np.uint8)
     _fill(plane, pieces[rising], code[rising])
