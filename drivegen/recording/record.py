@@ -89,7 +89,7 @@ def record_scenario(
         if goals is not None:
             _log_goals(recording, goals)
         if bird_eye is not None:
-            recording.log("bird_eye", rr.Image(bird_eye).compress(jpeg_quality=85), static=True)
+            recording.log("bird_eye", rr.Image(bird_eye).compress(jpeg_quality=75), static=True)
         recording.flush()
         recording.disconnect()
 
@@ -103,13 +103,15 @@ def _view(motion: Trajectories) -> tuple[NDArray[np.float32], float]:
 
 
 def _log_goals(recording: rr.RecordingStream, goals: GoalMarks) -> None:
-    for name, keep, colour, radius in (
-        ("candidates", ~goals.chosen, colours.CANDIDATE, 0.5),
-        ("chosen", goals.chosen, colours.CHOSEN, 0.9),
-    ):
-        if keep.any():
-            labels = [f"{n}: {p:.0%}" for n, p in zip(goals.number[keep], goals.probability[keep], strict=True)]
-            points = rr.Points3D(
-                flat(goals.position[keep], 0.2), colors=[colour], radii=radius, labels=labels, show_labels=name == "chosen"
-            )
-            recording.log(f"world/goals/{name}", points, static=True)
+    """All candidates as small points, the target's orange; the chosen ones large, with number and probability."""
+    rest, chosen = ~goals.chosen, goals.chosen
+    if rest.any():
+        shades = [colours.TARGET_CANDIDATE if owner == TARGET else colours.CANDIDATE for owner in goals.vehicle[rest]]
+        points = rr.Points3D(flat(goals.position[rest], 0.2), colors=shades, radii=0.5)
+        recording.log("world/goals/candidates", points, static=True)
+    if chosen.any():
+        labels = [f"{n}: {p:.0%}" for n, p in zip(goals.number[chosen], goals.probability[chosen], strict=True)]
+        points = rr.Points3D(
+            flat(goals.position[chosen], 0.2), colors=[colours.CHOSEN], radii=0.9, labels=labels, show_labels=True
+        )
+        recording.log("world/goals/chosen", points, static=True)

@@ -9,8 +9,8 @@ from drivegen.recording import colours
 from drivegen.roadmap import RoadMap
 from drivegen.scenario import DT, Signals
 
-_RIBS = 9
-"""Cross-sections of a lane's surface; more would not be seen."""
+_MOST_RIBS = 9
+"""Cross-sections of a bent lane's surface; more would not be seen."""
 
 
 def log_roads(recording: rr.RecordingStream, roads: RoadMap) -> None:
@@ -63,19 +63,20 @@ def _strips(
 
 def _surface(roads: RoadMap) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.uint8]]:
     """Lanes as ribbons between their edges: vertices (V, 3), triangles (F, 3), colours (V, 4); junctions lie lowest."""
-    along = np.linspace(0.0, 1.0, _RIBS)
     vertices: list[NDArray[np.float32]] = []
     triangles: list[NDArray[np.intp]] = []
     shades: list[NDArray[np.uint8]] = []
-    rungs = np.arange(_RIBS - 1) * 2
-    ribbon = np.concatenate([np.stack([rungs, rungs + 1, rungs + 2]), np.stack([rungs + 1, rungs + 3, rungs + 2])], axis=1).T
+    count = 0
     for lane in range(len(roads)):
+        ribs = min(_MOST_RIBS, max(len(roads.left[lane]), len(roads.right[lane])))
+        along, rungs = np.linspace(0.0, 1.0, ribs), count + 2 * np.arange(ribs - 1)
         left, right = (interpolate(line, along * _length(line)) for line in (roads.left[lane], roads.right[lane]))
         height = -0.12 if roads.in_junction[lane] else -0.08
-        triangles.append(ribbon + len(vertices) * 2 * _RIBS)
+        triangles += [np.stack([rungs, rungs + 1, rungs + 2], axis=1), np.stack([rungs + 1, rungs + 3, rungs + 2], axis=1)]
         vertices.append(flat(np.stack([left, right], axis=1).reshape(-1, 2), height))
         shade = colours.ROAD if roads.for_vehicles[lane] else colours.BIKE_LANE
-        shades.append(np.tile(np.array(shade, np.uint8), (2 * _RIBS, 1)))
+        shades.append(np.tile(np.array(shade, np.uint8), (2 * ribs, 1)))
+        count += 2 * ribs
     return np.concatenate(vertices), np.concatenate(triangles).astype(np.uint32), np.concatenate(shades)
 
 
