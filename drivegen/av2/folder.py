@@ -49,7 +49,7 @@ def read_table(path: Path) -> pa.Table:
     Raises UnusableInput, reason `truncated`, for a file that is empty, cut short or no Parquet, and `missing-columns`.
     """
     try:
-        with pq.ParquetFile(path, read_dictionary=_TEXT) as file:
+        with pq.ParquetFile(pa.BufferReader(path.read_bytes()), read_dictionary=_TEXT) as file:
             table = file.read(columns=[*REQUIRED, *SIZE_COLUMNS], use_threads=False)
             table.select([name for name in _TEXT if name in table.column_names]).validate(full=True)  # UTF-8, indices in range
             return table
