@@ -5,19 +5,14 @@ argv: maps (a folder with <name>/map.net.xml), assets, out (folder of shards), c
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from drivegen import seeds
-from drivegen.assets.place import PlaceSettings, place_vehicles
-from drivegen.assets.retrieve import draw_kinds, retrieve
-from drivegen.assets.slots import Slots
+from drivegen.assets.place import PlaceSettings
 from drivegen.assets.table import Table
-from drivegen.crop import Cropper
 from drivegen.errors import MissingTool, UnusableInput
-from drivegen.scenario import DT, TARGET, Actors, Scenario, SignalState, VehicleKind
+from drivegen.initialise import Initialiser, Settings
+from drivegen.scenario import Scenario
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import write_shard
@@ -66,43 +61,17 @@ def main(params: Params, maps: Path, assets: Path, out: Path, counts: Path) -> N
 
 
 def _scenes(params: Params, file: Path, table: Table, rejected: Counter[str]) -> Iterator[Scenario]:
-    name = file.parent.name
     network = Network.read(file.read_bytes(), str(file))
-    slots, cropper = Slots(network.map), Cropper(network.map)
-    shares = {_kind(word): share for word, share in params.shares.items()}
+    settings = Settings(params.vehicles, params.horizon, params.shares, params.map_radius, params.longest_cycle, params.settings)
+    initialiser = Initialiser(network, file.parent.name, SOURCE, table, settings)
     for number in range(params.per_map):
-        random = seeds.rng(params.seed, "place", name, number)
-        time = random.uniform(0.0, params.longest_cycle) + DT * np.arange(params.horizon + 1)
-        signals = network.signals(time.astype(np.float64))
-        rows = [int(retrieve(table, kind, 1, random)[0]) for kind in draw_kinds(shares, params.vehicles, random)]
-        closed = signals.lane[np.isin(signals.state[:, 0], (SignalState.RED, SignalState.YELLOW))]
         try:
-            placement = place_vehicles(slots, table, rows, params.settings, random, closed)
+            scenario, left_out = initialiser.scenario(number, params.seed)
         except UnusableInput as error:
             rejected[error.reason] += params.vehicles
             continue
-        rejected.update(placement.rejected)
-        origin = np.round(network.map.origin + placement.vehicles.position[TARGET])
-        cut, lanes = cropper.around(placement.vehicles.position[:1], params.map_radius)
-        shift = (network.map.origin - origin).astype(np.float32)
-        yield Scenario(
-            scenario_id=f"{name}-{number:04d}",
-            source=SOURCE,
-            city=name,
-            map=cut.moved_to(origin),
-            vehicles=replace(placement.vehicles, position=placement.vehicles.position + shift),
-            horizon=params.horizon,
-            log=None,
-            context=Actors.none(params.horizon + 1),
-            signals=signals.on_lanes(lanes),
-        )
-
-
-def _kind(word: str) -> VehicleKind:
-    try:
-        return VehicleKind[word.upper()]
-    except KeyError:
-        raise UnusableInput(f"place.shares: there is no kind {word!r}; known are car, truck, bus") from None
+        rejected.update(left_out)
+        yield scenario
 
 
 if __name__ == "__main__":
