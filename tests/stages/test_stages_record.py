@@ -1,0 +1,73 @@
+"""Stage record on a small shard, read back."""
+
+import json
+
+import numpy as np
+import pytest
+import rerun as rr
+
+from drivegen.errors import MissingTool, UnusableInput
+from drivegen.store.goals import COLUMNS, GoalColumns, write_goals
+from drivegen.store.samples import write_samples
+from drivegen.store.scenarios import write_shard
+from stages import record
+from tests.scenes import busy_crossing, noisy_samples
+
+SHARD = "shard-00000.parquet"
+PARAMS = record.Params(seed=7, scenes=2)
+
+
+def goals_of(scene, per_vehicle=3) -> GoalColumns:
+    """Three candidates a vehicle: a fifth, a half and all of its logged way."""
+    places = scene.log.position[:, [20, 50, -1]].reshape(-1, 2)
+    columns = {name: np.zeros(0, kind.to_pandas_dtype()) for name, kind in COLUMNS.items()}
+    columns |= {
+        "candidates": np.full(len(scene.vehicles), per_vehicle, np.int32),
+        "position": places.ravel(),
+        "probability": np.tile(np.float32([0.2, 0.3, 0.5]), len(scene.vehicles)),
+        "lane": np.zeros(len(places), np.int32),
+    }
+    return GoalColumns(scene.scenario_id, "learned", columns)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    root = tmp_path_factory.mktemp("record")
+    scenes = [busy_crossing(60, f"scene-{letter}") for letter in "abc"]
+    samples = [noisy_samples(scene, 2) for scene in scenes]
+    for one in samples:
+        one.goal[:] = 2
+    write_shard(root / "test" / SHARD, scenes)
+    write_samples(root / "generated" / SHARD, samples)
+    write_goals(root / "goals" / SHARD, [goals_of(scene) for scene in scenes])
+    record.main(PARAMS, root / "test", root / "generated", root / "goals", root / "recordings", root / "recordings.json")
+    return root
+
+
+def test_the_list_names_what_was_recorded(made):
+    links = json.loads((made / "recordings.json").read_text())
+    assert len(links) == 2
+    assert all((made / link["href"]).is_file() for link in links)
+    assert {(made / link["href"]).name for link in links} == {file.name for file in (made / "recordings").iterdir()}
+
+
+def test_chosen_goals_are_those_that_the_sample_follows(made):
+    file = next((made / "recordings").iterdir())
+    chunks = {chunk.entity_path: chunk.to_record_batch() for chunk in rr.chunk.RrdReader(file).stream() if chunk.is_static}
+    assert chunks["/world/goals/chosen"].column("Points3D:labels").to_pylist()[0] == ["2: 50%"] * 8
+    assert len(chunks["/world/goals/candidates"].column("Points3D:positions").to_pylist()[0]) == 16
+    assert "/bird_eye" in chunks
+
+
+def test_the_same_scenes_are_drawn_again(made, tmp_path):
+    record.main(PARAMS, made / "test", made / "generated", made / "goals", tmp_path / "recordings", tmp_path / "again.json")
+    assert (tmp_path / "again.json").read_bytes() == (made / "recordings.json").read_bytes()
+
+
+def test_missing_goals_are_named(made, tmp_path):
+    with pytest.raises(MissingTool, match="run the goals stage"):
+        record.main(PARAMS, made / "test", made / "generated", tmp_path, tmp_path / "out", tmp_path / "x.json")
+    write_goals(tmp_path / SHARD, [goals_of(busy_crossing(60, "another"))])
+    with pytest.raises(UnusableInput, match="lacks scenario"):
+        record.main(PARAMS, made / "test", made / "generated", tmp_path, tmp_path / "out", tmp_path / "x.json")
+    assert not (tmp_path / "x.json").exists()
