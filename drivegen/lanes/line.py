@@ -129,6 +129,9 @@ def extended(graph: LaneGraph, pieces: Sequence[Piece], reach: float) -> list[Pi
             break
         way.append(replace(piece, end=min(piece.end, piece.begin + reach - total)))
         total += max(way[-1].end - piece.begin, 0.0)
+    rest = min(max(float(graph.length[way[-1].lane]) - way[-1].end, 0.0), max(reach - total, 0.0))
+    way[-1] = replace(way[-1], end=way[-1].end + rest)  # a matched track may end in the middle of its lane
+    total += rest
     while total < reach:
         last = way[-1].lane
         following = graph.successors[last]

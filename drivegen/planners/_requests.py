@@ -5,7 +5,7 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
@@ -22,6 +22,9 @@ from drivegen.scenario import Scenario, SignalState, Trajectories
 
 FACING = np.pi / 3
 """A vehicle counts as a leader if its heading differs from the route's by less than this [rad]."""
+
+ABREAST = 3.0
+"""A route begins within this distance [m] along it from its vehicle."""
 
 LATERAL_MARGIN = 0.3
 """Boxes that pass each other nearer than this are in each other's way [m]."""
@@ -51,8 +54,10 @@ class Goals:
 def plan_requests(scenarios: Sequence[Scenario], routes: Sequence[Route], goals: Goals, seed: NDArray[np.int64]) -> PlanRequests:
     """Requests (B,) for `goals`, drawing noise from `seed` (B,).
 
-    Every route belongs to one vehicle: its s = 0 is abreast of it. A route that several goals share is looked at once.
+    Every route belongs to one vehicle: its s = 0 is abreast of it. A route that several goals share is looked at once;
+    one that begins elsewhere counts as none.
     """
+    goals = replace(goals, route=_abreast(scenarios, routes, goals))
     of_vehicle = [scenarios[s].vehicles for s in range(len(scenarios))]
     start = np.cumsum([0, *(len(v) for v in of_vehicle)])
     row = start[goals.scenario] + goals.vehicle
@@ -135,6 +140,17 @@ def _examples(scenarios: Sequence[Scenario], found: list[tuple[int, int, Route |
 
 def _arrays(motion: Trajectories) -> tuple[NDArray[np.generic], ...]:
     return motion.position, motion.heading, motion.velocity, motion.valid
+
+
+def _abreast(scenarios: Sequence[Scenario], routes: Sequence[Route], goals: Goals) -> NDArray[np.integer]:
+    """Goals' routes (B,), -1 for those that do not begin within ABREAST of their vehicle (maps end, matches fail)."""
+    kept = goals.route.copy()
+    for b in np.flatnonzero(kept >= 0):
+        route, position = routes[kept[b]], scenarios[goals.scenario[b]].vehicles.position[goals.vehicle[b]]
+        away, forward = position - route.line[0], route.line[1] - route.line[0]
+        if abs(float(away @ forward)) > ABREAST * ROUTE_SPACING:
+            kept[b] = -1
+    return kept
 
 
 def _route_table(routes: Sequence[Route]) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
