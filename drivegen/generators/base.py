@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from drivegen.generate import Choices, RolloutSettings
+from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
 
@@ -19,34 +21,37 @@ class Settings:
 
     Attributes:
         planner: name of the planner that fills in motion.
-        selector: name of the goal selector.
+        candidates: how candidate goals are made.
         temperature: goals are drawn from `p ** (1 / temperature)`, normalised.
-        attempts: trajectories planned per round for a vehicle whose last ones were illegal.
-        rounds: how often the illegal are planned again; each round moves on to further goals.
-        drop_illegal: leave out what could not be made legal (shipped scenarios), or keep the least illegal (tables).
-        ignore_target: leave the target out of the collision check (corner cases: its driver has to react).
+        rollout: how often the illegal is planned again, and what becomes of what stays illegal.
     """
 
     planner: str
-    selector: str
+    candidates: CandidateSettings
     temperature: float
-    attempts: int
-    rounds: int
-    drop_illegal: bool
-    ignore_target: bool
+    rollout: RolloutSettings
 
 
 class Generator(Protocol):
-    """Makes K futures of each scenario.
+    """Makes K futures of each scenario, not yet judged by the checker where `selector` is None.
 
     Attributes:
         backend: who chose the goals, in words, for the tables ("learned selector", "uniform", "none").
+        selector: the goal selector whose recorded goals it can follow (`GoalFollower`), None if it knows no goals.
     """
 
     backend: str
+    selector: str | None
 
     def __init__(self, models: Path, settings: Settings) -> None:
         """Raises MissingTool where trained weights are needed and absent."""
 
     def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         """K = `samples` futures per scenario, in order; a result depends on its scenario and the seed alone."""
+
+
+class GoalFollower(Generator, Protocol):
+    """A generator that can follow goals which a stage before it recorded."""
+
+    def follow(self, choices: Sequence[Choices], samples: int, seed: int) -> list[Samples]:
+        """K = `samples` judged futures of each choice's scenario, in order."""

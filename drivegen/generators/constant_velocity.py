@@ -29,6 +29,7 @@ class Plugin:
     """Constant velocity; all K samples are the same."""
 
     backend = "none"
+    selector = None
 
     def __init__(self, models: Path, settings: Settings) -> None:
         """Needs neither models nor settings."""

@@ -15,6 +15,7 @@ class Plugin:
     """Repeats the log; the only generator that may look at it."""
 
     backend = "recorded"
+    selector = None
 
     def __init__(self, models: Path, settings: Settings) -> None:
         """Needs neither models nor settings."""

@@ -1,0 +1,114 @@
+"""One round of DriveGen-CS: generate with what is known, let the driver drive, learn from what happened.
+
+Social vehicles stay under all rules between themselves and towards the map; only the target's reaction is left out of
+the check, after a stated time to react. Nothing is trained.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.checker.limits import Limits
+from drivegen.corner_cases.encounters import Encounters, encounters
+from drivegen.corner_cases.knowledge import Knowledge
+from drivegen.corner_cases.pressure import PressureSettings, lean, risk
+from drivegen.drivers.base import Driver
+from drivegen.generate import Choices, RolloutSettings, plan_all_goals, roll_out
+from drivegen.planners.base import Planner
+from drivegen.samples import Samples
+from drivegen.scenario import TARGET, Trajectories
+from drivegen.simulators.base import CollisionKind, DrivingOutcome, Simulator
+
+COUNTED = (CollisionKind.FRONT, CollisionKind.SIDE, CollisionKind.HIT_IN_SIDE)
+"""Collisions that knowledge is made of: being run into from behind or while standing teaches nothing about the driver."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A driver's run through K samples of one scenario.
+
+    Attributes:
+        samples: the traffic it met.
+        target: Trajectories (K, T) of the driven target.
+        outcome: DrivingOutcome of the K runs.
+    """
+
+    samples: Samples
+    target: Trajectories
+    outcome: DrivingOutcome
+
+
+def lean_on(
+    choices: Sequence[Choices],
+    expected: Sequence[Trajectories],
+    planner: Planner,
+    knowledge: Knowledge,
+    settings: PressureSettings,
+    seed: int,
+) -> list[Choices]:
+    """Choices whose social vehicles' `used` probabilities favour encounters like past failures.
+
+    `expected` holds per scenario the target's motion (K, T) in the round before; risks are averaged over its K samples.
+    """
+    planned = plan_all_goals(choices, planner, seed)
+    return [_lean_one(*one, knowledge, settings) for one in zip(choices, expected, planned, strict=True)]
+
+
+def _lean_one(
+    choice: Choices, expected: Trajectories, planned: Trajectories, knowledge: Knowledge, settings: PressureSettings
+) -> Choices:
+    sizes = choice.scenario.vehicles.size
+    owner = np.repeat(np.arange(len(sizes)), [len(c) for c in choice.candidates])
+    met = encounters(expected, sizes[TARGET], planned[np.newaxis][np.zeros(len(expected.valid), np.intp)], sizes[owner])
+    risks = risk(met, knowledge, settings).mean(axis=0)
+    used = [natural if n == TARGET else lean(natural, risks[owner == n], settings) for n, natural in enumerate(choice.natural)]
+    return replace(choice, used=used)
+
+
+def play(
+    choices: Sequence[Choices],
+    planner: Planner,
+    limits: Limits,
+    settings: RolloutSettings,
+    driver: Driver,
+    simulator: Simulator,
+    samples: int,
+    seed: int,
+) -> list[Drive]:
+    """Generate K = `samples` futures of every scenario and let the driver drive the target through each."""
+    traffic = roll_out(choices, planner, limits, settings, samples, seed, "drivegen_cs")
+    scenarios = [choice.scenario for choice in choices for _ in range(samples)]
+    outcome = simulator.run(driver, scenarios, [made.motion[k] for made in traffic for k in range(samples)])
+    return [
+        Drive(made, outcome.motion[rows].until(choice.scenario.steps), _rows(outcome, rows))
+        for choice, made, rows in zip(choices, traffic, _blocks(len(choices), samples), strict=True)
+    ]
+
+
+def learn(knowledge: Knowledge, drives: Sequence[Drive], choices: Sequence[Choices], reach: float) -> Knowledge:
+    """Knowledge with the encounters of all drives added."""
+    for drive, choice in zip(drives, choices, strict=True):
+        met = _encounters_of(drive, choice)
+        hit = np.isin(drive.outcome.kind, COUNTED) & ~drive.outcome.in_first_second
+        partner = drive.outcome.partner[:, None] == np.arange(1, len(choice.scenario.vehicles))
+        knowledge = knowledge.with_outcomes(met, partner & hit[:, None], reach)
+    return knowledge
+
+
+def _encounters_of(drive: Drive, choice: Choices) -> Encounters:
+    """Encounters (K, N - 1) of the driven target with each social vehicle."""
+    sizes = choice.scenario.vehicles.size
+    social = drive.samples.motion[:, 1:]
+    return encounters(drive.target, sizes[TARGET], social, sizes[1:])
+
+
+def _blocks(count: int, size: int) -> list[NDArray[np.intp]]:
+    return list(np.arange(count * size).reshape(count, size))
+
+
+def _rows(outcome: DrivingOutcome, rows: NDArray[np.intp]) -> DrivingOutcome:
+    return DrivingOutcome(
+        outcome.kind[rows], outcome.step[rows], outcome.partner[rows], outcome.motion[rows], outcome.off_road[rows]
+    )

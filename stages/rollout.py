@@ -1,0 +1,65 @@
+"""Stage rollout@<method>: ten futures of every test scenario by one method, each judged by the legal checker.
+
+argv: scenarios (folder of shards), models (folder), recorded goals (folder of folders, one a selector), generated
+(folder; its name is the method's). Nobody is dropped: what stays illegal is kept and counted as illegal.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from drivegen import plugins
+from drivegen.equipment import read_limits
+from drivegen.generate import judged, recorded_choices
+from drivegen.generators.base import Settings
+from drivegen.samples import Samples
+from drivegen.store.goals import read_goals
+from drivegen.store.samples import write_samples
+from drivegen.store.scenarios import read_shard, shards
+from stages._door import enter, require, spread
+
+
+@dataclass(frozen=True)
+class Params:
+    """`samples`: futures of each scenario. `generation`: see `generators.base.Settings`."""
+
+    seed: int
+    workers: int
+    samples: int
+    generation: Settings
+
+
+@dataclass(frozen=True)
+class Task:
+    """One shard by one method."""
+
+    shard: Path
+    models: Path
+    goals: Path
+    out: Path
+    params: Params
+
+
+def main(params: Params, scenarios: Path, models: Path, goals: Path, generated: Path) -> None:
+    """Generate and judge shard after shard."""
+    tasks = [Task(shard, models, goals, generated, params) for shard in shards(require(scenarios, "run the ingest stage"))]
+    for _ in spread(_generate_shard, tasks, params.workers, f"rollout {generated.name}"):
+        pass
+
+
+def _generate_shard(task: Task) -> None:
+    scenarios = read_shard(task.shard)
+    params = task.params
+    generator = plugins.load("generators", task.out.name)(task.models, params.generation)
+    if generator.selector is None:
+        limits = read_limits(task.models)
+        made = generator.generate(scenarios, params.samples, params.seed)
+        samples: list[Samples] = [judged(s, m, limits) for s, m in zip(scenarios, made, strict=True)]
+    else:
+        recorded = read_goals(require(task.goals / generator.selector / task.shard.name, "run the goals stage"))
+        choices = recorded_choices(scenarios, recorded, params.generation.temperature)
+        samples = generator.follow(choices, params.samples, params.seed)
+    write_samples(task.out / task.shard.name, samples)
+
+
+if __name__ == "__main__":
+    enter("rollout", Params, main)
