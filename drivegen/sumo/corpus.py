@@ -17,14 +17,14 @@ from drivegen.sumo.demand import Demand, draw_demand, vehicles_at_begin
 from drivegen.sumo.netconvert import convert
 from drivegen.sumo.network import Network
 from drivegen.sumo.sensing import SensingSettings, sensed
-from drivegen.sumo.traffic import Run, simulate
+from drivegen.sumo.traffic import Run, Traffic, simulate
 from drivegen.sumo.windows import EGO, Recording, WindowSettings, cut_windows, moves
 
 _BARREN_RUNS = 4
 """A network that gives no scenario in this many runs one after the other is given up."""
 
-_VEHICLES_PER_SCENARIO = 20
-"""About so many vehicles on the network give one scenario per window: decides how long a run is, nothing else."""
+_VEHICLES_PER_SCENARIO = 14
+"""About so many vehicles on a network give one scenario per window: decides how long the first run is, nothing else."""
 
 _CYCLES = (50, 60, 70, 80, 90)
 """Cycle times of signals [s]."""
@@ -76,35 +76,32 @@ def simulate_scenarios(raw: bytes, city: str, part: int, count: int, settings: C
     cropper = Cropper(network.map)
     scenarios: list[Scenario] = []
     barren = run = 0
+    share = 1.0 / _VEHICLES_PER_SCENARIO
     while len(scenarios) < count:
         random = seeds.rng(seed, "corpus", city, part, run)
-        recording = _record(raw, network, cropper, city, settings, count - len(scenarios), random)
-        windows = cut_windows(recording, f"{city}-{part:03d}-{run:02d}", settings.window, random)
-        found = [sensed(window, EGO, settings.sensing, random) for window in islice(windows, count - len(scenarios))]
-        scenarios += found
+        wanted = count - len(scenarios)
+        vehicles = vehicles_at_begin(
+            network, random.uniform(settings.least_density, settings.most_density), settings.most_vehicles
+        )
+        windows = int(np.clip(np.ceil(wanted / (vehicles * share)), 1, settings.most_windows_per_run))
+        recording = Recording(network, _drive(raw, network, vehicles, windows, settings, random), cropper, city)
+        found = list(islice(cut_windows(recording, f"{city}-{part:03d}-{run:02d}", settings.window, random), wanted))
+        scenarios += [sensed(window, EGO, settings.sensing, random) for window in found]
+        share = max(len(found) / (windows * vehicles), share / 4)  # what this network really gives
         barren, run = (0 if found else barren + 1), run + 1
         if barren == _BARREN_RUNS:
             raise UnusableInput(f"{city}: the network gives no scenario in {barren} runs: take another", reason="no-scenarios")
     return scenarios
 
 
-def _record(
-    raw: bytes,
-    network: Network,
-    cropper: Cropper,
-    city: str,
-    settings: CorpusSettings,
-    wanted: int,
-    random: np.random.Generator,
-) -> Recording:
-    """One run, about as long as `wanted` scenarios need."""
-    density = float(random.uniform(settings.least_density, settings.most_density))
-    vehicles = vehicles_at_begin(network, density, settings.most_vehicles)
-    windows = int(np.clip(np.ceil(wanted * _VEHICLES_PER_SCENARIO / vehicles), 1, settings.most_windows_per_run))
+def _drive(
+    raw: bytes, network: Network, vehicles: int, windows: int, settings: CorpusSettings, random: np.random.Generator
+) -> Traffic:
+    """One run of some windows, with random demand that begins with so many vehicles."""
     seconds = windows * settings.window.steps * DT
     demand = draw_demand(network, Demand(vehicles, settings.warm_up + seconds), random)
     run = Run(int(random.integers(2**31)), settings.warm_up, seconds, settings.lateral_resolution, settings.time_limit)
-    return Recording(network, simulate(raw, demand, network.map.origin, run), cropper, city)
+    return simulate(raw, demand, network.map.origin, run)
 
 
 def moving_vehicles(scenarios: list[Scenario]) -> tuple[int, int]:

@@ -20,6 +20,9 @@ from drivegen.sumo.network import Network
 _SHORTEST = 150.0
 """Trips shorter than this [m] are drawn only where the network has no longer ones."""
 
+_SLOWER = 0.8
+"""Trips take longer than at the speed limit, by about the inverse of this: signals, bends, other traffic."""
+
 _TYPES = 40
 _TASTES = 4
 """How many times travel times are scattered."""
@@ -66,9 +69,7 @@ def draw_demand(network: Network, demand: Demand, random: np.random.Generator) -
     routes = _draw_routes(edges, 2 * demand.vehicles, random)
     if not routes:
         raise UnusableInput("the network has no two roads that a trip connects", reason="no-trips")
-    rate = (
-        demand.vehicles / float(np.mean([edges.duration[route].sum() for route in routes])) * 2.0
-    )  # trips begin halfway on average
+    rate = _SLOWER * demand.vehicles / float(np.mean([edges.duration[route].sum() for route in routes]))
     later = random.uniform(1.0, demand.seconds, size=int(rate * demand.seconds))
     for i, depart in enumerate([0.0] * demand.vehicles + sorted(later.tolist())):
         vehicle = SubElement(root, "vehicle", id=str(i), type=types[int(random.integers(_TYPES))].name, depart=f"{depart:.1f}")
@@ -140,9 +141,10 @@ def _draw_routes(edges: _Edges, count: int, random: np.random.Generator) -> list
         if key not in trees:
             trees[key] = _tree(edges, key[0], tastes[key[1]])
         before, distance = trees[key]
-        ends = edges.sinks[np.isfinite(distance[edges.sinks]) & (edges.sinks != key[0])]
+        ends = edges.sinks[np.isfinite(distance[edges.sinks])]
         far = ends[distance[ends] >= _SHORTEST]
-        if len(ends):
+        ends = ends[ends != key[0]]
+        if len(far) or len(ends):
             routes.append(_trace(before, int(random.choice(far if len(far) else ends))))
     return routes
 
