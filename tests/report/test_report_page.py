@@ -30,7 +30,7 @@ FULL = Evidence(
         "quality_details/drivegen": quality(1.0, 0.9),
         "quality_details/drivegen_without_goals": quality(2.0, 1.3),
         "ingest": {"trained_on": "the corpus", "splits": {"train": {"corpus": {"accepted": 600, "rejected: truncated": 2}}}},
-        "calibrate": {"speed": {"limit": 33.1, "passes": 0.991}},
+        "calibrate": {"limits": {"speed": 33.1}, "pass_rate": {"speed": 0.991, "legal": 0.96}, "share": 0.99},
         "train_selector": {"top_1": 0.62},
         "train_planner/route_fm": {"loss": 0.01},
         "goals/learned": {"described": "imitates logs", "moving": {"hit_1": 0.62}},
@@ -162,3 +162,12 @@ def test_the_driver_in_logs_is_the_dataset_s_row_of_table_three():
     (ours,) = (row for row in TABLES["corner-cases"].rows if row.cells[0].text == "Dataset, ours")
     assert [cell.text for cell in ours.cells[2:5]] == ["0.05", "50.50", "not measured"]
     assert [row.cells[0].text for row in TABLES["driving-idm"].rows] == ["Log (recorded futures)", "DriveGen"]
+
+
+def test_limits_are_listed_by_rule():
+    table = TABLES["checker"]
+    assert table.columns == ("rule", "limits", "pass rate")
+    assert [[cell.text for cell in row.cells] for row in table.rows] == [
+        ["speed", "33.100", "0.991"],
+        ["legal", "\u2013", "0.960"],
+    ]

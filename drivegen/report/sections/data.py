@@ -26,7 +26,19 @@ def limits(evidence: Evidence) -> Section:
     found = evidence.results.get("calibrate")
     lead = "Limits of the legal checker are set so that 99 % of logged tracks pass each of them."
     missing = "" if found else not_measured("calibrate")
-    return Section("limits", "Legal checker", lead, tables("checker", "Limits and pass rates", found), missing=missing)
+    return Section("limits", "Legal checker", lead, _by_rule(found), missing=missing)
+
+
+def _by_rule(found: Any) -> tuple[Table, ...]:
+    """`{"limits": {rule: x}, "pass_rate": {rule: y}, ...}` with one row a rule, the limits first."""
+    if not isinstance(found, Mapping):
+        return ()
+    groups = {name: found[name] for name in ("limits", *sorted(set(found) - {"limits"})) if isinstance(found.get(name), Mapping)}
+    rules = list(dict.fromkeys(rule for values in groups.values() for rule in values))
+    rows = {rule: {name: values[rule] for name, values in groups.items() if rule in values} for rule in rules}
+    rest = {name: value for name, value in found.items() if name not in groups}
+    named = (matrix("checker", "Limits and pass rates", rows, "rule"),) if rows else ()
+    return (*named, *tables("checker-settings", "Calibration", rest))
 
 
 def _counts(ingest: Any) -> tuple[Table, ...]:
