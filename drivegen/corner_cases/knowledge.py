@@ -44,6 +44,10 @@ class Knowledge:
         np.add.at(hit, cells, collided[near].astype(np.int64))
         return Knowledge(seen, hit, self.strength)
 
+    def __add__(self, other: "Knowledge") -> "Knowledge":
+        """Counts of both."""
+        return Knowledge(self.encounters + other.encounters, self.collisions + other.collisions, self.strength)
+
     @property
     def base_rate(self) -> float:
         """P(collision | encounter), smoothed by one collision in two encounters' worth of doubt (Jeffreys)."""
