@@ -61,7 +61,7 @@ class Observation:
         step: number of the step, 0 at the first frame.
         along: (S,) distance of the target's centre along its path [m]. offset: (S,) to the left of it [m].
         speed: (S,) [m/s]. length, width: (S,) of the target [m].
-        speed_limit: (S,) [m/s] where the target is, NaN unknown.
+        speed_limit: (S,) [m/s] where the target's front is, NaN unknown.
         ahead: (S, M) distance of the others' centres ahead of the target's, along the path [m].
         left: (S, M) offset of their centres to the left of the path [m].
         half_length, half_width: (S, M) half the extent of their boxes along and across the path [m].
@@ -94,6 +94,11 @@ class Observation:
         dx, dy = (points - here).unbind(-1)
         cos, sin = heading.cos(), heading.sin()
         return torch.stack([cos * dx + sin * dy, cos * dy - sin * dx - self.offset[:, None]], -1)
+
+    def limits_ahead(self, distances: Tensor) -> Tensor:
+        """(S, D) speed limits [m/s] at `distances` (D,) [m] ahead of the target's front, NaN unknown."""
+        front = self.along + 0.5 * self.length
+        return self.paths.speed_limit.gather(1, self.paths.row(front[:, None] + distances))
 
 
 @dataclass(frozen=True)

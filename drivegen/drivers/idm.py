@@ -3,7 +3,8 @@
     a = a_max (1 - (v / v0)^delta - (s* / s)^2),   s* = s0 + max(0, v T + v (v - v_lead) / (2 sqrt(a_max b)))
 
 v0 is the road's speed limit, or `desired_speed` where it has none. The leader is the nearest box ahead on the path that
-reaches into the target's way, or will within `look_ahead`.
+reaches into the target's way, or will within `look_ahead`. A lower limit v1 ahead is
+taken as SUMO does: as a leader that stands where it begins, s0 = 0, but no nearer than s*(v1), so that v1 is reached there.
 """
 
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from torch import Tensor
 from drivegen.drivers.base import Action, Observation
 
 _NO_GAP = 0.001
+_LIMIT_DISTANCES = torch.arange(2.0, 120.0, 6.0)
 
 
 @dataclass(frozen=True)
@@ -50,16 +52,25 @@ class Plugin:
         self.settings = settings
 
     def act(self, observation: Observation) -> Action:
-        """Follow the leader or the desired speed."""
-        gap, leader_speed = self._leader(observation)
+        """Follow the leader, the limits ahead or the desired speed, whichever asks for least."""
         settings, speed = self.settings, observation.speed
-        unknown = torch.full_like(speed, settings.desired_speed)
-        desired = torch.where(observation.speed_limit.isnan(), unknown, observation.speed_limit)
-        comfort = 2 * (settings.acceleration * settings.braking) ** 0.5
-        wanted = settings.min_gap + (speed * settings.headway + speed * (speed - leader_speed) / comfort).clamp_min(0.0)
-        free = (speed / desired) ** settings.exponent
-        acceleration = settings.acceleration * (1 - free - (wanted / gap) ** 2)
+        limit = observation.speed_limit.nan_to_num(settings.desired_speed)
+        free = 1 - (speed / limit) ** settings.exponent
+        gap, leader_speed = self._leader(observation)
+        wanted = settings.min_gap + self._wanted(speed, leader_speed)
+        behind = (wanted / gap) ** 2
+        distance = _LIMIT_DISTANCES.to(speed)
+        slower = observation.limits_ahead(distance).nan_to_num(settings.desired_speed)
+        room = torch.maximum(distance, self._wanted(slower, 0.0))
+        slowing = torch.where(slower < speed[:, None], (self._wanted(speed, 0.0)[:, None] / room) ** 2, 0.0).amax(dim=1)
+        acceleration = settings.acceleration * (free - torch.maximum(behind, slowing))
         return Action(acceleration.clamp_min(-settings.emergency_braking))
+
+    def _wanted(self, speed: Tensor, leader_speed: Tensor | float) -> Tensor:
+        """s* - s0: the gap that is wanted to a leader beyond the minimal one [m]."""
+        comfort = 2 * (self.settings.acceleration * self.settings.braking) ** 0.5
+        wanted: Tensor = speed * self.settings.headway + speed * (speed - leader_speed) / comfort
+        return wanted.clamp_min(0.0)
 
     def _leader(self, seen: Observation) -> tuple[Tensor, Tensor]:
         """Gap (S,) to the nearest box ahead [m], inf if none, and its speed (S,) along the path [m/s]."""

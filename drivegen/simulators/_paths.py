@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.drivers.base import PATH_SPACING
-from drivegen.geometry import Floats, arc_length, interpolate, line_heading, unit
+from drivegen.geometry import Floats, arc_length, interpolate, line_heading, project, unit
 from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.routes import Route, feasible_routes
+from drivegen.lanes.routes import SPACING, Route, feasible_routes, match_route
 from drivegen.scenario import DT, TARGET, Scenario, Trajectories
 from drivegen.simulators.base import TargetPaths
 
@@ -67,11 +67,17 @@ def _every_metre(line: Floats, limit: Floats) -> tuple[Floats, Floats]:
 
 def _path(graph: LaneGraph, motion: Trajectories) -> tuple[Floats, Floats]:
     driven, heading, speed = _driven(motion)
-    reach = max(CRUISE, speed) * motion.steps * DT
+    along = arc_length(driven)
+    left = max(max(CRUISE, speed) * motion.steps * DT - float(along[-1]), BLEND)
+    route = match_route(graph, motion.position[motion.valid], motion.heading[motion.valid], left) if len(driven) > 1 else None
+    if route is not None:  # both begin abreast of the first position
+        limits = route.speed_limit[np.clip(along / SPACING, 0, len(route.line) - 1).astype(np.int64)]
+        begin = int(np.ceil(project(route.line.astype(np.float64), driven[-1])[0] / SPACING))
+        onward, limit = _joined(driven[-1], route, min(begin, len(route.line) - 2))
+        return np.concatenate([driven, onward]), np.concatenate([limits, limit])
     limits = _limits_under(graph, driven)
-    left = max(reach - float(arc_length(driven)[-1]), BLEND)
     routes = feasible_routes(graph, driven[-1], heading, speed, left, most_routes=1, most_changes=0)
-    onward, limit = _joined(driven[-1], routes[0]) if routes else (driven[-1] + left * unit(np.array([heading])), limits[-1:])
+    onward, limit = _joined(driven[-1], routes[0], 0) if routes else (driven[-1] + left * unit(np.array([heading])), limits[-1:])
     return np.concatenate([driven, onward]), np.concatenate([limits, limit])
 
 
@@ -90,11 +96,11 @@ def _driven(motion: Trajectories) -> tuple[Floats, float, float]:
     return line, float(line_heading(line)[-1]), speed
 
 
-def _joined(end: Floats, route: Route) -> tuple[Floats, Floats]:
-    """The route after its first point, moved so that it starts at `end` and fades into the lane."""
-    line = route.line.astype(np.float64)
-    fade = np.maximum(1.0 - np.arange(len(line)) * PATH_SPACING / BLEND, 0.0)[:, None]
-    return (line + fade * (end - line[0]))[1:], route.speed_limit[1:].astype(np.float64)
+def _joined(end: Floats, route: Route, begin: int) -> tuple[Floats, Floats]:
+    """The route after its point `begin`, moved so that it starts at `end` and fades into the lane."""
+    line = route.line[begin:].astype(np.float64)
+    fade = np.maximum(1.0 - np.arange(len(line)) * SPACING / BLEND, 0.0)[:, None]
+    return (line + fade * (end - line[0]))[1:], route.speed_limit[begin + 1 :].astype(np.float64)
 
 
 def _limits_under(graph: LaneGraph, line: Floats) -> NDArray[np.float64]:

@@ -18,7 +18,7 @@ from drivegen.simulators._paths import target_paths
 from drivegen.simulators._replay import Replay, replay
 from drivegen.simulators.base import DrivingOutcome, TargetPaths
 
-CHUNK = 256
+CHUNK = 512
 """Scenarios that advance together."""
 
 STEEPEST = 0.3
@@ -73,7 +73,7 @@ def _drive(driver: Driver, others: Replay, paths: Paths, device: torch.device) -
         heading = paths.heading.gather(1, row)[:, 0]
         left = torch.stack([-heading.sin(), heading.cos()], -1)
         poses.append((paths.position(along[:, None])[:, 0] + offset[:, None] * left, heading + slope.atan(), speed))
-        limit = paths.speed_limit.gather(1, row)[:, 0]
+        limit = paths.speed_limit.gather(1, paths.row((along + 0.5 * length)[:, None]))[:, 0]
         a, l, hl, hw, va, vc = frame[:, t]  # noqa: E741
         seen = Observation(
             t, along, offset, speed, length, width, limit, a - along[:, None], l, hl, hw, va, vc, present[t], paths

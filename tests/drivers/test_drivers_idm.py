@@ -6,6 +6,7 @@ import torch
 
 from drivegen.drivers import idm
 from drivegen.drivers.base import Observation, Paths
+from drivegen.simulators._paths import packed
 from drivegen.simulators.batch import Plugin
 from tests.checking import IDM
 from tests.scenes import LIMIT, drive, scenario, stack, straight_road
@@ -92,3 +93,15 @@ def test_behind_a_stopped_car_it_stops_at_the_minimal_gap():
     assert not outcome.collided[0]
     assert gap == pytest.approx(2.0, abs=0.3)
     assert outcome.motion.speed[0, -1] < 0.1
+
+
+def test_it_slows_down_before_a_lower_limit_and_not_after():
+    """From 13.9 to 6 m/s at x = 100: as SUMO does, it arrives there slowly enough, without braking hard."""
+    limits = np.where(np.arange(300) < 90, 13.9, 6.0)  # the path begins at x = 10
+    paths = packed([LINE[1:31]], [np.interp(np.arange(30) * 10, np.arange(300), limits)])
+    motion = stack([drive(LINE, 10, 13, 151)])
+    outcome = Plugin().run(idm.Plugin(IDM), [scenario(ROAD, motion)], [motion], paths)
+    speed, x = outcome.motion.speed[0], outcome.motion.position[0, :, 0]
+    assert speed[x + 2.3 > 100].max() < 7.5
+    assert np.diff(speed).min() / 0.1 > -4.0
+    assert speed[-1] == pytest.approx(6.0, abs=0.4)
