@@ -133,7 +133,9 @@ def _read_crossings(reading: Reading, facts: Facts) -> None:
         rf"(\d+) {way}(?: multi leg)? (?:(?:{_SIGNALS}|urban|rural|star|stop) )*{_CROSSING}()",
         rf"(?:{_SIGNALS} |multi (?:leg|way|arm) |star )?{_CROSSING}{joins}(?:exactly )?(\d+) (?!lane)(?:\w+ )?{ARMS}()",
         rf"(?:where |at which )?(\d+) (?!lane)(?:\w+ ){{0,2}}?{ARMS} (?:all |that |which |are )*{_MEET}{place}()",
+        rf"()crossed by (\d+) (?:\w+ )?{ARMS}",
         rf"()(?:(\d+) )?(?:{_SIGNALS} )?{_CROSSING}",
+        r"()()(?:roads|streets|country lanes|avenues) (?:that |which )?(?:meet|intersect|cross|join)(?: each other)?",
         r"()()(?:cross(?:es|ed)?|intersects?|intersecting)",
     )
     for pattern in patterns:
@@ -149,7 +151,9 @@ def _add_crossing(reading: Reading, facts: Facts, match: re.Match[str]) -> None:
     arms = 4 if arms == 2 else arms  # two roads that cross are four arms
     count = int(match[2]) if match[2] else 1
     known = next((i for i, junction in enumerate(facts.junctions) if junction.form == "crossing"), None)
-    is_verb = re.fullmatch(r"cross(?:es|ed|ing)?|intersects?|intersecting", match.group()) is not None
+    is_verb = (
+        arms is None and re.search(r"(?:cross(?:es|ed|ing)?|intersect(?:s|ing)?|meet|join|other)$", match.group()) is not None
+    )
     same = known is not None and count == 1 and (is_verb or (arms is None and refers_back(reading, match)))
     if known is not None and arms is not None and facts.junctions[known].arms in (None, arms):
         facts.junctions[known] = replace(facts.junctions[known], arms=arms)

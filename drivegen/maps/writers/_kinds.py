@@ -5,7 +5,7 @@ from drivegen.maps.writers._reading import Reading
 
 _THEN = r"(?: ,)? (?:and )?then "
 _BENDS = r"(?:bends?|curves?|turns?)"
-_NEAR_BEND = r"(?= (?:\w+ )?(?:curv|bend|turn|corner|sweep))"
+_NEAR_BEND = r"(?= (?:\w+ ){0,2}(?:curv|bend|turn|corner|sweep))"
 
 _RULES: tuple[tuple[str, str, str], ...] = (
     # feature, pattern, meaning; the first that fits takes the words

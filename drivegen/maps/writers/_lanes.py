@@ -38,11 +38,26 @@ def read_lanes(reading: Reading, facts: Facts) -> None:
         lanes = int(next(g for g in match.groups() if g))
         facts.other_lanes.append((match.start(), max(1, lanes // 2) if lanes else 0))
         reading.take(match, f"{lanes} lanes in all, {max(1, lanes // 2)} per direction")
-    pattern = rf"{_N} {_LANES},? {_EACH}|{_N} {_LANES}|{_EACH} (?:direction )?(?:has|with|of) {_N} {_LANES}"
+    each = rf"{_N} {_LANES},? {_EACH}|{_N} {_EACH}|{_EACH} (?:direction )?(?:has|with|of) {_N} {_LANES}"
+    explicit = _read_plain(reading, facts, each)
+    plain = rf"{_N} {_LANES}"
+    if explicit:
+        # "A four-lane road, two lanes each way" says the same thing twice.
+        same = {*explicit, *(2 * lanes for lanes in explicit)}
+        for match in list(reading.all(plain)):
+            if int(match[1]) in same:
+                reading.take(match, f"{_count(explicit[0])} per direction")
+    _read_plain(reading, facts, plain)
+
+
+def _read_plain(reading: Reading, facts: Facts, pattern: str) -> list[int]:
+    found = []
     for match in list(reading.all(pattern)):
         lanes = int(next(g for g in match.groups() if g))
         facts.other_lanes.append((match.start(), lanes))
+        found.append(lanes)
         reading.take(match, f"{_count(lanes)} per direction")
+    return found
 
 
 def _read_role(reading: Reading, facts: Facts, role: str, noun: str) -> None:

@@ -50,6 +50,8 @@ def read_lengths(reading: Reading, facts: Facts) -> None:
             rf"(?:every|spacing of|spacing|spaced|intervals? of|blocks? of|distance of|separated by) (?:about )?{_LENGTH}",
         ),
         ("spacing", rf"{_LENGTH} (?:apart|between|spacing|intervals?|from (?:each other|1 another|one another)|blocks?|away)"),
+        ("position", rf"{_LENGTH} (?:after|from|beyond|past|into) the (?:start|beginning)"),
+        ("spacing", rf"{_LENGTH} before"),
         ("spacing", rf"{_LENGTH}(?: \w+)? (?:later|further on|after (?:that|it))"),
         ("radius", rf"{_LENGTH} radius|radius (?:of |is )?(?:about )?{_LENGTH}"),
         ("diameter", rf"{_LENGTH} (?:in )?(?:diameter|across|wide)|diameter (?:of |is )?(?:about )?{_LENGTH}"),

@@ -81,6 +81,7 @@ def _read_lane_changes(reading: Reading, facts: Facts) -> None:
     begins = r"(?:gains?|addition|is added|begins?|starts?|opens?|appears?)"
     rules = (
         ("lane_drop", rf"{some}{side}lane {ends}|los(?:es|ing) {some}{side}lane|narrow(?:s|ing)|1 lane fewer|fewer lanes"),
+        ("lane_drop", r"(left|right)(?: ?most| hand)? lane(?= [^.;]*\b(?:closes?|ends?|is closed|drops?|disappears?)\b)"),
         ("lane_gain", rf"{some}{side}lane {begins}|gain(?:s|ing) {some}{side}lane|widen(?:s|ing)(?: by {some}lane)?"),
         ("lane_gain", r"(?:climbing|passing|extra|additional) lane()"),
     )

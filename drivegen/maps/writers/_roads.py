@@ -267,6 +267,8 @@ def _is_highway(facts: Facts) -> bool:
 def _is_crossing(facts: Facts) -> bool:
     if (not facts.junctions and facts.has("meets") and facts.has("side_road", "main_road")) or facts.has("verb_cross"):
         facts.junctions.append(JunctionWords("crossing", 0, 3 if facts.has("meets") else 4, "t" if facts.has("meets") else ""))
+    if facts.control == "all_way_stop" and not facts.junctions and not facts.has("curve", "s_curve", "hairpin"):
+        facts.junctions.append(JunctionWords("crossing", 0, 4))  # "a four-way stop"
     return bool(facts.junctions)
 
 

@@ -1,4 +1,5 @@
-"""Offline rules (no language model): a rule parser for descriptions in English.
+"""Offline rules (no language model): a rule parser for descriptions in English, and word by word in German and
+Chinese.
 
 It answers only when it is sure: a description of a kind it knows, consistent, within bounds, and most of whose words it
 understood. Else it stops and says what it can draw.
@@ -16,6 +17,7 @@ from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._junctions import read_junctions
 from drivegen.maps.writers._kinds import read_control, read_hand, read_highway, read_kinds, read_one_way
 from drivegen.maps.writers._lanes import read_lanes
+from drivegen.maps.writers._languages import in_english
 from drivegen.maps.writers._measures import read_angles, read_lengths, read_speeds
 from drivegen.maps.writers._ramps import read_ramps, read_side_streets
 from drivegen.maps.writers._reading import Reading
@@ -34,6 +36,7 @@ _CANNOT = (
     r"clover ?leaf|(?:diamond |stack |spaghetti |trumpet )?interchanges?|over ?pass(?:es)?|under ?pass(?:es)?|fly ?overs?|"
     r"(?:rail(?:way|road)?|level|train|tram)(?: level)? crossings?|railways?|railroads?|parking (?:lots?|garages?|decks?)|"
     r"car parks?|toll (?:plazas?|booths?|stations?|gates?)|race ?tracks?|runways?|spiral\w*|helix|multi ?(?:storey|level)|"
+    r"merge of \d+ \w+|y merge|(?:motorway|highway|freeway|autobahn) junctions?|"
     r"figure (?:of )?(?:8|eight)|draw ?bridges?|ferry|ferries|diverging diamond|jug ?handles?|turbo roundabouts?|rivers?"
 )
 _BESIDE_THE_POINT = (
@@ -96,7 +99,7 @@ class Plugin:
 def _read(text: str) -> Reading:
     if len(text) > _LONGEST:
         raise UnusableInput(f"the description is longer than {_LONGEST} characters", reason="too-long")
-    return Reading(text)
+    return Reading(in_english(text))
 
 
 def _refuse_the_unknown(reading: Reading) -> None:

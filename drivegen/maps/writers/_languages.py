@@ -1,0 +1,104 @@
+"""German and Chinese descriptions, word by word in English, for the rules to read.
+
+No grammar: phrases are replaced, longest first, and what has no entry stays as it is and is listed as ignored.
+"""
+
+import re
+
+_GERMAN = re.compile(
+    r"\b(?:ein|eine|einer|eines|einem|mit|ohne|und|kein|keine|der|die|das|zwei|drei|je|pro|kreuzung|kreisverkehr|straße|ampel)\b"
+)
+_CHINESE = re.compile(r"[一-鿿]")
+
+_GERMAN_NUMBERS = {
+    "zwei": 2, "drei": 3, "vier": 4, "fünf": 5, "sechs": 6, "sieben": 7, "acht": 8, "neun": 9, "zehn": 10, "zwölf": 12,
+}  # fmt: skip
+_GERMAN_WORDS = {
+    "versetzte kreuzung": "staggered junction", "t kreuzung": "t junction", "t einmündung": "t junction",
+    "einmündung": "t junction", "kreuzungen": "intersections", "straßenkreuzung": "intersection", "kreuzung": "intersection",
+    "kreisverkehre": "roundabouts", "kreisverkehr": "roundabout", "kreisel": "roundabout", "schnellstraße": "expressway",
+    "autobahnauffahrt": "highway on ramp", "autobahnausfahrt": "highway off ramp", "auffahrt": "on ramp", "einfahrt": "on ramp",
+    "ausfahrt": "off ramp", "abfahrt": "off ramp", "lichtsignalanlage": "traffic lights", "ampelanlage": "traffic lights",
+    "ampeln": "traffic lights", "ampel": "traffic lights", "ampelgeregelte": "signalised", "signalisierte": "signalised",
+    "ohne": "without", "keinen": "no", "keine": "no", "kein": "no", "mit": "with", "und": "and", "oder": "or",
+    "fahrspuren": "lanes", "fahrstreifen": "lanes", "spuren": "lanes", "fahrspur": "lane", "spur": "lane",
+    "einspurige": "1 lane", "zweispurige": "2 lane", "dreispurige": "3 lane", "vierspurige": "4 lane",
+    "einstreifige": "1 lane", "zweistreifige": "2 lane", "dreistreifige": "3 lane",
+    "pro richtung": "per direction", "je richtung": "per direction", "in jede richtung": "in each direction",
+    "in jeder richtung": "in each direction", "je fahrtrichtung": "per direction", "pro fahrtrichtung": "per direction",
+    "tempolimit": "speed limit", "höchstgeschwindigkeit": "speed limit", "geschwindigkeitsbegrenzung": "speed limit",
+    "tempo": "speed limit", "gerade": "straight", "kurvige": "curved", "kurve": "curve", "s kurve": "s curve",
+    "haarnadelkurve": "hairpin", "spitzkehre": "hairpin", "straßenraster": "street grid", "straßengitter": "street grid",
+    "raster": "grid", "gitter": "grid", "landstraße": "rural road", "wohnstraße": "residential street",
+    "hauptstraße": "main road", "nebenstraßen": "side roads", "nebenstraße": "side road", "seitenstraßen": "side streets",
+    "seitenstraße": "side street", "einbahnstraßen": "one way streets", "einbahnstraße": "one way street",
+    "sackgasse": "cul de sac", "straßen": "roads", "straße": "road", "strasse": "road", "armen": "arms", "arme": "arms",
+    "ästen": "arms", "ausfahrten": "exits", "dreiarmige": "3 arm", "vierarmige": "4 arm", "fünfarmige": "5 arm",
+    "sechsarmige": "6 arm", "gabelung": "fork", "treffen sich": "meet", "treffen": "meet", "verengt sich": "narrows",
+    "verengt": "narrows", "sich": " ", "einer spur": "1 lane", "eine spur": "1 lane",
+    "einer fahrspur": "1 lane", "eine fahrspur": "1 lane",
+    "stoppschilder": "stop signs", "stoppschild": "stop signs", "vorfahrt gewähren": "yield",
+    "rechts vor links": "right before left", "lange": "long", "lang": "long", "meter": "m", "kilometer": "km",
+    "durchmesser": "diameter", "im abstand von": "spaced", "linksverkehr": "left hand traffic", "grad": "degrees",
+    "linksabbiegespuren": "left turn lanes", "linksabbiegespur": "left turn lanes", "abbiegespuren": "turn lanes",
+    "nach links": "to the left", "nach rechts": "to the right", "hintereinander": "in a row", "von": "from", "auf": "to",
+    "einer": "a", "einem": "a", "einen": "a", "eines": "a", "eine": "a", "ein": "a", "der": "the", "die": "the", "das": "the",
+    "des": "the", "dem": "the", "den": "the", "durch": "through", "ländliche": "rural", "städtische": "urban",
+}  # fmt: skip
+
+_CHINESE_DIGITS = dict(zip("一二两三四五六七八九", (1, 2, 2, 3, 4, 5, 6, 7, 8, 9), strict=True))
+_CHINESE_WORDS = {
+    "错位交叉口": "staggered junction", "十字路口": "4 way intersection", "十字交叉口": "4 way intersection",
+    "丁字路口": "t junction", "T型路口": "t junction", "T形路口": "t junction", "T字路口": "t junction",
+    "Y型路口": "y junction", "Y形路口": "y junction", "岔路口": " way intersection", "路交叉口": " way intersection",
+    "环形交叉口": "roundabout", "环岛": "roundabout", "转盘": "roundabout", "交叉口": "intersection", "路口": "intersection",
+    "高速公路": "highway", "高速路": "highway", "快速路": "expressway", "入口匝道": "on ramp", "上匝道": "on ramp",
+    "出口匝道": "off ramp", "下匝道": "off ramp", "匝道": "ramp", "红绿灯": "traffic lights", "信号灯": "traffic lights",
+    "交通灯": "traffic lights", "信号控制": "signalised", "没有": "without", "不带": "without", "无": "without",
+    "带有": "with", "带": "with", "有": "with", "每个方向": "in each direction with", "每方向": "in each direction with",
+    "单向": "in each direction with", "条车道": " lanes", "个车道": " lanes", "车道": " lanes", "限速": "speed limit",
+    "公里每小时": "kmh", "千米每小时": "kmh", "公里/小时": "kmh", "千米/小时": "kmh", "公里": "km", "千米": "km", "米": "m",
+    "直线道路": "straight road", "直路": "straight road", "直道": "straight road", "笔直": "straight",
+    "弯道": "curve", "弯路": "curved road", "弯曲": "curved", "S形弯": "s curve", "S弯": "s curve", "S型弯": "s curve",
+    "发夹弯": "hairpin", "网格": "grid", "棋盘": "grid", "单行道": "one way street", "断头路": "cul de sac",
+    "死胡同": "cul de sac", "道路": "road", "公路": "road", "街道": "street", "马路": "road", "乡村": "rural",
+    "城市": "urban", "住宅区": "residential", "主路": "main road", "主干道": "main road", "支路": "side road",
+    "停车标志": "stop signs", "让行": "yield", "变为": "to", "减少到": "to", "减为": "to", "缩减为": "to", "从": "from",
+    "出口": " exits", "臂": " arms", "靠左行驶": "left hand traffic", "左行": "left hand traffic",
+    "直径": "diameter", "相距": "spaced", "度": "degrees", "向左": "to the left", "向右": "to the right", "分叉": "fork",
+    "左转车道": "left turn lanes", "右转车道": "right turn lanes", "和": "and", "，": ",", "。": ".", "、": ",", "的": ",",
+    "一个": "a ", "一条": "a ", "长": "long",
+}  # fmt: skip
+
+
+def in_english(text: str) -> str:
+    """`text` with German or Chinese words replaced; an English text comes back as it is."""
+    if _CHINESE.search(text):
+        return _from_chinese(text)
+    lower = text.lower()
+    if len(_GERMAN.findall(lower)) >= 2 or re.search(r"[äöüß]|(?:kreuzung|kreisverkehr|kreisel|sackgasse|straße)\b", lower):
+        return _from_german(lower)
+    return text
+
+
+def _from_german(text: str) -> str:
+    text = re.sub(r"(?<=\w)-(?=\w)", " ", text)
+    words = {**_GERMAN_WORDS, **{word: str(number) for word, number in _GERMAN_NUMBERS.items()}}
+    # Adjectives may carry any ending; they are listed with -e.
+    pattern = "|".join(re.escape(w[:-1]) + "(?:e|er|es|en|em)" if w.endswith("ige") else re.escape(w) for w in _longest(words))
+    endings = re.compile(r"(?<=ig)(?:er|es|en|em)$")
+    return re.sub(rf"\b(?:{pattern})\b", lambda m: words.get(m[0]) or words[endings.sub("e", m[0])], text)
+
+
+def _from_chinese(text: str) -> str:
+    digit = f"[{''.join(_CHINESE_DIGITS)}]"
+    text = re.sub(rf"双向({digit})(?:条)?车道", lambda m: f" {_CHINESE_DIGITS[m[1]]} lanes in total ", text)
+    text = re.sub("一个|一条", " ", text)
+    text = re.sub(rf"({digit})(?=岔|路交|条|个(?!方向)|车道|臂|路)", lambda m: f" {_CHINESE_DIGITS[m[1]]}", text)
+    text = re.sub(r"(?<=\d)[个条]", "", re.sub(r"(\d)条?路(?!交|口)", r"\1 roads ", text))
+    pattern = "|".join(re.escape(word) for word in _longest(_CHINESE_WORDS))
+    return re.sub(pattern, lambda m: f" {_CHINESE_WORDS[m[0]]} ", text)
+
+
+def _longest(words: dict[str, str]) -> list[str]:
+    return sorted(words, key=lambda word: (-len(word), word))
