@@ -30,7 +30,7 @@ class NetLanes:
         edges: L pairs of edge id and index in it. ends: from and to junction by edge id (normal edges).
         shapes: L arrays (P, 2) [m]. width: (L,) [m]. speed: (L,) float32 [m/s]. kind: (L,) uint8. internal: (L,) bool.
         changes: (L, 2) bool whether cars may change to the left, right as far as the lane itself says.
-        junctions: outlines of junctions. crossings: outlines (4, 2). lefthand: whether traffic keeps left.
+        junctions: outlines by junction id. crossings: outlines (4, 2). lefthand: whether traffic keeps left.
     """
 
     names: tuple[str, ...]
@@ -44,7 +44,7 @@ class NetLanes:
     kind: NDArray[np.uint8]
     internal: NDArray[np.bool_]
     changes: NDArray[np.bool_]
-    junctions: list[Points]
+    junctions: dict[str, Points]
     crossings: list[Points]
     lefthand: bool
 
@@ -95,7 +95,7 @@ def read_lanes(root: Element, place: str) -> NetLanes:
         kind=np.array(kinds, np.uint8),
         internal=np.array(internal, np.bool_),
         changes=np.array([[_may_change(lane.get(side)) for side in ("changeLeft", "changeRight")] for lane in elements]),
-        junctions=[_shape(j, place) for j in root.iterfind("junction") if j.get("shape", "").count(" ") >= 2],
+        junctions={j.get("id", ""): _shape(j, place) for j in root.iterfind("junction") if j.get("shape", "").count(" ") >= 2},
         crossings=crossings,
         lefthand=root.get("lefthand") == "true",
     )

@@ -95,8 +95,9 @@ def _assemble(root: Element, lanes: NetLanes, place: str) -> Network:
     left, right = strips.shifted(centreline, lanes.width / 2), strips.shifted(centreline, -lanes.width / 2)
     neighbour, same, may_change = neighbours(lanes, centreline, found.control)
     stopping = found.links[np.isin(found.control[found.links[:, 1]], _STOPPING)]
-    road = lanes.kind != LaneKind.BIKE
-    area: list[Floats] = [*strips.outlines(left, right, road), *(shape - origin for shape in lanes.junctions)]
+    junctions = {name: shape - origin for name, shape in lanes.junctions.items()}
+    road = (lanes.kind != LaneKind.BIKE) & ~_within_junctions(lanes, left, right, junctions)
+    area: list[Floats] = [*strips.outlines(left, right, road), *junctions.values()]
     map_ = RoadMap(
         origin=origin,
         lane_id=np.arange(len(lanes), dtype=np.int64),
@@ -131,6 +132,18 @@ def _assemble(root: Element, lanes: NetLanes, place: str) -> Network:
         read_programs(root, place),
         lanes.ends,
     )
+
+
+def _within_junctions(
+    lanes: NetLanes, left: Polylines, right: Polylines, junctions: dict[str, NDArray[np.float64]]
+) -> NDArray[np.bool_]:
+    """(L,) internal lanes whose surface their junction's outline holds anyway: drawing it twice makes maps larger."""
+    within = np.zeros(len(lanes), np.bool_)
+    for i in np.flatnonzero(lanes.internal).tolist():
+        outline = junctions.get(lanes.names[i][1:].rsplit("_", 2)[0])  # SUMO calls them :<junction>_<way>_<lane>
+        if outline is not None:
+            within[i] = strips.covered(left[i].astype(np.float64), right[i].astype(np.float64), outline)
+    return within
 
 
 def _centrelines(lanes: NetLanes, links: NDArray[np.int32], origin: NDArray[np.float64]) -> Polylines:

@@ -10,6 +10,9 @@ Points = NDArray[np.float64]
 _SHARPEST = 0.25
 """Bound on 1 + cos of a bend, so that mitred corners reach out at most 2.8 half widths."""
 
+_TESTED = (0.1, 0.5, 0.9)
+"""Where along each segment of a boundary it is tested whether an outline holds it."""
+
 
 def cleaned(line: Points, heading: float) -> Points:
     """The polyline without repeated points; one that is a single point becomes 5 cm along `heading`."""
@@ -46,6 +49,17 @@ def _normals(points: Points, start: NDArray[np.int32]) -> tuple[Points, Points]:
 def outlines(left: Polylines, right: Polylines, keep: NDArray[np.bool_]) -> list[NDArray[np.float32]]:
     """Closed outlines of the lanes marked `keep` (L,)."""
     return [np.concatenate([right[i], left[i][::-1]]) for i in np.flatnonzero(keep).tolist()]
+
+
+def covered(left: Points, right: Points, outline: Points) -> bool:
+    """Whether a lane's surface lies within a closed outline (n, 2), judged between its ends, 5 % of its width left out."""
+    sides = (left + 0.05 * (right - left), right + 0.05 * (left - right))
+    points = np.concatenate([side[:-1] + share * np.diff(side, axis=0) for side in sides for share in _TESTED])
+    x, y = points[:, :1], points[:, 1:]
+    a, b = outline, np.roll(outline, -1, axis=0)
+    rises = (a[:, 1] > y) != (b[:, 1] > y)  # edges that a ray to the right may cross
+    at = a[:, 0] + (y - a[:, 1]) * (b[:, 0] - a[:, 0]) / np.where(b[:, 1] == a[:, 1], 1.0, b[:, 1] - a[:, 1])
+    return bool(((rises & (x < at)).sum(-1) % 2 == 1).all())
 
 
 def crossing_corners(centre: Points, width: float) -> Points:

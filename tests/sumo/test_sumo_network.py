@@ -99,6 +99,12 @@ def test_drivable_area_holds_the_junction_and_crossings_have_four_corners(net):
     assert np.allclose(corners + net.map.origin, [[86, 94], [90, 94], [90, 106], [86, 106]])
 
 
+def test_a_way_across_a_junction_is_drawn_itself_only_where_the_junction_does_not_hold_it(net):
+    small = Network.read(RAW.replace(b'shape="90,90 110,90 110,110 90,110"', b'shape="90,96 110,96 110,101 90,101"'), "cross")
+    assert len(net.map.drivable) == 5 + 1  # lanes outside the junction, its outline
+    assert len(small.map.drivable) == 5 + 3 + 1  # three ways poke out of it now, the one from west to east does not
+
+
 def test_programs_say_what_each_light_shows_when(net):
     names = [net.lane_names[i] for i in net.signal_lane]
     assert names == [":c_0_0", ":c_3_0"]
