@@ -107,7 +107,7 @@ def _log_goals(recording: rr.RecordingStream, goals: GoalMarks) -> None:
     rest, chosen = ~goals.chosen, goals.chosen
     if rest.any():
         shades = [colours.TARGET_CANDIDATE if owner == TARGET else colours.CANDIDATE for owner in goals.vehicle[rest]]
-        points = rr.Points3D(flat(goals.position[rest], 0.2), colors=shades, radii=0.5)
+        points = rr.Points3D(flat(goals.position[rest], 0.2), colors=shades, radii=0.35)
         recording.log("world/goals/candidates", points, static=True)
     if chosen.any():
         labels = [f"{n}: {p:.0%}" for n, p in zip(goals.number[chosen], goals.probability[chosen], strict=True)]
