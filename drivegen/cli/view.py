@@ -14,7 +14,6 @@ from drivegen.av2.folder import read_folder
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.recording.record import record_scenario
 from drivegen.selection import Settings, select
-from drivegen.store.files import whole
 
 EVERYTHING = Settings(target="focal", max_vehicles=128, first_step=0, horizon=10_000, map_radius=None, smallest_shrink=0.7)
 """All vehicles over the whole recording, on the whole map."""
@@ -45,8 +44,7 @@ def _recorded(scenario: Path, out: Path | None) -> Path | None:
 def _record(scenario: Path, out: Path | None) -> Path:
     log = read_folder(scenario, f"log in {scenario.name}")
     path = out or Path(f"{log.scenario_id}.rrd")
-    with whole(path) as temporary:
-        record_scenario(temporary, select(log, EVERYTHING))
+    record_scenario(path, select(log, EVERYTHING))
     return path
 
 

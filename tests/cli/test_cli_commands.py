@@ -51,6 +51,13 @@ def test_view_takes_the_recording_that_lies_in_the_folder(folder, tmp_path):
         (["view", "."], 2, "holds 0 files scenario_<id>.parquet"),
         (["map", "sing me a song", "--out", "m"], 2, "drivegen: no road that I know"),
         (["map", "--out", "m"], 2, "Missing argument"),
+        (["generate", "--out", "o"], 2, "give exactly one of --scenario, --map and --text"),
+        (["generate", "--out", "o", "--map", "x", "--text", "y"], 2, "give exactly one of"),
+        (["generate", "--out", "o", "--scenario", "nowhere"], 2, "drivegen: nowhere is no folder"),
+        (["generate", "--out", "o", "--text", "sing me a song"], 2, "drivegen: no road that I know"),
+        (["generate", "--out", "o", "--samples", "0", "--text", "x"], 2, "--samples"),
+        (["generate", "--out", "o", "--map", "nowhere.net.xml"], 1, "drivegen: nowhere.net.xml: No such file or directory"),
+        (["generate", "--out", "o", "--text", "roundabout with four arms"], 1, "`make run`"),
         (["bench", "--only", "nothing"], 2, "no benchmark is called 'nothing'"),
     ],
 )
@@ -64,7 +71,7 @@ def test_what_cannot_be_done_is_one_sentence_and_exit_code(tmp_path, words, code
 SMALL_DISK = """
 import resource, signal
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, resource.RLIM_INFINITY))  # the network fits, its picture does not
+resource.setrlimit(resource.RLIMIT_FSIZE, (16_000, resource.RLIM_INFINITY))  # the network fits, its picture does not
 from drivegen.cli import main
 main()
 """

@@ -5,6 +5,7 @@ DVC hashes files and follows no import, so an edit in a module that is not liste
 
 import dataclasses
 import importlib
+import inspect
 import re
 from functools import cache
 from pathlib import Path
@@ -109,6 +110,13 @@ def test_every_path_of_the_command_is_a_dep_or_an_out(word):
         known = [*UNTRACKED, *(str(entry.def_path) for entry in [*stage.deps, *stage.outs])]
         for path in stage.cmd.split()[2:]:
             assert any(Path(path).is_relative_to(k) or Path(k).is_relative_to(path) for k in known), (stage.addressing, path)
+
+
+@pytest.mark.parametrize("word", STAGES)
+def test_the_command_has_as_many_paths_as_the_stage_takes(word):
+    module = importlib.import_module(f"stages.{word}")
+    for stage in STAGES[word]:
+        inspect.signature(module.main).bind(None, *stage.cmd.split()[2:])
 
 
 @pytest.mark.parametrize("word", STAGES)
