@@ -11,22 +11,19 @@ if __name__ == "__main__":
     enter("ingest", Params, main)
 """
 
-import dataclasses
 import multiprocessing
 import os
 import resource
 import sys
 import time
-import types
-import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
-import yaml
-
-from drivegen.errors import DriveGenError, MissingTool, UnusableInput
+from drivegen.errors import DriveGenError, MissingTool
+from drivegen.settings import build as build
+from drivegen.settings import read_params as read_params
 from drivegen.store.costs import write_cost
 
 P = TypeVar("P")
@@ -35,9 +32,6 @@ Result = TypeVar("Result")
 
 COST_FOLDER = Path(".drivegen/costs")
 """Where times are kept: they differ from run to run, so no stage's output holds any."""
-
-SHARED = "run"
-"""The params section whose keys (seed, workers) every stage may name among its own."""
 
 
 def enter(section: str, params: type[P], main: Callable[..., Mapping[str, float] | None]) -> None:
@@ -66,49 +60,6 @@ def _taken(began: float) -> dict[str, float]:
         "wall_seconds": time.perf_counter() - began,
         "peak_megabytes": max(u.ru_maxrss for u in used) / 1024,
     }
-
-
-def read_params(section: str, params: type[P], path: Path = Path("params.yaml")) -> P:
-    """The params section as a dataclass; `section` may be dotted. Unknown and missing keys are errors that name both."""
-    tree: Any = yaml.safe_load(path.read_text())
-    shared = tree.get(SHARED, {})
-    for word in section.split("."):
-        if not isinstance(tree, dict) or word not in tree:
-            raise UnusableInput(f"{path} has no section {section!r}")
-        tree = tree[word]
-    wanted = {f.name for f in dataclasses.fields(params)}  # type: ignore[arg-type]
-    values = {**{k: v for k, v in shared.items() if k in wanted}, **(tree or {})}
-    return build(params, values, f"{path}: {section}")
-
-
-def build(cls: type[P], values: dict[str, Any], place: str) -> P:
-    """A dataclass from a mapping, nested ones too; raises UnusableInput naming the key at fault."""
-    fields = {f.name: f for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
-    hints = typing.get_type_hints(cls)
-    if unknown := sorted(set(values) - set(fields)):
-        raise UnusableInput(f"{place}: unknown name {unknown[0]!r}; known are {', '.join(sorted(fields))}")
-    if missing := sorted(set(fields) - set(values)):
-        raise UnusableInput(f"{place}: {missing[0]!r} is missing")
-    return cls(**{name: _typed(hints[name], value, f"{place}.{name}") for name, value in values.items()})
-
-
-def _typed(hint: Any, value: Any, place: str) -> Any:
-    if hint is Any:  # checked by whoever knows the value's own types
-        return value
-    origin, inner = typing.get_origin(hint), typing.get_args(hint)
-    if dataclasses.is_dataclass(hint) and isinstance(value, dict):
-        return build(hint, value, place)  # type: ignore[arg-type]
-    if origin in (tuple, list) and isinstance(value, list):
-        return origin(_typed(inner[0], v, place) for v in value)
-    if origin is dict and isinstance(value, dict):
-        return {k: _typed(inner[1], v, place) for k, v in value.items()}
-    if hint is float and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
-    if origin in (typing.Union, types.UnionType):
-        return None if value is None else _typed(next(t for t in inner if t is not type(None)), value, place)
-    if isinstance(hint, type) and (not isinstance(value, hint) or (hint is int and isinstance(value, bool))):
-        raise UnusableInput(f"{place} must be {hint.__name__}, not {value!r}")
-    return value
 
 
 def spread(work: Callable[[Task], Result], tasks: Sequence[Task], workers: int, what: str) -> Iterator[tuple[Task, Result]]:

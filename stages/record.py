@@ -7,21 +7,12 @@ recordings (JSON, for the report: .rrd files differ in bytes at every write, the
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivegen.errors import UnusableInput
-from drivegen.recording import GoalMarks, record_scenario
-from drivegen.render.bird_eye import draw_bird_eye
-from drivegen.samples import Samples
-from drivegen.scenario import TARGET
+from drivegen.recordings import record_sample
 from drivegen.store.draw import Drawn, draw_scenes
 from drivegen.store.files import write_json
 from drivegen.store.goals import GoalColumns, read_goals
 from stages._door import enter, require
-
-IMAGE = 640
-"""Side of the target's bird-eye image in a recording [pixels]."""
 
 
 @dataclass(frozen=True)
@@ -39,10 +30,7 @@ def main(params: Params, scenarios: Path, generated: Path, goals: Path, out: Pat
     for drawn in draw_scenes(params.seed, scenarios, generated, params.scenes):
         scenario, samples = drawn.scenario, drawn.samples
         file = out / f"{scenario.scenario_id}.rrd"
-        marks, lane = _marks(_goals_of(drawn, goals), samples, 0)
-        seen = marks.vehicle == TARGET
-        image, _ = draw_bird_eye(scenario, TARGET, marks.position[seen], lane[seen], IMAGE)
-        record_scenario(file, scenario, samples, 0, marks, image)
+        record_sample(file, scenario, samples, 0, _goals_of(drawn, goals))
         text = f"{scenario.scenario_id}, {scenario.city}: {samples.method} against the log"
         links.append({"text": text, "href": f"{out.name}/{file.name}"})
     write_json(listing, links)
@@ -55,21 +43,6 @@ def _goals_of(drawn: Drawn, goals: Path) -> GoalColumns:
     if not found:
         raise UnusableInput(f"{shard} lacks scenario {drawn.scenario.scenario_id}: run the goals stage again")
     return found[0]
-
-
-def _marks(goals: GoalColumns, samples: Samples, sample: int) -> tuple[GoalMarks, NDArray[np.int32]]:
-    """All vehicles' candidates, those chosen that `sample` follows, and the lanes that they are on."""
-    count = goals.columns["candidates"]
-    vehicle = np.repeat(np.arange(len(count), dtype=np.int32), count)
-    number = np.arange(len(vehicle), dtype=np.int32) - np.repeat(np.cumsum(count) - count, count).astype(np.int32)
-    marks = GoalMarks(
-        position=goals.columns["position"].reshape(-1, 2),
-        vehicle=vehicle,
-        number=number,
-        probability=goals.columns["probability"],
-        chosen=samples.goal[sample][vehicle] == number,
-    )
-    return marks, goals.columns["lane"]
 
 
 if __name__ == "__main__":

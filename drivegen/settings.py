@@ -1,0 +1,84 @@
+"""Settings dataclasses from params.yaml, strictly: nothing unknown, nothing missing, nothing of the wrong type.
+
+Only doors (a stage, the command line) read params.yaml; everything behind them is handed its dataclass.
+"""
+
+import dataclasses
+import types
+import typing
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+
+from drivegen.errors import MissingTool, UnusableInput
+
+P = TypeVar("P")
+
+PARAMS = Path("params.yaml")
+"""In the project's folder, where every command runs."""
+
+SHARED = "run"
+"""The params section whose keys (seed, workers) every stage may name among its own."""
+
+
+def read_section(section: str, path: Path = PARAMS) -> dict[str, Any]:
+    """The names and values of a section of params.yaml; `section` may be dotted.
+
+    Raises MissingTool where there is no such file, UnusableInput where it is no YAML or has no such section.
+    """
+    tree = _read(path)
+    for word in section.split("."):
+        if not isinstance(tree, dict) or word not in tree:
+            raise UnusableInput(f"{path} has no section {section!r}")
+        tree = tree[word]
+    return tree or {}
+
+
+def read_params(section: str, params: type[P], path: Path = PARAMS) -> P:
+    """The params section as a dataclass; `section` may be dotted. Unknown and missing keys are errors that name both."""
+    wanted = {f.name for f in dataclasses.fields(params)}  # type: ignore[arg-type]
+    shared = {k: v for k, v in _read(path).get(SHARED, {}).items() if k in wanted}
+    return build(params, {**shared, **read_section(section, path)}, f"{path}: {section}")
+
+
+def build(cls: type[P], values: dict[str, Any], place: str) -> P:
+    """A dataclass from a mapping, nested ones too; raises UnusableInput naming the key at fault."""
+    fields = {f.name: f for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
+    hints = typing.get_type_hints(cls)
+    if unknown := sorted(set(values) - set(fields)):
+        raise UnusableInput(f"{place}: unknown name {unknown[0]!r}; known are {', '.join(sorted(fields))}")
+    if missing := sorted(set(fields) - set(values)):
+        raise UnusableInput(f"{place}: {missing[0]!r} is missing")
+    return cls(**{name: _typed(hints[name], value, f"{place}.{name}") for name, value in values.items()})
+
+
+def _typed(hint: Any, value: Any, place: str) -> Any:
+    if hint is Any:  # checked by whoever knows the value's own types
+        return value
+    origin, inner = typing.get_origin(hint), typing.get_args(hint)
+    if dataclasses.is_dataclass(hint) and isinstance(value, dict):
+        return build(hint, value, place)  # type: ignore[arg-type]
+    if origin in (tuple, list) and isinstance(value, list):
+        return origin(_typed(inner[0], v, place) for v in value)
+    if origin is dict and isinstance(value, dict):
+        return {k: _typed(inner[1], v, place) for k, v in value.items()}
+    if hint is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if origin in (typing.Union, types.UnionType):
+        return None if value is None else _typed(next(t for t in inner if t is not type(None)), value, place)
+    if isinstance(hint, type) and (not isinstance(value, hint) or (hint is int and isinstance(value, bool))):
+        raise UnusableInput(f"{place} must be {hint.__name__}, not {value!r}")
+    return value
+
+
+def _read(path: Path) -> Any:
+    if not path.exists():
+        raise MissingTool(f"{path} is not here: change into the project's folder, the one with the Makefile")
+    try:
+        tree = yaml.safe_load(path.read_text())
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise UnusableInput(f"{path} is not YAML: {str(error).splitlines()[0]}") from None
+    if not isinstance(tree, dict):
+        raise UnusableInput(f"{path} has no sections")
+    return tree

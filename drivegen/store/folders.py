@@ -1,0 +1,29 @@
+"""A folder of results is written whole or not at all, as `files` does for one file."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from drivegen.errors import UnusableInput
+
+
+@contextmanager
+def whole_folder(path: Path) -> Iterator[Path]:
+    """A temporary folder beside `path` that takes its place when the block ends well, and is removed when it does not.
+
+    Raises UnusableInput where `path` is there and is no empty folder: nothing that lies there is replaced or mixed with.
+    """
+    path = path.resolve()
+    if path.exists() and not path.is_dir():
+        raise UnusableInput(f"{path} is there and no folder: name another one", reason="not-empty")
+    if path.is_dir() and any(path.iterdir()):
+        raise UnusableInput(f"{path} is not empty: name a new folder, or remove it first", reason="not-empty")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    temporary.mkdir(parents=True)
+    try:
+        yield temporary
+        temporary.replace(path)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
