@@ -5,7 +5,7 @@ All feasible routes are found, each gets places that can be reached within the h
 goals on arcs ahead of it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drivegen.geometry import Floats, rotate, wrap_angle
 from drivegen.goals.cover import cover
-from drivegen.goals.prior import Places, places
+from drivegen.goals.prior import Places, places, shares
 from drivegen.goals.reach import Dynamics, end_speed, stopping_distance
 from drivegen.goals.traffic import Ahead, Neighbours, look_ahead
 from drivegen.lanes.frenet import from_frenet, to_frenet
@@ -53,8 +53,11 @@ MOST_ARC = 30.0
 """Arcs end after this distance [m]: nobody crosses a car park for longer."""
 
 
-FINER = (1.0, 0.7, 0.5)
-"""Shares of the radius with which candidates are added while there is room for more."""
+MOST_HALTS = 6
+"""Places to stop at (red light, standing leader, junction) that are always offered, at most."""
+
+FINER = (1.05, 0.5)
+"""Shares of the spacing that candidates stand for; the second adds more of them while there is room."""
 
 
 class Manoeuvre(IntEnum):
@@ -77,13 +80,13 @@ class Settings:
 
     Attributes:
         most: candidates per vehicle at most. most_routes: routes per vehicle at most.
-        radius: a candidate stands for all places within this distance [m].
+        spacing: [m] between the places that are considered; a candidate stands for itself and the next one on either side.
         dynamics: bounds on acceleration.
     """
 
     most: int
     most_routes: int
-    radius: float
+    spacing: float
     dynamics: Dynamics
 
 
@@ -136,15 +139,19 @@ def candidates(
     ahead = [look_ahead(scenario, route, around, float(v.size[vehicle, 0])) for route in routes]
     offset = np.array([to_frenet(route, position[None])[0, 1] for route in routes], np.float32)
     tables = [_stay(position, heading, routes, offset, speed)] if speed < MAY_STAY or not routes else []
-    keep = np.arange(len(tables))  # staying is always on offer
+    stays, weights = np.arange(len(tables)), shares(routes)
     for number, (route, what) in enumerate(zip(routes, ahead, strict=True)):
-        where = places(route, speed, what, settings.dynamics, seconds)
+        where = places(route, speed, what, settings.dynamics, settings.spacing, seconds)
+        where = replace(where, mass=where.mass * weights[number])
         tables.append(_on_route(number, route, where, float(offset[number]), speed, seconds))
     if not routes or np.abs(offset).min() > OFF_LANE:
         tables.append(_arcs(position, heading, speed, settings.dynamics, seconds))
     whole = _Table.joined(tables)
+    halts = np.flatnonzero(whole.halt)
+    halts = halts[cover(whole.position[halts], whole.mass[halts], halts[:0], settings.spacing, MOST_HALTS)]
+    keep = np.concatenate([stays, halts])  # staying and the very places to stop at are always on offer
     for share in FINER:
-        keep = cover(whole.position, whole.mass, keep, share * settings.radius, settings.most)
+        keep = cover(whole.position, whole.mass, keep, share * settings.spacing, settings.most)
     keep = keep[np.lexsort((whole.s[keep], whole.route[keep]))]
     return whole.finished(keep, routes, ahead, offset, round(seconds / DT))
 
@@ -170,6 +177,7 @@ class _Table:
     lane: NDArray[np.int32]
     leaves_map: NDArray[np.bool_]
     mass: Floats
+    halt: NDArray[np.bool_]
 
     @classmethod
     def joined(cls, tables: "list[_Table]") -> "_Table":
@@ -216,6 +224,7 @@ def _on_route(number: int, route: Route, where: Places, offset: float, speed: fl
         lane=route.lane[at],
         leaves_map=where.s > route.exit_s,
         mass=where.mass,
+        halt=where.stop,
     )
 
 
@@ -250,6 +259,7 @@ def _stay(position: Floats, heading: float, routes: list[Route], offset: NDArray
         lane=np.array([routes[number].lane[0] if routes else NO_LANE], np.int32),
         leaves_map=np.zeros(1, np.bool_),
         mass=np.array([1.0 if speed < STANDING else 0.3]),
+        halt=np.zeros(1, np.bool_),
     )
 
 
@@ -276,4 +286,5 @@ def _arcs(position: Floats, heading: float, speed: float, dynamics: Dynamics, se
         lane=np.full(count, NO_LANE, np.int32),
         leaves_map=np.zeros(count, np.bool_),
         mass=np.where(bend == 0, 2.0, 1.0) / count,
+        halt=np.zeros(count, np.bool_),
     )

@@ -44,7 +44,7 @@ def _cover(position, mass, chosen, squared, most):  # type: ignore[no-untyped-de
     uncovered = np.ones(count, np.bool_)
     picked = np.empty(most, np.int64)
     total = 0
-    while total < most:
+    while total < min(most, count):
         best = chosen[total] if total < len(chosen) else np.argmax(gain)
         if total >= len(chosen) and gain[best] <= 1e-9:
             break

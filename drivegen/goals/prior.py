@@ -5,6 +5,7 @@ dynamics allow, follow the vehicle ahead or stop behind it, stop at a red light 
 to put candidates where vehicles end; ranking them is the selectors' business.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ from drivegen.goals.reach import Dynamics, speed_caps, stopping_distance, travel
 from drivegen.goals.traffic import Ahead
 from drivegen.lanes.line import SPACING, Route
 
-FREE, STEADY, ANY, BEHIND, RED, ENTRY = 0.45, 0.25, 0.30, 0.5, 1.0, 0.3
+FREE, STEADY, FOLLOW, ANY, BEHIND, RED, ENTRY = 0.4, 0.3, 0.3, 0.4, 0.5, 1.0, 0.3
 """Weights of the parts of the mixture; those that stop count only where there is something to stop for."""
 
 COMFORTABLE = 1.3
@@ -29,11 +30,8 @@ HEADWAY = 1.2
 GAP = 2.5
 """Gap to a standing vehicle ahead [m]."""
 
-CHANGE = 0.15
+CHANGE = 0.06
 """A route counts this much less for each lane change."""
-
-STEP = 2.0
-"""Distance between places on a route [m]."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +49,8 @@ class Places:
     stop: NDArray[np.bool_]
 
 
-def places(route: Route, speed: float, ahead: Ahead, dynamics: Dynamics, seconds: float) -> Places:
-    """All places on `route` that can be reached in `seconds` from `speed` [m/s], with their prior mass."""
+def places(route: Route, speed: float, ahead: Ahead, dynamics: Dynamics, step: float, seconds: float) -> Places:
+    """Places every `step` [m] on `route` that can be reached in `seconds` from `speed` [m/s], with their prior mass."""
     caps = speed_caps(route, speed, dynamics)
     usual = np.minimum(caps, np.maximum(caps * USUAL_LIMIT / dynamics.limit_factor, 1.0))
     nearest = stopping_distance(speed, dynamics.braking, seconds)
@@ -61,34 +59,50 @@ def places(route: Route, speed: float, ahead: Ahead, dynamics: Dynamics, seconds
     free = travelled(usual, speed, COMFORTABLE, dynamics.braking, seconds)
     steady = travelled(caps, speed, 0.0, dynamics.braking, seconds)
     stops = [(s, w) for s, w in _stops(ahead) if nearest <= s <= farthest]
-    s = np.concatenate([np.arange(nearest, farthest + STEP / 2, STEP), [s for s, _ in stops]])
-    mass = _density(s, free, steady, ahead, nearest, farthest, seconds)
+    s = np.concatenate([np.arange(nearest, farthest + step / 2, step), [s for s, _ in stops]])
+    mass = _density(s, free, steady, ahead, seconds) * step + ANY * step / max(farthest - nearest, step)
     for place, weight in stops:
-        mass += weight * _bell(s, place, 1.5)
+        mass += weight * step * _bell(s, place, 1.5)
     at = np.minimum((s / SPACING).astype(int), len(caps) - 1)
     kind = np.arange(len(s)) >= len(s) - len(stops)
-    return Places(s, mass * CHANGE**route.lane_changes, caps[at], kind)
+    return Places(s, mass, caps[at], kind)
+
+
+def shares(routes: Sequence[Route]) -> list[float]:
+    """Prior of each route: halved (thirded, ...) wherever ways part, so that a way is worth no more for forking later.
+
+    Routes are compared with those of as many lane changes; each lane change costs the factor CHANGE.
+    """
+    onward: dict[tuple[int, ...], set[int]] = {}
+    for route in routes:
+        for i, lane in enumerate(route.lanes):
+            onward.setdefault((route.lane_changes, *route.lanes[:i]), set()).add(lane)
+    return [
+        CHANGE**route.lane_changes
+        / float(np.prod([len(onward[(route.lane_changes, *route.lanes[:i])]) for i in range(1, len(route.lanes))]))
+        for route in routes
+    ]
 
 
 def _stops(ahead: Ahead) -> list[tuple[float, float]]:
     """Where the vehicle may stop, with weights."""
     behind = max(ahead.leader_gap - GAP, 0.0)
-    standing = ahead.leader_speed < 1.0
-    return [(behind, BEHIND if standing else 0.0), (ahead.red_s, RED), (ahead.entry_s, ENTRY)]
+    halts = [(behind, BEHIND)] if ahead.leader_speed < 1.0 else []
+    return [*halts, (ahead.red_s, RED), (ahead.entry_s, ENTRY)]
 
 
-def _density(
-    s: NDArray[np.float64], free: float, steady: float, ahead: Ahead, nearest: float, farthest: float, seconds: float
-) -> NDArray[np.float64]:
-    """Mass per place of driving on: freely, at the present speed, behind the leader, anyhow."""
+def _density(s: NDArray[np.float64], free: float, steady: float, ahead: Ahead, seconds: float) -> NDArray[np.float64]:
+    """Mass per metre of driving freely, at the present speed, behind the leader."""
+    mass = STEADY * _bell(s, steady, 3.0 + 0.06 * steady)
     if np.isfinite(ahead.leader_gap):
-        hoped = 0.5 * (ahead.leader_speed + free / seconds)
-        following = ahead.leader_gap - GAP - HEADWAY * min(hoped, ahead.leader_speed + 3.0) + seconds * hoped
-        free, steady = min(free, following), min(steady, following)
-    mass = FREE * _bell(s, free, 3.0 + 0.12 * free) + STEADY * _bell(s, steady, 3.0 + 0.06 * steady)
-    return mass + ANY * STEP / max(farthest - nearest, STEP)
+        spare = ahead.leader_gap - GAP - HEADWAY * ahead.leader_speed
+        following = max(ahead.leader_speed * seconds + 0.5 * spare, 0.0)
+        mass += FOLLOW * _bell(s, following, 3.0 + 0.06 * following)
+        free = min(free, 0.5 * (following + free))
+    return mass + FREE * _bell(s, free, 3.0 + 0.12 * free)
 
 
 def _bell(s: NDArray[np.float64], middle: float, width: float) -> NDArray[np.float64]:
-    """Mass per place of a normal distribution."""
-    return np.exp(-0.5 * ((s - middle) / width) ** 2) * (STEP / (width * 2.5066))
+    """Density [1/m] of a normal distribution."""
+    density: NDArray[np.float64] = np.exp(-0.5 * ((s - middle) / width) ** 2) / (width * np.sqrt(2 * np.pi))
+    return density

@@ -65,7 +65,8 @@ def _caps(heading, limit, lateral, braking, spacing):  # type: ignore[no-untyped
     caps = limit.copy()
     count = len(caps)
     for k in range(count):
-        a, b = max(k - 2, 0), min(k + 2, count - 1)
+        window = int(min(max(limit[k] / 3, 2.0), 15.0) / spacing)  # fast roads are drawn with few vertices: kinks are no bends
+        a, b = max(k - window, 0), min(k + window, count - 1)
         bend = abs(heading[b] - heading[a]) / ((b - a) * spacing)
         caps[k] = min(caps[k], np.sqrt(lateral / max(bend, 1e-4)))
     for k in range(count - 2, -1, -1):

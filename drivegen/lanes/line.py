@@ -146,6 +146,27 @@ def extended(graph: LaneGraph, pieces: Sequence[Piece], reach: float) -> list[Pi
     return way
 
 
+def abreast(graph: LaneGraph, lane: int, s: float, other: int) -> float:
+    """Where along lane `other` [m] the point at `s` of `lane` is nearest."""
+    return float(_abreast(lane, s, other, graph.line.points, graph.line.start, graph.along))
+
+
+@njit(cache=True)
+def _abreast(lane, s, other, points, start, along):  # type: ignore[no-untyped-def]
+    i, share = _at(s, lane, -1, start, along)
+    x = points[i, 0] + share * (points[i + 1, 0] - points[i, 0])
+    y = points[i, 1] + share * (points[i + 1, 1] - points[i, 1])
+    best, nearest = 0.0, np.inf
+    for k in range(start[other], start[other + 1] - 1):
+        ex, ey = points[k + 1, 0] - points[k, 0], points[k + 1, 1] - points[k, 1]
+        length = max(np.hypot(ex, ey), 1e-6)
+        place = min(max(((x - points[k, 0]) * ex + (y - points[k, 1]) * ey) / length, 0.0), length)
+        gap = np.hypot(x - points[k, 0] - place * ex / length, y - points[k, 1] - place * ey / length)
+        if gap < nearest:
+            best, nearest = along[k] + place, gap
+    return best
+
+
 @njit(cache=True)
 def _at(s, lane, hint, start, along):  # type: ignore[no-untyped-def]
     """Segment of the lane under `s` (searched on from `hint`) and the share along it, beyond [0, 1] off the ends."""
@@ -200,9 +221,10 @@ def _blend_changes(lanes, numbers, ends, line, heading, room, points, start, alo
         jump_y = points[j, 1] + other * (points[j + 1, 1] - points[j, 1]) - points[i, 1] - share * ey
         size = max(np.hypot(ex, ey), 1e-6)
         forward, left = (jump_x * ex + jump_y * ey) / size, (jump_y * ex - jump_x * ey) / size
-        for k in range(max(int(np.ceil((at - half) / spacing)), 0), min(int((at + half) / spacing) + 1, len(line))):
+        begin = at - min(half, at)  # a change at the very start is blended after it alone
+        for k in range(int(np.ceil(begin / spacing)), min(int((begin + 2 * half) / spacing) + 1, len(line))):
             u = k * spacing
-            weight = _blend((u - at + half) / (2 * half)) - (1.0 if u >= at else 0.0)
+            weight = _blend((u - begin) / (2 * half)) - (1.0 if u >= at else 0.0)
             cos, sin = np.cos(heading[k]), np.sin(heading[k])
             line[k, 0] += weight * (forward * cos - left * sin)
             line[k, 1] += weight * (forward * sin + left * cos)

@@ -11,7 +11,7 @@ from drivegen.geometry import wrap_angle
 from drivegen.lanes.frenet import from_frenet, to_frenet
 from drivegen.lanes.graph import LaneGraph
 from drivegen.lanes.grid import LaneHits
-from drivegen.lanes.line import SPACING, Piece, Route, build_route, extended
+from drivegen.lanes.line import SPACING, Piece, Route, abreast, build_route, extended
 from drivegen.lanes.matching import match_route
 from drivegen.lanes.search import LaneTree, reachable
 
@@ -122,11 +122,14 @@ def _pieces(graph: LaneGraph, tree: LaneTree, leaf: int, reach: float, half: flo
     while tree.parent[chain[-1]] >= 0:
         chain.append(int(tree.parent[chain[-1]]))
     chain.reverse()
-    way = []
+    way: list[Piece] = []
     for node, following in zip(chain, [*chain[1:], None], strict=True):
         lane = int(tree.lane[node])
         end = float(graph.length[lane]) if following is None else float(tree.left_at[following])
-        way.append(Piece(lane, float(tree.begin[node]), end, int(tree.change[node]), half))
+        change, begin = int(tree.change[node]), float(tree.begin[node])
+        if change:
+            begin = abreast(graph, way[-1].lane, way[-1].end, lane)
+        way.append(Piece(lane, begin, max(end, begin), change, half))
     return extended(graph, way, reach)
 
 

@@ -1,0 +1,140 @@
+"""What every goal selector keeps to, and what the learned one learns."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivegen import plugins
+from drivegen.errors import MissingTool, UnusableInput
+from drivegen.goals.candidates import candidates
+from drivegen.lanes.graph import LaneGraph
+from drivegen.selectors._features import NAMES, features
+from drivegen.selectors.learned import Lists, Plugin, Settings
+from drivegen.selectors.log import logged_ends
+from drivegen.training.loop import Settings as Training
+from tests import scenes
+from tests.goals.test_goals_candidates import SETTINGS
+
+TRAINING = Training(120, 32, 0.01, 5, True, 0.0, 0.9, 1.0, False, 60, 60)
+LEARNING = Settings(width=16, sigma=2.0, farthest=8.0, training=TRAINING)
+
+
+def offered(scene):
+    graph = LaneGraph.of(scene.map)
+    return graph, [candidates(graph, scene, n, SETTINGS) for n in range(len(scene.vehicles))]
+
+
+def steady_scene(speed):
+    """Two cars that keep their speed on a straight road."""
+    roads = scenes.straight_road(400, 2)
+    log = [scenes.drive(scenes.joined(roads, lane), 10 + 30 * lane, speed + lane, 101) for lane in range(2)]
+    return scenes.scenario(roads, scenes.stack(log), f"steady-{speed}")
+
+
+def lists(speeds):
+    return Lists.joined([Lists.of(scene, offered(scene)[1]) for scene in map(steady_scene, speeds)])
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("selector")
+    learnt = lists(np.linspace(3, 14, 40))
+    selector, curve = Plugin.fit(learnt, lists(np.linspace(3.3, 13.3, 8)), LEARNING, 7, None, lambda _: None)
+    selector.save(folder)
+    return folder, selector, curve
+
+
+@pytest.mark.parametrize("name", plugins.names("selectors"))
+def test_selectors_give_every_vehicle_probabilities(name, trained):
+    selector = plugins.load("selectors", name).load(trained[0])
+    assert selector.described
+    scene = scenes.busy_crossing()
+    graph, found = offered(scene)
+    asked = selector.offer(graph, scene, found)
+    assert [len(a) >= len(f) for a, f in zip(asked, found, strict=True)]
+    for c, p in zip(asked, selector.rank(graph, scene, asked), strict=True):
+        assert p.shape == (len(c),)
+        assert p.dtype == np.float32
+        assert (p >= 0).all()
+        assert p.sum() == pytest.approx(1, abs=1e-5)
+
+
+@pytest.mark.parametrize("name", plugins.names("selectors"))
+def test_a_ranking_depends_on_its_scenario_alone(name, trained):
+    selector = plugins.load("selectors", name).load(trained[0])
+    scene = scenes.busy_crossing()
+    graph, found = offered(scene)
+    first = selector.rank(graph, scene, found)
+    other = steady_scene(9.0)
+    selector.rank(*(lambda g, f: (g, other, f))(*offered(other)))
+    assert all(np.array_equal(a, b) for a, b in zip(first, selector.rank(graph, scene, found), strict=True))
+
+
+def test_only_the_log_selector_sees_the_log(trained):
+    scene = scenes.busy_crossing()
+    blind = scene.with_motion(None)
+    graph, found = offered(blind)
+    for name in set(plugins.names("selectors")) - {"log"}:
+        selector = plugins.load("selectors", name).load(trained[0])
+        for a, b in zip(selector.rank(graph, blind, found), selector.rank(graph, scene, found), strict=True):
+            assert np.array_equal(a, b)
+    with pytest.raises(UnusableInput, match="no log"):
+        plugins.load("selectors", "log").load(trained[0]).offer(graph, blind, found)
+
+
+def test_the_log_selector_gives_the_logged_end_itself():
+    scene = scenes.busy_crossing()
+    graph, found = offered(scene)
+    selector = plugins.load("selectors", "log").load(Path())
+    asked = selector.offer(graph, scene, found)
+    for n, (c, p) in enumerate(zip(asked, selector.rank(graph, scene, asked), strict=True)):
+        chosen = int(p.argmax())
+        assert p[chosen] == 1
+        assert np.array_equal(c.position[chosen], logged_ends(scene.log)[n])
+        assert c.heading[chosen] == scene.log.heading[n, -1]
+        assert c.step[chosen] == 100
+
+
+def test_the_ranker_learns_what_cars_do(trained):
+    _, selector, curve = trained
+    assert curve[-1].train < curve[0].train
+    scene = steady_scene(8.7)
+    graph, found = offered(scene)
+    for n, (c, p) in enumerate(zip(found, selector.rank(graph, scene, found), strict=True)):
+        gap = np.hypot(*(c.position - logged_ends(scene.log)[n]).T)
+        assert (p * gap).sum() < 0.5 * (c.prior * gap).sum()
+        assert p[gap.argmin()] > c.prior[gap.argmin()]
+
+
+def test_the_same_seed_gives_the_same_bytes(trained, tmp_path):
+    folder, _, _ = trained
+    learnt = lists(np.linspace(3, 14, 40))
+    Plugin.fit(learnt, lists(np.linspace(3.3, 13.3, 8)), LEARNING, 7, None, lambda _: None)[0].save(tmp_path)
+    for file in ("ranker.safetensors", "ranker.json"):
+        assert (tmp_path / file).read_bytes() == (folder / file).read_bytes()
+
+
+def test_weights_that_are_missing_or_broken_are_named(trained, tmp_path):
+    with pytest.raises(MissingTool, match="train_selector"):
+        Plugin.load(tmp_path)
+    folder = trained[0]
+    (tmp_path / "ranker.json").write_bytes((folder / "ranker.json").read_bytes())
+    (tmp_path / "ranker.safetensors").write_bytes((folder / "ranker.safetensors").read_bytes()[:200])
+    with pytest.raises(UnusableInput, match="no weights"):
+        Plugin.load(tmp_path)
+
+
+def test_nothing_to_learn_from_is_an_error():
+    with pytest.raises(UnusableInput, match="no example"):
+        Plugin.fit(Lists.none(), Lists.none(), LEARNING, 7, None, lambda _: None)
+
+
+def test_features_are_named_finite_and_bounded():
+    for seed in range(5):
+        scene = scenes.any_scenario(seed)
+        _, found = offered(scene)
+        for rows in features(scene, found):
+            assert rows.shape[1] == len(NAMES)
+            assert np.isfinite(rows).all()
+            assert np.abs(rows).max() < 60

@@ -1,0 +1,53 @@
+"""The selector's stages from end to end on two hand-made shards."""
+
+from dataclasses import replace
+
+import numpy as np
+import orjson
+import pytest
+
+from drivegen.goals.packing import unpack
+from drivegen.lanes.graph import LaneGraph
+from drivegen.store.goals import read_goals
+from drivegen.store.scenarios import write_shard
+from stages import goals, train_selector
+from tests import scenes
+from tests.goals.test_goals_candidates import SETTINGS
+from tests.selectors.test_selectors_contract import LEARNING
+
+
+def several(name):
+    return [replace(scenes.busy_crossing(), scenario_id=f"{name}-{i}") for i in range(2)]
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory):
+    root = tmp_path_factory.mktemp("run")
+    for split in ("train", "val", "test"):
+        write_shard(root / "scenarios" / split / "shard-00000.parquet", several(split))
+    short = replace(LEARNING, training=replace(LEARNING.training, steps=20, report_every=10))
+    params = train_selector.Params(7, 1, SETTINGS, short)
+    train_selector.main(params, root / "scenarios", root / "selector", root / "train.json", root / "curve.csv")
+    return root
+
+
+def test_training_leaves_scores_and_a_curve(trained):
+    metrics = orjson.loads((trained / "train.json").read_bytes())
+    assert set(metrics["validation"]) == {"learned", "prior", "random"}
+    assert metrics["train_vehicles"] == 16
+    assert (trained / "curve.csv").read_text().splitlines()[0] == "step,train,validation"
+
+
+@pytest.mark.parametrize("selector", ["random", "log", "learned", "prior"])
+def test_goals_stand_beside_their_scenarios(trained, selector):
+    out, metrics = trained / "goals" / selector, trained / f"{selector}.json"
+    goals.main(goals.Params(1, SETTINGS), trained / "scenarios" / "test", trained / "selector", out, metrics)
+    rows = read_goals(out / "shard-00000.parquet")
+    assert [row.scenario_id for row in rows] == ["test-0", "test-1"]
+    found, probability = unpack(LaneGraph.of(scenes.crossing()), rows[0])
+    assert [len(c) for c in found] == [len(p) for p in probability]
+    table = orjson.loads(metrics.read_bytes())
+    assert table["all"]["vehicles"] == 16
+    assert table["all"]["coverage_4m"] == 1
+    if selector == "random":
+        assert np.isclose(table["all"]["nll"], np.mean([np.log(len(c)) for c in found]), atol=1e-4)
