@@ -7,6 +7,8 @@ import pytest
 from drivegen.assets.place import PlaceSettings
 from drivegen.assets.table import Table
 from drivegen.errors import MissingTool, UnusableInput
+from drivegen.initialise import Settings
+from drivegen.initialise import Settings
 from drivegen.maps.compile import compile_map
 from drivegen.maps.spec import MapSpec
 from drivegen.scenario import SignalState
@@ -18,13 +20,15 @@ from tests.scenes import busy_crossing
 PARAMS = place.Params(
     seed=7,
     per_map=3,
-    vehicles=8,
-    horizon=50,
     per_shard=2,
-    shares={"car": 0.9, "bus": 0.1},
-    map_radius=200.0,
-    longest_cycle=60.0,
-    settings=PlaceSettings(radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24),
+    initial=Settings(
+        vehicles=8,
+        horizon=50,
+        shares={"car": 0.9, "bus": 0.1},
+        map_radius=200.0,
+        longest_cycle=60.0,
+        placement=PlaceSettings(radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24),
+    ),
 )
 ARMS = [{"angle": angle, "lanes_in": 2, "lanes_out": 2} for angle in (0, 90, 180, 270)]
 
