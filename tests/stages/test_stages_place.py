@@ -8,7 +8,6 @@ from drivegen.assets.place import PlaceSettings
 from drivegen.assets.table import Table
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.initialise import Settings
-from drivegen.initialise import Settings
 from drivegen.maps.compile import compile_map
 from drivegen.maps.spec import MapSpec
 from drivegen.scenario import SignalState
