@@ -1,112 +1,95 @@
 """`drivegen generate`: traffic for a logged scene, a road network, or a road in words."""
 
-from collections.abc import Iterator
-from dataclasses import asdict
+import re
 from pathlib import Path
 from typing import Annotated, Any
 
 from rich.console import Console
+from rich.progress import Progress
 from typer import BadParameter, Option
 
-from drivegen import plugins
-from drivegen.assets.table import Table
-from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder
-from drivegen.cli import _settings
-from drivegen.errors import MissingTool, UnusableInput
-from drivegen.initialise import Initialiser
+from drivegen.cli import _project
+from drivegen.errors import UnusableInput
+from drivegen.make import Start, from_log, from_network, make, row, write_sample
 from drivegen.maps.build import NETWORK, build_map
-from drivegen.metrics.displacement import scene_errors
-from drivegen.metrics.safety import safety_rates
-from drivegen.recording import record_scenario
-from drivegen.samples import Samples
-from drivegen.scenario import Scenario
-from drivegen.selection import select
-from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
+from drivegen.store.folders import whole_folder
 from drivegen.sumo.network import Network
+
+METRICS, MAP = "metrics.json", "map"
+"""Of a folder of generated scenarios: a row per sample, and the road that was drawn from words."""
+
+LARGEST = 128
+"""Vehicles in a scenario at most."""
 
 
 def command(
-    out: Annotated[Path, Option(help="Folder for <id>/ (official layout, recording) and metrics.json, a row per sample.")],
+    out: Annotated[Path, Option(help="New folder for <id>/ (official layout, recording) and metrics.json, a row per sample.")],
     scenario: Annotated[Path | None, Option(help="An Argoverse 2 scenario folder: regenerate the traffic of its log.")] = None,
     map: Annotated[Path | None, Option(help="A SUMO network (.net.xml): place vehicles on it and let them drive.")] = None,  # noqa: A002
     text: Annotated[str | None, Option(help="A road in words: draw it, place vehicles on it and let them drive.")] = None,
     samples: Annotated[int, Option(min=1, max=1000, help="Futures of the scenario.")] = 10,
-    vehicles: Annotated[int, Option(min=1, max=_settings.LARGEST, help="Target and social vehicles together.")] = 16,
+    vehicles: Annotated[int, Option(min=1, max=LARGEST, help="Target and social vehicles together.")] = 16,
     seed: Annotated[int, Option(min=0, help="Same seed, same bytes.")] = 7,
 ) -> None:
     """Generate traffic for exactly one of --scenario, --map and --text, with the models that `make run` trained."""
     if sum(source is not None for source in (scenario, map, text)) != 1:
         raise BadParameter("give exactly one of --scenario, --map and --text")
-    console = Console(stderr=True, soft_wrap=True, highlight=False)
-    with console.status("reading ..."):
-        start = _logged(scenario, vehicles) if scenario is not None else _new(map, text, out, vehicles, seed, console)
-    generator = plugins.load("generators", "drivegen")(_settings.MODELS, _settings.generation(start.log is None))
-    with console.status(f"planning {samples} futures of {len(start.vehicles)} vehicles ..."):
-        made: Samples = generator.generate([start], samples, seed)[0]
-    with console.status("writing ..."):
-        rows = list(_write(start, made, out))
-        write_json(out / "metrics.json", rows)
-    legal = sum(row["illegal_per_scene"] == 0 for row in rows)
-    console.print(f"{out}: {len(rows)} scenarios of {len(start.vehicles)} vehicles ({start.source}), {legal} legal throughout")
+    console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
+    with whole_folder(out) as folder, Progress(console=console, transient=True) as progress:
+        task = progress.add_task("reading", total=None)
+        start = _logged(scenario, vehicles) if scenario else _new(map, text, folder, vehicles, seed, console)
+        progress.update(task, description=f"planning {samples} futures of {len(start.scenario.vehicles)} vehicles")
+        settings = _project.generation(scored=start.scenario.log is not None)
+        traffic = make(start, _project.equipment(settings), settings, samples, seed)
+        for k in progress.track(range(samples), task_id=task, description="writing"):
+            write_sample(traffic, k, folder)
+        rows = [{**row(traffic, k), "seed": seed} for k in range(samples)]
+        write_json(folder / METRICS, rows)
+    console.print(f"{out}: {_summary(rows)}")
 
 
-def _logged(folder: Path, vehicles: int) -> Scenario:
-    """The logged scenario, its first frame chosen as for training."""
+def _logged(folder: Path, vehicles: int) -> Start:
+    """The first frame of the recording in `folder`, its vehicles chosen as for training."""
     if not folder.is_dir():
         raise UnusableInput(f"{folder} is no folder: give one that holds scenario_<id>.parquet and log_map_archive_<id>.json")
-    scenario = select(read_folder(folder, "Argoverse 2 Motion Forecasting layout"), _settings.selection(vehicles))
-    scenario.validate()
-    return scenario
+    log = read_folder(folder, "log in the Argoverse 2 layout")
+    return from_log(log, _project.selection(vehicles))
 
 
-def _new(net: Path | None, text: str | None, out: Path, vehicles: int, seed: int, console: Console) -> Scenario:
-    """A new scenario on the network `net`, or on the one that `text` describes."""
+def _new(net: Path | None, text: str | None, folder: Path, vehicles: int, seed: int, console: Console) -> Start:
+    """Vehicles on the network `net`, or on the one that `text` describes, which is kept in `folder`."""
     if net is not None:
-        raw, name, source = net.read_bytes(), net.name.split(".")[0], f"DriveGen ({net.name})"
+        if not net.is_file():
+            raise UnusableInput(f"{net} is no file: give a SUMO network (.net.xml, also gzipped)")
+        network, name, source = Network.read(net.read_bytes(), str(net)), net.name.split(".")[0], f"DriveGen ({net.name})"
     else:
-        built = build_map(str(text), seed, folder=out / "map")
-        raw, name, source = built.network, "map", "DriveGen (map from words)"
+        built = build_map(str(text), seed, folder=folder / MAP)
         if ignored := built.account["ignored"]:
             console.print(f"ignored: {'; '.join(ignored)}")
-    if not _settings.ASSETS.exists():
-        raise MissingTool(f"{_settings.ASSETS} is not there: `make run` collects the vehicles and trains the models")
-    table = Table.from_arrow(read_assets(_settings.ASSETS), str(_settings.ASSETS))
-    network = Network.read(raw, str(net or out / "map" / NETWORK))
-    scenario, rejected = Initialiser(network, name, source, table, _settings.initial(vehicles)).scenario(0, seed)
-    for reason, count in sorted(rejected.items()):
-        console.print(f"not placed: {count} vehicles ({reason})")
-    return scenario
+        network, name, source = Network.read(built.network, NETWORK), str(text), "DriveGen (map from words)"
+    start = from_network(network, _as_id(name), source, _project.assets(), _project.initial(vehicles), seed)
+    if start.left_out:
+        reasons = ", ".join(f"{count} {reason}" for reason, count in start.left_out.items())
+        console.print(f"not placed: {sum(start.left_out.values())} of {vehicles} vehicles ({reasons})")
+    return start
 
 
-def _write(start: Scenario, made: Samples, out: Path) -> Iterator[dict[str, Any]]:
-    """Each sample as a scenario folder with its recording; yields its row of metrics."""
-    for k in range(len(made.violation)):
-        name = f"{start.scenario_id}_{k:03d}"
-        folder = export_scenario(start, made.motion[k], out, name)
-        record_scenario(folder / f"{name}.rrd", start, made, sample=k)
-        yield {
-            "id": name,
-            "sample": k,
-            "vehicles": len(start.vehicles),
-            **_scores(start, made, k),
-            **asdict(safety_rates(_one(made, k))),
-        }
+def _as_id(name: str) -> str:
+    """A name that can begin a scenario's id: of a file or of a road in words."""
+    return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:40].strip("-") or "map"
 
 
-def _scores(start: Scenario, made: Samples, k: int) -> dict[str, float]:
-    """sADE and sFDE [m] against the log, where there is one."""
-    if start.log is None:
-        return {}
-    sade, sfde = scene_errors(made.motion[k : k + 1], start.log)
-    return {"sade": float(sade[0]), "sfde": float(sfde[0])}
-
-
-def _one(made: Samples, k: int) -> Samples:
-    """Sample k alone."""
-    keep = slice(k, k + 1)
-    return Samples(
-        made.scenario_id, made.method, made.motion[keep], made.violation[keep], made.first_violation[keep], made.goal[keep],
-        made.natural[keep], made.used[keep], made.attempts[keep], made.dropped[keep],
-    )  # fmt: skip
+def _summary(rows: list[dict[str, Any]]) -> str:
+    """What was made, in one line."""
+    written = [r for r in rows if not r["rejected"]]
+    legal = sum(r["illegal"] == 0 for r in written)
+    said = [f"{len(written)} scenarios of {rows[0]['vehicles']} vehicles ({rows[0]['source']})", f"{legal} legal throughout"]
+    if len(written) < len(rows):
+        said.append(f"{len(rows) - len(written)} samples without a legal target not written")
+    if dropped := sum(r["dropped"] for r in written):
+        said.append(f"{dropped} vehicles left out because nothing legal was found")
+    if rows[0]["sade"] is not None:
+        said.append("sADE " + f"min {min(r['sade'] for r in rows):.2f} m, mean {sum(r['sade'] for r in rows) / len(rows):.2f} m")
+    return "; ".join(said)

@@ -1,0 +1,46 @@
+"""The project's folder as the command line finds it: the numbers of params.yaml, and what `make run` made of them."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from drivegen.assets.table import Table
+from drivegen.equipment import Equipment
+from drivegen.errors import MissingTool
+from drivegen.generators.base import Settings as GeneratorSettings
+from drivegen.initialise import Settings as InitialSettings
+from drivegen.make import SELECTOR
+from drivegen.selection import Settings as SelectionSettings
+from drivegen.settings import build, read_section
+from drivegen.store.assets import read_assets
+
+MODELS = Path("data/models")
+ASSETS = Path("data/assets.parquet")
+
+
+def selection(vehicles: int) -> SelectionSettings:
+    """How recordings become scenarios: as in the ingest stage, beginning at the log's first frame."""
+    settings = build(SelectionSettings, read_section("ingest.selection"), "params.yaml: ingest.selection")
+    return replace(settings, max_vehicles=vehicles, first_step=0)
+
+
+def initial(vehicles: int) -> InitialSettings:
+    """How new scenarios begin: as in the place stage."""
+    return replace(build(InitialSettings, read_section("place.initial"), "params.yaml: place.initial"), vehicles=vehicles)
+
+
+def generation(*, scored: bool) -> GeneratorSettings:
+    """How traffic is generated: as the rollout stage does what is scored, as the ship stage does what is new."""
+    section = "rollout.generation" if scored else "ship.generation"
+    return build(GeneratorSettings, read_section(section), f"params.yaml: {section}")
+
+
+def equipment(settings: GeneratorSettings) -> Equipment:
+    """The trained models. Raises MissingTool, with the remedy, where they are absent."""
+    return Equipment.open(MODELS, settings.planner, SELECTOR)
+
+
+def assets() -> Table:
+    """The vehicles that can be placed. Raises MissingTool where they are absent."""
+    if not ASSETS.exists():
+        raise MissingTool(f"{ASSETS} is not here: `make run` collects the vehicles and trains the models")
+    return Table.from_arrow(read_assets(ASSETS), str(ASSETS))

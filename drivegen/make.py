@@ -1,0 +1,156 @@
+"""One scenario from what a user has: a logged scene or a road network in, K futures of its traffic out, as folders.
+
+Paper, section III: initialisation (the logged first frame, or vehicles placed on a map), then rollout. Regenerated traffic
+is scored against its log, so nobody is left out of it. New traffic has no log: what could not be made legal is left out,
+and a future without its target is no scenario; both are counted in its row.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from drivegen.assets.table import Table
+from drivegen.av2.export import export_scenario
+from drivegen.equipment import Equipment
+from drivegen.errors import UnusableInput
+from drivegen.generate import choose, roll_out
+from drivegen.generators.base import Settings
+from drivegen.goals.packing import pack
+from drivegen.initialise import Initialiser
+from drivegen.initialise import Settings as InitialSettings
+from drivegen.metrics.displacement import scene_errors
+from drivegen.metrics.safety import COLLISIONS
+from drivegen.recorded import RecordedLog
+from drivegen.recordings import record_sample
+from drivegen.samples import Samples, Violation
+from drivegen.scenario import Scenario
+from drivegen.selection import Settings as SelectionSettings
+from drivegen.selection import select
+from drivegen.shipping import ShipSettings, rejection, sample_id
+from drivegen.store.goals import GoalColumns
+from drivegen.sumo.network import Network
+
+METHOD, SELECTOR = "drivegen", "learned"
+
+_ANY_TARGET = ShipSettings(fewest=1, moved=0.0)
+"""Whoever asks for one scenario gets it, however few vehicles are in it and however little its target moves."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Who stands where at the first frame.
+
+    Attributes:
+        scenario: map, vehicles, context, signals; with the log if there is one.
+        left_out: vehicles that are not in it though they were asked for or recorded, by reason.
+    """
+
+    scenario: Scenario
+    left_out: Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class Traffic:
+    """K futures of a start.
+
+    Attributes:
+        goals: every vehicle's candidates, and the probabilities with which they were drawn.
+        goals_by: who chose among them, in words.
+    """
+
+    start: Start
+    samples: Samples
+    goals: GoalColumns
+    goals_by: str
+
+    def __len__(self) -> int:
+        return len(self.samples.dropped)
+
+
+def from_log(log: RecordedLog, settings: SelectionSettings) -> Start:
+    """The first frame of a recording. Raises UnusableInput where it yields no scenario (see `select`)."""
+    scenario = select(log, settings)
+    words = ("overlapping", "implausible")
+    counts = {word: int(scenario.notes.get(f"dropped_{word}", 0)) for word in words}
+    return Start(scenario, {word: count for word, count in counts.items() if count})
+
+
+def from_network(network: Network, name: str, source: str, table: Table, settings: InitialSettings, seed: int) -> Start:
+    """Vehicles of the table placed on a network, its signals by their programs.
+
+    Raises UnusableInput where not even the target finds a place.
+    """
+    scenario, rejected = Initialiser(network, name, source, table, settings).scenario(0, seed)
+    return Start(scenario, rejected)
+
+
+def make(start: Start, tools: Equipment, settings: Settings, samples: int, seed: int) -> Traffic:
+    """K = `samples` futures of `start`, judged by the checker; depends on the start and the seed alone.
+
+    Raises UnusableInput, reason `no-legal-target`, where no future is a scenario.
+    """
+    choices = choose([start.scenario], tools.selector, settings.candidates, settings.temperature)
+    made = roll_out(choices, tools.planner, tools.limits, settings.rollout, samples, seed, METHOD)[0]
+    goals = pack(start.scenario.scenario_id, SELECTOR, choices[0].candidates, choices[0].used)
+    traffic = Traffic(start, made, goals, tools.selector.described)
+    if all(rejected(traffic, k) for k in range(samples)):
+        raise UnusableInput(
+            f"no legal traffic was found in {samples} samples ({rejected(traffic, 0)}): try another seed or more samples",
+            reason="no-legal-target",
+        )
+    return traffic
+
+
+def rejected(traffic: Traffic, k: int) -> str | None:
+    """Why sample k is no scenario; None if it is one, as all are that are scored against a log."""
+    return None if traffic.start.scenario.log is not None else rejection(traffic.samples, k, _ANY_TARGET)
+
+
+def write_sample(traffic: Traffic, k: int, folder: Path) -> None:
+    """Sample k as `folder/<id>`: the official layout, and the recording beside it. Nothing where it is no scenario."""
+    if rejected(traffic, k):
+        return
+    scenario = traffic.start.scenario
+    name = sample_id(scenario.scenario_id, k)
+    place = export_scenario(scenario, traffic.samples.motion[k], folder, name)
+    record_sample(place / f"{name}.rrd", scenario, traffic.samples, k, traffic.goals)
+
+
+def row(traffic: Traffic, k: int) -> dict[str, Any]:
+    """What is to be said of sample k; errors in metres, everything else counts vehicles.
+
+    `id` (null where `rejected` says why there is no scenario), `sade` and `sfde` (null without a log), `vehicles` at the
+    first frame, `not_placed` by reason (not there from the beginning), `dropped` (nothing legal was found), and of the
+    others `illegal`, `colliding`, `off_road` and `violations` by kind.
+    """
+    scenario, samples = traffic.start.scenario, traffic.samples
+    flags = samples.violation[k][~samples.dropped[k]]
+    reason = rejected(traffic, k)
+    kinds = [kind for kind in Violation if kind is not Violation.NONE]
+    violations = {str(kind.name).lower(): int(((flags & int(kind)) > 0).sum()) for kind in kinds}
+    return {
+        "id": None if reason else sample_id(scenario.scenario_id, k),
+        "rejected": reason,
+        "sample": k,
+        "source": scenario.source,
+        "method": samples.method,
+        "goals_by": traffic.goals_by,
+        "vehicles": len(scenario.vehicles),
+        "not_placed": dict(traffic.start.left_out),
+        "dropped": int(samples.dropped[k].sum()),
+        "illegal": int((flags > 0).sum()),
+        "colliding": int(((flags & int(COLLISIONS)) > 0).sum()),
+        "off_road": violations["off_road"],
+        "violations": {kind: count for kind, count in violations.items() if count},
+        "notes": scenario.notes,
+        **_errors(traffic, k),
+    }
+
+
+def _errors(traffic: Traffic, k: int) -> dict[str, float | None]:
+    log = traffic.start.scenario.log
+    if log is None:
+        return {"sade": None, "sfde": None}
+    sade, sfde = scene_errors(traffic.samples.motion[k : k + 1], log)
+    return {"sade": float(sade[0]), "sfde": float(sfde[0])}
