@@ -1,6 +1,5 @@
 """Scenario initialisation (paper, section III-A): a map and a table of vehicles in, new scenarios without a log out."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,7 +32,7 @@ class Settings:
 
     vehicles: int
     horizon: int
-    shares: Mapping[str, float]
+    shares: dict[str, float]
     map_radius: float
     longest_cycle: float
     placement: PlaceSettings

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivegen.assets.place import PlaceSettings
 from drivegen.assets.table import Table
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.initialise import Initialiser, Settings
@@ -24,24 +23,12 @@ SOURCE = "DriveGen (map from words)"
 
 @dataclass(frozen=True)
 class Params:
-    """Section `place`.
-
-    Attributes:
-        per_map: scenarios on each map. vehicles: asked for in each, the target included. horizon: steps after the first.
-        shares: of kinds, by the names of VehicleKind in lower case. map_radius: lanes this near to the target are kept [m].
-        longest_cycle: signal programs begin at a random time within this [s].
-        settings: see `PlaceSettings`.
-    """
+    """Section `place`: `per_map` scenarios on each map; `initial`: see `initialise.Settings`."""
 
     seed: int
     per_map: int
-    vehicles: int
-    horizon: int
     per_shard: int
-    shares: dict[str, float]
-    map_radius: float
-    longest_cycle: float
-    settings: PlaceSettings
+    initial: Settings
 
 
 def main(params: Params, maps: Path, assets: Path, out: Path, counts: Path) -> None:
@@ -55,20 +42,19 @@ def main(params: Params, maps: Path, assets: Path, out: Path, counts: Path) -> N
     for shard, start in enumerate(range(0, len(scenarios), params.per_shard)):
         write_shard(out / f"shard-{shard:05d}.parquet", scenarios[start : start + params.per_shard])
     placed = sum(len(scenario.vehicles) for scenario in scenarios)
-    asked = len(files) * params.per_map * params.vehicles
+    asked = len(files) * params.per_map * params.initial.vehicles
     write_json(counts, {"maps": len(files), "scenarios": len(scenarios), "asked": asked, "placed": placed, "rejected": rejected})
     print(f"place: {placed} of {asked} vehicles on {len(files)} maps")
 
 
 def _scenes(params: Params, file: Path, table: Table, rejected: Counter[str]) -> Iterator[Scenario]:
     network = Network.read(file.read_bytes(), str(file))
-    settings = Settings(params.vehicles, params.horizon, params.shares, params.map_radius, params.longest_cycle, params.settings)
-    initialiser = Initialiser(network, file.parent.name, SOURCE, table, settings)
+    initialiser = Initialiser(network, file.parent.name, SOURCE, table, params.initial)
     for number in range(params.per_map):
         try:
             scenario, left_out = initialiser.scenario(number, params.seed)
         except UnusableInput as error:
-            rejected[error.reason] += params.vehicles
+            rejected[error.reason] += params.initial.vehicles
             continue
         rejected.update(left_out)
         yield scenario

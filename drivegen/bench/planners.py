@@ -21,7 +21,7 @@ _BARELY = Training(
     steps=1, batch=8, learning_rate=1e-4, warmup=0, decay=False, weight_decay=0.0, average=0.0, clip=1.0, bf16=False,
     report_every=1, checkpoint_every=1,
 )  # fmt: skip
-_ROUTE_FM = RouteFmSettings(along=10, across=6, width=192, blocks=3, draws=1, euler_steps=8, training=_BARELY)
+_ROUTE_FM = RouteFmSettings(along=10, across=6, width=192, blocks=3, dropout=0.0, draws=1, euler_steps=8, training=_BARELY)
 _PAPER = PaperSettings(
     state="pose", tokens=100, width=256, heads=4, layers=3, noise_steps=100, schedule="cosine", target="noise", sampler="ddpm",
     sampling_steps=100, batch_of="trajectories", channels=("surface", "boundaries", "centrelines"), extent=100.0, bf16=False,

@@ -56,7 +56,7 @@ def test_view_takes_the_recording_that_lies_in_the_folder(folder, tmp_path):
         (["generate", "--out", "o", "--scenario", "nowhere"], 2, "drivegen: nowhere is no folder"),
         (["generate", "--out", "o", "--text", "sing me a song"], 2, "drivegen: no road that I know"),
         (["generate", "--out", "o", "--samples", "0", "--text", "x"], 2, "--samples"),
-        (["generate", "--out", "o", "--map", "nowhere.net.xml"], 1, "drivegen: nowhere.net.xml: No such file or directory"),
+        (["generate", "--out", "o", "--map", "nowhere.net.xml"], 2, "drivegen: nowhere.net.xml is no file"),
         (["generate", "--out", "o", "--text", "roundabout with four arms"], 1, "`make run`"),
         (["bench", "--only", "nothing"], 2, "no benchmark is called 'nothing'"),
     ],
