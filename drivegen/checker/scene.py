@@ -82,6 +82,15 @@ class SceneChecker:
         found = self.severities_of(vehicle, motion, committed, committed_size)
         return found.violation, found.first_step
 
+    def partners(self, vehicle: int, motion: Trajectories, committed: Trajectories) -> NDArray[np.bool_]:
+        """Which of the scenario's N committed vehicles (N, T) collide with one trajectory (T,) of `vehicle`: (N,)."""
+        position, heading, _, valid = _arrays(committed)
+        other_position, other_heading, _, other_valid = _arrays(motion[np.newaxis])
+        worst, first = _nothing(len(self.size))
+        mine = (other_position, other_heading, other_valid, self.size[vehicle : vehicle + 1])
+        collisions.against(position, heading, valid, self.size, *mine, self.limit[OVERLAP], worst, first)
+        return np.not_equal(first, -1)
+
     def severities_of(
         self, vehicle: int, motion: Trajectories, committed: Trajectories, committed_size: NDArray[np.float32]
     ) -> Severities:

@@ -33,7 +33,7 @@ class RoundSummary:
         intervals = bootstrap_means(np.stack([self.metrics[n] for n in names], axis=1), draws, random)
         out = {"scenarios": float(len(self.metrics[names[0]])), "runs": float(self.runs)}
         for name, interval in zip(names, intervals, strict=True):
-            out |= {name: interval.value, f"{name}_low": interval.low, f"{name}_high": interval.high}
+            out |= {name: interval.value, f"{name}.low": interval.low, f"{name}.high": interval.high}
         out["comfort_absolute"] = comfort(out["absolute_acceleration"])
         out["comfort_signed"] = comfort(out["acceleration"])
         return out
