@@ -16,14 +16,17 @@ Identities and times inside an .rrd are drawn anew by Rerun at every write, so t
 same content but not the same bytes.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import rerun as rr
+import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
+from drivegen.errors import MissingTool, UnusableInput
 from drivegen.recording import colours, traffic
 from drivegen.recording.blueprint import layout
 from drivegen.recording.roads import flat, log_roads, log_signals
@@ -64,17 +67,15 @@ def record_scenario(
 ) -> None:
     """Write the recording of `scenario`: its log, or sample number `sample` of `samples` with the log as ghosts.
 
-    `bird_eye` is an (H, W, 3) RGB image. Raises UnusableInput where there is neither a log nor a sample to show.
+    `bird_eye` is an (H, W, 3) RGB image. Raises UnusableInput where there is neither a log nor a sample to show,
+    MissingTool where the disk is full.
     """
     motion = scenario.log if samples is None else samples.motion[sample]
     if motion is None:
         raise UnusableInput(f"scenario {scenario.scenario_id} has no log: give generated samples to record", reason="no-motion")
-    with whole(path) as temporary:
-        recording = rr.RecordingStream("drivegen", recording_id=scenario.scenario_id, send_properties=False)
-        centre, extent = _view(motion)
-        show = layout(centre, extent, image=bird_eye is not None, verdicts=samples is not None)
-        recording.save(temporary, default_blueprint=show)
-        recording.send_recording_name(f"{scenario.scenario_id} ({scenario.source})")
+    centre, extent = _view(motion)
+    show = layout(centre, extent, image=bird_eye is not None, verdicts=samples is not None)
+    with _recording(path, scenario, show) as recording:
         log_roads(recording, scenario.map)
         log_signals(recording, scenario.map, scenario.signals)
         traffic.log_vehicles(recording, scenario, motion, samples, sample)
@@ -90,8 +91,22 @@ def record_scenario(
             _log_goals(recording, goals)
         if bird_eye is not None:
             recording.log("bird_eye", rr.Image(bird_eye).compress(jpeg_quality=75), static=True)
-        recording.flush()
-        recording.disconnect()
+
+
+@contextmanager
+def _recording(path: Path, scenario: Scenario, show: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
+    """A stream into the file `path`, which is there when the block ends well; MissingTool where the disk is full."""
+    with whole(path) as temporary:
+        recording = rr.RecordingStream("drivegen", recording_id=scenario.scenario_id, send_properties=False)
+        recording.save(temporary, default_blueprint=show)
+        recording.send_recording_name(f"{scenario.scenario_id} ({scenario.source})")
+        yield recording
+        try:
+            recording.flush()
+        except RuntimeError as error:  # all that Rerun says when its writer thread has failed
+            raise MissingTool(f"{path} cannot be written ({error}): is the disk full?") from None
+        finally:
+            recording.disconnect()
 
 
 def _view(motion: Trajectories) -> tuple[NDArray[np.float32], float]:

@@ -74,10 +74,15 @@ def _installed() -> tuple[Path, Path]:
 def _run(command: list[str], folder: Path, home: Path, timeout: float) -> tuple[int, list[str]]:
     def limit() -> None:
         seconds = int(timeout) + 1
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
-        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
-        resource.setrlimit(resource.RLIMIT_FSIZE, (_LARGEST_FILE, _LARGEST_FILE))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        for what, most in (
+            (resource.RLIMIT_CPU, seconds),
+            (resource.RLIMIT_AS, _MEMORY),
+            (resource.RLIMIT_FSIZE, _LARGEST_FILE),
+            (resource.RLIMIT_CORE, 0),
+        ):
+            given = resource.getrlimit(what)[1]  # nobody may raise what whoever started us has limited
+            most = most if given == resource.RLIM_INFINITY else min(most, given)
+            resource.setrlimit(what, (most, most))
 
     environment = {"SUMO_HOME": str(home), "PATH": "/nonexistent", "LANG": "C.UTF-8", "HOME": str(folder)}
     try:
