@@ -1,0 +1,138 @@
+"""What every scenario generator promises, with models that were trained for seconds."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivegen import plugins
+from drivegen.errors import MissingTool, UnusableInput
+from drivegen.generators.base import Generator, Settings
+from drivegen.samples import NO_GOAL, Samples
+from drivegen.scenario import Scenario
+from stages import rollout
+from stages._door import read_params
+from tests.models import two_lanes
+from tests.scenes import busy_crossing
+
+NAMES = plugins.names("generators")
+SAMPLES = 3
+COLUMNS = ("violation", "first_violation", "goal", "natural", "used", "attempts", "dropped")
+
+
+@pytest.fixture(scope="module")
+def settings() -> Settings:
+    return read_params("rollout", rollout.Params).generation
+
+
+@pytest.fixture(scope="module")
+def scenes() -> list[Scenario]:
+    """Different numbers of vehicles and lengths in one batch."""
+    return [busy_crossing(101, "crossing-a"), two_lanes(9.0, "lanes-b", 81), busy_crossing(61, "crossing-c")]
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def generator(request: pytest.FixtureRequest, models: Path, settings: Settings) -> Generator:
+    made: Generator = plugins.load("generators", request.param)(models, settings)
+    return made
+
+
+@pytest.fixture(scope="module")
+def made(generator: Generator, scenes: list[Scenario]) -> list[Samples]:
+    return generator.generate(scenes, SAMPLES, 7)
+
+
+def looks_at_the_log(generator: Generator) -> bool:
+    """The reference row and the upper bound do, and say so in their docstrings."""
+    return generator.selector == "log" or generator.backend == "recorded"
+
+
+def assert_same(one: Samples, other: Samples) -> None:
+    for name in ("position", "heading", "velocity", "valid"):
+        np.testing.assert_array_equal(getattr(one.motion, name), getattr(other.motion, name))
+    for name in COLUMNS:
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+def test_there_are_k_finite_futures_of_every_vehicle(generator: Generator, scenes: list[Scenario], made: list[Samples]) -> None:
+    assert generator.backend
+    assert [s.scenario_id for s in made] == [s.scenario_id for s in scenes]
+    for scene, samples in zip(scenes, made, strict=True):
+        shape = (SAMPLES, len(scene.vehicles))
+        assert samples.motion.valid.shape == (*shape, scene.steps)
+        assert {getattr(samples, name).shape for name in COLUMNS} == {shape}
+        samples.motion.validate()
+        assert samples.motion.valid.all()
+        assert not samples.dropped.any()
+        assert samples.method
+
+
+def test_every_future_begins_in_the_given_state(scenes: list[Scenario], made: list[Samples]) -> None:
+    for scene, samples in zip(scenes, made, strict=True):
+        for k in range(SAMPLES):
+            np.testing.assert_array_equal(samples.motion.position[k, :, 0], scene.vehicles.position)
+            np.testing.assert_array_equal(samples.motion.heading[k, :, 0], scene.vehicles.heading)
+            np.testing.assert_allclose(samples.motion.speed[k, :, 0], scene.vehicles.speed, atol=1e-4)
+
+
+def test_goals_and_their_probabilities_are_recorded_together(generator: Generator, made: list[Samples]) -> None:
+    for samples in made:
+        if generator.selector is None:
+            assert (samples.goal == NO_GOAL).all()
+            assert np.isnan(samples.natural).all()
+        else:
+            assert (samples.goal >= 0).all()
+            assert ((samples.natural >= 0) & (samples.natural <= 1)).all()
+            assert ((samples.used > 0) & (samples.used <= 1)).all()
+            assert (samples.attempts >= 1).all()
+
+
+def test_the_same_seed_gives_the_same_futures(generator: Generator, scenes: list[Scenario], made: list[Samples]) -> None:
+    for one, other in zip(made, generator.generate(scenes, SAMPLES, 7), strict=True):
+        assert_same(one, other)
+
+
+def test_a_scenario_gets_the_same_futures_alone_and_in_a_batch(
+    generator: Generator, scenes: list[Scenario], made: list[Samples]
+) -> None:
+    assert_same(generator.generate(scenes[1:2], SAMPLES, 7)[0], made[1])
+
+
+def test_another_seed_gives_other_futures_where_anything_is_drawn(
+    generator: Generator, scenes: list[Scenario], made: list[Samples]
+) -> None:
+    other = generator.generate(scenes, SAMPLES, 8)
+    differs = any((a.motion.position != b.motion.position).any() for a, b in zip(made, other, strict=True))
+    assert differs == (generator.selector is not None)
+
+
+def test_only_those_who_say_so_look_at_the_log(generator: Generator, scenes: list[Scenario], made: list[Samples]) -> None:
+    blind = [s.with_motion(None) for s in scenes]  # type: ignore[arg-type]
+    if looks_at_the_log(generator):
+        with pytest.raises(UnusableInput):
+            generator.generate(blind, SAMPLES, 7)
+        return
+    log = scenes[0].log
+    assert log is not None
+    turned = scenes[0].with_motion(replace(log, position=-log.position))
+    for one, other in zip(made, generator.generate([turned, *blind[1:]], SAMPLES, 7), strict=True):
+        assert_same(one, other)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_needs_models_names_the_remedy_where_there_are_none(name: str, settings: Settings, tmp_path: Path) -> None:
+    plugin = plugins.load("generators", name)
+    if plugin.selector is None:
+        assert plugin(tmp_path, settings).backend
+    else:
+        with pytest.raises(MissingTool, match="make run"):
+            plugin(tmp_path, settings)
+
+
+def test_the_log_row_is_the_log(models: Path, settings: Settings, scenes: list[Scenario]) -> None:
+    samples = plugins.load("generators", "log")(models, settings).generate(scenes[:1], SAMPLES, 7)[0]
+    log = scenes[0].log
+    assert log is not None
+    for k in range(SAMPLES):
+        np.testing.assert_array_equal(samples.motion.position[k], log.position)

@@ -1,0 +1,72 @@
+"""Models that were trained for seconds on hand-made scenes: good enough to run everything that needs some, and no better."""
+
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from drivegen import plugins
+from drivegen.goals.candidates import Settings as CandidateSettings
+from drivegen.goals.candidates import candidates
+from drivegen.lanes.graph import LaneGraph
+from drivegen.planners._requests import examples_from_logs
+from drivegen.planners.base import Planner
+from drivegen.scenario import Scenario
+from drivegen.selectors.learned import Lists
+from drivegen.selectors.learned import Plugin as Learned
+from drivegen.selectors.learned import Settings as LearnedSettings
+from drivegen.settings import build
+from drivegen.store.files import write_json
+from stages import train_selector
+from stages._door import read_params
+from tests.checking import LIMITS
+from tests.scenes import busy_crossing, drive, joined, scenario, stack, straight_road
+
+ROOT = Path(__file__).parents[1]
+
+
+def write_models(folder: Path) -> Path:
+    """`folder` with all that `Equipment.open` reads: planner route_fm, the learned selector, the checker's limits."""
+    scenes = [busy_crossing(101, "taught-crossing"), *(two_lanes(speed) for speed in (4.0, 8.0, 12.0))]
+    planner(scenes).save(folder / "planners" / "route_fm")
+    selector(scenes).save(folder / "selector")
+    write_json(folder / "limits.json", LIMITS.to_json())
+    return folder
+
+
+def planner(scenes: list[Scenario]) -> Planner:
+    """A small route_fm after a few steps."""
+    params = yaml.safe_load((ROOT / "params.yaml").read_text())["train_planner"]["planners"]["route_fm"]
+    training = params["training"] | {"steps": 40, "batch": 16, "warmup": 5, "average": 0.9, "report_every": 20}
+    plugin = plugins.load("planners", "route_fm")
+    small = params | {"width": 32, "blocks": 1, "euler_steps": 2, "training": training}
+    made: Planner = plugin(build(plugin.Settings, small, "tests/models.py"))
+    logs = examples_from_logs(scenes, [LaneGraph.of(s.map) for s in scenes], 0.8, 7)
+    made.fit(logs, logs, 7, None, lambda _: None)
+    return made
+
+
+def selector(scenes: list[Scenario]) -> Learned:
+    """A small learned selector after a few steps."""
+    params = yaml.safe_load((ROOT / "params.yaml").read_text())["train_selector"]["learned"]
+    training = params["training"] | {"steps": 40, "batch": 16, "warmup": 5, "report_every": 20, "checkpoint_every": 20}
+    settings = build(LearnedSettings, params | {"width": 16, "training": training}, "tests/models.py")
+    offered = candidate_settings()
+    lists = Lists.joined(
+        [Lists.of(s, [candidates(LaneGraph.of(s.map), s, n, offered) for n in range(len(s.vehicles))]) for s in scenes]
+    )
+    made, _ = Learned.fit(lists, lists, settings, 7, None, lambda _: None)
+    return made
+
+
+def candidate_settings() -> CandidateSettings:
+    """The pipeline's own."""
+    return read_params("train_selector", train_selector.Params, ROOT / "params.yaml").candidates
+
+
+def two_lanes(speed: float = 8.0, scenario_id: str | None = None, steps: int = 101) -> Scenario:
+    """Two queues of three cars side by side, the left one faster."""
+    roads = straight_road(500, 2)
+    starts = np.array([[10, 40, 70], [15, 45, 75]])
+    logs = [drive(joined(roads, lane), starts[lane, i], speed + lane, steps) for i in (0, 1, 2) for lane in (0, 1)]
+    return scenario(roads, stack(logs), scenario_id or f"taught-{speed:g}")
