@@ -5,6 +5,7 @@ when one of them is broken.
 """
 
 import importlib
+import os
 import sys
 
 import typer
@@ -16,6 +17,7 @@ COMMANDS = ("map", "generate", "view", "doctor", "bench")
 
 def main() -> None:
     """The console script: whatever goes wrong is one sentence on stderr and an exit code, never a traceback."""
+    os.environ.setdefault("RUST_LOG", "off")  # what fails in Rerun is told below, once
     try:
         build(sys.argv[1:])()
     except DriveGenError as error:

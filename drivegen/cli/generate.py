@@ -87,9 +87,9 @@ def _summary(rows: list[dict[str, Any]]) -> str:
     legal = sum(r["illegal"] == 0 for r in written)
     said = [f"{len(written)} scenarios of {rows[0]['vehicles']} vehicles ({rows[0]['source']})", f"{legal} legal throughout"]
     if len(written) < len(rows):
-        said.append(f"{len(rows) - len(written)} samples without a legal target not written")
+        said.append(f"not written for want of a legal target: {len(rows) - len(written)}")
     if dropped := sum(r["dropped"] for r in written):
-        said.append(f"{dropped} vehicles left out because nothing legal was found")
+        said.append(f"vehicles left out because nothing legal was found: {dropped}")
     if rows[0]["sade"] is not None:
         said.append("sADE " + f"min {min(r['sade'] for r in rows):.2f} m, mean {sum(r['sade'] for r in rows) / len(rows):.2f} m")
     return "; ".join(said)

@@ -1,0 +1,45 @@
+"""Folders appear whole or not at all, and never in the place of something else."""
+
+from pathlib import Path
+
+import pytest
+
+from drivegen.errors import UnusableInput
+from drivegen.store.folders import whole_folder
+
+
+def test_a_folder_appears_when_everything_in_it_is_written(tmp_path: Path):
+    with whole_folder(tmp_path / "deep" / "out") as folder:
+        (folder / "a").write_text("a")
+        assert not (tmp_path / "deep" / "out").exists()
+    assert [p.name for p in (tmp_path / "deep").iterdir()] == ["out"]
+    assert (tmp_path / "deep" / "out" / "a").read_text() == "a"
+
+
+def test_an_empty_folder_is_taken_also_the_one_we_are_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    with whole_folder(Path()) as folder:
+        (folder / "a").write_text("a")
+    assert (tmp_path / "here" / "a").exists()
+
+
+@pytest.mark.parametrize("fault", [OSError, KeyboardInterrupt])
+def test_nothing_is_left_of_a_failure(tmp_path: Path, fault: type[BaseException]):
+    def fail() -> None:
+        with whole_folder(tmp_path / "out") as folder:
+            (folder / "a").write_text("a")
+            raise fault
+
+    with pytest.raises(fault):
+        fail()
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_is_there_is_neither_replaced_nor_mixed_with(tmp_path: Path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "mine").write_text("mine")
+    for path in (tmp_path / "out", tmp_path / "out" / "mine"):
+        with pytest.raises(UnusableInput, match="name "), whole_folder(path):
+            raise AssertionError("it must not come to this")
+    assert [p.name for p in tmp_path.rglob("*")] == ["out", "mine"]
