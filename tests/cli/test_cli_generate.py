@@ -37,8 +37,8 @@ def crossing() -> Scenario:
 
 
 @pytest.fixture(scope="module")
-def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = make_project(tmp_path_factory.mktemp("project"))
+def project(models: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = make_project(tmp_path_factory.mktemp("project"), models)
     scene = crossing()
     export_scenario(scene, scene.log, folder, "logged-0")
     built = build_map("a crossing of two roads with traffic lights", 7)
