@@ -4,10 +4,6 @@ All vehicles of all samples of all scenarios are planned in one batch; then each
 asset order, each against those committed before it. What was illegal is planned again in the next round, first towards
 the same goal, then towards the next ones. The paper does the same one vehicle at a time; the batch turns sixteen times
 ten planner calls per scenario into a few for thousands of scenarios.
-
-Asset order alone leaves dead ends: whoever is committed first may run over the place of a vehicle that is planned later
-and can't get out of its way. Such a vehicle takes its best trajectory that is legal but for collisions, and those that it
-collides with are planned again, a bounded number of times.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,50 +23,11 @@ from drivegen.lanes.graph import LaneGraph
 from drivegen.lanes.routes import Route
 from drivegen.planners._requests import Goals, plan_requests
 from drivegen.planners.base import Planner, PlanRequests
-from drivegen.samples import NO_GOAL, Samples, Violation
-from drivegen.scenario import TARGET, Scenario, Trajectories
+from drivegen.rollout import Choices, Probabilities, Rollout, RolloutSettings
+from drivegen.samples import Samples
+from drivegen.scenario import Scenario, Trajectories
 from drivegen.selectors.base import Selector
 from drivegen.store.goals import GoalColumns
-
-Probabilities = list[NDArray[np.float32]]
-"""One array (C,) per vehicle of a scenario, over its candidates."""
-
-
-@dataclass(frozen=True)
-class RolloutSettings:
-    """How often the illegal is planned again, and what becomes of what stays illegal.
-
-    Attributes:
-        attempts: trajectories planned for a pending vehicle in each round after the first.
-        rounds: number of rounds, the first included.
-        evictions: how often a vehicle may be planned again because another one found no way past it.
-        drop_illegal: leave out vehicles that could not be made legal; else the least illegal trajectory stays.
-        target_steps: others avoid the target's planned motion up to this step only, None for always. In corner cases
-            its driver has to react, and this is the time that it is given.
-    """
-
-    attempts: int
-    rounds: int
-    evictions: int
-    drop_illegal: bool
-    target_steps: int | None
-
-
-@dataclass(frozen=True)
-class Choices:
-    """A scenario with the goals that its vehicles may take.
-
-    Attributes:
-        scenario: the scenario, N vehicles.
-        candidates: N Candidates.
-        natural: N arrays (C,), the selector's own probabilities.
-        used: N arrays (C,), those that goals are drawn with.
-    """
-
-    scenario: Scenario
-    candidates: list[Candidates]
-    natural: Probabilities
-    used: Probabilities
 
 
 def choose(scenarios: Sequence[Scenario], selector: Selector, settings: CandidateSettings, temperature: float) -> list[Choices]:
@@ -115,10 +72,9 @@ def roll_out(
     choices: Sequence[Choices], planner: Planner, limits: Limits, settings: RolloutSettings, samples: int, seed: int, method: str
 ) -> list[Samples]:
     """K = `samples` futures of every scenario; the result for one depends on it and the seed alone."""
-    rollouts = [_Rollout(choice, limits, settings, samples, seed) for choice in choices]
+    rollouts = [Rollout(choice, limits, settings, samples, seed) for choice in choices]
     for turn in range(settings.rounds):
-        attempts = 1 if turn == 0 else settings.attempts
-        wanted = [rollout.wanted(turn, attempts) for rollout in rollouts]
+        wanted = [rollout.wanted(turn) for rollout in rollouts]
         if not any(len(w) for w in wanted):
             break
         for rollout, rows, motion in _plan(rollouts, wanted, planner, seed, turn):
@@ -139,8 +95,8 @@ def plan_all_goals(choices: Sequence[Choices], planner: Planner, seed: int) -> l
 
 
 def _plan(
-    rollouts: "list[_Rollout]", wanted: list[NDArray[np.int64]], planner: Planner, seed: int, turn: int
-) -> "list[tuple[_Rollout, NDArray[np.int64], Trajectories]]":
+    rollouts: list[Rollout], wanted: list[NDArray[np.int64]], planner: Planner, seed: int, turn: int
+) -> list[tuple[Rollout, NDArray[np.int64], Trajectories]]:
     """Plan what all scenarios want in one call and hand each its own part."""
     choices = [r.choice for r in rollouts]
     requests = _requests(choices, wanted, lambda s: seeds.derive(seed, "plan", choices[s].scenario.scenario_id, turn))
@@ -198,145 +154,3 @@ def _mixed(seed: int, rows: NDArray[np.int64]) -> NDArray[np.int64]:
         z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
         z = z ^ (z >> np.uint64(31))
     return (z >> np.uint64(1)).astype(np.int64)
-
-
-class _Rollout:
-    """One scenario on its way: what is committed, what is pending, and the best of what was illegal so far.
-
-    `motion` (K, N, T) holds committed vehicles only (valid False elsewhere), `spare` the least illegal trajectory of
-    each pending one, `order` (K, N, C) the candidates in the order in which sample k tries them for vehicle n.
-    """
-
-    def __init__(self, choice: Choices, limits: Limits, settings: RolloutSettings, samples: int, seed: int) -> None:
-        scenario, count = choice.scenario, len(choice.scenario.vehicles)
-        self.choice, self.settings, self.turn = choice, settings, 0
-        self.checker = SceneChecker(scenario, limits)
-        self.motion = Trajectories.empty(samples, count, scenario.steps)
-        self.spare = Trajectories.empty(samples, count, scenario.steps)
-        self.badness = np.full((samples, count), np.inf)
-        self.pending = np.ones((samples, count), np.bool_)
-        self.goal = np.full((samples, count), NO_GOAL, np.int32)
-        self.attempts = np.zeros((samples, count), np.int64)
-        self.evictions = np.zeros((samples, count), np.int64)
-        self.tried = np.zeros((samples, count), np.int64)
-        self.order = [_drawing_order(choice.used[n], samples, seed, scenario.scenario_id, n) for n in range(count)]
-
-    def wanted(self, turn: int, attempts: int) -> NDArray[np.int64]:
-        """Rows (sample, vehicle, candidate, attempt): the same goal once more, then the next ones in drawing order."""
-        self.turn = turn
-        rows: list[tuple[int, int, int, int]] = []
-        for k, n in np.argwhere(self.pending):
-            order = self.order[n][k]
-            again = max(int(self.tried[k, n]) - 1, 0)
-            first = again * (attempts - 1) + (again > 0)
-            rows.extend((int(k), int(n), int(order[min(first + a, len(order) - 1)]), turn * 16 + a) for a in range(attempts))
-        self.tried += self.pending
-        return np.array(rows, np.int64).reshape(-1, 4)
-
-    def commit(self, rows: NDArray[np.int64], motion: Trajectories) -> None:
-        """Walk each sample's pending vehicles in asset order; commit the first legal trajectory of each."""
-        size = self.choice.scenario.vehicles.size[:, :2]
-        starts = np.flatnonzero(np.any(np.diff(rows[:, :2], axis=0, prepend=-1) != 0, axis=1))
-        for a, b in zip(starts, [*starts[1:], len(rows)], strict=True):
-            k, n = rows[a, 0], rows[a, 1]
-            others = self.motion[k]
-            if self.settings.target_steps is not None and n != TARGET:
-                others = _target_until(others, self.settings.target_steps)
-            violation, first = self.checker.check(int(n), motion[a:b], others, size)
-            self._judge(int(k), int(n), rows[a:b, 2], motion[a:b], violation, first)
-
-    def _judge(
-        self,
-        k: int,
-        n: int,
-        candidate: NDArray[np.int64],
-        motion: Trajectories,
-        violation: NDArray[np.uint16],
-        first: NDArray[np.int16],
-    ) -> None:
-        legal = np.flatnonzero(violation == 0)
-        if len(legal):
-            self.attempts[k, n] += int(legal[0]) + 1
-            self._settle(k, n, candidate[legal[0]], motion[int(legal[0])])
-            return
-        self.attempts[k, n] += len(violation)
-        blocked = np.flatnonzero(violation == Violation.COLLISION)
-        if len(blocked) and self._evict(k, n, motion[int(blocked[0])]):
-            self._settle(k, n, candidate[blocked[0]], motion[int(blocked[0])])
-            return
-        badness = _badness(violation, first, motion.steps)
-        chosen = int(badness.argmin())
-        if badness[chosen] < self.badness[k, n]:
-            self.badness[k, n], self.goal[k, n] = badness[chosen], candidate[chosen]
-            _put(self.spare, (k, n), motion[chosen])
-
-    def _settle(self, k: int, n: int, candidate: np.int64, motion: Trajectories) -> None:
-        self.pending[k, n], self.goal[k, n] = False, candidate
-        _put(self.motion, (k, n), motion)
-
-    def _evict(self, k: int, n: int, motion: Trajectories) -> bool:
-        """Make way for a trajectory that only collides: whether all in its way could be sent to the next round."""
-        if self.turn + 1 == self.settings.rounds:
-            return False
-        others = np.flatnonzero(self.checker.partners(n, motion, self.motion[k]))
-        if (self.evictions[k, others] >= self.settings.evictions).any() or len(others) == 0:
-            return False
-        self.evictions[k, others] += 1
-        self.tried[k, others] = 1
-        self.pending[k, others] = True
-        for other in others.tolist():
-            _put(self.spare, (k, other), self.motion[k, other])
-            self.badness[k, other] = 1.0
-        self.motion.valid[k, others] = False
-        return True
-
-    def result(self, method: str) -> Samples:
-        """The samples as they stand: pending vehicles keep their least illegal trajectory or are dropped.
-
-        Everything is judged once more together, so that a collision is charged to both partners.
-        """
-        left = self.pending
-        if not self.settings.drop_illegal:
-            for k, n in np.argwhere(left):
-                _put(self.motion, (k, n), self.spare[k, n])
-        violation, first = self.checker.check_samples(self.motion, self.settings.target_steps is not None)
-        natural, used = (self._probability(p) for p in (self.choice.natural, self.choice.used))
-        return Samples(
-            scenario_id=self.choice.scenario.scenario_id,
-            method=method,
-            motion=self.motion,
-            violation=violation,
-            first_violation=first,
-            goal=self.goal,
-            natural=natural,
-            used=used,
-            attempts=np.minimum(self.attempts, 255).astype(np.uint8),
-            dropped=left if self.settings.drop_illegal else np.zeros_like(left),
-        )
-
-    def _probability(self, probabilities: Probabilities) -> NDArray[np.float32]:
-        columns = [p[self.goal[:, n]] for n, p in enumerate(probabilities)]
-        return np.stack(columns, axis=1).astype(np.float32)
-
-
-def _drawing_order(used: NDArray[np.float32], samples: int, seed: int, scenario_id: str, vehicle: int) -> NDArray[np.intp]:
-    """Candidates (K, C) in the order of draws without replacement from `used` (Gumbel top-k)."""
-    noise = seeds.rng(seed, "goals", scenario_id, vehicle).gumbel(size=(samples, len(used)))
-    return np.argsort(-(np.log(np.maximum(used, 1e-12)) + noise), axis=1, kind="stable")
-
-
-def _badness(violation: NDArray[np.uint16], first: NDArray[np.int16], steps: int) -> NDArray[np.float64]:
-    """Fewer broken rules are better; among equals, the later the first one breaks the better."""
-    rules = np.array([int(v).bit_count() for v in violation], np.float64)
-    return rules + 1.0 - first / steps
-
-
-def _target_until(motion: Trajectories, steps: int) -> Trajectories:
-    valid = motion.valid.copy()
-    valid[TARGET, steps:] = False
-    return Trajectories(motion.position, motion.heading, motion.velocity, valid)
-
-
-def _put(into: Trajectories, index: tuple[int, int], motion: Trajectories) -> None:
-    into.position[index], into.heading[index] = motion.position, motion.heading
-    into.velocity[index], into.valid[index] = motion.velocity, motion.valid

@@ -17,8 +17,9 @@ from drivegen.corner_cases.pressure import PressureSettings
 from drivegen.corner_cases.rounds import Drive, lean_on, learn, play
 from drivegen.corner_cases.summary import RoundSummary, summarise
 from drivegen.equipment import Equipment
-from drivegen.generate import Choices, recorded_choices
+from drivegen.generate import recorded_choices
 from drivegen.generators.base import Settings
+from drivegen.rollout import Choices
 from drivegen.seeds import rng
 from drivegen.store.files import write_json
 from drivegen.store.goals import read_goals

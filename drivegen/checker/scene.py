@@ -6,6 +6,7 @@ has come apart, and nobody is judged off-road who starts there: initial states a
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,10 @@ class Severities:
         """(...) first step at which any rule is broken, -1 if none is."""
         steps = np.where(self.first >= 0, self.first, np.iinfo(np.int16).max).min(axis=-1)
         return np.where(steps == np.iinfo(np.int16).max, -1, steps).astype(np.int16)
+
+    def __getitem__(self, index: Any) -> "Severities":
+        """The chosen trajectories, as in `severities[low:high]`."""
+        return Severities(self.worst[index], self.first[index])
 
 
 class SceneChecker:
@@ -95,17 +100,32 @@ class SceneChecker:
         self, vehicle: int, motion: Trajectories, committed: Trajectories, committed_size: NDArray[np.float32]
     ) -> Severities:
         """As `check`, with every rule's severity."""
+        alone = self.alone(np.full(len(motion.valid), vehicle), motion)
+        return self.among_committed(vehicle, motion, committed, committed_size, alone)
+
+    def alone(self, vehicle: NDArray[np.integer], motion: Trajectories) -> Severities:
+        """Rules that need no other vehicle, for B trajectories (B, T) of the vehicles (B,); a start for `among_committed`."""
+        return self._judge_alone(_arrays(motion), self.size[vehicle])
+
+    def among_committed(
+        self,
+        vehicle: int,
+        motion: Trajectories,
+        committed: Trajectories,
+        committed_size: NDArray[np.float32],
+        alone: Severities,
+    ) -> Severities:
+        """`alone` for the K candidates (K, T) of one vehicle, completed in place by the rules that need others."""
         position, heading, _, valid = arrays = _arrays(motion)
         others = _arrays(committed)
         size = np.repeat(self.size[vehicle : vehicle + 1], len(valid), axis=0)
         other_size = np.ascontiguousarray(committed_size[:, :2], np.float32)
-        found = self._judge_alone(arrays, size)
         worst, first = _nothing(len(valid))
         boxes = (others[0], others[1], others[3], other_size)
         collisions.against(position, heading, valid, size, *boxes, self.limit[OVERLAP], worst, first)
-        found.worst[:, OVERLAP], found.first[:, OVERLAP] = worst, first
-        priority.judge(self._gates, arrays, size, others, other_size, False, NOBODY, self.limit, found.worst, found.first)
-        return found
+        alone.worst[:, OVERLAP], alone.first[:, OVERLAP] = worst, first
+        priority.judge(self._gates, arrays, size, others, other_size, False, NOBODY, self.limit, alone.worst, alone.first)
+        return alone
 
     def check_samples(self, motion: Trajectories, ignore_target: bool = False) -> tuple[NDArray[np.uint16], NDArray[np.int16]]:
         """Judge K samples of all N vehicles at once; both partners of a collision are charged.

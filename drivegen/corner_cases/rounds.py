@@ -15,8 +15,9 @@ from drivegen.corner_cases.encounters import Encounters, encounters
 from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.corner_cases.pressure import PressureSettings, lean, risk
 from drivegen.drivers.base import Driver
-from drivegen.generate import Choices, RolloutSettings, plan_all_goals, roll_out
+from drivegen.generate import plan_all_goals, roll_out
 from drivegen.planners.base import Planner
+from drivegen.rollout import Choices, RolloutSettings
 from drivegen.samples import Samples
 from drivegen.scenario import TARGET, Trajectories
 from drivegen.simulators.base import CollisionKind, DrivingOutcome, Simulator

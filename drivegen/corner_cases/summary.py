@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.corner_cases.rounds import COUNTED, Drive
-from drivegen.generate import Choices
 from drivegen.metrics.driving import comfort, run_numbers
 from drivegen.metrics.intervals import bootstrap_means
+from drivegen.rollout import Choices
 from drivegen.scenario import TARGET
 from drivegen.simulators.base import AT_FAULT, CollisionKind
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from drivegen.generate import Choices, RolloutSettings
 from drivegen.goals.candidates import Settings as CandidateSettings
+from drivegen.rollout import Choices, RolloutSettings
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
 

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from drivegen.equipment import Equipment
-from drivegen.generate import Choices, choose, roll_out
+from drivegen.generate import choose, roll_out
 from drivegen.generators.base import Settings
+from drivegen.rollout import Choices
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
 

@@ -1,0 +1,195 @@
+"""Outlooks: the motion to expect towards each candidate goal, coarse and cheap, before any planner is asked.
+
+A vehicle is expected to keep to the candidate's route: its speed goes from the present one to the goal's by a smooth ramp
+that covers the distance, its offset from the route's line fades into the goal's. Two candidates exclude each other where
+the boxes of their outlooks meet: a follower can't end beyond its leader, nor two vehicles cross at once.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from drivegen.boxes import bounds, depth
+from drivegen.geometry import Floats, wrap_angle
+from drivegen.goals.candidates import Candidates
+from drivegen.lanes.line import SPACING
+from drivegen.scenario import DT, TARGET, Scenario, Trajectories
+
+STRIDE = 4
+"""Every fourth step is looked at [steps]."""
+
+
+@dataclass(frozen=True)
+class Outlooks:
+    """Outlooks towards the Q candidates of all N vehicles of a scenario, one vehicle's after the other's.
+
+    Attributes:
+        start: (N + 1,) int64 rows of each vehicle. owner: (Q,) int64 the vehicle of each row.
+        position: (Q, S, 2) float32 [m], heading: (Q, S) float32 [rad], at every STRIDE-th step.
+        size: (Q, 2) float32 length, width [m].
+        target_steps: the target is in nobody's way from this step on.
+    """
+
+    start: NDArray[np.int64]
+    owner: NDArray[np.int64]
+    position: NDArray[np.float32]
+    heading: NDArray[np.float32]
+    size: NDArray[np.float32]
+    target_steps: int
+
+    @classmethod
+    def of(cls, scenario: Scenario, candidates: Sequence[Candidates], target_steps: int | None) -> "Outlooks":
+        """Outlooks over the scenario's horizon; `target_steps` None: the target counts throughout."""
+        counts = [len(c) for c in candidates]
+        owner = np.repeat(np.arange(len(counts)), counts)
+        vehicles = scenario.vehicles
+        goal, turn, speed, step, s, d = (
+            np.concatenate([getattr(c, name) for c in candidates]) for name in ("position", "heading", "speed", "step", "s", "d")
+        )
+        offset = np.concatenate([_own_offset(c) for c in candidates])
+        way = goal - vehicles.position[owner]
+        routed = np.concatenate([c.route >= 0 for c in candidates])
+        distance = np.where(routed, np.maximum(s, 0.0), np.hypot(way[:, 0], way[:, 1]))
+        time = np.arange(0, scenario.steps, STRIDE) * DT
+        gone = _distances(time, step * DT, distance, vehicles.speed[owner], speed)
+        share = gone / np.maximum(distance, 1e-6)[:, None]
+        fade = np.clip(share, 0.0, 1.0)
+        position, heading = _along_routes(candidates, gone, offset[:, None] + (d - offset)[:, None] * fade**2 * (3 - 2 * fade))
+        own = vehicles.heading[owner]
+        straight = vehicles.position[owner][:, None] + share[..., None] * way[:, None]
+        position = np.where(routed[:, None, None], position, straight)
+        heading = np.where(routed[:, None], heading, own[:, None] + wrap_angle(turn - own)[:, None] * fade)
+        position[:, 0], heading[:, 0] = vehicles.position[owner], own
+        return cls(
+            start=np.cumsum([0, *counts]),
+            owner=owner,
+            position=position.astype(np.float32),
+            heading=heading.astype(np.float32),
+            size=np.ascontiguousarray(vehicles.size[owner, :2], np.float32),
+            target_steps=scenario.steps if target_steps is None else target_steps,
+        )
+
+    def exclusions(self) -> NDArray[np.bool_]:
+        """(Q, Q) whether two candidates of different vehicles exclude each other."""
+        met = np.zeros((len(self.owner), len(self.owner)), np.bool_)
+        valid = np.ones(self.heading.shape, np.bool_)
+        last = -(-self.target_steps // STRIDE)
+        _exclusions(self.position, self.heading, valid, self.size, self.owner, last, met)
+        return met
+
+    def meetings(self, vehicle: int, committed: Trajectories, sizes: NDArray[np.float32]) -> NDArray[np.int64]:
+        """(C,) with how many of the scenario's N vehicles, moving as `committed` (N, T), each candidate's outlook meets."""
+        rows = slice(self.start[vehicle], self.start[vehicle + 1])
+        position, heading = (np.ascontiguousarray(a[:, ::STRIDE]) for a in (committed.position, committed.heading))
+        valid = committed.valid[:, ::STRIDE].copy()
+        valid[vehicle] = False
+        if vehicle != TARGET:
+            valid[TARGET, -(-self.target_steps // STRIDE) :] = False
+        met = np.zeros(rows.stop - rows.start, np.int64)
+        _meetings(self.position[rows], self.heading[rows], self.size[rows], position, heading, valid, sizes, met)
+        return met
+
+
+def _own_offset(candidates: Candidates) -> NDArray[np.float32]:
+    """(C,) offset [m] of the vehicle itself from each candidate's route."""
+    routes = np.append(candidates.offset, np.float32(0.0))
+    return np.asarray(routes[candidates.route])
+
+
+def _distances(time: Floats, duration: Floats, distance: Floats, v0: Floats, v1: Floats) -> Floats:
+    """(Q, S) distance [m] gone at `time` (S,) towards goals at `distance` (Q,) after `duration` (Q,).
+
+    Where both ramps alone cover more than the distance, each is shortened and the vehicle stands between them.
+    """
+    t = np.minimum(time[None], duration[:, None])
+    whole = duration * (v0 + v1) / 2
+    ramp = np.where(distance >= whole, duration, 2 * distance / np.maximum(v0 + v1, 1e-6)).clip(1e-3)[:, None]
+    rest = np.maximum(distance - whole, 0.0)[:, None]
+    u, last = np.minimum(t / ramp, 1.0), np.maximum(1 - (duration[:, None] - t) / ramp, 0.0)
+    middle = t / duration[:, None]
+    gone = v0[:, None] * ramp * (u - u**3 + u**4 / 2) + v1[:, None] * ramp * (last**3 - last**4 / 2)
+    gone = gone + rest * middle**3 * (10 - 15 * middle + 6 * middle**2)
+    return np.asarray(gone + v1[:, None] * (time[None] - t))
+
+
+def _along_routes(candidates: Sequence[Candidates], s: Floats, d: Floats) -> tuple[Floats, Floats]:
+    """Positions (Q, S, 2) and headings (Q, S) at `s`, `d` (Q, S) of each candidate's route; anything where it has none."""
+    routes = [route for c in candidates for route in c.routes]
+    if not routes:
+        return np.zeros((*s.shape, 2)), np.zeros(s.shape)
+    first_route = np.cumsum([0, *(len(c.routes) for c in candidates)])
+    number = np.concatenate([np.maximum(c.route, 0) + first for c, first in zip(candidates, first_route, strict=False)])
+    number = np.minimum(number, len(routes) - 1)
+    line, angle = np.concatenate([r.line for r in routes]), np.concatenate([r.heading for r in routes])
+    lengths = np.array([len(r.line) for r in routes])
+    begin, last = (np.cumsum(lengths) - lengths)[number, None], (lengths - 1)[number, None]
+    at = np.clip(s / SPACING, 0.0, last)
+    first = np.minimum(at.astype(np.int64), last - 1)
+    share, low = at - first, begin + first
+    heading = angle[low] + share * (angle[low + 1] - angle[low])
+    forward = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
+    left = np.stack([-forward[..., 1], forward[..., 0]], axis=-1)
+    on_line = line[low] + share[..., None] * (line[low + 1] - line[low])
+    return on_line + (s - at * SPACING)[..., None] * forward + d[..., None] * left, heading
+
+
+@njit(cache=True)
+def _meet(pos_a, head_a, length_a, width_a, pos_b, head_b, valid_b, length_b, width_b, last):  # type: ignore[no-untyped-def]
+    """Whether two boxes meet before sample `last`, once they have been apart."""
+    reach = 0.5 * (np.sqrt(length_a**2 + width_a**2) + np.sqrt(length_b**2 + width_b**2))
+    apart = False
+    for t in range(min(last, len(head_a))):
+        if not valid_b[t]:
+            continue
+        dx, dy = pos_b[t, 0] - pos_a[t, 0], pos_b[t, 1] - pos_a[t, 1]
+        touching = dx * dx + dy * dy <= reach * reach
+        if touching:
+            touching = depth(dx, dy, head_a[t], length_a, width_a, head_b[t], length_b, width_b) > 0
+        if touching and apart:
+            return True
+        apart = apart or not touching
+    return False
+
+
+@njit(cache=True)
+def _near(box_a, box_b, margin):  # type: ignore[no-untyped-def]
+    return (
+        box_a[0] - margin <= box_b[2]
+        and box_b[0] - margin <= box_a[2]
+        and box_a[1] - margin <= box_b[3]
+        and box_b[1] - margin <= box_a[3]
+    )
+
+
+@njit(cache=True)
+def _exclusions(position, heading, valid, size, owner, target_last, met):  # type: ignore[no-untyped-def]
+    boxes = bounds(position, valid)
+    for a in range(len(owner)):
+        for b in range(a):
+            if owner[a] == owner[b]:
+                break
+            margin = 0.5 * (size[a, 0] + size[a, 1] + size[b, 0] + size[b, 1])
+            if _near(boxes[a], boxes[b], margin):
+                last = target_last if owner[b] == TARGET else position.shape[1]
+                found = _meet(
+                    position[a], heading[a], size[a, 0], size[a, 1],
+                    position[b], heading[b], valid[b], size[b, 0], size[b, 1], last,
+                )  # fmt: skip
+                met[a, b], met[b, a] = found, found
+
+
+@njit(cache=True)
+def _meetings(position, heading, size, other_position, other_heading, other_valid, other_size, met):  # type: ignore[no-untyped-def]
+    boxes = bounds(position, np.ones(heading.shape, np.bool_))
+    others = bounds(other_position, other_valid)
+    for a in range(len(heading)):
+        for b in range(len(other_heading)):
+            margin = 0.5 * (size[a, 0] + size[a, 1] + other_size[b, 0] + other_size[b, 1])
+            if _near(boxes[a], others[b], margin):
+                met[a] += _meet(
+                    position[a], heading[a], size[a, 0], size[a, 1],
+                    other_position[b], other_heading[b], other_valid[b], other_size[b, 0], other_size[b, 1], len(heading[a]),
+                )  # fmt: skip

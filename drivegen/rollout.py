@@ -1,0 +1,213 @@
+"""One scenario on its way through the rollout: goals drawn together, motion committed, what is illegal asked for again.
+
+The first goals of a sample are drawn for all vehicles together (`goals.joint`), so that a follower does not end beyond its
+leader. Vehicles are committed in asset order, each against those before it; who is illegal is planned again in the next
+round, towards the goals that its own odds and the outlook on what is committed leave. Asset order alone leaves dead ends:
+whoever is committed first may run over the place of a vehicle that is planned later and can't get out of its way. Such a
+vehicle takes its best trajectory that is legal but for collisions, and those that it collides with are planned again, a
+bounded number of times.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.checker.limits import Limits
+from drivegen.checker.scene import SceneChecker, Severities
+from drivegen.goals.candidates import Candidates
+from drivegen.goals.joint import PENALTY, draw_together, gumbel
+from drivegen.goals.outlook import Outlooks
+from drivegen.samples import NO_GOAL, Samples, Violation
+from drivegen.scenario import TARGET, Scenario, Trajectories
+
+Probabilities = list[NDArray[np.float32]]
+"""One array (C,) per vehicle of a scenario, over its candidates."""
+
+FAILED = 1.0
+"""Each failed trajectory makes its goal exp(1) times less likely to be tried again."""
+
+
+@dataclass(frozen=True)
+class RolloutSettings:
+    """How often the illegal is planned again, and what becomes of what stays illegal.
+
+    Attributes:
+        attempts: trajectories planned for a pending vehicle in each round after the first.
+        rounds: number of rounds, the first included.
+        evictions: how often a vehicle may be planned again because another one found no way past it.
+        drop_illegal: leave out vehicles that could not be made legal; else the least illegal trajectory stays.
+        target_steps: others avoid the target's planned motion up to this step only, None for always. In corner cases
+            its driver has to react, and this is the time that it is given.
+    """
+
+    attempts: int
+    rounds: int
+    evictions: int
+    drop_illegal: bool
+    target_steps: int | None
+
+
+@dataclass(frozen=True)
+class Choices:
+    """A scenario with the goals that its vehicles may take.
+
+    Attributes:
+        scenario: the scenario, N vehicles.
+        candidates: N Candidates.
+        natural: N arrays (C,), the selector's own probabilities.
+        used: N arrays (C,), those that goals are drawn with.
+    """
+
+    scenario: Scenario
+    candidates: list[Candidates]
+    natural: Probabilities
+    used: Probabilities
+
+
+class Rollout:
+    """What is committed, what is pending, and the best of what was illegal so far.
+
+    `motion` (K, N, T) holds committed vehicles only (valid False elsewhere), `spare` the least illegal trajectory of
+    each pending one. Q candidates of all vehicles stand one below the other; `start` (N + 1,) are the rows of each vehicle.
+    """
+
+    def __init__(self, choice: Choices, limits: Limits, settings: RolloutSettings, samples: int, seed: int) -> None:
+        scenario, count = choice.scenario, len(choice.scenario.vehicles)
+        self.choice, self.settings, self.turn = choice, settings, 0
+        self.checker = SceneChecker(scenario, limits)
+        self.motion = Trajectories.empty(samples, count, scenario.steps)
+        self.spare = Trajectories.empty(samples, count, scenario.steps)
+        self.badness = np.full((samples, count), np.inf)
+        self.pending = np.ones((samples, count), np.bool_)
+        self.goal = np.full((samples, count), NO_GOAL, np.int32)
+        self.attempts = np.zeros((samples, count), np.int64)
+        self.evictions = np.zeros((samples, count), np.int64)
+        self.outlooks = Outlooks.of(scenario, choice.candidates, settings.target_steps)
+        self.start = self.outlooks.start
+        self.exclusive = self.outlooks.exclusions()
+        used = np.concatenate(choice.used)
+        noise = gumbel(seed, scenario.scenario_id, samples, len(used))
+        self.first = draw_together(used, self.start, self.exclusive, noise)
+        with np.errstate(divide="ignore"):
+            self.score = np.log(used.astype(np.float64)) + noise[0]
+        self.failed = np.zeros((samples, len(used)), np.int64)
+
+    def wanted(self, turn: int) -> NDArray[np.int64]:
+        """Rows (sample, vehicle, candidate, attempt) that are to be planned in round `turn`."""
+        self.turn = turn
+        pending = np.argwhere(self.pending)
+        if turn == 0:
+            return np.column_stack([pending, self.first[self.pending], np.zeros(len(pending), np.int64)])
+        rows: list[tuple[int, int, int, int]] = []
+        for k, n in pending.tolist():
+            rows.extend((k, n, c, turn * 16 + a) for a, c in enumerate(self._next_goals(k, n)))
+        return np.array(rows, np.int64).reshape(-1, 4)
+
+    def _next_goals(self, k: int, n: int) -> list[int]:
+        """The goals to try next for vehicle n of sample k, the likeliest first; a goal may be tried more than once."""
+        own = slice(self.start[n], self.start[n + 1])
+        met = self.outlooks.meetings(n, self._others(k, n), self.checker.size)
+        score = self.score[k, own] - PENALTY * met - FAILED * self.failed[k, own]
+        chosen = []
+        for _ in range(self.settings.attempts):
+            best = int(np.argmax(score))
+            chosen.append(best)
+            score[best] -= FAILED
+        return chosen
+
+    def _others(self, k: int, n: int) -> Trajectories:
+        """What is committed in sample k and vehicle n has to avoid."""
+        others = self.motion[k]
+        if self.settings.target_steps is None or n == TARGET:
+            return others
+        valid = others.valid.copy()
+        valid[TARGET, self.settings.target_steps :] = False
+        return Trajectories(others.position, others.heading, others.velocity, valid)
+
+    def commit(self, rows: NDArray[np.int64], motion: Trajectories) -> None:
+        """Walk each sample's pending vehicles in asset order; commit the first legal trajectory of each."""
+        alone = self.checker.alone(rows[:, 1], motion)
+        starts = np.flatnonzero(np.any(np.diff(rows[:, :2], axis=0, prepend=-1) != 0, axis=1))
+        for a, b in zip(starts, [*starts[1:], len(rows)], strict=True):
+            k, n = int(rows[a, 0]), int(rows[a, 1])
+            found = self.checker.among_committed(n, motion[a:b], self._others(k, n), self.checker.size, alone[a:b])
+            self._judge(k, n, rows[a:b, 2], motion[a:b], found)
+
+    def _judge(self, k: int, n: int, candidate: NDArray[np.int64], motion: Trajectories, found: Severities) -> None:
+        """Commit the first legal trajectory of vehicle n in sample k, or make way for one, or keep the least illegal."""
+        violation = found.violation
+        legal = np.flatnonzero(violation == 0)
+        if len(legal):
+            self.attempts[k, n] += int(legal[0]) + 1
+            self._settle(k, n, int(candidate[legal[0]]), motion[int(legal[0])])
+            return
+        self.attempts[k, n] += len(violation)
+        np.add.at(self.failed[k], self.start[n] + candidate, 1)
+        blocked = np.flatnonzero(violation == Violation.COLLISION)
+        if len(blocked) and self._evict(k, n, motion[int(blocked[0])]):
+            self._settle(k, n, int(candidate[blocked[0]]), motion[int(blocked[0])])
+            return
+        badness = _badness(violation, found.first_step, motion.steps)
+        chosen = int(badness.argmin())
+        if badness[chosen] < self.badness[k, n]:
+            self.badness[k, n], self.goal[k, n] = badness[chosen], candidate[chosen]
+            _put(self.spare, (k, n), motion[chosen])
+
+    def _settle(self, k: int, n: int, candidate: int, motion: Trajectories) -> None:
+        self.pending[k, n], self.goal[k, n] = False, candidate
+        _put(self.motion, (k, n), motion)
+
+    def _evict(self, k: int, n: int, motion: Trajectories) -> bool:
+        """Make way for a trajectory that only collides: whether all in its way could be sent to the next round."""
+        if self.turn + 1 == self.settings.rounds:
+            return False
+        others = np.flatnonzero(self.checker.partners(n, motion, self.motion[k]))
+        if (self.evictions[k, others] >= self.settings.evictions).any() or len(others) == 0:
+            return False
+        self.evictions[k, others] += 1
+        self.pending[k, others] = True
+        for other in others.tolist():
+            _put(self.spare, (k, other), self.motion[k, other])
+            self.badness[k, other] = 1.0
+        self.motion.valid[k, others] = False
+        return True
+
+    def result(self, method: str) -> Samples:
+        """The samples as they stand: pending vehicles keep their least illegal trajectory or are dropped.
+
+        Everything is judged once more together, so that a collision is charged to both partners.
+        """
+        left = self.pending
+        if not self.settings.drop_illegal:
+            for k, n in np.argwhere(left):
+                _put(self.motion, (k, n), self.spare[k, n])
+        violation, first = self.checker.check_samples(self.motion, self.settings.target_steps is not None)
+        natural, used = (self._probability(p) for p in (self.choice.natural, self.choice.used))
+        return Samples(
+            scenario_id=self.choice.scenario.scenario_id,
+            method=method,
+            motion=self.motion,
+            violation=violation,
+            first_violation=first,
+            goal=self.goal,
+            natural=natural,
+            used=used,
+            attempts=np.minimum(self.attempts, 255).astype(np.uint8),
+            dropped=left if self.settings.drop_illegal else np.zeros_like(left),
+        )
+
+    def _probability(self, probabilities: Probabilities) -> NDArray[np.float32]:
+        columns = [p[self.goal[:, n]] for n, p in enumerate(probabilities)]
+        return np.stack(columns, axis=1).astype(np.float32)
+
+
+def _badness(violation: NDArray[np.uint16], first: NDArray[np.int16], steps: int) -> NDArray[np.float64]:
+    """Fewer broken rules are better; among equals, the later the first one breaks the better."""
+    rules = np.array([int(v).bit_count() for v in violation], np.float64)
+    return rules + 1.0 - first / steps
+
+
+def _put(into: Trajectories, index: tuple[int, int], motion: Trajectories) -> None:
+    into.position[index], into.heading[index] = motion.position, motion.heading
+    into.velocity[index], into.valid[index] = motion.velocity, motion.valid
