@@ -31,12 +31,14 @@ class PlaceSettings:
     """How vehicles are placed.
 
     Attributes:
+        road_ahead: the target starts with at least so much road before it [m], or where the map has most.
         radius: social vehicles stand within this distance of the target [m].
         speed_spread: standard deviation of a social vehicle's speed over the target's, as a share of it.
         least_time_gap: [s] between a vehicle and its leader, standstill_gap [m] comes on top.
         attempts: places that are tried for one vehicle.
     """
 
+    road_ahead: float
     radius: float
     speed_spread: float
     least_time_gap: float
@@ -88,7 +90,7 @@ def place_vehicles(
     fits = _fits(slots, table, rows[0])
     if not len(fits):
         raise UnusableInput("the map has no lane on which the target fits", reason="no-place")
-    target = int(random.choice(fits))
+    target = int(random.choice(_with_road(slots, fits, settings.road_ahead)))
     pace = float(limit[target] * random.uniform(0.6, 1.0))
     scene.slot, scene.speed, scene.row = [target], [pace], rows[:1]
     near = ((slots.position - slots.position[target]) ** 2).sum(-1) <= settings.radius**2
@@ -97,6 +99,12 @@ def place_vehicles(
         if reason is not None:
             rejected[reason] += 1
     return Placement(_vehicles(slots, table, scene), slots.lane[scene.slot], dict(sorted(rejected.items())))
+
+
+def _with_road(slots: Slots, fits: NDArray[np.intp], wanted: float) -> NDArray[np.intp]:
+    """Those of the slots that have the wanted road ahead; the best tenth where none has."""
+    road = slots.road_ahead[fits]
+    return np.asarray(fits[road >= min(wanted, float(np.quantile(road, 0.9)))])
 
 
 def _fits(slots: Slots, table: Table, row: int, near: NDArray[np.bool_] | None = None) -> NDArray[np.intp]:

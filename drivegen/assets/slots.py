@@ -15,6 +15,9 @@ SPACING = 2.0
 REACH = 120.0
 """How far ahead vehicles matter to each other [m]."""
 
+FAR = 400.0
+"""Road ahead is not followed farther than this [m]."""
+
 _BRAKING = 2.0
 """Comfortable deceleration [m/s2] before bends and stop lines."""
 
@@ -28,6 +31,19 @@ _UNKNOWN_LIMIT = 13.9
 """Speed limit [m/s] assumed where the map has none: 50 km/h."""
 
 
+def _road_from_start(links: NDArray[np.int32], length: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(L,) [m] of the longest way from the start of each lane, followed until it exceeds FAR by the lane's own length."""
+    road = length.copy()
+    before, after = links.reshape(-1, 2).T
+    for _ in range(len(length)):
+        longer = length.copy()
+        np.maximum.at(longer, before, length[before] + np.minimum(road[after], FAR))
+        if np.array_equal(longer, road):
+            break
+        road = longer
+    return road
+
+
 class Slots:
     """Q slots on the lanes of one map, made once and used for many scenes.
 
@@ -35,6 +51,7 @@ class Slots:
         map: the map.
         lane: (Q,) int32. along: (Q,) float32 [m] from the lane's start. position: (Q, 2). heading: (Q,).
         limit: (Q,) float32 [m/s] speed from which one can still keep the limits, bends and stop lines ahead.
+        road_ahead: (Q,) float64 [m] of lanes that can be driven from here without changing lanes, FAR at most.
         length: (L,) [m] of each lane. width: (L,) [m] the narrowest of each lane.
     """
 
@@ -55,6 +72,7 @@ class Slots:
         self.position = np.concatenate([interpolate(lines[lane], at) for lane, at in places] or [np.zeros((0, 2))])
         self.heading = np.concatenate([_headings(lines[lane], at) for lane, at in places] or [np.zeros(0)])
         self.limit = np.concatenate([profiles.speed(lane, at) for lane, at in places] or [np.zeros(0)])
+        self.road_ahead = np.minimum((_road_from_start(road_map.links, self.length))[self.lane] - self.along, FAR)
 
     def __len__(self) -> int:
         return len(self.lane)

@@ -16,7 +16,7 @@ from drivegen.roadmap import LaneControl, LaneKind
 from drivegen.scenario import SizeSource, VehicleKind
 from tests.scenes import busy_crossing, crossing, straight_road
 
-SETTINGS = PlaceSettings(radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24)
+SETTINGS = PlaceSettings(road_ahead=120.0, radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24)
 MAPS = {"crossing": Slots(crossing()), "stop": Slots(crossing(control=LaneControl.STOP)), "road": Slots(straight_road(300, 3))}
 
 
@@ -186,3 +186,13 @@ def test_the_table_goes_to_columns_and_back_and_wrong_columns_are_refused():
         Table.from_arrow(built.to_arrow().drop_columns(["width"]), "elsewhere")
     with pytest.raises(UnusableInput, match="elsewhere"):
         Table.from_arrow(built.to_arrow().slice(0, 0), "elsewhere")
+
+
+def test_the_target_has_road_ahead_where_the_map_has_it():
+    slots = MAPS["crossing"]
+    wanted = min(SETTINGS.road_ahead, float(np.quantile(slots.road_ahead, 0.9)))
+    for seed in range(20):
+        target = placed("crossing", [0], seed).vehicles.position[0]
+        at = np.hypot(*(slots.position - target).T).argmin()
+        assert slots.road_ahead[at] >= wanted - 2.0
+    assert slots.road_ahead.min() < wanted
