@@ -27,6 +27,7 @@ class Params:
     Attributes:
         scenarios: how many per split. per_part: at most so many in one file and one task.
         real: networks of each split by name, as paths below SUMO_HOME. own: map specifications likewise, by name.
+        density: for "real" and "own" networks the least and the most vehicles per kilometre of lane that a run begins with.
         own_share: share of the scenarios that own networks give where a split has both.
         settings: see `CorpusSettings`.
     """
@@ -37,6 +38,7 @@ class Params:
     per_part: int
     real: dict[str, dict[str, str]]
     own: dict[str, dict[str, Any]]
+    density: dict[str, tuple[float, float]]
     own_share: float
     settings: CorpusSettings
 
@@ -50,6 +52,7 @@ class Task:
     folder: Path
     part: int
     count: int
+    density: tuple[float, float]
     settings: CorpusSettings
     seed: int
 
@@ -59,11 +62,14 @@ def main(params: Params, out: Path) -> None:
     _check_disjoint(params)
     tasks: list[Task] = []
     for split in SPLITS:
-        for city, raw, count in _networks(params, split):
+        for city, raw, density, count in _networks(params, split):
             network = out / "networks" / f"{city}.net.xml"
             with whole(network) as temporary:
                 temporary.write_bytes(prepare_network(raw, city, params.seed))
-            tasks += _parts(params, network, city, out / split, count)
+            tasks += [
+                Task(network, city, out / split, part, some, density, params.settings, params.seed)
+                for part, some in enumerate(_parts(count, params.per_part))
+            ]
     counts: dict[str, dict[str, dict[str, int]]] = {}
     for task, (moving, vehicles) in spread(simulate_part, tasks, params.workers, "corpus"):
         place = counts.setdefault(task.folder.name, {}).setdefault(task.city, {"scenarios": 0, "vehicles": 0, "moving": 0})
@@ -76,12 +82,14 @@ def main(params: Params, out: Path) -> None:
 def simulate_part(task: Task) -> tuple[int, int]:
     """Simulate and write one part; returns how many vehicles move and how many there are."""
     raw = task.network.read_bytes()
-    scenarios = simulate_scenarios(raw, task.city, task.part, task.count, task.settings, task.seed)
+    scenarios = simulate_scenarios(raw, task.city, task.part, task.count, task.density, task.settings, task.seed)
     write_part(task.folder, f"{task.city}-{task.part:03d}", scenarios)
     return moving_vehicles(scenarios)
 
 
 def _check_disjoint(params: Params) -> None:
+    if set(params.density) != {"real", "own"}:
+        raise UnusableInput("corpus.density needs a range for `real` and one for `own`, and nothing else")
     for known in (params.scenarios, params.real, params.own):
         if unknown := set(known) - set(SPLITS):
             raise UnusableInput(f"corpus: there is no split {unknown.pop()!r}; there are {', '.join(SPLITS)}")
@@ -93,15 +101,15 @@ def _check_disjoint(params: Params) -> None:
                     raise UnusableInput(f"corpus: network {name!r} is in {seen[word]} and {split}, or its name is no plain word")
 
 
-def _networks(params: Params, split: str) -> Iterator[tuple[str, bytes, int]]:
-    """Name, file and number of scenarios of each network of the split."""
+def _networks(params: Params, split: str) -> Iterator[tuple[str, bytes, tuple[float, float], int]]:
+    """Name, file, density and number of scenarios of each network of the split."""
     real, own, total = params.real.get(split, {}), params.own.get(split, {}), params.scenarios.get(split, 0)
     of_own = 0 if not own else total if not real else round(total * params.own_share)
-    for names, count in ((real, total - of_own), (own, of_own)):
+    for names, kind, count in ((real, "real", total - of_own), (own, "own", of_own)):
         for i, (name, source) in enumerate(names.items()):
             share = count * (i + 1) // len(names) - count * i // len(names)
             if share:
-                yield name, _source(name, source), share
+                yield name, _source(name, source), params.density[kind], share
 
 
 def _source(name: str, source: Any) -> bytes:
@@ -116,9 +124,8 @@ def _source(name: str, source: Any) -> bytes:
     return require(Path(found.origin).parent / source, f"corpus: network {name!r} is not part of this SUMO").read_bytes()
 
 
-def _parts(params: Params, network: Path, city: str, folder: Path, count: int) -> list[Task]:
-    counts = [min(params.per_part, count - start) for start in range(0, count, params.per_part)]
-    return [Task(network, city, folder, part, some, params.settings, params.seed) for part, some in enumerate(counts)]
+def _parts(count: int, most: int) -> list[int]:
+    return [min(most, count - start) for start in range(0, count, most)]
 
 
 if __name__ == "__main__":

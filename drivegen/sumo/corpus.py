@@ -13,6 +13,7 @@ from drivegen import seeds
 from drivegen.crop import Cropper
 from drivegen.errors import UnusableInput
 from drivegen.scenario import DT, Scenario
+from drivegen.sumo.bends import with_human_speeds
 from drivegen.sumo.demand import Demand, draw_demand, vehicles_at_begin
 from drivegen.sumo.netconvert import convert
 from drivegen.sumo.network import Network
@@ -35,7 +36,6 @@ class CorpusSettings:
     """How logs are simulated.
 
     Attributes:
-        least_density, most_density: vehicles per kilometre of lane at the beginning; each run draws its own.
         most_vehicles: bound on the vehicles at the beginning of a run.
         warm_up: [s] before recording begins. most_windows_per_run: windows one after the other in a run, at most.
         lateral_resolution: width of a sublane [m].
@@ -43,8 +43,6 @@ class CorpusSettings:
         window: which windows make scenarios. sensing: how they are measured.
     """
 
-    least_density: float
-    most_density: float
     most_vehicles: int
     warm_up: float
     most_windows_per_run: int
@@ -55,7 +53,7 @@ class CorpusSettings:
 
 
 def prepare_network(raw: bytes, city: str, seed: int) -> bytes:
-    """The network with fixed-time programs of its own at every signal, cycle time drawn by `seed`.
+    """The network with limits that suit its bends and fixed-time programs at every signal, cycle time drawn by `seed`.
 
     Raises UnusableInput where the file is no network that netconvert accepts.
     """
@@ -64,12 +62,16 @@ def prepare_network(raw: bytes, city: str, seed: int) -> bytes:
     files = {"in.net.xml.gz" if raw[:2] == b"\x1f\x8b" else "in.net.xml": raw}
     rebuild = ["--tls.rebuild", "true", "--tls.default-type", "static", "--tls.cycle.time", str(cycle)]
     plain = ["--offset.disable-normalization", "true", "--output.street-names", "false", "--no-warnings", "true"]
-    return convert(files, ["-s", next(iter(files)), *rebuild, *plain, "-o", "out.net.xml"], "out.net.xml")
+    built = convert(files, ["-s", next(iter(files)), *rebuild, *plain, "-o", "out.net.xml"], "out.net.xml")
+    return with_human_speeds(built, city)
 
 
-def simulate_scenarios(raw: bytes, city: str, part: int, count: int, settings: CorpusSettings, seed: int) -> list[Scenario]:
+def simulate_scenarios(
+    raw: bytes, city: str, part: int, count: int, density: tuple[float, float], settings: CorpusSettings, seed: int
+) -> list[Scenario]:
     """`count` scenarios on the prepared network `raw`, the same ones for the same city, part, settings and seed.
 
+    Each run begins with a number of vehicles per kilometre of lane drawn from `density` (least, most).
     Raises UnusableInput where the network yields too few.
     """
     network = Network.read(raw, city)
@@ -80,9 +82,7 @@ def simulate_scenarios(raw: bytes, city: str, part: int, count: int, settings: C
     while len(scenarios) < count:
         random = seeds.rng(seed, "corpus", city, part, run)
         wanted = count - len(scenarios)
-        vehicles = vehicles_at_begin(
-            network, random.uniform(settings.least_density, settings.most_density), settings.most_vehicles
-        )
+        vehicles = vehicles_at_begin(network, random.uniform(*density), settings.most_vehicles)
         windows = int(np.clip(np.ceil(wanted / (vehicles * share)), 1, settings.most_windows_per_run))
         recording = Recording(network, _drive(raw, network, vehicles, windows, settings, random), cropper, city)
         found = list(islice(cut_windows(recording, f"{city}-{part:03d}-{run:02d}", settings.window, random), wanted))

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from drivegen.errors import UnusableInput
 from drivegen.roadmap import LaneKind
-from drivegen.sumo.drivers import draw_types
+from drivegen.scenario import VehicleKind
+from drivegen.sumo.drivers import CYCLED, draw_types
 from drivegen.sumo.network import Network
 
 _SHORTEST = 150.0
@@ -22,6 +23,9 @@ _SHORTEST = 150.0
 
 _SLOWER = 0.8
 """Trips take longer than at the speed limit, by about the inverse of this: signals, bends, other traffic."""
+
+_USUAL_LIMIT = 14.0
+"""Of a road that states none [m/s]."""
 
 _TYPES = 40
 _TASTES = 4
@@ -43,10 +47,11 @@ class Demand:
 
 @dataclass(frozen=True)
 class _Edges:
-    """E edges that cars may use: names, length [m], travel time [s], lanes, successors, and where trips begin and end."""
+    """E edges that cars may use: names, length [m], limit [m/s], travel time [s], lanes, successors; where trips begin, end."""
 
     names: list[str]
     length: NDArray[np.float64]
+    limit: NDArray[np.float64]
     duration: NDArray[np.float64]
     lanes: NDArray[np.int64]
     onward: list[list[int]]
@@ -65,20 +70,23 @@ def draw_demand(network: Network, demand: Demand, random: np.random.Generator) -
     """A SUMO routes file with types, routes and departures. Raises UnusableInput where no trip fits on the network."""
     edges = _edges(network)
     root = Element("routes")
-    types = draw_types(_TYPES, random, root)
+    everybody = draw_types(_TYPES, random, root)
+    motorised = [drawn for drawn in everybody if drawn.kind != VehicleKind.CYCLIST]
     routes = _draw_routes(edges, 2 * demand.vehicles, random)
     if not routes:
         raise UnusableInput("the network has no two roads that a trip connects", reason="no-trips")
     rate = _SLOWER * demand.vehicles / float(np.mean([edges.duration[route].sum() for route in routes]))
     later = random.uniform(1.0, demand.seconds, size=int(rate * demand.seconds))
     for i, depart in enumerate([0.0] * demand.vehicles + sorted(later.tolist())):
-        vehicle = SubElement(root, "vehicle", id=str(i), type=types[int(random.integers(_TYPES))].name, depart=f"{depart:.1f}")
+        route = routes[int(random.integers(len(routes)))]
+        open_to = everybody if edges.limit[route].max() <= CYCLED else motorised
+        kind = open_to[int(random.integers(len(open_to)))].name
+        vehicle = SubElement(root, "vehicle", id=str(i), type=kind, depart=f"{depart:.1f}")
         vehicle.set("departLane", "best" if depart else "random")
         vehicle.set("departSpeed", "desired")
         vehicle.set("departPos", "base" if depart else "random_free")
         if not depart:
             vehicle.set("departEdge", "random")
-        route = routes[int(random.integers(len(routes)))]
         SubElement(vehicle, "route", edges=" ".join(edges.names[e] for e in route))
     return bytes(tostring(root))
 
@@ -92,13 +100,13 @@ def _edges(network: Network) -> _Edges:
         number.setdefault(names[lane], len(number))
     if not number:
         raise UnusableInput("the network has no road for cars", reason="no-trips")
-    lengths, durations = np.ones(len(number)), np.ones(len(number))
+    lengths, limits = np.ones(len(number)), np.ones(len(number))
     lanes = np.zeros(len(number), np.int64)
     for lane in open_lanes:
         e = number[names[lane]]
         lengths[e] = np.hypot(*np.diff(map_.centreline[lane], axis=0).T).sum()
         speed = map_.speed_limit[lane]
-        durations[e] = lengths[e] / (float(speed) if np.isfinite(speed) else 14.0)
+        limits[e] = float(speed) if np.isfinite(speed) else _USUAL_LIMIT
         lanes[e] += 1
     onward = _successors(network, names, number)
     into: dict[int, set[int]] = defaultdict(set)
@@ -107,7 +115,7 @@ def _edges(network: Network) -> _Edges:
             into[f].add(e)
     sources = np.array([e for e in range(len(number)) if not into[e]] or range(len(number)), np.int64)
     sinks = np.array([e for e in range(len(number)) if not onward[e]] or range(len(number)), np.int64)
-    return _Edges(list(number), lengths, durations, lanes, onward, sources, sinks)
+    return _Edges(list(number), lengths, limits, lengths / limits, lanes, onward, sources, sinks)
 
 
 def _successors(network: Network, names: list[str], number: dict[str, int]) -> list[list[int]]:

@@ -1,7 +1,8 @@
 """Varied drivers and vehicles for simulated traffic: sizes by documented classes, car following by IDM and EIDM.
 
 Every vehicle has SUMO's class `passenger`, so that each route drawn for cars is open to it; size, acceleration and
-speed are what make it a truck or a bus. Lane changes are sublane ones (SL2015) wherever lateral resolution is on.
+speed are what make it a truck, a bus or a cyclist at the right edge of a car lane. Lane changes are sublane ones
+(SL2015) wherever lateral resolution is on.
 """
 
 from dataclasses import dataclass
@@ -11,8 +12,17 @@ import numpy as np
 
 from drivegen.scenario import VehicleKind
 
-SHARES = {VehicleKind.CAR: 0.85, VehicleKind.TRUCK: 0.08, VehicleKind.BUS: 0.04, VehicleKind.MOTORCYCLE: 0.03}
+SHARES = {
+    VehicleKind.CAR: 0.82,
+    VehicleKind.TRUCK: 0.08,
+    VehicleKind.BUS: 0.04,
+    VehicleKind.MOTORCYCLE: 0.03,
+    VehicleKind.CYCLIST: 0.03,
+}
 """Shares of kinds in the traffic: an urban mix, assumed."""
+
+CYCLED = 15.0
+"""Cyclists take no road with a limit above this [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +46,7 @@ _BODIES: dict[VehicleKind, tuple[_Body, ...]] = {
     VehicleKind.TRUCK: (_Body((8.2, 2.45, 3.20), (1.10, 0.06, 0.30), 1.1, 2.0, 25.0),),  # rigid lorries
     VehicleKind.BUS: (_Body((12.0, 2.55, 3.10), (0.30, 0.01, 0.10), 1.1, 1.9, 24.0),),  # solo city buses
     VehicleKind.MOTORCYCLE: (_Body((2.2, 0.82, 1.50), (0.10, 0.04, 0.06), 2.6, 2.8, 55.0),),
+    VehicleKind.CYCLIST: (_Body((1.75, 0.62, 1.75), (0.05, 0.03, 0.07), 1.1, 2.2, 5.5),),
 }
 
 
@@ -44,6 +55,7 @@ _SHAPES = {
     VehicleKind.TRUCK: "truck",
     VehicleKind.BUS: "bus",
     VehicleKind.MOTORCYCLE: "motorcycle",
+    VehicleKind.CYCLIST: "bicycle",
 }
 """SUMO's name for a vehicle's looks: `traffic` reads the kind from it."""
 
@@ -92,7 +104,7 @@ def _draw_type(name: str, kind: VehicleKind, random: np.random.Generator, parent
         lcSpeedGain=f"{random.uniform(0.5, 2.0) * (1.3 - 0.6 * calm):.3f}",
         lcKeepRight=f"{random.uniform(0.0, 1.0):.3f}",
         lcCooperative=f"{random.uniform(0.5, 1.0):.3f}",
-        latAlignment=f"{random.normal(0.0, 0.12):.3f}",
+        latAlignment="right" if kind == VehicleKind.CYCLIST else f"{random.normal(0.0, 0.12):.3f}",
         minGapLat="0.6",
         maxSpeedLat=f"{random.uniform(0.7, 1.2):.3f}",
     )

@@ -89,13 +89,15 @@ def read_lanes(root: Element, place: str) -> NetLanes:
         dropped=frozenset(dropped),
         edges=[(edge, whole_number(lane, "index", place)) for edge, lane in zip(edges, elements, strict=True)],
         ends=ends,
-        shapes=[_shape(lane, place) for lane in elements],
-        width=np.array([_number(lane, "width", DEFAULT_WIDTH, place) for lane in elements]),
-        speed=np.array([_number(lane, "speed", np.nan, place) for lane in elements], np.float32),
+        shapes=[lane_shape(lane, place) for lane in elements],
+        width=np.array([lane_number(lane, "width", DEFAULT_WIDTH, place) for lane in elements]),
+        speed=np.array([lane_number(lane, "speed", np.nan, place) for lane in elements], np.float32),
         kind=np.array(kinds, np.uint8),
         internal=np.array(internal, np.bool_),
         changes=np.array([[_may_change(lane.get(side)) for side in ("changeLeft", "changeRight")] for lane in elements]),
-        junctions={j.get("id", ""): _shape(j, place) for j in root.iterfind("junction") if j.get("shape", "").count(" ") >= 2},
+        junctions={
+            j.get("id", ""): lane_shape(j, place) for j in root.iterfind("junction") if j.get("shape", "").count(" ") >= 2
+        },
         crossings=crossings,
         lefthand=root.get("lefthand") == "true",
     )
@@ -115,8 +117,8 @@ def names_unknown_lane(connection: Element, lanes: NetLanes) -> bool:
     return any(end not in lanes.number and end not in lanes.dropped for end in ends)
 
 
-def _shape(element: Element, place: str) -> Points:
-    """Points (P, 2) of "x,y x,y,z ..."; a height is left out."""
+def lane_shape(element: Element, place: str) -> Points:
+    """Points (P, 2) of the attribute shape, "x,y x,y,z ..."; a height is left out. Raises UnusableInput for other text."""
     text = element.get("shape", "")
     try:
         points = np.array([tuple(map(float, point.split(",")[:2])) for point in text.split()], np.float64)
@@ -128,8 +130,8 @@ def _shape(element: Element, place: str) -> Points:
     return points
 
 
-def _number(element: Element, attribute: str, default: float, place: str) -> float:
-    """A positive number below 1000, the default where the attribute is absent."""
+def lane_number(element: Element, attribute: str, default: float, place: str) -> float:
+    """A positive number below 1000, the default where the attribute is absent. Raises UnusableInput for anything else."""
     text = element.get(attribute)
     if text is None:
         return default
@@ -168,4 +170,4 @@ def _may_change(allowed: str | None) -> bool:
 
 
 def _crossing(lane: Element, place: str) -> Points:
-    return crossing_corners(_shape(lane, place), _number(lane, "width", DEFAULT_WIDTH, place))
+    return crossing_corners(lane_shape(lane, place), lane_number(lane, "width", DEFAULT_WIDTH, place))

@@ -21,12 +21,15 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from drivegen.errors import MissingTool, UnusableInput
-from drivegen.geometry import unit
+from drivegen.geometry import unit, wrap_angle
 from drivegen.scenario import DT, Trajectories, VehicleKind
 from drivegen.sumo.programs import decode
 
 _PROGRAM = Path(__file__).with_name("simulation.py")
 _LONGEST_MESSAGE = 300
+
+SMOOTHING = 0.3
+"""Standard deviation of the time over which tracks are averaged [s]."""
 
 
 class SimulationFailed(UnusableInput):
@@ -161,9 +164,31 @@ def _dense(
     motion.position[row, column] = front - unit(heading) * (size[row, :1] / 2)
     motion.heading[row, column] = (heading + np.pi) % (2 * np.pi) - np.pi
     motion.valid[row, column] = True
+    motion = smoothed(motion)
     motion.velocity[...] = _velocity(motion)
     order = np.argsort(names.astype(np.int64) if np.char.isdigit(names).all() else names, kind="stable")
     return Traffic(names[order], shapes[of_vehicle][order], size[order], motion[order], lights)
+
+
+def smoothed(motion: Trajectories) -> Trajectories:
+    """Positions and headings averaged over time by a Gaussian of SMOOTHING, as whoever tracks vehicles does.
+
+    SUMO's vehicles turn on the spot at corners of a lane's drawn line and jump a little where one lane takes over from
+    another. Near the ends of a track the average narrows and stays symmetric, so uniform motion is left as it is.
+    Velocities are not touched.
+    """
+    position, heading, valid = motion.position, motion.heading, motion.valid
+    reach = round(3 * SMOOTHING / DT)
+    weight = np.exp(-0.5 * (np.arange(1, reach + 1) * DT / SMOOTHING) ** 2)
+    weight = (weight / (1 + 2 * weight.sum())).astype(np.float32)
+    moved, turned = np.zeros_like(position), np.zeros_like(heading)
+    for k, share in enumerate(weight.tolist(), 1):
+        here, before, after = np.s_[:, k:-k], np.s_[:, : -2 * k], np.s_[:, 2 * k :]
+        both = (valid[here] & valid[before] & valid[after]) * np.float32(share)
+        moved[here] += both[..., None] * (position[before] + position[after] - 2 * position[here])
+        turns = wrap_angle(heading[before] - heading[here]) + wrap_angle(heading[after] - heading[here])
+        turned[here] += both * turns.astype(np.float32)
+    return Trajectories(position + moved, wrap_angle(heading + turned).astype(np.float32), motion.velocity, valid)
 
 
 def _velocity(motion: Trajectories) -> NDArray[np.float32]:

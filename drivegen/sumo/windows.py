@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.crop import Cropper
-from drivegen.geometry import boxes_overlap
-from drivegen.scenario import Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
+from drivegen.geometry import boxes_overlap, wrap_angle
+from drivegen.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
 from drivegen.sumo.network import Network
 from drivegen.sumo.traffic import Traffic
 
@@ -20,7 +20,11 @@ EGO = "AV"
 MOVED = 2.0
 """A vehicle moves if it gets farther than this from where it was first seen [m]."""
 
+HARDEST = 8.0
+"""More than tyres give on most roads [m/s2]: a vehicle that accelerates so in any direction was moved, not driven."""
+
 _FOCAL_KINDS = (VehicleKind.CAR, VehicleKind.TRUCK, VehicleKind.BUS)
+_RIDDEN = (VehicleKind.MOTORCYCLE, VehicleKind.CYCLIST)
 
 
 @dataclass(frozen=True)
@@ -60,8 +64,9 @@ def cut_windows(recording: Recording, name: str, settings: WindowSettings, rando
     for first in range(0, motion.steps - settings.steps + 1, settings.steps):
         window = _slice(motion, first, settings.steps)
         clashes = overlapping_pairs(window, recording.traffic.size)
+        broken = thrown(window)
         for focal in _focal_vehicles(window, recording.traffic.kind, settings, random):
-            seen = _seen(window, focal, clashes, settings)
+            seen = _seen(window, focal, clashes, broken, settings)
             if seen is not None:
                 scenario_id = f"{name}-{first:05d}-{recording.traffic.track_id[focal]}"
                 yield _scenario(recording, window, (first, focal), seen, settings, scenario_id)
@@ -88,18 +93,20 @@ def _focal_vehicles(
     return chosen
 
 
-def _seen(window: Trajectories, focal: int, clashes: NDArray[np.intp], settings: WindowSettings) -> NDArray[np.bool_] | None:
+def _seen(
+    window: Trajectories, focal: int, clashes: NDArray[np.intp], broken: NDArray[np.bool_], settings: WindowSettings
+) -> NDArray[np.bool_] | None:
     """Where each vehicle is seen (V, T), or None where the window makes no scenario.
 
-    SUMO keeps gaps along lanes, not between boxes, so waiting and turning vehicles sometimes overlap in junctions:
-    windows that show such a pair are left out.
+    SUMO keeps gaps along lanes, not between boxes, so waiting and turning vehicles sometimes overlap in junctions, and
+    where drawn lanes do not meet vehicles jump: windows that show such a pair or such a vehicle are left out.
     """
     gap = window.position - window.position[focal]
     seen: NDArray[np.bool_] = window.valid & ((gap**2).sum(-1) <= settings.radius**2)
     if np.count_nonzero(seen[:, 0]) < settings.fewest:
         return None
     shown = np.asarray(seen.any(-1))
-    if shown[clashes].all(-1).any():
+    if shown[clashes].all(-1).any() or (shown & broken).any():
         return None
     rows = np.flatnonzero(shown)
     moving = moves(Trajectories(window.position[rows], window.heading[rows], window.velocity[rows], seen[rows]))
@@ -111,6 +118,14 @@ def moves(motion: Trajectories) -> NDArray[np.bool_]:
     first = np.argmax(motion.valid, axis=-1)[..., None, None]
     gap = motion.position - np.take_along_axis(motion.position, first, axis=-2)
     return np.asarray((motion.valid & (np.hypot(gap[..., 0], gap[..., 1]) > MOVED)).any(-1))
+
+
+def thrown(motion: Trajectories) -> NDArray[np.bool_]:
+    """(...) whether a track accelerates by more than HARDEST, by its velocities or by how fast its heading turns."""
+    both = motion.valid[..., 1:] & motion.valid[..., :-1]
+    change = np.linalg.norm(np.diff(motion.velocity, axis=-2), axis=-1)
+    turn = np.abs(wrap_angle(np.diff(motion.heading, axis=-1))) * motion.speed[..., 1:]
+    return np.asarray((both & (np.maximum(change, turn) > HARDEST * DT)).any(-1))
 
 
 def _scenario(
@@ -140,7 +155,7 @@ def _scenario(
     names = traffic.track_id[rows].astype(object)
     ego = np.flatnonzero(valid.all(-1) & np.isin(traffic.kind[rows], _FOCAL_KINDS))[1:2]
     names[ego] = EGO
-    ridden = traffic.kind[rows] == VehicleKind.MOTORCYCLE
+    ridden = np.isin(traffic.kind[rows], _RIDDEN)
     start = np.argmax(valid, axis=-1)
     each = np.arange(len(rows))
     vehicles = Vehicles(

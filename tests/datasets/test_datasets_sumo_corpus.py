@@ -9,12 +9,12 @@ import pytest
 
 from drivegen.datasets.sumo_corpus import Plugin, write_part
 from drivegen.errors import UnusableInput
-from drivegen.geometry import resample
+from drivegen.geometry import resample, wrap_angle
 from drivegen.recorded import RecordedLog
 from drivegen.scenario import TARGET
 from drivegen.sumo.corpus import CorpusSettings
 from drivegen.sumo.sensing import SensingSettings, sensed
-from drivegen.sumo.windows import WindowSettings, moves, overlapping_pairs
+from drivegen.sumo.windows import WindowSettings, moves, overlapping_pairs, thrown
 from stages.corpus import Params, main
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
@@ -30,10 +30,9 @@ PARAMS = Params(
     per_part=3,
     real={"test": {"square": "tools/game/square/square.net.xml"}},
     own={"train": {"cross": CROSS}},
+    density={"real": (10.0, 15.0), "own": (10.0, 15.0)},
     own_share=0.5,
     settings=CorpusSettings(
-        least_density=10.0,
-        most_density=15.0,
         most_vehicles=60,
         warm_up=10.0,
         most_windows_per_run=1,
@@ -108,6 +107,30 @@ def test_a_network_in_two_splits_is_refused(tmp_path):
     twice = {"train": {"a": "tools/game/square/square.net.xml"}, "test": {"b": "tools/game/square/square.net.xml"}}
     with pytest.raises(UnusableInput, match="train and test"):
         main(replace(PARAMS, real=twice), tmp_path)
+
+
+def test_a_density_for_something_else_is_refused(tmp_path):
+    with pytest.raises(UnusableInput, match="density"):
+        main(replace(PARAMS, density={"real": (10.0, 15.0)}), tmp_path)
+
+
+def test_nobody_is_thrown_about_and_bends_are_taken_as_people_take_them(logs):
+    for log in logs:
+        assert not thrown(log.motion).any()
+        turn = np.abs(wrap_angle(np.diff(log.motion.heading, axis=-1))) / 0.1 * log.motion.speed[:, 1:]
+        both = log.motion.valid[:, 1:] & log.motion.valid[:, :-1]
+        assert np.quantile(turn.max(-1, where=both, initial=0.0), 0.9) < 4.5
+
+
+def test_a_jump_and_a_spin_are_seen(logs):
+    motion = logs[0].motion[logs[0].motion.valid.all(-1)][:1]
+    faster, spun = motion.velocity.copy(), motion.heading.copy()
+    faster[:, 50:] += 1.0
+    spun[:, 50:] += 2.0
+    driving = np.full_like(motion.velocity, 5.0)
+    assert thrown(replace(motion, velocity=faster)).all()
+    assert thrown(replace(motion, velocity=driving, heading=spun)).all()
+    assert not thrown(motion).any()
 
 
 def test_unsound_networks_are_refused_by_name(tmp_path):
