@@ -24,8 +24,8 @@ from drivegen.scenario import TARGET, Scenario, Trajectories
 Probabilities = list[NDArray[np.float32]]
 """One array (C,) per vehicle of a scenario, over its candidates."""
 
-FAILED = 1.0
-"""Each failed trajectory makes its goal exp(1) times less likely to be tried again."""
+FAILED = 3.0
+"""Each failed trajectory makes its goal exp(3), 20 times, less likely to be tried again."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Lean on the goals of social vehicles: from a selector's natural probabilities to those used for corner cases.
+"""Lean on the goals of social vehicles: from the probabilities that goals are drawn with to those used for corner cases.
 
 Planned motion towards each candidate goal is met with the target's expected motion; candidates whose encounter looks
 like past failures gain weight. The natural probability stays in the record beside the one used, so every corner case
@@ -22,7 +22,7 @@ class PressureSettings:
     Attributes:
         strength: exponent of the risk ratio; 0 leaves the selector alone.
         reach: closest approaches beyond this gap [m] are no encounters.
-        max_ratio: bound of used / natural probability, and of its inverse.
+        max_ratio: bound of the ratio of a goal's probability to that without pressure, and of its inverse.
         reaction_time: encounters earlier than this [s] gain nothing: the driver could not react.
     """
 

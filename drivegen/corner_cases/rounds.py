@@ -64,7 +64,7 @@ def _lean_one(
     owner = np.repeat(np.arange(len(sizes)), [len(c) for c in choice.candidates])
     met = encounters(expected, sizes[TARGET], planned[np.newaxis][np.zeros(len(expected.valid), np.intp)], sizes[owner])
     risks = risk(met, knowledge, settings).mean(axis=0)
-    used = [natural if n == TARGET else lean(natural, risks[owner == n], settings) for n, natural in enumerate(choice.natural)]
+    used = [drawn if n == TARGET else lean(drawn, risks[owner == n], settings) for n, drawn in enumerate(choice.used)]
     return replace(choice, used=used)
 
 

@@ -1,4 +1,7 @@
-"""What one round of corner cases came to, with intervals over scenarios, and its price in realism."""
+"""What one round of corner cases came to, with intervals over scenarios, and its price in realism.
+
+Names are those of the drive stage's summaries, so that a round stands beside the same driver in logged traffic.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,66 +10,118 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.corner_cases.rounds import COUNTED, Drive
-from drivegen.metrics.driving import comfort, run_numbers
-from drivegen.metrics.intervals import bootstrap_means
+from drivegen.metrics.displacement import scene_errors
+from drivegen.metrics.driving import comfort, run_numbers, spread_over_runs
+from drivegen.metrics.intervals import bootstrap_means, percentiles
 from drivegen.rollout import Choices
-from drivegen.scenario import TARGET
+from drivegen.scenario import TARGET, Trajectories
 from drivegen.simulators.base import AT_FAULT, CollisionKind
 
 
 @dataclass(frozen=True)
 class RoundSummary:
-    """Means over each scenario's K runs; `metrics` maps names to (C,) arrays over scenarios. `runs` counts all runs."""
+    """Numbers of C scenarios with R runs in all.
+
+    Attributes:
+        metrics: (C,) arrays by name, each scenario's mean over its runs.
+        motion: Trajectories (R, T) of the driven targets. scene: (R,) the scenario of each run.
+    """
 
     metrics: dict[str, NDArray[np.float64]]
-    runs: int
+    motion: Trajectories
+    scene: NDArray[np.int64]
 
     @classmethod
     def joined(cls, parts: "Sequence[RoundSummary]") -> "RoundSummary":
         """Scenarios of all parts, in order."""
         names = parts[0].metrics
-        return cls({n: np.concatenate([p.metrics[n] for p in parts]) for n in names}, sum(p.runs for p in parts))
+        before = np.cumsum([0, *(p.scenarios for p in parts)])
+        return cls(
+            {n: np.concatenate([p.metrics[n] for p in parts]) for n in names},
+            _joined([p.motion for p in parts]),
+            np.concatenate([p.scene + first for p, first in zip(parts, before, strict=False)]),
+        )
+
+    @property
+    def scenarios(self) -> int:
+        """C."""
+        return len(next(iter(self.metrics.values())))
 
     def numbers(self, draws: int, random: np.random.Generator) -> dict[str, float]:
-        """Each metric's mean over scenarios and its 95 % bootstrap interval, and Comfort in both readings."""
+        """Each metric's mean over scenarios and its 95 % bootstrap interval, both readings of Comfort, and Div over runs."""
         names = sorted(self.metrics)
         intervals = bootstrap_means(np.stack([self.metrics[n] for n in names], axis=1), draws, random)
-        out = {"scenarios": float(len(self.metrics[names[0]])), "runs": float(self.runs)}
+        out = {"scenarios": float(self.scenarios), "runs": float(len(self.scene))}
         for name, interval in zip(names, intervals, strict=True):
             out |= {name: interval.value, f"{name}.low": interval.low, f"{name}.high": interval.high}
         out["comfort_absolute"] = comfort(out["absolute_acceleration"])
         out["comfort_signed"] = comfort(out["acceleration"])
-        return out
+        drawn = random.multinomial(self.scenarios, np.full(self.scenarios, 1 / self.scenarios), size=draws)
+        weights = np.concatenate([np.ones((1, self.scenarios)), drawn]).astype(np.float64)[:, self.scene]
+        spread, *spreads = spread_over_runs(self.motion, weights)
+        low, high = percentiles(np.array(spreads))
+        return out | {"spread_over_runs": float(spread), "spread_over_runs.low": low, "spread_over_runs.high": high}
 
 
 def summarise(choices: Sequence[Choices], drives: Sequence[Drive]) -> RoundSummary:
-    """Per scenario: collisions by kind, distance, accelerations, legality of the social traffic, importance ratios.
+    """Per scenario: collisions by kind, the driver's numbers, and the price: how legal, likely and realistic traffic was.
 
-    `collision_rate` counts every collision after the spawn; `collision_rate_counted` those that teach something about
-    the driver. `log_ratio` is the mean over social vehicles of log(used / natural): 0 where nothing was leaned on.
+    `collision` counts every run that ends in one, `collision.counted` those that knowledge is made of. `log_ratio` is the
+    mean over social vehicles of log(used / natural), 0 where nothing was leaned on; `min_sade` and `mean_sade` [m] are those
+    of the social vehicles against the log, NaN without one.
     """
     rows = [_row(choice, drive) for choice, drive in zip(choices, drives, strict=True)]
+    runs = [len(drive.outcome.kind) for drive in drives]
     return RoundSummary(
-        {name: np.array([row[name] for row in rows]) for name in rows[0]}, sum(len(d.outcome.kind) for d in drives)
+        {name: np.array([row[name] for row in rows]) for name in rows[0]},
+        _joined([drive.outcome.motion for drive in drives]),
+        np.repeat(np.arange(len(drives)), runs),
     )
 
 
+def _joined(motions: Sequence[Trajectories]) -> Trajectories:
+    arrays = (np.concatenate([getattr(m, name) for m in motions]) for name in ("position", "heading", "velocity", "valid"))
+    return Trajectories(*arrays)
+
+
 def _row(choice: Choices, drive: Drive) -> dict[str, float]:
-    outcome, samples = drive.outcome, drive.samples
-    numbers = run_numbers(outcome.motion)
-    social = np.arange(len(choice.scenario.vehicles)) != TARGET
-    ratio = np.log(samples.used[:, social] / np.maximum(samples.natural[:, social], 1e-9))
-    after_spawn = outcome.collided & (outcome.kind != CollisionKind.AT_SPAWN)
+    outcome, numbers = drive.outcome, run_numbers(drive.outcome.motion)
     kinds = {f"collision.{kind.name.lower()}": float((outcome.kind == kind).mean()) for kind in CollisionKind if kind}
-    return kinds | {
-        "collision_rate": float(after_spawn.mean()),
-        "collision_rate_counted": float((np.isin(outcome.kind, COUNTED) & ~outcome.in_first_second).mean()),
-        "collision_rate_at_fault": float(np.isin(outcome.kind, AT_FAULT).mean()),
-        "collision.in_first_second": float(outcome.in_first_second.mean()),
-        "distance": float(numbers.distance.mean()),
-        "absolute_acceleration": float(np.nanmean(numbers.absolute_acceleration)),
-        "acceleration": float(np.nanmean(numbers.acceleration)),
-        "social_illegal": float((samples.violation[:, social] != 0).mean()) if social.any() else 0.0,
-        "log_ratio": float(ratio.mean()) if social.any() else 0.0,
-        "natural_probability": float(samples.natural[:, social].mean()) if social.any() else 1.0,
+    return (
+        kinds
+        | {
+            "collision": float(outcome.collided.mean()),
+            "collision.counted": float((np.isin(outcome.kind, COUNTED) & ~outcome.in_first_second).mean()),
+            "collision.at_fault": float(np.isin(outcome.kind, AT_FAULT).mean()),
+            "collision.in_first_second": float(outcome.in_first_second.mean()),
+            "distance": float(numbers.distance.mean()),
+            "absolute_acceleration": _mean(numbers.absolute_acceleration),
+            "acceleration": _mean(numbers.acceleration),
+        }
+        | _price(choice, drive)
+    )
+
+
+def _price(choice: Choices, drive: Drive) -> dict[str, float]:
+    """What leaning on the social vehicles cost; all NaN where there are none."""
+    samples, scenario = drive.samples, choice.scenario
+    social = np.arange(len(scenario.vehicles)) != TARGET
+    if not social.any():
+        return dict.fromkeys(("social_illegal", "log_ratio", "natural_probability", "min_sade", "mean_sade"), np.nan)
+    natural, used = samples.natural[:, social].astype(np.float64), samples.used[:, social].astype(np.float64)
+    log = scenario.log
+    scored = log is not None and bool(log.valid[social, 1:].any())
+    errors = scene_errors(samples.motion[:, social], log[social])[0] if log is not None and scored else np.array([np.nan])
+    return {
+        "social_illegal": float((samples.violation[:, social] != 0).mean()),
+        "log_ratio": float(np.log(used / natural).mean()),
+        "natural_probability": float(natural.mean()),
+        "min_sade": float(errors.min()),
+        "mean_sade": float(errors.mean()),
     }
+
+
+def _mean(values: NDArray[np.float64]) -> float:
+    """Mean of what is known; NaN where nothing is."""
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else np.nan

@@ -54,7 +54,7 @@ class Outlooks:
         routed = np.concatenate([c.route >= 0 for c in candidates])
         distance = np.where(routed, np.maximum(s, 0.0), np.hypot(way[:, 0], way[:, 1]))
         time = np.arange(0, scenario.steps, STRIDE) * DT
-        gone = _distances(time, step * DT, distance, vehicles.speed[owner], speed)
+        gone = _distances(time, np.maximum(step, 1) * DT, distance, vehicles.speed[owner], speed)
         share = gone / np.maximum(distance, 1e-6)[:, None]
         fade = np.clip(share, 0.0, 1.0)
         position, heading = _along_routes(candidates, gone, offset[:, None] + (d - offset)[:, None] * fade**2 * (3 - 2 * fade))

@@ -1,0 +1,161 @@
+"""Rollout, ship and corner from end to end on hand-made shards, with models that were trained for seconds."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import orjson
+import pytest
+
+from drivegen.errors import MissingTool
+from drivegen.generators.base import Settings
+from drivegen.store.samples import read_samples
+from drivegen.store.scenarios import read_shard, write_shard
+from stages import corner, goals, rollout, ship
+from stages._door import read_params
+from tests.models import two_lanes
+from tests.scenes import busy_crossing
+
+SHARDS = ("shard-00000.parquet", "shard-00001.parquet")
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory: pytest.TempPathFactory, models: Path) -> Path:
+    """Three test scenes in two shards, and the goals that two selectors recorded for them."""
+    root = tmp_path_factory.mktemp("rollout")
+    write_shard(root / "test" / SHARDS[0], [busy_crossing(101, "a"), two_lanes(9.0, "b")])
+    write_shard(root / "test" / SHARDS[1], [busy_crossing(101, "c")])
+    params = replace(read_params("goals", goals.Params), workers=1)
+    for selector in ("learned", "random"):
+        goals.main(params, root / "test", models / "selector", root / "goals" / selector, root / f"{selector}.json")
+    return root
+
+
+def quick(generation: Settings) -> Settings:
+    return replace(generation, rollout=replace(generation.rollout, attempts=2, rounds=3))
+
+
+def generated(root: Path, models: Path, method: str, out: str = "generated") -> list[Path]:
+    params = read_params("rollout", rollout.Params)
+    params = replace(params, workers=1, samples=2, generation=quick(params.generation))
+    rollout.main(params, root / "test", models, root / "goals", root / out / method)
+    return sorted((root / out / method).iterdir())
+
+
+@pytest.mark.parametrize("method", ["log", "constant_velocity", "drivegen", "drivegen_without_goals"])
+def test_every_method_leaves_a_shard_beside_each_test_shard(root: Path, models: Path, method: str) -> None:
+    files = generated(root, models, method)
+    assert [f.name for f in files] == list(SHARDS)
+    for file in files:
+        scenes = read_shard(root / "test" / file.name)
+        for scene, samples in zip(scenes, read_samples(file), strict=True):
+            assert samples.scenario_id == scene.scenario_id
+            assert samples.method == method
+            assert samples.motion.valid.shape == (2, len(scene.vehicles), scene.steps)
+            assert not samples.dropped.any()
+            np.testing.assert_array_equal(samples.first_violation >= 0, samples.violation != 0)
+
+
+def test_rollout_gives_the_same_bytes_again_and_its_goals_are_those_recorded(root: Path, models: Path) -> None:
+    first, again = generated(root, models, "drivegen"), generated(root, models, "drivegen", "again")
+    assert [f.read_bytes() for f in first] == [f.read_bytes() for f in again]
+    (root / "goals" / "random").rename(root / "goals" / "hidden")
+    try:
+        with pytest.raises(MissingTool, match="goals stage"):
+            generated(root, models, "drivegen_without_goals", "none")
+    finally:
+        (root / "goals" / "hidden").rename(root / "goals" / "random")
+
+
+def test_ship_lets_out_legal_scenarios_and_counts_everything(root: Path, models: Path, tmp_path: Path) -> None:
+    for shard in SHARDS:
+        write_shard(tmp_path / "new" / shard, [replace(s, log=None) for s in read_shard(root / "test" / shard)])
+    params = read_params("ship", ship.Params)
+    params = replace(params, workers=1, generation=quick(params.generation), settings=replace(params.settings, fewest=2))
+    for out in ("shipped", "again"):
+        ship.main(params, tmp_path / "new", models, tmp_path / out, tmp_path / f"{out}.json")
+    counts = orjson.loads((tmp_path / "shipped.json").read_bytes())
+    assert counts["asked"] == 3 * params.samples
+    assert counts["asked"] == counts.get("shipped", 0) + sum(n for name, n in counts.items() if name.startswith("rejected."))
+    shipped = [scene for shard in SHARDS for scene in read_shard(tmp_path / "shipped" / shard)]
+    assert len(shipped) == counts["shipped"] > 0
+    assert sum(len(scene.vehicles) for scene in shipped) == counts["vehicles.shipped"]
+    for scene in shipped:
+        scene.validate()
+        assert scene.log is not None
+        assert scene.log.valid.all()
+    for shard in SHARDS:
+        assert (tmp_path / "shipped" / shard).read_bytes() == (tmp_path / "again" / shard).read_bytes()
+
+
+def played(root: Path, models: Path, out: Path, rounds: int, strength: float | None = None) -> list[Path]:
+    """The folders of a chain of rounds."""
+    params = read_params("corner", corner.Params)
+    pressure = params.pressure if strength is None else replace(params.pressure, strength=strength)
+    params = replace(
+        params, workers=1, samples=3, draws=20, prior_strength=1.0, generation=quick(params.generation), pressure=pressure
+    )
+    for number in range(rounds):
+        corner.main(params, root / "test", models, root / "goals" / "learned", out / str(number), out / f"{number}.json")
+    return [out / str(number) for number in range(rounds)]
+
+
+@pytest.fixture(scope="module")
+def rounds(root: Path, models: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    return played(root, models, tmp_path_factory.mktemp("corner"), 2)
+
+
+def test_the_first_round_is_traffic_as_it_is_and_the_second_leans(rounds: list[Path]) -> None:
+    for number, folder in enumerate(rounds):
+        samples = [s for shard in SHARDS for s in read_samples(folder / "samples" / shard)]
+        leaned = any(not np.allclose(s.used, s.natural) for s in samples)
+        assert leaned == (number > 0)
+        for s in samples:
+            np.testing.assert_allclose(s.used[:, 0], s.natural[:, 0], rtol=1e-5)  # the target is left alone
+
+
+def test_a_rounds_numbers_are_those_that_the_report_reads(rounds: list[Path]) -> None:
+    for number, folder in enumerate(rounds):
+        metrics = orjson.loads((folder.parent / f"{number}.json").read_bytes())
+        assert (metrics["round"], metrics["scenarios"], metrics["runs"]) == (number, 3, 9)
+        for name in ("collision", "distance", "spread_over_runs", "social_illegal", "log_ratio", "min_sade", "mean_sade"):
+            assert metrics[f"{name}.low"] <= metrics[name] + 1e-9
+            assert metrics[name] <= metrics[f"{name}.high"] + 1e-9
+        assert metrics["comfort_absolute"] > 0
+        assert metrics["collision.at_fault"] <= metrics["collision"]
+        assert metrics["distance"] > 10
+    assert orjson.loads((rounds[0].parent / "0.json").read_bytes())["log_ratio"] == pytest.approx(0, abs=1e-6)
+
+
+def test_knowledge_is_pooled_over_rounds(rounds: list[Path]) -> None:
+    seen = [np.sum(orjson.loads((folder / corner.KNOWLEDGE).read_bytes())["encounters"]) for folder in rounds]
+    assert 0 < seen[0] < seen[1]
+
+
+def test_the_driven_target_is_kept_beside_the_traffic_it_met(rounds: list[Path]) -> None:
+    for shard in SHARDS:
+        driven, traffic = (read_samples(rounds[0] / part / shard) for part in ("driven", "samples"))
+        for one, all_ in zip(driven, traffic, strict=True):
+            assert one.motion.valid.shape[:2] == (3, 1)
+            np.testing.assert_allclose(one.motion.position[:, 0, 0], all_.motion.position[:, 0, 0], atol=1e-4)
+
+
+def test_a_chain_of_rounds_gives_the_same_bytes_again(root: Path, models: Path, rounds: list[Path], tmp_path: Path) -> None:
+    for one, other in zip(rounds, played(root, models, tmp_path, 2), strict=True):
+        files = sorted(f.relative_to(one) for f in one.rglob("*") if f.is_file())
+        assert files
+        for file in files:
+            assert (one / file).read_bytes() == (other / file).read_bytes()
+
+
+def test_without_strength_nothing_is_leaned_on(root: Path, models: Path, tmp_path: Path) -> None:
+    last = played(root, models, tmp_path, 2, strength=0.0)[-1]
+    for shard in SHARDS:
+        for samples in read_samples(last / "samples" / shard):
+            np.testing.assert_allclose(samples.used, samples.natural, rtol=1e-5)
+
+
+def test_a_round_without_the_one_before_names_it(root: Path, models: Path, tmp_path: Path) -> None:
+    params = replace(read_params("corner", corner.Params), workers=1)
+    with pytest.raises(MissingTool, match="corner@0"):
+        corner.main(params, root / "test", models, root / "goals" / "learned", tmp_path / "1", tmp_path / "1.json")

@@ -1,0 +1,122 @@
+"""The rollout: what is kept is legal together, budgets hold, records agree with what was drawn."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivegen.checker.scene import check_samples
+from drivegen.equipment import Equipment
+from drivegen.errors import UnusableInput
+from drivegen.generate import choose, recorded_choices, roll_out, tempered
+from drivegen.goals.packing import pack
+from drivegen.rollout import Choices, Rollout, RolloutSettings
+from drivegen.samples import Samples, Violation
+from drivegen.scenario import TARGET
+from tests.models import candidate_settings, two_lanes
+from tests.scenes import busy_crossing
+
+SETTINGS = RolloutSettings(attempts=3, rounds=4, evictions=1, drop_illegal=False, target_steps=None)
+SAMPLES = 4
+
+
+@pytest.fixture(scope="module")
+def equipment(models) -> Equipment:
+    return Equipment.open(models, "route_fm", "random")
+
+
+@pytest.fixture(scope="module")
+def choices(equipment) -> list[Choices]:
+    """Goals at random on busy roads: many exclude each other, and not every vehicle finds a way."""
+    scenes = [busy_crossing(), two_lanes(9.0)]
+    return choose(scenes, equipment.selector, candidate_settings(), 1.0)
+
+
+def rolled(equipment, choices, **changes) -> list[Samples]:
+    settings = replace(SETTINGS, **changes)
+    return roll_out(choices, equipment.planner, equipment.limits, settings, SAMPLES, 7, "drivegen")
+
+
+def test_what_is_kept_is_legal_together_and_what_is_not_is_left_out(equipment, choices):
+    made = rolled(equipment, choices, drop_illegal=True)
+    for choice, samples in zip(choices, made, strict=True):
+        np.testing.assert_array_equal(samples.motion.valid.all(-1), ~samples.dropped)
+        np.testing.assert_array_equal(samples.motion.valid.any(-1), ~samples.dropped)
+        violation, _ = check_samples(choice.scenario, samples.motion, equipment.limits)
+        assert not violation[~samples.dropped].any()
+        assert not samples.violation.any()
+
+
+def test_verdicts_are_those_of_all_vehicles_together_and_nobody_is_dropped(equipment, choices):
+    for choice, samples in zip(choices, rolled(equipment, choices), strict=True):
+        violation, first = check_samples(choice.scenario, samples.motion, equipment.limits)
+        np.testing.assert_array_equal(samples.violation, violation)
+        np.testing.assert_array_equal(samples.first_violation, first)
+        assert not samples.dropped.any()
+        assert samples.motion.valid.all()
+
+
+def illegal(samples: list[Samples]) -> float:
+    return float(np.concatenate([(s.violation != 0).ravel() for s in samples]).mean())
+
+
+def test_more_rounds_leave_less_that_is_illegal(equipment, choices):
+    first, last = (illegal(rolled(equipment, choices, rounds=rounds)) for rounds in (1, 6))
+    assert first > 0
+    assert last < 0.5 * first
+
+
+@pytest.mark.parametrize(("attempts", "rounds", "evictions"), [(1, 1, 0), (3, 4, 1), (2, 3, 0)])
+def test_attempts_stay_within_the_budget(equipment, choices, attempts, rounds, evictions):
+    made = rolled(equipment, choices, attempts=attempts, rounds=rounds, evictions=evictions)
+    counts = np.concatenate([s.attempts.ravel() for s in made])
+    assert counts.min() >= 1
+    assert counts.max() <= 1 + attempts * (rounds - 1)
+
+
+def test_who_is_evicted_is_planned_again_a_bounded_number_of_times(equipment, choices, monkeypatch):
+    made = []
+    monkeypatch.setattr("drivegen.generate.Rollout", lambda *given: made.append(Rollout(*given)) or made[-1])
+    rolled(equipment, choices, evictions=1, rounds=6)
+    evictions = np.concatenate([rollout.evictions.ravel() for rollout in made])
+    assert evictions.max() <= 1
+
+
+def test_the_record_holds_the_probabilities_of_the_goals_that_were_followed(equipment, choices):
+    leaning = [replace(c, used=tempered(c.natural, 0.5)) for c in choices]
+    for choice, samples in zip(leaning, rolled(equipment, leaning), strict=True):
+        for n in range(len(choice.scenario.vehicles)):
+            np.testing.assert_array_equal(samples.natural[:, n], choice.natural[n][samples.goal[:, n]])
+            np.testing.assert_array_equal(samples.used[:, n], choice.used[n][samples.goal[:, n]])
+
+
+def test_first_goals_follow_the_odds_they_are_drawn_with(equipment, choices):
+    """A goal that is certain is followed, even where it stays illegal."""
+    certain = [replace(c, used=[np.eye(1, len(p), dtype=np.float32)[0] for p in c.used]) for c in choices]
+    for samples in rolled(equipment, certain):
+        assert not samples.goal.any()
+
+
+def test_motion_ends_at_the_goal(equipment, choices):
+    for choice, samples in zip(choices, rolled(equipment, choices), strict=True):
+        for n, found in enumerate(choice.candidates):
+            away = np.hypot(*(samples.motion.position[:, n, -1] - found.position[samples.goal[:, n]]).T)
+            assert away.max() < 1.0
+
+
+def test_the_target_is_nobodys_partner_in_corner_cases(equipment, choices):
+    for samples in rolled(equipment, choices, target_steps=20):
+        assert not (samples.violation[:, TARGET] & Violation.COLLISION).any()
+
+
+def test_recorded_goals_of_other_scenarios_are_refused(choices):
+    columns = pack("another", "random", choices[0].candidates, choices[0].natural)
+    with pytest.raises(UnusableInput, match="other scenarios"):
+        recorded_choices([choices[0].scenario], [columns], 1.0)
+
+
+def test_temperature_sharpens_and_flattens():
+    natural = [np.float32([0.6, 0.3, 0.1])]
+    np.testing.assert_allclose(tempered(natural, 1.0)[0], natural[0], rtol=1e-6)
+    assert tempered(natural, 0.5)[0][0] > 0.7
+    assert tempered(natural, 5.0)[0][2] > 0.2
