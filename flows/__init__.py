@@ -1,4 +1,4 @@
 """When the pipeline runs, how often, and side by side with what; never what it computes.
 
-Flows reach the work through DVC alone (`flows/dvc.py`), so `dvc repro` without them gives the same bytes.
+Flows reach the work through DVC alone (`flows/pipeline.py`), so `dvc repro` without them gives the same bytes.
 """

@@ -12,7 +12,7 @@ from prefect.futures import PrefectFuture, as_completed
 from prefect.states import Completed, Failed
 from prefect.task_runners import ThreadPoolTaskRunner
 
-from flows import dvc
+from flows import pipeline
 
 RUNNER: ThreadPoolTaskRunner[Any] = ThreadPoolTaskRunner(max_workers=2)
 """Two stages at once; each may itself use `run.workers` processes."""
@@ -23,8 +23,8 @@ def run_stage(stage: str, stale: bool) -> State[float]:
     """One stage, its lines in the log; the state is called Cached if DVC had nothing to do. The result is seconds."""
     began = time.monotonic()
     try:
-        ran = stale and dvc.reproduce(stage, get_run_logger().info)
-    except dvc.StageFailed as error:
+        ran = stale and pipeline.reproduce(stage, get_run_logger().info)
+    except pipeline.StageFailed as error:
         return Failed(message=str(error))
     seconds = time.monotonic() - began
     return Completed(data=seconds) if ran else Completed(name="Cached", data=seconds)
@@ -34,7 +34,7 @@ def run_stage(stage: str, stale: bool) -> State[float]:
 def experiment() -> State[list[dict[str, str]]]:
     """Bring every stage of dvc.yaml up to date; records one row a stage. Fails, naming them, if stages do."""
     began = time.monotonic()
-    plan = dvc.pipeline()
+    plan = pipeline.read()
     get_run_logger().info(
         "%d stages, %d to run (asked DVC in %.1f s)", len(plan.needs), len(plan.stale), time.monotonic() - began
     )

@@ -8,7 +8,7 @@ from prefect import flow, get_run_logger, task
 from prefect.artifacts import create_table_artifact
 from prefect.cache_policies import NO_CACHE
 
-from flows import dvc
+from flows import pipeline
 
 ROUNDS = "corner@"
 GAIN = "collision_rate"
@@ -18,10 +18,10 @@ GAIN = "collision_rate"
 @flow(name="iterate")
 def iterate(min_gain: float = 0.0) -> list[float]:
     """The collision rate of each round that was run; a round follows only if the last raised it by more than `min_gain`."""
-    plan = dvc.pipeline()
+    plan = pipeline.read()
     rounds = [stage for stage in plan.needs if stage.startswith(ROUNDS)]
     if not rounds:
-        raise dvc.StageFailed(f"dvc.yaml has no stage {ROUNDS}0: list rounds in params.yaml")
+        raise pipeline.StageFailed(f"dvc.yaml has no stage {ROUNDS}0: list rounds in params.yaml")
     rates: list[float] = []
     done: set[str] = set()
     for stage in rounds:
@@ -29,7 +29,7 @@ def iterate(min_gain: float = 0.0) -> list[float]:
             if name in plan.stale and name not in done:
                 run_round.with_options(task_run_name=name)(name)
             done.add(name)
-        rates.append(float(dvc.metrics(stage)[GAIN]))
+        rates.append(float(pipeline.metrics(stage)[GAIN]))
         get_run_logger().info("%s: %s %.3f", stage, GAIN, rates[-1])
         if not gains(rates, min_gain):
             break
@@ -41,7 +41,7 @@ def iterate(min_gain: float = 0.0) -> list[float]:
 @task(cache_policy=NO_CACHE)
 def run_round(stage: str) -> None:
     """One round, or a stage that it needs."""
-    dvc.reproduce(stage, get_run_logger().info)
+    pipeline.reproduce(stage, get_run_logger().info)
 
 
 def gains(rates: list[float], min_gain: float) -> bool:

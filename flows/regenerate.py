@@ -16,7 +16,7 @@ from prefect import flow, get_run_logger, task
 from prefect.artifacts import create_table_artifact
 from prefect.cache_policies import NO_CACHE
 
-from flows import dvc, workspace
+from flows import pipeline, workspace
 
 STAGES = ("maps", "place", "ship")
 """Those that make new scenarios, in running order."""
@@ -49,15 +49,15 @@ def regenerate(version: str | None = None, seed: int | None = None) -> str:
 @task(cache_policy=NO_CACHE)
 def prepare(room: Path) -> None:
     """Fetch from the cache what the generation stages read and do not make themselves."""
-    made = {path for stage in STAGES for path in dvc.outputs(stage, room)}
-    needed = {path for stage in STAGES for path in dvc.inputs(stage, room)} - made
-    dvc.checkout(sorted(needed), room)
+    made = {path for stage in STAGES for path in pipeline.outputs(stage, room)}
+    needed = {path for stage in STAGES for path in pipeline.inputs(stage, room)} - made
+    pipeline.checkout(sorted(needed), room)
 
 
 @task(cache_policy=NO_CACHE)
 def regenerate_stage(stage: str, room: Path) -> None:
     """One stage in the workspace `room`."""
-    dvc.reproduce(stage, get_run_logger().info, room)
+    pipeline.reproduce(stage, get_run_logger().info, room)
 
 
 @task(cache_policy=NO_CACHE)
@@ -65,7 +65,7 @@ def publish(room: Path, target: Path, version: str, seed: int) -> dict[str, Any]
     """Move the outputs out of `room` and put the version in place as a whole; returns its manifest."""
     waiting = room / "published"
     for stage in STAGES:
-        for path in dvc.outputs(stage, room):
+        for path in pipeline.outputs(stage, room):
             there = waiting / path
             there.parent.mkdir(parents=True, exist_ok=True)
             shutil.move(room / path, there)

@@ -53,7 +53,7 @@ class Pipeline:
         return [name for name in self.needs if name in reached]
 
 
-def pipeline(root: Path = Path()) -> Pipeline:
+def read(root: Path = Path()) -> Pipeline:
     """Read dvc.yaml and compare it with the workspace, in this process: about half a second when nothing changed."""
     with Repo(str(root)) as repo:
         graph = repo.index.graph  # an edge (a, b) means that a depends on b

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from flows import dvc, workspace
+from flows import pipeline, workspace
 from tests.flows import toy
 
 
@@ -20,9 +20,9 @@ def root(tmp_path, monkeypatch) -> Path:
 @pytest.fixture(scope="module")
 def built(tmp_path_factory) -> Path:
     folder = toy.build(tmp_path_factory.mktemp("built"))
-    plan = dvc.pipeline(folder)
+    plan = pipeline.read(folder)
     for stage in plan.needs:
-        assert dvc.reproduce(stage, lambda _: None, folder)
+        assert pipeline.reproduce(stage, lambda _: None, folder)
     return folder
 
 
@@ -36,12 +36,12 @@ def done(built, tmp_path, monkeypatch) -> Path:
 
 
 def run_stale() -> list[str]:
-    plan = dvc.pipeline()
-    return [stage for stage in plan.needs if stage in plan.stale and dvc.reproduce(stage, lambda _: None)]
+    plan = pipeline.read()
+    return [stage for stage in plan.needs if stage in plan.stale and pipeline.reproduce(stage, lambda _: None)]
 
 
 def test_stages_come_in_an_order_in_which_they_can_run(root):
-    plan = dvc.pipeline()
+    plan = pipeline.read()
     order = list(plan.needs)
     assert plan.needs["place"] == ["ingest", "maps"]
     assert all(order.index(before) < order.index(stage) for stage, needs in plan.needs.items() for before in needs)
@@ -50,60 +50,60 @@ def test_stages_come_in_an_order_in_which_they_can_run(root):
 
 
 def test_only_what_a_change_reaches_is_stale(done):
-    assert dvc.pipeline().stale == frozenset()
+    assert pipeline.read().stale == frozenset()
     (done / "dvc.yaml").write_text(toy.DVC.replace("cat data/maps data/scenarios", "cat data/scenarios data/maps"))
-    assert dvc.pipeline().stale == {"place", "ship"}
+    assert pipeline.read().stale == {"place", "ship"}
     assert sorted(run_stale()) == ["place", "ship"]
 
 
 def test_a_stage_whose_inputs_come_out_equal_is_not_run_again(done):
     (done / "dvc.yaml").write_text(toy.DVC.replace("grep -o", "grep  -o"))
-    assert dvc.pipeline().stale == {"maps", "place", "ship"}
+    assert pipeline.read().stale == {"maps", "place", "ship"}
     assert run_stale() == ["maps"]
 
 
 def test_lines_are_streamed_and_hints_left_out(root):
     lines: list[str] = []
-    assert dvc.reproduce("ingest", lines.append)
+    assert pipeline.reproduce("ingest", lines.append)
     assert any("mkdir -p data" in line for line in lines)
     assert not any("git add" in line for line in lines)
-    assert not dvc.reproduce("ingest", lines.append)
+    assert not pipeline.reproduce("ingest", lines.append)
 
 
 def test_a_failed_stage_says_its_own_last_words(root):
     (root / "dvc.yaml").write_text(toy.DVC.replace("echo logs >", "echo ingest, no such folder && false >"))
-    with pytest.raises(dvc.StageFailed, match="stage ingest failed: ingest, no such folder"):
-        dvc.reproduce("ingest", lambda _: None)
+    with pytest.raises(pipeline.StageFailed, match="stage ingest failed: ingest, no such folder"):
+        pipeline.reproduce("ingest", lambda _: None)
 
 
 def test_a_stage_whose_files_are_held_waits_for_them(root):
     (root / "dvc.yaml").write_text(toy.DVC.replace("cat data/maps", "sleep 2; cat data/maps"))
     for stage in ("ingest", "maps"):
-        dvc.reproduce(stage, lambda _: None)
-    holder = threading.Thread(target=dvc.reproduce, args=("place", lambda _: None))
+        pipeline.reproduce(stage, lambda _: None)
+    holder = threading.Thread(target=pipeline.reproduce, args=("place", lambda _: None))
     holder.start()
     lines: list[str] = []
-    assert dvc.reproduce("ingest", lines.append, force=True)  # it rewrites what `place` reads
+    assert pipeline.reproduce("ingest", lines.append, force=True)  # it rewrites what `place` reads
     holder.join()
 
 
 def test_outputs_inputs_and_metrics_are_those_of_dvc_yaml(done):
-    assert dvc.outputs("ship") == ["data/shipped", "data/ship.json"]
-    assert sorted(dvc.inputs("place")) == ["data/maps", "data/scenarios"]
-    assert dvc.metrics("ship") == {"scenarios": 1}
-    with pytest.raises(dvc.StageFailed, match="declares no metrics"):
-        dvc.metrics("place")
+    assert pipeline.outputs("ship") == ["data/shipped", "data/ship.json"]
+    assert sorted(pipeline.inputs("place")) == ["data/maps", "data/scenarios"]
+    assert pipeline.metrics("ship") == {"scenarios": 1}
+    with pytest.raises(pipeline.StageFailed, match="declares no metrics"):
+        pipeline.metrics("place")
     (done / "data" / "ship.json").unlink()
-    with pytest.raises(dvc.StageFailed, match=r"has not written .*ship\.json"):
-        dvc.metrics("ship")
+    with pytest.raises(pipeline.StageFailed, match=r"has not written .*ship\.json"):
+        pipeline.metrics("ship")
 
 
 def test_a_second_workspace_shares_the_cache_and_has_its_own_params(done, tmp_path):
     room = tmp_path / "room"
     workspace.duplicate(done, room, {"run.seed": 8})
-    dvc.checkout(["data/scenarios"], room)
+    pipeline.checkout(["data/scenarios"], room)
     assert (room / "data" / "scenarios").read_text() == "logs\n"
-    assert dvc.reproduce("maps", lambda _: None, room)
+    assert pipeline.reproduce("maps", lambda _: None, room)
     assert (room / "data" / "maps").read_text().strip() == "seed: 8"
     assert (done / "data" / "maps").read_text().strip() == "seed: 7"
     assert not (room / ".dvc" / "cache").exists()
