@@ -34,7 +34,11 @@ def build(words: list[str]) -> typer.Typer:
     app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
     app.callback()(drivegen)
     for name in words[:1] if words and words[0] in COMMANDS else COMMANDS:
-        app.command(name)(importlib.import_module(f"drivegen.cli.{name}").command)
+        command = importlib.import_module(f"drivegen.cli.{name}").command
+        if isinstance(command, typer.Typer):  # one with commands of its own
+            app.add_typer(command, name=name)
+        else:
+            app.command(name)(command)
     return app
 
 

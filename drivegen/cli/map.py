@@ -1,25 +1,142 @@
-"""`drivegen map`: a road network from words."""
+"""`drivegen map`: a road network from words or from a file, edited in words, written for others."""
 
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from rich.console import Console
-from typer import Argument, Option
+from typer import Argument, BadParameter, Option, Typer
+from typer.core import TyperGroup
 
-from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, build_map
+from drivegen.errors import UnusableInput
+from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
+from drivegen.maps.imports import Window, export_opendrive, import_map
+from drivegen.maps.refine import refine_map
+from drivegen.store.files import whole
+
+WORDS, WINDOW_RADIUS = "words", 150.0
+_FILES = f"{NETWORK} (SUMO), {ACCOUNT} (understood, ignored) and {PICTURE}"
 
 
-def command(
+class Form(StrEnum):
+    """What a map can be written as."""
+
+    SUMO = "sumo"
+    OPENDRIVE = "opendrive"
+
+
+class DescriptionUnlessCommand(TyperGroup):
+    """`drivegen map "TEXT"` is short for `drivegen map words "TEXT"`: what is no command is a description."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the command in front where it was left out."""
+        if args and args[0] not in {*self.commands, "--help"}:
+            args = [WORDS, *args]
+        return super().parse_args(ctx, args)
+
+
+command = Typer(cls=DescriptionUnlessCommand, no_args_is_help=True, rich_markup_mode=None)
+
+
+@command.callback()
+def about() -> None:
+    """Road networks: `drivegen map "TEXT" --out DIR` draws the road that TEXT describes."""
+
+
+@command.command(WORDS)
+def words(
     text: Annotated[str, Argument(help='The road in words, e.g. "four-way crossing with signals, two lanes each way, 50 km/h".')],
-    out: Annotated[Path, Option(help="Folder for map.net.xml (SUMO), map.json (understood, ignored) and map.png.")],
+    out: Annotated[Path, Option(help=f"Folder for {_FILES}.")],
     seed: Annotated[int, Option(help="What the words leave open is drawn from it.")] = 7,
 ) -> None:
-    """Write the road network that TEXT describes; exits 2, saying what it can do, where the text is not understood."""
+    """Draw the road that TEXT describes; exits 2, saying what it can do, where the text is not understood.
+
+    The word `words` can be left out.
+    """
     account = build_map(text, seed, folder=out).account
-    console = Console(soft_wrap=True, highlight=False, markup=False)
-    for told in account["understood"]:
-        console.print(f"understood  {told['phrase']}: {told['meaning']}")
+    _tell("understood", *(f"{told['phrase']}: {told['meaning']}" for told in account["understood"]))
     for word in ("assumed", "ignored", "failed"):
-        if account[word]:
-            console.print(f"{word:10}  {'; '.join(map(str, account[word]))}")
-    console.print(f"written     {', '.join(str(out / name) for name in (NETWORK, ACCOUNT, PICTURE))}")
+        _tell(word, *filter(None, ["; ".join(map(str, account[word]))]))
+    _tell_written(out)
+
+
+@command.command("import")
+def bring(
+    file: Annotated[Path, Argument(help="A SUMO network (also gzipped), OpenStreetMap, OpenDRIVE or an Argoverse 2 map.")],
+    out: Annotated[Path, Option(help=f"Folder for {_FILES}.")],
+    around: Annotated[str | None, Option(metavar="X,Y", help="Cut a window around this place [m, the network's frame].")] = None,
+    radius: Annotated[
+        float | None,
+        Option(help=f"Metres to each side ({WINDOW_RADIUS:g} if only a place is given); alone: around the largest junction."),
+    ] = None,
+    junction: Annotated[str | None, Option(metavar="ID", help="Cut a window around this junction.")] = None,
+) -> None:
+    """Take a road network from a file, whole or a window of it."""
+    window = _window(around, radius, junction)
+    if not file.is_file():
+        raise UnusableInput(f"{file} is no file: give a SUMO network, OpenStreetMap, OpenDRIVE or Argoverse 2 map")
+    built = import_map(file.read_bytes(), str(file), window)
+    built.save(out)
+    _tell("read", f"{built.account['source']}: {_counts(built)}")
+    _tell_written(out)
+
+
+@command.command()
+def refine(
+    folder: Annotated[Path, Argument(metavar="DIR", help="A folder that `drivegen map` made from words.")],
+    text: Annotated[str, Argument(help='The edit, e.g. "add a lane" or "make it a roundabout".')],
+) -> None:
+    """Edit a map in words, in place; map.json keeps the history. Exits 2, saying what it can do, and changes nothing."""
+    built = refine_map(folder, text)
+    built.save(folder)
+    _tell("understood", *(f"{told['phrase']}: {told['meaning']}" for told in built.account["history"][-1]["understood"]))
+    _tell("failed", *built.account["failed"])
+    _tell_written(folder)
+
+
+@command.command()
+def export(
+    folder: Annotated[Path, Argument(metavar="DIR", help=f"A folder that holds {NETWORK}.")],
+    to: Annotated[Form, Option(help="sumo: the network as it is; opendrive: .xodr.")],
+    out: Annotated[Path, Option(help="The file to write.")],
+) -> None:
+    """Write a map for other programs. OpenDRIVE by netconvert is lossy: lanes may be missing when it is read back."""
+    source = folder / NETWORK
+    if not source.is_file():
+        raise UnusableInput(f"{source} is not there: make the map first")
+    network = source.read_bytes()
+    with whole(out) as temporary:
+        temporary.write_bytes(network if to is Form.SUMO else export_opendrive(network))
+    _tell("written", str(out))
+
+
+def _window(around: str | None, radius: float | None, junction: str | None) -> Window | None:
+    if around is not None and junction is not None:
+        raise BadParameter("give one of --around and --junction")
+    if around is None and junction is None and radius is None:
+        return None
+    return Window(WINDOW_RADIUS if radius is None else radius, None if around is None else _place(around), junction)
+
+
+def _place(around: str) -> tuple[float, float]:
+    try:
+        x, y = (float(number) for number in around.split(","))
+    except ValueError:
+        raise BadParameter(f"--around takes two numbers X,Y, not {around!r}") from None
+    return x, y
+
+
+def _counts(built: BuiltMap) -> str:
+    found = built.structure
+    return f"{found.edges} edges, {found.junctions} junctions ({found.signals} with signals), {found.size:.0f} m across"
+
+
+def _tell_written(folder: Path) -> None:
+    _tell("written", ", ".join(str(folder / name) for name in (NETWORK, ACCOUNT, PICTURE)))
+
+
+def _tell(word: str, *sentences: Any) -> None:
+    """One line a sentence, none without."""
+    console = Console(soft_wrap=True, highlight=False, markup=False)
+    for sentence in sentences:
+        console.print(f"{word:10}  {sentence}")

@@ -16,9 +16,9 @@ from drivegen.errors import UnusableInput
 from drivegen.maps.argoverse2 import to_network
 from drivegen.maps.build import BuiltMap
 from drivegen.maps.structure import measure
-from drivegen.sumo.netconvert import convert
+from drivegen.sumo.netconvert import NetconvertRefused, convert
 from drivegen.sumo.network import read_network
-from drivegen.sumo.safe_xml import parse, unpack
+from drivegen.safe_xml import parse, unpack
 
 _CAR = ("--keep-edges.by-vclass", "passenger,bus,truck,delivery")
 _OSM = (
@@ -78,9 +78,13 @@ def cut(network: bytes, place: str, window: Window) -> bytes:
     box = ",".join(f"{value:.2f}" for value in (x - window.radius, y - window.radius, x + window.radius, y + window.radius))
     arguments = ["-s", "in.net.xml", "--keep-edges.in-boundary", box, *_CAR, "--offset.disable-normalization", "true"]
     arguments += ["--remove-edges.isolated", "true", "--ignore-errors", "true", "-o", "out.net.xml"]
-    made = convert({"in.net.xml": network}, arguments, "out.net.xml", _TIMEOUT)
-    if b"<connection " not in made and b"<lane " not in made:
-        raise UnusableInput(f"{place} has no road within {window.radius:g} m of ({x:.0f}, {y:.0f})", reason="empty-window")
+    nothing = UnusableInput(f"{place} has no road within {window.radius:g} m of ({x:.0f}, {y:.0f})", reason="empty-window")
+    try:
+        made = convert({"in.net.xml": network}, arguments, "out.net.xml", _TIMEOUT)
+    except NetconvertRefused as refusal:
+        raise (nothing if "No edges loaded" in str(refusal) else refusal) from None
+    if b"<edge " not in made:
+        raise nothing
     return made
 
 

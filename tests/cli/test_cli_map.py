@@ -1,0 +1,98 @@
+"""`drivegen map`: words, files, edits and other programs' formats, through the command line itself."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from drivegen.cli import build, main
+
+ROUND = "roundabout with four arms"
+
+
+def run(*words: object) -> str:
+    """What `drivegen map WORDS` prints where it succeeds."""
+    done = CliRunner().invoke(build(["map"]), ["map", *map(str, words)], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    return done.output
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("map")
+    run(ROUND, "--out", folder)
+    return folder
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {file.name: file.read_bytes() for file in folder.iterdir()}
+
+
+@pytest.mark.parametrize(
+    "words", [["words", ROUND, "--out", "OUT"], ["--out", "OUT", ROUND], [ROUND, "--seed", "7", "--out", "OUT"]]
+)
+def test_a_description_needs_no_command_and_options_may_come_first(folder, tmp_path, words):
+    run(*(tmp_path if word == "OUT" else word for word in words))
+    assert files(tmp_path) == files(folder)
+
+
+def test_a_description_may_begin_with_the_name_of_a_command(tmp_path):
+    assert "roundabout" in run("import a roundabout with three arms", "--out", tmp_path)
+
+
+def test_an_edit_changes_the_map_in_place_and_is_kept_in_its_history(tmp_path):
+    run(ROUND, "--out", tmp_path)
+    before = files(tmp_path)
+    assert "30 km/h" in run("refine", tmp_path, "set the limit to 30 km/h")
+    assert files(tmp_path).keys() == before.keys()
+    assert files(tmp_path)["map.net.xml"] != before["map.net.xml"]
+    assert [edit["edit"] for edit in json.loads(files(tmp_path)["map.json"])["history"]] == ["set the limit to 30 km/h"]
+
+
+def test_a_network_goes_out_as_it_is_and_comes_back(folder, tmp_path):
+    run("export", folder, "--to", "sumo", "--out", tmp_path / "a.net.xml")
+    assert "SUMO network" in run("import", tmp_path / "a.net.xml", "--out", tmp_path / "back")
+    assert files(tmp_path / "back")["map.net.xml"] == files(folder)["map.net.xml"]
+
+
+def test_a_window_is_smaller_than_the_whole(folder, tmp_path):
+    run("import", folder / "map.net.xml", "--out", tmp_path, "--around", "80,0", "--radius", "80")
+    edges = [json.loads((where / "map.json").read_text())["structure"]["edges"] for where in (tmp_path, folder)]
+    assert 0 < edges[0] < edges[1]
+
+
+def test_opendrive_is_written_and_read(folder, tmp_path):
+    run("export", folder, "--to", "opendrive", "--out", tmp_path / "a.xodr")
+    assert b"<OpenDRIVE" in (tmp_path / "a.xodr").read_bytes()
+    assert "OpenDRIVE" in run("import", tmp_path / "a.xodr", "--out", tmp_path / "back")
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["import", "nowhere", "--out", "o"], "drivegen: nowhere is no file"),
+        (["import", "FOLDER/map.png", "--out", "o"], "drivegen: "),
+        (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "here"], "--around takes two numbers"),
+        (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "0,0", "--junction", "a"], "one of --around and --junction"),
+        (["import", "FOLDER/map.net.xml", "--out", "o", "--junction", "nothing"], "no junction 'nothing'"),
+        (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "1e6,0"], "no road within 150 m"),
+        (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "100,0", "--radius", "60"], "no road within 60 m"),
+        (["import", "FOLDER/map.net.xml", "--out", "o", "--radius", "nan"], "radius must be between 10 and 5000 m"),
+        (["import", "--out", "o"], "Missing argument"),
+        (["refine", "nowhere", "add a lane"], "make the map first"),
+        (["refine", "FOLDER", "sing me a song"], "no edit that I know"),
+        (["export", "nowhere", "--to", "sumo", "--out", "x"], "make the map first"),
+        (["export", "FOLDER", "--to", "lanelet", "--out", "x"], "'lanelet'"),
+    ],
+)
+def test_what_cannot_be_done_is_one_sentence_and_exit_code_2(folder, tmp_path, monkeypatch, capsys, words, sentence):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["drivegen", "map", *(word.replace("FOLDER", str(folder)) for word in words)])
+    before = files(folder)
+    with pytest.raises(SystemExit) as left:
+        main()
+    assert left.value.code == 2
+    assert sentence in " ".join(capsys.readouterr().err.split())
+    assert files(folder) == before
+    assert not list(tmp_path.iterdir())
