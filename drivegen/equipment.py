@@ -28,10 +28,16 @@ class Equipment:
         Raises MissingTool, with the remedy, where one is absent.
         """
         return cls(
-            planner=plugins.load("planners", planner).load(models / "planners" / planner),
+            planner=read_planner(models, planner),
             selector=plugins.load("selectors", selector).load(models / "selector"),
             limits=read_limits(models),
         )
+
+
+def read_planner(models: Path, name: str) -> Planner:
+    """The trained planner `models/planners/<name>`; raises MissingTool where it is absent."""
+    planner: Planner = plugins.load("planners", name).load(models / "planners" / name)
+    return planner
 
 
 def read_limits(models: Path) -> Limits:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from drivegen.checker.limits import Limits
 from drivegen.checker.scene import SceneChecker, Severities
+from drivegen.geometry import to_vehicle_frame, wrap_angle
 from drivegen.goals.candidates import Candidates
 from drivegen.goals.joint import PENALTY, draw_together, gumbel
 from drivegen.goals.outlook import Outlooks
@@ -28,6 +29,10 @@ FAILED = 3.0
 """Each failed trajectory makes its goal exp(3), 20 times, less likely to be tried again."""
 
 
+ALIKE = np.pi / 3
+"""Headings that differ by less [rad] are one direction of travel."""
+
+
 @dataclass(frozen=True)
 class RolloutSettings:
     """How often the illegal is planned again, and what becomes of what stays illegal.
@@ -38,7 +43,8 @@ class RolloutSettings:
         evictions: how often a vehicle may be planned again because another one found no way past it.
         drop_illegal: leave out vehicles that could not be made legal; else the least illegal trajectory stays.
         target_steps: others avoid the target's planned motion up to this step only, None for always. In corner cases
-            its driver has to react, and this is the time that it is given.
+            its driver has to react, and this is the time that it is given. Who comes from behind avoids it always: a
+            replayed vehicle that runs into the target's rear asks nothing of its driver.
     """
 
     attempts: int
@@ -83,7 +89,8 @@ class Rollout:
         self.goal = np.full((samples, count), NO_GOAL, np.int32)
         self.attempts = np.zeros((samples, count), np.int64)
         self.evictions = np.zeros((samples, count), np.int64)
-        self.outlooks = Outlooks.of(scenario, choice.candidates, settings.target_steps)
+        self.target_steps = _steps_to_avoid_target(scenario, settings.target_steps)
+        self.outlooks = Outlooks.of(scenario, choice.candidates, self.target_steps)
         self.start = self.outlooks.start
         self.exclusive = self.outlooks.exclusions()
         used = np.concatenate(choice.used)
@@ -119,10 +126,10 @@ class Rollout:
     def _others(self, k: int, n: int) -> Trajectories:
         """What is committed in sample k and vehicle n has to avoid."""
         others = self.motion[k]
-        if self.settings.target_steps is None or n == TARGET:
+        if self.target_steps[n] == others.steps:
             return others
         valid = others.valid.copy()
-        valid[TARGET, self.settings.target_steps :] = False
+        valid[TARGET, self.target_steps[n] :] = False
         return Trajectories(others.position, others.heading, others.velocity, valid)
 
     def commit(self, rows: NDArray[np.int64], motion: Trajectories) -> None:
@@ -200,6 +207,16 @@ class Rollout:
     def _probability(self, probabilities: Probabilities) -> NDArray[np.float32]:
         columns = [p[self.goal[:, n]] for n, p in enumerate(probabilities)]
         return np.stack(columns, axis=1).astype(np.float32)
+
+
+def _steps_to_avoid_target(scenario: Scenario, limit: int | None) -> NDArray[np.int64]:
+    """(N,) steps for which each vehicle avoids the target: all of them if it heads the same way from behind it."""
+    vehicles = scenario.vehicles
+    if limit is None:
+        return np.full(len(vehicles), scenario.steps)
+    ahead = to_vehicle_frame(vehicles.position, vehicles.position[TARGET], vehicles.heading[TARGET])[:, 0]
+    alike = np.abs(wrap_angle(vehicles.heading - vehicles.heading[TARGET])) < ALIKE
+    return np.where((ahead <= 0) & alike, scenario.steps, limit)
 
 
 def _badness(violation: NDArray[np.uint16], first: NDArray[np.int16], steps: int) -> NDArray[np.float64]:

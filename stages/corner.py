@@ -16,9 +16,10 @@ from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.corner_cases.pressure import PressureSettings
 from drivegen.corner_cases.rounds import Drive, lean_on, learn, play
 from drivegen.corner_cases.summary import RoundSummary, summarise
-from drivegen.equipment import Equipment
+from drivegen.equipment import read_limits, read_planner
 from drivegen.generate import recorded_choices
 from drivegen.generators.base import Settings
+from drivegen.planners.base import Planner
 from drivegen.rollout import Choices
 from drivegen.seeds import rng
 from drivegen.store.files import write_json
@@ -93,26 +94,26 @@ def _play_shard(task: Task) -> tuple[Knowledge, RoundSummary]:
     scenarios = read_shard(task.shard)
     recorded = read_goals(require(task.goals / task.shard.name, "run the goals stage"))
     choices = recorded_choices(scenarios, recorded, params.generation.temperature)
-    tools = Equipment.open(task.models, params.generation.planner, task.goals.name)
+    planner, limits = read_planner(task.models, params.generation.planner), read_limits(task.models)
     if int(task.out.name) > 0:
-        choices = _leaning(task, choices, tools)
+        choices = _leaning(task, choices, planner)
     plugin = plugins.load("drivers", params.driver)
     driver = plugin(build(plugin.settings_type, params.driver_settings, "params.yaml: corner.driver_settings"))
     simulator = plugins.load("simulators", params.simulator)()
     rollout = params.generation.rollout
-    drives = play(choices, tools.planner, tools.limits, rollout, driver, simulator, params.samples, params.seed)
+    drives = play(choices, planner, limits, rollout, driver, simulator, params.samples, params.seed)
     write_samples(task.out / "samples" / task.shard.name, [drive.samples for drive in drives])
     write_samples(task.out / "driven" / task.shard.name, [_driven(drive) for drive in drives])
     gained = learn(Knowledge.none(params.prior_strength), drives, choices, params.pressure.reach)
     return gained, summarise(choices, drives)
 
 
-def _leaning(task: Task, choices: list[Choices], tools: Equipment) -> list[Choices]:
+def _leaning(task: Task, choices: list[Choices], planner: Planner) -> list[Choices]:
     """Choices under the pressure of what is known, met with the target as it drove in the round before."""
     before = task.out.parent / str(int(task.out.name) - 1) / "driven" / task.shard.name
     expected = [driven.motion[:, 0] for driven in read_samples(require(before, "run the round before"))]
     params = task.params
-    return lean_on(choices, expected, tools.planner, task.knowledge, params.pressure, params.seed)
+    return lean_on(choices, expected, planner, task.knowledge, params.pressure, params.seed)
 
 
 def _driven(drive: Drive) -> Any:

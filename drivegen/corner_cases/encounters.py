@@ -53,6 +53,7 @@ class Encounters:
         speed_bin: uint8 bin of |v_social - v_target| by SPEED_EDGES.
         direction: uint8 Direction. behaviour: uint8 Behaviour.
         met: bool, both are present at some step.
+        behind: bool, the social vehicle comes up from behind then: its own duty, nothing that the target's driver is asked.
     """
 
     step: NDArray[np.int16]
@@ -61,6 +62,7 @@ class Encounters:
     direction: NDArray[np.uint8]
     behaviour: NDArray[np.uint8]
     met: NDArray[np.bool_]
+    behind: NDArray[np.bool_]
 
 
 def encounters(target: Trajectories, target_size: Floats, social: Trajectories, social_size: Floats) -> Encounters:
@@ -86,6 +88,8 @@ def encounters(target: Trajectories, target_size: Floats, social: Trajectories, 
     relative = social.velocity - mover.velocity
     closing = np.hypot(at(relative[..., 0]), at(relative[..., 1]))
     turn = wrap_angle(at(social.heading) - at(mover.heading))
+    apart = social.position - mover.position
+    ahead = at(apart[..., 0] * np.cos(mover.heading) + apart[..., 1] * np.sin(mover.heading))
     return Encounters(
         step=step.astype(np.int16),
         gap=np.where(met, at(gap), np.inf).astype(np.float32),
@@ -93,6 +97,7 @@ def encounters(target: Trajectories, target_size: Floats, social: Trajectories, 
         direction=_direction(turn),
         behaviour=_behaviour(social, step),
         met=met,
+        behind=met & (_direction(turn) == Direction.SAME) & (ahead < -target_size[..., None, 0] / 2),
     )
 
 

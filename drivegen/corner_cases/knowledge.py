@@ -36,8 +36,8 @@ class Knowledge:
         return cls(np.zeros(SHAPE, np.int64), np.zeros(SHAPE, np.int64), strength)
 
     def with_outcomes(self, met: Encounters, collided: NDArray[np.bool_], reach: float) -> "Knowledge":
-        """Add encounters nearer than `reach` [m]; `collided` has their shape."""
-        near = met.met & (met.gap <= reach)
+        """Add encounters nearer than `reach` [m], those from behind left out; `collided` has their shape."""
+        near = met.met & ~met.behind & (met.gap <= reach)
         cells = (met.speed_bin[near], met.direction[near], met.behaviour[near])
         seen, hit = self.encounters.copy(), self.collisions.copy()
         np.add.at(seen, cells, 1)

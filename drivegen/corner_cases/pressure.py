@@ -35,7 +35,7 @@ class PressureSettings:
 def risk(met: Encounters, knowledge: Knowledge, settings: PressureSettings) -> NDArray[np.float64]:
     """Risk of each planned encounter: P(collision | features), fading to the base rate's tenth at `reach`."""
     cell = knowledge.probability()[met.speed_bin, met.direction, met.behaviour]
-    nearness = np.where(met.met, np.clip(1.0 - met.gap / settings.reach, 0.0, 1.0), 0.0)
+    nearness = np.where(met.met & ~met.behind, np.clip(1.0 - met.gap / settings.reach, 0.0, 1.0), 0.0)
     in_time = met.step * DT >= settings.reaction_time
     floor = 0.1 * knowledge.base_rate
     return floor + np.where(in_time, cell * nearness, 0.0)

@@ -30,7 +30,7 @@ class Outlooks:
         start: (N + 1,) int64 rows of each vehicle. owner: (Q,) int64 the vehicle of each row.
         position: (Q, S, 2) float32 [m], heading: (Q, S) float32 [rad], at every STRIDE-th step.
         size: (Q, 2) float32 length, width [m].
-        target_steps: the target is in nobody's way from this step on.
+        target_steps: (N,) int64 the target is in vehicle n's way before this step only.
     """
 
     start: NDArray[np.int64]
@@ -38,11 +38,11 @@ class Outlooks:
     position: NDArray[np.float32]
     heading: NDArray[np.float32]
     size: NDArray[np.float32]
-    target_steps: int
+    target_steps: NDArray[np.int64]
 
     @classmethod
-    def of(cls, scenario: Scenario, candidates: Sequence[Candidates], target_steps: int | None) -> "Outlooks":
-        """Outlooks over the scenario's horizon; `target_steps` None: the target counts throughout."""
+    def of(cls, scenario: Scenario, candidates: Sequence[Candidates], target_steps: NDArray[np.int64]) -> "Outlooks":
+        """Outlooks over the scenario's horizon; with `target_steps` of the scenario's steps the target counts throughout."""
         counts = [len(c) for c in candidates]
         owner = np.repeat(np.arange(len(counts)), counts)
         vehicles = scenario.vehicles
@@ -69,14 +69,14 @@ class Outlooks:
             position=position.astype(np.float32),
             heading=heading.astype(np.float32),
             size=np.ascontiguousarray(vehicles.size[owner, :2], np.float32),
-            target_steps=scenario.steps if target_steps is None else target_steps,
+            target_steps=target_steps,
         )
 
     def exclusions(self) -> NDArray[np.bool_]:
         """(Q, Q) whether two candidates of different vehicles exclude each other."""
         met = np.zeros((len(self.owner), len(self.owner)), np.bool_)
         valid = np.ones(self.heading.shape, np.bool_)
-        last = -(-self.target_steps // STRIDE)
+        last = -(-self.target_steps // STRIDE)[self.owner]
         _exclusions(self.position, self.heading, valid, self.size, self.owner, last, met)
         return met
 
@@ -86,8 +86,7 @@ class Outlooks:
         position, heading = (np.ascontiguousarray(a[:, ::STRIDE]) for a in (committed.position, committed.heading))
         valid = committed.valid[:, ::STRIDE].copy()
         valid[vehicle] = False
-        if vehicle != TARGET:
-            valid[TARGET, -(-self.target_steps // STRIDE) :] = False
+        valid[TARGET, -(-self.target_steps[vehicle] // STRIDE) :] = False
         met = np.zeros(rows.stop - rows.start, np.int64)
         _meetings(self.position[rows], self.heading[rows], self.size[rows], position, heading, valid, sizes, met)
         return met
@@ -173,7 +172,7 @@ def _exclusions(position, heading, valid, size, owner, target_last, met):  # typ
                 break
             margin = 0.5 * (size[a, 0] + size[a, 1] + size[b, 0] + size[b, 1])
             if _near(boxes[a], boxes[b], margin):
-                last = target_last if owner[b] == TARGET else position.shape[1]
+                last = target_last[a] if owner[b] == TARGET else position.shape[1]
                 found = _meet(
                     position[a], heading[a], size[a, 0], size[a, 1],
                     position[b], heading[b], valid[b], size[b, 0], size[b, 1], last,
