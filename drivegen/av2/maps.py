@@ -26,6 +26,8 @@ DECIMALS = 4
 """Decimals of written coordinates [0.1 mm]: finer than float32 a few hundred metres from the origin."""
 
 _xy = itemgetter("x", "y")
+_KINDS = {kind.name: kind.value for kind in LaneKind}
+_CONTROLS = {control.name: control.value for control in LaneControl}
 
 
 def read_map(raw: bytes, place: str) -> RoadMap:
@@ -66,7 +68,7 @@ def _build(tree: Mapping[str, Any]) -> RoadMap:
     origin = np.array(tree["origin"], np.float64) if "origin" in tree else _middle(centre[0])
     if origin.shape != (2,) or not np.isfinite(origin).all():
         raise ValueError("its origin is not a finite point")
-    kind = np.array([LaneKind[lane["lane_type"]] for lane in lanes], np.uint8)
+    kind = np.array([_KINDS[lane["lane_type"]] for lane in lanes], np.uint8)
     links, dangling = _links(lanes, index)
     neighbour, same_direction, may_change = _neighbours(lanes, index, centre, kind)
     stops = list(tree.get("stop_lines", {}).values())
@@ -80,7 +82,7 @@ def _build(tree: Mapping[str, Any]) -> RoadMap:
         right=_local(right, origin),
         speed_limit=np.array([lane.get("speed_limit") for lane in lanes], np.float32),  # None becomes NaN
         in_junction=np.array([lane["is_intersection"] for lane in lanes], np.bool_),
-        control=np.array([LaneControl[lane.get("control", "UNKNOWN")] for lane in lanes], np.uint8),
+        control=np.array([_CONTROLS[lane.get("control", "UNKNOWN")] for lane in lanes], np.uint8),
         links=links,
         neighbour=neighbour,
         same_direction=same_direction,
@@ -156,9 +158,10 @@ def _neighbours(
     lanes: Sequence[Mapping[str, Any]], index: Mapping[int, int], centre: Lines, kind: NDArray[np.uint8]
 ) -> tuple[NDArray[np.int32], NDArray[np.bool_], NDArray[np.bool_]]:
     """Neighbours, whether they run the same way (by geometry: the file does not say), whether one may change (L, 2)."""
-    sides = ("left", "right")
-    neighbour = np.array([[index.get(lane[f"{side}_neighbor_id"], NO_LANE) for side in sides] for lane in lanes], np.int32)
-    crossable = np.array([[lane[f"{side}_lane_mark_type"] in CROSSABLE_MARKS for side in sides] for lane in lanes], np.bool_)
+    beside = chain.from_iterable(map(itemgetter("left_neighbor_id", "right_neighbor_id"), lanes))
+    neighbour = np.array([index.get(other, NO_LANE) for other in beside], np.int32).reshape(-1, 2)
+    marks = chain.from_iterable(map(itemgetter("left_lane_mark_type", "right_lane_mark_type"), lanes))
+    crossable = np.array([mark in CROSSABLE_MARKS for mark in marks], np.bool_).reshape(-1, 2)
     points, start = centre
     along = points[start[1:] - 1] - points[start[:-1]]
     same_direction = (neighbour != NO_LANE) & ((along[:, None] * along[neighbour]).sum(-1) > 0)

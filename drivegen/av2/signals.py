@@ -6,6 +6,7 @@ guards the entry into a lane of the map, U unknown, G green, Y yellow, R red.
 
 import numpy as np
 import orjson
+from numpy.typing import NDArray
 
 from drivegen.errors import UnusableInput
 from drivegen.roadmap import RoadMap
@@ -13,6 +14,10 @@ from drivegen.scenario import Signals
 
 LETTERS = "UGYR"
 """The letter of each SignalState."""
+
+_UNKNOWN_LETTER = 255
+_STATE_OF = np.full(256, _UNKNOWN_LETTER, np.uint8)
+_STATE_OF[np.frombuffer(LETTERS.encode(), np.uint8)] = np.arange(len(LETTERS))
 
 
 def read_signals(raw: bytes, road_map: RoadMap, place: str) -> Signals:
@@ -23,11 +28,21 @@ def read_signals(raw: bytes, road_map: RoadMap, place: str) -> Signals:
     index = {number: i for i, number in enumerate(road_map.lane_id.tolist())}
     try:
         rows = [(index[row["lane"]], row["states"]) for row in orjson.loads(raw)["signals"] if row["lane"] in index]
-        states = [[LETTERS.index(letter) for letter in letters] for _, letters in rows]
-        state = np.array(states, np.uint8).reshape(len(rows), -1 if rows else 0)  # unequal lengths are a ValueError
+        state = _states([letters for _, letters in rows])
     except (orjson.JSONDecodeError, KeyError, TypeError, ValueError) as error:
         raise UnusableInput(f"{place} is no signals file: {error}", reason="bad-signals") from None
     return Signals(np.array([lane for lane, _ in rows], np.int32), state)
+
+
+def _states(rows: list[str]) -> NDArray[np.uint8]:
+    """(G, T) from G strings of T letters. Raises ValueError for unequal lengths and for unknown letters."""
+    if len(set(map(len, rows))) > 1:
+        raise ValueError("its signals last for different times")
+    letters = np.frombuffer("".join(rows).encode("ascii"), np.uint8)
+    state = _STATE_OF[letters].reshape(len(rows), -1 if rows else 0)
+    if (state == _UNKNOWN_LETTER).any():
+        raise ValueError(f"a state is none of {', '.join(LETTERS)}")
+    return state
 
 
 def write_signals(signals: Signals, road_map: RoadMap) -> bytes:

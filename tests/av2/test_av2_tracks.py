@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import orjson
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder, read_table
 from drivegen.av2.schema import COLUMNS, OBSERVED_STEPS, TrackCategory
+from drivegen.av2.signals import read_signals
 from drivegen.av2.tracks import read_log, track_table
 from drivegen.errors import UnusableInput
 from drivegen.recorded import NO_TRACK
@@ -178,3 +180,11 @@ def test_an_id_that_cannot_name_a_folder_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UnusableInput, match="cannot name a folder"):
         export_scenario(scene, scene.log, tmp_path, "../out")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("states", [["GG", "G"], ["GX"], ["GÜ"], [5], [None]])
+def test_signals_of_unequal_lengths_or_unknown_letters_are_refused(states: list[object]) -> None:
+    road_map = busy_crossing(5).map
+    rows = [{"lane": int(road_map.lane_id[i]), "states": letters} for i, letters in enumerate(states)]
+    with pytest.raises(UnusableInput, match="signals file"):
+        read_signals(orjson.dumps({"signals": rows}), road_map, "signals.json")
