@@ -13,7 +13,7 @@ run: $(INSTALLED)        ## logs -> scenarios -> tables, recordings and a report
 	@$(BIN)/python -m flows experiment
 
 test: lint       ## lint, types, import contracts, then all tests (the pipeline with a tiny profile)
-	@$(BIN)/pytest -n 2
+	@$(BIN)/pytest -n 2 --dist loadscope --no-loadscope-reorder
 
 lint: $(INSTALLED)       ## the part of `make test` that needs no running
 	@$(BIN)/ruff check --quiet

@@ -83,6 +83,8 @@ def main(params: Params, corpus: Path, out: Path, metrics: Path) -> dict[str, fl
     plan = Plan(params.source, names, params.held_out, params.limits)
     settings = _settings_hash(params)
     tasks = {split: list(_tasks(params, roots, items(plan, opened, split), out, split, settings)) for split in SPLITS}
+    for split in SPLITS:
+        (out / split).mkdir(parents=True, exist_ok=True)  # stages depend on it, with or without shards
     total = {split: Admission() for split in SPLITS}
     of_task = {task.note: total[split] for split in SPLITS for task in tasks[split]}
     for task, admission in spread(make_shard, [t for split in SPLITS for t in tasks[split]], params.workers, "ingest"):

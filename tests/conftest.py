@@ -11,3 +11,8 @@ from tests.models import write_models
 def models(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder of models as the pipeline leaves it, trained for seconds: see tests/models.py."""
     return write_models(tmp_path_factory.mktemp("models"))
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The slowest module first, so that it runs beside all the others (stable: the rest keep their order)."""
+    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
