@@ -1,0 +1,23 @@
+"""No language model: every question has a typed failure for an answer, so that the caller's fallback is used, and counted."""
+
+from drivegen.lm.backends.base import Reply, Request
+from drivegen.lm.prompt import NoAnswer
+from drivegen.lm.settings import RoleSettings
+
+
+class Plugin:
+    """The backend that asks nobody."""
+
+    prices = ""
+
+    def __init__(self, settings: RoleSettings) -> None:
+        self._settings = settings
+
+    def reply(self, request: Request) -> Reply:
+        """See `Backend.reply`."""
+        raise NoAnswer(f"no language model is configured for {request.prompt_version}", "no-model")
+
+    @staticmethod
+    def image_tokens(width: int, height: int) -> int:
+        """See `Backend.image_tokens`: nothing is sent."""
+        return 0 * width * height

@@ -1,0 +1,141 @@
+"""The seam: whoever wants something from a language model asks a `LanguageModel`, and gets a validated answer or a NoAnswer."""
+
+import time
+from dataclasses import replace
+from typing import cast
+
+import orjson
+
+from drivegen import plugins
+from drivegen.lm.backends.base import Backend, Output, Reply, Request, Turn
+from drivegen.lm.ledger import Call, Ledger
+from drivegen.lm.prices import input_tokens, price
+from drivegen.lm.prompt import A, NoAnswer, Prompt
+from drivegen.lm.reading import InvalidReply, read
+from drivegen.lm.records import Records, key_of
+from drivegen.lm.settings import RoleSettings
+
+ASKED_AGAIN = 2
+"""How often at most, with what was wrong, after an answer that fails validation."""
+
+UNKNOWN = "unknown"
+"""The cost of a call where no price list knows the model."""
+
+_NOT_BILLED = {"no-model", "refused", "rate-limited", "server-error", "unreachable"}
+_IN_WORDS = "Answer with one JSON object and nothing else. It must satisfy this JSON Schema:\n"
+_MEND = "That answer cannot be used:\n{}\nAnswer again, whole, with this mended."
+
+
+class LanguageModel:
+    """One role's language model.
+
+    Attributes:
+        role: "maps", "goals" or "corner_cases". description: who answers, as it stands in tables.
+        ledger: every call so far.
+    """
+
+    def __init__(self, role: str, settings: RoleSettings, records: Records) -> None:
+        self.role = role
+        self.ledger = Ledger(settings.max_usd, settings.max_calls)
+        self._settings, self._records = settings, records
+        self._made: Backend | None = None
+
+    @property
+    def description(self) -> str:
+        """The model's name, or that there is none."""
+        return f"language model {self._settings.model}" if self._settings.model else "no language model"
+
+    def ask(self, prompt: Prompt[A], sample: int = 0) -> A:
+        """The answer to `prompt`; another `sample` is another answer to the same question.
+
+        A reply that fails validation is asked for again with the validator's words, twice at most. Raises NoAnswer where no
+        usable answer came, OverBudget before a call that may cost too much, MissingTool where a recorded reply or the key is
+        missing.
+        """
+        turns: tuple[Turn, ...] = ()
+        for asked in range(1 + ASKED_AGAIN):
+            request = self.request(prompt, sample, turns)
+            reply, row = self._reply(request, asked)
+            try:
+                answer = read(reply.text, prompt)
+            except InvalidReply as wrong:
+                self.ledger.add(replace(row, outcome="asked again" if asked < ASKED_AGAIN else "invalid-answer"))
+                turns = (*turns, Turn(reply.text, _MEND.format(wrong)))
+            else:
+                self.ledger.add(replace(row, outcome="answered"))
+                return answer
+        raise NoAnswer(
+            f"{self._settings.model} gave no valid answer in {1 + ASKED_AGAIN} attempts (prompt {prompt.version})",
+            "invalid-answer",
+        )
+
+    def request(self, prompt: Prompt[A], sample: int = 0, turns: tuple[Turn, ...] = ()) -> Request:
+        """What is sent for a prompt; also what an estimate is made of."""
+        schema = prompt.answer.model_json_schema()
+        output = cast(Output, self._settings.output)
+        told = prompt.instructions
+        if output == "prompted":
+            told = f"{told}\n\n{_IN_WORDS}{orjson.dumps(schema, option=orjson.OPT_SORT_KEYS).decode()}"
+        return Request(
+            model=self._settings.model,
+            prompt_version=prompt.version,
+            instructions=told,
+            parts=prompt.parts,
+            turns=turns,
+            schema=schema,
+            output=output,
+            max_tokens=self._settings.max_tokens,
+            sample=sample,
+        )
+
+    def _reply(self, request: Request, asked: int) -> tuple[Reply, Call]:
+        """The recorded reply, or the model's own, and its row, which lacks the outcome."""
+        row = Call(
+            role=self.role,
+            model=request.model,
+            prompt_version=request.prompt_version,
+            key=key_of(request),
+            sample=request.sample,
+            asked=asked,
+            outcome="",
+            replayed=False,
+            input_tokens=None,
+            output_tokens=None,
+            cost=UNKNOWN,
+            latency=0.0,
+            retries=0,
+        )
+        if self._settings.model and (kept := self._records.find(request)):
+            told = replace(
+                row, replayed=True, cost=_dollars(0.0), input_tokens=kept.input_tokens, output_tokens=kept.output_tokens
+            )
+            return kept, told
+        reply, row = self._call(request, row)
+        self._records.keep(request, reply)
+        return reply, row
+
+    def _call(self, request: Request, row: Call) -> tuple[Reply, Call]:
+        backend = self._backend()
+        most = price(request.model, backend.prices, input_tokens(request, self._settings.backend), request.max_tokens)
+        if self._settings.model:
+            self.ledger.set_aside(most)
+        began = time.perf_counter()
+        try:
+            reply = backend.reply(request)
+        except NoAnswer as failure:
+            self.ledger.settle(most, 0.0 if failure.reason in _NOT_BILLED else None)
+            self.ledger.add(replace(row, outcome=failure.reason, latency=time.perf_counter() - began))
+            raise
+        usd = price(request.model, backend.prices, reply.input_tokens, reply.output_tokens)
+        self.ledger.settle(most, usd)
+        told = replace(row, latency=time.perf_counter() - began, retries=reply.retries, cost=_dollars(usd))
+        return reply, replace(told, input_tokens=reply.input_tokens, output_tokens=reply.output_tokens)
+
+    def _backend(self) -> Backend:
+        if self._made is None:  # not before it is needed: a replay needs no key
+            self._made = plugins.load("lm.backends", self._settings.backend)(self._settings)
+        return self._made
+
+
+def _dollars(usd: float | None) -> str:
+    return UNKNOWN if usd is None else f"{usd:.6f}"

@@ -1,0 +1,76 @@
+"""What calls cost, before and after: prices of hosted models from genai-prices' own copy of the price lists.
+
+A model that no list knows, such as one on a server of yours, has the price "unknown", never 0. Tokens before a call are an
+estimate: bytes of text over 3.5, pictures by the vendor's rule.
+"""
+
+import math
+import struct
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import orjson
+
+from drivegen import plugins
+from drivegen.lm.backends.base import Request
+from drivegen.lm.prompt import Image
+from drivegen.lm.settings import RoleSettings
+
+_BYTES_PER_TOKEN = 3.5
+_PNG = b"\x89PNG\r\n\x1a\n"
+_UNKNOWN_IMAGE = (1024, 1024)  # [pixels] where a picture is no PNG
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Of some calls, each answered at the first time of asking: `usd` is None where the price is unknown.
+
+    `most_usd` is what they cost if each answer is as long as it may be and all are asked for twice again.
+    """
+
+    calls: int
+    input_tokens: int
+    output_tokens: int
+    usd: float | None
+    most_usd: float | None
+
+
+def price(model: str, vendor: str, input_tokens: int | None, output_tokens: int | None) -> float | None:
+    """Dollars; None where the price or the tokens are unknown. `vendor` as genai-prices names it, "" for none."""
+    if not vendor or input_tokens is None or output_tokens is None:
+        return None
+    from genai_prices import Usage, calc_price
+
+    try:
+        usage = Usage(input_tokens=input_tokens, output_tokens=output_tokens)
+        return float(calc_price(usage, model, provider_id=vendor).total_price)
+    except LookupError:
+        return None
+
+
+def input_tokens(request: Request, backend: str) -> int:
+    """About how many tokens a request is."""
+    said = [request.instructions, *(part for part in request.parts if isinstance(part, str))]
+    said += [text for turn in request.turns for text in (turn.reply, turn.complaint)]
+    length = sum(len(text.encode()) for text in said) + len(orjson.dumps(request.schema))
+    images = [part for part in request.parts if isinstance(part, Image)]
+    per_image: Callable[[int, int], int] = plugins.load("lm.backends", backend).image_tokens
+    return math.ceil(length / _BYTES_PER_TOKEN) + sum(per_image(*_size(image.content)) for image in images)
+
+
+def estimate(settings: RoleSettings, vendor: str, requests: Iterable[Request], answer_tokens: int) -> Estimate:
+    """What the requests would cost if each answer has about `answer_tokens`, without asking anybody."""
+    inputs = [input_tokens(request, settings.backend) for request in requests]
+    total, answers = sum(inputs), answer_tokens * len(inputs)
+    # Asked again, a request holds what came before: three times the question, the first reply twice, the second once.
+    longest = settings.max_tokens * len(inputs)
+    usd = price(settings.model, vendor, total, answers)
+    most = price(settings.model, vendor, 3 * total + 3 * longest, 3 * longest)
+    return Estimate(len(inputs), total, answers, usd, most)
+
+
+def _size(content: bytes) -> tuple[int, int]:
+    if content[:8] == _PNG and len(content) >= 24:
+        width, height = struct.unpack(">II", content[16:24])
+        return width, height
+    return _UNKNOWN_IMAGE

@@ -1,0 +1,71 @@
+"""What a language model is told and shown, the type that its answer must have, and the ways in which there is none."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, Literal, TypeVar
+
+from pydantic import BaseModel
+
+from drivegen.errors import DriveGenError
+
+A = TypeVar("A", bound=BaseModel)
+
+Reason = Literal["no-model", "invalid-answer", "refused", "rate-limited", "server-error", "timeout", "unreachable", "too-large"]
+"""Why there is no answer: none is configured; what came fails validation; the server said no to the request, asked for
+patience until patience ended, failed, was too slow, was not there, sent more than an answer can be."""
+
+
+@dataclass(frozen=True)
+class Image:
+    """An encoded picture, such as PNG bytes with media type "image/png"."""
+
+    content: bytes
+    media_type: str
+
+
+@dataclass(frozen=True)
+class Prompt(Generic[A]):
+    """One question.
+
+    Attributes:
+        version: names the wording, e.g. "roads-1"; part of the key under which answers are recorded.
+        instructions: the rules, the same for every question of a kind.
+        parts: what is asked, texts and pictures in order. What users or files said is data: fence it with `fenced`.
+        answer: the type of the answer; its fields' bounds are enforced.
+        check: what the type cannot say; raises ValueError whose words go back to the model. None: nothing more.
+    """
+
+    version: str
+    instructions: str
+    parts: tuple[str | Image, ...]
+    answer: type[A]
+    check: Callable[[A], None] | None = None
+
+
+class NoAnswer(DriveGenError):
+    """No usable answer came: the caller uses its fallback and counts `reason`."""
+
+    def __init__(self, message: str, reason: Reason) -> None:
+        super().__init__(message)
+        self.reason: Reason = reason
+
+
+class OverBudget(DriveGenError):
+    """The next call could cost more than the role may spend: the run stops."""
+
+
+def fenced(name: str, text: str) -> str:
+    """`text` between tags that it cannot close itself: data, never instructions.
+
+    >>> fenced("road", "a </road> b")
+    '<road>\\na  b\\n</road>'
+    """
+    text = encodable(text)
+    while f"<{name}>" in text or f"</{name}>" in text:
+        text = text.replace(f"</{name}>", "").replace(f"<{name}>", "")
+    return f"<{name}>\n{text}\n</{name}>"
+
+
+def encodable(text: str) -> str:
+    """`text` with "?" for halves of characters (lone surrogates), which no file and no request can hold."""
+    return text.encode(errors="replace").decode()

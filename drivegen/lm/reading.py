@@ -1,0 +1,44 @@
+"""From a reply's text to a validated answer, or to words that tell the model what to mend."""
+
+import re
+
+from pydantic import ValidationError
+
+from drivegen.lm.prompt import A, Prompt
+
+_FENCE = re.compile(r"\A\s*```[a-zA-Z]*\s*\n(.*?)\n?\s*```\s*\Z", re.DOTALL)
+_MOST_LINES = 10
+_LONGEST_LINE = 200
+
+
+class InvalidReply(ValueError):
+    """The reply is not an answer; the message is what the model is told."""
+
+
+def read(text: str, prompt: Prompt[A]) -> A:
+    """The answer in `text`, bare JSON or JSON in a code fence. Raises InvalidReply."""
+    fence = _FENCE.match(text)
+    try:
+        answer = prompt.answer.model_validate_json(fence[1] if fence else text)
+    except ValidationError as error:
+        raise InvalidReply(_complaint(error)) from None
+    if prompt.check is not None:
+        try:
+            prompt.check(answer)
+        except ValueError as error:
+            raise InvalidReply(_short(str(error).splitlines())) from None
+    return answer
+
+
+def _complaint(error: ValidationError) -> str:
+    lines = []
+    for detail in error.errors(include_url=False, include_context=False, include_input=False):
+        place = ".".join(str(part) for part in detail["loc"])
+        lines.append(f"{place}: {detail['msg']}" if place else detail["msg"])
+    return _short(lines)
+
+
+def _short(lines: list[str]) -> str:
+    told = [line[:_LONGEST_LINE] for line in lines[:_MOST_LINES]]
+    more = len(lines) - len(told)
+    return "\n".join([*told, f"(and {more} more)"] if more else told)

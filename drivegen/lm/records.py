@@ -1,0 +1,114 @@
+"""Record and replay: every reply is kept under a key made of everything it depends on, so that a rerun calls nobody.
+
+A small JSON file each, `<folder>/<first two of the key>/<key>.json`, the same bytes for the same reply whenever it was
+recorded: no times, no names of the vendor's. Pictures are kept as their SHA-256. Failures of transport are not replies and not
+kept; replies that fail validation are, with the questions that followed.
+"""
+
+import hashlib
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from drivegen.errors import MissingTool, UnusableInput
+from drivegen.lm.backends.base import Reply, Request
+from drivegen.lm.prompt import Image
+from drivegen.store.files import write_json
+
+FORMAT = 1
+
+
+class Mode(StrEnum):
+    """replay: never call, what is not recorded is an error. auto: call for what is not recorded, and keep it.
+
+    record: call always, and keep. off: call always, keep nothing.
+    """
+
+    REPLAY = "replay"
+    AUTO = "auto"
+    RECORD = "record"
+    OFF = "off"
+
+
+@dataclass(frozen=True)
+class Records:
+    """A folder of recorded replies, and how it is used."""
+
+    folder: Path
+    mode: Mode
+
+    def find(self, request: Request) -> Reply | None:
+        """The recorded reply; None where the model is to be called.
+
+        Raises MissingTool naming the prompt where nothing is recorded and nobody may be called, UnusableInput for a file that
+        holds something else.
+        """
+        if self.mode in (Mode.RECORD, Mode.OFF):
+            return None
+        file = self._file(key_of(request))
+        if file.is_file():
+            return _read(file)
+        if self.mode is Mode.AUTO:
+            return None
+        raise MissingTool(
+            f"{self.folder} holds no answer of {request.model} to {_shown(request)} (prompt {request.prompt_version}, key "
+            f"{key_of(request)[:12]}): record it with lm.records.mode auto, or use `--lm offline`"
+        )
+
+    def keep(self, request: Request, reply: Reply) -> None:
+        """Record a reply, except in mode off."""
+        if self.mode is Mode.OFF:
+            return
+        said = {"text": reply.text, "input_tokens": reply.input_tokens, "output_tokens": reply.output_tokens}
+        key = key_of(request)
+        write_json(self._file(key), {"key": key, "request": told(request), "reply": said})
+
+    def _file(self, key: str) -> Path:
+        return self.folder / key[:2] / f"{key}.json"
+
+
+def key_of(request: Request) -> str:
+    """SHA-256 of the request as canonical JSON: model, prompt version, messages, schema, sample and output mode."""
+    return hashlib.sha256(orjson.dumps(told(request), option=orjson.OPT_SORT_KEYS)).hexdigest()
+
+
+def told(request: Request) -> dict[str, Any]:
+    """The request as plain values, pictures as their digests."""
+    parts = [
+        {"image": hashlib.sha256(part.content).hexdigest(), "media_type": part.media_type} if isinstance(part, Image) else part
+        for part in request.parts
+    ]
+    return {
+        "format": FORMAT,
+        "model": request.model,
+        "prompt_version": request.prompt_version,
+        "instructions": request.instructions,
+        "parts": parts,
+        "turns": [{"reply": turn.reply, "complaint": turn.complaint} for turn in request.turns],
+        "schema": request.schema,
+        "output": request.output,
+        "max_tokens": request.max_tokens,
+        "sample": request.sample,
+    }
+
+
+def _read(file: Path) -> Reply:
+    try:
+        content = orjson.loads(file.read_bytes())
+        said = content["reply"]
+        text, tokens = said["text"], (said["input_tokens"], said["output_tokens"])
+    except (orjson.JSONDecodeError, KeyError, TypeError):
+        raise UnusableInput(f"{file} is no recorded reply: delete it and record it again") from None
+    whole = isinstance(text, str) and all(n is None or (isinstance(n, int) and n >= 0) for n in tokens)
+    if not whole or content.get("key") != file.stem:
+        raise UnusableInput(f"{file} is no recorded reply: delete it and record it again")
+    return Reply(text, *tokens, retries=0)
+
+
+def _shown(request: Request) -> str:
+    text = " ".join(" ".join(part for part in request.parts if isinstance(part, str)).split())
+    again = f", asked again {len(request.turns)} times" if request.turns else ""
+    return repr(text if len(text) <= 120 else f"...{text[-117:]}") + again

@@ -1,0 +1,76 @@
+"""What calls cost: known where a price list knows the model, else unknown and never nothing."""
+
+import subprocess
+import sys
+
+import pytest
+
+from drivegen.errors import UnusableInput
+from drivegen.lm.ledger import Ledger
+from drivegen.lm.prices import estimate, input_tokens, price
+from drivegen.lm.prompt import OverBudget
+from drivegen.lm.settings import RecordSettings, overridden
+from tests.lm.asking import model, question, settings
+
+
+def test_a_price_is_per_token_and_unknown_models_have_none():
+    assert price("gpt-4o", "openai", 1_000_000, 0) == pytest.approx(2.5)
+    assert price("gpt-4o", "openai", 1000, 100) > price("gpt-4o", "openai", 1000, 0) > 0
+    assert price("no-such-model", "openai", 1000, 100) is None
+    assert price("gpt-4o", "", 1000, 100) is None
+    assert price("gpt-4o", "openai", None, 100) is None
+
+
+def test_an_estimate_counts_calls_tokens_and_dollars(tmp_path):
+    role = settings(model="gpt-4o")
+    requests = [model(tmp_path, model="gpt-4o").request(question())] * 10
+    told = estimate(role, "openai", requests, 50)
+    assert (told.calls, told.output_tokens) == (10, 500)
+    assert told.input_tokens == 10 * input_tokens(requests[0], "openai")
+    assert told.usd == pytest.approx(price("gpt-4o", "openai", told.input_tokens, 500))
+    assert told.most_usd > told.usd
+    assert estimate(role, "", requests, 50).usd is None
+
+
+def test_a_picture_counts_by_its_size(tmp_path):
+    request = model(tmp_path).request(question())
+    assert input_tokens(request, "openai") - input_tokens(request, "offline") == 2  # 64 x 32 pixels
+    assert input_tokens(request, "anthropic") - input_tokens(request, "offline") == 3
+
+
+def test_money_is_set_aside_before_a_call_and_settled_after_it():
+    ledger = Ledger(max_usd=1.0, max_calls=10)
+    ledger.set_aside(0.6)
+    with pytest.raises(OverBudget):
+        ledger.set_aside(0.6)
+    ledger.settle(0.6, 0.1)
+    ledger.set_aside(0.6)
+    ledger.settle(0.6, None)
+    assert ledger.spent == pytest.approx(0.7)
+
+
+def test_the_ledger_is_a_table(tmp_path):
+    assert Ledger(1.0, 1).table().num_rows == 0
+
+
+def test_lm_words_name_another_model():
+    base = settings("http://127.0.0.1:1/v1")
+    assert overridden(base, "offline").model == ""
+    other = overridden(base, "openai:llama@http://127.0.0.1:8000/v1")
+    assert (other.model, other.base_url, other.key) == ("llama", "http://127.0.0.1:8000/v1", "")
+    hosted = overridden(base, "anthropic:claude")
+    assert (hosted.backend, hosted.base_url, hosted.key) == ("anthropic", "", "ANTHROPIC_API_KEY")
+    assert overridden(base, "openai:other").base_url == base.base_url
+    for words in ("nobody:x", "openai", "offline:x", ""):
+        with pytest.raises(UnusableInput):
+            overridden(base, words)
+    with pytest.raises(UnusableInput, match="replay"):
+        RecordSettings("sometimes", "x").open()
+
+
+def test_the_client_is_imported_only_when_a_model_is_called():
+    code = (
+        "import sys, drivegen.lm.model, drivegen.lm.backends.openai, drivegen.lm.backends.anthropic, drivegen.lm.prices;"
+        "print([m for m in ('pydantic_ai', 'openai', 'anthropic', 'genai_prices', 'httpx2') if m in sys.modules])"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True).stdout == "[]\n"
