@@ -144,11 +144,11 @@ def _unfit(log: RecordedLog, track: int) -> str:
 
 
 def _sizes(log: RecordedLog) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
-    """Boxes (M, 3) without gaps, and where they come from (M,)."""
+    """Boxes (M, 3) without gaps, and where they come from (M,): flat recordings measure length and width, which is enough."""
     assumed = np.array([ASSUMED_SIZE[VehicleKind(int(kind))] for kind in log.kind], np.float32).reshape(-1, 3)
-    unknown = np.any(np.isnan(log.size), axis=-1)
+    unknown = np.any(np.isnan(log.size[:, :2]), axis=-1)
     source = np.where(unknown, SizeSource.ASSUMED, SizeSource.MEASURED).astype(np.uint8)
-    return np.where(unknown[:, None], assumed, log.size), source
+    return np.where(unknown[:, None] | np.isnan(log.size), assumed, log.size), source
 
 
 def _choose(

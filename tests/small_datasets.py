@@ -11,6 +11,7 @@ from drivegen.av2.export import export_scenario
 from drivegen.av2.maps import write_map
 from drivegen.datasets.sumo_corpus import write_part
 from drivegen.scenario import Scenario
+from tests import commonroad_files
 from tests.scenes import busy_crossing
 
 EGO_SPEED = 5.0
@@ -35,6 +36,13 @@ def argoverse2_sensor(root: Path) -> None:
     for split in ("train", "val"):
         sensor_log(root / split / "log-a", frames=130)
     (root / "val" / "log-a" / "annotations.feather").write_bytes(b"ARROW1")
+
+
+def commonroad(root: Path) -> None:
+    raw = commonroad_files.xml([*commonroad_files.ROAD, *commonroad_files.CARS])
+    for split, content in (("train", raw), ("val", raw[: len(raw) // 2])):
+        (root / split).mkdir(parents=True)
+        (root / split / "scene-a.xml").write_bytes(content)
 
 
 def sensor_log(folder: Path, frames: int, lost_pose: int = -1) -> None:
@@ -86,5 +94,6 @@ def _log(scene: Scenario):
 BUILDERS: dict[str, Callable[[Path], None]] = {
     "argoverse2": argoverse2,
     "argoverse2_sensor": argoverse2_sensor,
+    "commonroad": commonroad,
     "sumo_corpus": sumo_corpus,
 }

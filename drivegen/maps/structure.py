@@ -14,7 +14,7 @@ from typing import TypeVar
 from xml.etree.ElementTree import Element
 
 from drivegen.errors import UnusableInput
-from drivegen.sumo.safe_xml import parse
+from drivegen.safe_xml import parse
 
 Point = tuple[float, float]
 T = TypeVar("T", int, float)

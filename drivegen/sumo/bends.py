@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.geometry import arc_length, resample
+from drivegen.safe_xml import parse
 from drivegen.sumo.net_lanes import lane_number, lane_shape
-from drivegen.sumo.safe_xml import parse
 
 COMFORTABLE = 2.5
 """Lateral acceleration [m/s2] that drivers accept in bends: those in a hurry accept half as much again."""

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from drivegen.errors import UnusableInput
 from drivegen.geometry import Floats, Polylines
 from drivegen.roadmap import LaneControl, LaneKind, RoadMap
+from drivegen.safe_xml import parse
 from drivegen.scenario import Signals
 from drivegen.sumo import net_lanes, strips
 from drivegen.sumo.neighbours import neighbours
 from drivegen.sumo.net_lanes import NetLanes
 from drivegen.sumo.programs import Program, read_programs
-from drivegen.sumo.safe_xml import parse
 
 _CONTROL = {
     "M": LaneControl.FREE,

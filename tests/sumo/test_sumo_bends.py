@@ -9,11 +9,11 @@ from drivegen import seeds
 from drivegen.errors import UnusableInput
 from drivegen.maps.compile import compile_map
 from drivegen.maps.spec import MapSpec
+from drivegen.safe_xml import parse
 from drivegen.scenario import DT, Trajectories
 from drivegen.sumo.bends import COMFORTABLE, bend_speed, with_human_speeds
 from drivegen.sumo.demand import Demand, draw_demand
 from drivegen.sumo.network import Network
-from drivegen.sumo.safe_xml import parse
 from drivegen.sumo.traffic import smoothed
 from tests.sumo.nets import CROSS
 

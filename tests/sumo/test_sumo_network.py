@@ -130,9 +130,9 @@ def test_a_lane_of_no_length_points_where_the_lane_before_it_ends():
 @pytest.mark.parametrize(
     ("raw", "reason"),
     [
-        (RAW[:900], "not-xml"),
+        (RAW[:900], "truncated"),
         (b"", "empty"),
-        (b"<nodes/>", "not-a-network"),
+        (b"<nodes/>", "wrong-root"),
         (b"<net/>", "no-lanes"),
         (gzip.compress(RAW)[:400], "truncated"),
         (RAW.replace(b'shape="110,98.4 200,98.4"', b'shape="110,nan 200,98.4"'), "bad-map"),

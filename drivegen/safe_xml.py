@@ -10,6 +10,7 @@ from gzip import GzipFile
 from io import BytesIO
 from typing import Any
 from xml.etree.ElementTree import Element, ParseError  # the types only: parsing is defusedxml's
+from xml.parsers.expat import errors
 
 from defusedxml import ElementTree
 from defusedxml.common import DefusedXmlException
@@ -20,6 +21,12 @@ MAX_BYTES = 400 * 1024 * 1024
 """Largest file that is parsed, unpacked [bytes]: above the largest city network that SUMO's examples hold."""
 
 _GZIP = b"\x1f\x8b"
+
+_CUT_OFF = tuple(
+    errors.codes[sentence]
+    for sentence in (errors.XML_ERROR_NO_ELEMENTS, errors.XML_ERROR_UNCLOSED_TOKEN, errors.XML_ERROR_PARTIAL_CHAR)
+)
+"""What expat calls a file that ends too early."""
 
 
 def parse(raw: bytes, place: str, root: str | None = None, max_bytes: int = MAX_BYTES) -> Element:
@@ -33,10 +40,13 @@ def parse(raw: bytes, place: str, root: str | None = None, max_bytes: int = MAX_
         element: Any = ElementTree.fromstring(data, forbid_dtd=True)
     except DefusedXmlException as error:
         raise UnusableInput(f"{place}: the XML holds a DTD or an entity, which is refused", reason="xml-dtd") from error
-    except (ParseError, UnicodeError, LookupError, ValueError) as error:
+    except ParseError as error:
+        reason = "truncated" if error.code in _CUT_OFF else "not-xml"
+        raise UnusableInput(f"{place} is not XML: {error}", reason=reason) from error
+    except (UnicodeError, LookupError, ValueError) as error:
         raise UnusableInput(f"{place} is not XML: {error}", reason="not-xml") from error
     if root is not None and element.tag != root:
-        raise UnusableInput(f"{place}: the root element is <{element.tag}>, not <{root}>", reason="not-a-network")
+        raise UnusableInput(f"{place}: the root element is <{element.tag}>, not <{root}>", reason="wrong-root")
     return element  # type: ignore[no-any-return]
 
 

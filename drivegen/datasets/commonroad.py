@@ -1,0 +1,93 @@
+"""CommonRoad: `<root>/{train,val,test}/*.xml`, recordings of versions 2018b and 2020a; read by `drivegen/commonroad/`.
+
+Source: Althoff, Koschi, Manzinger, "CommonRoad: Composable benchmarks for motion planning on roads", IEEE IV 2017. Its
+recordings of human driving stem from NGSIM (US Department of Transportation, public data) with maps from OpenStreetMap
+(ODbL). Boxes are measured, but flat. There is no recording car (the planning problem's has neither box nor trajectory)
+and no focal track, but one recording shows many cars: it gives several scenes, `<file>:<number>`, one for each target.
+Split by file, so by recording.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from drivegen.commonroad.recording import read_recording
+from drivegen.datasets._targets import spread_targets
+from drivegen.errors import UnusableInput
+from drivegen.recorded import RecordedLog
+from drivegen.scenario import Signals
+
+SPLITS = ("train", "val", "test")
+
+WINDOW = 110
+"""Steps of a scene at most, as in Argoverse 2; a longer recording is several windows, one after the other."""
+
+
+class Plugin:
+    """The data set below `root`; see `base.Dataset`."""
+
+    description = "CommonRoad"
+
+    def __init__(self, root: Path) -> None:
+        if not any((root / split).is_dir() for split in SPLITS):
+            raise UnusableInput(f"{root} holds no CommonRoad recordings: it needs train/, val/ or test/ with XML files")
+        self.root = root
+        self._recording = lru_cache(maxsize=1)(_read)  # scenes of one file are read one after the other
+
+    def scenes(self, split: str) -> list[str]:
+        """`<file>:<number>`, sorted; a file that cannot be read is one scene, which `read` rejects."""
+        return sorted(f"{path.stem}:{n:03d}" for path in (self.root / split).glob("*.xml") for n in range(self._count(path)))
+
+    def read(self, split: str, scene: str) -> RecordedLog:
+        """One window with one target as the focal track; raises UnusableInput with a countable reason."""
+        name, _, number = scene.rpartition(":")
+        path = self.root / split / f"{name}.xml"
+        if not name or Path(name).name != name or not number.isdecimal() or not path.is_file():
+            raise UnusableInput(
+                f"{path.parent} holds no scene {scene!r}: they are called <file>:<number>", reason="no-such-scenario"
+            )
+        recording, targets = self._recording(path)
+        if int(number) >= len(targets):
+            raise UnusableInput(f"{path} gives {len(targets)} scenes: there is no {scene!r}", reason="no-such-scenario")
+        return _cut(recording, scene, *targets[int(number)])
+
+    def files(self, split: str, scene: str) -> tuple[Path, ...]:
+        """The recording."""
+        path = self.root / split / f"{scene.rpartition(':')[0]}.xml"
+        return (path,) if path.is_file() else ()
+
+    def _count(self, path: Path) -> int:
+        try:
+            return max(1, len(self._recording(path)[1]))
+        except UnusableInput:
+            return 1
+
+
+def _read(path: Path) -> tuple[RecordedLog, list[tuple[int, int]]]:
+    """A recording, and first step and target of each of its scenes."""
+    try:
+        raw = path.read_bytes()
+    except OSError as error:
+        raise UnusableInput(f"{path} cannot be read: {error}", reason="truncated") from None
+    log = read_recording(raw, str(path), Plugin.description)
+    scenes = []
+    for first in range(0, max(1, log.motion.steps // WINDOW) * WINDOW, WINDOW):
+        scenes += [(first, target) for target in spread_targets(log.kind, log.motion.between(first, first + WINDOW))]
+    return log, scenes
+
+
+def _cut(log: RecordedLog, scene: str, first: int, target: int) -> RecordedLog:
+    motion = log.motion.between(first, first + WINDOW)
+    seen = np.asarray(motion.valid.any(-1))
+    return replace(
+        log,
+        scenario_id=scene.replace(":", "-"),  # it will name a folder when exported
+        track_id=log.track_id[seen],
+        kind=log.kind[seen],
+        size=log.size[seen],
+        motion=motion[seen],
+        focal=int(np.count_nonzero(seen[:target])),
+        signals=Signals(log.signals.lane, log.signals.state[:, first : first + WINDOW]),
+    )
