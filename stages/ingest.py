@@ -28,7 +28,7 @@ from drivegen.store.notes import ShardNote, arrange, digest, read_note, stands, 
 from drivegen.store.scenarios import write_shard
 from stages._door import enter, spread
 
-CODE = ("*.py", "av2/*.py", "datasets/*.py", "store/lists.py", "store/scenarios.py")
+CODE = ("*.py", "av2/*.py", "commonroad/*.py", "datasets/*.py", "store/lists.py", "store/scenarios.py")
 """What decides how a recording becomes a row; when it changes, all shards are made again."""
 
 
