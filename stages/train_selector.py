@@ -1,10 +1,12 @@
 """Stage train_selector: learn the goal selector from the train split's logs, calibrate and score it on the validation split.
 
 argv: scenarios (folder with train and val), model (folder), metrics (JSON), loss curve (CSV). The metrics stand beside
-those of a uniform choice and of the hand-made prior on the same candidates.
+those of a uniform choice and of the hand-made prior on the same candidates. An interrupted training goes on from
+`.drivegen/checkpoints/`, in a file named after everything that it depends on.
 """
 
-from dataclasses import dataclass
+import hashlib
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from drivegen.goals.candidates import Settings as CandidateSettings
@@ -19,6 +21,8 @@ from drivegen.store.files import whole, write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training.curve import LossRow
 from stages._door import enter, require, spread
+
+CHECKPOINTS = Path(".drivegen/checkpoints")
 
 
 @dataclass(frozen=True)
@@ -35,12 +39,26 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     """Learn, save, score."""
     learnt = _lists(require(scenarios / "train", "run the ingest stage"), params)
     held_out = _lists(scenarios / "val", params)
-    selector, rows = Plugin.fit(learnt, held_out, params.learned, params.seed, None, _say)
+    checkpoint = CHECKPOINTS / f"selector-{_key(learnt, held_out, params)}.safetensors"
+    selector, rows = Plugin.fit(learnt, held_out, params.learned, params.seed, checkpoint, _say)
     selector.save(model)
     _write_curve(curve, rows)
     counts = {"train_vehicles": len(learnt), "validation_vehicles": len(held_out)}
     temperature = {"temperature": float(selector.net.temperature)}
     write_json(metrics, counts | temperature | {"validation": _scores(scenarios / "val", params, selector)})
+    checkpoint.unlink(missing_ok=True)
+
+
+def _key(learnt: Lists, held_out: Lists, params: Params) -> str:
+    """A name for everything that the weights depend on: lists, settings, seed and the code that learns."""
+    digest = hashlib.sha256(repr((asdict(params.learned), params.seed)).encode())
+    for lists in (learnt, held_out):
+        for array in (lists.x, lists.distance, lists.doubt):
+            digest.update(array.tobytes())
+    root = Path(__file__).parents[1] / "drivegen"
+    for path in [root / "selectors/learned.py", root / "selectors/_ranker.py", *sorted((root / "training").glob("*.py"))]:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:24]
 
 
 def _say(line: str) -> None:

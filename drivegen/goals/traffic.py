@@ -66,26 +66,46 @@ class Neighbours:
         return Neighbours(self.position[keep], self.heading[keep], self.speed[keep], self.length[keep])
 
 
+@dataclass(frozen=True)
+class Queue:
+    """Everybody on a route ahead of a vehicle, nearest first.
+
+    Attributes:
+        s: (M,) float64 [m] middle along the route. speed: (M,) [m/s] along it, not negative. length: (M,) [m].
+    """
+
+    s: NDArray[np.float64]
+    speed: NDArray[np.float64]
+    length: NDArray[np.float64]
+
+    @classmethod
+    def on(cls, route: Route, neighbours: Neighbours) -> "Queue":
+        """Those of `neighbours` that are within the lane and go the same way."""
+        if len(neighbours.position) == 0:
+            return cls(np.zeros(0), np.zeros(0), np.zeros(0))
+        s, d = to_frenet(route, neighbours.position).T
+        at = np.clip(s / SPACING, 0, len(route.heading) - 1).astype(int)
+        turn = np.abs(wrap_angle(neighbours.heading - route.heading[at]))
+        there = np.flatnonzero((s > 0) & (np.abs(d) < IN_LANE) & (turn < SAME_WAY) & (s < route.length))
+        there = there[np.argsort(s[there], kind="stable")]
+        pace = np.maximum(neighbours.speed[there] * np.cos(turn[there]), 0.0)
+        return cls(*(a.astype(np.float64) for a in (s[there], pace, neighbours.length[there])))
+
+
 def look_ahead(scenario: Scenario, route: Route, neighbours: Neighbours, length: float) -> Ahead:
     """What a vehicle of `length` [m] at s = 0 finds on `route`."""
-    gap, speed = _leader(route, neighbours, length)
+    gap, speed = _leader(Queue.on(route, neighbours), length)
     front = length / 2 + 1.0
     closed = np.isin(scenario.signals.state[:, 0], (SignalState.RED, SignalState.YELLOW))
     return Ahead(gap, speed, _first_entry(route, scenario.signals.lane[closed]) - front, _first_wait(route, scenario.map) - front)
 
 
-def _leader(route: Route, neighbours: Neighbours, length: float) -> tuple[float, float]:
-    if len(neighbours.position) == 0:
+def _leader(queue: Queue, length: float) -> tuple[float, float]:
+    gap = queue.s - (queue.length + length) / 2
+    if len(gap) == 0:
         return np.inf, 0.0
-    s, d = to_frenet(route, neighbours.position).T
-    at = np.clip(s / SPACING, 0, len(route.heading) - 1).astype(int)
-    turn = np.abs(wrap_angle(neighbours.heading - route.heading[at]))
-    gap = s - (neighbours.length + length) / 2
-    leads = (s > 0) & (np.abs(d) < IN_LANE) & (turn < SAME_WAY) & (s < route.length)
-    if not leads.any():
-        return np.inf, 0.0
-    first = int(np.flatnonzero(leads)[np.argmin(gap[leads])])
-    return max(float(gap[first]), 0.0), float(neighbours.speed[first] * np.cos(turn[first]))
+    first = int(np.argmin(gap))
+    return max(float(gap[first]), 0.0), float(queue.speed[first])
 
 
 def _first_entry(route: Route, lanes: NDArray[np.int32]) -> float:

@@ -1,80 +1,184 @@
-"""What a ranker is told of each candidate: geometry, what it takes to get there, what is in the way, what kind it is."""
+"""What a ranker is told of each candidate, in numbers that mean the same on every road.
+
+Places along a route are given relative to where drivers of several habits would be (`goals/forecast.py`) and to where
+one may have to stop; distances relative to those needed for stopping, speeds relative to the limit. Nothing tells one
+road network from another.
+"""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import to_vehicle_frame, wrap_angle
+from drivegen.geometry import Floats, wrap_angle
 from drivegen.goals.candidates import Candidates, Manoeuvre
-from drivegen.scenario import DT, Scenario, VehicleKind
+from drivegen.goals.forecast import Habit, forecast
+from drivegen.goals.prior import GAP, shares
+from drivegen.goals.reach import Dynamics, speed_caps
+from drivegen.goals.traffic import Neighbours, Queue
+from drivegen.lanes.line import SPACING, Route
+from drivegen.scenario import DT, TARGET, Scenario, VehicleKind
 
-FAR = 100.0
-"""Distances are cut off here [m]: what is farther ahead hardly matters."""
+FAR = 200.0
+"""Nothing farther ahead than this [m] is told apart."""
 
-CROWD = 30.0
-"""Vehicles within this distance [m] are counted as near."""
+AROUND = 60.0
+"""Vehicles within this distance [m] that go the same way make the flow."""
+
+USUAL_LIMIT = 13.9
+"""Taken for the limit where a map has none [m/s]."""
+
+
+MARKS = (*(habit.name.lower() for habit in Habit), "steady", "leader", "red", "entry")
+"""Places on a route that candidates are compared with."""
+
 
 NAMES = (
-    "ahead", "left", "cos_heading", "sin_heading", "distance", "along", "across", "mean_speed", "acceleration", "end_speed",
-    "speed", "standing", "limit", "limit_known", "speed_over_limit", "end_over_limit", "lane_changes", "turned",
-    "start_offset", "leader_gap", "leader_speed", "leader_standing", "beyond_leader", "red_ahead", "beyond_red",
-    "junction_ahead", "beyond_junction", "room_at_end", "neighbours", "leaves_map", "off_lane", "log_prior",
-    "length", "heavy", "seconds", *(kind.name.lower() for kind in Manoeuvre),
+    *(f"{kind}_{mark}" for kind in ("to", "near", "at") for mark in MARKS),
+    "pace", "acceleration", "end_speed", "speed", "standing", "relative_speed", "keen", "flow",
+    "gap", "closing", "red", "entry", "held_up", "ahead_of_flow",
+    "lane_changes", "turn", "turns", "offset", "braking", "dead_end", "share", "room", "log_prior", "off_lane", "leaves_map",
+    "heavy", "edge", "spread", *(kind.name.lower() for kind in Manoeuvre),
 )  # fmt: skip
 """One name per column."""
 
 
+@dataclass(frozen=True)
+class _Roads:
+    """What is known of each route, and in the last row of no route; or, indexed, of the route of each candidate.
+
+    Attributes:
+        marks: (R, len(MARKS)) [m] along the route. limit: [m/s]. gap: [m] to the leader. leader: its speed [m/s].
+        changes: lane changes. turned: [rad] in junctions. offset: [m] of the vehicle from the line. braking: [m/s2] that
+        its bends ask for. length: [m]. share: of its prior. end_speed: [m/s] of a usual driver.
+    """
+
+    marks: Floats
+    limit: Floats
+    gap: Floats
+    leader: Floats
+    changes: Floats
+    turned: Floats
+    offset: Floats
+    braking: Floats
+    length: Floats
+    share: Floats
+    end_speed: Floats
+
+    @classmethod
+    def of(cls, scenario: Scenario, vehicle: int, c: Candidates, seconds: float) -> "_Roads":
+        """Those of the routes of `c`."""
+        v = scenario.vehicles
+        speed, length = max(float(v.speed[vehicle]), 0.0), float(v.size[vehicle, 0])
+        reach = max((route.length for route in c.routes), default=0.0)
+        around = Neighbours.of(scenario, vehicle).near(v.position[vehicle], reach + 20.0)
+        steady = speed * seconds
+        rows: list[tuple[float, ...]] = []
+        for route, ahead, offset, share in zip(c.routes, c.ahead, c.offset, shares(c.routes), strict=True):
+            drive = forecast(route, speed, length, ahead, Queue.on(route, around), scenario.signals, round(seconds / DT))
+            marks = (*drive.s.tolist(), steady, ahead.leader_gap - GAP, ahead.red_s, ahead.entry_s)
+            traffic = (_limit(route), ahead.leader_gap, ahead.leader_speed, route.lane_changes, float(route.turned[-1]))
+            way = (abs(float(offset)), _braking(route, speed), route.length, share, float(drive.speed[Habit.USUAL]))
+            rows.append((*marks, *traffic, *way))
+        nowhere = (*[steady] * (len(Habit) + 1), FAR, FAR, FAR)
+        rows.append((*nowhere, USUAL_LIMIT, FAR, 0.0, 0.0, 0.0, 4.0, 0.0, FAR, 0.1, speed))
+        table = np.array(rows).clip(-FAR, 3 * FAR)
+        return cls(table[:, : len(MARKS)], *table[:, len(MARKS) :].T)
+
+    def __getitem__(self, rows: NDArray[np.intp]) -> "_Roads":
+        return _Roads(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
+
+    def mark(self, name: str) -> Floats:
+        """One of the MARKS."""
+        return self.marks[:, MARKS.index(name)]
+
+
 def features(scenario: Scenario, candidates: Sequence[Candidates]) -> list[NDArray[np.float32]]:
-    """(C, len(NAMES)) float32 for each vehicle of the scenario, from the first frame; all about within [-3, 3]."""
+    """(C, len(NAMES)) float32 for each vehicle of the scenario, from the first frame; all within [-3, 3].
+
+    Of signals, whose programs run without regard to traffic, the states of the whole horizon are used.
+    """
     return [_of_vehicle(scenario, vehicle, c) for vehicle, c in enumerate(candidates)]
 
 
 def _of_vehicle(scenario: Scenario, vehicle: int, c: Candidates) -> NDArray[np.float32]:
     v = scenario.vehicles
-    speed, seconds = float(v.speed[vehicle]), max(float(c.step.max()) * DT, DT)
-    local = to_vehicle_frame(c.position, v.position[vehicle], v.heading[vehicle])
-    turn = wrap_angle(c.heading - v.heading[vehicle])
-    distance = np.hypot(*local.T)
+    seconds = max(float(c.step.max()) * DT, DT)
     on_route = c.route >= 0
-    along = np.where(on_route, c.s, distance)
-    route = _of_routes(c)[np.where(on_route, c.route, len(c.routes))]
-    limit, gap, leader, red, junction, changes, turned, offset = route.T
-    known = limit > 0
-    pace = along / seconds
-    others = np.arange(len(v)) != vehicle
-    room = np.full(len(c), FAR)
-    if others.any():
-        room = np.hypot(*(c.position[:, None] - v.position[others]).transpose(2, 0, 1)).min(1)
-    near = np.hypot(*(v.position[others] - v.position[vehicle]).T) < CROWD
-    one = np.ones(len(c))
+    along = np.where(on_route, c.s, np.hypot(*(c.position - v.position[vehicle]).T)).astype(np.float64)
+    roads = _Roads.of(scenario, vehicle, c, seconds)[np.where(on_route, c.route, len(c.routes))]
+    beyond = along[:, None] - roads.marks
+    width = 4.0 + 0.08 * along[:, None]
     columns = [
-        local[:, 0] / 50, local[:, 1] / 20, np.cos(turn), np.sin(turn), distance / 50, along / 50, c.d / 3, pace / 10,
-        2 * (pace - speed) / seconds / 2, c.speed / 10, one * speed / 10, one * (speed < 0.5), limit / 10, known,
-        speed / np.where(known, limit, 15.0), c.speed / np.where(known, limit, 15.0), changes, turned, offset,
-        np.minimum(gap, FAR) / 30, leader / 10, (gap < FAR) & (leader < 1.0),
-        np.clip((along - gap - leader * seconds) / 30, -3, 3), np.minimum(red, FAR) / 30, along > red + 3,
-        np.minimum(junction, FAR) / 30, along > junction + 3, np.minimum(room, 30.0) / 10, one * near.sum() / 5, c.leaves_map,
-        ~on_route, np.log(c.prior + 1e-4) / 2, one * v.size[vehicle, 0] / 5,
-        one * (v.kind[vehicle] in (VehicleKind.TRUCK, VehicleKind.BUS)), one * seconds / 10,
+        np.tanh(beyond / 30.0),
+        np.exp(-0.5 * (beyond / width) ** 2),
+        np.exp(-0.5 * (beyond / (3 * width)) ** 2),
+        *_motion(scenario, vehicle, c, along / seconds, roads, seconds),
+        *_traffic(max(float(v.speed[vehicle]), 0.0), roads),
+        *_way(c, wrap_angle(c.heading - v.heading[vehicle]), along, roads),
+        *(np.full(len(c), value) for value in _place_in_scene(scenario, vehicle)),
         *(c.manoeuvre == kind for kind in Manoeuvre),
-    ]  # fmt: skip
-    return np.column_stack(columns).astype(np.float32)
-
-
-def _of_routes(c: Candidates) -> NDArray[np.float64]:
-    """(R + 1, 8) numbers of each route, and those of no route in the last row."""
-    rows = [
-        (
-            np.nan_to_num(float(route.speed_limit[0])),
-            ahead.leader_gap,
-            ahead.leader_speed,
-            ahead.red_s,
-            ahead.entry_s,
-            route.lane_changes,
-            float(route.turned[-1]),
-            float(np.clip(offset, -4, 4)),
-        )
-        for route, ahead, offset in zip(c.routes, c.ahead, c.offset, strict=True)
     ]
-    return np.array([*rows, (0.0, 1e3, 0.0, 1e3, 1e3, 0.0, 0.0, 4.0)]).clip(-1e3, 1e3)
+    return np.column_stack(columns).clip(-3, 3).astype(np.float32)
+
+
+def _motion(scenario: Scenario, vehicle: int, c: Candidates, pace: Floats, roads: _Roads, seconds: float) -> list[Floats]:
+    """What the candidate asks of the vehicle's speed; `pace` (C,) [m/s] is the mean speed on the way."""
+    speed = np.full(len(c), max(float(scenario.vehicles.speed[vehicle]), 0.0))
+    relative = [pace / roads.limit, 2 * (pace - speed) / seconds, c.speed / roads.limit]
+    own = [speed / 15, speed < 0.5, speed / roads.limit, roads.end_speed / roads.limit]
+    return [*relative, *own, _flow(scenario, vehicle) / roads.limit]
+
+
+def _traffic(speed: float, roads: _Roads) -> list[Floats]:
+    """What is ahead, relative to the distance for stopping, and how much it holds the vehicle up."""
+    need = 5.0 + speed**2 / 5.0
+    ahead = [np.minimum(roads.gap, FAR) / (5 + 2 * speed), (roads.leader - speed) / 5]
+    stops = [roads.mark("red") / need, roads.mark("entry") / need]
+    return [*ahead, *stops, (roads.mark("alone") - roads.mark("usual")) / 50, (roads.mark("usual") - roads.mark("keeping")) / 50]
+
+
+def _way(c: Candidates, turn: Floats, along: Floats, roads: _Roads) -> list[Floats]:
+    """What the way is like, and how much road a candidate stands for."""
+    road = [roads.changes, turn, roads.turned, roads.offset, roads.braking / 3, (roads.length - along) / 50]
+    mass = [np.log(roads.share), _room(c, along) / 5, np.log(c.prior + 1e-3)]
+    return [*road, *mass, c.route < 0, c.leaves_map]
+
+
+def _place_in_scene(scenario: Scenario, vehicle: int) -> tuple[float, float, float]:
+    """Lorry or bus; how far out the vehicle is, as who is beyond it may be unseen; how wide the scene is."""
+    v = scenario.vehicles
+    out = np.hypot(*(v.position - v.position[TARGET]).T)
+    spread = max(float(out.max()), 1.0)
+    return float(v.kind[vehicle] in (VehicleKind.TRUCK, VehicleKind.BUS)), float(out[vehicle]) / spread, spread / 50
+
+
+def _limit(route: Route) -> float:
+    limit = float(route.speed_limit[0])
+    return USUAL_LIMIT if np.isnan(limit) else max(limit, 3.0)
+
+
+def _braking(route: Route, speed: float) -> float:
+    """Deceleration [m/s2] that the route's bends and limits ask for."""
+    caps = speed_caps(route, speed, Dynamics(3.0, 50.0, 3.0, 1.3))
+    s = np.arange(len(caps)) * SPACING + 1.0
+    return float(np.max((speed**2 - caps.astype(np.float64) ** 2) / (2 * s), initial=0.0))
+
+
+def _flow(scenario: Scenario, vehicle: int) -> float:
+    """Mean speed [m/s] of the vehicles around that go the same way, itself included."""
+    v = scenario.vehicles
+    near = np.hypot(*(v.position - v.position[vehicle]).T) < AROUND
+    same = np.abs(wrap_angle(v.heading - v.heading[vehicle])) < np.pi / 4
+    return float(v.speed[near & same].mean())
+
+
+def _room(c: Candidates, along: Floats) -> Floats:
+    """Half the distance (C,) [m] between the candidates before and after each on its route."""
+    order = np.lexsort((along, c.route))
+    s, route = along[order], c.route[order]
+    step = np.where(np.diff(route) == 0, np.diff(s), 8.0)
+    room = np.empty(len(c))
+    room[order] = (np.append(step, 8.0) + np.insert(step, 0, 8.0)) / 2
+    return room.clip(0, 15)

@@ -14,13 +14,14 @@ class Ranker(nn.Module):
     scale: Tensor
     temperature: Tensor
 
-    def __init__(self, features: int, width: int) -> None:
+    def __init__(self, features: int, width: int, dropout: float = 0.0) -> None:
         super().__init__()
         self.register_buffer("mean", torch.zeros(features))
         self.register_buffer("scale", torch.ones(features))
         self.register_buffer("temperature", torch.ones(()))
-        self.each = nn.Sequential(nn.Linear(features, width), nn.SiLU(), nn.Linear(width, width), nn.SiLU())
-        self.scored = nn.Sequential(nn.Linear(3 * width, width), nn.SiLU(), nn.Linear(width, 1))
+        drop = nn.Dropout(dropout)  # of no weight, so that weights load whatever it was
+        self.each = nn.Sequential(nn.Linear(features, width), nn.SiLU(), drop, nn.Linear(width, width), nn.SiLU(), drop)
+        self.scored = nn.Sequential(nn.Linear(3 * width, width), nn.SiLU(), drop, nn.Linear(width, 1))
 
     def forward(self, x: Tensor, there: Tensor) -> Tensor:
         """Log probabilities (B, MOST) before tempering, of lists x (B, MOST, F) with candidates where `there` (B, MOST)."""

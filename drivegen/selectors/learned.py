@@ -1,7 +1,8 @@
 """The default selector: a small listwise ranker that imitates logs. It is not a language model and does not pretend to be.
 
 Trained on the train split's logs: cross-entropy between the softmax over a vehicle's candidates and the soft label
-exp(-d^2 / 2 sigma^2), d the distance from the logged end; then one temperature is set on the validation split so that
+exp(-d^2 / 2 sigma^2), d the distance from the logged end, sigma wider for vehicles that left the scene before. The weights
+of the lowest validation loss are kept; then one temperature is set on the validation split so that
 its probabilities mean what they say.
 """
 
@@ -21,10 +22,10 @@ from torch import Tensor
 from drivegen import seeds
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.goals.candidates import Candidates
-from drivegen.goals.scores import scorable
 from drivegen.lanes.graph import LaneGraph
 from drivegen.scenario import Scenario
 from drivegen.selectors._features import NAMES, features
+from drivegen.selectors._labels import ends
 from drivegen.selectors._ranker import MOST, Ranker
 from drivegen.selectors.base import FirstFrameSelector
 from drivegen.store.files import whole, write_json
@@ -46,12 +47,13 @@ class Settings:
     """How to learn.
 
     Attributes:
-        width: of the layers. sigma: [m] width of the soft label. farthest: [m] lists whose nearest candidate is farther
-            from the logged end are left out.
+        width: of the layers. dropout: share of their outputs. sigma: [m] width of the soft label. farthest: [m] lists
+            whose nearest candidate is farther from the logged end are left out; a doubtful end may be farther away.
         training: the loop's settings.
     """
 
     width: int
+    dropout: float
     sigma: float
     farthest: float
     training: Training
@@ -59,34 +61,39 @@ class Settings:
 
 @dataclass(frozen=True)
 class Lists:
-    """V lists to learn from, padded: x (V, MOST, F), distance (V, MOST) [m] of candidates from the logged end, inf for none."""
+    """V lists to learn from, padded.
+
+    Attributes:
+        x: (V, MOST, F) features. distance: (V, MOST) [m] of candidates from the logged end, inf for none.
+        doubt: (V,) [m] standard deviation of that end, 0 where it was seen.
+    """
 
     x: NDArray[np.float32]
     distance: NDArray[np.float32]
+    doubt: NDArray[np.float32]
 
     @classmethod
     def none(cls) -> "Lists":
         """No list."""
-        return cls(np.zeros((0, MOST, len(NAMES)), np.float32), np.zeros((0, MOST), np.float32))
+        return cls(np.zeros((0, MOST, len(NAMES)), np.float32), np.zeros((0, MOST), np.float32), np.zeros(0, np.float32))
 
     @classmethod
     def of(cls, scenario: Scenario, candidates: Sequence[Candidates]) -> "Lists":
         """Those of all vehicles whose logged end can be a label."""
-        rows = np.flatnonzero(scorable(scenario)).tolist()
-        if scenario.log is None or len(rows) == 0:
+        labels = ends(scenario, candidates)
+        if len(labels.vehicle) == 0:
             return cls.none()
         given = features(scenario, candidates)
-        x, there = _padded([given[n] for n in rows])
-        end = scenario.log.position[rows, scenario.log.last_valid()[rows]]
+        x, there = _padded([given[n] for n in labels.vehicle.tolist()])
         distance = np.full(there.shape, np.inf, np.float32)
-        for i, n in enumerate(rows):
-            distance[i, : len(candidates[n])] = np.hypot(*(candidates[n].position - end[i]).T)
-        return cls(x, distance)
+        for i, n in enumerate(labels.vehicle.tolist()):
+            distance[i, : len(candidates[n])] = np.hypot(*(candidates[n].position - labels.position[i]).T)
+        return cls(x, distance, labels.doubt.astype(np.float32))
 
     @classmethod
     def joined(cls, parts: "Sequence[Lists]") -> "Lists":
         """All of them, in order."""
-        return cls(np.concatenate([p.x for p in parts]), np.concatenate([p.distance for p in parts]))
+        return cls(*(np.concatenate([getattr(p, name) for p in parts]) for name in cls.__dataclass_fields__))
 
     def __len__(self) -> int:
         return len(self.x)
@@ -110,13 +117,13 @@ class Plugin(FirstFrameSelector):
         Raises UnusableInput where there is nothing to learn from.
         """
         torch.manual_seed(seeds.derive(seed, "ranker"))
-        net = Ranker(len(NAMES), settings.width)
+        net = Ranker(len(NAMES), settings.width, settings.dropout)
         objective = _Listwise(learnt, held_out, settings)
         if objective.size:
             rows = objective.x[objective.there]
             net.mean.copy_(rows.mean(0))
-            net.scale.copy_(rows.std(0).clamp(min=1e-3))
-        net, curve = train(net, objective, settings.training, seed, checkpoint, report)
+            net.scale.copy_(rows.std(0).clamp(min=0.05))
+        net, curve = train(net, objective, settings.training, seed, checkpoint, report, keep_best=True)
         calibration = objective if len(held_out) == 0 else _Listwise(held_out, held_out, settings)
         net.temperature.fill_(_temperature(net.eval(), calibration))
         return cls(net), curve
@@ -144,7 +151,7 @@ class Plugin(FirstFrameSelector):
         """Weights as safetensors, and what they belong to; equal weights give equal bytes."""
         with whole(folder / WEIGHTS) as temporary:
             save_file(self.net.state_dict(), temporary)
-        about = {"described": self.described, "features": list(NAMES), "width": self.net.scored[0].out_features}
+        about = {"described": self.described, "features": list(NAMES), "width": self.net.each[0].out_features}
         write_json(folder / ABOUT, about)
 
     @classmethod
@@ -188,9 +195,9 @@ def _cross_entropy(log_probability: Tensor, label: Tensor) -> Tensor:
 
 def _tensors(lists: Lists, settings: Settings) -> tuple[Tensor, Tensor, Tensor]:
     """x, there, soft label of the lists that have a candidate near enough."""
-    near = lists.distance.min(1, initial=np.inf) <= settings.farthest
-    distance = lists.distance[near].astype(np.float64)
-    label = np.exp(-(distance**2 - distance.min(1, keepdims=True) ** 2) / (2 * settings.sigma**2))
+    near = lists.distance.min(1, initial=np.inf) <= settings.farthest + lists.doubt
+    distance, doubt = lists.distance[near].astype(np.float64), lists.doubt[near, None].astype(np.float64)
+    label = np.exp(-(distance**2 - distance.min(1, keepdims=True) ** 2) / (2 * (settings.sigma**2 + doubt**2)))
     label = (label / label.sum(1, keepdims=True)).astype(np.float32)
     return torch.from_numpy(lists.x[near]), torch.from_numpy(np.isfinite(distance)), torch.from_numpy(label)
 

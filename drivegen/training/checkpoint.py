@@ -1,7 +1,8 @@
 """Interrupted training on disk: one safetensors file, written whole, that holds everything the next step needs.
 
-What the next step needs is the weights, their moving average, Adam's moments, the step number and the loss curve so
-far. No generator state is among it, because the loop derives every random number from (seed, step).
+What the next step needs is the weights, their moving average (and the best one so far, where that is kept), Adam's
+moments, the step number and the loss curve so far. No generator state is among it, because the loop derives every
+random number from (seed, step).
 """
 
 import dataclasses
@@ -31,10 +32,17 @@ class Progress:
     curve: list[LossRow] = field(default_factory=list)
 
 
-def write(path: Path, model: nn.Module, average: nn.Module, optimiser: torch.optim.AdamW, progress: Progress) -> None:
+def write(
+    path: Path,
+    model: nn.Module,
+    average: nn.Module,
+    optimiser: torch.optim.AdamW,
+    progress: Progress,
+    best: nn.Module | None = None,
+) -> None:
     """Write the file whole: a kill leaves the old one or the new one."""
-    tensors = {f"model/{k}": v for k, v in model.state_dict().items()}
-    tensors |= {f"average/{k}": v for k, v in average.state_dict().items()}
+    nets = {"model": model, "average": average} | ({} if best is None else {"best": best})
+    tensors = {f"{name}/{k}": v for name, net in nets.items() for k, v in net.state_dict().items()}
     for index, moments in optimiser.state_dict()["state"].items():
         tensors |= {f"adam/{index}/{k}": v for k, v in moments.items()}
     state = json.dumps(dataclasses.asdict(progress))  # Python writes floats so that they read back exactly
@@ -42,8 +50,10 @@ def write(path: Path, model: nn.Module, average: nn.Module, optimiser: torch.opt
         save_file({k: v.detach().cpu().contiguous().clone() for k, v in tensors.items()}, temporary, {_STATE: state})
 
 
-def read(path: Path, model: nn.Module, average: nn.Module, optimiser: torch.optim.AdamW) -> Progress:
-    """Fill model, average and optimiser from `path`; a fresh Progress where there is no file.
+def read(
+    path: Path, model: nn.Module, average: nn.Module, optimiser: torch.optim.AdamW, best: nn.Module | None = None
+) -> Progress:
+    """Fill model, average, optimiser and best (if it is kept) from `path`; a fresh Progress where there is no file.
 
     Raises UnusableInput for a file that is damaged or belongs to another network.
     """
@@ -55,6 +65,8 @@ def read(path: Path, model: nn.Module, average: nn.Module, optimiser: torch.opti
             state = json.loads(stored.metadata()[_STATE])
         model.load_state_dict(_below("model/", tensors))
         average.load_state_dict(_below("average/", tensors))
+        if best is not None:
+            best.load_state_dict(_below("best/", tensors))
         _read_moments(optimiser, _below("adam/", tensors))
         curve = [LossRow(**row) for row in state.pop("curve")]
         return Progress(**state, curve=curve)

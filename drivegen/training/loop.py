@@ -76,9 +76,17 @@ def device() -> torch.device:
 
 
 def train(
-    model: Net, objective: Objective, settings: Settings, seed: int, path: Path | None, report: Callable[[str], None]
+    model: Net,
+    objective: Objective,
+    settings: Settings,
+    seed: int,
+    path: Path | None,
+    report: Callable[[str], None],
+    keep_best: bool = False,
 ) -> tuple[Net, list[LossRow]]:
     """Train `model`, already on its device; returns the averaged copy and the loss curve.
+
+    With `keep_best` the copy is that of the row with the lowest validation loss, the last one if there is no validation.
 
     With `path`, progress is kept there every `checkpoint_every` steps and taken up from there; the file of a training
     that ended well is left to the caller to remove. Raises UnusableInput where there is nothing to learn from.
@@ -86,9 +94,9 @@ def train(
     if objective.size == 0:
         raise UnusableInput("there is no example to learn from", reason="no-examples")
     torch.set_num_threads(1)  # sums depend on the number of threads
-    run = _Run(model, objective, settings, seed)
+    run = _Run(model, objective, settings, seed, keep_best)
     if path is not None:
-        run.progress = checkpoint.read(path, model, run.averaged, run.optimiser)
+        run.progress = checkpoint.read(path, model, run.averaged, run.optimiser, run.best)
     if run.progress.step:
         report(f"going on from step {run.progress.step}")
     while run.progress.step < settings.steps:
@@ -98,14 +106,14 @@ def train(
             row = run.close_row()
             report(f"step {done}/{settings.steps} loss {row.train:.4f} validation {row.validation:.4f}")
         if path is not None and run.rank == 0 and done % settings.checkpoint_every == 0:
-            checkpoint.write(path, model, run.averaged, run.optimiser, run.progress)
-    return run.averaged, run.progress.curve
+            checkpoint.write(path, model, run.averaged, run.optimiser, run.progress, run.best)
+    return run.averaged if run.best is None else run.best, run.progress.curve
 
 
 class _Run(Generic[Net]):
     """One training under way."""
 
-    def __init__(self, model: Net, objective: Objective, settings: Settings, seed: int) -> None:
+    def __init__(self, model: Net, objective: Objective, settings: Settings, seed: int, keep_best: bool) -> None:
         self.objective, self.settings, self.seed = objective, settings, seed
         self.device = next(model.parameters()).device
         self.rank, self.world = _join()
@@ -115,6 +123,7 @@ class _Run(Generic[Net]):
         self.parallel: nn.Module = DistributedDataParallel(model) if self.world > 1 else model
         self.averaged = copy.deepcopy(model)
         self.averaged.requires_grad_(False)
+        self.best = copy.deepcopy(self.averaged) if keep_best else None
         self.optimiser = torch.optim.AdamW(
             model.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay, foreach=True
         )
@@ -149,6 +158,8 @@ class _Run(Generic[Net]):
         with torch.no_grad():
             validation = self.objective.validation(self.averaged)
         row = LossRow(progress.step, progress.loss_since / progress.since, validation)
+        if self.best is not None and not any(validation >= earlier.validation for earlier in progress.curve):
+            self.best.load_state_dict(self.averaged.state_dict())
         progress.curve.append(row)
         progress.since, progress.loss_since = 0, 0.0
         return row

@@ -93,6 +93,30 @@ def test_training_killed_at_a_random_step_resumes_to_the_same_bytes(tmp_path: Pa
         assert (tmp_path / f"resumed{suffix}").read_bytes() == (tmp_path / f"whole{suffix}").read_bytes()
 
 
+class Rising(NoisyCosine):
+    """Every look at the validation examples finds a higher loss, but for the second one."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.looks = 0
+
+    def validation(self, model: nn.Module) -> float:
+        self.looks += 1
+        return -1.0 if self.looks == 2 else float(self.looks)
+
+
+def test_the_best_weights_are_kept_also_across_a_resumption(tmp_path: Path) -> None:
+    second = replace(SETTINGS, steps=40, decay=False)
+    wanted, _ = train(net(), NoisyCosine(), second, 5, None, lambda line: None)
+    path = tmp_path / "c.safetensors"
+    constant = replace(SETTINGS, decay=False, checkpoint_every=50)
+    best, curve = train(net(), Rising(), constant, 5, path, lambda line: None, keep_best=True)
+    again, _ = train(net(), Rising(), constant, 5, path, lambda line: None, keep_best=True)
+    assert [row.validation for row in curve] == [1.0, -1.0, 3.0]
+    for model in (best, again):
+        assert all(torch.equal(a, b) for a, b in zip(model.state_dict().values(), wanted.state_dict().values(), strict=True))
+
+
 def test_two_processes_get_equal_weights_that_agree_with_one(tmp_path: Path) -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
