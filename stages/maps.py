@@ -1,6 +1,7 @@
 """Stage `maps`: roads from words, each as a SUMO network, an account and a picture.
 
-argv: out (gets <name>/{map.net.xml, map.json, map.png}), table (JSON, one row per description).
+argv: out (gets <name>/{map.net.xml, map.json, map.png}), table (JSON, one row per description). Where a language model writes
+them, its calls are rows of .drivegen/calls/maps.parquet.
 """
 
 from collections import Counter
@@ -9,9 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from drivegen.errors import UnusableInput
+from drivegen.lm.model import LanguageModel
+from drivegen.lm.settings import RecordSettings, RoleSettings
 from drivegen.maps.build import build_map
 from drivegen.store.files import write_json
-from stages._door import enter, spread
+from stages._door import enter, read_params, spread
+
+CALLS = Path(".drivegen/calls/maps.parquet")
 
 
 @dataclass(frozen=True)
@@ -31,12 +36,17 @@ class _Task:
     seed: int
     writer: str
     folder: Path
+    model: LanguageModel | None
 
 
 def main(params: Params, out: Path, table: Path) -> None:
     """Build every map; a description that is not understood is a row in the table, not the end of the stage."""
-    tasks = [_Task(name, text, params.seed, params.writer, out / name) for name, text in sorted(params.prompts.items())]
-    rows = [row for _, row in spread(_build, tasks, params.workers, "maps")]
+    model = _language_model() if params.writer == "language_model" else None
+    tasks = [_Task(name, text, params.seed, params.writer, out / name, model) for name, text in sorted(params.prompts.items())]
+    workers = 1 if model else params.workers  # one budget, one list of calls
+    rows = [row for _, row in spread(_build, tasks, workers, "maps")]
+    if model:
+        model.ledger.write(CALLS)
     good = Counter[str]()
     for row in rows:
         good.update(name for name in ("understood", "network", "as_asked") if row[name])
@@ -47,11 +57,15 @@ def main(params: Params, out: Path, table: Path) -> None:
     print(f"maps: {good['as_asked']} of {len(rows)} descriptions became the road that was asked for")
 
 
+def _language_model() -> LanguageModel:
+    return LanguageModel("maps", read_params("lm.maps", RoleSettings), read_params("lm.records", RecordSettings).open())
+
+
 def _build(task: _Task) -> dict[str, Any]:
     """One map; the row says who wrote it and how far it got."""
     row: dict[str, Any] = {"name": task.name, "text": task.text, "understood": False, "network": False, "as_asked": False}
     try:
-        built = build_map(task.text, task.seed, task.writer, folder=task.folder)
+        built = build_map(task.text, task.seed, task.writer, folder=task.folder, model=task.model)
     except UnusableInput as error:
         # What netconvert refuses was understood; what the writer refuses was not.
         return {**row, "writer": task.writer, "reason": error.reason, "understood": error.reason.startswith("netconvert")}

@@ -41,6 +41,11 @@ class LanguageModel:
         self._made: Backend | None = None
 
     @property
+    def prompt_version(self) -> str:
+        """The wording that the role's settings ask for."""
+        return self._settings.prompt
+
+    @property
     def description(self) -> str:
         """The model's name, or that there is none."""
         return f"language model {self._settings.model}" if self._settings.model else "no language model"

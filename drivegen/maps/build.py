@@ -3,7 +3,7 @@
 from collections.abc import Set
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drivegen import plugins
 from drivegen.maps.checks import Check, check, failures
@@ -15,6 +15,9 @@ from drivegen.render.map_picture import draw_map, encode_png
 from drivegen.roadmap import RoadMap
 from drivegen.store.files import whole, write_json
 from drivegen.sumo.network import read_network
+
+if TYPE_CHECKING:
+    from drivegen.lm.model import LanguageModel
 
 NETWORK, ACCOUNT, PICTURE = "map.net.xml", "map.json", "map.png"
 """Names of the three files of a map's folder."""
@@ -49,15 +52,20 @@ class BuiltMap:
 
 
 def build_map(
-    text: str, seed: int, writer: str = "offline", vehicle_words: Set[str] = frozenset(), folder: Path | None = None
+    text: str,
+    seed: int,
+    writer: str = "offline",
+    vehicle_words: Set[str] = frozenset(),
+    folder: Path | None = None,
+    model: "LanguageModel | None" = None,
 ) -> BuiltMap:
-    """The map that `text` describes, saved into `folder` if one is given.
+    """The map that `text` describes, saved into `folder` if one is given; `model` is for the writer `language_model`.
 
     Raises UnusableInput (not understood, impossible) or MissingTool (netconvert).
     """
-    plugin: MapWriter = plugins.load("maps.writers", writer)()
+    plugin: MapWriter = plugins.load("maps.writers", writer)(model)
     understanding = plugin.write(text, seed, vehicle_words)
-    built = build_spec(understanding.spec, {"text": text, "seed": seed, "backend": plugin.description, **_told(understanding)})
+    built = build_spec(understanding.spec, {"text": text, "seed": seed, "backend": understanding.writer, **_told(understanding)})
     if folder is not None:
         built.save(folder)
     return built

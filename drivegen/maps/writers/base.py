@@ -2,9 +2,12 @@
 
 from collections.abc import Set
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from drivegen.maps.spec import MapSpec
+
+if TYPE_CHECKING:
+    from drivegen.lm.model import LanguageModel
 
 
 @dataclass(frozen=True)
@@ -16,22 +19,24 @@ class Understanding:
         understood: phrases of the description and what each was taken to mean.
         assumed: what the description leaves open and the writer chose.
         ignored: words that were not understood and change nothing.
+        writer: who wrote it, as it stands in tables: not always whom one asked.
     """
 
     spec: MapSpec
     understood: tuple[tuple[str, str], ...]
     assumed: tuple[str, ...]
     ignored: tuple[str, ...]
+    writer: str
 
 
 class MapWriter(Protocol):
-    """Turns descriptions into specifications.
+    """Turns descriptions into specifications. `Plugin(model)` makes one; a writer that asks no language model ignores it."""
 
-    Attributes:
-        description: who writes, as it stands in tables, e.g. "offline rules (no language model)".
-    """
+    @property
+    def description(self) -> str:
+        """Who writes, as it stands in tables, e.g. "offline rules (no language model)"."""
 
-    description: str
+    def __init__(self, model: "LanguageModel | None" = None) -> None: ...
 
     def write(self, text: str, seed: int, vehicle_words: Set[str] = frozenset()) -> Understanding:
         """The map that `text` describes; `vehicle_words` were understood by whoever reads vehicles, so are not ignored.

@@ -7,6 +7,7 @@ understood. Else it stops and says what it can draw.
 
 import re
 from collections.abc import Set
+from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
@@ -23,6 +24,9 @@ from drivegen.maps.writers._ramps import read_ramps, read_side_streets
 from drivegen.maps.writers._reading import Reading
 from drivegen.maps.writers._roads import road
 from drivegen.maps.writers.base import Understanding
+
+if TYPE_CHECKING:
+    from drivegen.lm.model import LanguageModel
 
 CAN_DRAW = (
     "crossings of 3 to 8 roads (T, Y, staggered, one-way), roundabouts, several of these in a row, street grids, straight "
@@ -72,6 +76,9 @@ class Plugin:
 
     description = "offline rules (no language model)"
 
+    def __init__(self, model: "LanguageModel | None" = None) -> None:
+        """See `MapWriter`: it asks none."""
+
     def write(self, text: str, seed: int, vehicle_words: Set[str] = frozenset()) -> Understanding:
         """See `MapWriter.write`."""
         reading = _read(text)
@@ -93,7 +100,7 @@ class Plugin:
             spec = MapSpec.model_validate({"road": fields, "left_hand": facts.left_hand})
         except ValidationError as error:
             raise UnusableInput(f"this road cannot be drawn: {_first(error)}", reason="impossible-map") from None
-        return Understanding(spec, understood, tuple(choices.assumed), tuple(dict.fromkeys(ignored)))
+        return Understanding(spec, understood, tuple(choices.assumed), tuple(dict.fromkeys(ignored)), self.description)
 
 
 def _read(text: str) -> Reading:

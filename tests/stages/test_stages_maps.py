@@ -1,0 +1,46 @@
+"""Stage `maps` with a language model as the writer: counted calls, the fallback in the table, a replay without a server."""
+
+import json
+
+import pyarrow.parquet as pq
+import pytest
+import yaml
+
+from stages import maps
+from tests.lm.asking import settings
+from tests.lm.chat_server import Says, serving
+
+CROSSING = {"kind": "crossing", "control": "signals", "arms": [{"angle": a} for a in (0, 90, 180, 270)]}
+ANSWER = json.dumps({"map": {"road": CROSSING}})
+PROMPTS = {"crossing": "a crossing with traffic lights"}
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def run_stage(mode, **role):
+        values = vars(settings(**{"prompt": "roads-1", "output": "prompted", "retries": 0, **role}))
+        lm = {"maps": values, "records": {"mode": mode, "folder": "records"}}
+        (tmp_path / "params.yaml").write_text(yaml.safe_dump({"lm": lm}))
+        maps.main(maps.Params(7, 2, "language_model", PROMPTS), tmp_path / "maps", tmp_path / "maps.json")
+        return json.loads((tmp_path / "maps.json").read_text())["maps"][0], pq.read_table(maps.CALLS).to_pylist()
+
+    return run_stage
+
+
+def test_a_models_maps_are_recorded_and_made_again_without_it(run):
+    with serving([Says(ANSWER)]) as server:
+        row, [call] = run("auto", base_url=server.url)
+    assert row["writer"] == "language model little-model"
+    assert (call["role"], call["outcome"], call["replayed"]) == ("maps", "answered", False)
+    again, [replayed] = run("replay", base_url="http://127.0.0.1:9")
+    assert again == row
+    assert (replayed["replayed"], replayed["cost"]) == (True, "0.000000")
+
+
+def test_without_a_model_the_offline_rules_write_and_the_calls_say_why(run):
+    row, [call] = run("replay", backend="offline", model="")
+    assert row["as_asked"]
+    assert row["writer"] == "offline rules (no language model), for there is no language model"
+    assert call["outcome"] == "no-model"
