@@ -2,6 +2,8 @@
 
 import argparse
 import sys
+from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +16,7 @@ def main(argv: list[str]) -> int:
     """0 if the flow completed, 1 with its reason otherwise."""
     arguments = _parser().parse_args(argv)
     try:
-        with server.local_server():
+        with server.local_server(meanwhile=partial(import_module, f"flows.{arguments.flow}")):
             state = _run(arguments)
     except RuntimeError as error:
         print(f"flows: {error}", file=sys.stderr)

@@ -12,7 +12,7 @@ import sys
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -31,10 +31,14 @@ def settle(home: Path = HOME) -> None:
 
 
 @contextmanager
-def local_server(home: Path = HOME) -> Iterator[str]:
-    """The URL of a running server's API. Raises RuntimeError, naming the log, if it does not come up."""
+def local_server(home: Path = HOME, meanwhile: Callable[[], object] = lambda: None) -> Iterator[str]:
+    """The URL of a running server's API; `meanwhile` (slow imports) is called while it starts.
+
+    Raises RuntimeError, naming the log, if it does not come up.
+    """
     settle(home)
     if url := os.environ.get("PREFECT_API_URL"):
+        meanwhile()
         yield url
         return
     home.mkdir(parents=True, exist_ok=True)
@@ -45,8 +49,9 @@ def local_server(home: Path = HOME) -> Iterator[str]:
         # A session of its own: Ctrl-C reaches the flow, which still needs the server to write down that it was stopped.
         server = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, start_new_session=True)
         try:
-            _await(url, server, home / "server.log")
             os.environ["PREFECT_API_URL"] = url
+            meanwhile()
+            _await(url, server, home / "server.log")
             yield url
         finally:
             drain()
