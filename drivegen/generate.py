@@ -1,9 +1,9 @@
 """Scenario rollout: goals drawn, motion planned, legality checked, the illegal planned again (paper, section III-C).
 
 All vehicles of all samples of all scenarios are planned in one batch; then each sample's vehicles are committed in
-asset order, each against those committed before it. What was illegal is planned again in the next round, first towards
-the same goal, then towards the next ones. The paper does the same one vehicle at a time; the batch turns sixteen times
-ten planner calls per scenario into a few for thousands of scenarios.
+asset order, each against those committed before it, and what was illegal is planned again in the next round (`rollout`).
+The paper does the same one vehicle at a time; the batch turns sixteen times ten planner calls per scenario into a few for
+thousands of scenarios.
 """
 
 from collections.abc import Callable, Sequence
