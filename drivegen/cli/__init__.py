@@ -12,7 +12,7 @@ import typer
 
 from drivegen.errors import DriveGenError
 
-COMMANDS = ("map", "generate", "view", "doctor", "bench")
+COMMANDS = ("map", "generate", "view", "estimate", "doctor", "bench")
 
 
 def main() -> None:

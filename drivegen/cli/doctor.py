@@ -7,13 +7,14 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Annotated
 
 from packaging.requirements import Requirement
 from rich.console import Console
 from rich.markup import escape
-from typer import Exit
+from typer import Exit, Option
 
 from drivegen.errors import DriveGenError
 from drivegen.sumo.netconvert import plain_to_net
@@ -43,9 +44,12 @@ class Finding:
     remedy: str = ""
 
 
-def command() -> None:
+def command(
+    lm: Annotated[bool, Option("--lm", help="Also try the configured language models with one tiny call each.")] = False,
+) -> None:
     """Check versions, SUMO, GPU, data and weights, and say what to do. Exits 1 if something needed is missing."""
     findings = [python(), *versions(), *sumo(), gpu(), *places(Path()), disk(Path()), loopback()]
+    findings += language_models() if lm else []
     console = Console(soft_wrap=True, highlight=False)
     for finding in findings:
         mark = {True: "[green]ok[/]     ", False: "[red]MISSING[/]", None: "-      "}[finding.ok]
@@ -128,3 +132,23 @@ def loopback() -> Finding:
     except OSError as error:
         return Finding("127.0.0.1", False, str(error.strerror), "allow local sockets, or use `dvc repro` without flows")
     return Finding("127.0.0.1", True, "a free port for Prefect's server")
+
+
+def language_models() -> Iterator[Finding]:
+    """One tiny call of each role's model; roles that share one share the call."""
+    from drivegen.cli._lm import role, tiny_call
+    from drivegen.lm.settings import ROLES
+
+    told: dict[tuple[str, str, str, str], Finding] = {}
+    for name in ROLES:
+        what = f"language model for {name}"
+        try:
+            settings = role(name, None, None)
+            key = (settings.backend, settings.model, settings.base_url, settings.output)
+            if settings.backend == "offline":
+                told[key] = Finding(what, None, "none configured", f"not needed; see lm.{name} in params.yaml")
+            elif key not in told:
+                told[key] = Finding(what, True, f"{settings.model} {tiny_call(settings)}")
+            yield replace(told[key], what=what)
+        except DriveGenError as error:
+            yield Finding(what, False, str(error), f"see lm.{name} in params.yaml")

@@ -8,6 +8,7 @@ from rich.console import Console
 from typer import Argument, BadParameter, Option, Typer
 from typer.core import TyperGroup
 
+from drivegen.cli._lm import MaxUsd, Words, model
 from drivegen.errors import UnusableInput
 from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
 from drivegen.maps.imports import Window, export_opendrive, import_map
@@ -48,12 +49,15 @@ def words(
     text: Annotated[str, Argument(help='The road in words, e.g. "four-way crossing with signals, two lanes each way, 50 km/h".')],
     out: Annotated[Path, Option(help=f"Folder for {_FILES}.")],
     seed: Annotated[int, Option(help="What the words leave open is drawn from it.")] = 7,
+    lm: Words = None,
+    max_usd: MaxUsd = None,
 ) -> None:
     """Draw the road that TEXT describes; exits 2, saying what it can do, where the text is not understood.
 
     The word `words` can be left out.
     """
-    account = build_map(text, seed, folder=out).account
+    account = _drawn(text, seed, out, lm, max_usd).account
+    _tell("written by", account["backend"])
     _tell("understood", *(f"{told['phrase']}: {told['meaning']}" for told in account["understood"]))
     for word in ("assumed", "ignored", "failed"):
         _tell(word, *filter(None, ["; ".join(map(str, account[word]))]))
@@ -108,6 +112,12 @@ def export(
     with whole(out) as temporary:
         temporary.write_bytes(network if to is Form.SUMO else export_opendrive(network))
     _tell("written", str(out))
+
+
+def _drawn(text: str, seed: int, out: Path, lm: str | None, max_usd: float | None) -> BuiltMap:
+    if lm is None:
+        return build_map(text, seed, folder=out)
+    return build_map(text, seed, "language_model", folder=out, model=model("maps", lm, max_usd))
 
 
 def _window(around: str | None, radius: float | None, junction: str | None) -> Window | None:

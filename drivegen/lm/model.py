@@ -121,7 +121,8 @@ class LanguageModel:
 
     def _call(self, request: Request, row: Call) -> tuple[Reply, Call]:
         backend = self._backend()
-        most = price(request.model, backend.prices, input_tokens(request, self._settings.backend), request.max_tokens)
+        vendor = backend.vendor(self._settings.base_url)
+        most = price(request.model, vendor, input_tokens(request, type(backend)), request.max_tokens)
         if self._settings.model:
             self.ledger.set_aside(most)
         began = time.perf_counter()
@@ -131,7 +132,7 @@ class LanguageModel:
             self.ledger.settle(most, 0.0 if failure.reason in _NOT_BILLED else None)
             self.ledger.add(replace(row, outcome=failure.reason, latency=time.perf_counter() - began))
             raise
-        usd = price(request.model, backend.prices, reply.input_tokens, reply.output_tokens)
+        usd = price(request.model, vendor, reply.input_tokens, reply.output_tokens)
         self.ledger.settle(most, usd)
         told = replace(row, latency=time.perf_counter() - began, retries=reply.retries, cost=_dollars(usd))
         return reply, replace(told, input_tokens=reply.input_tokens, output_tokens=reply.output_tokens)

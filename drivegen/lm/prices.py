@@ -6,13 +6,13 @@ estimate: bytes of text over 3.5, pictures by the vendor's rule.
 
 import math
 import struct
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import orjson
 
 from drivegen import plugins
-from drivegen.lm.backends.base import Request
+from drivegen.lm.backends.base import Backend, Request
 from drivegen.lm.prompt import Image
 from drivegen.lm.settings import RoleSettings
 
@@ -48,19 +48,20 @@ def price(model: str, vendor: str, input_tokens: int | None, output_tokens: int 
         return None
 
 
-def input_tokens(request: Request, backend: str) -> int:
+def input_tokens(request: Request, backend: type[Backend]) -> int:
     """About how many tokens a request is."""
     said = [request.instructions, *(part for part in request.parts if isinstance(part, str))]
     said += [text for turn in request.turns for text in (turn.reply, turn.complaint)]
     length = sum(len(text.encode()) for text in said) + len(orjson.dumps(request.schema))
     images = [part for part in request.parts if isinstance(part, Image)]
-    per_image: Callable[[int, int], int] = plugins.load("lm.backends", backend).image_tokens
-    return math.ceil(length / _BYTES_PER_TOKEN) + sum(per_image(*_size(image.content)) for image in images)
+    return math.ceil(length / _BYTES_PER_TOKEN) + sum(backend.image_tokens(*_size(image.content)) for image in images)
 
 
-def estimate(settings: RoleSettings, vendor: str, requests: Iterable[Request], answer_tokens: int) -> Estimate:
+def estimate(settings: RoleSettings, requests: Iterable[Request], answer_tokens: int) -> Estimate:
     """What the requests would cost if each answer has about `answer_tokens`, without asking anybody."""
-    inputs = [input_tokens(request, settings.backend) for request in requests]
+    backend: type[Backend] = plugins.load("lm.backends", settings.backend)
+    vendor = backend.vendor(settings.base_url)
+    inputs = [input_tokens(request, backend) for request in requests]
     total, answers = sum(inputs), answer_tokens * len(inputs)
     # Asked again, a request holds what came before: three times the question, the first reply twice, the second once.
     longest = settings.max_tokens * len(inputs)

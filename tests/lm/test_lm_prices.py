@@ -5,12 +5,15 @@ import sys
 
 import pytest
 
+from drivegen import plugins
 from drivegen.errors import UnusableInput
 from drivegen.lm.ledger import Ledger
 from drivegen.lm.prices import estimate, input_tokens, price
 from drivegen.lm.prompt import OverBudget
 from drivegen.lm.settings import RecordSettings, overridden
 from tests.lm.asking import model, question, settings
+
+OPENAI, ANTHROPIC, OFFLINE = (plugins.load("lm.backends", name) for name in ("openai", "anthropic", "offline"))
 
 
 def test_a_price_is_per_token_and_unknown_models_have_none():
@@ -24,18 +27,18 @@ def test_a_price_is_per_token_and_unknown_models_have_none():
 def test_an_estimate_counts_calls_tokens_and_dollars(tmp_path):
     role = settings(model="gpt-4o")
     requests = [model(tmp_path, model="gpt-4o").request(question())] * 10
-    told = estimate(role, "openai", requests, 50)
+    told = estimate(role, requests, 50)
     assert (told.calls, told.output_tokens) == (10, 500)
-    assert told.input_tokens == 10 * input_tokens(requests[0], "openai")
+    assert told.input_tokens == 10 * input_tokens(requests[0], OPENAI)
     assert told.usd == pytest.approx(price("gpt-4o", "openai", told.input_tokens, 500))
     assert told.most_usd > told.usd
-    assert estimate(role, "", requests, 50).usd is None
+    assert estimate(settings("http://127.0.0.1:1/v1", model="gpt-4o"), requests, 50).usd is None
 
 
 def test_a_picture_counts_by_its_size(tmp_path):
     request = model(tmp_path).request(question())
-    assert input_tokens(request, "openai") - input_tokens(request, "offline") == 2  # 64 x 32 pixels
-    assert input_tokens(request, "anthropic") - input_tokens(request, "offline") == 3
+    assert input_tokens(request, OPENAI) - input_tokens(request, OFFLINE) == 2  # 64 x 32 pixels
+    assert input_tokens(request, ANTHROPIC) - input_tokens(request, OFFLINE) == 3
 
 
 def test_money_is_set_aside_before_a_call_and_settled_after_it():

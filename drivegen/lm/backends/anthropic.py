@@ -17,7 +17,6 @@ class Plugin:
         self._settings = settings
         self._url = settings.base_url or VENDOR
         self._key = secret(settings.key, self._url)
-        self.prices = "anthropic" if self._url == VENDOR else ""
 
     def reply(self, request: Request) -> Reply:
         """See `Backend.reply`."""
@@ -37,6 +36,11 @@ class Plugin:
             return AnthropicModel(self._settings.model, provider=AnthropicProvider(anthropic_client=client))
 
         return call(model, request, self._settings, self._key, self._url)
+
+    @staticmethod
+    def vendor(base_url: str) -> str:
+        """See `Backend.vendor`."""
+        return "anthropic" if base_url in ("", VENDOR) else ""
 
     @staticmethod
     def image_tokens(width: int, height: int) -> int:

@@ -46,18 +46,16 @@ class Reply:
 
 
 class Backend(Protocol):
-    """Made from a role's settings: `Plugin(settings)`, which raises MissingTool without its key.
-
-    Attributes:
-        prices: the vendor as price lists name it; "" where nobody has a price.
-    """
-
-    prices: str
+    """Made from a role's settings: `Plugin(settings)`, which raises MissingTool without its key."""
 
     def __init__(self, settings: "RoleSettings") -> None: ...
 
     def reply(self, request: Request) -> Reply:
         """Ask once. Raises NoAnswer, in words that hold nothing the server said."""
+
+    @staticmethod
+    def vendor(base_url: str) -> str:
+        """Whose prices hold at this address ("" the vendor's own), as price lists name it; "" where nobody has a price."""
 
     @staticmethod
     def image_tokens(width: int, height: int) -> int:

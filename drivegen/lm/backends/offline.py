@@ -8,14 +8,17 @@ from drivegen.lm.settings import RoleSettings
 class Plugin:
     """The backend that asks nobody."""
 
-    prices = ""
-
     def __init__(self, settings: RoleSettings) -> None:
         self._settings = settings
 
     def reply(self, request: Request) -> Reply:
         """See `Backend.reply`."""
         raise NoAnswer(f"no language model is configured for {request.prompt_version}", "no-model")
+
+    @staticmethod
+    def vendor(base_url: str) -> str:
+        """See `Backend.vendor`: nobody."""
+        return base_url and ""
 
     @staticmethod
     def image_tokens(width: int, height: int) -> int:

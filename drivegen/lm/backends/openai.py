@@ -19,7 +19,6 @@ class Plugin:
         self._settings = settings
         self._url = settings.base_url or VENDOR
         self._key = secret(settings.key, self._url)
-        self.prices = "openai" if self._url == VENDOR else ""
 
     def reply(self, request: Request) -> Reply:
         """See `Backend.reply`."""
@@ -39,6 +38,11 @@ class Plugin:
             return OpenAIChatModel(self._settings.model, provider=OpenAIProvider(openai_client=client))
 
         return call(model, request, self._settings, self._key, self._url)
+
+    @staticmethod
+    def vendor(base_url: str) -> str:
+        """See `Backend.vendor`."""
+        return "openai" if base_url in ("", VENDOR) else ""
 
     @staticmethod
     def image_tokens(width: int, height: int) -> int:

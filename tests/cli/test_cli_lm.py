@@ -1,0 +1,69 @@
+"""Language models from the command line: estimates, the doctor's tiny call, a map by a model's hand."""
+
+import json
+
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from drivegen import cli
+from drivegen.cli import doctor
+from drivegen.errors import UnusableInput
+from tests.lm.asking import settings
+from tests.lm.chat_server import Says, serving
+
+CROSSING = {"kind": "crossing", "control": "signals", "arms": [{"angle": a} for a in (0, 90, 180, 270)]}
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def write(**role):
+        values = vars(settings(**{"prompt": "roads-1", "output": "prompted", "retries": 0, **role}))
+        off = vars(settings(backend="offline", model=""))
+        lm = {"maps": values, "goals": values, "corner_cases": off, "records": {"mode": "replay", "folder": "records"}}
+        maps = {"prompts": {"a": "a crossing", "b": "a roundabout"}}
+        (tmp_path / "params.yaml").write_text(yaml.safe_dump({"lm": lm, "maps": maps}))
+
+    write()
+    return write
+
+
+def drivegen(*words: str):
+    return CliRunner().invoke(cli.build(list(words)), list(words), catch_exceptions=False)
+
+
+def test_estimate_prints_calls_tokens_and_dollars_and_asks_nobody(project):
+    told = drivegen("estimate", "--lm", "openai:gpt-4o", "--max-usd", "0.5").output
+    assert "calls       2" in told
+    assert "gpt-4o" in told
+    assert "stops at 0.5000" in told
+    assert "unknown" not in told
+    assert "dollars     unknown" in drivegen("estimate").output
+    assert "nothing is spent" in drivegen("estimate", "--lm", "offline").output
+
+
+def test_the_doctor_tries_each_configured_model_once(project):
+    with serving([Says('{"sum": 2}')]) as server:
+        project(base_url=server.url)
+        found = list(doctor.language_models())
+    assert [finding.ok for finding in found] == [True, True, None]
+    assert "150 tokens" in found[0].found
+    assert len(server.requests) == 1  # two roles share the model
+    with serving([Says("key revoked", status=401)]) as server:
+        project(base_url=server.url)
+        assert [finding.ok for finding in doctor.language_models()] == [False, False, None]
+
+
+def test_a_map_by_a_model_is_kept_and_drawn_again_without_it(project, tmp_path):
+    answer = json.dumps({"map": {"road": CROSSING}})
+    with serving([Says(answer)]) as server:
+        model = f"openai:little-model@{server.url}"
+        for folder in "ab":
+            told = drivegen("map", "a crossing", "--out", folder, "--lm", model)
+            assert "written by  language model little-model" in told.output
+        assert len(server.requests) == 1
+    assert (tmp_path / "a" / "map.net.xml").read_bytes() == (tmp_path / "b" / "map.net.xml").read_bytes()
+    with pytest.raises(UnusableInput, match="no backend"):
+        drivegen("map", "a crossing", "--out", "c", "--lm", "nobody:x")
