@@ -14,7 +14,7 @@ class Row:
     Attributes:
         name: what was measured, e.g. "raster 256x256".
         value, unit: e.g. 0.4 "ms" (smaller is better) or 9000 "trajectories per CPU-second" (larger is better).
-        target: what is wanted, in the same unit.
+        target: what is wanted, in the same unit; None for a figure that stands beside another one's target.
         smaller_is_better: whether the target is an upper bound.
         reference: the same by other means in the same run, None where there is nothing to compare with.
         reference_name: those means in words.
@@ -23,14 +23,16 @@ class Row:
     name: str
     value: float
     unit: str
-    target: float
+    target: float | None
     smaller_is_better: bool
     reference: float | None = None
     reference_name: str = ""
 
     @property
     def passed(self) -> bool:
-        """Whether the target is met."""
+        """Whether the target, if any, is met."""
+        if self.target is None:
+            return True
         return self.value <= self.target if self.smaller_is_better else self.value >= self.target
 
     @property

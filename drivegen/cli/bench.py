@@ -20,10 +20,11 @@ def command(
         rows = list(measure(only))
     table = Table("name", "value", "unit", "reference", "ratio", "target", "", box=None, pad_edge=False)
     for row in rows:
-        target = f"{'<=' if row.smaller_is_better else '>='} {row.target:g}"
+        target = "" if row.target is None else f"{'<=' if row.smaller_is_better else '>='} {row.target:g}"
         reference = "" if row.reference is None else f"{row.reference:.4g} ({row.reference_name})"
         ratio = "" if row.ratio is None else f"{row.ratio:.1f}x"
-        table.add_row(row.name, f"{row.value:.4g}", row.unit, reference, ratio, target, "pass" if row.passed else "MISS")
+        verdict = "" if row.target is None else "pass" if row.passed else "MISS"
+        table.add_row(row.name, f"{row.value:.4g}", row.unit, reference, ratio, target, verdict)
     Console().print(table)
     if json is not None:
         write_json(json, [row.as_json() for row in rows])

@@ -25,6 +25,10 @@ def test_a_row_without_a_reference_has_no_ratio():
     assert json.loads(json.dumps(Row("x", 1.0, "ms", 3.0, True).as_json()))["reference"] is None
 
 
+def test_a_row_without_a_target_cannot_miss_it():
+    assert Row("x", 1e9, "ms", None, True).passed
+
+
 def test_the_clock_counts_work_and_not_waiting():
     numbers = np.arange(200_000, dtype=np.float64)
     assert _row.cpu_seconds(lambda: np.sin(numbers).sum(), turns=2) > 0
