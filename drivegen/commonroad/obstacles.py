@@ -38,6 +38,10 @@ FASTEST = 500.0
 """Greater velocities [m/s] are no measurements at all; what is merely too fast for a car is judged later."""
 
 
+LONGEST = 100.0
+"""Nothing on a road is longer or wider [m]."""
+
+
 @dataclass(frozen=True)
 class Tracks:
     """M tracks over T steps of 0.1 s in the map's frame.
@@ -172,7 +176,7 @@ def _box(element: Element, place: str) -> tuple[float, float, Points]:
     outline = np.concatenate(corners)
     low, high = outline.min(0), outline.max(0)
     length, width = (high - low).tolist()
-    if not 0 < min(length, width) <= max(length, width) <= 100:
+    if not 0 < min(length, width) <= max(length, width) <= LONGEST:
         refuse(f"{place} measures {length:g} x {width:g} m", "out-of-range")
     return length, width, (low + high) / 2
 
@@ -181,12 +185,19 @@ def _corners(part: Element, place: str) -> Points:
     middle = part.find("center")
     at = np.zeros(2) if middle is None else np.array(pair(middle, place))
     if part.tag == "rectangle":
-        half = np.array([required(part, "length", place), required(part, "width", place)]) / 2
+        half = np.array([_extent(part, "length", place), _extent(part, "width", place)]) / 2
         signs = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
         return at + rotate(signs * half, np.array(value(part, "orientation", place) or 0.0))
     if part.tag == "circle":
-        return at + required(part, "radius", place) * unit(np.arange(4) * np.pi / 2)
+        return at + _extent(part, "radius", place) * unit(np.arange(4) * np.pi / 2)
     return points(part, place) if part.tag == "polygon" else np.zeros((0, 2))
+
+
+def _extent(part: Element, name: str, place: str) -> float:
+    extent = required(part, name, place)
+    if not 0 < extent <= LONGEST:
+        refuse(f"{place} has the {name} {extent:g} m", "out-of-range")
+    return extent
 
 
 def _dense(found: list[_Obstacle], origin: Points, place: str) -> Trajectories:

@@ -19,7 +19,7 @@ CORPUS = "sumo_corpus"
 SPLITS = ("train", "val", "test")
 
 VAL_SHARE = 20
-"""One in so many training scenes is held back for validation where a source's own val split is our test split."""
+"""One in so many training recordings is held back for validation where a source's own val split is our test split."""
 
 Opened = Callable[[str], Dataset]
 """Gives a data set by its name, opened."""
@@ -75,7 +75,12 @@ def _training_items(plan: Plan, data: Dataset, name: str, split: str) -> list[st
     if name != plan.source or _held_out(plan, name) != "val":
         return [f"{name}/{split}/{scene}" for scene in data.scenes(split)]
     scenes = data.scenes("train")
-    return [f"{name}/train/{s}" for s in scenes if (derive(0, "val", s) % VAL_SHARE == 0) == (split == "val")]
+    return [f"{name}/train/{s}" for s in scenes if (derive(0, "val", _recording(s)) % VAL_SHARE == 0) == (split == "val")]
+
+
+def _recording(scene: str) -> str:
+    """Scenes of one recording, called `<recording>:<number>`, stay together."""
+    return scene.partition(":")[0]
 
 
 def _held_out(plan: Plan, name: str) -> str:

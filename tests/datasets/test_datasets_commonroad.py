@@ -1,0 +1,159 @@
+"""CommonRoad as a data set: scenes with different targets, and the real NGSIM recordings as they are."""
+
+import os
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivegen.datasets import commonroad
+from drivegen.datasets._splits import SPLITS, Plan, items
+from drivegen.datasets._targets import LEAST_NEW, LONG, NEIGHBOURHOOD, spread_targets
+from drivegen.errors import UnusableInput
+from drivegen.geometry import boxes_overlap, project
+from drivegen.scenario import SizeSource, Trajectories, VehicleKind
+from drivegen.selection import Settings, select
+from tests.commonroad_files import ROAD, car, xml
+
+REAL = Path(os.environ.get("DRIVEGEN_REAL_DATA", Path(__file__).parents[2].parent / "shared" / "data")) / "commonroad"
+SETTINGS = Settings(target="focal", max_vehicles=16, first_step=0, horizon=100, map_radius=None, smallest_shrink=0.8)
+
+real = pytest.mark.skipif(not REAL.is_dir(), reason=f"no real CommonRoad data in {REAL}")
+
+
+def row_of_cars(count: int, steps: int = 90, apart: float = 10.0) -> Trajectories:
+    motion = Trajectories.empty(count, steps)
+    motion.position[..., 0] = apart * np.arange(count)[:, None] + 0.5 * np.arange(steps)
+    motion.velocity[..., 0] = 5
+    motion.valid[:] = True
+    return motion
+
+
+def cars(count: int) -> np.ndarray:
+    return np.full(count, VehicleKind.CAR, np.uint8)
+
+
+def test_targets_are_spread_until_every_long_track_is_shown_but_a_few() -> None:
+    targets = spread_targets(cars(50), row_of_cars(50))
+    shown = {
+        car for target in targets for car in np.argsort(np.abs(np.arange(50) - target), kind="stable")[:NEIGHBOURHOOD].tolist()
+    }
+    assert len(set(targets)) == len(targets)
+    assert len(shown) > 50 - LEAST_NEW
+    assert len(targets) <= 5
+
+
+def test_targets_do_not_depend_on_the_order_of_tracks() -> None:
+    motion = row_of_cars(40)
+    rng = np.random.default_rng(3)
+    motion.position[:] += rng.uniform(0, 60, (40, 1, 2)).astype(np.float32)  # no ties
+    order = rng.permutation(40)
+    assert order[spread_targets(cars(40), motion[order])].tolist() == spread_targets(cars(40), motion)
+
+
+def test_targets_move_are_vehicles_and_are_seen_for_long_from_the_start() -> None:
+    motion, kind = row_of_cars(6), cars(6)
+    kind[0] = VehicleKind.PEDESTRIAN
+    motion.valid[1, 0] = False
+    motion.valid[2, LONG // 2 :] = False
+    motion.position[3] = motion.position[3, :1]
+    assert set(spread_targets(kind, motion)) <= {4, 5}
+
+
+def test_where_nobody_moves_or_is_seen_for_long_somebody_is_target_all_the_same() -> None:
+    motion = row_of_cars(3, steps=20)
+    motion.position[:] = motion.position[:, :1]
+    assert len(spread_targets(cars(3), motion)) == 1
+    assert spread_targets(np.full(3, VehicleKind.PEDESTRIAN, np.uint8), motion) == []
+
+
+def test_a_long_recording_is_several_windows(tmp_path: Path) -> None:
+    (tmp_path / "val").mkdir()
+    raw = xml([*ROAD, car(1, 0, 0, speed=2.0, steps=250), car(2, 30, 0, speed=2.0, steps=100)])
+    (tmp_path / "val" / "long.xml").write_bytes(raw)
+    data = commonroad.Plugin(tmp_path)
+    assert data.scenes("val") == ["long:000", "long:001"]
+    first, second = (data.read("val", scene) for scene in data.scenes("val"))
+    assert (first.motion.steps, second.motion.steps) == (110, 110)
+    assert second.track_id.tolist() == ["1"]
+    np.testing.assert_allclose(second.motion.position[0, 0] + second.map.origin, (22, 0), atol=1e-3)
+    assert second.scenario_id == "long-001"
+
+
+@pytest.mark.parametrize("scene", ["scene", "a:b", "a:0", "../val/long:000", "long:7", ":0"])
+def test_other_names_are_refused(tmp_path: Path, scene: str) -> None:
+    (tmp_path / "val").mkdir()
+    (tmp_path / "val" / "long.xml").write_bytes(xml([*ROAD, car(1, 0, 0)]))
+    with pytest.raises(UnusableInput) as caught:
+        commonroad.Plugin(tmp_path).read("val", scene)
+    assert caught.value.reason == "no-such-scenario"
+
+
+class Named:
+    """A data set of forty recordings with three scenes each, of which only the names matter."""
+
+    description = "names"
+
+    def scenes(self, split: str) -> list[str]:
+        return [f"{split}-{i}:{n:03d}" for i in range(40) for n in range(3)]
+
+
+def test_scenes_of_one_recording_are_never_both_trained_on_and_validated_on() -> None:
+    plan = Plan("named", ("named",), {"named": "val"}, {})
+    train, val, test = ({item.partition(":")[0] for item in items(plan, lambda _: Named(), split)} for split in SPLITS)
+    assert val
+    assert len(train) + len(val) == 40
+    assert test == {f"named/val/val-{i}" for i in range(40)}
+
+
+RECORDINGS = {
+    ("train", "USA_Lanker-2_15_T-1"): ("Lanker", 81, 53, 112, 3),
+    ("train", "USA_Lanker-2_17_T-1"): ("Lanker", 99, 78, 112, 6),
+    ("val", "USA_US101-12_1_T-1"): ("US101", 81, 35, 12, 1),
+}
+"""City, steps, cars, lanes, scenes."""
+
+
+@cache
+def scenes(split: str) -> list[str]:
+    return commonroad.Plugin(REAL).scenes(split)
+
+
+@real
+@pytest.mark.parametrize(("split", "name"), RECORDINGS)
+def test_recordings_are_read_as_they_are(split: str, name: str) -> None:
+    log = commonroad.Plugin(REAL).read(split, f"{name}:000")
+    count = sum(scene.startswith(f"{name}:") for scene in scenes(split))
+    assert (log.city, log.motion.steps, len(log.track_id), len(log.map), count) == RECORDINGS[split, name]
+    assert np.isfinite(log.size[:, :2]).all()
+    assert log.map.dangling == 0
+    assert log.map.in_junction.any() == (log.city == "Lanker")
+    scenario = select(log, SETTINGS)
+    assert scenario.horizon == log.motion.steps - 1
+    assert (scenario.vehicles.size_source == SizeSource.MEASURED).all()
+    assert (scenario.vehicles.size > 1).all()
+
+
+@real
+def test_positions_are_middles_of_boxes_and_cars_drive_along_lanes() -> None:
+    log = commonroad.Plugin(REAL).read("train", "USA_Lanker-2_14_T-1:000")
+    motion = log.motion
+
+    def overlaps(shift: float) -> int:
+        """Pairs that overlap if the position were this share of the length behind the middle."""
+        found = 0
+        for t in range(0, motion.steps, 10):
+            rows = np.flatnonzero(motion.valid[:, t])
+            heading, size = motion.heading[rows, t], log.size[rows, :2]
+            position = motion.position[rows, t] + shift * size[:, :1] * np.stack([np.cos(heading), np.sin(heading)], -1)
+            every = boxes_overlap(position[:, None], heading[:, None], size[:, None], position[None], heading[None], size[None])
+            found += int(every.sum() - len(rows)) // 2
+        return found
+
+    assert overlaps(0.0) < min(overlaps(-0.5), overlaps(0.5))
+    moving = motion.valid & (motion.speed > 3)
+    gaps = [min(abs(project(line, point)[1]) for line in log.map.centreline.lines()) for point in motion.position[moving][::151]]
+    assert np.median(gaps) < 1.0
+    step = np.hypot(*np.moveaxis(np.diff(motion.position, axis=1), -1, 0)) / 0.1
+    assert np.median(np.abs(step - motion.speed[:, 1:])[moving[:, 1:]]) < 0.3
