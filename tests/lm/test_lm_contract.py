@@ -42,7 +42,7 @@ def test_settings_that_make_no_sense_are_named():
             settings(**wrong)
 
 
-def test_anthropics_protocol_is_spoken_with_its_own_key_header(tmp_path, monkeypatch):
+def test_anthropics_protocol_is_spoken_with_the_key(tmp_path, monkeypatch):
     monkeypatch.setenv("MY_KEY", "secret")
     content = [{"type": "text", "text": GOOD}]
     told = {"id": "x", "type": "message", "role": "assistant", "model": "m", "content": content, "stop_reason": "end_turn"}
@@ -51,7 +51,7 @@ def test_anthropics_protocol_is_spoken_with_its_own_key_header(tmp_path, monkeyp
         url = server.url.removesuffix("/v1")
         asked = model(tmp_path, url, backend="anthropic", output="prompted", key="MY_KEY")
         assert asked.ask(question()).place == 2
-    assert server.headers[0]["x-api-key"] == "secret"
+    assert server.headers[0]["authorization"] == "Bearer secret"
     assert "image/png" in str(server.requests[0])
     assert asked.ledger.calls[0].input_tokens == 7
 

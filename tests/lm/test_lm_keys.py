@@ -62,3 +62,13 @@ def test_the_servers_word_is_answered_from_this_machine_without_a_proxy(tmp_path
     monkeypatch.setenv("HTTP_PROXY", "http://203.0.113.9:3128")
     with serving([Says(GOOD)]) as server:
         assert model(tmp_path, server.url, key="MY_KEY").ask(question()).place == 2
+
+
+@pytest.mark.parametrize("backend", ["openai", "anthropic"])
+def test_a_server_of_ones_own_never_gets_the_vendors_key(tmp_path, monkeypatch, backend):
+    names = ("OPENAI_API_KEY", "OPENAI_ADMIN_KEY", "ANTHROPIC_API_KEY", "ANTHROPIC_AUTH_TOKEN")
+    for name in names:
+        monkeypatch.setenv(name, KEY)
+    with serving([Says("no", status=400)]) as server, pytest.raises(NoAnswer):
+        model(tmp_path, server.url, backend=backend, output="prompted").ask(question())
+    assert KEY not in str(server.headers)
