@@ -165,7 +165,8 @@ def _check(total: dict[str, Admission]) -> None:
         if not total[split].accepted:
             reasons = Counter(row[2] for row in total[split].rejected).most_common(3)
             said = ", ".join(f"{count} x {reason}" for reason, count in reasons) or "there are none"
-            raise UnusableInput(f"no scene can be used as {split} scenario ({said}); see rejected.parquet, ingest.root and ingest.held_out")
+            remedy = "see rejected.parquet, ingest.root and ingest.held_out"
+            raise UnusableInput(f"no scene can be used as {split} scenario ({said}); {remedy}")
 
 
 def _write_tables(out: Path, total: dict[str, Admission]) -> None:

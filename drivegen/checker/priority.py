@@ -92,20 +92,27 @@ def _slowest(position, heading, velocity, valid, length, passed, gate, direction
 @njit(cache=True)
 def _covers(position, heading, size, point):  # type: ignore[no-untyped-def]
     dx, dy = point[0] - position[0], point[1] - position[1]
+    length, width = 0.5 * size[0] + _POINT_RADIUS, 0.5 * size[1] + _POINT_RADIUS
+    if dx * dx + dy * dy > 1.001 * (length * length + width * width):  # most are: no need to turn
+        return False
     cos, sin = np.cos(heading), np.sin(heading)
-    return abs(cos * dx + sin * dy) <= 0.5 * size[0] + _POINT_RADIUS and abs(cos * dy - sin * dx) <= 0.5 * size[1] + _POINT_RADIUS
+    return abs(cos * dx + sin * dy) <= length and abs(cos * dy - sin * dx) <= width
 
 
 @njit(cache=True)
 def _stay(position, heading, valid, size, point, since):  # type: ignore[no-untyped-def]
     """(first, last) step from `since` on at which the box covers `point`, or (-1, -1)."""
-    begin, end = -1, -1
-    for t in range(since, valid.shape[0]):
+    begin, end, t = -1, -1, since
+    while t < valid.shape[0]:
         if valid[t] and _covers(position[t], heading[t], size, point):
             begin = t if begin < 0 else begin
             end = t
         elif begin >= 0:
             break
+        elif valid[t]:
+            away = np.sqrt((point[0] - position[t, 0]) ** 2 + (point[1] - position[t, 1]) ** 2) - 0.5 * (size[0] + size[1])
+            t += max(int((away - 2.0 * _POINT_RADIUS) / _FARTHEST_STEP), 0)  # it can't be there earlier
+        t += 1
     return begin, end
 
 

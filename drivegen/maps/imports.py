@@ -16,9 +16,9 @@ from drivegen.errors import UnusableInput
 from drivegen.maps.argoverse2 import to_network
 from drivegen.maps.build import BuiltMap
 from drivegen.maps.structure import measure
+from drivegen.safe_xml import parse, unpack
 from drivegen.sumo.netconvert import NetconvertRefused, convert
 from drivegen.sumo.network import read_network
-from drivegen.safe_xml import parse, unpack
 
 _CAR = ("--keep-edges.by-vclass", "passenger,bus,truck,delivery")
 _OSM = (

@@ -26,7 +26,9 @@ PARAMS = place.Params(
         shares={"car": 0.9, "bus": 0.1},
         map_radius=200.0,
         longest_cycle=60.0,
-        placement=PlaceSettings(road_ahead=120.0, radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24),
+        placement=PlaceSettings(
+            road_ahead=120.0, radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24
+        ),
     ),
 )
 ARMS = [{"angle": angle, "lanes_in": 2, "lanes_out": 2} for angle in (0, 90, 180, 270)]

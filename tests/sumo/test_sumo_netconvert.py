@@ -1,6 +1,5 @@
 """netconvert behind limits."""
 
-
 import pytest
 
 from drivegen.errors import MissingTool
