@@ -91,20 +91,25 @@ def test_other_names_are_refused(tmp_path: Path, scene: str) -> None:
 
 
 class Named:
-    """A data set of forty recordings with three scenes each, of which only the names matter."""
+    """A data set of recordings with three scenes each, of which only the names matter."""
 
     description = "names"
 
+    def __init__(self, recordings: int) -> None:
+        self.recordings = recordings
+
     def scenes(self, split: str) -> list[str]:
-        return [f"{split}-{i}:{n:03d}" for i in range(40) for n in range(3)]
+        return [f"{split}-{i}:{n:03d}" for i in range(self.recordings) for n in range(3)]
 
 
-def test_scenes_of_one_recording_are_never_both_trained_on_and_validated_on() -> None:
+@pytest.mark.parametrize("recordings", [2, 7, 40])
+def test_scenes_of_one_recording_are_never_both_trained_on_and_validated_on(recordings: int) -> None:
     plan = Plan("named", ("named",), {"named": "val"}, {})
-    train, val, test = ({item.partition(":")[0] for item in items(plan, lambda _: Named(), split)} for split in SPLITS)
+    train, val, test = ({item.partition(":")[0] for item in items(plan, lambda _: Named(recordings), split)} for split in SPLITS)
+    assert train
     assert val
-    assert len(train) + len(val) == 40
-    assert test == {f"named/val/val-{i}" for i in range(40)}
+    assert len(train) + len(val) == recordings
+    assert test == {f"named/val/val-{i}" for i in range(recordings)}
 
 
 RECORDINGS = {
