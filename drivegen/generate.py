@@ -69,10 +69,21 @@ def tempered(probabilities: Probabilities, temperature: float) -> Probabilities:
 
 
 def roll_out(
-    choices: Sequence[Choices], planner: Planner, limits: Limits, settings: RolloutSettings, samples: int, seed: int, method: str
+    choices: Sequence[Choices],
+    planner: Planner,
+    limits: Limits,
+    settings: RolloutSettings,
+    samples: int,
+    seed: int,
+    method: str,
+    targets: Sequence[Trajectories] | None = None,
 ) -> list[Samples]:
-    """K = `samples` futures of every scenario; the result for one depends on it and the seed alone."""
-    rollouts = [Rollout(choice, limits, settings, samples, seed) for choice in choices]
+    """K = `samples` futures of every scenario; the result for one depends on it and the seed alone.
+
+    `targets`, if given, are the targets' motions (K, T), known beforehand: only the others are planned.
+    """
+    known = targets if targets is not None else [None] * len(choices)
+    rollouts = [Rollout(choice, limits, settings, samples, seed, at) for choice, at in zip(choices, known, strict=True)]
     for turn in range(settings.rounds):
         wanted = [rollout.wanted(turn) for rollout in rollouts]
         if not any(len(w) for w in wanted):

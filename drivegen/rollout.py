@@ -76,9 +76,18 @@ class Rollout:
 
     `motion` (K, N, T) holds committed vehicles only (valid False elsewhere), `spare` the least illegal trajectory of
     each pending one. Q candidates of all vehicles stand one below the other; `start` (N + 1,) are the rows of each vehicle.
+    Where the motion of the `target` (K, T) is known, it stands from the beginning and is neither planned nor moved aside.
     """
 
-    def __init__(self, choice: Choices, limits: Limits, settings: RolloutSettings, samples: int, seed: int) -> None:
+    def __init__(
+        self,
+        choice: Choices,
+        limits: Limits,
+        settings: RolloutSettings,
+        samples: int,
+        seed: int,
+        target: Trajectories | None = None,
+    ) -> None:
         scenario, count = choice.scenario, len(choice.scenario.vehicles)
         self.choice, self.settings, self.turn = choice, settings, 0
         self.checker = SceneChecker(scenario, limits)
@@ -89,6 +98,10 @@ class Rollout:
         self.goal = np.full((samples, count), NO_GOAL, np.int32)
         self.attempts = np.zeros((samples, count), np.int64)
         self.evictions = np.zeros((samples, count), np.int64)
+        if target is not None:
+            _put(self.motion, (slice(None), TARGET), target)
+            self.pending[:, TARGET] = False
+            self.evictions[:, TARGET] = settings.evictions
         self.target_steps = _steps_to_avoid_target(scenario, settings.target_steps)
         self.outlooks = Outlooks.of(scenario, choice.candidates, self.target_steps)
         self.start = self.outlooks.start
@@ -225,6 +238,6 @@ def _badness(violation: NDArray[np.uint16], first: NDArray[np.int16], steps: int
     return rules + 1.0 - first / steps
 
 
-def _put(into: Trajectories, index: tuple[int, int], motion: Trajectories) -> None:
+def _put(into: Trajectories, index: tuple[int | slice, int], motion: Trajectories) -> None:
     into.position[index], into.heading[index] = motion.position, motion.heading
     into.velocity[index], into.valid[index] = motion.velocity, motion.valid

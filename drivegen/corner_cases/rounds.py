@@ -1,11 +1,14 @@
 """One round of DriveGen-CS: generate with what is known, let the driver drive, learn from what happened.
 
 Social vehicles stay under all rules between themselves and towards the map; only the target's reaction is left out of
-the check, after a stated time to react. Nothing is trained.
+the check, after a stated time to react. Each round is rehearsed: the driver drives through it once, then the others are
+planned again around the target as it drove, so that nobody who follows it runs into its rear because it was slower than
+planned. Nothing is trained.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +24,8 @@ from drivegen.rollout import Choices, RolloutSettings
 from drivegen.samples import Samples
 from drivegen.scenario import TARGET, Trajectories
 from drivegen.simulators.base import CollisionKind, DrivingOutcome, Simulator
+
+METHOD = "drivegen_cs"
 
 COUNTED = (CollisionKind.FRONT, CollisionKind.SIDE, CollisionKind.HIT_IN_SIDE)
 """Collisions that knowledge is made of: being run into from behind or while standing teaches nothing about the driver."""
@@ -78,14 +83,51 @@ def play(
     samples: int,
     seed: int,
 ) -> list[Drive]:
-    """Generate K = `samples` futures of every scenario and let the driver drive the target through each."""
-    traffic = roll_out(choices, planner, limits, settings, samples, seed, "drivegen_cs")
+    """Generate K = `samples` futures of every scenario and let the driver drive the target through each, after a rehearsal."""
+    first = roll_out(choices, planner, limits, settings, samples, seed, METHOD)
+    rehearsed = [_to_the_end(drive.target) for drive in _drive(choices, first, driver, simulator)]
+    around = roll_out(choices, planner, limits, settings, samples, seed, METHOD, rehearsed)
+    traffic = [_with_planned_target(made, planned) for made, planned in zip(around, first, strict=True)]
+    return _drive(choices, traffic, driver, simulator)
+
+
+def _drive(choices: Sequence[Choices], traffic: Sequence[Samples], driver: Driver, simulator: Simulator) -> list[Drive]:
+    """Let the driver drive the target through every sample."""
+    samples = len(traffic[0].dropped)
     scenarios = [choice.scenario for choice in choices for _ in range(samples)]
     outcome = simulator.run(driver, scenarios, [made.motion[k] for made in traffic for k in range(samples)])
     return [
         Drive(made, outcome.motion[rows].until(choice.scenario.steps), _rows(outcome, rows))
         for choice, made, rows in zip(choices, traffic, _blocks(len(choices), samples), strict=True)
     ]
+
+
+def _to_the_end(driven: Trajectories) -> Trajectories:
+    """The motion (K, T) with the target left standing where its run ended."""
+    stopped = np.arange(driven.steps) > driven.last_valid()[:, None]
+    at = np.minimum(np.arange(driven.steps), driven.last_valid()[:, None])
+    return Trajectories(
+        np.take_along_axis(driven.position, at[..., None], axis=1),
+        np.take_along_axis(driven.heading, at, axis=1),
+        np.where(stopped[..., None], 0.0, driven.velocity).astype(np.float32),
+        np.ones_like(driven.valid),
+    )
+
+
+def _with_planned_target(around: Samples, planned: Samples) -> Samples:
+    """Traffic around the rehearsed target, with the target's own plan: it gives the path that the driver follows."""
+    columns = ("violation", "first_violation", "goal", "natural", "used", "attempts", "dropped")
+    rows: dict[str, Any] = {name: _target_from(getattr(planned, name), getattr(around, name)) for name in columns}
+    arrays = ("position", "heading", "velocity", "valid")
+    motion = Trajectories(*(_target_from(getattr(planned.motion, name), getattr(around.motion, name)) for name in arrays))
+    return replace(around, motion=motion, **rows)
+
+
+def _target_from(planned: NDArray[Any], around: NDArray[Any]) -> NDArray[Any]:
+    """`around` (K, N, ...) with the target's row of `planned`."""
+    out = around.copy()
+    out[:, TARGET] = planned[:, TARGET]
+    return out
 
 
 def learn(knowledge: Knowledge, drives: Sequence[Drive], choices: Sequence[Choices], reach: float) -> Knowledge:

@@ -26,7 +26,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.errors import UnusableInput
 from drivegen.recording import colours, traffic
 from drivegen.recording.blueprint import layout
 from drivegen.recording.roads import flat, log_roads, log_signals
@@ -67,8 +67,7 @@ def record_scenario(
 ) -> None:
     """Write the recording of `scenario`: its log, or sample number `sample` of `samples` with the log as ghosts.
 
-    `bird_eye` is an (H, W, 3) RGB image. Raises UnusableInput where there is neither a log nor a sample to show,
-    MissingTool where the disk is full.
+    `bird_eye` is an (H, W, 3) RGB image. Raises UnusableInput where there is neither a log nor a sample to show.
     """
     motion = scenario.log if samples is None else samples.motion[sample]
     if motion is None:
@@ -95,18 +94,19 @@ def record_scenario(
 
 @contextmanager
 def _recording(path: Path, scenario: Scenario, show: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
-    """A stream into the file `path`, which is there when the block ends well; MissingTool where the disk is full."""
+    """A stream kept in memory, written to `path` in one piece when the block ends well.
+
+    Rerun's own file sink is not used: its writer thread dies on a full disk, and flushing it may then wait for ever.
+    """
+    recording = rr.RecordingStream("drivegen", recording_id=scenario.scenario_id, send_properties=False)
+    kept = recording.memory_recording()
+    recording.send_recording_name(f"{scenario.scenario_id} ({scenario.source})")
+    recording.send_blueprint(show)
+    yield recording
+    raw = kept.drain_as_bytes()
+    recording.disconnect()
     with whole(path) as temporary:
-        recording = rr.RecordingStream("drivegen", recording_id=scenario.scenario_id, send_properties=False)
-        recording.save(temporary, default_blueprint=show)
-        recording.send_recording_name(f"{scenario.scenario_id} ({scenario.source})")
-        yield recording
-        try:
-            recording.flush()
-        except RuntimeError as error:  # all that Rerun says when its writer thread has failed
-            raise MissingTool(f"{path} cannot be written ({error}): is the disk full?") from None
-        finally:
-            recording.disconnect()
+        temporary.write_bytes(raw)
 
 
 def _view(motion: Trajectories) -> tuple[NDArray[np.float32], float]:

@@ -66,11 +66,16 @@ def test_nobody_drives_through_the_one_ahead_and_habits_are_in_order(speed, lead
     head = on_road((10 + gap, leader))
     assert np.isfinite(end.s).all()
     assert (end.s >= 0).all()
-    assert end.s[Habit.JAM] <= end.s[Habit.KEEPING] + 0.5
+    assert end.s[Habit.JAM] <= end.s[Habit.ALONE] + 1e-6
     assert end.s[Habit.USUAL] <= end.s[Habit.ALONE] + 1e-6
     closing = max(speed - leader, 0.0) ** 2 / 8
     if closing < gap - LENGTH - 2:
         assert end.s[Habit.USUAL] <= gap + head.s[Habit.USUAL] - LENGTH + 0.5
+
+
+def test_in_steady_following_the_jam_habit_ends_behind_the_keeping_one():
+    end = on_road((10, 10.0), (40, 10.0))
+    assert end.s[Habit.JAM] <= end.s[Habit.KEEPING]
 
 
 def test_the_queue_is_sorted_and_of_this_lane_only():
