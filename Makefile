@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/.installed
 
-.PHONY: run test lint bench tables clean lock help
+.PHONY: run test lint bench clean lock help
 .DEFAULT_GOAL := help
 
 help:            ## this list
