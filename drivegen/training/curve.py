@@ -1,6 +1,10 @@
-"""One row of a loss curve, apart from the loop so that reading it needs no torch."""
+"""A loss curve and its file, apart from the loop so that reading it needs no torch."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+
+from drivegen.store.files import whole
 
 
 @dataclass(frozen=True)
@@ -16,3 +20,10 @@ class LossRow:
     step: int
     train: float
     validation: float
+
+
+def write_curve(path: Path, rows: Sequence[LossRow]) -> None:
+    """The curve as CSV: step, train, validation."""
+    lines = ["step,train,validation", *(f"{row.step},{row.train:.6f},{row.validation:.6f}" for row in rows)]
+    with whole(path) as temporary:
+        temporary.write_text("\n".join(lines) + "\n")

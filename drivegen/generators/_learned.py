@@ -1,0 +1,130 @@
+"""What generators that are trained share: learning from examples, weights on disk, opening by `Plugin(models, settings)`.
+
+Such a generator is one subclass of `Learned` with a network, examples and an objective. It reads the first frame only;
+logs are seen by `examples`, in training, alone. It imports neither goals nor planners, so that editing those trains no
+rival anew.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, ClassVar, Protocol, Self
+
+import torch
+from torch import nn
+
+from drivegen import seeds
+from drivegen.errors import UnusableInput
+from drivegen.samples import Samples
+from drivegen.scenario import Scenario
+from drivegen.settings import build
+from drivegen.training import loop
+from drivegen.training.curve import LossRow
+from drivegen.training.weights import read_weights, write_weights
+
+
+class Examples(Protocol):
+    """Logged scenarios as arrays to learn from; picklable, so that shards are read in processes of their own."""
+
+    def __len__(self) -> int:
+        """How many there are."""
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """All of them in order; of no parts, none."""
+
+
+class Learned(ABC):
+    """A generator with trained weights in `models/generators/<name>`; see `generators.base.Generator`.
+
+    Attributes:
+        name: the plugin's. Settings: frozen dataclass with a field `training: loop.Settings`, no defaults; its values
+            stand in params.yaml, `train_generator.generators.<name>`. Examples: what it learns from.
+        backend, selector: it chooses no goals and follows none.
+        settings, net: how it was made, and the trained network on the CPU in evaluation mode.
+    """
+
+    name: ClassVar[str]
+    Settings: ClassVar[type]
+    Examples: ClassVar[type[Examples]]
+    backend = "none"
+    selector = None
+
+    settings: Any
+    net: nn.Module
+
+    def __init__(self, models: Path, settings: object) -> None:
+        """Open the weights; `settings`, of DriveGen's own generation, concern none of them.
+
+        Raises MissingTool where the weights are absent, UnusableInput where they are damaged or do not fit.
+        """
+        del settings
+        folder = models / "generators" / self.name
+        values, tensors = read_weights(folder, "generator", self.name)
+        self.settings = build(self.Settings, values, f"{folder}")
+        self.net = self.network(self.settings)
+        try:
+            self.net.load_state_dict({key: torch.from_numpy(tensor) for key, tensor in tensors.items()})
+        except RuntimeError as error:
+            raise UnusableInput(f"{folder}: weights do not fit the settings ({error}): train it again") from None
+        self._ready()
+
+    @classmethod
+    @abstractmethod
+    def network(cls, settings: Any) -> nn.Module:
+        """The untrained network; everything that is learnt, scales included, is a parameter or a buffer of it."""
+
+    @classmethod
+    @abstractmethod
+    def examples(cls, settings: Any, scenarios: Sequence[Scenario]) -> Any:
+        """An `Examples` of the scenarios that have a log."""
+
+    @classmethod
+    @abstractmethod
+    def objective(cls, settings: Any, net: Any, train: Any, validation: Any, seed: int) -> loop.Objective:
+        """What is minimised; may set buffers of `net` (already on its device) from the train examples."""
+
+    @abstractmethod
+    def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
+        """See `generators.base.Generator`."""
+
+    @classmethod
+    def fit(
+        cls,
+        settings: Any,
+        train: Any,
+        validation: Any,
+        seed: int,
+        checkpoints: Path | None,
+        report: Callable[[str], None],
+    ) -> tuple[Self, list[LossRow]]:
+        """The trained generator and its loss curve; the weights of the lowest validation loss are kept.
+
+        Same arguments, same weights, also when killed and started again: `checkpoints` is a folder for interrupted
+        work, named by the caller after all inputs; `report` takes progress lines. Raises UnusableInput where there is
+        nothing to learn from.
+        """
+        torch.manual_seed(seeds.derive(seed, "network", cls.name))
+        net = cls.network(settings).to(loop.device())
+        path = None if checkpoints is None else checkpoints / f"{cls.name}.safetensors"
+        objective = cls.objective(settings, net, train, validation, seed)
+        best, curve = loop.train(net, objective, settings.training, seed, path, report, keep_best=True)
+        made = cls.__new__(cls)
+        made.settings, made.net = settings, best.cpu()
+        made._ready()
+        return made, curve
+
+    def save(self, folder: Path) -> None:
+        """Write settings (JSON) and weights (safetensors) into `folder`, that is `models/generators/<name>`."""
+        tensors = {key: value.numpy() for key, value in self.net.state_dict().items()}
+        write_weights(folder, "generator", self.name, asdict(self.settings), tensors)
+
+    @property
+    def parameters(self) -> int:
+        """How many numbers were learnt."""
+        return sum(p.numel() for p in self.net.parameters())
+
+    def _ready(self) -> None:
+        torch.set_num_threads(1)  # sums depend on the number of threads
+        self.net.eval().requires_grad_(False)

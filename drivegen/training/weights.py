@@ -1,0 +1,39 @@
+"""A trained model as a folder: `settings.json` and `weights.safetensors`; nothing in it can run."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors import SafetensorError
+from safetensors.numpy import load_file, save_file
+
+from drivegen.errors import MissingTool, UnusableInput
+from drivegen.store.files import whole, write_json
+
+SETTINGS, WEIGHTS = "settings.json", "weights.safetensors"
+
+
+def write_weights(folder: Path, kind: str, name: str, settings: Mapping[str, Any], tensors: Mapping[str, NDArray[Any]]) -> None:
+    """Write both files whole, the settings last: a folder with settings is complete. `kind` is "planner", "generator", ..."""
+    with whole(folder / WEIGHTS) as temporary:
+        save_file({key: np.ascontiguousarray(tensor) for key, tensor in sorted(tensors.items())}, temporary)
+    write_json(folder / SETTINGS, {kind: name, "settings": settings})
+
+
+def read_weights(folder: Path, kind: str, name: str) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Settings and tensors of the trained `kind` called `name`.
+
+    Raises MissingTool where the folder holds no weights, UnusableInput where they are damaged or another model's.
+    """
+    if not (folder / SETTINGS).exists():
+        raise MissingTool(f"{folder} holds no trained {kind}: run `make run` first")
+    try:
+        about = json.loads((folder / SETTINGS).read_text())
+        if about[kind] != name:
+            raise UnusableInput(f"{folder} holds {kind} {about[kind]!r}, not {name!r}")
+        return dict(about["settings"]), load_file(folder / WEIGHTS)
+    except (SafetensorError, OSError, ValueError, KeyError, TypeError) as error:
+        raise UnusableInput(f"{folder} holds a damaged {kind} ({error}): train it again") from None

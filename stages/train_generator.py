@@ -1,0 +1,115 @@
+"""Stage train_generator@<rival>: train a generator to compare with on the train split's logs, then score it on the val split.
+
+argv: scenarios (folder with train and val), model (folder; its name is the generator's), metrics (JSON), loss curve (CSV).
+An interrupted training goes on from `.drivegen/checkpoints/`, in a folder named after everything that it depends on.
+"""
+
+import hashlib
+import shutil
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drivegen import plugins
+from drivegen.errors import UnusableInput
+from drivegen.generators._learned import Learned
+from drivegen.metrics.displacement import scene_errors, summarise
+from drivegen.store.files import write_json
+from drivegen.store.scenarios import read_shard, shards
+from drivegen.training.curve import write_curve
+from stages._door import build, enter, require, spread
+
+CHECKPOINTS = Path(".drivegen/checkpoints")
+
+
+@dataclass(frozen=True)
+class Params:
+    """What all learned generators share, and the settings of each.
+
+    Attributes:
+        samples: futures of each validation scenario behind the metrics.
+        generators: settings by name, as the generator's `Settings` says.
+    """
+
+    seed: int
+    workers: int
+    samples: int
+    generators: dict[str, Any]
+
+
+def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Path) -> dict[str, float]:
+    """Train, save, score."""
+    plugin, settings = _chosen(model.name, params)
+    train = _examples(plugin, settings, require(scenarios / "train", "run the ingest stage"), params.workers)
+    validation = _examples(plugin, settings, scenarios / "val", params.workers)
+    checkpoints = CHECKPOINTS / _key(model.name, params, settings, scenarios)
+    began = time.process_time()
+    generator, rows = plugin.fit(settings, train, validation, params.seed, checkpoints, _say(model.name))
+    trained = time.process_time() - began
+    generator.save(model)
+    write_curve(curve, rows)
+    counts = {"train_examples": len(train), "validation_examples": len(validation), "steps": rows[-1].step}
+    learnt = {"parameters": generator.parameters, "validation_loss": min(row.validation for row in rows)}
+    scores = _scores(generator, scenarios / "val", params)
+    write_json(metrics, {"generator": model.name, **counts, **learnt, **scores})
+    shutil.rmtree(checkpoints, ignore_errors=True)
+    return {**{key: float(value) for key, value in counts.items()}, "training_cpu_seconds": trained}
+
+
+def _chosen(name: str, params: Params) -> tuple[type[Learned], Any]:
+    """The plugin called `name` and its settings; raises UnusableInput where it does not learn or has none."""
+    plugin = plugins.load("generators", name)
+    if not issubclass(plugin, Learned):
+        raise UnusableInput(f"generator {name!r} learns nothing: take it out of run.rivals in params.yaml")
+    if name not in params.generators:
+        raise UnusableInput(f"params.yaml: train_generator.generators has no settings for {name!r}")
+    return plugin, build(plugin.Settings, params.generators[name], f"params.yaml: train_generator.generators.{name}")
+
+
+def _examples(plugin: type[Learned], settings: Any, split: Path, workers: int) -> Any:
+    """What the generator learns from, shard by shard in processes of their own."""
+    tasks = [(plugin, settings, shard) for shard in shards(split)] if split.exists() else []
+    return plugin.Examples.joined([part for _, part in spread(_shard_examples, tasks, workers, f"scenes of {split.name}")])
+
+
+def _shard_examples(task: tuple[type[Learned], Any, Path]) -> Any:
+    plugin, settings, shard = task
+    return plugin.examples(settings, read_shard(shard))
+
+
+def _scores(generator: Learned, split: Path, params: Params) -> dict[str, float]:
+    """Displacement errors [m] of `samples` futures of every validation scenario, the mean over scenarios."""
+    found = []
+    for shard in shards(split) if split.exists() else []:
+        logged = [s for s in read_shard(shard) if s.log is not None]
+        for scenario, made in zip(logged, generator.generate(logged, params.samples, params.seed), strict=True):
+            assert scenario.log is not None
+            try:
+                found.append(summarise(*scene_errors(made.motion, scenario.log)))
+            except UnusableInput as error:
+                if error.reason != "nothing-to-score":
+                    raise
+    names = ("min_sade", "min_sfde", "mean_sade", "mean_sfde")
+    return {f"validation_{n}": float(np.mean([getattr(one, n) for one in found])) for n in names} if found else {}
+
+
+def _key(name: str, params: Params, settings: Any, scenarios: Path) -> str:
+    """A name for everything that the weights depend on: settings, seed, data and the code that learns."""
+    digest = hashlib.sha256(repr((name, asdict(settings), params.seed)).encode())
+    root = Path(__file__).parents[1] / "drivegen"
+    code = sorted(path for folder in ("generators", "training") for path in (root / folder).rglob("*.py"))
+    for path in [*code, *shards(scenarios / "train"), *(shards(scenarios / "val") if (scenarios / "val").exists() else [])]:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:24]
+
+
+def _say(name: str) -> Callable[[str], None]:
+    return lambda line: print(f"train_generator {name}: {line}", flush=True)
+
+
+if __name__ == "__main__":
+    enter("train_generator", Params, main)
