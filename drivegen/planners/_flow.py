@@ -15,14 +15,12 @@ class FlowNet(nn.Module):
     """Velocity of latents (B, Z) at times t (B,) given a context (B, H): residual blocks with FiLM from both.
 
     `context(features)` is computed once per request, the blocks once per step. The context's and the time's shares of
-    FiLM are added, so at sampling time the first is computed once, too.
+    FiLM are added, so at sampling time the first is computed once, too. `encode` makes features (B, F) into (B, width).
     """
 
-    def __init__(self, features: int, latent: int, width: int, blocks: int, dropout: float) -> None:
+    def __init__(self, encode: nn.Module, latent: int, width: int, blocks: int, dropout: float) -> None:
         super().__init__()
-        self.encode = nn.Sequential(
-            nn.Dropout(dropout), nn.Linear(features, width), nn.SiLU(), nn.Dropout(dropout), nn.Linear(width, width), nn.SiLU()
-        )
+        self.encode = encode
         self.drop = nn.Dropout(dropout)
         self.film = nn.Linear(width, 2 * width * blocks)
         self.time = nn.Sequential(nn.Linear(2 * TIME_WAVES, width), nn.SiLU(), nn.Linear(width, 2 * width * blocks))
@@ -61,8 +59,15 @@ class FlowNet(nn.Module):
         """Latents (B, Z) by `steps` Euler steps from `noise` (B, Z)."""
         context, z = self.context(features), noise
         for k in range(steps):
-            z = z + self.velocity(z, torch.full((1,), k / steps), context) / steps
+            z = z + self.velocity(z, torch.full((1,), k / steps, device=z.device), context) / steps
         return torch.as_tensor(z)
+
+
+def dense_encoder(features: int, width: int, dropout: float) -> nn.Sequential:
+    """Two layers for features that are a plain list of numbers."""
+    return nn.Sequential(
+        nn.Dropout(dropout), nn.Linear(features, width), nn.SiLU(), nn.Dropout(dropout), nn.Linear(width, width), nn.SiLU()
+    )
 
 
 class FlowObjective:

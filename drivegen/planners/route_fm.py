@@ -20,7 +20,8 @@ from torch import Tensor
 from drivegen import seeds
 from drivegen.errors import UnusableInput
 from drivegen.planners._features import FEATURES, features
-from drivegen.planners._flow import FlowNet, FlowObjective
+from drivegen.planners._flow import FlowNet, FlowObjective, dense_encoder
+from drivegen.planners._latent import Basis, draw, expanded, importance, principal, whitened
 from drivegen.planners._motion import GRID, Encoded, Residuals, decode, encode
 from drivegen.planners._noise import normals
 from drivegen.planners._paths import Frames
@@ -31,8 +32,7 @@ from drivegen.scenario import Scenario, Trajectories
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
 
-CHUNK = 256
-"""Requests that go through the network at once, always: sums differ between batch sizes."""
+GROUPS = ("along", "across")
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,8 @@ class Plugin:
 
     def __init__(self, settings: RouteFmSettings) -> None:
         self.settings = settings
-        self.basis: dict[str, NDArray[np.float64]] = {}
-        self.net = FlowNet(FEATURES, settings.along + settings.across, settings.width, settings.blocks, settings.dropout)
+        self.basis: Basis = {}
+        self.net = self._new_net()
 
     def fit(
         self, train: Examples, validation: Examples, seed: int, checkpoints: Path | None, report: Callable[[str], None]
@@ -73,16 +73,16 @@ class Plugin:
         known, held_out = self._encoded(train), self._encoded(validation)
         if len(known[0]) < max(self.settings.along, self.settings.across):
             raise UnusableInput(f"only {len(known[0])} logged tracks move: too few to learn from", reason="no-examples")
-        self.basis = _principal(known[1], self.settings.along, "along") | _principal(known[2], self.settings.across, "across")
+        self.basis = principal(known[1], self.settings.along, "along") | principal(known[2], self.settings.across, "across")
         torch.manual_seed(seeds.derive(seed, "network"))
         settings, device = self.settings, loop.device()
-        net = FlowNet(FEATURES, settings.along + settings.across, settings.width, settings.blocks, settings.dropout).to(device)
+        net = self._new_net().to(device)
         told, latents = (t.to(device) for t in self._tensors(*known))
         held = self._tensors(*held_out)
-        weight = torch.from_numpy(self._importance()).to(device)
         objective = FlowObjective(
-            told, latents, weight, settings.draws, (held[0].to(device), held[1].to(device)), seeds.derive(seed, "validation")
-        )
+            told, latents, importance(GROUPS, self.basis).to(device), settings.draws,
+            (held[0].to(device), held[1].to(device)), seeds.derive(seed, "validation"),
+        )  # fmt: skip
         path = None if checkpoints is None else checkpoints / "route_fm.safetensors"
         report(f"{len(known[0])} of {len(train)} logged tracks move and keep to their path")
         averaged, curve = loop.train(net, objective, settings.training, seed, path, report)
@@ -95,14 +95,15 @@ class Plugin:
             raise UnusableInput("planner route_fm has not been trained", reason="untrained")
         horizon = np.array([s.steps for s in scenarios])[requests.scenario]
         frames = Frames.of(requests)
-        latents = self._latents(features(frames, requests), normals(requests.seed, self.settings.along + self.settings.across))
+        noise = normals(requests.seed, self.settings.along + self.settings.across)
+        latents = draw(self.net, features(frames, requests), noise, self.settings.euler_steps)
         motion = decode(frames, requests, self._residuals(latents), int(horizon.max(initial=1)))
         motion.valid[:] = np.arange(motion.steps) < horizon[:, None]
         return motion
 
     def save(self, folder: Path) -> None:
         """See `planners.base.Planner`."""
-        tensors = {f"net/{k}": v.numpy() for k, v in self.net.state_dict().items()}
+        tensors = {f"net/{k}": v.cpu().numpy() for k, v in self.net.state_dict().items()}
         write_weights(folder, "route_fm", asdict(self.settings), tensors | {f"basis/{k}": v for k, v in self.basis.items()})
 
     @classmethod
@@ -117,6 +118,16 @@ class Plugin:
         planner.net.eval()
         return planner
 
+    def _new_net(self) -> FlowNet:
+        s = self.settings
+        return FlowNet(dense_encoder(FEATURES, s.width, s.dropout), s.along + s.across, s.width, s.blocks, s.dropout)
+
+    def _tensors(
+        self, told: NDArray[np.float32], along: NDArray[np.float64], across: NDArray[np.float64]
+    ) -> tuple[Tensor, Tensor]:
+        """Features and whitened latents (E, along + across)."""
+        return torch.from_numpy(told), whitened({"along": along, "across": across}, self.basis)
+
     def _encoded(self, examples: Examples) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.float64]]:
         """Features (E, F) and spline coefficients along and across (E, C) of the tracks that can be learnt from."""
         frames = Frames.of(examples.requests)
@@ -124,63 +135,12 @@ class Plugin:
         keep = encoded.usable
         return features(frames, examples.requests)[keep], encoded.along[keep], encoded.across[keep]
 
-    def _tensors(
-        self, told: NDArray[np.float32], along: NDArray[np.float64], across: NDArray[np.float64]
-    ) -> tuple[Tensor, Tensor]:
-        """Features and whitened latents (E, along + across)."""
-        parts = [
-            (coefficients - self.basis[f"{name}_mean"]) @ self.basis[f"{name}_components"].T / self.basis[f"{name}_scale"]
-            for name, coefficients in (("along", along), ("across", across))
-        ]
-        return torch.from_numpy(told), torch.from_numpy(np.concatenate(parts, axis=1).astype(np.float32))
-
-    def _importance(self) -> NDArray[np.float32]:
-        """Weight of each latent in the loss: the root of its scale, so that what moves a vehicle most counts most."""
-        parts = [np.sqrt(self.basis[f"{name}_scale"] / self.basis[f"{name}_scale"].max()) for name in ("along", "across")]
-        weight = np.concatenate(parts)
-        return np.asarray(weight / weight.mean(), np.float32)
-
-    def _latents(self, told: NDArray[np.float32], noise: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Latents (B, Z), computed in chunks of CHUNK rows, the last one filled up with zeros."""
-        torch.set_num_threads(1)
-        out = np.empty_like(noise)
-        padded = [torch.zeros(CHUNK, a.shape[1]) for a in (told, noise)]
-        with torch.inference_mode():
-            for low in range(0, len(noise), CHUNK):
-                count = min(CHUNK, len(noise) - low)
-                for buffer, array in zip(padded, (told, noise), strict=True):
-                    buffer[:count] = torch.from_numpy(array[low : low + count])
-                    buffer[count:] = 0
-                out[low : low + count] = self.net.sample(padded[0], padded[1], self.settings.euler_steps)[:count].numpy()
-        return out
-
     def _residuals(self, latents: NDArray[np.float32]) -> Residuals:
         """Residuals of latents (B, Z) on the grid."""
         value, slope = spline(np.linspace(0.0, 1.0, GRID))
         along, across = np.split(latents, [self.settings.along], axis=1)
         return Residuals(
-            pace=_expanded(along, self.basis, "along", slope),
-            offset=_expanded(across, self.basis, "across", value),
-            slope=_expanded(across, self.basis, "across", slope),
+            pace=expanded(along, self.basis, "along", slope),
+            offset=expanded(across, self.basis, "across", value),
+            slope=expanded(across, self.basis, "across", slope),
         )
-
-
-def _principal(coefficients: NDArray[np.float64], count: int, name: str) -> dict[str, NDArray[np.float64]]:
-    """Mean (C,), the first `count` principal components (count, C) and their standard deviations (count,)."""
-    mean = coefficients.mean(axis=0)
-    value, vector = np.linalg.eigh(np.cov(coefficients.T))
-    components = vector[:, ::-1][:, :count].T
-    components = components * np.sign(components[np.arange(count), np.abs(components).argmax(axis=1)])[:, None]
-    scale = np.sqrt(np.maximum(value[::-1][:count], 1e-10))
-    return {f"{name}_mean": mean, f"{name}_components": np.ascontiguousarray(components), f"{name}_scale": scale}
-
-
-def _expanded(
-    latents: NDArray[np.float32], basis: dict[str, NDArray[np.float64]], name: str, table: NDArray[np.float64]
-) -> NDArray[np.float32]:
-    """Curves (B, GRID) of whitened latents (B, K); summed one by one, so that a row does not depend on the others."""
-    components = (basis[f"{name}_scale"][:, None] * basis[f"{name}_components"] @ table.T).astype(np.float32)
-    curves = np.tile((table @ basis[f"{name}_mean"]).astype(np.float32), (len(latents), 1))
-    for k, component in enumerate(components):
-        curves += latents[:, k, None] * component
-    return curves
