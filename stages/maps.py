@@ -70,7 +70,7 @@ def _build(task: _Task) -> dict[str, Any]:
         # What netconvert refuses was understood; what the writer refuses was not.
         return {**row, "writer": task.writer, "reason": error.reason, "understood": error.reason.startswith("netconvert")}
     found = built.structure
-    told = {"writer": built.account["backend"], "kind": built.account["spec"]["road"]["kind"], "reason": ""}
+    told = {"writer": built.account["backend"], "kind": built.account["kind"], "reason": ""}
     told |= {"ignored": built.account["ignored"], "failed": built.account["failed"]}
     told |= {"lanes": len(built.road_map), "junctions": found.junctions, "roundabouts": len(found.roundabouts)}
     told |= {"most_lanes": found.max_lanes, "length": found.length, "turn": found.turn, "signals": found.signals}

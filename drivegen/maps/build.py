@@ -6,10 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drivegen import plugins
-from drivegen.maps.checks import Check, check, failures
-from drivegen.maps.compile import compile_map
+from drivegen.maps.checks import Check, failures
+from drivegen.maps.examine import NETWORK as NETWORK
+from drivegen.maps.examine import WrittenNetwork, examine
 from drivegen.maps.spec import MapSpec
-from drivegen.maps.structure import Structure, measure
+from drivegen.maps.structure import Structure
 from drivegen.maps.writers.base import MapWriter, Understanding
 from drivegen.render.map_picture import draw_map, encode_png
 from drivegen.roadmap import RoadMap
@@ -19,8 +20,8 @@ from drivegen.sumo.network import read_network
 if TYPE_CHECKING:
     from drivegen.lm.model import LanguageModel
 
-NETWORK, ACCOUNT, PICTURE = "map.net.xml", "map.json", "map.png"
-"""Names of the three files of a map's folder."""
+ACCOUNT, PICTURE = "map.json", "map.png"
+"""Names of the files of a map's folder, beside its `NETWORK`."""
 
 
 @dataclass(frozen=True)
@@ -71,13 +72,17 @@ def build_map(
     return built
 
 
-def build_spec(spec: MapSpec, account: dict[str, Any]) -> BuiltMap:
-    """The map of a specification; `account` is what is known about where it comes from."""
-    network = compile_map(spec)
-    structure = measure(network, NETWORK)
-    checks = check(spec, structure)
-    told = {**account, "spec": spec.model_dump(mode="json"), "checks": checks, "failed": failures(checks), "structure": structure}
-    return BuiltMap(network, read_network(network, NETWORK), structure, tuple(checks), told)
+def build_spec(spec: MapSpec | WrittenNetwork, account: dict[str, Any]) -> BuiltMap:
+    """The map of a specification, or of a network that was written; `account` is what is known about where it comes from."""
+    found = examine(spec)
+    told = {**account, **_source(spec), "checks": found.checks, "failed": failures(found.checks), "structure": found.structure}
+    return BuiltMap(found.network, read_network(found.network, NETWORK), found.structure, found.checks, told)
+
+
+def _source(spec: MapSpec | WrittenNetwork) -> dict[str, Any]:
+    if isinstance(spec, MapSpec):
+        return {"kind": spec.road.kind, "spec": spec.model_dump(mode="json")}
+    return {"kind": "xml", "asked": spec.asked, "xml": {name: text.decode() for name, text in spec.plain.files().items()}}
 
 
 def _told(understanding: Understanding) -> dict[str, Any]:
@@ -85,6 +90,7 @@ def _told(understanding: Understanding) -> dict[str, Any]:
         "understood": [{"phrase": phrase, "meaning": meaning} for phrase, meaning in understanding.understood],
         "assumed": list(understanding.assumed),
         "ignored": list(understanding.ignored),
+        "repairs": understanding.repairs,
     }
 
 

@@ -1,5 +1,6 @@
 """Whether a network has what its specification asks for: arms, lanes, signals, lengths, ramps, and nobody stuck."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,6 +8,7 @@ from drivegen.maps.spec import Arm, Corridor, Crossing, Fork, Graph, Grid, Highw
 from drivegen.maps.structure import Structure
 
 _TOLERANCE = 0.15
+_TITLES = {"left_hand": "left-hand traffic"}
 
 
 @dataclass(frozen=True)
@@ -19,20 +21,27 @@ class Check:
     passed: bool
 
 
-def check(spec: MapSpec, found: Structure) -> list[Check]:
-    """All checks of a specification against its network's structure, the failed ones included."""
-    checks = [
+def check_sound(found: Structure, overlaps: Sequence[str]) -> list[Check]:
+    """What every network must be, whatever was asked: each way in has a way out, no two roads lie on one another."""
+    return [
         Check("nobody stuck", "none", list(found.stuck[:5]), not found.stuck),
-        Check("left-hand traffic", spec.left_hand, found.left_hand, spec.left_hand == found.left_hand),
+        Check("no overlapping roads", "none", list(overlaps), not overlaps),
     ]
-    asked = _EXPECTED[spec.road.kind](spec.road)
-    for name, want in asked.items():
-        got = getattr(found, name)
-        checks.append(Check(name.replace("_", " "), want, got, _agrees(want, got)))
-    return checks
 
 
-def failures(checks: list[Check]) -> list[str]:
+def check(spec: MapSpec, found: Structure) -> list[Check]:
+    """Checks of a specification against its network's structure, the failed ones included."""
+    return check_asked({"left_hand": spec.left_hand, **_EXPECTED[spec.road.kind](spec.road)}, found)
+
+
+def check_asked(asked: Mapping[str, Any], found: Structure) -> list[Check]:
+    """One check per name of `asked`, which are names of `Structure`."""
+    return [
+        Check(_TITLES.get(n, n.replace("_", " ")), w, getattr(found, n), _agrees(w, getattr(found, n))) for n, w in asked.items()
+    ]
+
+
+def failures(checks: Sequence[Check]) -> list[str]:
     """The failed checks as sentences, for a person or for the writer that repairs."""
     return [f"{c.name}: asked {c.asked}, got {c.got}" for c in checks if not c.passed]
 
@@ -120,7 +129,8 @@ def _fork(road: Fork) -> dict[str, Any]:
 
 
 def _graph(road: Graph) -> dict[str, Any]:
-    return {"max_lanes": max(max(r.lanes, r.lanes_back) for r in road.roads)}
+    edges = sum((r.lanes > 0) + (r.lanes_back > 0) for r in road.roads)
+    return {"max_lanes": max(max(r.lanes, r.lanes_back) for r in road.roads), "edges": edges}
 
 
 _EXPECTED: dict[str, Any] = {

@@ -5,7 +5,6 @@
 
 import contextlib
 import copy
-import json
 import os
 from pathlib import Path
 from typing import Any
@@ -20,10 +19,11 @@ from drivegen.maps.build import build_spec
 from drivegen.maps.imports import import_map
 from drivegen.maps.refine import refine
 from drivegen.maps.spec import MapSpec
+from drivegen.maps.suite.cases import own_cases
 from drivegen.maps.writers.offline import Plugin
 
 COUNT = int(os.environ.get("DRIVEGEN_FUZZ", "40"))
-SUITE = [json.loads(line)["text"] for line in (Path(__file__).parents[1] / "data" / "map_prompts.jsonl").read_text().splitlines()]
+SUITE = [case.text for case in own_cases()]
 NASTY = [0, -1, 1e9, float("nan"), float("inf"), "", "x" * 5000, None, [], {}, True, "../../etc/passwd", "&x;", "\u202e", 8, 45.0]
 WORDS = ["not", "no", "without", "2", "nine hundred", "lanes", "by", "0", "-3", "1e9", "km/h", "roundabout", "crossing", "ramp"]
 WORDS += [",", ".", "(", "then", "and", "of the", "to", "one-way", "交叉口", "Kreuzung"]

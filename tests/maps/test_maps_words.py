@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import os
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from drivegen.maps.compile import compile_map
 from drivegen.maps.structure import Structure
 from drivegen.maps.writers.offline import Plugin
 
-SUITE = [json.loads(line) for line in (Path(__file__).parents[1] / "data" / "map_prompts.jsonl").read_text().splitlines()]
+SUITE = [json.loads(line) for line in (files("drivegen.maps.suite") / "own.jsonl").read_text().splitlines()]
 DRAWN = [row for row in SUITE if "expect" in row]
 REFUSED = [row for row in SUITE if "refused" in row]
 TOLERANT = {"speed_kmh", "length", "turn"}

@@ -1,9 +1,10 @@
-"""The protocol of a map writer: words in, a typed specification out, with an account of what was understood."""
+"""The protocol of a map writer: words in, a map out, with an account of what was understood."""
 
 from collections.abc import Set
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+from drivegen.maps.examine import WrittenNetwork
 from drivegen.maps.spec import MapSpec
 
 if TYPE_CHECKING:
@@ -15,18 +16,20 @@ class Understanding:
     """What a writer made of a description.
 
     Attributes:
-        spec: the map.
+        spec: the map: a typed specification or, from a writer of XML, the network itself.
         understood: phrases of the description and what each was taken to mean.
         assumed: what the description leaves open and the writer chose.
         ignored: words that were not understood and change nothing.
         writer: who wrote it, as it stands in tables: not always whom one asked.
+        repairs: how often it went back to its writer with what was wrong.
     """
 
-    spec: MapSpec
+    spec: MapSpec | WrittenNetwork
     understood: tuple[tuple[str, str], ...]
     assumed: tuple[str, ...]
     ignored: tuple[str, ...]
     writer: str
+    repairs: int = 0
 
 
 class MapWriter(Protocol):
