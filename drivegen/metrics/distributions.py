@@ -1,0 +1,143 @@
+"""Distances between the distributions of generated and of logged motion, over a whole set of scenes.
+
+Numbers are compared by the Wasserstein-1 distance, in their own unit: how far, on average, mass must be moved. They are kept as
+counts in fine bins (values beyond the ends go to the end bins), scene by scene, so that intervals can resample scenes. A
+scene's samples share one weight: K of them count as much as its log. Manoeuvres are compared by the Jensen-Shannon
+divergence in bits: 0 for the same shares, 1 for nothing in common.
+
+Headways are times to the box ahead at one's own speed, of those who follow one within LONGEST_HEADWAY and move; times to
+collision and post-encroachment times are those below their limit. How often they occur is not in the distance, but in
+`close_call` (share of vehicle steps with a time to collision below CLOSE_CALL).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.metrics import encroachment
+from drivegen.metrics.encroachment import post_encroachment
+from drivegen.metrics.features import Features
+from drivegen.metrics.intervals import Interval, percentiles
+from drivegen.metrics.labels import manoeuvre
+
+BINS = 240
+LONGEST_HEADWAY = 10.0
+LONGEST_TIME_TO_COLLISION = 10.0
+CLOSE_CALL = 1.5
+MOVING = 1.0
+"""Headways are taken above this speed [m/s]."""
+
+RANGES = {
+    "speed": (0.0, 48.0),
+    "acceleration": (-12.0, 12.0),
+    "lateral_acceleration": (-12.0, 12.0),
+    "jerk": (-30.0, 30.0),
+    "headway": (0.0, LONGEST_HEADWAY),
+    "time_to_collision": (0.0, LONGEST_TIME_TO_COLLISION),
+    "post_encroachment": (0.0, encroachment.LONGEST),
+}
+"""Ends of the bins: m/s, m/s2, m/s2, m/s3, s, s, s."""
+
+MANOEUVRES = ("stationary", "stop", "straight", "left", "right", "u_turn", "shift_left", "shift_right")
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SceneCounts:
+    """Counts of one scene, the log's in row 0, the samples' mean in row 1.
+
+    Attributes:
+        numbers: (Q, 2, BINS) in the order of RANGES. manoeuvres: (2, 8) numbers of vehicles, in the order of MANOEUVRES.
+        close_call: (2,) share of vehicle steps with a time to collision below CLOSE_CALL.
+    """
+
+    numbers: Floats
+    manoeuvres: Floats
+    close_call: Floats
+
+
+def scene_counts(features: Features) -> SceneCounts:
+    """Counts of one scene; `features` are K samples and, last, the log."""
+    values = [_values(features[-1:]), _values(features[:-1])]
+    weights = (1.0, 1.0 / (len(features.edge) - 1))
+    numbers = np.stack(
+        [
+            np.stack([w * _counts(v[name], low, high) for v, w in zip(values, weights, strict=True)])
+            for name, (low, high) in RANGES.items()
+        ]
+    )
+    manoeuvres = np.zeros((2, len(MANOEUVRES)))
+    for row, part, weight in ((0, features.motion[-1:], weights[0]), (1, features.motion[:-1], weights[1])):
+        for k, n in np.ndindex(part.valid.shape[:2]):
+            manoeuvres[row, MANOEUVRES.index(manoeuvre(part[k, n]))] += weight
+    known = features.known[1]
+    close = (features.around.time_to_collision < CLOSE_CALL)[:, known]
+    shares = np.array([close[-1:].mean(), close[:-1].mean()]) if known.any() else np.full(2, np.nan)
+    return SceneCounts(numbers, manoeuvres, shares)
+
+
+def _values(features: Features) -> dict[str, NDArray[np.float32]]:
+    moves, around, (known, speeds, accelerations, jerks) = features.kinematics, features.around, features.known
+    follows = speeds & (moves.speed > MOVING) & np.isfinite(around.gap)
+    times = around.time_to_collision[:, speeds]
+    headways = around.gap[follows] / moves.speed[follows]
+    encounters = post_encroachment(features.motion, known)
+    return {
+        "speed": moves.speed[:, speeds].ravel(),
+        "acceleration": moves.acceleration[:, accelerations].ravel(),
+        "lateral_acceleration": moves.lateral[:, speeds].ravel(),
+        "jerk": moves.jerk[:, jerks].ravel(),
+        "headway": headways[headways < LONGEST_HEADWAY],
+        "time_to_collision": times[times < LONGEST_TIME_TO_COLLISION],
+        "post_encroachment": np.concatenate(encounters),
+    }
+
+
+def _counts(values: NDArray[np.float32], low: float, high: float) -> Floats:
+    number = np.clip(((values - low) * (BINS / (high - low))).astype(np.int64), 0, BINS - 1)
+    return np.bincount(number, minlength=BINS).astype(np.float64)
+
+
+def wasserstein(counts: Floats, low: float, high: float) -> Floats:
+    """Wasserstein-1 distances (...) of histograms (..., 2, BINS) over [low, high]; NaN where one of both is empty."""
+    shares = _shares(counts)
+    return np.asarray(np.abs(np.diff(np.cumsum(shares, axis=-1), axis=-2)[..., 0, :]).sum(axis=-1) * ((high - low) / BINS))
+
+
+def jensen_shannon(counts: Floats) -> Floats:
+    """Jensen-Shannon divergences (...) [bits] of counts (..., 2, C); NaN where one of both is empty."""
+    shares = _shares(counts)
+    middle = shares.mean(axis=-2, keepdims=True)
+    ratio = np.where(shares > 0, shares / np.where(middle > 0, middle, 1), 1)
+    return np.asarray(np.maximum((shares * np.log2(ratio)).sum(axis=-1).mean(axis=-1), 0.0))
+
+
+def _shares(counts: Floats) -> Floats:
+    total = counts.sum(axis=-1, keepdims=True)
+    shares: Floats = np.divide(counts, total, out=np.full(counts.shape, np.nan), where=total > 0)
+    return shares
+
+
+def distances(scenes: Sequence[SceneCounts], draws: int, rng: np.random.Generator) -> dict[str, Interval]:
+    """Distances over all scenes, by name, with bootstrap intervals that resample scenes."""
+    times = rng.multinomial(len(scenes), np.full(len(scenes), 1 / len(scenes)), size=draws).astype(np.float64)
+    out = {}
+    for q, (name, (low, high)) in enumerate(RANGES.items()):
+        counts = np.stack([scene.numbers[q] for scene in scenes])
+        out[name] = _interval(*(wasserstein(drawn, low, high) for drawn in _resampled(counts, times)))
+    counts = np.stack([scene.manoeuvres for scene in scenes])
+    return out | {"manoeuvres": _interval(*(jensen_shannon(drawn) for drawn in _resampled(counts, times)))}
+
+
+def _resampled(counts: Floats, times: Floats) -> tuple[Floats, Floats]:
+    """Sums over scenes (S, 2, C): as they are (2, C), and by the counts of each draw (D, 2, C)."""
+    return counts.sum(axis=0), (times @ counts.reshape(len(counts), -1)).reshape(len(times), *counts.shape[1:])
+
+
+def _interval(value: Floats, drawn: Floats) -> Interval:
+    """A distance is above zero by chance alone: draws lie above the value, so the interval is widened to hold it."""
+    low, high = percentiles(drawn[np.isfinite(drawn)])
+    return Interval(float(value), min(low, float(value)), max(high, float(value)))
