@@ -51,16 +51,16 @@ def judge(position, direction, velocity, valid, limit, worst, first):  # type: i
     steps = valid.shape[1]
     sums, moments = np.zeros((2, steps + 1)), np.zeros((2, steps + 1))
     whole = np.zeros(steps, np.bool_)  # whether the window around a step has no gap
+    nothing = np.float32(0.0)
     found = np.empty((len(_RULES), steps), np.float32)
     for b in range(valid.shape[0]):
-        run = 0
+        run, sx, sy, mx, my = 0, 0.0, 0.0, 0.0, 0.0
         for t in range(steps):
             run = run + 1 if valid[b, t] else 0
             whole[max(t - HALF, 0)] = run > 2 * HALF
-            for axis in range(2):
-                value = velocity[b, t, axis] if valid[b, t] else 0.0
-                sums[axis, t + 1] = sums[axis, t] + value
-                moments[axis, t + 1] = moments[axis, t] + t * value
+            vx, vy = (velocity[b, t, 0], velocity[b, t, 1]) if valid[b, t] else (nothing, nothing)
+            sx, sy, mx, my = sx + vx, sy + vy, mx + t * vx, my + t * vy
+            sums[0, t + 1], sums[1, t + 1], moments[0, t + 1], moments[1, t + 1] = sx, sy, mx, my
         _severities(position[b], direction[b], sums[0], sums[1], moments[0], moments[1], found)
         for i, rule in enumerate(_RULES):
             highest = np.float32(NEVER)

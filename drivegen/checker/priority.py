@@ -56,18 +56,20 @@ def _passes(position, heading, valid, length, gate, direction):  # type: ignore[
 def _deviation(position, valid, since, line):  # type: ignore[no-untyped-def]
     """Mean distance of the centres from `line` (P, 2), from step `since` to where the line ends."""
     total, count = 0.0, 0
+    zero, one = np.float32(0.0), np.float32(1.0)
     for t in range(since, valid.shape[0], 4):
         if not valid[t]:
             continue
-        best, at_end = np.inf, False
+        best, at_end = np.float32(np.inf), False
         for i in range(line.shape[0] - 1):
             sx, sy = line[i + 1, 0] - line[i, 0], line[i + 1, 1] - line[i, 1]
             dx, dy = position[t, 0] - line[i, 0], position[t, 1] - line[i, 1]
-            u = (dx * sx + dy * sy) / max(sx * sx + sy * sy, 1e-9)
-            v = min(max(u, 0.0), 1.0)
-            gap = (dx - v * sx) ** 2 + (dy - v * sy) ** 2
+            u = (dx * sx + dy * sy) / max(sx * sx + sy * sy, np.float32(1e-9))
+            v = min(max(u, zero), one)
+            off_x, off_y = dx - v * sx, dy - v * sy
+            gap = off_x * off_x + off_y * off_y
             if gap < best:
-                best, at_end = gap, i == line.shape[0] - 2 and u >= 1.0
+                best, at_end = gap, i == line.shape[0] - 2 and u >= one
         if at_end:
             break
         total += np.sqrt(best)
@@ -100,7 +102,25 @@ def _covers(position, heading, size, point):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _stay(position, heading, valid, size, point, since):  # type: ignore[no-untyped-def]
+def _paces(position, valid):  # type: ignore[no-untyped-def]
+    """(B,) no less than each vehicle's fastest step [m], gaps shared out; what cannot be there yet need not be looked at."""
+    paces = np.empty(valid.shape[0], np.float32)
+    for b in range(valid.shape[0]):
+        fastest, last = np.float32(0.0), -1
+        for t in range(valid.shape[1]):
+            if not valid[b, t]:
+                continue
+            if last >= 0:
+                dx, dy = position[b, t, 0] - position[b, last, 0], position[b, t, 1] - position[b, last, 1]
+                gap = t - last
+                fastest = max(fastest, (dx * dx + dy * dy) / np.float32(gap * gap))
+            last = t
+        paces[b] = np.float32(1.001) * np.sqrt(fastest) + np.float32(0.01)
+    return paces
+
+
+@njit(cache=True)
+def _stay(position, heading, valid, size, pace, point, since):  # type: ignore[no-untyped-def]
     """(first, last) step from `since` on at which the box covers `point`, or (-1, -1)."""
     begin, end, t = -1, -1, since
     while t < valid.shape[0]:
@@ -111,24 +131,31 @@ def _stay(position, heading, valid, size, point, since):  # type: ignore[no-unty
             break
         elif valid[t]:
             away = np.sqrt((point[0] - position[t, 0]) ** 2 + (point[1] - position[t, 1]) ** 2) - 0.5 * (size[0] + size[1])
-            t += max(int((away - 2.0 * _POINT_RADIUS) / _FARTHEST_STEP), 0)  # it can't be there earlier
+            t += max(int((away - 2.0 * _POINT_RADIUS) / pace), 0)  # it can't be there earlier
         t += 1
     return begin, end
 
 
 @njit(cache=True)
-def _intrusion(a, passed, g, gates, conflict, towards, motion, size, others, other_size, skip_own, skip):  # type: ignore[no-untyped-def]
-    """Minus the smallest post-encroachment time [s] of vehicle a at one conflict point; NEVER if nobody came after it."""
-    position, heading, _, valid = motion
-    other_position, other_heading, _, other_valid = others
-    begin, end = _stay(position[a], heading[a], valid[a], size[a], conflict, passed)
+def _intrusion(a, passed, g, gates, c, motion, size, others, other_size, skip_own, skip):  # type: ignore[no-untyped-def]
+    """Minus the smallest post-encroachment time [s] of vehicle a at one conflict point; NEVER if nobody came after it.
+
+    Both have their paces (B,) as a fifth array, `others` also their bounding boxes (B, 4): most never come near the point.
+    """
+    position, heading, _, valid, pace = motion
+    other_position, other_heading, _, other_valid, other_pace, other_boxes = others
+    conflict, towards = gates[10][c], gates[11][c]
+    begin, end = _stay(position[a], heading[a], valid[a], size[a], pace[a], conflict, passed)
     worst = NEVER
     if begin < 0:
         return worst
+    x, y = conflict
     for m in range(other_valid.shape[0]):
-        if m == skip or (skip_own and m == a):
+        reach = 0.5 * (other_size[m, 0] + other_size[m, 1])
+        away = max(other_boxes[m, 0] - x, x - other_boxes[m, 2], other_boxes[m, 1] - y, y - other_boxes[m, 3])
+        if away > reach or m == skip or (skip_own and m == a):
             continue
-        came, _ = _stay(other_position[m], other_heading[m], other_valid[m], other_size[m], conflict, 0)
+        came, _ = _stay(other_position[m], other_heading[m], other_valid[m], other_size[m], other_pace[m], conflict, 0)
         if came < begin:
             continue
         same_way = np.cos(other_heading[m, came]) * towards[0] + np.sin(other_heading[m, came]) * towards[1]
@@ -148,18 +175,22 @@ def judge(gates, motion, size, others, other_size, skip_own, skip, limit, worst,
     motion and others: position (B, T, 2), heading, velocity, valid, boxes `size` (B, 2). With `skip_own` both are the same
     vehicles and nobody has priority over itself; other number `skip` (or -1) is left out.
     """
-    position, heading, _, valid = motion
-    boxes = bounds(position, valid)
+    position, heading, velocity, valid = motion
+    boxes, paces = bounds(position, valid), _paces(position, valid)
+    other_boxes, other_paces = (boxes, paces) if skip_own else (bounds(others[0], others[3]), _paces(others[0], others[3]))
+    paced = (position, heading, velocity, valid, paces)
+    bounded = (others[0], others[1], others[2], others[3], other_paces, other_boxes)
+    at, direction, group = gates[0], gates[1], gates[2]
+    leaders = np.flatnonzero(group == np.arange(len(group)))
     for b in range(valid.shape[0]):
-        for g in range(gates[2].shape[0]):
-            at = gates[0][g]
-            reach = 0.5 * size[b, 0]
-            near = boxes[b, 0] - reach <= at[0] <= boxes[b, 2] + reach and boxes[b, 1] - reach <= at[1] <= boxes[b, 3] + reach
-            if gates[2][g] != g or not near:
+        reach = np.float32(0.5) * size[b, 0]
+        low_x, low_y, high_x, high_y = boxes[b, 0] - reach, boxes[b, 1] - reach, boxes[b, 2] + reach, boxes[b, 3] + reach
+        for g in leaders:
+            if at[g, 0] < low_x or at[g, 0] > high_x or at[g, 1] < low_y or at[g, 1] > high_y:
                 continue
-            passed = _passes(position[b], heading[b], valid[b], size[b, 0], at, gates[1][g])
+            passed = _passes(position[b], heading[b], valid[b], size[b, 0], at[g], direction[g])
             if passed >= 0:
-                _judge_gate(b, g, passed, gates, motion, size, others, other_size, skip_own, skip, limit, worst, first)
+                _judge_gate(b, g, passed, gates, paced, size, bounded, other_size, skip_own, skip, limit, worst, first)
 
 
 @njit(cache=True)
@@ -173,8 +204,8 @@ def judge_samples(gates, position, heading, velocity, valid, size, skip, limit, 
 @njit(cache=True)
 def _judge_gate(b, leader, passed, gates, motion, size, others, other_size, skip_own, skip, limit, worst, first):  # type: ignore[no-untyped-def]
     """The rules of one group of siblings, for a vehicle that passed their line at step `passed`."""
-    position, heading, velocity, valid = motion
-    _, _, group, start, end, line, red_for, stop, give_way, conflict_start, conflict, towards = gates
+    position, heading, velocity, valid, _ = motion
+    _, _, group, start, end, line, red_for, stop, give_way, conflict_start, _, _ = gates
     siblings = np.flatnonzero(group == leader)
     if not (red_for[siblings, passed].any() or give_way[siblings].any()):
         exceed(worst, first, b, RED_GRACE, 0.0, limit, passed)
@@ -192,7 +223,7 @@ def _judge_gate(b, leader, passed, gates, motion, size, others, other_size, skip
         intrusion = NEVER
         if give_way[g]:
             for c in range(conflict_start[g], conflict_start[g + 1]):
-                found = _intrusion(b, passed, g, gates, conflict[c], towards[c], motion, size, others, other_size, skip_own, skip)
+                found = _intrusion(b, passed, g, gates, c, motion, size, others, other_size, skip_own, skip)
                 intrusion = max(intrusion, found)
         intruded = min(intruded, intrusion)
     exceed(worst, first, b, RED_GRACE, red, limit, passed)

@@ -3,8 +3,7 @@
 import numpy as np
 from numba import njit
 
-from drivegen.checker.dynamics import exceed
-from drivegen.checker.limits import OFF_ROAD, OVER_LIMIT, WRONG_WAY
+from drivegen.checker.limits import NEVER, OFF_ROAD, OVER_LIMIT, WRONG_WAY
 from drivegen.render.drivable import CELL, LIMIT_UNIT, SECTORS
 from drivegen.scenario import DT
 
@@ -29,11 +28,15 @@ _AGREEING = np.array(
 _STILL = 0.05
 """Less change of position [m] and direction than this needs no new look-up."""
 _LEAST = np.float32(-1e9)
+_BLUR = np.float32(0.3)
+"""Distances between cells are off by no more than this, nearly always [m]."""
 _PER_METRE = np.float32(1 / CELL)
 _HALF = np.float32(0.5)
+_LIMIT_UNIT = np.float32(LIMIT_UNIT)
+_NEVER = np.float32(NEVER)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _outside(field, x, y):  # type: ignore[no-untyped-def]
     """Signed distance to the road [m] at column x, row y, between four cells; beyond the raster everything is road."""
     j, i = int(x), int(y)
@@ -50,7 +53,7 @@ def corner_outside(field, origin, x, y, cos, sin, length, width):  # type: ignor
     """Signed distance of the outermost corner of a box to the road [m]; exact only where it matters, near the edge."""
     column, row = (x - origin[0]) * _PER_METRE, (y - origin[1]) * _PER_METRE
     centre = _outside(field, column, row)
-    if centre < -0.5 * (length + width):
+    if centre < -_HALF * np.sqrt(length * length + width * width) - _BLUR:
         return centre
     half = np.float32(0.5 * _PER_METRE)
     ax, ay, bx, by = length * half * cos, length * half * sin, -width * half * sin, width * half * cos
@@ -66,13 +69,19 @@ def judge(outside, directions, limits, origin, position, direction, sector, velo
     `direction` (B, T, 2) are unit headings, `sector` (B, T) their numbers in the mask of lane directions.
     """
     for b in range(valid.shape[0]):
-        _judge_edges(outside, origin, position[b], direction[b], valid[b], size[b], b, limit, worst, first)
-        _judge_lanes(directions, limits, origin, position[b], sector[b], velocity[b], valid[b], b, limit, worst, first)
+        worst[b, OFF_ROAD], first[b, OFF_ROAD] = _judge_edges(
+            outside, origin, position[b], direction[b], valid[b], size[b, 0], size[b, 1], limit[OFF_ROAD]
+        )
+        # An array of results costs more than the look-ups: both rules of the lanes come back as numbers.
+        worst[b, WRONG_WAY], first[b, WRONG_WAY], worst[b, OVER_LIMIT], first[b, OVER_LIMIT] = _judge_lanes(
+            directions, limits, origin, position[b], sector[b], velocity[b], valid[b], limit[WRONG_WAY], limit[OVER_LIMIT]
+        )
 
 
 @njit(cache=True, error_model="numpy")
-def _judge_edges(outside, origin, position, direction, valid, size, b, limit, worst, first):  # type: ignore[no-untyped-def]
-    looked = 0
+def _judge_edges(outside, origin, position, direction, valid, length, width, limit):  # type: ignore[no-untyped-def]
+    """(farthest out for three looks in a row [m], first step beyond `limit` or -1)."""
+    worst, first, looked = _NEVER, -1, 0
     last_x = last_y = last_cos = last_sin = np.float32(np.inf)  # what `now` was found for: most vehicles at rest stay so
     now = before = earlier = _LEAST  # how far out the last three looks were
     for t in range(0, valid.shape[0], STRIDE):
@@ -83,18 +92,24 @@ def _judge_edges(outside, origin, position, direction, valid, size, b, limit, wo
         earlier, before = before, now
         cos, sin = direction[t, 0], direction[t, 1]
         if abs(x - last_x) + abs(y - last_y) + abs(cos - last_cos) + abs(sin - last_sin) > _STILL:
-            now = corner_outside(outside, origin, x, y, cos, sin, size[0], size[1])
+            now = corner_outside(outside, origin, x, y, cos, sin, length, width)
             last_x, last_y, last_cos, last_sin = x, y, cos, sin
         if looked == 0 and now > START_TOLERANCE:
-            return
+            break
         looked += 1
         if earlier > _LEAST:
-            exceed(worst, first, b, OFF_ROAD, min(now, before, earlier), limit, t)
+            lasting = min(now, before, earlier)
+            worst = max(worst, lasting)
+            if first < 0 and lasting > limit:
+                first = t
+    return worst, first
 
 
 @njit(cache=True, error_model="numpy")
-def _judge_lanes(directions, limits, origin, position, sector, velocity, valid, b, limit, worst, first):  # type: ignore[no-untyped-def]
+def _judge_lanes(directions, limits, origin, position, sector, velocity, valid, wrong_limit, over_limit):  # type: ignore[no-untyped-def]
+    """(longest time against the lanes [s], its first step beyond the limit or -1, most above the speed limit [m/s], its step)."""
     against = 0
+    longest, wrong_first, over, over_first = _NEVER, -1, _NEVER, -1
     for t in range(0, valid.shape[0], STRIDE):
         if not valid[t]:
             against = 0
@@ -103,10 +118,17 @@ def _judge_lanes(directions, limits, origin, position, sector, velocity, valid, 
         if i < 0 or j < 0 or i >= limits.shape[0] or j >= limits.shape[1]:
             against = 0
             continue
-        speed = np.sqrt(velocity[t, 0] ** 2 + velocity[t, 1] ** 2)
+        speed = np.sqrt(velocity[t, 0] * velocity[t, 0] + velocity[t, 1] * velocity[t, 1])
         lanes = directions[i, j]
         wrong = speed > WRONG_WAY_SPEED and lanes != 0 and lanes & _AGREEING[sector[t]] == 0
         against = against + STRIDE if wrong else 0
-        exceed(worst, first, b, WRONG_WAY, against * DT, limit, t)
+        lasting = np.float32(against * DT)
+        longest = max(longest, lasting)
+        if wrong_first < 0 and lasting > wrong_limit:
+            wrong_first = t
         if limits[i, j] > 0:
-            exceed(worst, first, b, OVER_LIMIT, speed - limits[i, j] * LIMIT_UNIT, limit, t)
+            excess = speed - np.float32(limits[i, j]) * _LIMIT_UNIT
+            over = max(over, excess)
+            if over_first < 0 and excess > over_limit:
+                over_first = t
+    return longest, wrong_first, over, over_first
