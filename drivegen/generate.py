@@ -7,14 +7,13 @@ thousands of scenarios.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegen import seeds
 from drivegen.checker.limits import Limits
-from drivegen.checker.scene import SceneChecker
 from drivegen.errors import UnusableInput
 from drivegen.goals.candidates import Candidates, candidates
 from drivegen.goals.candidates import Settings as CandidateSettings
@@ -54,12 +53,6 @@ def recorded_choices(scenarios: Sequence[Scenario], goals: Sequence[GoalColumns]
         offered, natural = unpack(LaneGraph.of(scenario.map), columns)
         choices.append(Choices(scenario, offered, natural, tempered(natural, temperature)))
     return choices
-
-
-def judged(scenario: Scenario, samples: Samples, limits: Limits) -> Samples:
-    """The samples with the checker's verdicts on them as they stand, both partners of a collision charged."""
-    violation, first = SceneChecker(scenario, limits).check_samples(samples.motion)
-    return replace(samples, violation=violation, first_violation=first)
 
 
 def tempered(probabilities: Probabilities, temperature: float) -> Probabilities:

@@ -16,7 +16,7 @@ from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.corner_cases.pressure import PressureSettings
 from drivegen.corner_cases.rounds import Drive, lean_on, learn, play
 from drivegen.corner_cases.summary import RoundSummary, summarise
-from drivegen.equipment import read_limits, read_planner
+from drivegen.equipment import read_planner
 from drivegen.generate import recorded_choices
 from drivegen.generators.base import Settings
 from drivegen.planners.base import Planner
@@ -26,6 +26,7 @@ from drivegen.store.files import write_json
 from drivegen.store.goals import read_goals
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import read_shard, shards
+from drivegen.verdicts import read_limits
 from stages._door import build, enter, require, spread
 
 KNOWLEDGE = "knowledge.json"

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drivegen import plugins
-from drivegen.equipment import read_limits
-from drivegen.generate import judged, recorded_choices
+from drivegen.generate import recorded_choices
 from drivegen.generators.base import Settings
 from drivegen.samples import Samples
 from drivegen.store.goals import read_goals
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, shards
+from drivegen.verdicts import judged, read_limits
 from stages._door import enter, require, spread
 
 

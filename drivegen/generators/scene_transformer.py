@@ -1,0 +1,141 @@
+"""SceneTransformer (Ngiam et al., ICLR 2022): one network for the joint future of all agents, F futures at once.
+
+As in the paper: a token for every agent and time, attention factorised into layers over time and layers over agents,
+cross-attention to the road, hidden (masked) tokens for the future, one learnt embedding for each of F futures, decoded
+together; the loss is the joint best of F (the future whose mean displacement over all agents is least) plus the
+classification of which one that is. The task is their behaviour prediction with a history of one step.
+
+Reduced, by settings: width and layers (theirs are 256 wide and some twenty deep); a token spans seconds, not 0.1 s;
+displacement by its length, not by a Laplace distribution with learnt scales; no conditional or goal-directed tasks.
+Changed, to its advantage where scenes are few: roads and neighbours are seen in each agent's own frame and relations
+between agents are a bias of attention, where the paper has one frame for the scene. Of the road, each agent sees the
+nearest pieces.
+
+K futures are drawn without repetition from the F by their probabilities; where K exceeds F, all of them, again and again.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from drivegen import seeds
+from drivegen.generators._learned import Learned
+from drivegen.generators._motion import at_knots, filled_in, trajectories
+from drivegen.generators._scene_transformer.net import SceneTransformerNet
+from drivegen.generators._vectors import Scenes, SceneTensors, local_future
+from drivegen.samples import Samples
+from drivegen.scenario import Scenario
+from drivegen.training import loop
+
+CHUNK = 8
+"""Scenes that go through the network at once, always: sums differ between batch sizes."""
+
+
+@dataclass(frozen=True)
+class SceneTransformerSettings:
+    """Values stand in params.yaml, `train_generator.generators.scene_transformer`.
+
+    Attributes:
+        width, heads: of the transformer. layers: rounds of road, time and agents before the futures part, and
+        decoder_layers: rounds of time and agents for each future. modes: F. stretches: tokens of the future, a divisor of
+        20. pieces: of road that each agent sees. relaxed: weight of the futures that are not the best, in all.
+        training: see `training.loop.Settings`.
+    """
+
+    width: int
+    heads: int
+    layers: int
+    decoder_layers: int
+    modes: int
+    stretches: int
+    pieces: int
+    relaxed: float
+    training: loop.Settings
+
+
+class Plugin(Learned):
+    """See the module."""
+
+    name = "scene_transformer"
+    Settings = SceneTransformerSettings
+    Examples = Scenes
+
+    @classmethod
+    def network(cls, settings: SceneTransformerSettings) -> nn.Module:
+        """See `Learned`."""
+        s = settings
+        return SceneTransformerNet(s.width, s.heads, s.layers, s.decoder_layers, s.modes, s.stretches, s.pieces)
+
+    @classmethod
+    def examples(cls, settings: SceneTransformerSettings, scenarios: Sequence[Scenario]) -> Scenes:
+        """See `Learned`."""
+        del settings
+        return Scenes.with_logs(scenarios)
+
+    @classmethod
+    def objective(
+        cls, settings: SceneTransformerSettings, net: nn.Module, train: Scenes, validation: Scenes, seed: int
+    ) -> loop.Objective:
+        """See `Learned`."""
+        del net, seed
+        return _BestOfF(train.tensors(loop.device()), validation.tensors(loop.device()), settings.relaxed)
+
+    def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
+        """K joint futures of each scenario."""
+        made: list[Samples] = []
+        for low in range(0, len(scenarios), CHUNK):
+            chunk = scenarios[low : low + CHUNK]
+            scenes = Scenes.of(chunk).padded(CHUNK)
+            with torch.inference_mode():
+                knots, logits = (x.numpy() for x in self.net(scenes.tensors(torch.device("cpu"))))
+            for row, scenario in enumerate(chunk):
+                picked = _picked(logits[row], samples, seeds.rng(seed, self.name, scenario.scenario_id))
+                count = len(scenario.vehicles)
+                dense = filled_in(knots[row], scenes.speed[row])
+                motion = trajectories(scenario, *(x[picked][:, :count] for x in dense))
+                made.append(Samples.without_goals(scenario.scenario_id, self.name, motion))
+        return made
+
+
+def _picked(logits: NDArray[np.float32], count: int, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Numbers (count,) of futures: draws without repetition (Gumbel's trick), begun again when all have been drawn."""
+    order = np.argsort(-(logits + rng.gumbel(size=len(logits))), kind="stable")
+    return np.resize(order, count)
+
+
+class _BestOfF:
+    """Displacement of the joint future that is nearest to the log, and the cross-entropy of choosing it."""
+
+    def __init__(self, train: SceneTensors, validation: SceneTensors, relaxed: float) -> None:
+        self.train, self.held_out, self.relaxed = train, validation, relaxed
+        self.size = len(train)
+
+    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:  # noqa: ARG002 nothing is random
+        return ()
+
+    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:  # noqa: ARG002
+        return self._of(model, self.train[rows])
+
+    def validation(self, model: nn.Module) -> float:
+        parts = [self.held_out[low : low + 4 * CHUNK] for low in range(0, len(self.held_out), 4 * CHUNK)]
+        sums: list[Any] = [self._of(model, part) * len(part) for part in parts]
+        return float(sum(sums)) / len(self.held_out) if sums else float("nan")
+
+    def _of(self, model: nn.Module, scenes: SceneTensors) -> Tensor:
+        knots, logits = model(scenes)
+        truth = at_knots(local_future(scenes))[:, None]
+        known = at_knots(scenes.known[..., None]).to(knots)[:, None, ..., 0]
+        gap = ((knots - truth) ** 2).sum(-1).add(1e-4).sqrt()
+        steps = known.sum(-1)
+        agents = (steps > 0).to(gap)
+        each = (gap * known).sum(-1) / steps.clamp_min(1)
+        joint = (each * agents).sum(-1) / agents.sum(-1).clamp_min(1)  # (S, F)
+        best, which = joint.min(dim=1)
+        displacement = (1 - self.relaxed) * best + self.relaxed * joint.mean(dim=1)
+        loss: Tensor = (displacement + nn.functional.cross_entropy(logits, which, reduction="none")).mean()
+        return loss
