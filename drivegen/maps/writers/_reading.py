@@ -98,6 +98,10 @@ class Reading:
         words = re.finditer(r"[^\s,.;:]+", self.text)
         return [w.group() for w in words if 1 not in self._taken[w.start() : w.end()]]
 
+    def untaken(self) -> str:
+        """The description without what rules have taken, for another reader."""
+        return "".join(" " if taken == 1 else letter for letter, taken in zip(self.text, self._taken, strict=True))
+
 
 def normalise(text: str) -> str:
     """The description in the one form that all patterns are written for."""
