@@ -2,6 +2,7 @@
 
 Paper, "Scenario Rollout". Marks as in Set-of-Mark prompting (Yang et al., 2023): dark discs, white digits, no overlaps,
 a line from a disc that had to move to its place. Goals outside the window sit on its border with their distance and lane.
+Discs cover no vehicle: whatever is in the window can be read from the pixels alone, and a test does.
 """
 
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import Floats, Polylines, box_corners, to_vehicle_frame
+from drivegen.geometry import Floats, Polylines, box_corners, to_vehicle_frame, unit
 from drivegen.render.marks import place_marks
 from drivegen.roadmap import LaneKind, RoadMap
 from drivegen.scenario import TARGET, Scenario, SignalState
@@ -30,9 +31,10 @@ _EDGE: Colour = (250, 250, 250)
 _CENTRE: Colour = (140, 140, 146)
 _OTHER: Colour = (70, 110, 180)
 _TARGET: Colour = (230, 140, 20)
-_THIS: Colour = (210, 30, 40)
+_THIS: Colour = (200, 0, 130)  # not red: red is a signal's
 _ACTOR: Colour = (120, 60, 150)
 _DISC: Colour = (25, 25, 30)
+_SPEED: Colour = (60, 60, 66)
 _WHITE: Colour = (255, 255, 255)
 _SIGNALS: dict[int, Colour] = {
     SignalState.GREEN: (30, 170, 60),
@@ -46,6 +48,11 @@ _FONT = cv2.FONT_HERSHEY_SIMPLEX
 _RADIUS = 13
 _GAP = 2
 _DIGIT_SIZE, _NOTE_SIZE = 0.5, 0.35
+_SMALLEST = 0.8
+"""People are drawn at least this wide [m]."""
+
+_SCALE_BAR = (14.0, 130.0, 24.0)
+"""Left and right end of the scale bar and its words, and their height above the lower border [px]."""
 
 
 @dataclass(frozen=True)
@@ -86,9 +93,33 @@ def draw_bird_eye(
     cv2.rectangle(picture, (0, 0), (size, size), _GROUND, cv2.FILLED)
     _draw_roads(picture, scenario.map, view)
     _draw_signals(picture, scenario, view)
-    _draw_vehicles(picture, scenario, vehicle, view)
+    boxes = _boxes(scenario, view)
+    marks, notes = _placed(view, np.asarray(position, np.float64), lane, boxes)
+    _draw_ties(picture, marks)
+    _draw_vehicles(picture, scenario, vehicle, boxes)
     _draw_scale_bar(picture, view)
-    return picture, _draw_marks(picture, view, np.asarray(position, np.float64), lane)
+    _draw_discs(picture, marks, notes)
+    return picture, marks
+
+
+@dataclass(frozen=True)
+class _Boxes:
+    """Everybody at the first frame: corners (B, 4, 2) [px] from front left, and where each is one second later (B, 2) [px]."""
+
+    corners: NDArray[np.float64]
+    next: NDArray[np.float64]
+
+
+def _boxes(scenario: Scenario, view: _View) -> _Boxes:
+    """Vehicles, then the context actors that are there."""
+    v, a = scenario.vehicles, scenario.context
+    here = np.flatnonzero(a.motion.valid[:, 0])
+    position = np.concatenate([v.position, a.motion.position[here, 0]])
+    heading = np.concatenate([v.heading, a.motion.heading[here, 0]])
+    speed = np.concatenate([v.speed, a.motion.speed[here, 0]])
+    size = np.concatenate([v.size, np.maximum(a.size[here], _SMALLEST)])
+    corners = box_corners(position, heading, size[:, 0], size[:, 1])
+    return _Boxes(view.pixels(corners), view.pixels(position + speed[:, None] * unit(heading)))
 
 
 def _fixed(points: Floats) -> NDArray[np.int32]:
@@ -149,23 +180,26 @@ def _draw_signals(picture: Picture, scenario: Scenario, view: _View) -> None:
         cv2.line(picture, _point(a - across), _point(a + across), _SIGNALS[state], 3, cv2.LINE_8, _SHIFT)
 
 
-def _draw_vehicles(picture: Picture, scenario: Scenario, vehicle: int, view: _View) -> None:
-    """Boxes with a line at the front: this vehicle red, the target orange, others blue, context actors violet."""
-    v, a = scenario.vehicles, scenario.context
-    here = np.flatnonzero(a.motion.valid[:, 0])
-    position = np.concatenate([v.position, a.motion.position[here, 0]])
-    heading = np.concatenate([v.heading, a.motion.heading[here, 0]])
-    size = np.concatenate([v.size, a.size[here]])
-    corners = _fixed(view.pixels(box_corners(position, heading, size[:, 0], size[:, 1])))
-    for i in [*range(vehicle), *range(vehicle + 1, len(position)), vehicle]:
-        colour = _ACTOR if i >= len(v) else _OTHER
+def _draw_vehicles(picture: Picture, scenario: Scenario, vehicle: int, boxes: _Boxes) -> None:
+    """This vehicle magenta, the target orange, others blue, context actors violet.
+
+    Each has a white outline, thick at the front, and a thin line to where it will be in a second.
+    """
+    count = len(scenario.vehicles)
+    corners, ahead = _fixed(boxes.corners), _fixed(boxes.next)
+    middle = _fixed(boxes.corners.mean(1))
+    for i in range(len(corners)):
+        cv2.line(picture, middle[i].tolist(), ahead[i].tolist(), _SPEED, 1, cv2.LINE_8, _SHIFT)
+    for i in [*range(vehicle), *range(vehicle + 1, len(corners)), vehicle]:
+        colour = _ACTOR if i >= count else _OTHER
         colour = _THIS if i == vehicle else _TARGET if i == TARGET else colour
         cv2.fillConvexPoly(picture, corners[i], colour, cv2.LINE_AA, _SHIFT)
+        cv2.polylines(picture, [corners[i]], True, _WHITE, 1, cv2.LINE_AA, _SHIFT)
         cv2.line(picture, corners[i][0].tolist(), corners[i][3].tolist(), _WHITE, 2, cv2.LINE_AA, _SHIFT)
 
 
-def _draw_marks(picture: Picture, view: _View, position: Floats, lane: NDArray[np.integer]) -> Marks:
-    """Dots at the places, lines to discs that moved, discs at the border with their notes; discs on top of everything."""
+def _placed(view: _View, position: Floats, lane: NDArray[np.integer], boxes: _Boxes) -> tuple[Marks, list[str]]:
+    """Where discs go, clear of vehicles and the scale bar, and what is written beside those at the border."""
     place = view.pixels(position)
     middle = view.size / 2
     inside = np.asarray((np.abs(place - middle) <= middle).all(-1))
@@ -174,19 +208,36 @@ def _draw_marks(picture: Picture, view: _View, position: Floats, lane: NDArray[n
     notes = ["" if inside[i] else _note(distance[i], int(lane[i])) for i in range(len(place))]
     width = np.array([cv2.getTextSize(note, _FONT, _NOTE_SIZE, 1)[0][0] + 4 if note else 0 for note in notes])
     half = np.stack([_RADIUS + width / 2, np.full(len(place), float(_RADIUS))], axis=-1)
-    mark = place_marks(middle + (place - middle) / onto_border, half, _GAP, view.size)
+    first = np.argsort(~inside, kind="stable")  # those at the border make way
+    mark = np.empty_like(place)
+    mark[first] = place_marks((middle + (place - middle) / onto_border)[first], half[first], _GAP, view.size, _taken(view, boxes))
     disc = mark - np.stack([width / 2, np.zeros(len(place))], axis=-1)
-    for i in np.flatnonzero(inside).tolist():
-        cv2.circle(picture, _point(place[i]), 3 << _SHIFT, _DISC, cv2.FILLED, cv2.LINE_8, _SHIFT)
-        cv2.line(picture, _point(place[i]), _point(disc[i]), _DISC, 1, cv2.LINE_8, _SHIFT)
-    for i, centre in enumerate(disc):
+    return Marks(disc, place, inside), notes
+
+
+def _taken(view: _View, boxes: _Boxes) -> NDArray[np.float64]:
+    """(B, 4) low x, low y, high x, high y [px] of what no disc may cover."""
+    around = np.concatenate([boxes.corners.min(1), boxes.corners.max(1)], axis=-1)
+    left, right, height = _SCALE_BAR
+    return np.concatenate([around, [[left, view.size - height, right, view.size]]])
+
+
+def _draw_ties(picture: Picture, marks: Marks) -> None:
+    """Dots at the places, lines from discs that moved."""
+    for i in np.flatnonzero(marks.inside).tolist():
+        cv2.circle(picture, _point(marks.place[i]), 3 << _SHIFT, _DISC, cv2.FILLED, cv2.LINE_8, _SHIFT)
+        cv2.line(picture, _point(marks.place[i]), _point(marks.disc[i]), _DISC, 1, cv2.LINE_8, _SHIFT)
+
+
+def _draw_discs(picture: Picture, marks: Marks, notes: list[str]) -> None:
+    """Discs with their numbers on top of everything, notes of those at the border."""
+    for i, centre in enumerate(marks.disc):
         cv2.circle(picture, _point(centre), _RADIUS << _SHIFT, _DISC, cv2.FILLED, cv2.LINE_AA, _SHIFT)
         (wide, high), _ = cv2.getTextSize(str(i), _FONT, _DIGIT_SIZE, 1)
         corner = (round(centre[0] - wide / 2), round(centre[1] + high / 2))
         cv2.putText(picture, str(i), corner, _FONT, _DIGIT_SIZE, _WHITE, 1, cv2.LINE_AA)
         corner = (round(centre[0]) + _RADIUS + 3, round(centre[1]) + 4)
         cv2.putText(picture, notes[i], corner, _FONT, _NOTE_SIZE, _DISC, 1, cv2.LINE_AA)
-    return Marks(disc, place, inside)
 
 
 def _note(distance: float, lane: int) -> str:

@@ -8,23 +8,35 @@ RING = 3.0
 """Free places are looked for on circles this far apart [px]."""
 
 
-def place_marks(anchors: NDArray[np.floating], half: NDArray[np.floating], gap: float, size: int) -> NDArray[np.float64]:
+def place_marks(
+    anchors: NDArray[np.floating],
+    half: NDArray[np.floating],
+    gap: float,
+    size: int,
+    taken: NDArray[np.floating] | None = None,
+) -> NDArray[np.float64]:
     """Centres (C, 2) [px] of upright boxes of half sizes `half` (C, 2): at `anchors` (C, 2) or at the nearest free place.
 
-    Boxes lie wholly inside the `size` x `size` picture with at least `gap` pixels between them, as long as the picture
-    holds them at all; earlier ones choose first.
+    Boxes lie wholly inside the `size` x `size` picture with at least `gap` pixels between them and from the boxes `taken`
+    (B, 4: low x, low y, high x, high y), as long as the picture holds them at all; earlier ones choose first.
     """
     low, high = half + 1.0, size - half - 1.0
     inside = np.clip(np.asarray(anchors, np.float64), low, high)
-    placed: NDArray[np.float64] = _place(inside, half.astype(np.float64) + gap / 2, low, high, float(size))
+    fixed = np.zeros((0, 4)) if taken is None else np.asarray(taken, np.float64)
+    margin = gap / 2
+    count = len(fixed)
+    centres = np.concatenate([(fixed[:, :2] + fixed[:, 2:]) / 2, inside])
+    halves = np.concatenate([(fixed[:, 2:] - fixed[:, :2]) / 2 + margin, half.astype(np.float64) + margin])
+    low, high = (np.concatenate([fixed[:, :2], bound]) for bound in (low, high))
+    placed: NDArray[np.float64] = _place(centres, halves, low, high, float(size), count)[count:]
     return placed
 
 
 @njit(cache=True)
-def _place(wanted, half, low, high, size):  # type: ignore[no-untyped-def]
-    """Each in turn takes the first free place on growing circles around the wanted one."""
+def _place(wanted, half, low, high, size, fixed):  # type: ignore[no-untyped-def]
+    """Each after the first `fixed` ones takes the first free place on growing circles around the wanted one."""
     placed = wanted.copy()
-    for i in range(len(wanted)):
+    for i in range(fixed, len(wanted)):
         ring, searching = 0, not _free(placed, half, i, wanted[i, 0], wanted[i, 1])
         while searching and ring * RING < 1.5 * size:
             ring += 1

@@ -55,12 +55,12 @@ def test_goals_outside_the_window_are_noted_inside_it():
     assert (picture != without).any()
 
 
-def test_the_vehicle_itself_is_red_in_the_middle():
+def test_the_vehicle_itself_is_magenta_in_the_middle():
     for vehicle in range(len(SCENE.vehicles)):
         picture, _ = draw_bird_eye(SCENE, vehicle, np.zeros((0, 2)), np.zeros(0, int))
-        red, green, _ = picture[384, 384].astype(int)
+        red, green, blue = picture[384, 384].astype(int)
         assert red > 180
-        assert green < 80
+        assert green < 80 < blue
 
 
 def test_the_same_scene_gives_the_same_pixels_and_vehicle_frames_do_not_matter():
