@@ -8,7 +8,7 @@ are left alone, so more recordings mean more shards and a kill costs one.
 import hashlib
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -42,7 +42,8 @@ class Params:
         held_out, limits: see `datasets._splits.Plan`.
         fewest_tracks: with fewer usable training tracks a data set is not trained on, but the corpus.
         shard_size: scenarios to a file.
-        selection: see `selection.Settings`.
+        selection: see `selection.Settings`. horizons: the horizon of data sets whose recordings are short [steps], in place
+            of the selection's: errors over horizons of different length are not averaged together.
     """
 
     workers: int
@@ -55,18 +56,23 @@ class Params:
     limits: dict[str, int | None]
     shard_size: int
     selection: Settings
+    horizons: dict[str, int]
+
+    def selected(self, source: str) -> Settings:
+        """How recordings of this data set become scenarios."""
+        return replace(self.selection, horizon=self.horizons.get(source, self.selection.horizon))
 
 
 @dataclass(frozen=True)
 class Task:
-    """One shard: items `<data set>/<its split>/<scene>`, and the folder of each data set."""
+    """One shard: items `<data set>/<its split>/<scene>`, and the folder and the selection of each data set."""
 
     items: tuple[str, ...]
     roots: dict[str, Path]
     shard: Path
     note: Path
     settings: str
-    selection: Settings
+    selections: dict[str, Settings]
 
 
 def main(params: Params, corpus: Path, out: Path, metrics: Path) -> dict[str, float]:
@@ -79,7 +85,7 @@ def main(params: Params, corpus: Path, out: Path, metrics: Path) -> dict[str, fl
     def opened(name: str) -> Dataset:
         return _open(name, roots[name])
 
-    names, note = trained_on(params.train_on, opened, params.selection, params.fewest_tracks)
+    names, note = trained_on(params.train_on, opened, params.selected, params.fewest_tracks)
     plan = Plan(params.source, names, params.held_out, params.limits)
     settings = _settings_hash(params)
     tasks = {split: list(_tasks(params, roots, items(plan, opened, split), out, split, settings)) for split in SPLITS}
@@ -104,7 +110,7 @@ def _open(name: str, root: Path) -> Dataset:
 
 def _settings_hash(params: Params) -> str:
     """Hash of what decides, besides the files, how items become rows: settings and code."""
-    total = hashlib.sha256(orjson.dumps(asdict(params.selection), option=orjson.OPT_SORT_KEYS))
+    total = hashlib.sha256(orjson.dumps([asdict(params.selection), params.horizons], option=orjson.OPT_SORT_KEYS))
     package = Path(drivegen.__file__).parent
     for path in sorted([Path(__file__), *(path for pattern in CODE for path in package.glob(pattern))]):
         total.update(path.read_bytes())
@@ -117,13 +123,14 @@ def _tasks(params: Params, roots: dict[str, Path], wanted: list[str], out: Path,
     for leftover in (*out.glob(".*.part"), *folder.glob(".*.part"), *notes.glob(".*.part")):
         leftover.unlink()  # of a run that was killed
     known = {_number(path): note for path in notes.glob("shard-*.json") if (note := read_note(path))}
+    selections = {name: params.selected(name) for name in roots}
     arranged = arrange(wanted, known, settings, params.shard_size)
     for path in (*folder.glob("shard-*.parquet"), *notes.glob("shard-*.json")):
         if _number(path) not in arranged:
             path.unlink()
     for number, held in sorted(arranged.items()):
         name = f"shard-{number:05d}"
-        yield Task(held, roots, folder / f"{name}.parquet", notes / f"{name}.json", settings, params.selection)
+        yield Task(held, roots, folder / f"{name}.parquet", notes / f"{name}.json", settings, selections)
 
 
 def _number(shard: Path) -> int:
@@ -138,7 +145,7 @@ def make_shard(task: Task) -> Admission:
         for old in (task.note, task.shard):
             old.unlink(missing_ok=True)
         admission = Admission()
-        found = [admission.admit(*_scene(task, item), task.selection) for item in task.items]
+        found = [admission.admit(*_scene(task, item), task.selections[item.partition("/")[0]]) for item in task.items]
         if scenarios := [scenario for scenario in found if scenario is not None]:
             write_shard(task.shard, scenarios)
         size = task.shard.stat().st_size if scenarios else 0

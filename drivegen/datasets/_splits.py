@@ -42,14 +42,17 @@ class Plan:
     limits: dict[str, int | None]
 
 
-def trained_on(wanted: tuple[str, ...], opened: Opened, settings: Settings, fewest: int) -> tuple[tuple[str, ...], str]:
+def trained_on(
+    wanted: tuple[str, ...], opened: Opened, selected: Callable[[str], Settings], fewest: int
+) -> tuple[tuple[str, ...], str]:
     """The data sets to train on, and a sentence where that is not what was asked for.
 
-    A data set with fewer than `fewest` usable training tracks is left out; if nothing remains, the corpus steps in.
+    A data set with fewer than `fewest` usable training tracks, `selected` as its name says, is left out; if nothing remains,
+    the corpus steps in.
     """
     names, notes = [], []
     for name in wanted:
-        if name != CORPUS and (found := usable_tracks(opened(name), settings, fewest)) < fewest:
+        if name != CORPUS and (found := usable_tracks(opened(name), selected(name), fewest)) < fewest:
             notes.append(f"{name} has {found} usable training tracks, fewer than {fewest}: not trained on")
         else:
             names.append(name)

@@ -38,6 +38,7 @@ def params(world: Path, **changes: object) -> ingest.Params:
         limits={"train": None, "val": None, "test": None},
         shard_size=2,
         selection=SELECTION,
+        horizons={},
     )
     return replace(wanted, **changes)
 
@@ -152,6 +153,13 @@ def test_changed_input_settings_and_lost_files_are_made_again(world: Path) -> No
     write_part(world / "corpus/test", "testtown-000", [busy_crossing(STEPS - 2, f"test-{i}") for i in range(2)])
     run(world, selection=replace(SELECTION, max_vehicles=3, horizon=50))
     assert all(s.horizon == STEPS - 3 for shard in shards(world / "out/test") for s in read_shard(shard))
+
+
+def test_a_data_set_of_short_recordings_has_a_horizon_of_its_own(world: Path) -> None:
+    run(world, train_on=("sumo_corpus", "argoverse2"), fewest_tracks=1, roots={"argoverse2": str(world / "av2")},
+        horizons={"argoverse2": 12})  # fmt: skip
+    found = {s.scenario_id: s.horizon for shard in shards(world / "out/train") for s in read_shard(shard)}
+    assert found == {"real-a": 12, "real-c": 12} | {f"train-{i}": 15 for i in range(3)}
 
 
 def test_scenes_that_are_gone_leave_no_shard_behind(world: Path) -> None:
