@@ -1,11 +1,17 @@
-"""Denoising diffusion: noise schedules, and one reverse step of DDPM (Ho and others 2020) or DDIM (Song and others 2021)."""
+"""Denoising diffusion: noise schedules, and the way back from noise by one of three samplers.
 
-from collections.abc import Sequence
+DDPM (Ho and others 2020) adds fresh noise at every step; DDIM (Song and others 2021) and DPM-Solver++ (Lu and others 2022,
+its second-order multistep form 2M) solve the same ordinary differential equation without any, to first and second order.
+"""
+
+from collections.abc import Callable, Sequence
 
 import torch
 from torch import Tensor
 
 from drivegen.errors import UnusableInput
+
+SAMPLERS = ("ddpm", "ddim", "dpm_solver")
 
 LARGEST = 12.0
 """Estimates of clean states are held within this, in units of the states' scales."""
@@ -51,3 +57,49 @@ def reverse_step(
     weight = alpha_bar_next.sqrt() * (1 - alpha) / (1 - alpha_bar)
     mean = weight * clean + alpha.sqrt() * (1 - alpha_bar_next) / (1 - alpha_bar) * noisy
     return mean + ((1 - alpha) * (1 - alpha_bar_next) / (1 - alpha_bar)).sqrt() * fresh
+
+
+def second_order_step(
+    clean: Tensor, clean_before: Tensor | None, noisy: Tensor, alpha_bar: Tensor, alpha_bar_next: Tensor, alpha_bar_before: Tensor
+) -> Tensor:
+    """States one kept step less noisy by DPM-Solver++ 2M, from the estimates of clean states here and one step before.
+
+    With lambda = log(signal / noise) and its steps h: x' = noise'/noise x + signal' (1 - e^-h) D, where D goes on from both
+    estimates in a straight line in lambda. Without one before, and to noise 0, D is the estimate itself (DDIM's step).
+    """
+    if clean_before is None or alpha_bar_next >= 1:
+        return reverse_step(
+            clean, (noisy - alpha_bar.sqrt() * clean) / (1 - alpha_bar).sqrt(), noisy, alpha_bar, alpha_bar_next, None
+        )
+    before, now, following = (0.5 * torch.log(a / (1 - a)) for a in (alpha_bar_before, alpha_bar, alpha_bar_next))
+    step = following - now
+    ahead = clean + (clean - clean_before) * step / (2 * (now - before))
+    shrunk = ((1 - alpha_bar_next) / (1 - alpha_bar)).sqrt()
+    return shrunk * noisy + alpha_bar_next.sqrt() * (1 - torch.exp(-step)) * ahead
+
+
+def sampled(
+    predict: Callable[[Tensor, int], Tensor],
+    noise: Callable[[int], Tensor],
+    schedule: Tensor,
+    count: int,
+    target: str,
+    sampler: str,
+) -> Tensor:
+    """Clean states from noise in `count` steps.
+
+    `predict(noisy, step)` is the network, of "noise" or "clean" states as `target` says; `noise(k)` gives independent
+    Gaussian noise of the states' shape, k = 0 to begin with; `schedule` are the `alpha_bars`; `sampler` is one of SAMPLERS.
+    """
+    alpha_bar = torch.cat([schedule, torch.ones(1, device=schedule.device)])
+    visited = kept_steps(len(schedule), count)
+    x, earlier, before = noise(0), None, visited[0]
+    for turn, (now, following) in enumerate(zip(visited, [*visited[1:], -1], strict=True), 1):
+        clean, eps = both(predict(x, now), x, alpha_bar[now], target)
+        if sampler == "dpm_solver":
+            x = second_order_step(clean, earlier, x, alpha_bar[now], alpha_bar[following], alpha_bar[before])
+        else:
+            fresh = noise(turn) if sampler == "ddpm" else None
+            x = reverse_step(clean, eps, x, alpha_bar[now], alpha_bar[following], fresh)
+        earlier, before = clean, now
+    return x

@@ -8,7 +8,8 @@ What it leaves open, and what each setting here chooses:
   * the state vector: `state` "pose" (x, y, cos h, sin h, v) or "position" (x, y; heading and speed from differences);
   * raster channels and extent: `channels`, `extent`;
   * the noise schedule: `schedule` cosine or linear;
-  * how it samples: `sampler` ddpm or ddim, `sampling_steps`; what is predicted when not noise: `target`;
+  * how it samples: `sampler` ddpm, ddim or dpm_solver (DPM-Solver++ 2M), `sampling_steps`;
+  * what is predicted when not noise: `target`;
   * whether 32 counts trajectories or scenarios: `batch_of`;
   * widths of the CNN, positions, head: see `_paper_net`; optimiser (AdamW, constant rate) and the moving average of weights:
     `training`. It says nothing of a moving average, so the default is none.
@@ -28,7 +29,7 @@ from torch import Tensor
 
 from drivegen import seeds
 from drivegen.errors import UnusableInput
-from drivegen.planners._diffusion import alpha_bars, both, kept_steps, reverse_step
+from drivegen.planners._diffusion import SAMPLERS, alpha_bars, sampled
 from drivegen.planners._noise import normals
 from drivegen.planners._paper_examples import DiffusionObjective, Rasters
 from drivegen.planners._paper_net import PaperNet
@@ -50,7 +51,7 @@ class PaperSettings:
     Attributes:
         state: "pose" or "position". tokens: T, states between start and goal, the goal's own step included.
         width, heads, layers: of the transformer. noise_steps: diffusion steps.
-        schedule: "cosine" or "linear". target: "noise" or "clean". sampler: "ddpm" or "ddim".
+        schedule: "cosine" or "linear". target: "noise" or "clean". sampler: see `_diffusion.SAMPLERS`.
         sampling_steps: of the noise steps, those that sampling visits. batch_of: "trajectories" or "scenarios".
         channels: see `render.raster.CHANNELS`. extent: [m] side of the raster. bf16: sample in bfloat16, too.
         training: see `training.loop.Settings`; 90 epochs are 90 * examples / batch steps.
@@ -151,17 +152,15 @@ class Plugin:
         settings = self.settings
         shape = (len(requests), settings.tokens, len(SCALES[settings.state]))
         start, goal = (torch.from_numpy(a).to(device) for a in conditions(requests, settings.state))
-        alpha_bar = torch.cat([alpha_bars(settings.schedule, settings.noise_steps), torch.ones(1)]).to(device)
 
         def noise(stream: int) -> Tensor:
             return torch.from_numpy(normals(requests.seed, shape[1] * shape[2], stream).reshape(shape)).to(device)
 
-        x, visited = noise(0), kept_steps(settings.noise_steps, settings.sampling_steps)
-        for turn, (now, following) in enumerate(zip(visited, [*visited[1:], -1], strict=True), 1):
-            found = net.denoise(x, start, goal, code, torch.full((len(x),), now, device=device)).float()
-            clean, eps = both(found, x, alpha_bar[now], settings.target)
-            fresh = noise(turn) if settings.sampler == "ddpm" else None
-            x = reverse_step(clean, eps, x, alpha_bar[now], alpha_bar[following], fresh)
+        def predict(noisy: Tensor, step: int) -> Tensor:
+            return net.denoise(noisy, start, goal, code, torch.full((len(noisy),), step, device=device)).float()
+
+        schedule = alpha_bars(settings.schedule, settings.noise_steps).to(device)
+        x = sampled(predict, noise, schedule, settings.sampling_steps, settings.target, settings.sampler)
         return np.asarray(x.float().cpu().numpy())
 
 
@@ -170,7 +169,7 @@ def _check(settings: PaperSettings) -> None:
     allowed = {
         "state": tuple(SCALES),
         "target": ("noise", "clean"),
-        "sampler": ("ddpm", "ddim"),
+        "sampler": SAMPLERS,
         "batch_of": ("trajectories", "scenarios"),
     }
     for name, words in allowed.items():
