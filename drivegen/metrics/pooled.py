@@ -1,0 +1,80 @@
+"""Means over scenes and training seeds together: what a table's number would be on other scenes, trained once more.
+
+Scenes of one recording share cars, so they are resampled together (cluster bootstrap), crossed with the seeds (two-way
+bootstrap: Owen, "The pigeonhole bootstrap", 2007, which is conservative).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.metrics.intervals import Interval, percentiles
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Resampling:
+    """How often each seed and each cluster is drawn, the same for all that is compared, so differences are paired.
+
+    Attributes:
+        seeds: (D, S). clusters: (D, C). cluster: (N,) the cluster of each scene.
+    """
+
+    seeds: Floats
+    clusters: Floats
+    cluster: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, seeds: int, groups: list[str], draws: int, rng: np.random.Generator) -> "Resampling":
+        """D = `draws` resamples of S = `seeds` seeds and of the distinct names in `groups`, one name a scene."""
+        names, cluster = np.unique(np.asarray(groups), return_inverse=True)
+        return cls(_times(seeds, draws, rng), _times(len(names), draws, rng), cluster)
+
+
+def pooled_mean(values: Floats, resampling: Resampling) -> Interval:
+    """Mean of `values` (S, N) over seeds and scenes with its interval; NaN cells don't count."""
+    known = np.isfinite(values)
+    count = known.sum()
+    if count == 0:
+        return Interval(np.nan, np.nan, np.nan)
+    drawn = _drawn(np.where(known, values, 0.0), resampling)
+    weight = _drawn(known.astype(np.float64), resampling)
+    means = drawn[weight > 0] / weight[weight > 0]
+    return Interval(float(values[known].mean()), *percentiles(means))
+
+
+def envelope(intervals: list[Interval]) -> Interval:
+    """One interval for a number of whole sets, one a seed: their mean, from the lowest end to the highest. Wider than needed."""
+    known = [interval for interval in intervals if np.isfinite(interval.value)]
+    if not known:
+        return Interval(np.nan, np.nan, np.nan)
+    mean = float(np.mean([interval.value for interval in known]))
+    return Interval(mean, float(min(i.low for i in known)), float(max(i.high for i in known)))
+
+
+def rank_correlation(one: Floats, other: Floats) -> float:
+    """Spearman's rho of two lists of M numbers, ties sharing their mean rank; NaN below three."""
+    if len(one) < 3:
+        return np.nan
+    a, b = _ranks(one), _ranks(other)
+    a, b = a - a.mean(), b - b.mean()
+    spread = float(np.sqrt((a @ a) * (b @ b)))
+    return float(a @ b) / spread if spread > 0 else np.nan
+
+
+def _times(count: int, draws: int, rng: np.random.Generator) -> Floats:
+    return rng.multinomial(count, np.full(count, 1 / count), size=draws).astype(np.float64)
+
+
+def _drawn(values: Floats, resampling: Resampling) -> Floats:
+    """Weighted sums (D,) of `values` (S, N)."""
+    clusters = resampling.clusters.shape[1]
+    summed = np.stack([np.bincount(resampling.cluster, row, clusters) for row in values])
+    return np.asarray(((resampling.seeds @ summed) * resampling.clusters).sum(axis=1))
+
+
+def _ranks(values: Floats) -> Floats:
+    order = np.sort(values)
+    return np.asarray(0.5 * (np.searchsorted(order, values, "left") + np.searchsorted(order, values, "right")))
