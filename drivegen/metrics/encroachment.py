@@ -32,14 +32,18 @@ def post_encroachment(motion: Trajectories, known: NDArray[np.bool_]) -> list[ND
     return out
 
 
-def _paces(position: NDArray[np.float32], known: NDArray[np.bool_]) -> NDArray[np.float64]:
+@njit(cache=True)
+def _paces(position, known):  # type: ignore[no-untyped-def]
     """(N,) the farthest that a vehicle gets in one step [m], gaps bridged evenly; at least a centimetre."""
-    paces = np.full(len(known), 0.01)
-    for i, seen in enumerate(known):
-        steps = np.flatnonzero(seen)
-        if len(steps) > 1:
-            moved = np.hypot(*np.diff(position[i, steps].astype(np.float64), axis=0).T) / np.diff(steps)
-            paces[i] = max(paces[i], moved.max())
+    paces = np.full(known.shape[0], 0.01)
+    for n in range(known.shape[0]):
+        last = -1
+        for t in range(known.shape[1]):
+            if known[n, t]:
+                if last >= 0:
+                    moved = np.hypot(position[n, t, 0] - position[n, last, 0], position[n, t, 1] - position[n, last, 1])
+                    paces[n] = max(paces[n], moved / (t - last))
+                last = t
     return paces
 
 

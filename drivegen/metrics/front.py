@@ -15,7 +15,8 @@ def on_front(error: NDArray[np.floating], diversity: NDArray[np.floating]) -> ND
     no_worse = (error <= error[:, None]) & (far <= far[:, None])
     better = (error < error[:, None]) | (far < far[:, None])
     beaten: NDArray[np.bool_] = np.logical_and(no_worse, better).max(axis=1, initial=False)
-    return np.logical_and(known, ~beaten)
+    front: NDArray[np.bool_] = np.logical_and(known, ~beaten)
+    return front
 
 
 def best_error(error: NDArray[np.floating], diversity: NDArray[np.floating], tolerance: float) -> float:

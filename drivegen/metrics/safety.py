@@ -2,12 +2,17 @@
 
 Rates are over all K samples and all N vehicles that the sample was to hold: a vehicle that was left out counts as
 illegal, so that dropping it never improves a rate.
+
+`box_rates` are taken without the checker and its tolerances, with boxes of several sizes: where sizes are assumed, as in
+Argoverse 2's forecasting logs, a collision rate is only as good as they are.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from drivegen.metrics.surroundings import Boxes, centres_meet, overlapping_at_first, touching
 from drivegen.samples import Samples, Violation
 
 COLLISIONS = Violation.COLLISION | Violation.COLLISION_WITH_CONTEXT
@@ -54,3 +59,20 @@ def violation_shares(samples: Samples) -> dict[str, float]:
     """Share of (sample, vehicle) per kind of violation, by its lower-case name."""
     kinds = (kind for kind in Violation if kind is not Violation.NONE)
     return {str(kind.name).lower(): float(np.mean((samples.violation & int(kind)) > 0)) for kind in kinds}
+
+
+def box_rates(boxes: Boxes, vehicles: int, scales: Sequence[float]) -> dict[str, float]:
+    """Shares of (sample, vehicle), and of samples, in which boxes touch; `boxes` are K samples and, last, the log.
+
+    `collision_boxes_90` scales all boxes by 0.9, and so on; pairs that overlap at their first common step count only once they
+    have come apart. `overlap_initial` is the share of vehicles that are given overlapping (at full size), `collision_centres`
+    av2's measure: centres nearer than a metre.
+    """
+    rates: dict[str, float] = {}
+    hits = touching(boxes, vehicles, np.array(scales))[:, :-1]
+    for scale, hit in zip(scales, hits, strict=True):
+        name = f"collision_boxes_{round(100 * scale)}"
+        rates |= {name: float(hit.mean()), f"{name}_per_scene": float(hit.any(axis=1).mean())}
+    rates["overlap_initial"] = float(overlapping_at_first(boxes, vehicles).mean())
+    rates["collision_centres"] = float(centres_meet(boxes, vehicles)[:-1].mean())
+    return rates

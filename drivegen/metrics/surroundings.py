@@ -11,7 +11,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.boxes import separation
-from drivegen.geometry import Floats
+from drivegen.geometry import Floats, boxes_overlap
 from drivegen.metrics.kinematics import kinematics
 from drivegen.scenario import Actors, Trajectories
 
@@ -20,9 +20,6 @@ FARTHEST = 40.0
 
 CORNER_ROUNDING = 0.7
 """Corners of boxes are rounded by this share of half their shorter side, when distances are taken."""
-
-LONGEST_GAP = 150.0
-"""A box ahead is looked for up to this distance [m]."""
 
 SAME_CENTRE = 1.0
 """av2's `compute_world_collisions` calls it a collision when centres come nearer than this [m], whatever the sizes."""
@@ -86,11 +83,13 @@ class Boxes:
 
 def surroundings(boxes: Boxes, vehicles: int) -> Surroundings:
     """The first `vehicles` boxes among all boxes."""
-    shape = (len(boxes.position), len(boxes.valid), boxes.valid.shape[1])
-    nearest, gap, closing = np.full(shape, FARTHEST, np.float32), np.full(shape, np.inf, np.float32), np.zeros(shape, np.float32)
-    arrays = (boxes.position, boxes.cos, boxes.sin, boxes.speed, boxes.valid, boxes.size)
-    _look_around(*arrays, vehicles, nearest, gap, closing)
-    return Surroundings(nearest[:, :vehicles], gap[:, :vehicles], closing[:, :vehicles])
+    samples, count, steps = boxes.cos.shape
+    nearest = np.full((samples, count, steps), FARTHEST, np.float32)
+    gap, closing = np.full((samples, vehicles, steps), np.inf, np.float32), np.zeros((samples, vehicles, steps), np.float32)
+    where, shape = (boxes.position, boxes.cos, boxes.sin), (boxes.valid, boxes.size)
+    _find_nearest(*where, *shape, vehicles, nearest)
+    _find_leaders(*where, boxes.speed, *shape, gap, closing)
+    return Surroundings(nearest[:, :vehicles], gap, closing)
 
 
 def touching(boxes: Boxes, vehicles: int, scales: NDArray[np.floating]) -> NDArray[np.bool_]:
@@ -102,6 +101,17 @@ def touching(boxes: Boxes, vehicles: int, scales: NDArray[np.floating]) -> NDArr
     arrays = (boxes.position, boxes.cos, boxes.sin, boxes.valid, boxes.size)
     _touch(*arrays, vehicles, np.ascontiguousarray(scales, np.float64), hit)
     return hit[:, :, :vehicles]
+
+
+def overlapping_at_first(boxes: Boxes, vehicles: int) -> NDArray[np.bool_]:
+    """(N,) whether a vehicle's box overlaps another one at the first frame, as it is given."""
+    here = boxes.valid[:, 0]
+    place, cos, sin = boxes.position[0, :, 0].astype(np.float64), boxes.cos[0, :, 0], boxes.sin[0, :, 0]
+    heading, size = np.arctan2(sin, cos), boxes.size
+    mine = (place[:vehicles, None], heading[:vehicles, None], size[:vehicles, None])
+    touch = boxes_overlap(*mine, place[None], heading[None], size[None]) & here & here[:vehicles, None]
+    touch[np.arange(vehicles), np.arange(vehicles)] = False
+    return np.asarray(touch.any(axis=1))
 
 
 def centres_meet(boxes: Boxes, vehicles: int) -> NDArray[np.bool_]:
@@ -117,51 +127,69 @@ def centres_meet(boxes: Boxes, vehicles: int) -> NDArray[np.bool_]:
 
 
 @njit(cache=True)
-def _look_around(position, cos, sin, speed, valid, size, vehicles, nearest, gap, closing):  # type: ignore[no-untyped-def]
-    samples, count, steps = cos.shape
+def _find_nearest(position, cos, sin, valid, size, vehicles, nearest):  # type: ignore[no-untyped-def]
     shrunk = np.float32(CORNER_ROUNDING / 2) * np.minimum(size[:, 0], size[:, 1])
-    radius = np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2) / 2
-    for k in range(samples):
-        for a in range(count):
+    inner, outer = np.minimum(size[:, 0], size[:, 1]) / 2, np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2) / 2
+    for k in range(cos.shape[0]):
+        at_most = nearest[k].copy()
+        for a in range(cos.shape[1]):
             for b in range(min(a, vehicles)):
-                reach = radius[a] + radius[b]
-                rounded = shrunk[a] + shrunk[b]
-                for t in range(steps):
+                _bound(position[k, a], position[k, b], valid[a], valid[b], inner[a] + inner[b], at_most[a], at_most[b])
+        at_most[vehicles:] = -np.inf  # nobody asks what is around context actors
+        for a in range(cos.shape[1]):
+            for b in range(min(a, vehicles)):
+                for t in range(cos.shape[2]):
                     if not (valid[a, t] and valid[b, t]):
                         continue
                     dx, dy = position[k, b, t, 0] - position[k, a, t, 0], position[k, b, t, 1] - position[k, a, t, 1]
-                    centres = np.sqrt(dx * dx + dy * dy)
-                    if centres - reach < max(nearest[k, a, t], nearest[k, b, t]):
-                        distance = (
-                            separation(
-                                dx, dy, cos[k, a, t], sin[k, a, t], size[a, 0] - 2 * shrunk[a], size[a, 1] - 2 * shrunk[a],
-                                cos[k, b, t], sin[k, b, t], size[b, 0] - 2 * shrunk[b], size[b, 1] - 2 * shrunk[b],
-                            )
-                            - rounded
-                        )  # fmt: skip
+                    if np.sqrt(dx * dx + dy * dy) - outer[a] - outer[b] <= max(at_most[a, t], at_most[b, t]):
+                        distance = separation(
+                            dx, dy, cos[k, a, t], sin[k, a, t], size[a, 0] - 2 * shrunk[a], size[a, 1] - 2 * shrunk[a],
+                            cos[k, b, t], sin[k, b, t], size[b, 0] - 2 * shrunk[b], size[b, 1] - 2 * shrunk[b],
+                        ) - shrunk[a] - shrunk[b]  # fmt: skip
                         nearest[k, a, t] = min(nearest[k, a, t], distance)
                         nearest[k, b, t] = min(nearest[k, b, t], distance)
-                    if centres < LONGEST_GAP:
-                        _ahead(k, a, b, t, dx, dy, cos, sin, speed, size, gap, closing)
-                        _ahead(k, b, a, t, -dx, -dy, cos, sin, speed, size, gap, closing)
 
 
 @njit(cache=True)
-def _ahead(k, a, b, t, dx, dy, cos, sin, speed, size, gap, closing):  # type: ignore[no-untyped-def]
-    """Take b as the box ahead of a, if it is one and nearer than the one so far; (dx, dy): from a's centre to b's."""
-    c, s = cos[k, a, t], sin[k, a, t]
-    along = c * dx + s * dy
-    if along <= 0 or along - size[a, 0] / 2 >= gap[k, a, t] + size[b, 0]:
-        return
-    same = c * cos[k, b, t] + s * sin[k, b, t]
-    if same < _WIDEST_ANGLE:
-        return
-    cross = abs(c * sin[k, b, t] - s * cos[k, b, t])
-    ahead = along - (size[a, 0] + size[b, 0] * same + size[b, 1] * cross) / 2
-    beside = abs(c * dy - s * dx) - (size[a, 1] + size[b, 0] * cross + size[b, 1] * same) / 2
-    if 0 < ahead < gap[k, a, t] and beside < 0 and (beside < -_SMALL_OVERLAP or same >= _NARROW_ANGLE):
-        gap[k, a, t] = ahead
-        closing[k, a, t] = speed[k, a, t] - speed[k, b, t]
+def _bound(position_a, position_b, valid_a, valid_b, inscribed, at_most_a, at_most_b):  # type: ignore[no-untyped-def]
+    """Boxes are nearer than the circles that fit into them: an upper bound that spares most exact distances."""
+    for t in range(valid_a.shape[0]):
+        if valid_a[t] and valid_b[t]:
+            dx, dy = position_b[t, 0] - position_a[t, 0], position_b[t, 1] - position_a[t, 1]
+            bound = np.sqrt(dx * dx + dy * dy) - inscribed
+            at_most_a[t] = min(at_most_a[t], bound)
+            at_most_b[t] = min(at_most_b[t], bound)
+
+
+@njit(cache=True)
+def _find_leaders(position, cos, sin, speed, valid, size, gap, closing):  # type: ignore[no-untyped-def]
+    for k in range(gap.shape[0]):
+        for a in range(gap.shape[1]):
+            for b in range(cos.shape[1]):
+                for t in range(cos.shape[2]):
+                    if a == b or not (valid[a, t] and valid[b, t]):
+                        continue
+                    dx, dy = position[k, b, t, 0] - position[k, a, t, 0], position[k, b, t, 1] - position[k, a, t, 1]
+                    heading_a, heading_b = (cos[k, a, t], sin[k, a, t]), (cos[k, b, t], sin[k, b, t])
+                    ahead = _ahead(dx, dy, heading_a, heading_b, size[a, 0], size[a, 1], size[b, 0], size[b, 1])
+                    if ahead < gap[k, a, t]:
+                        gap[k, a, t], closing[k, a, t] = ahead, speed[k, a, t] - speed[k, b, t]
+
+
+@njit(cache=True)
+def _ahead(dx, dy, heading_a, heading_b, length_a, width_a, length_b, width_b):  # type: ignore[no-untyped-def]
+    """Distance to b's box, if a follows it, else inf; (dx, dy): from a's centre to b's, headings as (cos, sin)."""
+    along = heading_a[0] * dx + heading_a[1] * dy
+    same = heading_a[0] * heading_b[0] + heading_a[1] * heading_b[1]
+    if along <= 0 or same < _WIDEST_ANGLE:
+        return np.inf
+    cross = abs(heading_a[0] * heading_b[1] - heading_a[1] * heading_b[0])
+    ahead = along - (length_a + length_b * same + width_b * cross) / 2
+    beside = abs(heading_a[0] * dy - heading_a[1] * dx) - (width_a + length_b * cross + width_b * same) / 2
+    if ahead > 0 and beside < 0 and (beside < -_SMALL_OVERLAP or same >= _NARROW_ANGLE):
+        return ahead
+    return np.inf
 
 
 @njit(cache=True)

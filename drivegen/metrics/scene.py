@@ -1,0 +1,85 @@
+"""All that is measured on one scene: its numbers, and what measures over a whole set of scenes need of it."""
+
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.metrics.classifier import TrackPairs, track_pairs
+from drivegen.metrics.displacement import scene_errors, scored_steps, summarise
+from drivegen.metrics.distributions import SceneCounts, scene_counts
+from drivegen.metrics.features import scene_features
+from drivegen.metrics.labels import label
+from drivegen.metrics.proper import energy_scores, log_densities
+from drivegen.metrics.realism import realism
+from drivegen.metrics.road_edge import RoadEdges
+from drivegen.metrics.safety import box_rates, safety_rates, violation_shares
+from drivegen.samples import Samples
+from drivegen.scenario import Scenario, Trajectories
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What is declared, not measured.
+
+    Attributes:
+        horizons: at which the log's likelihood under the samples is taken [s].
+        bandwidths: of the kernel that turns samples into a density, to choose from [m].
+        box_scales: all boxes are scaled by each of these, to see what collision rates owe to sizes.
+    """
+
+    horizons: tuple[float, ...]
+    bandwidths: tuple[float, ...]
+    box_scales: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Scored:
+    """One scene's numbers, the three motions (N, T) that diversity compares, and parts of what only a set of scenes has.
+
+    Attributes:
+        scenario: its id. metrics: by name.
+        log, best, any_sample: the log, the sample of least sADE and one drawn by seed, valid where the log is.
+        counts: histograms of motion. tracks: features of tracks. densities: (2, H, B), see `proper.log_densities`.
+    """
+
+    scenario: str
+    metrics: dict[str, float]
+    log: Trajectories
+    best: Trajectories
+    any_sample: Trajectories
+    counts: SceneCounts
+    tracks: TrackPairs
+    densities: NDArray[np.float64]
+
+
+def score(
+    scenario: Scenario, log: Trajectories, samples: Samples, edges: RoadEdges, settings: Settings, rng: np.random.Generator
+) -> Scored:
+    """Measure one scene's samples against its log; `rng` draws the sample that stands for all where one does."""
+    sade, sfde = scene_errors(samples.motion, log)
+    drawn = int(rng.integers(len(sade)))
+    features, boxes = scene_features(scenario, samples.motion, log, edges)
+    counts = scene_counts(features)
+    metrics = {
+        **asdict(summarise(sade, sfde)),
+        **asdict(energy_scores(samples.motion, log)),
+        **{f"realism.{name}".removesuffix(".score"): value for name, value in realism(features).items()},
+        **asdict(safety_rates(samples)),
+        **{f"violation.{kind}": share for kind, share in violation_shares(samples).items()},
+        **box_rates(boxes, len(log.valid), settings.box_scales),
+        "close_call": float(counts.close_call[1]),
+        "close_call_log": float(counts.close_call[0]),
+        "attempts": float(samples.attempts.mean()),
+        "rejected": float(1 - samples.attempts.size / max(int(samples.attempts.sum()), samples.attempts.size)),
+        "agent_steps": float(scored_steps(log).sum()),
+        "vehicles": float(len(scenario.vehicles)),
+        **label(scenario, log).as_rows(),
+    }
+    best, any_sample = (
+        replace(samples.motion[k], valid=samples.motion[k].valid & log.valid) for k in (int(np.argmin(sade)), drawn)
+    )
+    tracks = track_pairs(features, drawn)
+    horizons, bandwidths = np.array(settings.horizons), np.array(settings.bandwidths)
+    densities = log_densities(samples.motion, log, horizons, bandwidths)
+    return Scored(scenario.scenario_id, metrics, log, best, any_sample, counts, tracks, densities)

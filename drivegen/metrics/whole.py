@@ -1,0 +1,95 @@
+"""What only a whole set of scenes has: means with intervals, diversity, distances, likelihoods, how far it can be told apart.
+
+Names are flat, `x` with `x.low` and `x.high`: `summary` is what the details of a method's evaluation hold.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.metrics.classifier import telling_apart
+from drivegen.metrics.distributions import distances
+from drivegen.metrics.diversity import (
+    OwnFrames,
+    own_frames,
+    plain_differences,
+    random_pairs,
+    ratio,
+    squared_differences,
+)
+from drivegen.metrics.intervals import Interval, bootstrap_means
+from drivegen.metrics.proper import likeliest_for_others
+from drivegen.metrics.scene import Scored, Settings
+from drivegen.seeds import rng
+
+TOTALS = ("agent_steps", "vehicles")
+
+Floats = NDArray[np.float64]
+
+
+def columns(scenes: Sequence[Scored], settings: Settings) -> dict[str, Floats]:
+    """Every number of every scene by name, each (S,): NaN where a scene has none. Likelihoods are added to what scenes have."""
+    names = sorted({name for scene in scenes for name in scene.metrics})
+    table = {name: np.array([scene.metrics.get(name, np.nan) for scene in scenes]) for name in names}
+    densities = np.stack([scene.densities for scene in scenes])
+    for kind, prefix in enumerate(("nll", "nll_joint")):
+        for h, horizon in enumerate(settings.horizons):
+            value, chosen = likeliest_for_others(densities[:, kind, h])
+            name = f"{prefix}_{horizon:g}s"
+            table[name] = -value
+            widths = np.array(settings.bandwidths)
+            table[f"bandwidth.{name}"] = np.where(chosen >= 0, widths[chosen], np.nan)
+    return table
+
+
+def summary(scenes: Sequence[Scored], table: Mapping[str, Floats], seed: int, draws: int, splits: int) -> dict[str, float]:
+    """Everything over the set, from its scenes and their `columns`."""
+    numbers = _means(table, seed, draws) | _diversity(scenes, seed, draws, splits)
+    found = {f"distance.{k}": v for k, v in distances([s.counts for s in scenes], draws, _stream(seed, "distances")).items()}
+    found["auc"] = telling_apart([scene.tracks for scene in scenes], seed, draws, _stream(seed, "classifier"))
+    for name, interval in found.items():
+        numbers |= _flat(name, interval)
+    return numbers | {"scenarios": len(scenes)}
+
+
+def _means(table: Mapping[str, Floats], seed: int, draws: int) -> dict[str, float]:
+    """Means over scenarios with their intervals; labels are counted, not averaged."""
+    labels = {name for name in table if name.startswith(("label.", "manoeuvre."))}
+    names = sorted(set(table) - labels - set(TOTALS))
+    intervals = bootstrap_means(np.stack([table[name] for name in names], axis=1), draws, _stream(seed, "bootstrap"))
+    out = {name: float(np.nansum(table[name])) for name in sorted(labels)}
+    for name, interval in zip(names, intervals, strict=True):
+        out |= _flat(name, interval)
+    return out | {name: float(table[name].sum()) for name in TOTALS}
+
+
+def _diversity(scenes: Sequence[Scored], seed: int, draws: int, splits: int) -> dict[str, float]:
+    """Diversity of the log, the best sample and a random sample, and both ratios, by squared and by plain norm."""
+    pairs = random_pairs(len(scenes), splits, _stream(seed, "pairs"))
+    sets: dict[str, OwnFrames] = {
+        "log": own_frames([scene.log for scene in scenes]),
+        "": own_frames([scene.best for scene in scenes]),
+        "any_sample": own_frames([scene.any_sample for scene in scenes]),
+    }
+    out: dict[str, float] = {"diversity_pairs": len(pairs)}
+    for norm, differences in {"": squared_differences, "plain": plain_differences}.items():
+        values = {name: differences(frames, pairs) for name, frames in sets.items()}
+        for name in sets:
+            out[_joined("diversity", name, norm)] = float(values[name].mean()) if len(pairs) else np.nan
+            if name != "log":
+                stream = _stream(seed, "diversity", norm, name)
+                out |= _flat(_joined("diversity_ratio", name, norm), ratio(values[name], values["log"], pairs, draws, stream))
+    return out
+
+
+def _stream(seed: int, *names: str) -> np.random.Generator:
+    return rng(seed, "evaluate", *names)
+
+
+def _joined(*words: str) -> str:
+    return "_".join(word for word in words if word)
+
+
+def _flat(name: str, interval: Interval) -> dict[str, float]:
+    return {name: interval.value, f"{name}.low": interval.low, f"{name}.high": interval.high}
