@@ -9,6 +9,7 @@ from typer import Argument, BadParameter, Option, Typer
 from typer.core import TyperGroup
 
 from drivegen.cli._lm import MaxUsd, Words, model
+from drivegen.cli._maps import MapMode, Mode, writer_of
 from drivegen.errors import UnusableInput
 from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
 from drivegen.maps.imports import Window, export_opendrive, import_map
@@ -50,13 +51,14 @@ def words(
     out: Annotated[Path, Option(help=f"Folder for {_FILES}.")],
     seed: Annotated[int, Option(help="What the words leave open is drawn from it.")] = 7,
     lm: Words = None,
+    map_mode: MapMode = Mode.SPECIFICATION,
     max_usd: MaxUsd = None,
 ) -> None:
     """Draw the road that TEXT describes; exits 2, saying what it can do, where the text is not understood.
 
     The word `words` can be left out.
     """
-    account = _drawn(text, seed, out, lm, max_usd).account
+    account = _drawn(text, seed, out, lm, map_mode, max_usd).account
     _tell("written by", account["backend"])
     _tell("understood", *(f"{told['phrase']}: {told['meaning']}" for told in account["understood"]))
     for word in ("assumed", "ignored", "failed"):
@@ -114,10 +116,10 @@ def export(
     _tell("written", str(out))
 
 
-def _drawn(text: str, seed: int, out: Path, lm: str | None, max_usd: float | None) -> BuiltMap:
+def _drawn(text: str, seed: int, out: Path, lm: str | None, mode: Mode, max_usd: float | None) -> BuiltMap:
     if lm is None:
         return build_map(text, seed, folder=out)
-    return build_map(text, seed, "language_model", folder=out, model=model("maps", lm, max_usd))
+    return build_map(text, seed, writer_of(mode), folder=out, model=model("maps", lm, max_usd))
 
 
 def _window(around: str | None, radius: float | None, junction: str | None) -> Window | None:

@@ -56,6 +56,12 @@ def own_cases() -> list[Case]:
     return [case for suite, name in ((OWN, "own"), (HELD_OUT, "held_out")) for case in _read(suite, f"{name}.jsonl")]
 
 
+def first_try() -> list[dict[str, Any]]:
+    """How the offline rules fared with the held-out descriptions the first time they saw them, with date and revision."""
+    source = files("drivegen.maps.suite") / "first_try.json"
+    return list(json.loads(source.read_text(encoding="utf-8")))
+
+
 def outside_cases(folder: Path) -> list[Case]:
     """Those of a folder that holds `map_prompts.jsonl` (lines of "id", "prompt", "expect") and its judge `check_map.py`."""
     prompts, checker = folder / "map_prompts.jsonl", folder / "check_map.py"

@@ -30,8 +30,24 @@ def counted(trials: Sequence[Trial]) -> dict[str, Any]:
     }
 
 
+def published(written_by: str, trials: Sequence[Trial]) -> dict[str, Any]:
+    """All that is told of one writer; the same trials give the same values, so no times are in it."""
+    return {
+        "written_by": written_by,
+        "measured": True,
+        "suites": by_suite(trials),
+        "kinds": by_kind(trials),
+        "failed": failed(trials),
+    }
+
+
+def not_measured(written_by: str) -> dict[str, Any]:
+    """The same of a writer that nobody has run."""
+    return {"written_by": written_by, "measured": False}
+
+
 def by_suite(trials: Sequence[Trial]) -> dict[str, dict[str, Any]]:
-    """Counts of every suite, "all of it" last where there are several."""
+    """Counts of every suite."""
     groups = {suite: [t for t in trials if t.case.suite == suite] for suite in dict.fromkeys(t.case.suite for t in trials)}
     return {name: counted(group) for name, group in groups.items()}
 
