@@ -1,16 +1,20 @@
 """How good candidates and their ranking are, against logged ends: coverage, likelihood, hits, expected error.
 
 The label of a vehicle is the candidate nearest to its logged end. Only vehicles that are seen (nearly) to the end of the
-horizon can be scored, since candidates are meant for its last step.
+horizon can be scored, since candidates are meant for its last step. What is equally likely is ranked by lot: figures are
+expectations over it. Intervals are bootstrapped over scenarios, because vehicles of one share its traffic.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen import seeds
 from drivegen.goals.candidates import Candidates, Manoeuvre
+from drivegen.metrics.intervals import percentiles
 from drivegen.scenario import Scenario
 
 SEEN = 0.95
@@ -22,6 +26,9 @@ MOVING = 2.0
 NEAR = (2.0, 4.0)
 """Coverage is the share of vehicles with a candidate within these distances [m]."""
 
+BINS = 10
+"""Of the likeliest candidate's probability, for the calibration error."""
+
 
 @dataclass(frozen=True)
 class Judged:
@@ -29,22 +36,26 @@ class Judged:
 
     Attributes:
         distance: V arrays (C,) [m] of each candidate from the logged end. probability: V arrays (C,).
-        manoeuvre: V arrays (C,). moved: (V,) bool.
+        manoeuvre: V arrays (C,). moved: (V,) bool. scene: (V,) number of the scenario.
     """
 
     distance: list[NDArray[np.float32]]
     probability: list[NDArray[np.float32]]
     manoeuvre: list[NDArray[np.uint8]]
     moved: NDArray[np.bool_]
+    scene: NDArray[np.intp]
 
     @classmethod
     def joined(cls, parts: "Sequence[Judged]") -> "Judged":
-        """All of them."""
+        """All of them, each part with scenarios of its own."""
+        counts = [int(part.scene.max(initial=-1)) + 1 for part in parts]
+        first = np.cumsum([0, *counts])
         return cls(
             [d for part in parts for d in part.distance],
             [p for part in parts for p in part.probability],
             [m for part in parts for m in part.manoeuvre],
             np.concatenate([np.zeros(0, np.bool_), *(part.moved for part in parts)]),
+            np.concatenate([np.zeros(0, np.intp), *(part.scene + at for part, at in zip(parts, first, strict=False))]),
         )
 
 
@@ -60,49 +71,102 @@ def judge(scenario: Scenario, candidates: Sequence[Candidates], probabilities: S
     """Compare all vehicles' candidates with where the log ended."""
     rows = np.flatnonzero(scorable(scenario)).tolist()
     if scenario.log is None or len(rows) == 0:
-        return Judged([], [], [], np.zeros(0, np.bool_))
+        return Judged([], [], [], np.zeros(0, np.bool_), np.zeros(0, np.intp))
     end = scenario.log.position[rows, scenario.log.last_valid()[rows]]
     return Judged(
         [np.hypot(*(candidates[n].position - place).T) for n, place in zip(rows, end, strict=True)],
         [probabilities[n] for n in rows],
         [candidates[n].manoeuvre for n in rows],
         np.hypot(*(end - scenario.vehicles.position[rows]).T) > MOVING,
+        np.zeros(len(rows), np.intp),
     )
 
 
-def scores(judged: Judged) -> dict[str, dict[str, float]]:
-    """Means over all vehicles and over the moving ones; each group says how many it has."""
-    table = np.array([_row(*row) for row in zip(judged.distance, judged.probability, judged.manoeuvre, strict=True)])
-    table = table.reshape(-1, len(METRICS))
+def scores(judged: Judged, seed: int = 0, draws: int = 0) -> dict[str, dict[str, float]]:
+    """Means over all vehicles and over the moving ones; each group says how many it has.
+
+    With `draws` each figure has its bootstrap interval beside it, "NAME.low" and "NAME.high".
+    """
+    rows = [_row(*row) for row in zip(judged.distance, judged.probability, judged.manoeuvre, strict=True)]
+    table = np.array(rows).reshape(-1, len(METRICS) + 2)
     groups = {"all": np.ones(len(table), np.bool_), "moving": judged.moved}
-    return {
-        name: {"vehicles": float(rows.sum())}
-        | (dict(zip(METRICS, table[rows].mean(0).tolist(), strict=True)) if rows.any() else {})
-        for name, rows in groups.items()
-    }
+    found = {}
+    for name, keep in groups.items():
+        found[name] = {"vehicles": float(keep.sum())}
+        if keep.any():
+            rng = seeds.rng(seed, "goal-scores", name)
+            found[name] |= _means(table[keep], judged.scene[keep], draws, rng)
+    return found
 
 
 METRICS = (
-    "candidates", "coverage_2m", "coverage_4m", "oracle_fde", "nll", "hit_1", "hit_3", "mean_reciprocal_rank", "expected_fde",
-    "manoeuvre_accuracy", "entropy",
+    "candidates", "coverage_2m", "coverage_4m", "oracle_fde", "nll", "hit_1", "hit_3", "hit_1_within_4m", "hit_3_within_4m",
+    "mean_reciprocal_rank", "expected_fde", "manoeuvre_accuracy", "entropy",
 )  # fmt: skip
-"""Columns of `_row`: distances [m], nll and entropy [nat]."""
+"""Columns of `_row` that are averaged: distances [m], nll and entropy [nat].
+
+hit_k: the candidate nearest to the logged end is among the k likeliest. hit_k_within_4m: one of the k likeliest lies within
+4 m of it, which does not depend on how finely candidates are spaced.
+"""
+
+
+def _means(table: NDArray[np.float64], scene: NDArray[np.intp], draws: int, rng: np.random.Generator) -> dict[str, float]:
+    """Means over vehicles and the calibration error, with intervals where scenarios are drawn `draws` times."""
+    names, count = (*METRICS, "calibration_error"), int(scene.max()) + 1
+    confidence, hit = table[:, -2], table[:, -1]
+    bins = np.minimum((confidence * BINS).astype(int), BINS - 1)
+    sums = np.zeros((count, len(METRICS) + 1))
+    np.add.at(sums, scene, np.column_stack([np.ones(len(table)), table[:, : len(METRICS)]]))
+    gaps = np.zeros((count, BINS))
+    np.add.at(gaps, (scene, bins), confidence - hit)
+
+    def statistics(times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(D, M) of scenarios taken `times` (D, S) each."""
+        total = times @ sums
+        error = np.abs(times @ gaps).sum(1)
+        return np.column_stack([total[:, 1:], error]) / np.maximum(total[:, :1], 1.0)
+
+    values = dict(zip(names, statistics(np.ones((1, count)))[0].tolist(), strict=True))
+    if draws:
+        drawn = statistics(rng.multinomial(count, np.full(count, 1 / count), size=draws).astype(np.float64))
+        for k, name in enumerate(names):
+            values[f"{name}.low"], values[f"{name}.high"] = percentiles(drawn[:, k])
+    return values
 
 
 def _row(distance: NDArray[np.float32], probability: NDArray[np.float32], manoeuvre: NDArray[np.uint8]) -> tuple[float, ...]:
+    """METRICS of one vehicle, then the likeliest candidate's probability and whether it is the label."""
     label = int(np.lexsort((-probability, distance))[0])  # of two at one place the likelier one
-    rank = int((probability > probability[label]).sum() + ((probability == probability[label]).sum() - 1) / 2)
+    above, equal = int((probability > probability[label]).sum()), int((probability == probability[label]).sum())
     p = np.maximum(probability.astype(np.float64), 1e-9)
     best = np.bincount(manoeuvre, probability, len(Manoeuvre)).argmax()
+    first = min(max((1 - above) / equal, 0.0), 1.0)
     return (
         len(distance),
         *(float(distance[label] < near) for near in NEAR),
         float(distance[label]),
         float(-np.log(p[label])),
-        float(rank == 0),
-        float(rank < 3),
-        1 / (rank + 1),
+        first,
+        min(max((3 - above) / equal, 0.0), 1.0),
+        _near_among(distance, probability, 1),
+        _near_among(distance, probability, 3),
+        float(np.mean(1 / np.arange(above + 1, above + equal + 1))),
         float((p * distance).sum() / p.sum()),
         float(best == manoeuvre[label]),
         float(-(p * np.log(p)).sum()),
+        float(p.max()),
+        first,
     )
+
+
+def _near_among(distance: NDArray[np.float32], probability: NDArray[np.float32], most: int) -> float:
+    """How likely one of the `most` likeliest candidates lies within NEAR[-1], equal ones taken by lot."""
+    near = distance < NEAR[-1]
+    if len(distance) <= most:
+        return float(near.any())
+    last = np.sort(probability)[-most]
+    above, tied = probability > last, probability == last
+    if (near & above).any():
+        return 1.0
+    open_places, count, good = most - int(above.sum()), int(tied.sum()), int((near & tied).sum())
+    return 1.0 - comb(count - good, open_places) / comb(count, open_places)

@@ -150,7 +150,8 @@ def test_scores_of_a_known_ranking():
     uniform = np.full(len(certain), 1 / len(certain), np.float32)
     table = scores(judge(one, found, [uniform]))["moving"]
     assert table["nll"] == pytest.approx(np.log(len(certain)), abs=1e-5)
-    assert table["hit_1"] == 0
+    assert table["hit_1"] == pytest.approx(1 / len(certain))  # by lot
+    assert table["hit_3"] == pytest.approx(3 / len(certain))
     assert table["expected_fde"] == pytest.approx(np.hypot(*(found[0].position - found[0].position[3]).T).mean(), rel=1e-4)
 
 

@@ -14,6 +14,7 @@ from stages import goals, train_selector
 from tests import scenes
 from tests.goals.test_goals_candidates import SETTINGS
 from tests.selectors.test_selectors_contract import LEARNING
+from tests.selectors.test_selectors_vlm import SETTINGS as ASKING
 
 
 def several(name):
@@ -41,7 +42,7 @@ def test_training_leaves_scores_and_a_curve(trained):
 @pytest.mark.parametrize("selector", ["random", "log", "learned", "prior"])
 def test_goals_stand_beside_their_scenarios(trained, selector):
     out, metrics = trained / "goals" / selector, trained / f"{selector}.json"
-    goals.main(goals.Params(1, SETTINGS), trained / "scenarios" / "test", trained / "selector", out, metrics)
+    goals.main(goals.Params(7, 1, 20, SETTINGS, ASKING), trained / "scenarios" / "test", trained / "selector", out, metrics)
     rows = read_goals(out / "shard-00000.parquet")
     assert [row.scenario_id for row in rows] == ["test-0", "test-1"]
     found, probability = unpack(LaneGraph.of(scenes.crossing()), rows[0])
@@ -49,5 +50,6 @@ def test_goals_stand_beside_their_scenarios(trained, selector):
     table = orjson.loads(metrics.read_bytes())
     assert table["all"]["vehicles"] == 16
     assert table["all"]["coverage_4m"] == 1
+    assert table["all"]["nll.low"] <= table["all"]["nll"] <= table["all"]["nll.high"]
     if selector == "random":
         assert np.isclose(table["all"]["nll"], np.mean([np.log(len(c)) for c in found]), atol=1e-4)
