@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/.installed
 
-.PHONY: run test lint bench clean lock help
+.PHONY: run test lint tables bench clean lock help
 .DEFAULT_GOAL := help
 
 help:            ## this list
@@ -20,6 +20,9 @@ lint: $(INSTALLED)       ## the part of `make test` that needs no running
 	@$(BIN)/ruff format --check --quiet
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports --no-logo
+
+tables: $(INSTALLED)     ## the published tables: every data set, several training seeds, pooled into reports/published
+	@$(BIN)/python -m flows tables
 
 bench: $(INSTALLED)      ## speed, each row beside its reference; fails if a row misses its target
 	@$(BIN)/drivegen bench

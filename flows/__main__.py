@@ -1,6 +1,7 @@
-"""`python -m flows experiment|regenerate|iterate`: run one flow with a local Prefect server around it."""
+"""`python -m flows experiment|regenerate|iterate|tables`: run one flow with a local Prefect server around it."""
 
 import argparse
+import os
 import sys
 from functools import partial
 from importlib import import_module
@@ -38,6 +39,10 @@ def _parser() -> argparse.ArgumentParser:
     regenerate.add_argument("--seed", type=int, help="the seed; made from the version if not given")
     iterate = flows.add_parser("iterate", help="corner-case rounds until the collision rate stops rising")
     iterate.add_argument("--min-gain", type=float, default=0.0, help="a round must raise the rate by more than this")
+    tables = flows.add_parser("tables", help="the published tables: all data sets, several training seeds")
+    real = Path(os.environ.get("DRIVEGEN_REAL_DATA", "../shared/data"))
+    said = "folder of real recordings (publish.data says which of its folders); what is not there is left out"
+    tables.add_argument("--real", type=Path, default=real, help=said)
     return parser
 
 
@@ -51,6 +56,10 @@ def _run(arguments: argparse.Namespace) -> Any:
         from flows.regenerate import regenerate
 
         return regenerate(version=arguments.version, seed=arguments.seed, return_state=True)
+    if arguments.flow == "tables":
+        from flows.tables import tables
+
+        return tables(real=arguments.real, return_state=True)
     from flows.iterate import iterate
 
     return iterate(min_gain=arguments.min_gain, return_state=True)

@@ -4,6 +4,8 @@ Stages that are up to date are rows of the table and no tasks: a task costs the 
 """
 
 import time
+from collections.abc import Collection
+from pathlib import Path
 from typing import Any
 from uuid import UUID
 
@@ -22,11 +24,14 @@ RUNNER: ThreadPoolTaskRunner[Any] = ThreadPoolTaskRunner(max_workers=2)
 
 
 @task(cache_policy=NO_CACHE, task_run_name="{stage}")
-def run_stage(stage: str) -> State[float]:
-    """One stage, its lines in the log; the state is called Cached if its inputs came out unchanged. The result is seconds."""
+def run_stage(stage: str, root: Path = Path()) -> State[float]:
+    """One stage of the workspace `root`, its lines in the log; the state is called Cached if its inputs came out unchanged.
+
+    The result is seconds.
+    """
     began = time.monotonic()
     try:
-        ran = pipeline.reproduce(stage, get_run_logger().info)
+        ran = pipeline.reproduce(stage, get_run_logger().info, root)
     except pipeline.StageFailed as error:
         return Failed(message=str(error))
     seconds = time.monotonic() - began
@@ -41,11 +46,7 @@ def experiment() -> State[list[dict[str, str]]]:
     get_run_logger().info(
         "%d stages, %d to run (asked DVC in %.1f s)", len(plan.needs), len(plan.stale), time.monotonic() - began
     )
-    futures: dict[str, PrefectFuture[Any]] = {}
-    for stage in plan.needs:
-        if stage in plan.stale:
-            behind = [futures[name] for name in plan.needs[stage] if name in futures]
-            futures[stage] = run_stage.submit(stage, wait_for=behind, return_state=False)
+    futures = submit(plan, plan.stale)
     _follow(list(futures.values()))
     rows = [_row(stage, futures.get(stage)) for stage in plan.needs]
     create_table_artifact(rows, key="stages", description="Every stage of dvc.yaml, in running order")
@@ -53,6 +54,16 @@ def experiment() -> State[list[dict[str, str]]]:
     if failed:
         return Failed(message="; ".join(failed))
     return Completed(data=rows, message=f"{len(rows)} stages, {sum(row['state'] == 'Cached' for row in rows)} unchanged")
+
+
+def submit(plan: pipeline.Pipeline, stages: Collection[str], root: Path = Path()) -> dict[str, PrefectFuture[Any]]:
+    """Start `stages` of the workspace `root` in the plan's order, each as soon as those it needs are done."""
+    futures: dict[str, PrefectFuture[Any]] = {}
+    for stage in plan.needs:
+        if stage in stages:
+            behind = [futures[name] for name in plan.needs[stage] if name in futures]
+            futures[stage] = run_stage.submit(stage, root, wait_for=behind, return_state=False)
+    return futures
 
 
 def _follow(futures: list[PrefectFuture[Any]]) -> None:

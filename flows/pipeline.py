@@ -84,6 +84,16 @@ def reproduce(stage: str, say: Callable[[str], None], root: Path = Path(), force
         time.sleep(0.5)
 
 
+def run_door(stage: str, paths: list[Path], say: Callable[[str], None], root: Path = Path()) -> None:
+    """Run a stage's door itself, for the one that is in no dvc.yaml: it pools the results of several workspaces.
+
+    Raises StageFailed when it ends with an error.
+    """
+    code, lines = _run(["stages/run", stage, *map(str, paths)], root, say)
+    if code:
+        raise StageFailed(f"stage {stage} failed: {_reason(lines)}")
+
+
 def checkout(paths: list[str], root: Path) -> None:
     """Put tracked files of dvc.lock back from the cache. Raises StageFailed if the cache lacks them."""
     done = subprocess.run(
@@ -92,6 +102,12 @@ def checkout(paths: list[str], root: Path) -> None:
     )  # fmt: skip
     if done.returncode:
         raise StageFailed(f"cannot bring back {', '.join(paths)}: run `make run` first ({_reason(done.stderr.splitlines())})")
+
+
+def restore(root: Path) -> None:
+    """Put back whatever dvc.lock names and the cache has: what changed is then made again from there, the rest stands."""
+    command = [sys.executable, "-m", "dvc", "checkout", "--quiet", "--force", "--allow-missing"]
+    subprocess.run(command, cwd=root, env=_environment(), capture_output=True, timeout=600, check=False)
 
 
 def outputs(stage: str, root: Path = Path()) -> list[str]:

@@ -35,7 +35,7 @@ class Params:
         generators: settings by name, as the generator's `Settings` says.
     """
 
-    seed: int
+    training_seed: int
     workers: int
     samples: int
     generators: dict[str, Any]
@@ -48,7 +48,7 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     validation = _examples(plugin, settings, scenarios / "val", params.workers)
     checkpoints = CHECKPOINTS / _key(model.name, params, settings, scenarios)
     began = time.process_time()
-    generator, rows = plugin.fit(settings, train, validation, params.seed, checkpoints, _say(model.name))
+    generator, rows = plugin.fit(settings, train, validation, params.training_seed, checkpoints, _say(model.name))
     trained = time.process_time() - began
     generator.save(model)
     write_curve(curve, rows)
@@ -86,7 +86,7 @@ def _scores(generator: Learned, split: Path, params: Params) -> dict[str, float]
     found = []
     for shard in shards(split) if split.exists() else []:
         logged = [s for s in read_shard(shard) if s.log is not None]
-        for scenario, made in zip(logged, generator.generate(logged, params.samples, params.seed), strict=True):
+        for scenario, made in zip(logged, generator.generate(logged, params.samples, params.training_seed), strict=True):
             assert scenario.log is not None
             try:
                 found.append(summarise(*scene_errors(made.motion, scenario.log)))
@@ -99,7 +99,7 @@ def _scores(generator: Learned, split: Path, params: Params) -> dict[str, float]
 
 def _key(name: str, params: Params, settings: Any, scenarios: Path) -> str:
     """A name for everything that the weights depend on: settings, seed, data and the code that learns."""
-    digest = hashlib.sha256(repr((name, asdict(settings), params.seed)).encode())
+    digest = hashlib.sha256(repr((name, asdict(settings), params.training_seed)).encode())
     root = Path(__file__).parents[1] / "drivegen"
     code = sorted(path for folder in ("generators", "training") for path in (root / folder).rglob("*.py"))
     for path in [*code, *shards(scenarios / "train"), *(shards(scenarios / "val") if (scenarios / "val").exists() else [])]:

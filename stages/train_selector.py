@@ -29,7 +29,7 @@ CHECKPOINTS = Path(".drivegen/checkpoints")
 class Params:
     """`candidates`: see `goals.candidates`; `learned`: see `selectors.learned`."""
 
-    seed: int
+    training_seed: int
     workers: int
     candidates: CandidateSettings
     learned: Settings
@@ -40,7 +40,7 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     learnt = _lists(require(scenarios / "train", "run the ingest stage"), params)
     held_out = _lists(scenarios / "val", params)
     checkpoint = CHECKPOINTS / f"selector-{_key(learnt, held_out, params)}.safetensors"
-    selector, rows = Plugin.fit(learnt, held_out, params.learned, params.seed, checkpoint, _say)
+    selector, rows = Plugin.fit(learnt, held_out, params.learned, params.training_seed, checkpoint, _say)
     selector.save(model)
     _write_curve(curve, rows)
     counts = {"train_vehicles": len(learnt), "validation_vehicles": len(held_out)}
@@ -51,7 +51,7 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
 
 def _key(learnt: Lists, held_out: Lists, params: Params) -> str:
     """A name for everything that the weights depend on: lists, settings, seed and the code that learns."""
-    digest = hashlib.sha256(repr((asdict(params.learned), params.seed)).encode())
+    digest = hashlib.sha256(repr((asdict(params.learned), params.training_seed)).encode())
     for lists in (learnt, held_out):
         for array in (lists.x, lists.distance, lists.doubt):
             digest.update(array.tobytes())

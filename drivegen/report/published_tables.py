@@ -1,0 +1,202 @@
+"""The published tables: methods in rows, the paper's figures beside ours and marked as theirs."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from drivegen.metrics.intervals import Interval
+from drivegen.metrics.pooled import Resampling, pooled_mean, rank_correlation
+from drivegen.report import paper
+from drivegen.report.published import (
+    FIVE,
+    METHODS,
+    RIVALS,
+    DataSet,
+    Pooled,
+    Results,
+    is_distance,
+    recording,
+    resampling_of,
+    under_trained,
+)
+from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, row
+
+_HEADS = ("min-sADE [m] \u2193", "min-sFDE \u2193", "mean-sADE \u2193", "mean-sFDE \u2193", "diversity \u2192 1")
+
+
+def tables(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) -> list[Table]:
+    """The paper's table I, paired differences, and what the paper leaves out."""
+    found = [_quality(data, pooled), _paired(data, draws, rng), *_trust(data, pooled)]
+    return [*found, _by_scene(data)] if data.by_scene else found
+
+
+def transfer(one: DataSet, pooled_one: Pooled, other: DataSet, pooled_other: Pooled) -> Table:
+    """Whether both data sets put the methods in the same order: Spearman's rho, per column of the paper."""
+    methods = [m for m in METHODS if m in pooled_one and m in pooled_other and m != "log"]
+    lines = []
+    for metric, head in zip(FIVE, _HEADS, strict=True):
+        known = [m for m in methods if metric in pooled_one[m] and metric in pooled_other[m]]
+        a, b = (np.array([_badness(pooled[m][metric].value, metric) for m in known]) for pooled in (pooled_one, pooled_other))
+        rho = rank_correlation(a, b)
+        lines.append(row(head.split(" ")[0], f"{rho:.2f}" if np.isfinite(rho) else NOT_MEASURED, str(len(known))))
+    title = f"Order of the methods: {one.title} against {other.title}"
+    notes = ("1: the same order; 0: none in common. The log's own row is left out; diversity is ranked by its distance from 1.",)
+    return Table(f"transfer-{one.name}-{other.name}", title, ("", "Spearman's rho", "methods"), tuple(lines), notes)
+
+
+def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator) -> Table:
+    """The scenes that both have, by models that learnt from less and from more: each method's errors and the difference."""
+    first, second = (next(iter(data.methods.values())).scenarios for data in (less, more))
+    shared = sorted(set(first) & set(second))
+    columns = [[names.index(scene) for scene in shared] for names in (first, second)]
+    resampling = Resampling.of(len(less.seeds), [recording(scene) for scene in shared], draws, rng)
+    lines = []
+    for method in [m for m in METHODS if m in less.methods and m in more.methods and m != "log"]:
+        before, after = (
+            {metric: data.methods[method].values[metric][:, at] for metric in ("min_sade", "mean_sade")}
+            for data, at in zip((less, more), columns, strict=True)
+        )
+        cells = [
+            _cell(pooled_mean(values, resampling))
+            for metric in before
+            for values in (before[metric], after[metric], after[metric] - before[metric])
+        ]
+        lines.append(row(METHODS[method], *cells, origin="ours"))
+    heads = tuple(f"{head} {which}" for head in ("min-sADE", "mean-sADE") for which in ("less", "more", "more - less"))
+    notes = (f"{len(shared)} scenes that both have. Less: {less.trained_on} More: {more.trained_on}",)
+    return Table(f"training-{more.name}", f"Trained on less and on more: {more.title}", ("", *heads), tuple(lines), notes)
+
+
+def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled) -> Table:
+    """Mean error against diversity: DriveGen at every temperature of its goals, the others as they are."""
+    lines = []
+    for temperature, results in sorted(at.items()):
+        cells = [_cell(_one_seed(results, metric)) for metric in FIVE]
+        lines.append(row(f"DriveGen, temperature {temperature:g}", *cells, origin="ours"))
+    lines += [
+        row(_label(method, pooled), *(_cell(pooled[method].get(metric)) for metric in FIVE), origin="ours")
+        for method in METHODS
+        if method in pooled and method != "log"
+    ]
+    notes = (
+        f"One training seed ({data.seeds[0]}) at each temperature; the temperature in use was chosen on the validation split.",
+    )
+    return Table(f"front-{data.name}", f"Error against diversity: {data.title}", ("", *_HEADS), tuple(lines), notes)
+
+
+def _quality(data: DataSet, pooled: Pooled) -> Table:
+    ours = [
+        row(_label(m, pooled), _chosen(data, m), *(_cell(pooled.get(m, {}).get(metric)) for metric in FIVE), origin="ours")
+        for m in METHODS
+    ]
+    theirs = [row(name, paper.MARK, *(f"{v:.2f}" for v in values), origin="paper") for name, values in paper.QUALITY.items()]
+    scenes = max((len(results.scenarios) for results in data.methods.values()), default=0)
+    notes = (
+        f"{data.title}; {scenes} scenes, {len(data.seeds)} training seeds. {data.trained_on}",
+        "Intervals: 95 %, bootstrap over scenes (over recordings where scenes share one) crossed with training seeds; of "
+        "diversity, over scenes, widened to hold every seed's.",
+        "The paper's rows were measured on other data by others: they cannot be compared with ours.",
+        "A rival that does not beat constant velocity in min-sADE is marked under-trained: beating it counts for nothing.",
+    )
+    heads = ("", "goals chosen by", *_HEADS)
+    return Table(f"quality-{data.name}", f"Table I. Scenario quality: {data.title}", heads, (*ours, *theirs), notes)
+
+
+def _paired(data: DataSet, draws: int, rng: np.random.Generator) -> Table:
+    """DriveGen less each other method, scene by scene and seed by seed: negative is better."""
+    resampling, ours, lines = resampling_of(data, draws, rng), data.methods.get("drivegen"), []
+    for method in [m for m in METHODS if m in data.methods and m not in ("drivegen", "log")]:
+        other = data.methods[method]
+        cells = [
+            _cell(pooled_mean(ours.values[metric] - other.values[metric], resampling)) if ours else Cell(NOT_MEASURED)
+            for metric in FIVE[:4]
+        ]
+        lines.append(row(METHODS[method], *cells, origin="ours"))
+    title = f"DriveGen less the others, paired: {data.title}"
+    return Table(f"paired-{data.name}", title, ("DriveGen less", *_HEADS[:4]), tuple(lines), ("Below zero DriveGen is better.",))
+
+
+_TRUST_TABLES: tuple[tuple[str, str, dict[str, str], tuple[str, ...]], ...] = (
+    (
+        "safety",
+        "Safety of what is generated",
+        {
+            "collision_per_vehicle": "vehicles in collision",
+            "off_road_per_vehicle": "vehicles off road",
+            "illegal_per_vehicle": "vehicles illegal",
+            "rejected": "trajectories rejected",
+        },
+        ("Shares. Rejected: of all trajectories that were planned, those that the checker threw away.",),
+    ),
+    (
+        "scores",
+        "Proper scores, realism and a classifier",
+        {"realism": "realism \u2191", "auc": "AUC \u2192 0.5"},
+        (
+            "Realism: in the manner of WOSAC, on these data; the log's own row is what perfect is worth. AUC: of a classifier "
+            "that tells generated from logged tracks, 0.5 where it cannot.",
+        ),
+    ),
+)
+
+
+def _trust(data: DataSet, pooled: Pooled) -> list[Table]:
+    """What the paper leaves out; columns that a table names, then every further metric of the same family."""
+    families = {"scores": ("energy", "nll"), "safety": ("box",)}
+    found = []
+    for name, title, columns, notes in _TRUST_TABLES:
+        known = {metric for metrics in pooled.values() for metric in metrics}
+        more = sorted(m for m in known - set(columns) if m.startswith(families[name]))
+        named = columns | {metric: metric.replace("_", " ").replace(".", " ") for metric in more}
+        found.append(_plain(f"{name}-{data.name}", f"{title}: {data.title}", named, pooled, notes))
+    distances = {m: m.removeprefix("distance.").replace("_", " ") for ms in pooled.values() for m in ms if is_distance(m)}
+    title = f"Distances of distributions from the log's: {data.title}"
+    found.append(_plain(f"distances-{data.name}", title, dict(sorted(distances.items())), pooled, ("0 is the same.",)))
+    return found
+
+
+def _plain(name: str, title: str, columns: Mapping[str, str], pooled: Pooled, notes: tuple[str, ...]) -> Table:
+    lines = [row(_label(m, pooled), *(_cell(pooled.get(m, {}).get(c), 3) for c in columns), origin="ours") for m in METHODS]
+    return Table(name, title, ("", *columns.values()), tuple(lines), notes)
+
+
+def _by_scene(data: DataSet) -> Table:
+    """Every scene a row: too few to average. min-sADE / mean-sADE of each method, the mean over training seeds."""
+    methods = [m for m in METHODS if m in data.methods]
+    scenes = data.methods[methods[0]].scenarios if methods else ()
+    lines: list[Row] = []
+    for n, scene in enumerate(scenes):
+        both = [[float(np.nanmean(data.methods[m].values[k][:, n])) for k in ("min_sade", "mean_sade")] for m in methods]
+        lines.append(row(scene, *(f"{low:.2f} / {mean:.2f}" for low, mean in both), origin="ours"))
+    notes = ("min-sADE / mean-sADE [m]. So few scenes show that it runs; they rank nothing.",)
+    return Table(
+        f"scenes-{data.name}", f"Scene by scene: {data.title}", ("", *(METHODS[m] for m in methods)), tuple(lines), notes
+    )
+
+
+def _one_seed(results: Results, metric: str) -> Interval | None:
+    """Without an interval, for it is a point of a curve."""
+    if metric in results.sets:
+        return Interval(results.sets[metric][0].value, np.nan, np.nan)
+    values = results.values.get(metric)
+    return None if values is None else Interval(float(np.nanmean(values)), np.nan, np.nan)
+
+
+def _label(method: str, pooled: Pooled) -> str:
+    mark = ", under-trained" if method in RIVALS and under_trained(method, pooled) else ""
+    return METHODS[method] + mark
+
+
+def _chosen(data: DataSet, method: str) -> str:
+    return data.methods[method].chosen_by if method in data.methods else NOT_MEASURED
+
+
+def _cell(found: Interval | None, digits: int = 2) -> Cell:
+    if found is None or not np.isfinite(found.value):
+        return Cell(NOT_MEASURED)
+    text = f"{found.value:.{digits}f}"
+    return Cell(text, f"{found.low:.{digits}f} to {found.high:.{digits}f}") if np.isfinite(found.low) else Cell(text)
+
+
+def _badness(value: float, metric: str) -> float:
+    return abs(value - 1) if metric == "diversity" else value

@@ -1,0 +1,95 @@
+"""The published tables: the pipeline once for every data set, training seed and temperature, then one door that pools them.
+
+Each run is a workspace of its own beside this one (`workspace.py`) with other parameters: `publish.data` of params.yaml says
+which. They share DVC's cache, so what two of them have in common (the corpus, models that only the measured data set tells
+apart) is computed once, and a run that was interrupted goes on where it was. Real recordings are looked for in one folder;
+data sets that are not there are left out, and the tables say so.
+"""
+
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+from prefect import flow, get_run_logger
+from prefect.artifacts import create_table_artifact
+from prefect.states import Completed, Failed
+
+from flows import pipeline, workspace
+from flows.experiment import RUNNER, submit
+
+ROOMS = Path(".drivegen/tables")
+PUBLISHED = Path("reports/published")
+
+MEASURED = ("evaluate", "goals", "train_selector", "train_planner", "train_generator")
+"""Stages whose results the tables show; what they need is run, too."""
+
+FRONT = ("evaluate",)
+"""Those of a run at another temperature."""
+
+
+@dataclass(frozen=True)
+class Room:
+    """One run: `<data set>/<what varies>`, the parameters by which it differs from params.yaml, and what is wanted of it."""
+
+    name: str
+    params: dict[str, Any]
+    measured: tuple[str, ...]
+
+
+@flow(name="tables", task_runner=RUNNER)  # type: ignore[arg-type]  # Prefect's own generics disagree
+def tables(real: Path) -> Any:
+    """Run every room and pool them into reports/published; `real` is the folder of real recordings."""
+    values = yaml.safe_load(Path("params.yaml").read_text())
+    rows = []
+    for room in rooms(values["publish"], real.resolve()):
+        rows.append({"run": room.name, "why": _bring_up(room)})
+        if rows[-1]["why"]:
+            break
+    create_table_artifact(rows, key="tables", description="Runs behind the published tables")
+    if failed := [f"{row['run']}: {row['why']}" for row in rows if row["why"]]:
+        return Failed(message="; ".join(failed))
+    pipeline.run_door("publish", [ROOMS, PUBLISHED], get_run_logger().info)
+    return Completed(message=f"{PUBLISHED} from {len(rows)} runs")
+
+
+def rooms(publish: dict[str, Any], real: Path) -> Iterator[Room]:
+    """Every data set that is there with every training seed, then DriveGen alone at other temperatures with the first seed."""
+    for name, data in publish["data"].items():
+        folder = real / data["folder"]
+        if data["folder"] and not folder.is_dir():
+            continue
+        params = {**publish["params"], **data["params"]}
+        if data["folder"]:
+            params |= {key: _placed(value, str(folder)) for key, value in data["folders"].items()}
+        for seed in publish["seeds"]:
+            yield Room(f"{name}/{seed}", {**params, "run.training_seed": seed}, MEASURED)
+        for temperature in publish["temperatures"] if data["front"] else ():
+            alone = {"run.methods": ["drivegen"], "rollout.generation.temperature": temperature}
+            yield Room(f"{name}/t{temperature}", {**params, "run.training_seed": publish["seeds"][0], **alone}, FRONT)
+
+
+def _placed(value: Any, folder: str) -> Any:
+    """`value` with the folder of real recordings where it says FOLDER, one level deep."""
+    if isinstance(value, dict):
+        return {key: _placed(item, folder) for key, item in value.items()}
+    return folder if value == "FOLDER" else value
+
+
+def _bring_up(room: Room) -> str:
+    """Run what the room's tables need; "" if it went well, else what failed. Its workspace is made anew, its cache is not."""
+    root = ROOMS / room.name
+    shutil.rmtree(root, ignore_errors=True)
+    workspace.duplicate(Path(), root, room.params)
+    pipeline.restore(root)
+    plan = pipeline.read(root)
+    wanted = [stage for stage in plan.needs if stage.partition("@")[0] in room.measured]
+    needed = {name for stage in wanted for name in (*plan.upstream(stage), stage)}
+    stale = needed & plan.stale
+    get_run_logger().info("%s: %d stages, %d to run", room.name, len(needed), len(stale))
+    futures = submit(plan, stale, root)
+    for future in futures.values():
+        future.wait()
+    return "; ".join(str(f.state.message) for f in futures.values() if f.state.name == "Failed")

@@ -1,0 +1,50 @@
+"""Which runs the published tables ask for, and that they are made without touching this workspace."""
+
+from pathlib import Path
+
+import yaml
+
+from flows.tables import FRONT, MEASURED, rooms
+
+PUBLISH = {
+    "seeds": [7, 8],
+    "temperatures": [0.5],
+    "params": {"run.workers": 1},
+    "data": {
+        "corpus": {"folder": "", "params": {}, "folders": {}, "front": True},
+        "real": {
+            "folder": "recordings",
+            "params": {"ingest.source": "real"},
+            "folders": {"ingest.root": "FOLDER", "ingest.roots": {"real": "FOLDER"}},
+            "front": False,
+        },
+    },
+}
+
+
+def test_every_data_set_is_run_with_every_seed_and_its_front_with_the_first(tmp_path: Path) -> None:
+    (tmp_path / "recordings").mkdir()
+    found = {room.name: room for room in rooms(PUBLISH, tmp_path)}
+    assert list(found) == ["corpus/7", "corpus/8", "corpus/t0.5", "real/7", "real/8"]
+    assert found["real/8"].params == {
+        "run.workers": 1, "ingest.source": "real", "ingest.root": str(tmp_path / "recordings"),
+        "ingest.roots": {"real": str(tmp_path / "recordings")}, "run.training_seed": 8,
+    }  # fmt: skip
+    assert (found["real/8"].measured, found["corpus/t0.5"].measured) == (MEASURED, FRONT)
+    assert found["corpus/t0.5"].params["run.methods"] == ["drivegen"]
+
+
+def test_recordings_that_are_not_there_are_left_out(tmp_path: Path) -> None:
+    assert [room.name for room in rooms(PUBLISH, tmp_path)] == ["corpus/7", "corpus/8", "corpus/t0.5"]
+
+
+def test_the_parameters_that_runs_replace_are_in_params_yaml(tmp_path: Path) -> None:
+    from flows.workspace import overridden
+
+    values = yaml.safe_load((Path(__file__).parents[2] / "params.yaml").read_text())
+    for data in values["publish"]["data"].values():
+        (tmp_path / data["folder"]).mkdir(parents=True, exist_ok=True)
+    asked = list(rooms(values["publish"], tmp_path))
+    assert len(asked) >= 3 * len(values["publish"]["data"])
+    for room in asked:
+        overridden(values, room.params)  # raises KeyError for a name that is not there

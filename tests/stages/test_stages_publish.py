@@ -1,0 +1,98 @@
+"""The door `publish` on runs written by hand: what is pooled, what is said of what is missing, same bytes."""
+
+from pathlib import Path
+
+import numpy as np
+import orjson
+import pytest
+
+from drivegen.errors import MissingTool, UnusableInput
+from drivegen.store.files import write_json
+from drivegen.store.results import Run, result_rows, write_results
+from stages import publish
+from stages.publish import About, Params
+
+SCENES = ["a:0", "a:1", "b:0"]
+
+
+def about(title: str, **changes: object) -> About:
+    return About(**{"title": title, "folder": "", "params": {}, "folders": {}, "front": True, "by_scene": False, **changes})
+
+
+def params(**changes: object) -> Params:
+    data = {"here": about("Here"), "there": about("There", by_scene=True), "absent": about("Absent")}
+    values = {
+        "seed": 7, "draws": 50, "seeds": (7, 8), "temperatures": (0.5,), "params": {}, "data": data,
+        "transfer": (("here", "there"),), "training": (("here", "there"),),
+    }  # fmt: skip
+    return Params(**{**values, **changes})
+
+
+def run(place: Path, errors: dict[str, list[float]], scenes: list[str] = SCENES) -> None:
+    """One evaluated run: `errors` by method are min-sADE of each scene; the rest follows from it."""
+    metrics = place / "reports/metrics"
+    for method, error in errors.items():
+        values = {
+            name: np.array(error) * factor
+            for name, factor in zip(("min_sade", "min_sfde", "mean_sade", "mean_sfde"), (1, 2, 3, 4), strict=True)
+        }
+        rows = result_rows(Run("x", "evaluate", method, "", 7, ""), scenes, values)
+        write_results(metrics / f"quality/{method}.parquet", [rows])
+        details = {"diversity_ratio": 0.9, "diversity_ratio.low": 0.8, "diversity_ratio.high": 1.0, "distance.speed": 0.5}
+        write_json(metrics / f"quality_details/{method}.json", details)
+    write_json(metrics / "ingest.json", {"trained_on": "toys", "note": ""})
+
+
+@pytest.fixture
+def runs(tmp_path: Path) -> Path:
+    for seed, shift in ((7, 0.0), (8, 1.0)):
+        for name in ("here", "there"):
+            run(
+                tmp_path / "runs" / name / str(seed),
+                {"drivegen": [1 + shift, 2, 3], "bits": [9.0, 9, 9], "constant_velocity": [5.0, 5, 5]},
+            )
+    run(tmp_path / "runs/here/t0.5", {"drivegen": [1.0, 1, 1]})
+    return tmp_path / "runs"
+
+
+def test_every_figure_is_a_row_with_its_interval_and_who_chose(runs, tmp_path):
+    publish.main(params(), runs, tmp_path / "out")
+    rows = orjson.loads((tmp_path / "out/scenario_quality.json").read_bytes())
+    assert all(set(row) == {"data", "method", "metric", "value", "low", "high", "n", "seeds", "selector"} for row in rows)
+    found = {(row["data"], row["method"], row["metric"]): row for row in rows}
+    mine = found["here", "drivegen", "min_sade"]
+    assert mine["value"] == pytest.approx(6.5 / 3)
+    assert mine["low"] < mine["value"] < mine["high"]
+    assert (mine["n"], mine["seeds"], mine["selector"]) == (3, 2, "learned selector (imitates logs)")
+    assert found["here", "drivegen", "diversity"]["low"] == 0.8
+
+
+def test_tables_mark_the_under_trained_and_what_nobody_measured(runs, tmp_path):
+    publish.main(params(), runs, tmp_path / "out")
+    text = (tmp_path / "out/quality-here.md").read_text()
+    assert "BITS, under-trained" in text
+    assert "| TrafficGen | not measured |" in text
+    assert "paper, on Argoverse 2" in text
+    assert "-2.83" in (tmp_path / "out/paired-here.md").read_text()  # 13/6 - 5
+    assert "temperature 0.5" in (tmp_path / "out/front-here.md").read_text()
+    assert (tmp_path / "out/scenes-there.md").exists()
+    assert "1.00" in (tmp_path / "out/transfer-here-there.md").read_text()
+    assert orjson.loads((tmp_path / "out/provenance.json").read_bytes())["not_measured"] == ["absent"]
+
+
+def test_the_same_runs_give_the_same_bytes(runs, tmp_path):
+    for name in ("one", "two"):
+        publish.main(params(), runs, tmp_path / name)
+    for file in (tmp_path / "one").iterdir():
+        assert file.read_bytes() == (tmp_path / "two" / file.name).read_bytes()
+
+
+def test_seeds_with_other_scenes_are_refused(runs, tmp_path):
+    run(runs / "here/8", {"drivegen": [1.0, 2.0]}, SCENES[:2])
+    with pytest.raises(UnusableInput, match="other scenes"):
+        publish.main(params(), runs, tmp_path / "out")
+
+
+def test_no_runs_are_said_to_be_missing(tmp_path):
+    with pytest.raises(MissingTool, match="make tables"):
+        publish.main(params(), tmp_path / "nothing", tmp_path / "out")
