@@ -2,8 +2,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.boxes import bounds, depth
-from drivegen.geometry import box_corners, boxes_overlap, to_vehicle_frame
+from drivegen.boxes import bounds, depth, separation
+from drivegen.geometry import box_corners, boxes_gap, boxes_overlap, to_vehicle_frame
 
 metres = st.floats(-8, 8)
 angles = st.floats(-7, 7)
@@ -55,3 +55,15 @@ def test_bounds_take_valid_steps_only():
     valid = np.array([[True, True, False]])
     assert bounds(position, valid).tolist() == [[0, -2, 5, 0]]
     assert bounds(position, ~valid & False)[0, 0] == np.inf
+
+
+@settings(max_examples=50, deadline=None)
+@given(metres, metres, angles, sides, sides, angles, sides, sides)
+def test_separation_is_the_gap_where_apart_and_the_depth_where_not(dx, dy, heading_a, la, wa, heading_b, lb, wb):
+    turns = (np.cos(heading_a), np.sin(heading_a), la, wa, np.cos(heading_b), np.sin(heading_b), lb, wb)
+    found = separation(dx, dy, *turns)
+    box_b = (np.array([dx, dy]), np.float64(heading_b), np.array([lb, wb]))
+    gap = float(boxes_gap(np.zeros(2), np.float64(heading_a), np.array([la, wa]), *box_b))
+    wanted = gap if gap > 0 else -depth(dx, dy, heading_a, la, wa, heading_b, lb, wb)
+    np.testing.assert_allclose(found, wanted, atol=1e-6)
+    np.testing.assert_allclose(separation(-dx, -dy, *turns[4:], *turns[:4]), found, atol=1e-6)

@@ -1,4 +1,4 @@
-"""Quality metrics: errors of 10 samples of 16 vehicles over 100 steps, and diversity of a set of scenes."""
+"""Quality metrics of 10 samples of 16 vehicles over 100 steps: errors, realism; and diversity of a set of scenes."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -8,8 +8,15 @@ from numpy.typing import NDArray
 
 from drivegen.bench import _scene
 from drivegen.bench._row import Row, cpu_seconds
+from drivegen.geometry import boxes_gap
 from drivegen.metrics.displacement import scene_errors
 from drivegen.metrics.diversity import own_frames, plain_differences, random_pairs, squared_differences
+from drivegen.metrics.features import scene_features
+from drivegen.metrics.realism import realism
+from drivegen.metrics.road_edge import RoadEdges
+from drivegen.metrics.surroundings import Boxes, surroundings
+from drivegen.render.drivable import CELL, road_field
+from drivegen.scenario import Trajectories
 from drivegen.seeds import rng
 
 TURNS = 50
@@ -31,6 +38,27 @@ def rows() -> Iterator[Row]:
     value = cpu_seconds(lambda: squared_differences(frames, pairs)) / len(pairs) * 1e3
     reference = cpu_seconds(lambda: plain_differences(frames, pairs)) / len(pairs) * 1e3
     yield Row("diversity of a pair of scenes", value, "ms", 0.1, True, reference, "all pairs of vehicles, plain norm")
+
+    field = road_field(scenario.map)
+    edges = RoadEdges(field.outside, field.origin, CELL)
+    value = cpu_seconds(lambda: realism(scene_features(scenario, motion, log, edges)[0])) * 1e3
+    boxes = Boxes.of(motion, log.valid, scenario.vehicles.size, scenario.context)
+    reference = cpu_seconds(lambda: _gaps_pair_by_pair(motion, scenario.vehicles.size[:, :2]), turns=1) * 1e3
+    nearest = cpu_seconds(lambda: surroundings(boxes, len(scenario.vehicles))) * 1e3
+    yield Row("distances to nearest boxes", nearest, "ms", 4.0, True, reference, "exact gaps of all pairs, on arrays")
+    yield Row("realism score of a scene, 16 x 10 samples", value, "ms", 10.0, True)
+
+
+def _gaps_pair_by_pair(motion: Trajectories, size: NDArray[np.float32]) -> float:
+    """All gaps (K, T) between each two vehicles, without any bound that spares most of them."""
+    least = np.inf
+    for a in range(len(size)):
+        for b in range(a):
+            gap = boxes_gap(
+                motion.position[:, a], motion.heading[:, a], size[a], motion.position[:, b], motion.heading[:, b], size[b]
+            )
+            least = min(least, float(gap.min()))
+    return least
 
 
 def _actor_by_actor(future: NDArray[np.float32], truth: NDArray[np.float32]) -> tuple[NDArray[Any], NDArray[Any]]:

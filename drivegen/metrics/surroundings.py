@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drivegen.boxes import separation
 from drivegen.geometry import Floats, boxes_overlap
-from drivegen.metrics.kinematics import kinematics
+from drivegen.metrics.kinematics import kinematics, within
 from drivegen.scenario import Actors, Trajectories
 
 FARTHEST = 40.0
@@ -36,7 +36,7 @@ class Surroundings:
     Attributes:
         nearest: signed distance to the nearest other box with rounded corners [m], negative where they overlap, FARTHEST at most.
         gap: distance to the box ahead [m], inf where none is.
-        closing: own speed less that of the box ahead [m/s], 0 where none is.
+        closing: own speed less that of the box ahead [m/s], 0 where none is, NaN where one of both speeds is not known.
     """
 
     nearest: NDArray[np.float32]
@@ -55,7 +55,8 @@ class Boxes:
     """All boxes of K samples: first the N vehicles, then the context actors, as the compiled loops need them.
 
     Attributes:
-        position: (K, M, T, 2). cos, sin: (K, M, T) of headings. speed: (K, M, T). valid: (M, T). size: (M, 2) [m].
+        position: (K, M, T, 2). cos, sin: (K, M, T) of headings. speed: (K, M, T), NaN where a step beside is
+            not known. valid: (M, T). size: (M, 2) [m].
     """
 
     position: NDArray[np.float32]
@@ -75,10 +76,14 @@ class Boxes:
             np.ascontiguousarray(np.concatenate([motion.position, people.position], axis=1)),
             np.cos(heading),
             np.sin(heading),
-            np.concatenate([kinematics(motion).speed, kinematics(people).speed], axis=1),
+            np.concatenate([_known_speed(motion, known), _known_speed(people, context.motion.valid)], axis=1),
             np.concatenate([known, context.motion.valid]),
             np.ascontiguousarray(np.concatenate([size[:, :2], context.size[:, :2]]), np.float32),
         )
+
+
+def _known_speed(motion: Trajectories, known: NDArray[np.bool_]) -> NDArray[np.float32]:
+    return np.where(within(known, 1), kinematics(motion).speed, np.float32(np.nan))
 
 
 def surroundings(boxes: Boxes, vehicles: int) -> Surroundings:

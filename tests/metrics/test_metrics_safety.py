@@ -1,10 +1,14 @@
 """Rates of violations by hand."""
 
+import numpy as np
 import pytest
 
-from drivegen.metrics.safety import safety_rates, violation_shares
+from drivegen.metrics.features import joined
+from drivegen.metrics.safety import box_rates, safety_rates, violation_shares
+from drivegen.metrics.surroundings import Boxes
 from drivegen.samples import Samples, Violation
 from drivegen.scenario import Trajectories
+from tests.scenes import busy_crossing
 
 
 def samples() -> Samples:
@@ -35,3 +39,17 @@ def test_every_kind_of_violation_has_its_share():
     assert len(shares) == len(Violation.__members__) - 1
     assert shares["collision"] == pytest.approx(2 / 8)
     assert (shares["collision_with_context"], shares["speed"], shares["red_light"]) == (1 / 8, 1 / 8, 0.0)
+
+
+def test_rates_by_size_of_boxes_leave_the_log_out():
+    scene = busy_crossing(41)
+    worlds = scene.log[np.newaxis][np.zeros(2, np.intp)]
+    worlds.position[0, 1, 20:] = worlds.position[0, 0, 20:] + np.float32([0, 2.0])  # half a width of air beside the target
+    boxes = Boxes.of(joined(worlds, scene.log), scene.log.valid, scene.vehicles.size, scene.context)
+    found = box_rates(boxes, 8, (0.9, 1.0, 1.1))
+    assert [found[f"collision_boxes_{percent}"] for percent in (90, 100, 110)] == [0, 0, 2 / 16]
+    assert [found[f"collision_boxes_{percent}_per_scene"] for percent in (90, 100, 110)] == [0, 0, 1 / 2]
+    assert (found["overlap_initial"], found["collision_centres"]) == (0, 0)
+    worlds.position[1, 2, 30] = worlds.position[1, 3, 30]
+    boxes = Boxes.of(joined(worlds, scene.log), scene.log.valid, scene.vehicles.size, scene.context)
+    assert box_rates(boxes, 8, (1.0,))["collision_centres"] == 2 / 16
