@@ -1,14 +1,17 @@
 """Scenario initialisation (paper, section III-A): a map and a table of vehicles in, new scenarios without a log out."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from drivegen import seeds
-from drivegen.assets.place import PlaceSettings, place_vehicles
+from drivegen.assets.gaps import Draws, Gaps
+from drivegen.assets.place import Placement, PlaceSettings, place_vehicles
 from drivegen.assets.retrieve import draw_kinds, retrieve
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Table
+from drivegen.assets.where import Wish
 from drivegen.crop import Cropper
 from drivegen.errors import UnusableInput
 from drivegen.scenario import DT, TARGET, Actors, Scenario, SignalState, VehicleKind
@@ -39,30 +42,67 @@ class Settings:
 
 
 class Initialiser:
-    """Makes any number of scenarios on one network; asked = placed + rejected."""
+    """Makes any number of scenarios on one network; asked = placed + rejected.
 
-    def __init__(self, network: Network, name: str, source: str, table: Table, settings: Settings) -> None:
+    `gaps` are those of the training logs, which placement in mode `data` draws from.
+    """
+
+    def __init__(
+        self, network: Network, name: str, source: str, table: Table, settings: Settings, gaps: Gaps | None = None
+    ) -> None:
         self._network, self._name, self._source, self._table, self._settings = network, name, source, table, settings
         self._slots, self._cropper = Slots(network.map), Cropper(network.map)
-        self._shares = {_kind(word): share for word, share in settings.shares.items()}
+        self._shares = {kind_named(word): share for word, share in settings.shares.items()}
+        self._draws = None if gaps is None else Draws(gaps)
 
     def scenario(self, number: int, seed: int) -> tuple[Scenario, dict[str, int]]:
         """Scenario `number`, and how many vehicles were not placed by reason.
 
         Raises UnusableInput with a countable reason where not even the target could be placed.
         """
-        settings, network = self._settings, self._network
         random = seeds.rng(seed, "place", self._name, number)
-        time = random.uniform(0.0, settings.longest_cycle) + DT * np.arange(settings.horizon + 1)
+        time = self.signal_time(random)
+        scenario, placement = self.begin(
+            f"{self._name}-{number:04d}", self.drawn_rows(self._settings.vehicles, random), time, random
+        )
+        return scenario, placement.rejected
+
+    def signal_time(self, random: np.random.Generator) -> float:
+        """When in their programs the signals are at the first frame [s]."""
+        return float(random.uniform(0.0, self._settings.longest_cycle))
+
+    def drawn_rows(self, count: int, random: np.random.Generator) -> list[int]:
+        """Rows of the table for `count` vehicles of kinds by the settings' shares."""
+        return [int(retrieve(self._table, kind, 1, random)[0]) for kind in draw_kinds(self._shares, count, random)]
+
+    def row_of(self, kind: VehicleKind, random: np.random.Generator) -> int:
+        """A row of the table of this kind."""
+        return int(retrieve(self._table, kind, 1, random)[0])
+
+    def begin(
+        self,
+        scenario_id: str,
+        rows: Sequence[int],
+        signal_time: float,
+        random: np.random.Generator,
+        wishes: Sequence[Wish] = (),
+        radius: float | None = None,
+    ) -> tuple[Scenario, Placement]:
+        """A scenario of the table's `rows`, the target first, each placed as its wish says; see `place_vehicles`.
+
+        `radius` [m] stands in for the settings' own. Raises UnusableInput, reason `no-place`, without room for the target.
+        """
+        settings, network = self._settings, self._network
+        time = signal_time + DT * np.arange(settings.horizon + 1)
         signals = network.signals(time.astype(np.float64))
-        rows = [int(retrieve(self._table, kind, 1, random)[0]) for kind in draw_kinds(self._shares, settings.vehicles, random)]
         closed = signals.lane[np.isin(signals.state[:, 0], CLOSED)]
-        placement = place_vehicles(self._slots, self._table, rows, settings.placement, random, closed)
+        placing = settings.placement if radius is None else replace(settings.placement, radius=radius)
+        placement = place_vehicles(self._slots, self._table, rows, placing, random, closed, wishes, self._draws)
         origin = np.round(network.map.origin + placement.vehicles.position[TARGET])
         cut, lanes = self._cropper.around(placement.vehicles.position[:1], settings.map_radius)
         shift = (network.map.origin - origin).astype(np.float32)
         scenario = Scenario(
-            scenario_id=f"{self._name}-{number:04d}",
+            scenario_id=scenario_id,
             source=self._source,
             city=self._name,
             map=cut.moved_to(origin),
@@ -72,10 +112,11 @@ class Initialiser:
             context=Actors.none(settings.horizon + 1),
             signals=signals.on_lanes(lanes),
         )
-        return scenario, placement.rejected
+        return scenario, placement
 
 
-def _kind(word: str) -> VehicleKind:
+def kind_named(word: str) -> VehicleKind:
+    """The kind of this name, in any case. Raises UnusableInput for others."""
     try:
         return VehicleKind[word.upper()]
     except KeyError:

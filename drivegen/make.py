@@ -6,10 +6,16 @@ and a future without its target is no scenario; both are counted in its row.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from drivegen.asked.account import Item, first_frame, manoeuvres
+from drivegen.asked.request import TrafficRequest
+from drivegen.asked.start import AskedStart
+from drivegen.asked.start import Settings as AskedSettings
+from drivegen.asked.start import start as asked_start
+from drivegen.assets.gaps import Gaps
 from drivegen.assets.table import Table
 from drivegen.av2.export import export_scenario
 from drivegen.equipment import Equipment
@@ -44,10 +50,14 @@ class Start:
     Attributes:
         scenario: map, vehicles, context, signals; with the log if there is one.
         left_out: vehicles that are not in it though they were asked for or recorded, by reason.
+        asked: the traffic as it was asked for in words, with the goals that realise its manoeuvres.
+        got: what was asked for of the first frame, and whether it was got.
     """
 
     scenario: Scenario
     left_out: Mapping[str, int]
+    asked: AskedStart | None = None
+    got: tuple[Item, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -76,13 +86,33 @@ def from_log(log: RecordedLog, settings: SelectionSettings) -> Start:
     return Start(scenario, {word: count for word, count in counts.items() if count})
 
 
-def from_network(network: Network, name: str, source: str, table: Table, settings: InitialSettings, seed: int) -> Start:
-    """Vehicles of the table placed on a network, its signals by their programs.
+def from_network(
+    network: Network, name: str, source: str, table: Table, settings: InitialSettings, seed: int, gaps: Gaps | None = None
+) -> Start:
+    """Vehicles of the table placed on a network, its signals by their programs; `gaps` are for placement as in logs.
 
     Raises UnusableInput where not even the target finds a place.
     """
-    scenario, rejected = Initialiser(network, name, source, table, settings).scenario(0, seed)
+    scenario, rejected = Initialiser(network, name, source, table, settings, gaps).scenario(0, seed)
     return Start(scenario, rejected)
+
+
+def from_words(
+    initialiser: Initialiser,
+    name: str,
+    request: TrafficRequest,
+    wanted: AskedSettings,
+    vehicles: int,
+    tools: Equipment,
+    settings: Settings,
+    seed: int,
+) -> Start:
+    """The traffic of a request on the initialiser's network; `vehicles` in all where the request does not say how many.
+
+    Raises UnusableInput where not even the target finds a place.
+    """
+    found = asked_start(initialiser, name, request, wanted, vehicles, tools.selector, settings, seed)
+    return Start(found.scenario, found.rejected, found, tuple(first_frame(request, found, wanted.densities)))
 
 
 def make(start: Start, tools: Equipment, settings: Settings, samples: int, seed: int) -> Traffic:
@@ -90,10 +120,14 @@ def make(start: Start, tools: Equipment, settings: Settings, samples: int, seed:
 
     Raises UnusableInput, reason `no-legal-target`, where no future is a scenario.
     """
-    choices = choose([start.scenario], tools.selector, settings.candidates, settings.temperature)
+    if start.asked is not None:
+        choices = [start.asked.ordered.choices]
+    else:
+        choices = choose([start.scenario], tools.selector, settings.candidates, settings.temperature)
     made = roll_out(choices, tools.planner, tools.limits, settings.rollout, samples, seed, METHOD)[0]
     goals = pack(start.scenario.scenario_id, SELECTOR, choices[0].candidates, choices[0].used)
-    traffic = Traffic(start, made, goals, tools.selector.described)
+    bound = start.asked is not None and any(start.asked.ordered.feasible)
+    traffic = Traffic(start, made, goals, f"{tools.selector.described}, bound by words" if bound else tools.selector.described)
     if all(rejected(traffic, k) for k in range(samples)):
         raise UnusableInput(
             f"no legal traffic was found in {samples} samples ({rejected(traffic, 0)}): try another seed or more samples",
@@ -122,7 +156,7 @@ def row(traffic: Traffic, k: int) -> dict[str, Any]:
 
     `id` (null where `rejected` says why there is no scenario), `sade` and `sfde` (null without a log), `vehicles` at the
     first frame, `not_placed` by reason (not there from the beginning), `dropped` (nothing legal was found), and of the
-    others `illegal`, `colliding`, `off_road` and `violations` by kind.
+    others `illegal`, `colliding`, `off_road` and `violations` by kind. `asked` where words asked for traffic.
     """
     scenario, samples = traffic.start.scenario, traffic.samples
     flags = samples.violation[k][~samples.dropped[k]]
@@ -145,7 +179,17 @@ def row(traffic: Traffic, k: int) -> dict[str, Any]:
         "violations": {kind: count for kind, count in violations.items() if count},
         "notes": scenario.notes,
         **_errors(traffic, k),
+        **_asked(traffic, k),
     }
+
+
+def _asked(traffic: Traffic, k: int) -> dict[str, Any]:
+    """`asked`: one {kind, what, got, natural} for each thing that the words asked for; nothing without words."""
+    start = traffic.start
+    if start.asked is None:
+        return {}
+    items = [*start.got, *manoeuvres(start.asked, traffic.samples, k)]
+    return {"asked": [asdict(item) for item in items]}
 
 
 def _errors(traffic: Traffic, k: int) -> dict[str, float | None]:

@@ -1,8 +1,9 @@
 """Place vehicles on a map (paper, vehicle assets generation).
 
-The target first, at random in a feasible place, with the lane's heading and a sensible speed; then social vehicles
-around it at similar speed. Nobody overlaps, faces the wrong way or follows at an implausible time gap: what does not fit
-anywhere is rejected with a reason, so asked = placed + rejected.
+The target first, at random in a feasible place, with the lane's heading and a sensible speed; then social vehicles around
+it. In mode `paper` they stand anywhere near it and drive about as fast; in mode `data` gaps and speeds are drawn from logs.
+Either way nobody overlaps, faces the wrong way or follows at an implausible time gap: what does not fit anywhere is
+rejected with a reason, so asked = placed + rejected.
 """
 
 from collections import Counter
@@ -12,18 +13,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.assets._scene import Bounds, Scene
+from drivegen.assets._spots import Spots, any_spots, drawn_spots, wished_spots
+from drivegen.assets.gaps import Draws
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Provenance, Table
+from drivegen.assets.where import Wish, standing
 from drivegen.errors import UnusableInput
-from drivegen.geometry import boxes_overlap
 from drivegen.roadmap import LaneKind
 from drivegen.scenario import SizeSource, VehicleKind, Vehicles
 
-_BRAKING = 3.0
-"""Deceleration [m/s2] with which a faster follower can still slow down to its leader's speed."""
+MODES = ("paper", "data")
 
-_CLEARANCE = 0.4
-"""Boxes are this much longer and wider [m] when tested for overlap."""
+_TARGETS = 16
+"""Places for the target that are looked at for one from which every wish can be met."""
 
 
 @dataclass(frozen=True)
@@ -31,19 +34,26 @@ class PlaceSettings:
     """How vehicles are placed.
 
     Attributes:
+        mode: `paper`, or `data`: gaps and speeds as in logs.
         road_ahead: the target starts with at least so much road before it [m], or where the map has most.
         radius: social vehicles stand within this distance of the target [m].
-        speed_spread: standard deviation of a social vehicle's speed over the target's, as a share of it.
-        least_time_gap: [s] between a vehicle and its leader, standstill_gap [m] comes on top.
+        speed_spread: standard deviation of a social vehicle's speed over the target's, as a share of it (mode `paper`).
+        least_time_gap: [s] between a vehicle and its leader, standstill_gap [m] comes on top (mode `paper`; in mode `data`
+            both are the smallest hundredth of what was seen).
         attempts: places that are tried for one vehicle.
     """
 
+    mode: str
     road_ahead: float
     radius: float
     speed_spread: float
     least_time_gap: float
     standstill_gap: float
     attempts: int
+
+    def __post_init__(self) -> None:
+        if self.mode not in MODES:
+            raise UnusableInput(f"placement: mode is one of {', '.join(MODES)}, not {self.mode!r}")
 
 
 @dataclass(frozen=True)
@@ -52,22 +62,15 @@ class Placement:
 
     Attributes:
         vehicles: Vehicles (N,), the target first. lane: (N,) int32 the lane of each.
+        number: (N,) which of those asked for each vehicle is.
         rejected: how many vehicles were not placed, by the most frequent reason of their attempts: `does-not-fit`
-            (no lane is long and wide enough), `overlap`, `time-gap`.
+            (no lane that was asked for is long and wide enough), `overlap`, `time-gap`.
     """
 
     vehicles: Vehicles
     lane: NDArray[np.int32]
+    number: NDArray[np.intp]
     rejected: dict[str, int]
-
-
-@dataclass
-class _Scene:
-    """Vehicles placed so far, as growing lists of equal length."""
-
-    slot: list[int]
-    speed: list[float]
-    row: list[int]
 
 
 def place_vehicles(
@@ -77,28 +80,82 @@ def place_vehicles(
     settings: PlaceSettings,
     random: np.random.Generator,
     closed: NDArray[np.int32] | None = None,
+    wishes: Sequence[Wish] = (),
+    draws: Draws | None = None,
 ) -> Placement:
     """Place the assets `rows` of the table on the map of `slots`; the first one is the target.
 
     `closed` names lanes that must not be entered at the first frame (red lights): nobody is too fast to stop there.
-    Raises UnusableInput, reason `no-place`, where the map has no room for the target.
+    `wishes`, if given, are one for each row: the target's says how fast it drives, the others' where they stand as well.
+    `draws` is needed in mode `data`. Raises UnusableInput, reason `no-place`, where the map has no room for the target.
     """
-    limit = slots.limit if closed is None or not len(closed) else slots.limit_before(closed)
-    scene = _Scene([], [], [])
-    rejected: Counter[str] = Counter()
     rows = [int(row) for row in rows]
-    fits = _fits(slots, table, rows[0])
-    if not len(fits):
-        raise UnusableInput("the map has no lane on which the target fits", reason="no-place")
-    target = int(random.choice(_with_road(slots, fits, settings.road_ahead)))
-    pace = float(limit[target] * random.uniform(0.6, 1.0))
-    scene.slot, scene.speed, scene.row = [target], [pace], rows[:1]
+    wishes = wishes or [Wish()] * len(rows)
+    if settings.mode == "data" and draws is None:
+        raise UnusableInput("placement in mode data needs the gaps of logs: run the assets stage")
+    following = draws if settings.mode == "data" else None
+    limit = slots.limit if closed is None or not len(closed) else slots.limit_before(closed)
+    bounds = Bounds(settings.least_time_gap, settings.standstill_gap)
+    if following is not None:
+        bounds = Bounds(following.least_time_gap, following.least_gap)
+    scene = Scene(slots, table, bounds)
+    target = _target(slots, table, rows[0], settings, wishes, limit, random)
+    scene.add(target, _pace(float(limit[target]), wishes[0], following, random), rows[0], 0)
     near = ((slots.position - slots.position[target]) ** 2).sum(-1) <= settings.radius**2
-    for row in rows[1:]:
-        reason = _place_one(slots, table, row, near, limit, scene, settings, random)
+    rejected: Counter[str] = Counter()
+    for number, (row, wish) in enumerate(zip(rows[1:], wishes[1:], strict=True), 1):
+        fits = fitting(slots, table, row)
+        if wish.stands:
+            spots = wished_spots(scene, fits, wish, limit, settings.attempts, random)
+        elif following is not None:
+            spots = drawn_spots(scene, fits & near, limit, following, settings.attempts, random)
+        else:
+            spots = any_spots(scene, fits & near, limit, settings.speed_spread, settings.radius, settings.attempts, random)
+        reason = _place_one(scene, spots, wish, row, number)
         if reason is not None:
             rejected[reason] += 1
-    return Placement(_vehicles(slots, table, scene), slots.lane[scene.slot], dict(sorted(rejected.items())))
+    return Placement(_vehicles(scene), slots.lane[scene.slot], np.array(scene.number), dict(sorted(rejected.items())))
+
+
+def fitting(slots: Slots, table: Table, row: int) -> NDArray[np.bool_]:
+    """(Q,) slots where the vehicle stands wholly on a lane that is for it."""
+    length, width, _ = table.size[row]
+    lane = slots.lane
+    inside = (slots.along >= length / 2) & (slots.along + length / 2 <= slots.length[lane]) & (slots.width[lane] >= width)
+    own = slots.map.kind[lane] == LaneKind.VEHICLE
+    if table.kind[row] == VehicleKind.BUS:
+        own |= slots.map.kind[lane] == LaneKind.BUS
+    return np.asarray(inside & own)
+
+
+def _target(
+    slots: Slots,
+    table: Table,
+    row: int,
+    settings: PlaceSettings,
+    wishes: Sequence[Wish],
+    limit: NDArray[np.float64],
+    random: np.random.Generator,
+) -> int:
+    """A slot for the target; the first of some drawn from which every wish has a place, where there are wishes."""
+    fits = np.flatnonzero(fitting(slots, table, row))
+    if not len(fits):
+        raise UnusableInput("the map has no lane on which the target fits", reason="no-place")
+    feasible = _with_road(slots, fits, settings.road_ahead)
+    speed = wishes[0].speed
+    if speed is not None and (limit[feasible] >= speed).any():
+        feasible = feasible[limit[feasible] >= speed]
+    wanted = [wish for wish in wishes[1:] if wish.relation is not None]
+    if not wanted:
+        return int(random.choice(feasible))
+    tried = random.choice(feasible, min(_TARGETS, len(feasible)), replace=False)
+    met = [sum(bool(_places(slots, int(slot), wish).any()) for wish in wanted) for slot in tried]
+    return int(tried[int(np.argmax(met))])
+
+
+def _places(slots: Slots, target: int, wish: Wish) -> NDArray[np.bool_]:
+    assert wish.relation is not None
+    return standing(slots, target, wish.relation, wish.distance)
 
 
 def _with_road(slots: Slots, fits: NDArray[np.intp], wanted: float) -> NDArray[np.intp]:
@@ -107,88 +164,33 @@ def _with_road(slots: Slots, fits: NDArray[np.intp], wanted: float) -> NDArray[n
     return np.asarray(fits[road >= min(wanted, float(np.quantile(road, 0.9)))])
 
 
-def _fits(slots: Slots, table: Table, row: int, near: NDArray[np.bool_] | None = None) -> NDArray[np.intp]:
-    """Slots where the vehicle stands wholly on a lane that is for it."""
-    length, width, _ = table.size[row]
-    lane = slots.lane
-    inside = (slots.along >= length / 2) & (slots.along + length / 2 <= slots.length[lane]) & (slots.width[lane] >= width)
-    own = slots.map.kind[lane] == LaneKind.VEHICLE
-    if table.kind[row] == VehicleKind.BUS:
-        own |= slots.map.kind[lane] == LaneKind.BUS
-    return np.flatnonzero(inside & own if near is None else inside & own & near)
+def _pace(limit: float, wish: Wish, draws: Draws | None, random: np.random.Generator) -> float:
+    """The target's speed [m/s]."""
+    if wish.speed is not None:
+        return min(limit, wish.speed)
+    return limit * (random.uniform(0.6, 1.0) if draws is None else min(draws.pace(random), 1.0))
 
 
-def _place_one(
-    slots: Slots,
-    table: Table,
-    row: int,
-    near: NDArray[np.bool_],
-    limit: NDArray[np.float64],
-    scene: _Scene,
-    settings: PlaceSettings,
-    random: np.random.Generator,
-) -> str | None:
-    """Add one social vehicle to the scene, or say why not."""
-    fits = _fits(slots, table, row, near)
-    if not len(fits):
+def _place_one(scene: Scene, spots: Spots, wish: Wish, row: int, number: int) -> str | None:
+    """Add one social vehicle at the first spot that is free and keeps its gaps, or say why none is."""
+    if not len(spots.slot):
         return "does-not-fit"
-    distance = np.hypot(*(slots.position[fits] - slots.position[scene.slot[0]]).T)
-    keys = random.gumbel(size=len(fits)) - 2 * distance / settings.radius  # nearer places are likelier
-    tried = fits[np.argsort(-keys, kind="stable")[: settings.attempts]]
-    wish = scene.speed[0] * (1 + settings.speed_spread * random.standard_normal(len(tried)))
-    speed = np.clip(wish, 0.0, limit[tried])
-    free = ~_overlaps(slots, table, tried, row, scene)
+    speed = spots.speed if wish.speed is None else np.minimum(spots.limit, wish.speed)
+    free = ~scene.overlaps(spots.slot, row)
     reasons: Counter[str] = Counter()
-    for candidate in range(len(tried)):
+    for candidate in range(len(spots.slot)):
         if not free[candidate]:
             reasons["overlap"] += 1
-        elif not _keeps_gaps(slots, table, int(tried[candidate]), float(speed[candidate]), row, scene, settings):
+        elif not scene.keeps_gaps(int(spots.slot[candidate]), float(speed[candidate]), row):
             reasons["time-gap"] += 1
         else:
-            scene.slot.append(int(tried[candidate]))
-            scene.speed.append(float(speed[candidate]))
-            scene.row.append(row)
+            scene.add(int(spots.slot[candidate]), float(speed[candidate]), row, number)
             return None
     return reasons.most_common(1)[0][0]
 
 
-def _overlaps(slots: Slots, table: Table, tried: NDArray[np.intp], row: int, scene: _Scene) -> NDArray[np.bool_]:
-    """(K,) whether the vehicle would overlap anyone in the scene at each slot tried."""
-    size = table.size[row, :2].astype(np.float64) + _CLEARANCE
-    others = table.size[scene.row, :2].astype(np.float64)
-    hit = boxes_overlap(
-        slots.position[tried][:, None],
-        slots.heading[tried][:, None],
-        size,
-        slots.position[scene.slot],
-        slots.heading[scene.slot],
-        others,
-    )
-    return np.asarray(hit.any(-1))
-
-
-def _keeps_gaps(slots: Slots, table: Table, slot: int, speed: float, row: int, scene: _Scene, settings: PlaceSettings) -> bool:
-    """Whether the gaps to all leaders and followers along the lanes are plausible."""
-    lane, along = int(slots.lane[slot]), float(slots.along[slot])
-    placed = np.array(scene.slot)
-    lanes, alongs, speeds = slots.lane[placed], slots.along[placed], np.array(scene.speed)
-    length = (table.size[scene.row, 0] + table.size[row, 0]).astype(np.float64) / 2
-    ahead = slots.distance_ahead(lane, along, lanes, alongs) - length
-    if (ahead < _needed_gap(np.full(len(speeds), speed), speeds, settings)).any():
-        return False
-    at = np.array([along])
-    here = np.array([lane], np.int32)
-    behind = np.concatenate([slots.distance_ahead(int(a), float(s), here, at) for a, s in zip(lanes, alongs, strict=True)])
-    return not (behind - length < _needed_gap(speeds, np.full(len(speeds), speed), settings)).any()
-
-
-def _needed_gap(follower: NDArray[np.float64], leader: NDArray[np.float64], settings: PlaceSettings) -> NDArray[np.float64]:
-    """(K,) gap [m], bumper to bumper: standstill gap, time gap, and room to slow down to the leader's speed."""
-    braking = np.maximum(follower**2 - leader**2, 0.0) / (2 * _BRAKING)
-    return settings.standstill_gap + settings.least_time_gap * follower + braking
-
-
-def _vehicles(slots: Slots, table: Table, scene: _Scene) -> Vehicles:
+def _vehicles(scene: Scene) -> Vehicles:
+    slots, table = scene.slots, scene.table
     measured = table.provenance[scene.row] != Provenance.DOCUMENTED
     return Vehicles(
         track_id=np.array([str(i) for i in range(len(scene.slot))], np.str_),

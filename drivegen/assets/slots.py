@@ -1,19 +1,14 @@
 """Where vehicles can stand on a map: points along the lanes, how fast one may go there, and how far lanes lie apart."""
 
-import heapq
-from collections import defaultdict
-
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.assets.ways import Ways
 from drivegen.geometry import arc_length, interpolate, line_heading
 from drivegen.roadmap import LaneControl, LaneKind, RoadMap
 
 SPACING = 2.0
 """Distance between slots along a lane [m]."""
-
-REACH = 120.0
-"""How far ahead vehicles matter to each other [m]."""
 
 FAR = 400.0
 """Road ahead is not followed farther than this [m]."""
@@ -52,19 +47,16 @@ class Slots:
         lane: (Q,) int32. along: (Q,) float32 [m] from the lane's start. position: (Q, 2). heading: (Q,).
         limit: (Q,) float32 [m/s] speed from which one can still keep the limits, bends and stop lines ahead.
         road_ahead: (Q,) float64 [m] of lanes that can be driven from here without changing lanes, FAR at most.
-        length: (L,) [m] of each lane. width: (L,) [m] the narrowest of each lane.
+        ways: driving distances between lanes. length: (L,) [m] of each lane. width: (L,) [m] the narrowest of each lane.
     """
 
     def __init__(self, road_map: RoadMap) -> None:
         self.map = road_map
         lines = [road_map.centreline[i].astype(np.float64) for i in range(len(road_map))]
-        self.length = np.array([arc_length(line)[-1] for line in lines])
+        self.ways = Ways(road_map)
+        self.length = self.ways.length
         self.width = np.array([_width(road_map, i) for i in range(len(road_map))])
-        self._onward: dict[int, list[int]] = defaultdict(list)
-        for before, after in road_map.links.tolist():
-            self._onward[before].append(after)
-        self._ahead: dict[int, dict[int, float]] = {}
-        profiles = _Profiles(road_map, lines, self.length, self._onward)
+        profiles = _Profiles(road_map, lines, self.length, self.ways.onward)
         usable = np.flatnonzero((road_map.kind != LaneKind.BIKE) & ~road_map.in_junction & (self.length > SPACING))
         places = [(lane, np.arange(SPACING / 2, self.length[lane], SPACING)) for lane in usable.tolist()]
         self.lane = np.concatenate([np.full(len(at), lane, np.int32) for lane, at in places] or [np.zeros(0, np.int32)])
@@ -82,35 +74,10 @@ class Slots:
         shut = np.zeros(len(self.map), np.bool_)
         shut[closed] = True
         blocked = np.array(
-            [bool(after) and bool(shut[after].all()) for after in (self._onward.get(i, []) for i in range(len(shut)))]
+            [bool(after) and bool(shut[after].all()) for after in (self.ways.onward.get(i, []) for i in range(len(shut)))]
         )
         stopping = np.sqrt(2 * _BRAKING * (self.length[self.lane] - self.along))
         return np.where(blocked[self.lane], np.minimum(self.limit, stopping), self.limit)
-
-    def distance_ahead(
-        self, lane: int, along: float, lanes: NDArray[np.int32], alongs: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Driving distance (K,) [m] from one place to others ahead of it; inf where there is none within REACH or so."""
-        row = self._lanes_ahead(lane)
-        start = np.array([row.get(other, np.inf) for other in lanes.tolist()])
-        ahead = start + (self.length[lane] - along) + alongs
-        here = (lanes == lane) & (alongs >= along)
-        return np.where(here, alongs - along, ahead)
-
-    def _lanes_ahead(self, lane: int) -> dict[int, float]:
-        """Distance from the end of `lane` to the start of every lane within REACH of it (kept for the next question)."""
-        if lane not in self._ahead:
-            best: dict[int, float] = {}
-            heap = [(0.0, after) for after in self._onward.get(lane, [])]
-            while heap:
-                so_far, here = heapq.heappop(heap)
-                if here in best or so_far > REACH:
-                    continue
-                best[here] = so_far
-                for after in self._onward.get(here, []):
-                    heapq.heappush(heap, (so_far + float(self.length[here]), after))
-            self._ahead[lane] = best
-        return self._ahead[lane]
 
 
 def _width(road_map: RoadMap, lane: int) -> float:

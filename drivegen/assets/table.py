@@ -23,11 +23,12 @@ _SIMULATED = "(simulated)"
 
 
 class Provenance(IntEnum):
-    """Where a row's box comes from, best first."""
+    """Where a row comes from, best first; nothing is placed from what was GENERATED, which is only compared with logs."""
 
     MEASURED = 0
     SIMULATED = 1
     DOCUMENTED = 2
+    GENERATED = 3
 
 
 _DOCUMENTED = {
@@ -97,9 +98,8 @@ def build_table(scenarios: Iterable[Scenario]) -> Table:
     """The assets that appear in the logs of `scenarios`, and documented ones for planned kinds that do not appear."""
     speeds: dict[tuple[int, int, tuple[float, ...], str], list[float]] = {}
     for scenario in scenarios:
-        simulated = _SIMULATED in scenario.source
         pace = _usual_speeds(scenario)
-        for i, known_by in enumerate(_provenances(scenario.vehicles, simulated)):
+        for i, known_by in enumerate(_provenances(scenario.vehicles, provenance_of_log(scenario.source))):
             if known_by is not None:
                 size = tuple(np.round(scenario.vehicles.size[i].astype(np.float64), 2).tolist())
                 key = (int(scenario.vehicles.kind[i]), int(known_by), size, scenario.source)
@@ -120,12 +120,14 @@ def build_table(scenarios: Iterable[Scenario]) -> Table:
     )
 
 
-def _provenances(vehicles: Vehicles, simulated: bool) -> list[Provenance | None]:
+def provenance_of_log(source: str) -> Provenance:
+    """Of what is seen in the logs of `source`, a data set in words."""
+    return Provenance.SIMULATED if _SIMULATED in source else Provenance.MEASURED
+
+
+def _provenances(vehicles: Vehicles, of_log: Provenance) -> list[Provenance | None]:
     """Of each vehicle's box; None for boxes that were shrunk."""
-    known = {
-        SizeSource.MEASURED: Provenance.SIMULATED if simulated else Provenance.MEASURED,
-        SizeSource.ASSUMED: Provenance.DOCUMENTED,
-    }
+    known = {SizeSource.MEASURED: of_log, SizeSource.ASSUMED: Provenance.DOCUMENTED}
     return [known.get(SizeSource(int(source))) for source in vehicles.size_source]
 
 

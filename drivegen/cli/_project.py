@@ -3,6 +3,8 @@
 from dataclasses import replace
 from pathlib import Path
 
+from drivegen.asked.start import Settings as AskedSettings
+from drivegen.assets.gaps import Gaps
 from drivegen.assets.table import Table
 from drivegen.equipment import Equipment
 from drivegen.errors import MissingTool
@@ -14,7 +16,7 @@ from drivegen.settings import build, read_section
 from drivegen.store.assets import read_assets
 
 MODELS = Path("data/models")
-ASSETS = Path("data/assets.parquet")
+ASSETS, GAPS = Path("data/assets.parquet"), Path("data/gaps.parquet")
 
 
 def selection(vehicles: int) -> SelectionSettings:
@@ -26,6 +28,11 @@ def selection(vehicles: int) -> SelectionSettings:
 def initial(vehicles: int) -> InitialSettings:
     """How new scenarios begin: as in the place stage."""
     return replace(build(InitialSettings, read_section("place.initial"), "params.yaml: place.initial"), vehicles=vehicles)
+
+
+def asked() -> AskedSettings:
+    """How traffic in words is looked for."""
+    return build(AskedSettings, read_section("asked.settings"), "params.yaml: asked.settings")
 
 
 def generation(*, scored: bool) -> GeneratorSettings:
@@ -44,3 +51,12 @@ def assets() -> Table:
     if not ASSETS.exists():
         raise MissingTool(f"{ASSETS} is not here: `make run` collects the vehicles and trains the models")
     return Table.from_arrow(read_assets(ASSETS), str(ASSETS))
+
+
+def gaps(settings: InitialSettings) -> Gaps | None:
+    """The gaps of the training logs, where placement draws from them. Raises MissingTool where they are absent."""
+    if settings.placement.mode != "data":
+        return None
+    if not GAPS.exists():
+        raise MissingTool(f"{GAPS} is not here: `make run` measures the gaps of the training logs")
+    return Gaps.from_arrow(read_assets(GAPS), str(GAPS))

@@ -1,6 +1,7 @@
 """`drivegen generate`: traffic for a logged scene, a road network, or a road in words."""
 
 import re
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -8,17 +9,24 @@ from rich.console import Console
 from rich.progress import Progress
 from typer import BadParameter, Option
 
+from drivegen.asked import language_model
+from drivegen.asked.base import Reading
 from drivegen.av2.folder import read_folder
 from drivegen.cli import _project
+from drivegen.cli._lm import MaxUsd, Words, model
+from drivegen.equipment import Equipment
 from drivegen.errors import UnusableInput
-from drivegen.make import Start, from_log, from_network, make, row, write_sample
+from drivegen.generators.base import Settings
+from drivegen.initialise import Initialiser
+from drivegen.lm.model import LanguageModel
+from drivegen.make import Start, from_log, from_network, from_words, make, row, write_sample
 from drivegen.maps.build import NETWORK, build_map
 from drivegen.store.files import write_json
 from drivegen.store.folders import whole_folder
 from drivegen.sumo.network import Network
 
-METRICS, MAP = "metrics.json", "map"
-"""Of a folder of generated scenarios: a row per sample, and the road that was drawn from words."""
+METRICS, MAP, TRAFFIC = "metrics.json", "map", "traffic.json"
+"""Of a folder of generated scenarios: a row per sample, the road that was drawn from words, the traffic that they asked for."""
 
 LARGEST = 128
 """Vehicles in a scenario at most."""
@@ -28,21 +36,28 @@ def command(
     out: Annotated[Path, Option(help="New folder for <id>/ (official layout, recording) and metrics.json, a row per sample.")],
     scenario: Annotated[Path | None, Option(help="An Argoverse 2 scenario folder: regenerate the traffic of its log.")] = None,
     map: Annotated[Path | None, Option(help="A SUMO network (.net.xml): place vehicles on it and let them drive.")] = None,  # noqa: A002
-    text: Annotated[str | None, Option(help="A road in words: draw it, place vehicles on it and let them drive.")] = None,
+    text: Annotated[str | None, Option(help="A road and its traffic in words; with --map, the traffic alone.")] = None,
     samples: Annotated[int, Option(min=1, max=1000, help="Futures of the scenario.")] = 10,
     vehicles: Annotated[int, Option(min=1, max=LARGEST, help="Target and social vehicles together.")] = 16,
     seed: Annotated[int, Option(min=0, help="Same seed, same bytes.")] = 7,
+    lm: Words = None,
+    max_usd: MaxUsd = None,
 ) -> None:
-    """Generate traffic for exactly one of --scenario, --map and --text, with the models that `make run` trained."""
-    if sum(source is not None for source in (scenario, map, text)) != 1:
-        raise BadParameter("give exactly one of --scenario, --map and --text")
+    """Generate traffic for --scenario, --map or --text, or for --map as --text asks, with the models that `make run` trained."""
+    if (scenario is None) == (map is None and text is None):
+        raise BadParameter("give exactly one of --scenario, --map and --text (--text may come with --map)")
+    if lm is not None and text is None:
+        raise BadParameter("--lm reads words: give --text")
     console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
     with whole_folder(out) as folder, Progress(console=console, transient=True) as progress:
         task = progress.add_task("reading", total=None)
-        start = _logged(scenario, vehicles) if scenario else _new(map, text, folder, vehicles, seed, console)
+        settings = _project.generation(scored=scenario is not None)
+        tools = _project.equipment(settings)
+        reader = model("maps", lm, max_usd) if lm is not None else None
+        wanted = _Wanted(map, text, vehicles, seed, reader)
+        start = _logged(scenario, vehicles) if scenario else _new(wanted, folder, tools, settings, console)
         progress.update(task, description=f"planning {samples} futures of {len(start.scenario.vehicles)} vehicles")
-        settings = _project.generation(scored=start.scenario.log is not None)
-        traffic = make(start, _project.equipment(settings), settings, samples, seed)
+        traffic = make(start, tools, settings, samples, seed)
         for k in progress.track(range(samples), task_id=task, description="writing"):
             write_sample(traffic, k, folder)
         rows = [{**row(traffic, k), "seed": seed} for k in range(samples)]
@@ -58,22 +73,63 @@ def _logged(folder: Path, vehicles: int) -> Start:
     return from_log(log, _project.selection(vehicles))
 
 
-def _new(net: Path | None, text: str | None, folder: Path, vehicles: int, seed: int, console: Console) -> Start:
-    """Vehicles on the network `net`, or on the one that `text` describes, which is kept in `folder`."""
+@dataclass(frozen=True)
+class _Wanted:
+    """New traffic: a network, words, or both; `reader` is the language model that reads the words, None for the rules."""
+
+    net: Path | None
+    text: str | None
+    vehicles: int
+    seed: int
+    reader: LanguageModel | None
+
+
+def _new(wanted: _Wanted, folder: Path, tools: Equipment, settings: Settings, console: Console) -> Start:
+    """Vehicles on a network: as the words ask for, on the road that they describe where no network is given."""
+    words = language_model.read(wanted.text, wanted.reader, wanted.seed) if wanted.text is not None else None
+    network, name, source = _road(wanted, words, folder, console)
+    initial, seed = _project.initial(wanted.vehicles), wanted.seed
+    table, gaps = _project.assets(), _project.gaps(initial)
+    if words is None or not words.request:
+        start = from_network(network, _as_id(name), source, table, initial, seed, gaps)
+    else:
+        initialiser = Initialiser(network, _as_id(name), source, table, initial, gaps)
+        name = f"{_as_id(name)}-0000"
+        start = from_words(initialiser, name, words.request, _project.asked(), wanted.vehicles, tools, settings, seed)
+        write_json(folder / TRAFFIC, _told(words, start))
+        for phrase, meaning in words.understood:
+            console.print(f"understood: {phrase}: {meaning}")
+    if start.left_out:
+        reasons = ", ".join(f"{count} {reason}" for reason, count in start.left_out.items())
+        console.print(f"not placed: {sum(start.left_out.values())} vehicles ({reasons})")
+    return start
+
+
+def _road(wanted: _Wanted, words: Reading | None, folder: Path, console: Console) -> tuple[Network, str, str]:
+    """The network, its name and where it is from; a road that was drawn from words is kept in `folder`."""
+    net = wanted.net
     if net is not None:
         if not net.is_file():
             raise UnusableInput(f"{net} is no file: give a SUMO network (.net.xml, also gzipped)")
-        network, name, source = Network.read(net.read_bytes(), str(net)), net.name.split(".")[0], f"DriveGen ({net.name})"
-    else:
-        built = build_map(str(text), seed, folder=folder / MAP)
-        if ignored := built.account["ignored"]:
-            console.print(f"ignored: {'; '.join(ignored)}")
-        network, name, source = Network.read(built.network, NETWORK), str(text), "DriveGen (map from words)"
-    start = from_network(network, _as_id(name), source, _project.assets(), _project.initial(vehicles), seed)
-    if start.left_out:
-        reasons = ", ".join(f"{count} {reason}" for reason, count in start.left_out.items())
-        console.print(f"not placed: {sum(start.left_out.values())} of {vehicles} vehicles ({reasons})")
-    return start
+        if words is not None and not words.request:
+            raise UnusableInput(f"no traffic that I know is described in {wanted.text!r}", reason="not-understood")
+        if words is not None and words.rest:
+            console.print(f"ignored: {words.rest}")
+        return Network.read(net.read_bytes(), str(net)), net.name.split(".")[0], f"DriveGen ({net.name})"
+    assert words is not None
+    writer = "offline" if wanted.reader is None else "language_model"
+    built = build_map(words.rest, wanted.seed, writer, folder=folder / MAP, model=wanted.reader)
+    if ignored := built.account["ignored"]:
+        console.print(f"ignored: {'; '.join(ignored)}")
+    return Network.read(built.network, NETWORK), str(wanted.text), "DriveGen (map from words)"
+
+
+def _told(words: Reading, start: Start) -> dict[str, Any]:
+    """What was understood of the words of traffic and by whom, and what was got of it at the first frame."""
+    understood = [{"phrase": phrase, "meaning": meaning} for phrase, meaning in words.understood]
+    request = words.request.model_dump(mode="json", exclude_defaults=True)
+    got = [asdict(item) for item in start.got]
+    return {"reader": words.reader, "understood": understood, "request": request, "first_frame": got}
 
 
 def _as_id(name: str) -> str:
@@ -90,6 +146,8 @@ def _summary(rows: list[dict[str, Any]]) -> str:
         said.append(f"not written for want of a legal target: {len(rows) - len(written)}")
     if dropped := sum(r["dropped"] for r in written):
         said.append(f"vehicles left out because nothing legal was found: {dropped}")
+    if items := [item for r in written for item in r.get("asked", [])]:
+        said.append(f"{sum(item['got'] for item in items)} of {len(items)} things that the words asked for")
     if rows[0]["sade"] is not None:
         said.append("sADE " + f"min {min(r['sade'] for r in rows):.2f} m, mean {sum(r['sade'] for r in rows) / len(rows):.2f} m")
     return "; ".join(said)

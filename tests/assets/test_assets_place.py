@@ -16,7 +16,9 @@ from drivegen.roadmap import LaneControl, LaneKind
 from drivegen.scenario import SizeSource, VehicleKind
 from tests.scenes import busy_crossing, crossing, straight_road
 
-SETTINGS = PlaceSettings(road_ahead=120.0, radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24)
+SETTINGS = PlaceSettings(
+    mode="paper", road_ahead=120.0, radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24
+)
 MAPS = {"crossing": Slots(crossing()), "stop": Slots(crossing(control=LaneControl.STOP)), "road": Slots(straight_road(300, 3))}
 
 

@@ -1,0 +1,139 @@
+"""Every single thing that was asked for, and whether it was got: rows for people, tables and success rates."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.asked.achieved import does, queued, stands
+from drivegen.asked.request import Group, Kind, TrafficRequest
+from drivegen.asked.start import AskedStart
+from drivegen.asked.wishes import TARGET, Fill
+from drivegen.goals.candidates import NO_ROUTE, Candidates
+from drivegen.lanes.line import Route
+from drivegen.samples import Samples
+from drivegen.scenario import VehicleKind
+
+SPEED_SHARE = 0.2
+"""A speed is met within this share of it, or within SPEED_LEAST [m/s]."""
+
+SPEED_LEAST = 1.0
+
+CROWD = 0.9
+"""A density is met if this share of the vehicles stands within its radius."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """One thing that was asked for.
+
+    Attributes:
+        kind: of request: number, kind, density, speed, place, queue, or the manoeuvre's name. what: in words.
+        got: whether it was. natural: the selector's own probability of the goals that realise a manoeuvre, None for others.
+    """
+
+    kind: str
+    what: str
+    got: bool
+    natural: float | None = None
+
+
+def first_frame(request: TrafficRequest, start: AskedStart, densities: dict[str, Fill]) -> list[Item]:
+    """What is seen at the first frame: numbers, kinds, density, speeds, places, queues."""
+    vehicles = start.scenario.vehicles
+    items = _numbers(request, start)
+    if request.density is not None:
+        radius = densities[request.density].radius
+        away = np.hypot(*(vehicles.position - vehicles.position[TARGET]).T)
+        got = bool((away <= radius + 1.0).sum() >= CROWD * len(start.cast))
+        items.append(Item("density", f"{request.density.value}: {len(start.cast)} vehicles within {radius:g} m", got))
+    if request.speed is not None:
+        free = np.array(
+            [i for i, n in enumerate(start.number) if start.cast.group[n] < 0 or _plain(request.groups[start.cast.group[n]])]
+        )
+        items.append(
+            Item("speed", f"about {request.speed * 3.6:.0f} km/h", _near(float(vehicles.speed[free].mean()), request.speed))
+        )
+    routes = [keeping_routes(c) for c in start.free.candidates]
+    for number, group in enumerate(request.groups):
+        items += _of_group(start, number, group, routes)
+    return items
+
+
+def _plain(group: Group) -> bool:
+    return group.manoeuvre is None and group.speed is None and not group.queue
+
+
+def _numbers(request: TrafficRequest, start: AskedStart) -> list[Item]:
+    if not request.groups:
+        return []
+    placed = start.scenario.vehicles.kind[1:]
+    asked = len(start.cast) - 1
+    items = [Item("number", f"{asked} vehicles beside the target", len(placed) == asked)]
+    wanted = request.kinds
+    for kind in (Kind.CAR, Kind.TRUCK, Kind.BUS):
+        if wanted[kind]:
+            found = int((placed == VehicleKind[kind.name]).sum())
+            open_kinds = any(k is Kind.VEHICLE for k in start.cast.kinds[1:])
+            got = found >= wanted[kind] if open_kinds else found == wanted[kind]
+            items.append(Item("kind", f"{wanted[kind]} x {kind.value}", got))
+    if request.target_kind not in (None, Kind.VEHICLE):
+        got = bool(start.scenario.vehicles.kind[TARGET] == VehicleKind[request.target_kind.name])
+        items.append(Item("kind", f"the target is a {request.target_kind.value}", got))
+    return items
+
+
+def _of_group(start: AskedStart, number: int, group: Group, routes: list[list[Route]]) -> list[Item]:
+    members = [start.vehicle(n) for n, own in enumerate(start.cast.group) if own == number]
+    wishes = [start.cast.wishes[n] for n, own in enumerate(start.cast.group) if own == number]
+    vehicles, items = start.scenario.vehicles, []
+    if group.place is not None:
+        relation = wishes[0].relation or group.place
+        heads = members[:1] if group.queue else members
+        got = all(v is not None and stands(routes, vehicles, v, relation, group.distance) for v in heads)
+        said = f" {group.distance:g} m" if group.distance is not None else ""
+        items.append(Item("place", f"{group.count} x {group.kind.value}{said} {relation.value.replace('_', ' ')}", got))
+    if group.queue:
+        there = [v for v in members if v is not None]
+        items.append(Item("queue", f"{group.count} in a queue", len(there) == len(members) and queued(vehicles, there)))
+    if group.speed is not None:
+        got = all(v is not None and _near(float(vehicles.speed[v]), group.speed) for v in members)
+        items.append(Item("speed", f"{group.count} x {group.kind.value} at {group.speed * 3.6:.0f} km/h", got))
+    return items
+
+
+def manoeuvres(start: AskedStart, samples: Samples, k: int) -> list[Item]:
+    """What is seen in sample k: manoeuvres, in time."""
+    items = []
+    routes = [keeping_routes(c) for c in start.free.candidates]
+    target = _followed(start.ordered.choices.candidates[TARGET], samples.goal[k], routes)
+    done = {duty.vehicle: (duty, natural) for duty, natural in zip(start.duties, start.ordered.natural, strict=True)}
+    for order in start.cast.orders:
+        vehicle = start.vehicle(order.number)
+        said = order.manoeuvre.value.replace("_", " ") + (f" within {order.within:g} s" if order.within is not None else "")
+        if vehicle is None or vehicle not in done:
+            items.append(Item(order.manoeuvre.value, said, False, 0.0))
+            continue
+        duty, natural = done[vehicle]
+        own = routes[vehicle][0] if routes[vehicle] else None
+        got = not samples.dropped[k, vehicle] and does(duty, samples.motion[k], target, own)
+        items.append(Item(order.manoeuvre.value, said, bool(got), natural))
+    return items
+
+
+def keeping_routes(candidates: Candidates) -> list[Route]:
+    """The vehicle's routes without lane changes, the likeliest first."""
+    return [route for route in candidates.routes if route.lane_changes == 0]
+
+
+def _followed(candidates: Candidates, goals: NDArray[np.int32], routes: list[list[Route]]) -> Route | None:
+    """The route that the target follows, if it keeps its lane; else its likeliest that does."""
+    goal = int(goals[TARGET])
+    number = int(candidates.route[goal]) if goal >= 0 else NO_ROUTE
+    if number != NO_ROUTE and candidates.routes[number].lane_changes == 0:
+        return candidates.routes[number]
+    return routes[TARGET][0] if routes[TARGET] else None
+
+
+def _near(speed: float, asked: float) -> bool:
+    return abs(speed - asked) <= max(SPEED_LEAST, SPEED_SHARE * asked)

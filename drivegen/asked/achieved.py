@@ -1,0 +1,129 @@
+"""What was asked for against what was got, by looking at the vehicles alone: where they stand and how they move.
+
+Nothing here knows how a request was placed or which goals were drawn; routes serve as lines to measure along.
+"""
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.asked.goals import Duty
+from drivegen.asked.request import Manoeuvre
+from drivegen.asked.wishes import TARGET
+from drivegen.assets.where import ALIKE, BESIDE, FARTHEST, NEAREST, TOLERANCE, TOLERANCE_SHARE, Relation
+from drivegen.geometry import Floats, to_vehicle_frame, wrap_angle
+from drivegen.lanes.frenet import to_frenet
+from drivegen.lanes.line import Route
+from drivegen.scenario import DT, Trajectories, Vehicles
+
+BRAKING = 3.0
+"""A vehicle brakes hard when it slows down by more than this [m/s2] over BRAKING_STEPS steps."""
+
+BRAKING_STEPS = 5
+
+STANDING = 0.5
+"""Slower than this [m/s] a vehicle stands."""
+
+TURNED = np.deg2rad(45)
+"""Heading change of a turn [rad]."""
+
+INTO = 1.2
+"""Who has changed into a lane is this near to its middle [m]; who is out of it at least OUT."""
+
+OUT = 1.9
+
+CHANGED = 2.5
+"""Who has changed lanes is this far from its own lane's middle [m]."""
+
+SLACK = 1.0
+"""[m] and [s] by which a place or a time may be missed."""
+
+
+def stands(
+    routes: Sequence[Sequence[Route]], vehicles: Vehicles, vehicle: int, relation: Relation, distance: float | None
+) -> bool:
+    """Whether a vehicle stands in `relation` to the target; each vehicle's routes in its lane tell what is ahead on its road."""
+    pose = vehicles.position[TARGET], vehicles.heading[TARGET]
+    x, y = to_vehicle_frame(vehicles.position[vehicle][None], *pose)[0]
+    turn = float(wrap_angle(vehicles.heading[vehicle] - vehicles.heading[TARGET]))
+    if relation is Relation.ONCOMING:
+        return abs(turn) > np.pi - ALIKE - 0.1 and x > 0 and _near(x, NEAREST - SLACK, FARTHEST + SLACK, distance)
+    if relation in (Relation.FROM_LEFT, Relation.FROM_RIGHT):
+        side = 1.0 if relation is Relation.FROM_LEFT else -1.0
+        return side * turn < 0 and abs(abs(turn) - np.pi / 2) < ALIKE + 0.1 and side * y > 0 and x > 0
+    if relation in (Relation.AHEAD, Relation.BEHIND):
+        follower, leader = (TARGET, vehicle) if relation is Relation.AHEAD else (vehicle, TARGET)
+        found = [to_frenet(route, vehicles.position[leader][None])[0] for route in routes[follower]]
+        return any(abs(d) < OUT and _near(s, NEAREST - SLACK, FARTHEST + SLACK, distance) for s, d in found)
+    side = 1.0 if relation.value.startswith("left") else -1.0
+    if not 1.5 < side * y < 6.5 or abs(turn) > ALIKE + 0.1:
+        return False
+    if relation.value.endswith("ahead"):
+        return _near(x, NEAREST - SLACK, FARTHEST / 2 + SLACK, distance)
+    if relation.value.endswith("behind"):
+        return _near(-x, NEAREST - SLACK, FARTHEST / 2 + SLACK, distance)
+    return _near(abs(x), 0.0, BESIDE + SLACK, distance)
+
+
+def _near(along: float, low: float, high: float, distance: float | None) -> bool:
+    if distance is None:
+        return low <= along <= high
+    return abs(along - distance) <= max(TOLERANCE, TOLERANCE_SHARE * distance) + SLACK
+
+
+def queued(vehicles: Vehicles, members: list[int]) -> bool:
+    """Whether the vehicles `members` stand one behind another, the head first or last, close and in line."""
+    return len(members) > 1 and (_in_line(vehicles, members) or _in_line(vehicles, members[::-1]))
+
+
+def _in_line(vehicles: Vehicles, members: list[int]) -> bool:
+    for leader, follower in itertools.pairwise(members):
+        x, y = to_vehicle_frame(vehicles.position[leader][None], vehicles.position[follower], vehicles.heading[follower])[0]
+        gap = x - (vehicles.size[leader, 0] + vehicles.size[follower, 0]) / 2
+        if not (0 < gap < 10.0 + 2.5 * vehicles.speed[follower] and abs(y) < OUT + 0.2 * x):
+            return False
+    return True
+
+
+def does(duty: Duty, motion: Trajectories, target_route: Route | None, own_route: Route | None) -> bool:
+    """Whether the vehicle does its duty in the motion (N, T) of one sample, in time.
+
+    `target_route` and `own_route` keep their lanes: what "in its lane" means for the target and for the vehicle.
+    """
+    track = motion[duty.vehicle]
+    if not track.valid.all() or not motion[TARGET].valid.all():
+        return False
+    last = len(track.valid) if duty.within is None else min(len(track.valid), round((duty.within + SLACK) / DT) + 1)
+    if duty.manoeuvre is Manoeuvre.STOPPED:
+        return bool((track.speed < STANDING).all())
+    if duty.manoeuvre is Manoeuvre.HARD_BRAKING:
+        return bool(hardest_braking(track)[:last].max(initial=0.0) >= BRAKING)
+    turned = np.unwrap(track.heading.astype(np.float64)) - track.heading[0]
+    if duty.manoeuvre is Manoeuvre.TURN_LEFT:
+        return bool((turned[:last] > TURNED).any())
+    if duty.manoeuvre is Manoeuvre.TURN_RIGHT:
+        return bool((turned[:last] < -TURNED).any())
+    if duty.manoeuvre in (Manoeuvre.CHANGE_LEFT, Manoeuvre.CHANGE_RIGHT):
+        side = 1.0 if duty.manoeuvre is Manoeuvre.CHANGE_LEFT else -1.0
+        return own_route is not None and bool((side * to_frenet(own_route, track.position)[:last, 1] > CHANGED).any())
+    return target_route is not None and _before_target(duty, track, motion[TARGET], target_route, turned, last)
+
+
+def _before_target(duty: Duty, track: Trajectories, target: Trajectories, route: Route, turned: Floats, last: int) -> bool:
+    """Manoeuvres that are measured along the target's way."""
+    s, d = to_frenet(route, track.position).T
+    own, _ = to_frenet(route, target.position).T
+    if duty.manoeuvre is Manoeuvre.CUT_IN:
+        return bool(abs(d[0]) > OUT and ((np.abs(d) < INTO) & (s > own))[:last].any())
+    if duty.manoeuvre is Manoeuvre.OVERTAKE:
+        return bool(s[0] < own[0] and (s > own + 2.0)[:last].any())
+    crosses = (np.sign(d) != np.sign(d[0])) & (s > 0)
+    return bool((turned[:last] > TURNED).any() and crosses[:last].any())  # TURN_LEFT_ACROSS
+
+
+def hardest_braking(track: Trajectories) -> NDArray[np.float32]:
+    """(T - BRAKING_STEPS,) deceleration [m/s2] from each step on, over BRAKING_STEPS steps."""
+    speed = track.speed
+    return np.asarray((speed[:-BRAKING_STEPS] - speed[BRAKING_STEPS:]) / (BRAKING_STEPS * DT))

@@ -1,0 +1,129 @@
+"""The first frame of what was asked for: some placements are drawn, and the first is taken that has all that was wished."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen import seeds
+from drivegen.asked.goals import Duty, Ordered, ordered
+from drivegen.asked.request import TrafficRequest
+from drivegen.asked.wishes import Cast, Fill, cast
+from drivegen.generate import choose
+from drivegen.generators.base import Settings as GeneratorSettings
+from drivegen.initialise import Initialiser
+from drivegen.lanes.graph import LaneGraph
+from drivegen.rollout import Choices
+from drivegen.scenario import Scenario
+from drivegen.selectors.base import Selector
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How what is asked for is looked for.
+
+    Attributes:
+        densities: by their words, see `Fill`.
+        placements: drawn for one in which everybody stands as wished.
+        starts: of those, looked at for one in which every manoeuvre has a goal.
+    """
+
+    densities: dict[str, Fill]
+    placements: int
+    starts: int
+
+
+@dataclass(frozen=True)
+class AskedStart:
+    """A first frame and its goals.
+
+    Attributes:
+        scenario: who stands where. cast: who was asked for. number: (N,) which of the cast each vehicle is.
+        rejected: how many were not placed, by reason. duties: manoeuvres of vehicles that were placed.
+        free: choices as nobody asked for anything. ordered: choices under the duties.
+    """
+
+    scenario: Scenario
+    cast: Cast
+    number: NDArray[np.intp]
+    rejected: Mapping[str, int]
+    duties: tuple[Duty, ...]
+    free: Choices
+    ordered: Ordered
+
+    def vehicle(self, number: int) -> int | None:
+        """The scenario's vehicle that is the asked vehicle `number`; None if it found no place."""
+        found = np.flatnonzero(self.number == number)
+        return int(found[0]) if len(found) else None
+
+
+def start(
+    initialiser: Initialiser,
+    name: str,
+    request: TrafficRequest,
+    settings: Settings,
+    vehicles: int,
+    selector: Selector,
+    generation: GeneratorSettings,
+    seed: int,
+) -> AskedStart:
+    """The best start of those drawn: most wishes placed first, then most manoeuvres with a goal. Same seed, same start.
+
+    `vehicles` in all where the request does not say how many. Raises UnusableInput, reason `no-place`, where the map has no
+    room for the target, and for kinds that the asset table lacks.
+    """
+    best: AskedStart | None = None
+    looked_at = 0
+    for turn in range(settings.placements):
+        random = seeds.rng(seed, "asked", name, turn)
+        placed = _placed(initialiser, name, cast(request, settings.densities, vehicles, random), random)
+        if best is not None and any(_missing(placed)) and _missing(placed) >= _missing(best):
+            continue
+        looked_at += 1
+        found = _with_goals(placed, selector, generation)
+        if best is None or _lacks(found) < _lacks(best):
+            best = found
+        if not any(_lacks(best)) or looked_at >= settings.starts:
+            break
+    assert best is not None
+    return best
+
+
+@dataclass(frozen=True)
+class _Placed:
+    scenario: Scenario
+    cast: Cast
+    number: NDArray[np.intp]
+    rejected: Mapping[str, int]
+
+
+def _placed(initialiser: Initialiser, name: str, asked: Cast, random: np.random.Generator) -> _Placed:
+    rows = [
+        initialiser.drawn_rows(1, random)[0] if kind.vehicle_kind is None else initialiser.row_of(kind.vehicle_kind, random)
+        for kind in asked.kinds
+    ]
+    scenario, placement = initialiser.begin(name, rows, initialiser.signal_time(random), random, asked.wishes, asked.radius)
+    return _Placed(scenario, asked, placement.number, placement.rejected)
+
+
+def _with_goals(placed: _Placed, selector: Selector, generation: GeneratorSettings) -> AskedStart:
+    scenario = placed.scenario
+    at = {int(number): vehicle for vehicle, number in enumerate(placed.number)}
+    duties = tuple(Duty(at[order.number], order.manoeuvre, order.within) for order in placed.cast.orders if order.number in at)
+    free = choose([scenario], selector, generation.candidates, generation.temperature)[0]
+    bound = ordered(LaneGraph.of(scenario.map), free, selector, duties)
+    return AskedStart(scenario, placed.cast, placed.number, placed.rejected, duties, free, bound)
+
+
+def _missing(found: "_Placed | AskedStart") -> tuple[int, int]:
+    """How many found no place: of those with a wish, and of all."""
+    there = set(found.number.tolist())
+    wished = sum(wish.stands and number not in there for number, wish in enumerate(found.cast.wishes))
+    return wished, len(found.cast) - len(there)
+
+
+def _lacks(found: AskedStart) -> tuple[int, int, int]:
+    """What is missing, the gravest first: wished vehicles, manoeuvres without a goal, vehicles."""
+    wished, missing = _missing(found)
+    return wished, len(found.cast.orders) - sum(found.ordered.feasible), missing

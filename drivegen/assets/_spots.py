@@ -1,0 +1,114 @@
+"""Where the next vehicle may stand and how fast it may drive there: anywhere near, as in logs, or as was wished."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.assets._scene import Scene
+from drivegen.assets.gaps import Draws
+from drivegen.assets.slots import SPACING
+from drivegen.assets.where import Wish, standing
+
+QUEUE_GAP = (2.0, 8.0)
+"""Gap [m], bumper to bumper, to the next in a standing queue ..."""
+
+QUEUE_TIME_GAP = (0.9, 1.6)
+"""... and what comes on top [s] while it moves."""
+
+SIMILAR = (0.9, 1.1)
+"""Speeds of vehicles at wished places over the target's, where no speed is wished."""
+
+
+@dataclass(frozen=True)
+class Spots:
+    """K spots in the order in which they are tried: slot (K,), speed (K,) [m/s], limit (K,) [m/s] of what is allowed."""
+
+    slot: NDArray[np.intp]
+    speed: NDArray[np.float64]
+    limit: NDArray[np.float64]
+
+
+def any_spots(
+    scene: Scene,
+    fits: NDArray[np.bool_],
+    limit: NDArray[np.float64],
+    spread: float,
+    radius: float,
+    attempts: int,
+    random: np.random.Generator,
+) -> Spots:
+    """As in the paper: anywhere that fits, nearer places likelier, at speeds that scatter about the target's."""
+    among = np.flatnonzero(fits)
+    slots = scene.slots
+    distance = np.hypot(*(slots.position[among] - slots.position[scene.slot[0]]).T)
+    keys = random.gumbel(size=len(among)) - 2 * distance / radius
+    tried = among[np.argsort(-keys, kind="stable")[:attempts]]
+    wish = scene.speed[0] * (1 + spread * random.standard_normal(len(tried)))
+    return Spots(tried, np.clip(wish, 0.0, limit[tried]), limit[tried])
+
+
+def drawn_spots(
+    scene: Scene, fits: NDArray[np.bool_], limit: NDArray[np.float64], draws: Draws, attempts: int, random: np.random.Generator
+) -> Spots:
+    """As in logs: behind or ahead of somebody who is there already, at a gap and speed seen in logs, or on a free stretch."""
+    slot, speed = [], []
+    among = np.flatnonzero(fits)
+    for _ in range(attempts if len(among) else 0):
+        if random.random() >= draws.share_led:
+            at = int(random.choice(among))
+            slot.append(at)
+            speed.append(draws.pace(random) * float(limit[at]))
+            continue
+        found = _beside_somebody(scene, fits, draws, random)
+        if found is not None:
+            slot.append(found[0])
+            speed.append(found[1])
+    tried = np.array(slot, np.intp)
+    return Spots(tried, np.minimum(np.array(speed, np.float64), limit[tried]), limit[tried])
+
+
+def _beside_somebody(
+    scene: Scene, fits: NDArray[np.bool_], draws: Draws, random: np.random.Generator
+) -> tuple[int, float] | None:
+    """A slot behind or ahead of a vehicle that was placed, and a speed; None where the road does not reach so far."""
+    slots, length = scene.slots, float(np.mean(scene.table.size[scene.row, 0]))
+    other = int(random.integers(len(scene.slot)))
+    lane, along = int(slots.lane[scene.slot[other]]), float(slots.along[scene.slot[other]])
+    behind = random.random() < 0.5
+    speed, gap = (draws.follower if behind else draws.leader)(scene.speed[other], random)
+    measure = slots.ways.behind if behind else slots.ways.ahead
+    away = np.abs(measure(lane, along, slots.lane, slots.along) - gap - length)
+    away[~fits] = np.inf
+    best = int(np.argmin(away))
+    return (best, speed) if away[best] <= SPACING else None
+
+
+def wished_spots(
+    scene: Scene, fits: NDArray[np.bool_], wish: Wish, limit: NDArray[np.float64], attempts: int, random: np.random.Generator
+) -> Spots:
+    """As wished: in relation to the target, or in a queue behind or ahead of a vehicle that was placed."""
+    slots = scene.slots
+    if wish.beside is None:
+        assert wish.relation is not None
+        stands = standing(slots, scene.slot[0], wish.relation, wish.distance)
+        pace, spread = scene.speed[0], SIMILAR
+    elif wish.beside in scene.number:
+        next_to = scene.number.index(wish.beside)
+        stands, pace, spread = _queued(scene, next_to, wish), scene.speed[next_to], (1.0, 1.0)
+    else:
+        return Spots(np.zeros(0, np.intp), np.zeros(0), np.zeros(0))
+    among = np.flatnonzero(fits & stands)
+    tried = random.permutation(among)[: 2 * attempts]
+    return Spots(tried, np.minimum(pace * random.uniform(*spread, len(tried)), limit[tried]), limit[tried])
+
+
+def _queued(scene: Scene, other: int, wish: Wish) -> NDArray[np.bool_]:
+    """(Q,) slots next in a queue to the vehicle `other` of the scene."""
+    slots = scene.slots
+    lane, along = int(slots.lane[scene.slot[other]]), float(slots.along[scene.slot[other]])
+    measure = slots.ways.ahead if wish.ahead else slots.ways.behind
+    away = measure(lane, along, slots.lane, slots.along) - float(scene.table.size[scene.row[other], 0])
+    speed = scene.speed[other] if wish.speed is None else wish.speed
+    low, high = (gap + seconds * speed for gap, seconds in zip(QUEUE_GAP, QUEUE_TIME_GAP, strict=True))
+    return np.asarray((away >= low) & (away <= high + 2 * SPACING))

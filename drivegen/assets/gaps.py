@@ -1,0 +1,170 @@
+"""Headways and gaps of logged traffic: who follows whom, how closely and how fast. What placement from data draws from.
+
+One row for each vehicle at the first frame of a training log, with its provenance. The leader is the nearest vehicle ahead
+in the same lane or in one that it leads to, among those of the scenario: gaps to vehicles that the scenario does not hold
+are not seen, so the row says "no leader" where the road is free up to the next vehicle of the scenario.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from drivegen.assets.table import Provenance, provenance_of_log
+from drivegen.assets.ways import REACH, Ways
+from drivegen.errors import UnusableInput
+from drivegen.lanes.graph import LaneGraph
+from drivegen.scenario import Scenario, VehicleKind
+
+ON_LANE, ALONG_LANE = 2.0, np.deg2rad(45)
+"""A vehicle is on a lane up to this far from its centreline [m] if it heads along it within this angle [rad]."""
+
+UNKNOWN_LIMIT = 13.9
+"""Speed limit [m/s] taken where the map has none: 50 km/h."""
+
+_SCHEMA = pa.schema(
+    [
+        ("kind", pa.uint8()),
+        ("speed", pa.float32()),
+        ("limit", pa.float32()),
+        ("gap", pa.float32()),
+        ("leader_speed", pa.float32()),
+        ("provenance", pa.uint8()),
+        ("source", pa.string()),
+        ("scenario_id", pa.string()),
+    ]
+)
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """G vehicles on lanes.
+
+    Attributes:
+        kind: (G,) uint8 VehicleKind. speed: (G,) float32 [m/s]. limit: (G,) float32 [m/s] of its lane.
+        gap: (G,) float32 [m] bumper to bumper to the leader, inf without one within REACH.
+        leader_speed: (G,) float32 [m/s], NaN without a leader.
+        provenance: (G,) uint8. source: (G,) str data set in words. scenario_id: (G,) str the log that it was seen in.
+    """
+
+    kind: NDArray[np.uint8]
+    speed: NDArray[np.float32]
+    limit: NDArray[np.float32]
+    gap: NDArray[np.float32]
+    leader_speed: NDArray[np.float32]
+    provenance: NDArray[np.uint8]
+    source: NDArray[np.str_]
+    scenario_id: NDArray[np.str_]
+
+    def __len__(self) -> int:
+        return len(self.speed)
+
+    @property
+    def led(self) -> NDArray[np.bool_]:
+        """(G,) who has a leader."""
+        return np.isfinite(self.gap)
+
+    def __getitem__(self, index: Any) -> "Gaps":
+        return Gaps(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
+
+    def to_arrow(self) -> pa.Table:
+        """The rows as columns, for a Parquet file."""
+        arrays = [pa.array(getattr(self, field.name)).cast(field.type) for field in _SCHEMA]
+        return pa.Table.from_arrays(arrays, schema=_SCHEMA)
+
+    @classmethod
+    def from_arrow(cls, table: pa.Table, place: str) -> "Gaps":
+        """The inverse of `to_arrow`. Raises UnusableInput, naming `place`, for anything else and for no row with a leader."""
+        try:
+            columns = {field.name: table[field.name].cast(field.type).to_numpy() for field in _SCHEMA}
+        except (KeyError, pa.ArrowException) as error:
+            raise UnusableInput(f"{place} is no table of gaps: {error}", reason="bad-gaps") from None
+        texts = {name: columns[name].astype(np.str_) for name in ("source", "scenario_id")}
+        gaps = cls(**{**columns, **texts})
+        if not gaps.led.any():
+            raise UnusableInput(f"{place} holds no vehicle with a leader: run the assets stage on more logs", reason="bad-gaps")
+        return gaps
+
+
+def measure_gaps(scenarios: Iterable[Scenario]) -> Gaps:
+    """The rows of all vehicles of `scenarios` that stand on lanes at the first frame."""
+    rows = [row for scenario in scenarios for row in gaps_of(scenario)]
+    columns: dict[str, Any] = {name: [row[name] for row in rows] for name in _SCHEMA.names}
+    types: Mapping[str, Any] = {"kind": np.uint8, "provenance": np.uint8, "source": np.str_, "scenario_id": np.str_}
+    return Gaps(**{name: np.array(values, types.get(name, np.float32)) for name, values in columns.items()})
+
+
+def gaps_of(scenario: Scenario) -> list[dict[str, Any]]:
+    """One row for each car, truck and bus of the scenario that is on a lane, as in `Gaps`."""
+    vehicles = scenario.vehicles
+    graph, ways = LaneGraph.of(scenario.map), Ways(scenario.map)
+    lane, found = graph.nearest(vehicles.position, vehicles.heading, ON_LANE, ALONG_LANE)
+    planned = np.isin(vehicles.kind, (VehicleKind.CAR, VehicleKind.TRUCK, VehicleKind.BUS))
+    known = np.flatnonzero((lane >= 0) & planned)
+    lanes, alongs, length = lane[known], found[known, 0].astype(np.float64), vehicles.size[known, 0]
+    limit = scenario.map.speed_limit[lanes]
+    rows = []
+    for at, vehicle in enumerate(known.tolist()):
+        away = ways.ahead(int(lanes[at]), float(alongs[at]), lanes, alongs)
+        away[at] = np.inf
+        leader = int(np.argmin(away))
+        gap = float(away[leader] - (length[at] + length[leader]) / 2)
+        led = away[leader] <= REACH and gap > 0.0
+        rows.append(
+            {
+                "kind": vehicles.kind[vehicle],
+                "speed": vehicles.speed[vehicle],
+                "limit": limit[at] if np.isfinite(limit[at]) else UNKNOWN_LIMIT,
+                "gap": gap if led else np.inf,
+                "leader_speed": vehicles.speed[known[leader]] if led else np.nan,
+                "provenance": Provenance.GENERATED if scenario.log is None else provenance_of_log(scenario.source),
+                "source": scenario.source,
+                "scenario_id": scenario.scenario_id,
+            }
+        )
+    return rows
+
+
+class Draws:
+    """Draws from the rows, conditioned on one vehicle's speed: the NEAREST rows with a like speed are equally likely."""
+
+    NEAREST = 40
+
+    def __init__(self, gaps: Gaps) -> None:
+        led = gaps[gaps.led]
+        self.share_led = float(gaps.led.mean())
+        self._pace = np.clip(gaps.speed / np.maximum(gaps.limit, 1.0), 0.0, 1.2)
+        self._by_leader, self._by_follower = _sorted_by(led, led.leader_speed), _sorted_by(led, led.speed)
+        moving = led.speed > 1.0
+        headway = led.gap[moving] / led.speed[moving]
+        self.least_gap = float(np.quantile(led.gap, 0.01))
+        self.least_time_gap = float(np.quantile(headway, 0.01)) if len(headway) else 0.0
+
+    def pace(self, random: np.random.Generator) -> float:
+        """Speed as a share of the limit."""
+        return float(random.choice(self._pace))
+
+    def follower(self, leader_speed: float, random: np.random.Generator) -> tuple[float, float]:
+        """Speed [m/s] of a follower and its gap [m], behind a leader of this speed."""
+        keys, led = self._by_leader
+        row = self._near(keys, leader_speed, random)
+        return float(led.speed[row]), float(led.gap[row])
+
+    def leader(self, speed: float, random: np.random.Generator) -> tuple[float, float]:
+        """Speed [m/s] of a leader and the gap [m] to it, ahead of a follower of this speed."""
+        keys, led = self._by_follower
+        row = self._near(keys, speed, random)
+        return float(led.leader_speed[row]), float(led.gap[row])
+
+    def _near(self, keys: NDArray[np.float32], value: float, random: np.random.Generator) -> int:
+        at = int(np.searchsorted(keys, value))
+        low = min(max(at - self.NEAREST // 2, 0), max(len(keys) - self.NEAREST, 0))
+        return int(random.integers(low, min(low + self.NEAREST, len(keys))))
+
+
+def _sorted_by(gaps: Gaps, keys: NDArray[np.float32]) -> tuple[NDArray[np.float32], Gaps]:
+    order = np.argsort(keys, kind="stable")
+    return keys[order], gaps[order]
