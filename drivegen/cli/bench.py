@@ -1,21 +1,37 @@
-"""`drivegen bench`: speed, each row beside a reference measured in the same run."""
+"""`drivegen bench`: speed, each row beside a reference measured in the same run; `drivegen bench maps`: maps from words."""
 
+import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from rich.console import Console
 from rich.table import Table
-from typer import Exit, Option
+from typer import Context, Exit, Option, Typer
 
+from drivegen import plugins
 from drivegen.bench import measure
+from drivegen.cli._lm import MaxUsd, Words, model
+from drivegen.cli._maps import MapMode, Mode, writer_of
+from drivegen.maps.suite.cases import Case, first_try, outside_cases, own_cases
+from drivegen.maps.suite.table import STEPS, not_measured, published
+from drivegen.maps.suite.trials import tried
+from drivegen.maps.writers.base import MapWriter
 from drivegen.store.files import write_json
 
+command = Typer(rich_markup_mode=None)
 
-def command(
+_COLUMNS = ("roads", *STEPS, "repaired_after_1", "repaired_after_2", "repaired_after_3", "declined", "to_refuse", "refused")
+
+
+@command.callback(invoke_without_command=True)
+def speed(
+    context: Context,
     json: Annotated[Path | None, Option(help="Also write the rows to this JSON file.")] = None,
     only: Annotated[str, Option(help="Only the rows of one part, e.g. raster.")] = "",
 ) -> None:
     """Print rows {name, value, unit, reference, ratio, target, pass}; exits 1 if a row misses its target."""
+    if context.invoked_subcommand is not None:
+        return
     with Console(stderr=True).status("measuring ..."):
         rows = list(measure(only))
     table = Table("name", "value", "unit", "reference", "ratio", "target", "", box=None, pad_edge=False)
@@ -30,3 +46,58 @@ def command(
         write_json(json, [row.as_json() for row in rows])
     if not all(row.passed for row in rows):
         raise Exit(1)
+
+
+@command.command()
+def maps(
+    lm: Words = None,
+    map_mode: MapMode = Mode.SPECIFICATION,
+    max_usd: MaxUsd = None,
+    json: Annotated[Path | None, Option(help="Also write the table to this JSON file.")] = None,
+    outside: Annotated[
+        Path | None, Option(metavar="DIR", help="A folder with map_prompts.jsonl and its judge check_map.py.")
+    ] = None,
+    seed: Annotated[int, Option(help="What descriptions leave open is drawn from it.")] = 7,
+    every: Annotated[int, Option(min=1, help="Only every n-th description.")] = 1,
+) -> None:
+    """How often a map from words is the map that was asked for, by suite and by kind, for the offline rules and for --lm."""
+    folder = outside or _beside_the_real_data()
+    cases = [*own_cases(), *(outside_cases(folder) if folder else [])][::every]
+    found = [_tried(plugins.load("maps.writers", "offline")(), cases, seed)]
+    if lm is None:
+        found.append(not_measured("language model"))
+    else:
+        found.append(_tried(plugins.load("maps.writers", writer_of(map_mode))(model("maps", lm, max_usd)), cases, seed))
+    for one in found:
+        _print(one)
+    if json is not None:
+        write_json(json, {"descriptions": len(cases), "first_try": first_try(), "writers": found})
+
+
+def _beside_the_real_data() -> Path | None:
+    """The folder `benchmarks` beside that of the real data, where there is one."""
+    data = os.environ.get("DRIVEGEN_REAL_DATA")
+    folder = Path(data).parent / "benchmarks" if data else None
+    return folder if folder and folder.is_dir() else None
+
+
+def _tried(writer: MapWriter, cases: list[Case], seed: int) -> dict[str, Any]:
+    with Console(stderr=True).status(f"{len(cases)} descriptions: {writer.description} ..."):
+        trials = tried(cases, writer, seed)
+    return {**published(writer.description, trials), "cpu_seconds": sum(trial.seconds for trial in trials)}
+
+
+def _print(found: dict[str, Any]) -> None:
+    console = Console()
+    console.print(f"written by: {found['written_by']}", highlight=False, markup=False)
+    if not found["measured"]:
+        console.print("not measured: name a model with --lm\n", highlight=False)
+        return
+    table = Table("", *(name.replace("_", " ") for name in _COLUMNS), "right", box=None, pad_edge=False)
+    for name, counts in [*found["suites"].items(), *found["kinds"].items()]:
+        table.add_row(name, *(str(counts[column]) for column in _COLUMNS), f"{counts['share_right']:.0%}")
+    console.print(table)
+    for case in found["failed"]:
+        why = "; ".join(case["wrong"])
+        console.print(f"{case['suite']}: {case['text']}: {why}", highlight=False, markup=False, soft_wrap=True)
+    console.print(f"processor time {found['cpu_seconds']:.1f} s\n", highlight=False)

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-_PROGRAM = Path(__file__).with_name("loading_process.py")
+from drivegen.sumo import loading_process
+
+_PROGRAM = Path(loading_process.__file__)  # run, never called; imported so that whoever follows imports finds it
 _SECONDS = 20
 """Processor time for the process, and as much again for every network."""
 

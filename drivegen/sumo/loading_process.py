@@ -1,4 +1,4 @@
-"""The process in which SUMO loads networks one after the other, started by `loading.load_all`; nothing imports it.
+"""The process in which SUMO loads networks one after the other, started by `loading.load_all`.
 
 libsumo crashes the process on some networks, so it lives alone: it is run by path and imports nothing of ours. The file
 `loaded` gets one line per network that was loaded and stepped once; whoever started it sees where it stopped.

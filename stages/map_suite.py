@@ -1,0 +1,66 @@
+"""Stage `map_suite`: how often a map from words is the map that was asked for, for every writer.
+
+argv: the table (JSON). A writer that needs a language model where none is configured (lm.maps) stands in it as not measured.
+Where one is, its calls are rows of .drivegen/calls/map_suite.parquet. Processor times go to the cost table.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from drivegen import plugins
+from drivegen.lm.model import LanguageModel
+from drivegen.lm.settings import RecordSettings, RoleSettings
+from drivegen.maps.suite.cases import Case, first_try, outside_cases, own_cases
+from drivegen.maps.suite.table import not_measured, published
+from drivegen.maps.suite.trials import tried
+from drivegen.maps.writers.base import MapWriter
+from drivegen.store.files import write_json
+from stages._door import enter, read_params
+
+CALLS = Path(".drivegen/calls/map_suite.parquet")
+
+
+@dataclass(frozen=True)
+class Params:
+    """Section `map_suite`.
+
+    Attributes:
+        writers: files of drivegen/maps/writers that ask nobody. models: those that ask the language model of lm.maps.
+        every: only every n-th description is tried, 1 for all.
+        outside: a folder with map_prompts.jsonl and check_map.py whose descriptions are tried too, "" for none.
+    """
+
+    seed: int
+    writers: list[str]
+    models: list[str]
+    every: int
+    outside: str
+
+
+def main(params: Params, table: Path) -> dict[str, float]:
+    """Try every writer; returns what each took, for the cost table."""
+    cases = [*own_cases(), *(outside_cases(Path(params.outside)) if params.outside else [])][:: params.every]
+    costs = {"descriptions": float(len(cases))}
+    found = {name: _measured(name, plugins.load("maps.writers", name)(), cases, params.seed, costs) for name in params.writers}
+    role = read_params("lm.maps", RoleSettings)
+    for name in params.models:
+        if not role.model:
+            found[name] = not_measured(name.replace("_", " "))
+            continue
+        model = LanguageModel("maps", role, read_params("lm.records", RecordSettings).open())
+        found[name] = _measured(name, plugins.load("maps.writers", name)(model), cases, params.seed, costs)
+        model.ledger.write(CALLS)
+    write_json(table, {"descriptions": len(cases), "first_try": first_try(), "writers": found})
+    return costs
+
+
+def _measured(name: str, writer: MapWriter, cases: list[Case], seed: int, costs: dict[str, float]) -> dict[str, Any]:
+    trials = tried(cases, writer, seed)
+    costs[f"cpu_seconds of {name}"] = sum(trial.seconds for trial in trials)
+    print(f"map_suite: {writer.description}: {sum(trial.right for trial in trials)} of {len(trials)} right", flush=True)
+    return published(writer.description, trials)
+
+
+if __name__ == "__main__":
+    enter("map_suite", Params, main)
