@@ -62,17 +62,16 @@ def violation_shares(samples: Samples) -> dict[str, float]:
 
 
 def box_rates(boxes: Boxes, vehicles: int, scales: Sequence[float]) -> dict[str, float]:
-    """Shares of (sample, vehicle), and of samples, in which boxes touch; `boxes` are K samples and, last, the log.
+    """Shares of (sample, vehicle) in which boxes touch; `boxes` are K samples and, last, the log.
 
-    `collision_boxes_90` scales all boxes by 0.9, and so on; pairs that overlap at their first common step count only once they
-    have come apart. `overlap_initial` is the share of vehicles that are given overlapping (at full size), `collision_centres`
-    av2's measure: centres nearer than a metre.
+    `boxes_90_collision` scales all boxes by 0.9, and so on; pairs that overlap at their first common step count only once they
+    have come apart. `boxes_overlap_initial` is the share of vehicles that are given overlapping (at full size),
+    `boxes_centres_meet` av2's measure: centres nearer than a metre.
     """
     rates: dict[str, float] = {}
     hits = touching(boxes, vehicles, np.array(scales))[:, :-1]
     for scale, hit in zip(scales, hits, strict=True):
-        name = f"collision_boxes_{round(100 * scale)}"
-        rates |= {name: float(hit.mean()), f"{name}_per_scene": float(hit.any(axis=1).mean())}
-    rates["overlap_initial"] = float(overlapping_at_first(boxes, vehicles).mean())
-    rates["collision_centres"] = float(centres_meet(boxes, vehicles)[:-1].mean())
+        rates[f"boxes_{round(100 * scale)}_collision"] = float(hit.mean())
+    rates["boxes_overlap_initial"] = float(overlapping_at_first(boxes, vehicles).mean())
+    rates["boxes_centres_meet"] = float(centres_meet(boxes, vehicles)[:-1].mean())
     return rates

@@ -47,9 +47,8 @@ def test_rates_by_size_of_boxes_leave_the_log_out():
     worlds.position[0, 1, 20:] = worlds.position[0, 0, 20:] + np.float32([0, 2.0])  # half a width of air beside the target
     boxes = Boxes.of(joined(worlds, scene.log), scene.log.valid, scene.vehicles.size, scene.context)
     found = box_rates(boxes, 8, (0.9, 1.0, 1.1))
-    assert [found[f"collision_boxes_{percent}"] for percent in (90, 100, 110)] == [0, 0, 2 / 16]
-    assert [found[f"collision_boxes_{percent}_per_scene"] for percent in (90, 100, 110)] == [0, 0, 1 / 2]
-    assert (found["overlap_initial"], found["collision_centres"]) == (0, 0)
+    assert [found[f"boxes_{percent}_collision"] for percent in (90, 100, 110)] == [0, 0, 2 / 16]
+    assert (found["boxes_overlap_initial"], found["boxes_centres_meet"]) == (0, 0)
     worlds.position[1, 2, 30] = worlds.position[1, 3, 30]
     boxes = Boxes.of(joined(worlds, scene.log), scene.log.valid, scene.vehicles.size, scene.context)
-    assert box_rates(boxes, 8, (1.0,))["collision_centres"] == 2 / 16
+    assert box_rates(boxes, 8, (1.0,))["boxes_centres_meet"] == 2 / 16
