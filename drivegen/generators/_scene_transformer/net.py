@@ -9,7 +9,7 @@ from drivegen.generators._relative import OTHER_FEATURES, Surroundings, Surround
 from drivegen.generators._vectors import SceneTensors
 from drivegen.scenario import DT
 
-SPREAD = 10.0
+SPREAD = 30.0
 """[m] of one unit of the network's output at the end of the future."""
 
 

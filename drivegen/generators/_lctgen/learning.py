@@ -1,0 +1,168 @@
+"""What LCTGen learns from scenes: motion of the log's code, the prior of its action fields, placement."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, state_code
+from drivegen.generators._lctgen.net import LctgenNet, Placement
+from drivegen.generators._motion import at_knots
+from drivegen.generators._vectors import Scenes, SceneTensors, local_future
+from drivegen.geometry import rotate, wrap_angle
+
+NO_PIECE = -1
+
+BATCH = 32
+"""Validation scenes that go through the network at once."""
+
+SCALES = np.array([5.0, 5.0, 1.0, 5.0, 5.0, 10.0])
+"""Units of the ATTRIBUTES."""
+
+
+@dataclass(frozen=True)
+class Taught:
+    """Scenes with their codes.
+
+    Attributes:
+        scenes: with futures. code: (S, A, 8) int64; an action that the log did not see is KEEP_SPEED.
+        seen: (S, A, PARTS) bool actions that it did see.
+        piece: (S, A) int64 the piece of road each vehicle stands on, NO_PIECE where none is near.
+        attributes: (S, A, ATTRIBUTES) float32 of the vehicle on that piece, in units.
+    """
+
+    scenes: Scenes
+    code: NDArray[np.int64]
+    seen: NDArray[np.bool_]
+    piece: NDArray[np.int64]
+    attributes: NDArray[np.float32]
+
+    def __len__(self) -> int:
+        return len(self.scenes)
+
+    @classmethod
+    def of(cls, scenes: Scenes) -> Self:
+        """Codes and places of logged scenes."""
+        actions, seen = logged_actions(scenes)
+        actions = np.where(seen, actions, Action.KEEP_SPEED)
+        piece, attributes = places(scenes)
+        return cls(scenes, np.concatenate([state_code(scenes), actions], axis=-1), seen, piece, attributes)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """See `_learned.Examples`."""
+        if not parts:
+            return cls.of(Scenes.joined([]))
+        arrays = (np.concatenate([getattr(p, name) for p in parts]) for name in ("code", "seen", "piece", "attributes"))
+        return cls(Scenes.joined([p.scenes for p in parts]), *arrays)
+
+
+def places(scenes: Scenes) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Each vehicle's piece of road (S, A) and its attributes on it (S, A, ATTRIBUTES), in units."""
+    middle = scenes.points.mean(axis=2)
+    along = scenes.points[:, :, -1] - scenes.points[:, :, 0]
+    heading = np.arctan2(along[..., 1], along[..., 0])
+    gap = np.hypot(*np.moveaxis(scenes.position[:, :, None] - middle[:, None], -1, 0))
+    turned = np.abs(wrap_angle(scenes.heading[:, :, None] - heading[:, None]))
+    gap = np.where(scenes.drawn[:, None] & (turned < np.pi / 3), gap, np.inf)
+    piece = gap.argmin(axis=2)
+    near = (np.take_along_axis(gap, piece[..., None], axis=2)[..., 0] < 10.0) & scenes.present
+    row = np.arange(len(scenes))[:, None]
+    local = rotate(scenes.position - middle[row, piece], -heading[row, piece])
+    turn = wrap_angle(scenes.heading - heading[row, piece])
+    size = scenes.agent[..., 1:3] * 5.0
+    attributes = np.concatenate([local, turn[..., None], size, scenes.speed[..., None]], axis=-1) / SCALES
+    return np.where(near, piece, NO_PIECE), np.where(near[..., None], attributes, 0).astype(np.float32)
+
+
+class LctgenObjective:
+    """The motion nearest to the log, which mode that is, the prior of actions, and the likelihood of the placement."""
+
+    def __init__(self, train: Taught, validation: Taught, placement: float, device: torch.device) -> None:
+        self.train, self.held_out, self.placement = _tensors(train, device), _tensors(validation, device), placement
+        self.size = len(train)
+
+    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:  # noqa: ARG002 nothing is random
+        """See `loop.Objective`."""
+        return ()
+
+    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:  # noqa: ARG002
+        """See `loop.Objective`."""
+        return self._of(model, self.train, rows)
+
+    def validation(self, model: nn.Module) -> float:
+        """See `loop.Objective`."""
+        count = len(self.held_out[0])
+        parts = [torch.arange(low, min(low + BATCH, count)) for low in range(0, count, BATCH)]
+        return sum(float(self._of(model, self.held_out, part)) * len(part) for part in parts) / count if parts else float("nan")
+
+    def _of(self, model: nn.Module, all_of: "_Tensors", rows: Tensor) -> Tensor:
+        every, code, seen, piece, attributes = all_of
+        scenes, code = every[rows], code[rows]
+        moved, prior, placed = model(scenes, code)
+        loss: Tensor = (
+            _motion_loss(scenes, *moved)
+            + _prior_loss(prior, code[..., -PARTS:], seen[rows])
+            + self.placement * _placement_loss(placed, piece[rows], attributes[rows])
+        )
+        return loss
+
+
+class Trainable(nn.Module):
+    """The network, run for all of its losses at once (one call, as several processes need it)."""
+
+    def __init__(self, net: LctgenNet) -> None:
+        super().__init__()
+        self.net = net
+
+    def forward(self, scenes: SceneTensors, code: Tensor) -> tuple[tuple[Tensor, Tensor], Tensor, Placement]:
+        """Knots and logits of modes; the prior's logits (S, A, PARTS, 8); the placement."""
+        net = self.net
+        roads, vehicles = net.roads(scenes), net.vehicles(scenes)
+        moved = net.moved(scenes, net.decoded(scenes, roads, code, vehicles))
+        actions = code[..., -PARTS:]
+        prior = torch.stack([net.action_logits(vehicles, actions, part) for part in range(PARTS)], dim=-2)
+        return moved, prior, net.placed(net.decoded(scenes, roads, code, None), roads)
+
+
+_Tensors = tuple[SceneTensors, Tensor, Tensor, Tensor, Tensor]
+
+
+def _tensors(taught: Taught, device: torch.device) -> _Tensors:
+    code, seen, piece, attributes = (
+        torch.from_numpy(a).to(device) for a in (taught.code, taught.seen, taught.piece, taught.attributes)
+    )
+    return taught.scenes.tensors(device), code, seen, piece, attributes
+
+
+def _motion_loss(scenes: SceneTensors, knots: Tensor, logits: Tensor) -> Tensor:
+    """Mean displacement [m] of each vehicle's nearest mode, and the cross-entropy of choosing it."""
+    truth = at_knots(local_future(scenes))[:, :, None]
+    known = at_knots(scenes.known[..., None]).to(knots)[:, :, None, :, 0]
+    gap = ((knots - truth) ** 2).sum(-1).add(1e-4).sqrt()
+    steps = known.sum(-1)
+    each = (gap * known).sum(-1) / steps.clamp_min(1)
+    best, which = each.min(dim=-1)
+    choice = nn.functional.cross_entropy(logits.flatten(0, 1), which.flatten(), reduction="none").reshape(which.shape)
+    there = (steps[..., 0] > 0).to(gap)
+    return ((best + choice) * there).sum() / there.sum().clamp_min(1)
+
+
+def _prior_loss(logits: Tensor, actions: Tensor, seen: Tensor) -> Tensor:
+    """Cross-entropy of the actions that the log saw."""
+    loss = nn.functional.cross_entropy(logits.flatten(0, 2), actions.flatten(), reduction="none").reshape(seen.shape)
+    return (loss * seen).sum() / seen.sum().clamp_min(1)
+
+
+def _placement_loss(placed: Placement, piece: Tensor, attributes: Tensor) -> Tensor:
+    """Cross-entropy of the piece and negative log-likelihood of the attributes, of vehicles on a road."""
+    near = (piece >= 0).to(placed.piece)
+    chosen = nn.functional.cross_entropy(placed.piece.flatten(0, 1), piece.clamp_min(0).flatten(), reduction="none")
+    off = (attributes[:, :, None] - placed.mean) / placed.log_scale.exp()
+    each = (-0.5 * off**2 - placed.log_scale).sum(-1)
+    likelihood = torch.logsumexp(torch.log_softmax(placed.weight, -1) + each, dim=-1)
+    return ((chosen.reshape(near.shape) - likelihood) * near).sum() / near.sum().clamp_min(1)

@@ -1,0 +1,161 @@
+"""LCTGen (Tan et al., CoRL 2023): a scenario code, and a query-based decoder that turns code and map into traffic.
+
+As in the paper: a code of eight small numbers for each vehicle (quadrant, distance, direction, speed, four actions of the
+future) and six for the map (`_lctgen`), map pieces under multi-context gating, one query for each vehicle that attends to
+the other queries and to the map, small networks that read off each query where the vehicle stands (which piece of road, and
+mixtures of Gaussians for its place on it, heading, size and speed) and K' motions with their odds, the nearest of which is
+taught. A map is retrieved from a library by its code.
+
+The table gives every method the first frame, so vehicles are not placed there, and four fields of the code are known. The
+four actions are in the future: here they are drawn, one after the other, from a prior that was learnt on the train logs
+and sees the first frame only. `lctgen_log_code` takes them from the log instead: an upper bound, no method. The
+paper has a language model write the code; offline, rules do (`_lctgen.words`).
+
+Reduced, by settings: width 64, not 256; fields of the code are looked up in tables, not as sinusoids; one mixture for all
+attributes. Changed, to its advantage: where the first frame is given, a query is also told its vehicle's exact state and
+the context of its surroundings in its own frame; the future lasts 10 s, so an action lasts 2.5 s.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from drivegen import seeds
+from drivegen.generators._lctgen.codes import PARTS, Action, state_code
+from drivegen.generators._lctgen.learning import LctgenObjective, Taught, Trainable
+from drivegen.generators._lctgen.net import LctgenNet
+from drivegen.generators._learned import Learned
+from drivegen.generators._motion import filled_in, trajectories
+from drivegen.generators._vectors import AGENTS, Scenes
+from drivegen.samples import Samples
+from drivegen.scenario import Scenario
+from drivegen.training import loop
+
+CHUNK = 16
+"""Scenes that go through the network at once, always: sums differ between batch sizes."""
+
+
+@dataclass(frozen=True)
+class LctgenSettings:
+    """Values stand in params.yaml, `train_generator.generators.lctgen`.
+
+    Attributes:
+        width, heads, layers: of the transformer of queries. blocks: of context gating. modes: K' motions of each query.
+        gaussians: of a placed vehicle's attributes. pieces: of road that each vehicle sees in its own frame.
+        placement: weight of the placement in the loss. temperature: actions and modes are drawn from `p ** (1 / temperature)`.
+        training: see `training.loop.Settings`.
+    """
+
+    width: int
+    heads: int
+    layers: int
+    blocks: int
+    modes: int
+    gaussians: int
+    pieces: int
+    placement: float
+    temperature: float
+    training: loop.Settings
+
+
+class Plugin(Learned):
+    """See the module."""
+
+    name = "lctgen"
+    Settings = LctgenSettings
+    Examples = Taught
+
+    net: Trainable
+
+    @classmethod
+    def network(cls, settings: LctgenSettings) -> nn.Module:
+        """See `Learned`."""
+        s = settings
+        return Trainable(LctgenNet(s.width, s.heads, s.layers, s.blocks, s.modes, s.gaussians, s.pieces))
+
+    @classmethod
+    def examples(cls, settings: LctgenSettings, scenarios: Sequence[Scenario]) -> Taught:
+        """See `Learned`."""
+        del settings
+        return Taught.of(Scenes.with_logs(scenarios))
+
+    @classmethod
+    def objective(cls, settings: LctgenSettings, net: nn.Module, train: Taught, validation: Taught, seed: int) -> loop.Objective:
+        """See `Learned`."""
+        del net, seed
+        return LctgenObjective(train, validation, settings.placement, loop.device())
+
+    def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
+        """K futures of each scenario, the vehicles' drawn apart from one another."""
+        made: list[Samples] = []
+        for low in range(0, len(scenarios), CHUNK):
+            chunk = scenarios[low : low + CHUNK]
+            scenes = Scenes.of(chunk).padded(CHUNK)
+            noises = [Noise.of(samples, self.settings.modes, seed, scenario.scenario_id) for scenario in chunk]
+            with torch.inference_mode():
+                knots = self._knots(scenes, Noise.stacked(noises, CHUNK), self.known_actions(chunk))
+            for row, scenario in enumerate(chunk):
+                dense = filled_in(knots[row], scenes.speed[row])
+                motion = trajectories(scenario, *(x[:, : len(scenario.vehicles)] for x in dense))
+                made.append(Samples.without_goals(scenario.scenario_id, self.said, motion))
+        return made
+
+    @property
+    def said(self) -> str:
+        """The method's name in what it makes."""
+        return self.name
+
+    def known_actions(self, scenarios: Sequence[Scenario]) -> NDArray[np.int64] | None:
+        """Actions (CHUNK, A, PARTS) that are not to be drawn: none, as the future is not known."""
+        del scenarios
+        return None
+
+    def _knots(self, scenes: Scenes, noise: "Noise", known: NDArray[np.int64] | None) -> NDArray[np.float32]:
+        """Knots (CHUNK, K, A, J, 2) in the vehicles' frames."""
+        net, told = self.net.net, scenes.tensors(torch.device("cpu"))
+        roads, vehicles, state = net.roads(told), net.vehicles(told), torch.from_numpy(state_code(scenes))
+        drawn = []
+        for k in range(noise.actions.shape[1]):
+            actions = self._actions(vehicles, noise.actions[:, k]) if known is None else torch.from_numpy(known)
+            decoded = net.decoded(told, roads, torch.cat([state, actions], dim=-1), vehicles)
+            knots, logits = net.moved(told, decoded)
+            mode = (logits / self.settings.temperature + noise.modes[:, k]).argmax(-1)
+            index = mode[..., None, None, None].expand(*mode.shape, 1, *knots.shape[-2:])
+            drawn.append(knots.gather(2, index)[:, :, 0])
+        return np.asarray(torch.stack(drawn, dim=1).numpy())
+
+    def _actions(self, vehicles: Tensor, noise: Tensor) -> Tensor:
+        """Actions (CHUNK, A, PARTS) drawn part after part by Gumbel's trick."""
+        actions = torch.zeros(noise.shape[:-1], dtype=torch.int64)
+        for part in range(PARTS):
+            logits = self.net.net.action_logits(vehicles, actions, part) / self.settings.temperature
+            actions[..., part] = (logits + noise[..., part, :]).argmax(-1)
+        return actions
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Gumbel noise of K futures: `actions` (..., K, A, PARTS, 8) and `modes` (..., K, A, K')."""
+
+    actions: Any
+    modes: Any
+
+    @classmethod
+    def of(cls, samples: int, modes: int, seed: int, scenario_id: str) -> "Noise":
+        """Of one scenario."""
+        rng = seeds.rng(seed, "lctgen", scenario_id)
+        shape = (samples, AGENTS)
+        return cls(rng.gumbel(size=(*shape, PARTS, len(Action))), rng.gumbel(size=(*shape, modes)))
+
+    @classmethod
+    def stacked(cls, noises: "Sequence[Noise]", count: int) -> "Noise":
+        """Of `count` scenarios as tensors, the last one's again where there are fewer."""
+        filled = [*noises, *[noises[-1]] * (count - len(noises))]
+        return cls(
+            *(torch.from_numpy(np.stack([getattr(n, f) for n in filled]).astype(np.float32)) for f in ("actions", "modes"))
+        )
