@@ -9,6 +9,7 @@ import pytest
 from drivegen.render.png import png
 from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_page
 from drivegen.report.paper import MARK
+from drivegen.report.table import NOT_MEASURED
 
 DOT = png(np.zeros((2, 2, 3), np.uint8))
 
@@ -18,7 +19,7 @@ def quality(error: float, diversity: float) -> dict[str, float]:
     values = dict(zip(names, (error, 2 * error, 2.5 * error, 4 * error), strict=True))
     values |= {f"diversity_ratio{end}": diversity for end in ("", "_plain", "_any_sample", "_any_sample_plain")}
     values |= {f"{what}_per_{of}": 0.0125 for what in ("collision", "off_road", "illegal") for of in ("vehicle", "scene")}
-    values["violation.red_light"] = 0.02
+    values |= {"violation.red_light": 0.02, "realism": 0.8, "nll_3s": 2.5, "nll_joint_3s": 2.9, "boxes_90_collision": 0.01}
     values |= {f"{name}.{end}": value for name, value in values.items() for end in ("low", "high")}
     return values | {"diversity_pairs": 1200, "label.road.junction": 3.0, "manoeuvre.left": 12.0}
 
@@ -48,7 +49,7 @@ FULL = Evidence(
 )
 
 
-HELPS = {"quality_details": 3, "train_selector": 1}
+HELPS = {"quality_details": 4, "train_selector": 1}
 """Sections that a result fills, where it is not one."""
 
 
@@ -126,15 +127,42 @@ def test_the_paper_s_rows_are_marked_and_ours_name_their_data():
     table = TABLES["quality"]
     by_origin = {origin: [row for row in table.rows if row.origin == origin] for origin in ("ours", "paper")}
     assert {row.cells[1].text for row in by_origin["paper"]} == {MARK}
-    assert {row.cells[1].text for row in by_origin["ours"]} == {FULL.source}
+    assert {row.cells[1].text for row in by_origin["ours"] if row.cells[3].text != NOT_MEASURED} == {FULL.source}
     paper_drivegen = [cell.text for cell in by_origin["paper"][-1].cells]
-    assert paper_drivegen == ["DriveGen", MARK, "1.18", "2.16", "2.59", "3.64", "0.93"]
+    assert paper_drivegen == ["DriveGen", MARK, "", "1.18", "2.16", "2.59", "3.64", "0.93"]
 
 
 def test_the_best_generator_is_bold_and_the_log_never():
     table = TABLES["quality"]
     bold = {row.cells[0].text for row in table.rows for cell in row.cells if cell.best}
     assert bold == {"DriveGen"}
+
+
+def test_methods_that_did_not_run_are_rows_and_goals_have_a_chooser():
+    lines = {row.cells[0].text: [cell.text for cell in row.cells[1:4]] for row in TABLES["quality"].rows if row.origin == "ours"}
+    assert lines["BITS"] == [NOT_MEASURED, "\u2013", NOT_MEASURED]
+    assert lines["DriveGen"][1] == "imitates logs"
+    assert lines["DriveGen w/o gs"][1] == "random"
+    assert {"SceneTransformer", "TrafficGen", "LCTGen", "IDM"} <= set(lines)
+
+
+def test_a_rival_that_does_not_beat_constant_velocity_is_marked():
+    results = {"quality_details/constant_velocity": quality(3.0, 0.6), "quality_details/bits": quality(3.0, 0.7)}
+    results["quality_details/lctgen"] = quality(2.9, 0.7)
+    tables = {table.name: table for section in all_sections(Evidence(results)) for table in section.tables}
+    for name in ("quality", "scores", "safety"):
+        names = {row.cells[0].text for row in tables[name].rows if row.origin != "paper"}
+        assert {"BITS, under-trained", "LCTGen"} <= names
+
+
+def test_trust_measures_stand_beside_one_another():
+    scores, realism, boxes = TABLES["scores"], TABLES["realism"], TABLES["boxes"]
+    assert "NLL of the scene at 3 s \u2193" in scores.columns
+    by_name = {row.cells[0].text: row for row in realism.rows}
+    assert (by_name["DriveGen"].cells[1].text, by_name["DriveGen"].cells[1].note) == ("0.80", "0.80\u20130.80")
+    assert by_name["BITS"].cells[1].text == NOT_MEASURED
+    assert boxes.columns[1:4] == ("boxes x 0.9", "boxes x 1.0", "boxes x 1.1")
+    assert any("divided by 0.95" in note for note in realism.notes)
 
 
 def test_markup_in_names_and_texts_is_text():
@@ -161,7 +189,7 @@ def test_tables_say_what_models_were_trained_on():
 def test_the_driver_in_logs_is_the_dataset_s_row_of_table_three():
     (ours,) = (row for row in TABLES["corner-cases"].rows if row.cells[0].text == "Dataset, ours")
     assert [cell.text for cell in ours.cells[2:5]] == ["0.05", "50.50", "not measured"]
-    assert [row.cells[0].text for row in TABLES["driving-idm"].rows] == ["Log (recorded futures)", "DriveGen"]
+    assert [row.cells[0].text for row in TABLES["driving-idm"].rows] == ["DriveGen", "Log (recorded futures)"]
 
 
 def test_limits_are_listed_by_rule():

@@ -6,20 +6,22 @@ from typing import Any
 
 from drivegen.report import paper, plots
 from drivegen.report.evidence import Evidence
+from drivegen.report.published import METHODS, RIVALS
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.table import NOT_MEASURED, Cell, Table, measured, number, row
 
 NAMES = {
-    "log": "Log (recorded futures)",
-    "constant_velocity": "Constant velocity",
-    "drivegen_without_goals": "DriveGen w/o gs",
-    "drivegen": "DriveGen",
+    **METHODS,
     "drivegen_true_goals": "DriveGen, true goals",
+    "lctgen_log_code": "LCTGen, code from the log",
 }
-"""Methods in the table's order; others follow under their own names."""
+"""Methods in the tables' order; others follow under their own names."""
 
-_TOLD = ("log", "drivegen_true_goals")
+_BOUNDS = ("log", "drivegen_true_goals", "lctgen_log_code")
 """Methods that are told what happened: bounds, not rivals."""
+
+SELECTORS = {"drivegen": "learned", "drivegen_without_goals": "random", "drivegen_true_goals": "log"}
+"""Whose goals a method follows, as its plugin says; the others choose none, or their own."""
 
 _COLUMNS = ("min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity_ratio")
 
@@ -48,11 +50,11 @@ def safety(evidence: Evidence) -> Section:
     rates = {"collision": "collision", "off_road": "off-road", "illegal": "any violation"}
     columns = ("", *(f"{word}, per {of}" for word in rates.values() for of in ("vehicle", "scene")))
     lines = [
-        row(_name(method), *(_share(values, f"{rate}_per_{of}") for rate in rates for of in ("vehicle", "scene")))
+        row(name_of(method, methods), *(_share(values, f"{rate}_per_{of}") for rate in rates for of in ("vehicle", "scene")))
         for method, values in methods.items()
     ]
     kinds = sorted({key for values in methods.values() for key in values if key.startswith("violation.")} - _bounds(methods))
-    by_kind = [row(_name(method), *(_share(values, kind) for kind in kinds)) for method, values in methods.items()]
+    by_kind = [row(name_of(method, methods), *(_share(values, kind) for kind in kinds)) for method, values in methods.items()]
     heads = ("", *(kind.removeprefix("violation.").replace("_", " ") for kind in kinds))
     found = (
         Table("safety", "Share of generated vehicles and scenes with a violation", columns, tuple(lines), evidence.trained_on),
@@ -67,24 +69,53 @@ def ordered(methods: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return {method: dict(methods[method]) for method in [*known, *sorted(set(methods) - set(NAMES))]}
 
 
+def rows_of(methods: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Every method that is compared, measured or not, and what else was measured."""
+    compared = {method: dict(methods.get(method, {})) for method in METHODS}
+    return compared | {method: dict(values) for method, values in methods.items() if method not in compared}
+
+
+def name_of(method: str, methods: Mapping[str, Mapping[str, Any]]) -> str:
+    """The method in words; a rival that does not beat constant velocity in min-sADE is marked."""
+    name = NAMES.get(method, method.replace("_", " "))
+    error, floor = (methods.get(m, {}).get("min_sade") for m in (method, "constant_velocity"))
+    if method in RIVALS and error is not None and floor is not None and error >= floor:
+        return f"{name}, under-trained"
+    return name
+
+
 def _realism(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table:
     best = {key: _best(methods, key) for key in _COLUMNS}
     ours = []
-    for method in methods or NAMES:
-        cells = [replace(measured(methods.get(method, {}), key), best=method == best[key]) for key in _COLUMNS]
-        ours.append(row(_name(method), evidence.source or NOT_MEASURED, *cells, origin="ours"))
-    theirs = [row(name, paper.MARK, *map(number, values), origin="paper") for name, values in paper.QUALITY.items()]
-    heads = ("", "data", "min-sADE \u2193", "min-sFDE \u2193", "mean-sADE \u2193", "mean-sFDE \u2193", "diversity \u2192 1")
+    for method, values in rows_of(methods).items():
+        cells = [replace(measured(values, key), best=method == best[key]) for key in _COLUMNS]
+        source = (evidence.source or NOT_MEASURED) if values else NOT_MEASURED
+        ours.append(row(name_of(method, methods), source, _chosen_by(method, evidence), *cells, origin="ours"))
+    theirs = [row(name, paper.MARK, "", *map(number, values), origin="paper") for name, values in paper.QUALITY.items()]
+    errors = ("min-sADE \u2193", "min-sFDE \u2193", "mean-sADE \u2193", "mean-sFDE \u2193", "diversity \u2192 1")
     notes = (
         "Rows of different data cannot be compared with one another; the paper's are printed for orientation.",
         "Errors are taken at steps 1 to T-1 (step 0 is given), the final one at each track's last observed step.",
+        "A rival that does not beat constant velocity in min-sADE is under-trained: beating it counts for nothing.",
     )
+    heads = ("", "data", "goals chosen by", *errors)
     return Table("quality", "Table I. Scenario quality", heads, (*ours, *theirs), (*evidence.trained_on, *notes))
+
+
+def _chosen_by(method: str, evidence: Evidence) -> str:
+    """Who chose goals, in the selector's own words where the goals stage has written them down."""
+    selector = SELECTORS.get(method)
+    if selector is None:
+        return "\u2013"
+    said = evidence.results.get(f"goals/{selector}")
+    return str(said.get("described", selector)) if isinstance(said, Mapping) else selector
 
 
 def _best(methods: Mapping[str, dict[str, Any]], key: str) -> str:
     """The best of those that generate, "" if there are fewer than two; those that are told the truth win nothing."""
-    values = {method: methods[method][key] for method in methods if method not in _TOLD and methods[method].get(key) is not None}
+    values = {
+        method: methods[method][key] for method in methods if method not in _BOUNDS and methods[method].get(key) is not None
+    }
     badness = {method: abs(value - 1) if key == "diversity_ratio" else value for method, value in values.items()}
     return min(badness, key=badness.__getitem__) if len(badness) > 1 else ""
 
@@ -93,7 +124,8 @@ def _diversity(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Tab
     readings = ("diversity_ratio", "diversity_ratio_plain", "diversity_ratio_any_sample", "diversity_ratio_any_sample_plain")
     heads = ("", "best sample, squared (paper)", "best sample, plain norm", "random sample, squared", "random sample, plain norm")
     lines = [
-        row(_name(method), *(measured(values, key) for key in readings), origin="ours") for method, values in methods.items()
+        row(name_of(method, methods), *(measured(values, key) for key in readings), origin="ours")
+        for method, values in methods.items()
     ]
     pairs = number(next((values["diversity_pairs"] for values in methods.values() if "diversity_pairs" in values), None))
     notes = (
@@ -105,7 +137,7 @@ def _diversity(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Tab
 
 def _map_of_methods(methods: Mapping[str, dict[str, Any]]) -> Figure:
     ours = {
-        _name(method): (float(values["diversity_ratio"]), float(values["min_sade"]))
+        name_of(method, methods): (float(values["diversity_ratio"]), float(values["min_sade"]))
         for method, values in methods.items()
         if values.get("diversity_ratio") is not None and values.get("min_sade") is not None and method != "log"
     }
@@ -122,7 +154,3 @@ def _share(values: dict[str, Any], key: str) -> Cell:
     percent = {k: 100 * values[k] for k in (key, f"{key}.low", f"{key}.high") if values.get(k) is not None}
     cell = measured(percent, key, 1)
     return cell if cell.text == NOT_MEASURED else replace(cell, text=f"{cell.text} %")
-
-
-def _name(method: str) -> str:
-    return NAMES.get(method, method.replace("_", " "))

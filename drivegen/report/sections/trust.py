@@ -1,0 +1,129 @@
+"""What the paper leaves out: proper scores, realism, distances of distributions, a classifier, and what sizes of boxes do."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from drivegen.report.evidence import Evidence
+from drivegen.report.section import Section, not_measured
+from drivegen.report.sections.quality import name_of, ordered, rows_of
+from drivegen.report.table import Table, measured, row
+
+_REALISM = {
+    "realism": "score",
+    "realism.linear_speed": "speed",
+    "realism.linear_acceleration": "acceleration",
+    "realism.angular_speed": "turning",
+    "realism.angular_acceleration": "angular acceleration",
+    "realism.distance_to_nearest_object": "nearest box",
+    "realism.collision": "collision",
+    "realism.time_to_collision": "time to collision",
+    "realism.distance_to_road_edge": "road edge",
+    "realism.off_road": "off-road",
+}
+_SCORES = {
+    "energy_trajectory": "energy score [m] \u2193",
+    "energy_final": "at the end [m] \u2193",
+    "energy_joint": "of the scene [m] \u2193",
+    "energy_joint_final": "of the scene, at the end [m] \u2193",
+}
+_DISTANCES = {
+    "auc": "AUC \u2192 0.5",
+    "distance.speed": "speed [m/s]",
+    "distance.acceleration": "acceleration [m/s2]",
+    "distance.lateral_acceleration": "lateral acceleration [m/s2]",
+    "distance.jerk": "jerk [m/s3]",
+    "distance.headway": "headway [s]",
+    "distance.time_to_collision": "time to collision [s]",
+    "distance.post_encroachment": "post-encroachment [s]",
+    "distance.manoeuvres": "manoeuvres [bit]",
+}
+_BOXES = {
+    "boxes_90_collision": "boxes x 0.9",
+    "boxes_100_collision": "boxes x 1.0",
+    "boxes_110_collision": "boxes x 1.1",
+    "boxes_overlap_initial": "given overlapping",
+    "boxes_centres_meet": "centres within 1 m (av2)",
+    "close_call": "steps with time to collision under 1.5 s",
+    "close_call_log": "the same in the log",
+    "rejected": "planned trajectories rejected",
+}
+
+
+def section(evidence: Evidence) -> Section:
+    """Four tables over all methods; one that has not run says so."""
+    methods = ordered(evidence.below("quality_details"))
+    lead = (
+        "What the paper does not report. The log's own row says what perfect is worth on these data, constant velocity's what "
+        "nothing learned is worth. Means over scenarios with 95 % bootstrap intervals."
+    )
+    if not methods:
+        return Section("trust", "Trust in the numbers", lead, missing=not_measured("evaluate"))
+    likelihoods = {name: _horizon(name) for values in methods.values() for name in values if _is_likelihood(name)}
+    found = (
+        _table(
+            "realism",
+            "Realism in the manner of WOSAC, adapted to Argoverse 2",
+            _REALISM,
+            methods,
+            evidence,
+            "Likelihood of the log under histograms of the samples, with features, bins and weights of the 2025 challenge; its "
+            "traffic light feature (0.05) is dropped and the other weights are divided by 0.95. The log does not score 1. "
+            "Comparable on these scenes with this number of samples only, with no leaderboard.",
+        ),
+        _table(
+            "scores",
+            "Proper scores",
+            _SCORES | dict(sorted(likelihoods.items())),
+            methods,
+            evidence,
+            "Energy scores: of each vehicle's way and end, and of all vehicles at once; a method does best by sampling what it "
+            "believes. NLL: of the log, in nats per vehicle, under a Gaussian kernel on the samples whose bandwidth is, for each "
+            "scenario, the one that is likeliest for all others; the log's own is bounded by the finest bandwidth.",
+        ),
+        _table(
+            "distances",
+            "Distances of distributions, and a classifier",
+            _DISTANCES,
+            methods,
+            evidence,
+            "Wasserstein-1 distances of generated from logged motion over all scenes, of manoeuvres the Jensen-Shannon "
+            "divergence. AUC: boosted trees that tell generated from logged tracks of scenes that they were not trained on.",
+        ),
+        _table(
+            "boxes",
+            "What collision rates owe to box sizes, and what is rejected",
+            _BOXES,
+            methods,
+            evidence,
+            "Shares of vehicles whose box touches another one, without the checker's tolerances; pairs that are given "
+            "overlapping count only once they have come apart.",
+            digits=3,
+        ),
+    )
+    return Section("trust", "Trust in the numbers", lead, found)
+
+
+def _table(
+    name: str,
+    title: str,
+    columns: Mapping[str, str],
+    methods: Mapping[str, dict[str, Any]],
+    evidence: Evidence,
+    note: str,
+    digits: int = 2,
+) -> Table:
+    lines = [
+        row(name_of(method, methods), *(measured(values, key, digits) for key in columns), origin="ours")
+        for method, values in rows_of(methods).items()
+    ]
+    return Table(name, title, ("", *columns.values()), tuple(lines), (*evidence.trained_on, note))
+
+
+def _is_likelihood(name: str) -> bool:
+    return name.startswith("nll_") and not name.endswith((".low", ".high"))
+
+
+def _horizon(name: str) -> str:
+    """A key as a heading: "nll_joint_3s" -> "NLL of the scene at 3 s"."""
+    *kind, horizon = name.split("_")
+    return f"NLL{' of the scene' if 'joint' in kind else ''} at {horizon.removesuffix('s')} s \u2193"
