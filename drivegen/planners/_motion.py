@@ -68,13 +68,13 @@ def encode(frames: Frames, requests: PlanRequests, motion: Trajectories) -> Enco
     usable = (frames.distance > 1.0) & ~requests.parked & (np.abs(offset).max(axis=1) < FARTHEST)
     distance = np.maximum(frames.distance, 1.0)[:, None]
     return Encoded(
-        _fit(time, along, seen.astype(np.float64)) / reach(distance, ALONG),
-        _fit(part, across, weight) / reach(distance, ACROSS),
+        fit_splines(time, along, seen.astype(np.float64)) / reach(distance, ALONG),
+        fit_splines(part, across, weight) / reach(distance, ACROSS),
         usable,
     )
 
 
-def _fit(u: Doubles, rest: Doubles, weight: Doubles) -> Doubles:
+def fit_splines(u: Doubles, rest: Doubles, weight: Doubles) -> Doubles:
     """Spline coefficients (B, C) whose curves come nearest to `rest` (B, T) at `u`, by weighted ridge regression."""
     table = spline(np.linspace(0.0, 1.0, FINE + 1))[0]
     fitted = []

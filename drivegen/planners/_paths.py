@@ -52,11 +52,16 @@ class Frames:
     def of(cls, requests: PlanRequests) -> "Frames":
         """Frames of all requests."""
         table, row, bezier_length = _table(requests)
+        return cls.on(table, row, requests, _goal_window(requests, bezier_length))
+
+    @classmethod
+    def on(cls, table: Doubles, row: NDArray[np.int64], requests: PlanRequests, window: Doubles) -> "Frames":
+        """Frames of requests on paths `table` (R, ROUTE_POINTS, 2): `row` (B,), goals between s `window` (B, 2)."""
         poses = [
             np.column_stack([position, heading]).astype(np.float64)
             for position, heading in ((requests.position, requests.heading), (requests.goal_position, requests.goal_heading))
         ]
-        ends = _ends(table, row, poses[0], poses[1], _goal_window(requests, bezier_length))
+        ends = _ends(table, row, poses[0], poses[1], window)
         s, offset, path_heading, curvature = ends[..., 0], ends[..., 1], ends[..., 2], ends[..., 3]
         turn = np.asarray(wrap_angle(np.stack([poses[0][:, 2], poses[1][:, 2]], axis=1) - path_heading), np.float64)
         speed = np.stack([requests.speed, requests.goal_speed], axis=1).astype(np.float64)
@@ -75,7 +80,7 @@ def _table(requests: PlanRequests) -> tuple[Doubles, NDArray[np.int64], Doubles]
     row[free] = len(smooth) + np.arange(free.sum())
     start = np.column_stack([requests.position, requests.heading])[free].astype(np.float64)
     goal = np.column_stack([requests.goal_position, requests.goal_heading])[free].astype(np.float64)
-    bezier, length = _bezier_paths(start, goal)
+    bezier, length = bezier_paths(start, goal)
     return np.concatenate([smooth, bezier]), row, length
 
 
@@ -100,7 +105,7 @@ def _smoothed(lines: Doubles) -> Doubles:
 
 
 @njit(cache=True)
-def _bezier_paths(start: Doubles, goal: Doubles) -> tuple[Doubles, Doubles]:  # pragma: no cover - compiled
+def bezier_paths(start: Doubles, goal: Doubles) -> tuple[Doubles, Doubles]:  # pragma: no cover - compiled
     """Paths (B, P, 2) from pose to pose (B, 3) and their lengths; pulled wider the more they turn, straight on behind."""
     paths, length = np.empty((len(start), ROUTE_POINTS, 2)), np.empty(len(start))
     for b in range(len(start)):

@@ -1,58 +1,128 @@
 """How well a planner drives to the true goal: what is left to it once the goal is right."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegen import seeds
-from drivegen.planners.base import Examples, Planner
-from drivegen.scenario import DT, Trajectories
+from drivegen.planners._motion import GRID, Residuals, decode
+from drivegen.planners._paths import Frames
+from drivegen.planners.base import Examples, PlanRequests
+from drivegen.scenario import DT, Scenario, Trajectories
 
 SMOOTHED = 5
 """Speeds are averaged over so many steps before acceleration and jerk are taken: logged ones are noisy."""
 
+MISSED = 2.0
+"""A track is missed if no sample ends nearer to its goal than this [m]."""
 
-def score(planner: Planner, examples: Examples, most: int, samples: int, seed: int) -> dict[str, float | int]:
-    """Errors [m], accelerations [m/s2] and jerks [m/s3] over at most `most` tracks, `samples` trajectories for each.
+PROBED = 2
+"""Trajectories for each track while training is watched."""
 
-    The tracks are drawn by `seed`; parked ones are left out, because staying is no achievement. `ade_best` and
-    `ade_mean` are the best and the mean of a track's samples over its seen steps, `goal_error` is the mean distance to
-    the goal at its step, `acceleration` and `jerk` are root mean squares along the track, with the log's beside them.
-    """
+Sample = Callable[[Sequence[Scenario], PlanRequests], Trajectories]
+"""A planner's `sample`."""
+
+Judge = Callable[[Sequence[Scenario], PlanRequests, Trajectories], dict[str, NDArray[np.bool_]]]
+"""Verdicts (B,) by name on requests' motion (B, T), such as "off_road"; the stage brings the legal checker."""
+
+
+def drawn_tracks(examples: Examples, most: int, scenes: int | None, seed: int) -> NDArray[np.intp]:
+    """At most `most` moving tracks, drawn by `seed`, of at most `scenes` scenarios; parked ones are no achievement."""
     moving = np.flatnonzero(~examples.requests.parked)
-    if len(moving) == 0:
+    if scenes is not None:
+        kept = seeds.rng(seed, "score", "scenes").permutation(np.unique(examples.requests.scenario[moving]))[:scenes]
+        moving = moving[np.isin(examples.requests.scenario[moving], kept)]
+    return np.sort(seeds.rng(seed, "score").permutation(moving)[:most])
+
+
+def score(sample: Sample, examples: Examples, drawn: NDArray[np.intp], samples: int, seed: int, judge: Judge) -> dict[str, float]:
+    """Figures of `samples` trajectories for each of the tracks `drawn`, with anchors on the same tracks beside them.
+
+    `ade_best` and `ade_mean` [m] are the best and the mean of a track's samples over its seen steps, `goal_error` [m] is
+    the mean distance to the goal at its step, `miss_rate` the share of tracks with no sample within MISSED of it.
+    `acceleration` [m/s2] and `jerk` [m/s3] are root mean squares along the track, `.._distance` the Wasserstein-1 distances
+    of their distributions to the log's. Verdicts are shares of trajectories. Names with `log.` and `base.` before them are
+    the log's own figures and those of the exact base without any residual, which needs no training.
+    """
+    if len(drawn) == 0:
         return {"scored_tracks": 0}
-    drawn = np.sort(seeds.rng(seed, "score").permutation(moving)[:most])
     rows = np.repeat(drawn, samples)
     own = [seeds.derive(seed, "score", int(row), k) for row in drawn for k in range(samples)]
     requests = replace(examples.requests[rows], seed=np.array(own, np.int64))
-    motion, log = planner.sample(examples.scenarios, requests), examples.motion[rows]
-    steps = motion.steps
-    scored = log.until(steps).valid & motion.valid & (np.arange(steps) <= requests.goal_step[:, None])
-    scored[:, 0] = False  # the first frame is given
-    away = np.hypot(*np.moveaxis(motion.position - log.until(steps).position, -1, 0)) * scored
-    ade = (away.sum(axis=1) / np.maximum(scored.sum(axis=1), 1)).reshape(-1, samples)
-    at_goal = motion.position[np.arange(len(rows)), requests.goal_step] - requests.goal_position
-    found = {"scored_tracks": len(drawn), "ade_best": ade.min(axis=1).mean(), "ade_mean": ade.mean()}
-    found |= {"goal_error": np.hypot(*at_goal.T).mean(), "without_route": (examples.requests.route[drawn] < 0).mean()}
-    found |= _smoothness("", motion) | _smoothness("log_", examples.motion[drawn])
+    log, asked = examples.motion[drawn], examples.requests[drawn]
+    found: dict[str, float] = {"scored_tracks": len(drawn), "scored_scenes": len(np.unique(asked.scenario))}
+    found["without_route"] = float((asked.route < 0).mean())
+    planned = {
+        "": (requests, sample(examples.scenarios, requests)),
+        "base.": (asked, _base(asked, log.steps)),
+        "log.": (asked, log),
+    }
+    for prefix, (wanted, motion) in planned.items():
+        mine = _smoothness(motion, log) | ({} if motion is log else _errors(wanted, motion, log))
+        mine |= {name: float(broken.mean()) for name, broken in judge(examples.scenarios, wanted, motion).items()}
+        found |= {prefix + name: value for name, value in mine.items()}
     return {key: value if isinstance(value, int) else round(float(value), 6) for key, value in found.items()}
 
 
-def _smoothness(prefix: str, motion: Trajectories) -> dict[str, float]:
-    """Root mean squares of acceleration and jerk along the track, from the smoothed speeds of fully seen stretches."""
-    window = np.ones(SMOOTHED) / SMOOTHED
-    speed = np.stack([np.convolve(row, window, "valid") for row in motion.speed])
-    seen = np.stack([np.convolve(row, window, "valid") for row in motion.valid]) > 1 - 1e-6
+def probe(sample: Sample, examples: Examples, drawn: NDArray[np.intp], seed: int) -> float:
+    """Mean ADE [m] over the tracks `drawn`, PROBED trajectories each, always with the same noise."""
+    if len(drawn) == 0:
+        return float("nan")
+    own = [seeds.derive(seed, "probe", int(row), k) for row in drawn for k in range(PROBED)]
+    requests = replace(examples.requests[np.repeat(drawn, PROBED)], seed=np.array(own, np.int64))
+    return _errors(requests, sample(examples.scenarios, requests), examples.motion[drawn])["ade_mean"]
+
+
+def _base(requests: PlanRequests, steps: int) -> Trajectories:
+    """Motion (B, steps) that meets both ends exactly and has no residual: a smooth speed along the path."""
+    none = np.zeros((len(requests), GRID), np.float32)
+    return decode(Frames.of(requests), requests, Residuals(none, none, none), steps)
+
+
+def _errors(requests: PlanRequests, motion: Trajectories, log: Trajectories) -> dict[str, float]:
+    """Errors of motion (B, T) against logs (D, T) of which each has B / D rows; unseen steps don't count."""
+    steps, times = motion.steps, len(requests) // len(log.valid)
+    truth = log.until(steps)[np.repeat(np.arange(len(log.valid)), times)]
+    scored = truth.valid & motion.valid & (np.arange(steps) <= requests.goal_step[:, None])
+    scored[:, 0] = False  # the first frame is given
+    away = np.hypot(*np.moveaxis(motion.position - truth.position, -1, 0)) * scored
+    ade = (away.sum(axis=1) / np.maximum(scored.sum(axis=1), 1)).reshape(-1, times)
+    at_goal = motion.position[np.arange(len(requests)), requests.goal_step] - requests.goal_position
+    error = np.hypot(*at_goal.T)
+    return {
+        "ade_best": float(ade.min(axis=1).mean()),
+        "ade_mean": float(ade.mean()),
+        "goal_error": float(error.mean()),
+        "miss_rate": float((error.reshape(-1, times).min(axis=1) > MISSED).mean()),
+    }
+
+
+def _smoothness(motion: Trajectories, log: Trajectories) -> dict[str, float]:
+    """Root mean squares of acceleration and jerk along the track, and how far they lie from the log's."""
     found = {}
     for name, order in (("acceleration", 1), ("jerk", 2)):
-        change = np.diff(speed, n=order, axis=1) / DT**order
-        known = _all_seen(seen, order)
-        found[prefix + name] = float(np.sqrt((change[known] ** 2).mean())) if known.any() else float("nan")
+        mine, theirs = _changes(motion, order), _changes(log, order)
+        found[name] = float(np.sqrt((mine**2).mean())) if len(mine) else float("nan")
+        found[f"{name}_distance"] = _wasserstein(mine, theirs)
     return found
 
 
-def _all_seen(seen: NDArray[np.bool_], order: int) -> NDArray[np.bool_]:
+def _changes(motion: Trajectories, order: int) -> NDArray[np.float64]:
+    """Differences in time of the smoothed speeds, all fully seen ones in a row."""
+    window = np.ones(SMOOTHED) / SMOOTHED
+    speed = np.stack([np.convolve(row, window, "valid") for row in motion.speed])
+    seen = np.stack([np.convolve(row, window, "valid") for row in motion.valid]) > 1 - 1e-6
+    change = np.diff(speed, n=order, axis=1) / DT**order
     count = seen.shape[1] - order
-    return np.asarray(np.logical_and.reduce([seen[:, k : k + count] for k in range(order + 1)]))
+    known = np.logical_and.reduce([seen[:, k : k + count] for k in range(order + 1)])
+    return np.asarray(change[known])
+
+
+def _wasserstein(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    """Wasserstein-1 distance of two sets of numbers, from a thousand quantiles of each."""
+    if len(a) == 0 or len(b) == 0:
+        return float("nan")
+    level = (np.arange(1000) + 0.5) / 1000
+    return float(np.abs(np.quantile(a, level) - np.quantile(b, level)).mean())

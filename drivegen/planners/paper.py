@@ -34,6 +34,7 @@ from drivegen.planners._noise import normals
 from drivegen.planners._paper_examples import DiffusionObjective, Rasters
 from drivegen.planners._paper_net import PaperNet
 from drivegen.planners._paper_states import SCALES, conditions, from_states
+from drivegen.planners._scores import drawn_tracks, probe
 from drivegen.planners._weights import read_weights, write_weights
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.scenario import Scenario, Trajectories
@@ -42,6 +43,9 @@ from drivegen.training.curve import LossRow
 
 CHUNK = 32
 """Requests that go through the network at once, always: sums differ between batch sizes."""
+
+WATCHED = 32
+"""Validation tracks that are planned at each row of the loss curve."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +100,13 @@ class Plugin:
             settings.tokens, settings.batch_of, settings.channels, settings.extent, seeds.derive(seed, "validation"),
         )  # fmt: skip
         path = None if checkpoints is None else checkpoints / "paper.safetensors"
-        averaged, curve = loop.train(self._new_net().to(device), objective, settings.training, seed, path, report)
+        drawn = drawn_tracks(validation, WATCHED, None, seed)
+
+        def watched(net: PaperNet) -> float:
+            self.net, self.trained = net, True
+            return probe(self.sample, validation, drawn, seed)
+
+        averaged, curve = loop.train(self._new_net().to(device), objective, settings.training, seed, path, report, probe=watched)
         self.net, self.trained = averaged.cpu().eval(), True
         return curve
 

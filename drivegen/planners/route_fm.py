@@ -26,6 +26,7 @@ from drivegen.planners._motion import GRID, Encoded, Residuals, decode, encode
 from drivegen.planners._noise import normals
 from drivegen.planners._paths import Frames
 from drivegen.planners._profile import spline
+from drivegen.planners._scores import drawn_tracks, probe
 from drivegen.planners._weights import read_weights, write_weights
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.scenario import Scenario, Trajectories
@@ -33,6 +34,9 @@ from drivegen.training import loop
 from drivegen.training.curve import LossRow
 
 GROUPS = ("along", "across")
+
+WATCHED = 200
+"""Validation tracks that are planned at each row of the loss curve."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,13 @@ class Plugin:
         )  # fmt: skip
         path = None if checkpoints is None else checkpoints / "route_fm.safetensors"
         report(f"{len(known[0])} of {len(train)} logged tracks move and keep to their path")
-        averaged, curve = loop.train(net, objective, settings.training, seed, path, report)
+        drawn = drawn_tracks(validation, WATCHED, None, seed)
+
+        def watched(net: FlowNet) -> float:
+            self.net = net
+            return probe(self.sample, validation, drawn, seed)
+
+        averaged, curve = loop.train(net, objective, settings.training, seed, path, report, probe=watched)
         self.net = averaged.cpu().eval()
         return curve
 

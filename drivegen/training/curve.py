@@ -15,11 +15,13 @@ class LossRow:
         step: optimiser steps done.
         train: mean training loss since the row before.
         validation: loss of the averaged weights on the validation examples, with fixed noise.
+        error: what the averaged weights are good for in metres (a planner's mean ADE), NaN where nobody asked.
     """
 
     step: int
     train: float
     validation: float
+    error: float = float("nan")
 
 
 def write_curve(path: Path, rows: Sequence[LossRow]) -> None:

@@ -83,10 +83,12 @@ def train(
     path: Path | None,
     report: Callable[[str], None],
     keep_best: bool = False,
+    probe: Callable[[Net], float] | None = None,
 ) -> tuple[Net, list[LossRow]]:
     """Train `model`, already on its device; returns the averaged copy and the loss curve.
 
     With `keep_best` the copy is that of the row with the lowest validation loss, the last one if there is no validation.
+    `probe` is asked for each row's `error` of the averaged network, in evaluation mode.
 
     With `path`, progress is kept there every `checkpoint_every` steps and taken up from there; the file of a training
     that ended well is left to the caller to remove. Raises UnusableInput where there is nothing to learn from.
@@ -103,7 +105,7 @@ def train(
         run.step()
         done = run.progress.step
         if done % settings.report_every == 0 or done == settings.steps:
-            row = run.close_row()
+            row = run.close_row(probe)
             report(f"step {done}/{settings.steps} loss {row.train:.4f} validation {row.validation:.4f}")
         if path is not None and run.rank == 0 and done % settings.checkpoint_every == 0:
             checkpoint.write(path, model, run.averaged, run.optimiser, run.progress, run.best)
@@ -151,13 +153,14 @@ class _Run(Generic[Net]):
         self.progress.since += 1
         self.progress.loss_since += self._mean(loss.detach())
 
-    def close_row(self) -> LossRow:
+    def close_row(self, probe: Callable[[Net], float] | None) -> LossRow:
         """Add the row of the loss curve that ends at this step."""
         progress = self.progress
         self.averaged.eval()
         with torch.no_grad():
             validation = self.objective.validation(self.averaged)
-        row = LossRow(progress.step, progress.loss_since / progress.since, validation)
+        error = float("nan") if probe is None else probe(self.averaged)
+        row = LossRow(progress.step, progress.loss_since / progress.since, validation, error)
         if self.best is not None and not any(validation >= earlier.validation for earlier in progress.curve):
             self.best.load_state_dict(self.averaged.state_dict())
         progress.curve.append(row)

@@ -19,7 +19,17 @@ from tests.scenes import crossing, drive, joined, scenario, stack
 
 ROOT = Path(__file__).parents[2]
 NAMES = plugins.names("planners")
-FEWER = {"width": 32, "blocks": 1, "layers": 1, "heads": 2, "tokens": 20, "sampling_steps": 3, "euler_steps": 2, "bf16": False}
+FEWER = {
+    "width": 32,
+    "blocks": 1,
+    "layers": 1,
+    "heads": 2,
+    "tokens": 20,
+    "bend": 4,
+    "sampling_steps": 3,
+    "euler_steps": 2,
+    "bf16": False,
+}
 SHORT = {"steps": 6, "batch": 8, "report_every": 3, "checkpoint_every": 2, "bf16": False}
 WAYS = [(0, 8, 4), (0, 9, 5), (0, 10, 7), (2, 14, 6), (2, 15, 7), (1, 11, 5), (3, 19, 6)]
 

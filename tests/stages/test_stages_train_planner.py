@@ -1,6 +1,7 @@
 """Stage train_planner writes model, metrics and loss curve, the same bytes every time."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,9 +9,11 @@ import pytest
 import yaml
 
 from drivegen.errors import MissingTool, UnusableInput
+from drivegen.store.files import write_json
 from drivegen.store.scenarios import write_shard
 from stages import train_planner
 from stages._door import read_params
+from tests.checking import LIMITS
 from tests.scenes import crossing, drive, joined, scenario, stack
 
 ROOT = Path(__file__).parents[2]
@@ -30,6 +33,13 @@ def params(tmp_path: Path) -> train_planner.Params:
 
 
 @pytest.fixture
+def limits(tmp_path: Path) -> Path:
+    """The checker's limits as the calibrate stage writes them."""
+    write_json(tmp_path / "limits.json", LIMITS.to_json())
+    return tmp_path / "limits.json"
+
+
+@pytest.fixture
 def scenarios(tmp_path: Path) -> Path:
     """Two small splits on a crossing."""
     random, roads = np.random.default_rng(0), crossing()
@@ -44,12 +54,12 @@ def scenarios(tmp_path: Path) -> Path:
 
 
 def test_it_writes_model_metrics_and_curve_with_the_same_bytes(
-    params: train_planner.Params, scenarios: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    params: train_planner.Params, scenarios: Path, limits: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     for run in ("a", "b"):
         train_planner.main(
-            params, scenarios, tmp_path / run / "route_fm", tmp_path / run / "metrics.json", tmp_path / run / "curve.csv"
+            params, scenarios, limits, tmp_path / run / "route_fm", tmp_path / run / "metrics.json", tmp_path / run / "curve.csv"
         )
     for file in ("route_fm/weights.safetensors", "route_fm/settings.json", "metrics.json", "curve.csv"):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
@@ -58,17 +68,47 @@ def test_it_writes_model_metrics_and_curve_with_the_same_bytes(
     assert metrics["scored_tracks"] == 6
     assert 0 < metrics["ade_best"] <= metrics["ade_mean"] < 30
     assert metrics["goal_error"] < 1e-3
-    assert (tmp_path / "a" / "curve.csv").read_text().splitlines()[0] == "step,train,validation"
+    assert metrics["miss_rate"] == 0
+    assert 0 < metrics["base.ade_best"] == metrics["base.ade_mean"] < 30
+    assert metrics["log.jerk_distance"] == 0 < metrics["jerk_distance"]
+    assert 0 <= metrics["off_road"] <= metrics["illegal"] <= 1
+    assert 0 <= metrics["log.off_road"] <= metrics["log.illegal"] <= 1
+    first, *rows = (tmp_path / "a" / "curve.csv").read_text().splitlines()
+    assert first == "step,train,validation,ade"
+    assert [0 < float(row.split(",")[3]) < 30 for row in rows] == [True, True]
     assert not list((tmp_path / ".drivegen" / "checkpoints").glob("*/*"))
 
 
-def test_unknown_planners_missing_settings_and_missing_scenarios_are_named(
-    params: train_planner.Params, scenarios: Path, tmp_path: Path
+def test_times_of_training_and_planning_are_costs_and_no_results(
+    params: train_planner.Params, scenarios: Path, limits: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rest = (tmp_path / "route_fm", tmp_path / "metrics.json", tmp_path / "curve.csv")
+    costs = train_planner.main(params, scenarios, limits, *rest)
+    assert costs["planned"] == 12
+    assert costs["training_cpu_seconds"] > 0 < costs["planning_cpu_seconds"]
+    assert "seconds" not in rest[1].read_text()
+
+
+def test_a_slow_planner_is_scored_on_the_tracks_of_few_scenes(
+    params: train_planner.Params, scenarios: Path, limits: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    few = replace(params, scored_scenes={"route_fm": 1})
+    train_planner.main(few, scenarios, limits, tmp_path / "route_fm", tmp_path / "metrics.json", tmp_path / "curve.csv")
+    metrics = json.loads((tmp_path / "metrics.json").read_text())
+    assert (metrics["scored_scenes"], metrics["scored_tracks"]) == (1, 3)
+
+
+def test_unknown_planners_missing_settings_missing_scenarios_and_missing_limits_are_named(
+    params: train_planner.Params, scenarios: Path, limits: Path, tmp_path: Path
 ) -> None:
     rest = (tmp_path / "m.json", tmp_path / "c.csv")
     with pytest.raises(UnusableInput, match="no planners plugin is called 'guess'"):
-        train_planner.main(params, scenarios, tmp_path / "guess", *rest)
+        train_planner.main(params, scenarios, limits, tmp_path / "guess", *rest)
     with pytest.raises(UnusableInput, match="no settings for 'paper'"):
-        train_planner.main(params, scenarios, tmp_path / "paper", *rest)
+        train_planner.main(params, scenarios, limits, tmp_path / "paper", *rest)
     with pytest.raises(MissingTool, match="ingest"):
-        train_planner.main(params, tmp_path / "nowhere", tmp_path / "route_fm", *rest)
+        train_planner.main(params, tmp_path / "nowhere", limits, tmp_path / "route_fm", *rest)
+    with pytest.raises(MissingTool, match="calibrate"):
+        train_planner.main(params, scenarios, tmp_path / "nowhere.json", tmp_path / "route_fm", *rest)
