@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/.installed
 
-.PHONY: run test lint tables bench clean lock help
+.PHONY: run test lint tables bench fuzz clean lock help
 .DEFAULT_GOAL := help
 
 help:            ## this list
@@ -26,6 +26,9 @@ tables: $(INSTALLED)     ## the published tables: every data set, several traini
 
 bench: $(INSTALLED)      ## speed, each row beside its reference; fails if a row misses its target
 	@$(BIN)/drivegen bench
+
+fuzz: $(INSTALLED)       ## nightly: 10 000 mutated descriptions, specifications, edits, files and replies; `make test` takes a few of each
+	@DRIVEGEN_FUZZ=450 $(BIN)/pytest tests/maps -k fuzz
 
 clean:           ## remove what the pipeline made; DVC's cache stays, so `make run` brings it back
 	@find data reports -mindepth 1 -maxdepth 1 -not -name raw -not -name versions -not -name published -exec rm -rf {} + 2>/dev/null || true

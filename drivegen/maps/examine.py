@@ -14,6 +14,9 @@ from drivegen.sumo.plain import PlainNetwork
 NETWORK = "map.net.xml"
 """Name of the network's file, as it stands in errors."""
 
+_LONGEST = 15.0
+"""Seconds that netconvert has for a map that somebody wrote; one of scenario size takes 0.1 s."""
+
 
 @dataclass(frozen=True)
 class WrittenNetwork:
@@ -39,7 +42,7 @@ def drawn(written: MapSpec | WrittenNetwork) -> PlainNetwork:
 
 def examine(written: MapSpec | WrittenNetwork) -> Examined:
     """Build and check. Raises UnusableInput where it cannot be drawn, or NetconvertRefused."""
-    network = plain_to_net(drawn(written))
+    network = plain_to_net(drawn(written), timeout=_LONGEST)
     found = measure(network, NETWORK)
     asked = check(written, found) if isinstance(written, MapSpec) else check_asked(written.asked, found)
     return Examined(network, found, (*check_sound(found, overlapping(network, NETWORK)), *asked))

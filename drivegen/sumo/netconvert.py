@@ -34,14 +34,14 @@ class NetconvertRefused(UnusableInput):
         self.messages = tuple(messages[:_MESSAGES])
 
 
-def plain_to_net(plain: PlainNetwork, precision: int = 2) -> bytes:
-    """The SUMO network of `plain`, coordinates as given, with `precision` decimals.
+def plain_to_net(plain: PlainNetwork, precision: int = 2, timeout: float = TIMEOUT) -> bytes:
+    """The SUMO network of `plain`, coordinates as given, with `precision` decimals; netconvert has `timeout` [s].
 
     Raises NetconvertRefused with netconvert's messages, or MissingTool where netconvert is not installed.
     """
     arguments = ["-n", "net.nod.xml", "-e", "net.edg.xml", "-x", "net.con.xml"]
     flags = ["--lefthand", str(plain.lefthand).lower(), "--precision", str(precision), "--xml-validation", "local"]
-    return convert(plain.files(), [*arguments, *flags, *_FIXED, "-o", "out.net.xml"], "out.net.xml")
+    return convert(plain.files(), [*arguments, *flags, *_FIXED, "-o", "out.net.xml"], "out.net.xml", timeout)
 
 
 def convert(files: Mapping[str, bytes], arguments: Sequence[str], output: str, timeout: float = TIMEOUT) -> bytes:
