@@ -51,13 +51,13 @@ def test_goals_are_met_exactly_and_routes_make_no_difference(planner: Planner) -
 
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10**6))
-def test_bends_far_wilder_than_learnt_neither_miss_the_goal_nor_drive_backward(seed: int) -> None:
+def test_bends_twice_as_wild_as_learnt_neither_miss_the_goal_nor_drive_backward(seed: int) -> None:
     random, value = np.random.default_rng(seed), spline(np.linspace(0, 1, GRID))
     found = encode(MOVING.requests, MOVING.motion)
     wild = []
     for name in GROUPS:
         basis = principal(getattr(found, name), 6, name)
-        drawn = random.normal(0, 4, (len(MOVING), 6)).astype(np.float32)
+        drawn = random.normal(0, 2, (len(MOVING), 6)).astype(np.float32)
         wild.append(expanded(drawn, basis, name, value[name == "along"]))
     pace, x, y = wild
     motion = decode(bent_frames(MOVING.requests, x, y), MOVING.requests, straight_on(len(MOVING), pace), 101)
