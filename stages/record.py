@@ -1,40 +1,53 @@
-"""Stage record: Rerun recordings of a few scenes drawn by seed, generated traffic against the log (a leaf).
+"""Stage record: Rerun recordings of a few scenes drawn by seed, generated against logged and all methods together (a leaf).
 
-argv: scenarios of one split, generated samples, the goals that they were drawn from, the folder of recordings, the list of
-recordings (JSON, for the report: .rrd files differ in bytes at every write, their list does not).
+argv: scenarios of one split, samples (a folder a method), the goals that DriveGen's were drawn from, the folder of recordings,
+the list of recordings (JSON, for the report: .rrd files differ in bytes at every write, their list does not).
 """
 
 from dataclasses import dataclass
 from pathlib import Path
 
 from drivegen.errors import UnusableInput
+from drivegen.recording import LOG, record_comparison
 from drivegen.recordings import record_sample
-from drivegen.store.draw import Drawn, draw_scenes
+from drivegen.store.draw import Drawn, by_method, draw_scenes
 from drivegen.store.files import write_json
 from drivegen.store.goals import GoalColumns, read_goals
 from stages._door import enter, require
 
+METHOD = "drivegen"
+"""Whose samples are recorded with goals, verdicts and plots."""
+
 
 @dataclass(frozen=True)
 class Params:
-    """`scenes` recordings, the first of the scenes that the report draws."""
+    """`scenes` recordings of DriveGen's traffic and `compared` ones of all methods: the first of the scenes of the report."""
 
     seed: int
     scenes: int
+    compared: int
 
 
 def main(params: Params, scenarios: Path, generated: Path, goals: Path, out: Path, listing: Path) -> dict[str, float]:
     """Record sample 0 of each drawn scene."""
-    require(generated, "run the rollout stage")
+    drawn_from = require(generated / METHOD, "run the rollout stage")
+    scenes = draw_scenes(params.seed, scenarios, drawn_from, max(params.scenes, params.compared))
     links = []
-    for drawn in draw_scenes(params.seed, scenarios, generated, params.scenes):
+    for drawn in scenes[: params.scenes]:
         scenario, samples = drawn.scenario, drawn.samples
         file = out / f"{scenario.scenario_id}.rrd"
         record_sample(file, scenario, samples, 0, _goals_of(drawn, goals))
         text = f"{scenario.scenario_id}, {scenario.city}: {samples.method} against the log"
         links.append({"text": text, "href": f"{out.name}/{file.name}"})
+    compared = scenes[: params.compared]
+    for drawn, methods in zip(compared, by_method(compared, generated), strict=True):
+        scenario = drawn.scenario
+        file = out / f"{scenario.scenario_id}-methods.rrd"
+        record_comparison(file, scenario, {name: samples for name, samples in methods.items() if name != LOG})
+        text = f"{scenario.scenario_id}, {scenario.city}: {len(methods)} methods side by side"
+        links.append({"text": text, "href": f"{out.name}/{file.name}"})
     write_json(listing, links)
-    return {"scenarios": float(len(links))}
+    return {"scenarios": float(len(scenes))}
 
 
 def _goals_of(drawn: Drawn, goals: Path) -> GoalColumns:

@@ -1,33 +1,49 @@
 """Stage report: one HTML page and a folder of Markdown tables from whatever has been measured.
 
-argv: folder of results (JSON), folder of curves (CSV), test scenarios, generated samples of DriveGen, folder of maps,
-the page to write, the folder of tables to write. A folder that is absent leaves its section "not measured".
+argv: folder of results (JSON), folder of curves (CSV), test scenarios, samples (a folder a method), recorded goals (a folder a
+selector), folder of maps, the page to write, the folder of tables to write. Where a folder is absent its section reads
+"not measured".
 """
 
 import csv
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import orjson
+from numpy.typing import NDArray
 
 from drivegen.errors import UnusableInput
+from drivegen.render.contact_sheet import contact_sheet
 from drivegen.render.png import png, shrunk
-from drivegen.render.scene_picture import scene_picture
+from drivegen.render.scene_picture import scene_picture, view_of
 from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_page
-from drivegen.samples import Samples
+from drivegen.report.published import METHODS
+from drivegen.samples import NO_GOAL, Samples
 from drivegen.scenario import Scenario
-from drivegen.store.draw import draw_scenes
+from drivegen.store.draw import Drawn, by_method, draw_scenes
 from drivegen.store.files import whole
+from drivegen.store.goals import read_goals
 from drivegen.store.results import run_id
 from stages._door import enter
 
 _PINNED = ("drivegen", "numpy", "torch", "libsumo", "pyarrow", "duckdb", "opencv-python-headless")
 
 
-SCENE_WIDTH, MAP_WIDTH = 700, 640
-"""Widths of pictures in the page [pixels]."""
+SCENE_WIDTH, PANEL_WIDTH, MAP_WIDTH = 700, 330, 640
+"""Widths of pictures in the page [pixels]; a panel is one method of several on one scene."""
+
+PANELS = 3
+"""Methods in a row."""
+
+METHOD = "drivegen"
+"""Whose samples are shown large."""
+
+GOALS_OF = {"drivegen": "learned", "drivegen_without_goals": "random"}
+"""Whose recorded goals a method follows."""
 
 
 @dataclass(frozen=True)
@@ -40,15 +56,29 @@ class Params:
 
 
 def main(
-    params: Params, metrics: Path, curves: Path, scenarios: Path, generated: Path, maps: Path, page: Path, tables: Path
+    params: Params,
+    metrics: Path,
+    curves: Path,
+    scenarios: Path,
+    generated: Path,
+    goals: Path,
+    maps: Path,
+    page: Path,
+    tables: Path,
 ) -> None:
     """Gather, write the page and the tables."""
     results = _results(metrics)
-    drawn = draw_scenes(params.seed, scenarios, generated, params.scenes) if scenarios.exists() and generated.exists() else []
+    there = scenarios.exists() and (generated / METHOD).exists()
+    drawn = draw_scenes(params.seed, scenarios, generated / METHOD, params.scenes) if there else []
     evidence = Evidence(
         results=results,
         source=drawn[0].scenario.source if drawn else "",
         scenes=tuple(_scene(one.scenario, one.samples) for one in drawn),
+        comparisons=tuple(
+            _comparison(one, methods, goals) for one, methods in zip(drawn, by_method(drawn, generated), strict=True)
+        )
+        if drawn
+        else (),
         maps=tuple(_map(folder) for folder in sorted(maps.glob("*/map.png"))[: params.maps]),
         curves=tuple(_curve(curves, file) for file in sorted(curves.rglob("*.csv"))),
         recordings=tuple(Link(**link) for link in results.get("recordings", [])),
@@ -80,6 +110,32 @@ def _scene(scenario: Scenario, samples: Samples) -> Picture:
     image = scene_picture(scenario, samples.motion, ~samples.legal, pixels=SCENE_WIDTH)
     title = f"{scenario.scenario_id} ({scenario.city})"
     return Picture(title, f"{len(scenario.vehicles)} vehicles, {len(samples.violation)} samples", png(image))
+
+
+def _comparison(drawn: Drawn, methods: Mapping[str, Samples], goals: Path) -> Picture:
+    """One scene by every method, in the window that the log (or the first method) needs."""
+    scenario = drawn.scenario
+    moving = scenario.log if scenario.log is not None else drawn.samples.motion
+    view = view_of(moving, PANEL_WIDTH)
+    panels = []
+    for name in [*(m for m in METHODS if m in methods), *(m for m in methods if m not in METHODS)]:
+        samples = methods[name]
+        places = _followed(samples, goals, drawn.shard)
+        panels.append((METHODS.get(name, name), scene_picture(scenario, samples.motion, ~samples.legal, places, view=view)))
+    title = f"{scenario.scenario_id} ({scenario.city})"
+    return Picture(title, f"{len(scenario.vehicles)} vehicles", png(contact_sheet(panels, PANELS)))
+
+
+def _followed(samples: Samples, goals: Path, shard: str) -> NDArray[np.float32] | None:
+    """The places (C, 2) [m] of the goals that the samples follow; None where the method has none."""
+    file = goals / GOALS_OF.get(samples.method, "") / shard
+    if not file.is_file():
+        return None
+    columns = next(one for one in read_goals(file) if one.scenario_id == samples.scenario_id).columns
+    first = np.concatenate([[0], np.cumsum(columns["candidates"])[:-1]])
+    rows = np.unique((samples.goal + first)[samples.goal != NO_GOAL])
+    places: NDArray[np.float32] = columns["position"].reshape(-1, 2)[rows]
+    return places
 
 
 def _map(file: Path) -> Picture:

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from drivegen.recording import colours
 
 
-def layout(centre: NDArray[np.floating], extent: float, *, image: bool, verdicts: bool) -> rrb.Blueprint:
-    """A blueprint that looks at `centre` (2,) from where about `extent` metres fit into the view."""
+def from_above(centre: NDArray[np.floating], extent: float, name: str, contents: str | list[str]) -> rrb.Spatial3DView:
+    """A view of `contents` that looks at `centre` (2,) from where about `extent` metres fit into it."""
     x, y = float(centre[0]), float(centre[1])
     eye = rrb.EyeControls3D(
         kind=rrb.Eye3DKind.Orbital,
@@ -17,13 +17,19 @@ def layout(centre: NDArray[np.floating], extent: float, *, image: bool, verdicts
         look_target=(x, y, 0.0),
         eye_up=(0.0, 0.0, 1.0),
     )
-    scene = rrb.Spatial3DView(
+    return rrb.Spatial3DView(
         origin="/world",
-        name="Scene",
+        contents=contents,
+        name=name,
         background=rrb.Background(color=colours.BACKGROUND, kind=rrb.BackgroundKind.SolidColor),
         line_grid=False,
         eye_controls=eye,
     )
+
+
+def layout(centre: NDArray[np.floating], extent: float, *, image: bool, verdicts: bool) -> rrb.Blueprint:
+    """A blueprint that looks at `centre` (2,) from where about `extent` metres fit into the view."""
+    scene = from_above(centre, extent, "Scene", "$origin/**")
     side: list[rrb.View | rrb.Container] = []
     if image:
         side.append(rrb.Spatial2DView(origin="/bird_eye", name="What the goal selector sees"))

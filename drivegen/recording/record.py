@@ -72,9 +72,9 @@ def record_scenario(
     motion = scenario.log if samples is None else samples.motion[sample]
     if motion is None:
         raise UnusableInput(f"scenario {scenario.scenario_id} has no log: give generated samples to record", reason="no-motion")
-    centre, extent = _view(motion)
+    centre, extent = view_of(motion)
     show = layout(centre, extent, image=bird_eye is not None, verdicts=samples is not None)
-    with _recording(path, scenario, show) as recording:
+    with recording_of(path, f"{scenario.scenario_id} ({scenario.source})", show) as recording:
         log_roads(recording, scenario.map)
         log_signals(recording, scenario.map, scenario.signals)
         traffic.log_vehicles(recording, scenario, motion, samples, sample)
@@ -93,14 +93,14 @@ def record_scenario(
 
 
 @contextmanager
-def _recording(path: Path, scenario: Scenario, show: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
-    """A stream kept in memory, written to `path` in one piece when the block ends well.
+def recording_of(path: Path, name: str, show: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
+    """A stream called `name` and laid out as `show`, kept in memory, written to `path` in one piece when the block ends well.
 
     Rerun's own file sink is not used: its writer thread dies on a full disk, and flushing it may then wait for ever.
     """
-    recording = rr.RecordingStream("drivegen", recording_id=scenario.scenario_id, send_properties=False)
+    recording = rr.RecordingStream("drivegen", recording_id=path.stem, send_properties=False)
     kept = recording.memory_recording()
-    recording.send_recording_name(f"{scenario.scenario_id} ({scenario.source})")
+    recording.send_recording_name(name)
     recording.send_blueprint(show)
     yield recording
     raw = kept.drain_as_bytes()
@@ -109,7 +109,7 @@ def _recording(path: Path, scenario: Scenario, show: rrb.Blueprint) -> Iterator[
         temporary.write_bytes(raw)
 
 
-def _view(motion: Trajectories) -> tuple[NDArray[np.float32], float]:
+def view_of(motion: Trajectories) -> tuple[NDArray[np.float32], float]:
     """Where to look, and how wide: the target's path and the vehicles around it."""
     path = motion.position[TARGET][motion.valid[TARGET]]
     centre = (path.min(axis=0) + path.max(axis=0)) / 2

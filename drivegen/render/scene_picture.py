@@ -76,13 +76,17 @@ def scene_picture(
     illegal: NDArray[np.bool_] | None = None,
     goals: Floats | None = None,
     pixels: int = 720,
+    view: View | None = None,
 ) -> Image:
     """(pixels, pixels, 3) of `scenario` with samples (K, N, T) over its log.
 
-    `illegal` (K, N) draws those samples red; `goals` (C, 2) [m] are marked. Boxes stand at the first step.
+    `illegal` (K, N) draws those samples red; `goals` (C, 2) [m] are marked. Boxes stand at the first step. Without a `view`
+    it is fitted to what moves.
     """
-    shown = [motion for motion in (scenario.log, samples) if motion is not None]
-    view = view_of(shown[-1], pixels) if shown else View(scenario.vehicles.position[TARGET], 120.0, pixels)
+    if view is None:
+        shown = [motion for motion in (scenario.log, samples) if motion is not None]
+        view = view_of(shown[-1], pixels) if shown else View(scenario.vehicles.position[TARGET], 120.0, pixels)
+    pixels = view.pixels
     image = np.full((pixels, pixels, 3), PAPER, np.uint8)
     _draw_roads(image, view, scenario.map)
     _draw_signals(image, view, scenario)
@@ -166,7 +170,7 @@ def _draw_dashed(image: Image, view: View, path: Floats, colour: Colour) -> None
 
 
 def _draw_diamond(image: Image, view: View, place: Floats) -> None:
-    reach = 5 / view.scale
+    reach = view.width / 150
     corners = place + reach * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
     _fill(image, view, corners, GOAL_COLOUR)
     cv2.polylines(image, [view.fixed(corners)], True, PAPER, 1, cv2.LINE_AA, _SHIFT)

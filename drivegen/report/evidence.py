@@ -37,7 +37,8 @@ class Evidence:
     Attributes:
         results: contents of the JSON files below reports/metrics, by path without suffix, e.g. "quality/drivegen".
         source: the data set in words, as in every scenario; "" if there is none yet.
-        scenes: pictures of scenarios drawn by seed. maps: pictures of generated maps.
+        scenes: pictures of scenarios drawn by seed. comparisons: the same scenes by every method.
+        maps: pictures of generated maps.
         curves: training curves. recordings: links to .rrd files.
         provenance: names and hashes that say what the numbers were made from.
     """
@@ -45,6 +46,7 @@ class Evidence:
     results: Mapping[str, Any] = field(default_factory=dict)
     source: str = ""
     scenes: tuple[Picture, ...] = ()
+    comparisons: tuple[Picture, ...] = ()
     maps: tuple[Picture, ...] = ()
     curves: tuple[Curve, ...] = ()
     recordings: tuple[Link, ...] = ()

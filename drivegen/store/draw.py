@@ -38,7 +38,26 @@ def draw_scenes(seed: int, scenarios: Path, generated: Path, count: int) -> list
         if file not in read:
             read[file] = read_shard(file), {s.scenario_id: s for s in read_samples(generated / file.name)}
         scenes, samples = read[file]
-        if scenes[row].scenario_id not in samples:
-            raise UnusableInput(f"{generated / file.name} lacks scenario {scenes[row].scenario_id}: run the rollout stage again")
-        drawn.append(Drawn(file.name, scenes[row], samples[scenes[row].scenario_id]))
+        drawn.append(Drawn(file.name, scenes[row], _of(scenes[row], samples, generated / file.name)))
     return drawn
+
+
+def by_method(drawn: list[Drawn], generated: Path) -> list[dict[str, Samples]]:
+    """The samples of each drawn scene by every method that has a folder below `generated`, by the folder's name.
+
+    Raises UnusableInput where one lacks a scene.
+    """
+    found: list[dict[str, Samples]] = [{} for _ in drawn]
+    for folder in sorted(place for place in generated.iterdir() if place.is_dir()):
+        for shard in sorted({one.shard for one in drawn}):
+            samples = {s.scenario_id: s for s in read_samples(folder / shard)}
+            for one, methods in zip(drawn, found, strict=True):
+                if one.shard == shard:
+                    methods[folder.name] = _of(one.scenario, samples, folder / shard)
+    return found
+
+
+def _of(scenario: Scenario, samples: dict[str, Samples], place: Path) -> Samples:
+    if scenario.scenario_id not in samples:
+        raise UnusableInput(f"{place} lacks scenario {scenario.scenario_id}: run the rollout stage again")
+    return samples[scenario.scenario_id]

@@ -14,7 +14,7 @@ from stages import record
 from tests.scenes import busy_crossing, noisy_samples
 
 SHARD = "shard-00000.parquet"
-PARAMS = record.Params(seed=7, scenes=2)
+PARAMS = record.Params(seed=7, scenes=2, compared=1)
 
 
 def goals_of(scene, per_vehicle=3) -> GoalColumns:
@@ -38,7 +38,8 @@ def made(tmp_path_factory):
     for one in samples:
         one.goal[:] = 2
     write_shard(root / "test" / SHARD, scenes)
-    write_samples(root / "generated" / SHARD, samples)
+    for method in ("drivegen", "log", "other"):
+        write_samples(root / "generated" / method / SHARD, samples)
     write_goals(root / "goals" / SHARD, [goals_of(scene) for scene in scenes])
     record.main(PARAMS, root / "test", root / "generated", root / "goals", root / "recordings", root / "recordings.json")
     return root
@@ -46,17 +47,27 @@ def made(tmp_path_factory):
 
 def test_the_list_names_what_was_recorded(made):
     links = json.loads((made / "recordings.json").read_text())
-    assert len(links) == 2
+    assert len(links) == 3
     assert all((made / link["href"]).is_file() for link in links)
     assert {(made / link["href"]).name for link in links} == {file.name for file in (made / "recordings").iterdir()}
 
 
 def test_chosen_goals_are_those_that_the_sample_follows(made):
-    file = next((made / "recordings").iterdir())
+    file = next(file for file in (made / "recordings").iterdir() if not file.stem.endswith("-methods"))
     chunks = {chunk.entity_path: chunk.to_record_batch() for chunk in rr.chunk.RrdReader(file).stream() if chunk.is_static}
     assert chunks["/world/goals/chosen"].column("Points3D:labels").to_pylist()[0] == ["2: 50%"] * 8
     assert len(chunks["/world/goals/candidates"].column("Points3D:positions").to_pylist()[0]) == 16
     assert "/bird_eye" in chunks
+
+
+def test_methods_stand_side_by_side_on_one_clock(made):
+    (file,) = (made / "recordings").glob("*-methods.rrd")
+    chunks = [chunk for chunk in rr.chunk.RrdReader(file).stream() if "/world/methods" in chunk.entity_path]
+    paths = {chunk.entity_path.removeprefix("/world/methods/") for chunk in chunks}
+    assert paths == {"log/traffic", "drivegen/traffic", "drivegen/samples", "other/traffic", "other/samples"}
+    lines = next(chunk for chunk in chunks if chunk.entity_path.endswith("other/samples")).to_record_batch()
+    assert len(lines.column("LineStrips3D:strips").to_pylist()[0]) == 16  # two samples of eight vehicles
+    assert all("time" in chunk.timeline_names for chunk in chunks if not chunk.is_static)
 
 
 def test_the_same_scenes_are_drawn_again(made, tmp_path):

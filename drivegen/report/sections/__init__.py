@@ -2,13 +2,15 @@
 
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section
-from drivegen.report.sections import about, corner, data, driving, maps, models, quality
+from drivegen.report.sections import about, corner, data, driving, maps, models, quality, trust, vehicles
 
 _ORDER = (
     about.summary,
     quality.section,
     quality.safety,
+    trust.section,
     about.scenes,
+    about.comparisons,
     driving.section,
     corner.section,
     data.section,
@@ -16,6 +18,7 @@ _ORDER = (
     models.selector,
     models.planner,
     maps.section,
+    vehicles.section,
     about.recordings,
     about.provenance,
 )

@@ -33,6 +33,16 @@ def scenes(evidence: Evidence) -> Section:
     return Section("scenes", "Scenes", lead, (), figures, missing="" if figures else not_measured("rollout"))
 
 
+def comparisons(evidence: Evidence) -> Section:
+    """The same scenes by every method."""
+    lead = (
+        "The same scenes by every method, in one window each. Lines are all samples over one another, red where the checker "
+        "objects; black dashes are the log; diamonds are the goals that DriveGen's samples follow."
+    )
+    figures = tuple(Figure.png(picture, wide=True) for picture in evidence.comparisons)
+    return Section("methods", "Methods side by side", lead, (), figures, missing="" if figures else not_measured("rollout"))
+
+
 def recordings(evidence: Evidence) -> Section:
     """Links to recordings."""
     lead = "Open with `.venv/bin/rerun FILE`; the layout is saved inside."

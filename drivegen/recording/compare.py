@@ -1,0 +1,70 @@
+"""One scene by every method side by side: a Rerun recording with a view for each, all on one clock.
+
+Entities (frames and time lines as in `record.py`):
+
+    world/roads/*, world/signals   shared by all views
+    world/methods/NAME/samples     the lines of all samples of a method, red where the checker objects
+    world/methods/NAME/traffic     the vehicles of one sample, moving; the log has a view of its own
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from drivegen.recording import colours
+from drivegen.recording.blueprint import from_above
+from drivegen.recording.record import recording_of, view_of
+from drivegen.recording.roads import flat, log_roads, log_signals
+from drivegen.recording.traffic import log_boxes
+from drivegen.samples import Samples
+from drivegen.scenario import TARGET, Scenario, Trajectories
+
+LOG = "log"
+_FAINT = 90
+
+
+def record_comparison(path: Path, scenario: Scenario, methods: Mapping[str, Samples], sample: int = 0) -> None:
+    """Write `scenario` with the samples of `methods` by name, number `sample` of each moving; its log first, if it has one."""
+    logs = {} if scenario.log is None else {LOG: scenario.log}
+    moving = {**logs, **{name: samples.motion[sample] for name, samples in methods.items()}}
+    centre, extent = view_of(next(iter(moving.values())))
+    views = [
+        from_above(centre, extent, name, ["/world/roads/**", "/world/signals", f"/world/methods/{name}/**"]) for name in moving
+    ]
+    show = rrb.Blueprint(
+        rrb.Grid(*views),
+        rrb.TimePanel(timeline="time", state="collapsed", play_state=rr.blueprint.components.PlayState.Playing),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.BlueprintPanel(state="collapsed"),
+        auto_views=False,
+    )
+    with recording_of(path, f"{scenario.scenario_id}: methods side by side", show) as recording:
+        log_roads(recording, scenario.map)
+        log_signals(recording, scenario.map, scenario.signals)
+        for name, motion in moving.items():
+            _log_traffic(recording, f"world/methods/{name}/traffic", scenario, motion)
+        for name, samples in methods.items():
+            _log_samples(recording, f"world/methods/{name}/samples", samples)
+
+
+def _log_traffic(recording: rr.RecordingStream, path: str, scenario: Scenario, motion: Trajectories) -> None:
+    count = len(scenario.vehicles)
+    shades = np.array([colours.TARGET] + [colours.SOCIAL] * (count - 1), np.uint8)
+    shades = np.broadcast_to(shades[:, None], (count, motion.steps, 4))
+    log_boxes(recording, path, motion, scenario.vehicles.size, shades, scenario.vehicles.track_id)
+
+
+def _log_samples(recording: rr.RecordingStream, path: str, samples: Samples) -> None:
+    """Lines of all samples of all vehicles, every fifth step."""
+    lines, shades = [], []
+    for k, i in np.ndindex(*samples.violation.shape):
+        motion = samples.motion[k, i]
+        line = motion.position[motion.valid][::5]
+        if len(line) > 1:
+            legal = colours.TARGET if i == TARGET else colours.SOCIAL
+            lines.append(flat(line, 0.02))
+            shades.append((*(legal if samples.legal[k, i] else colours.ILLEGAL)[:3], _FAINT))
+    recording.log(path, rr.LineStrips3D(lines, colors=shades, radii=0.1), static=True)
