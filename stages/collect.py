@@ -1,14 +1,18 @@
 """Stage collect: all result and cost parts in one DuckDB file with views (a leaf: nothing depends on it).
 
-argv: folder of result parts, folder of cost parts, the DuckDB file to write.
+argv: folder of result parts, folder of cost parts, table of costs to write (Markdown), the DuckDB file to write. Costs differ
+from run to run and so they stand here, outside of what promises the same bytes for the same seed.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from drivegen.store.costs import COST
+from drivegen.store.files import whole
 from drivegen.store.results import RESULT
-from drivegen.store.warehouse import build, read_parts, result_parts
+from drivegen.store.warehouse import build, query, read_parts, result_parts
 from stages._door import enter, require
 
 
@@ -17,13 +21,55 @@ class Params:
     """Nothing to choose."""
 
 
-def main(params: Params, results: Path, costs: Path, out: Path) -> dict[str, float]:  # noqa: ARG001  # every main takes params
+_TABLES = (
+    (
+        "cost_of_methods",
+        "What 1000 scenarios cost",
+        {
+            "method": "",
+            "cpu_seconds_per_1000": "CPU s",
+            "of_it_choosing_goals": "of it choosing goals",
+            "gpu_seconds_per_1000": "GPU s",
+            "peak_megabytes": "peak memory [MB]",
+            "scenarios": "measured on scenarios",
+        },
+    ),
+    (
+        "cost_of_training",
+        "What training cost",
+        {"stage": "", "item": "model", "cpu_seconds": "CPU s", "gpu_seconds": "GPU s"},
+    ),
+)
+
+
+def main(params: Params, results: Path, costs: Path, table: Path, out: Path) -> dict[str, float]:  # noqa: ARG001  # every main takes params
     """Collect the parts below `results` and `costs` (which may be absent: a fresh checkout has no times)."""
     parts = result_parts(require(results, "run the stages that measure"))
-    table = read_parts(parts, RESULT)
-    build(out, table, read_parts(sorted(costs.glob("*.parquet")), COST))
-    print(f"{out}: {table.num_rows} results of {len(parts)} parts")
-    return {"results": float(table.num_rows)}
+    rows = read_parts(parts, RESULT)
+    build(out, rows, read_parts(sorted(costs.glob("*.parquet")), COST))
+    with whole(table) as temporary:
+        temporary.write_text("\n".join(_markdown(out)), encoding="utf-8")
+    print(f"{out}: {rows.num_rows} results of {len(parts)} parts; costs in {table}")
+    return {"results": float(rows.num_rows)}
+
+
+def _markdown(warehouse: Path) -> Iterator[str]:
+    yield "Seconds of processors over all processes, of this machine and this run: another run has others."
+    for view, title, columns in _TABLES:
+        yield from ("", f"### {title}", "", _line(columns.values()), _line(["---"] + ["---:"] * (len(columns) - 1)))
+        for row in query(warehouse, f"from {view}").to_pylist():
+            yield _line(_cell(row[name]) for name in columns)
+    yield ""
+
+
+def _line(cells: Any) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+def _cell(value: str | float | None) -> str:
+    if value is None:
+        return "not measured"
+    return value if isinstance(value, str) else f"{value:,.0f}"
 
 
 if __name__ == "__main__":

@@ -35,3 +35,30 @@ select stage, item, sum(value) filter (name = 'cpu_seconds') as cpu_seconds, sum
        cpu_seconds / scenarios as cpu_seconds_per_scenario
 from costs
 group by all;
+
+-- What 1000 scenarios cost by each method: samples from the first frame on, goals, models' loading and the checker included;
+-- choosing goals is a stage of its own for those that follow a selector's. Measured at the size of the run, where loading
+-- weighs most: an upper bound. GPU seconds are null where no run used one.
+create view cost_of_methods as
+with took as (
+    select stage, item, max(value) filter (name = 'cpu_seconds') as cpu, max(value) filter (name = 'gpu_seconds') as gpu,
+           max(value) filter (name = 'peak_megabytes') as megabytes
+    from costs group by stage, item),
+seen as (select item as method, max(value) as scenarios from costs where stage = 'evaluate' and name = 'scenarios' group by item),
+follows(method, selector) as (
+    values ('drivegen', 'learned'), ('drivegen_without_goals', 'random'), ('drivegen_true_goals', 'log'))
+select seen.method, scenarios,
+       if(selector is null, 0, 1000 * chosen.cpu / scenarios) as of_it_choosing_goals,
+       1000 * made.cpu / scenarios + of_it_choosing_goals as cpu_seconds_per_1000,
+       1000 * made.gpu / scenarios as gpu_seconds_per_1000,
+       made.megabytes as peak_megabytes
+from seen
+join took made on made.item = seen.method and made.stage in ('rollout', 'rollout_rival')
+left join follows on follows.method = seen.method
+left join took chosen on chosen.stage = 'goals' and chosen.item = follows.selector
+order by seen.method;
+
+-- What training cost, model by model.
+create view cost_of_training as
+select stage, item, max(value) filter (name = 'cpu_seconds') as cpu_seconds, max(value) filter (name = 'gpu_seconds') as gpu_seconds
+from costs where stage like 'train%' group by stage, item order by stage, item;
