@@ -77,8 +77,9 @@ def trajectories(scenario: Scenario, position: NDArray[np.float32], velocity: ND
     Step 0 is the scenario's own; beyond T vehicles go straight on.
     """
     vehicles, steps = scenario.vehicles, scenario.steps
+    way = np.hypot(position[..., 0], position[..., 1]).max(axis=-1, initial=0)
+    parked = (vehicles.speed < PARKED_SPEED) & (way < PARKED_WAY)
     position, velocity = _cut_or_continued(position, velocity, steps - 1)
-    parked = (vehicles.speed < PARKED_SPEED) & (np.hypot(position[..., 0], position[..., 1]).max(axis=-1, initial=0) < PARKED_WAY)
     position[parked], velocity[parked] = 0, 0
     heading = vehicles.heading[:, None]
     made = Trajectories.empty(*position.shape[:2], steps)

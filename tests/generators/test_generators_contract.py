@@ -1,5 +1,7 @@
 """What every scenario generator promises, with models that were trained for seconds."""
 
+import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,13 +10,14 @@ import pytest
 
 from drivegen import plugins
 from drivegen.errors import MissingTool, UnusableInput
+from drivegen.generators._learned import Learned
 from drivegen.generators.base import Generator, Settings
 from drivegen.samples import NO_GOAL, Samples
 from drivegen.scenario import Scenario
 from stages import rollout
 from stages._door import read_params
-from tests.models import two_lanes
-from tests.scenes import busy_crossing
+from tests.generators.rivals import scenes as three_scenes
+from tests.generators.rivals import trained
 
 NAMES = plugins.names("generators")
 SAMPLES = 3
@@ -29,12 +32,32 @@ def settings() -> Settings:
 @pytest.fixture(scope="module")
 def scenes() -> list[Scenario]:
     """Different numbers of vehicles and lengths in one batch."""
-    return [busy_crossing(101, "crossing-a"), two_lanes(9.0, "lanes-b", 81), busy_crossing(61, "crossing-c")]
+    return three_scenes()
+
+
+def learns(name: str) -> bool:
+    plugin = plugins.load("generators", name)
+    return isinstance(plugin, type) and issubclass(plugin, Learned)
+
+
+@pytest.fixture(scope="module")
+def rivals(models: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """The pipeline's models with the trained weights of one rival beside them."""
+    folder = tmp_path_factory.mktemp("rivals")
+    shutil.copytree(models, folder, dirs_exist_ok=True)
+
+    def with_weights(name: str) -> Path:
+        weights = plugins.load("generators", name).name if learns(name) else ""
+        if learns(name) and not (folder / "generators" / weights).exists():
+            trained(weights)[0].save(folder / "generators" / weights)
+        return folder
+
+    return with_weights
 
 
 @pytest.fixture(scope="module", params=NAMES)
-def generator(request: pytest.FixtureRequest, models: Path, settings: Settings) -> Generator:
-    made: Generator = plugins.load("generators", request.param)(models, settings)
+def generator(request: pytest.FixtureRequest, rivals: Callable[[str], Path], settings: Settings) -> Generator:
+    made: Generator = plugins.load("generators", request.param)(rivals(request.param), settings)
     return made
 
 
@@ -104,7 +127,7 @@ def test_another_seed_gives_other_futures_where_anything_is_drawn(
 ) -> None:
     other = generator.generate(scenes, SAMPLES, 8)
     differs = any((a.motion.position != b.motion.position).any() for a, b in zip(made, other, strict=True))
-    assert differs == (generator.selector is not None)
+    assert differs == (generator.selector is not None or isinstance(generator, Learned))
 
 
 def test_only_those_who_say_so_look_at_the_log(generator: Generator, scenes: list[Scenario], made: list[Samples]) -> None:
@@ -123,7 +146,7 @@ def test_only_those_who_say_so_look_at_the_log(generator: Generator, scenes: lis
 @pytest.mark.parametrize("name", NAMES)
 def test_what_needs_models_names_the_remedy_where_there_are_none(name: str, settings: Settings, tmp_path: Path) -> None:
     plugin = plugins.load("generators", name)
-    if plugin.selector is None:
+    if plugin.selector is None and not learns(name):
         assert plugin(tmp_path, settings).backend
     else:
         with pytest.raises(MissingTool, match="make run"):
@@ -136,3 +159,38 @@ def test_the_log_row_is_the_log(models: Path, settings: Settings, scenes: list[S
     assert log is not None
     for k in range(SAMPLES):
         np.testing.assert_array_equal(samples.motion.position[k], log.position)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if learns(name) and plugins.load("generators", name).name == name])
+def test_what_was_saved_and_opened_generates_the_same(name: str, rivals: Callable[[str], Path], settings: Settings) -> None:
+    made = trained(name)[0].generate(three_scenes(), SAMPLES, 7)
+    opened = plugins.load("generators", name)(rivals(name), settings)
+    for one, other in zip(made, opened.generate(three_scenes(), SAMPLES, 7), strict=True):
+        assert_same(one, other)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if learns(name)])
+def test_vehicles_never_jump_and_face_where_they_go(name: str, rivals: Callable[[str], Path], settings: Settings) -> None:
+    for samples in plugins.load("generators", name)(rivals(name), settings).generate(three_scenes(), SAMPLES, 7):
+        step = np.diff(samples.motion.position, axis=2)
+        way = np.hypot(step[..., 0], step[..., 1])
+        assert way.max() < 10.0  # 100 m/s
+        quick = way > 0.2
+        facing = samples.motion.heading[:, :, 1:][quick]
+        forward = (step[quick] * np.stack([np.cos(facing), np.sin(facing)], axis=-1)).sum(-1)
+        assert (forward > 0.7 * way[quick]).mean() > 0.9  # barely trained, and slow ones may be held askew
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if learns(name)])
+def test_damaged_and_foreign_weights_are_named(
+    name: str, rivals: Callable[[str], Path], settings: Settings, tmp_path: Path
+) -> None:
+    plugin = plugins.load("generators", name)
+    folder = tmp_path / "generators" / plugin.name
+    shutil.copytree(rivals(name) / "generators" / plugin.name, folder)
+    (folder / "weights.safetensors").write_bytes(b"nonsense")
+    with pytest.raises(UnusableInput, match="train it again"):
+        plugin(tmp_path, settings)
+    (folder / "settings.json").write_text('{"generator": "another", "settings": {}}')
+    with pytest.raises(UnusableInput, match="another"):
+        plugin(tmp_path, settings)

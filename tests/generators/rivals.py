@@ -1,0 +1,39 @@
+"""Generators that were trained for a few steps on hand-made scenes, to be looked at in tests."""
+
+from functools import cache
+from pathlib import Path
+
+import yaml
+
+from drivegen import plugins
+from drivegen.generators._learned import Learned
+from drivegen.scenario import Scenario
+from drivegen.settings import build
+from tests.models import two_lanes
+from tests.scenes import busy_crossing
+
+ROOT = Path(__file__).parents[2]
+
+
+def scenes() -> list[Scenario]:
+    """Different numbers of vehicles and lengths."""
+    return [busy_crossing(101, "crossing-a"), two_lanes(9.0, "lanes-b", 81), busy_crossing(61, "crossing-c")]
+
+
+@cache
+def trained(name: str, steps: int = 12) -> tuple[Learned, float, float]:
+    """The generator and its training loss at the beginning and at the end."""
+    values = yaml.safe_load((ROOT / "params.yaml").read_text())["train_generator"]["generators"][name]
+    if "training" in values:
+        values["training"] |= {"steps": steps, "batch": 16, "warmup": 2, "report_every": steps // 4, "checkpoint_every": steps}
+    plugin = plugins.load("generators", name)
+    settings = build(plugin.Settings, values, "tests")
+    logs = plugin.examples(settings, scenes())
+    generator, curve = plugin.fit(settings, logs, logs, 7, None, lambda _: None)
+    return generator, curve[0].train, curve[-1].train
+
+
+def same(one: list, other: list) -> bool:
+    """Whether two lists of samples move alike, bit by bit."""
+    names = ("position", "heading", "velocity", "valid")
+    return all((getattr(a.motion, n) == getattr(b.motion, n)).all() for a, b in zip(one, other, strict=True) for n in names)
