@@ -67,3 +67,19 @@ def test_a_map_by_a_model_is_kept_and_drawn_again_without_it(project, tmp_path):
     assert (tmp_path / "a" / "map.net.xml").read_bytes() == (tmp_path / "b" / "map.net.xml").read_bytes()
     with pytest.raises(UnusableInput, match="no backend"):
         drivegen("map", "a crossing", "--out", "c", "--lm", "nobody:x")
+
+
+def test_a_model_may_write_the_xml_itself_and_is_measured_beside_the_offline_rules(project, tmp_path, monkeypatch):
+    monkeypatch.delenv("DRIVEGEN_REAL_DATA", raising=False)
+    nodes = '<nodes><node id="a" x="0" y="0"/><node id="b" x="300" y="0"/></nodes>'
+    edges = '<edges><edge id="ab" from="a" to="b" numLanes="2" speed="13.9"/></edges>'
+    with serving([Says(json.dumps({"nodes": nodes, "edges": edges, "asked": {"lanes": 2}}))]) as server:
+        model = f"openai:little-model@{server.url}"
+        told = drivegen("map", "words", "a street", "--out", "a", "--lm", model, "--map-mode", "xml").output
+        assert "written by  language model little-model, writing XML" in told
+        drivegen("bench", "maps", "--every", "60", "--json", "t.json", "--lm", model, "--map-mode", "xml")
+    assert b'id="ab"' in (tmp_path / "a" / "map.net.xml").read_bytes()
+    offline, asked = json.loads((tmp_path / "t.json").read_text())["writers"]
+    assert offline["written_by"].startswith("offline rules")
+    assert asked["written_by"] == "language model little-model, writing XML"
+    assert asked["suites"]["own"]["loads"] > 0
