@@ -12,13 +12,14 @@ from drivegen.report.table import NOT_MEASURED, Cell, Table, measured, number, r
 
 NAMES = {
     **METHODS,
+    "random_agent": "Random agent (no traffic)",
     "drivegen_true_goals": "DriveGen, true goals",
     "lctgen_log_code": "LCTGen, code from the log",
 }
 """Methods in the tables' order; others follow under their own names."""
 
-_BOUNDS = ("log", "drivegen_true_goals", "lctgen_log_code")
-"""Methods that are told what happened: bounds, not rivals."""
+_BOUNDS = ("log", "drivegen_true_goals", "lctgen_log_code", "random_agent")
+"""Methods that are told what happened, and one that is no traffic: bounds, not rivals."""
 
 SELECTORS = {"drivegen": "learned", "drivegen_without_goals": "random", "drivegen_true_goals": "log"}
 """Whose goals a method follows, as its plugin says; the others choose none, or their own."""
