@@ -1,11 +1,13 @@
-"""Stage `assets`: collect the vehicles of the training logs in a table.
+"""Stage `assets`: collect the vehicles of the training logs in a table, and how closely they follow one another in another.
 
-argv: scenarios (a folder with train/), the table (Parquet).
+argv: scenarios (a folder with train/), the table of vehicles (Parquet), the table of gaps (Parquet).
 """
 
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
+from drivegen.assets.gaps import measure_gaps
 from drivegen.assets.table import build_table
 from drivegen.store.assets import write_assets
 from drivegen.store.scenarios import read_shard, shards
@@ -14,15 +16,21 @@ from stages._door import enter, require
 
 @dataclass(frozen=True)
 class Params:
-    """Section `assets`: nothing to choose yet."""
+    """Section `assets`: gaps are measured in about `gap_scenarios` scenes, the first ones of every shard."""
+
+    gap_scenarios: int
 
 
-def main(params: Params, scenarios: Path, out: Path) -> None:  # noqa: ARG001 - every stage takes its section
+def main(params: Params, scenarios: Path, out: Path, gaps: Path) -> None:
     """Read the train split only: what is measured on the test split is placed on no other map."""
     found = shards(require(scenarios / "train", "run the ingest stage"))
     table = build_table(scenario for shard in found for scenario in read_shard(shard))
     write_assets(out, table.to_arrow())
-    print(f"assets: {len(table)} different vehicles, {int(table.count.sum())} tracks")
+    of_each = -(-params.gap_scenarios // max(len(found), 1))
+    rows = measure_gaps(scenario for shard in found for scenario in islice(read_shard(shard), of_each))
+    write_assets(gaps, rows.to_arrow())
+    led = int(rows.led.sum())
+    print(f"assets: {len(table)} different vehicles, {int(table.count.sum())} tracks; gaps of {len(rows)}, {led} with a leader")
 
 
 if __name__ == "__main__":

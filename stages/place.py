@@ -1,20 +1,24 @@
 """Stage `place`: put vehicles on the maps made from words, as new scenarios without a log.
 
-argv: maps (a folder with <name>/map.net.xml), assets, out (folder of shards), counts (JSON).
+argv: maps (a folder with <name>/map.net.xml), assets, gaps, held-out logs (a folder of shards), out (folder of shards), counts
+(JSON). Headways of both modes of placement stand in the counts, beside those of logs that nothing was drawn from.
 """
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
+from drivegen.assets.gaps import Gaps, headways, measure_gaps
+from drivegen.assets.place import MODES
 from drivegen.assets.table import Table
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.initialise import Initialiser, Settings
 from drivegen.scenario import Scenario
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
-from drivegen.store.scenarios import write_shard
+from drivegen.store.scenarios import read_shard, shards, write_shard
 from drivegen.sumo.network import Network
 from stages._door import enter, require
 
@@ -23,41 +27,65 @@ SOURCE = "DriveGen (map from words)"
 
 @dataclass(frozen=True)
 class Params:
-    """Section `place`: `per_map` scenarios on each map; `initial`: see `initialise.Settings`."""
+    """Section `place`: `per_map` scenarios on each map; `initial`: see `initialise.Settings`; `compared` held-out logs."""
 
     seed: int
     per_map: int
     per_shard: int
+    compared: int
     initial: Settings
 
 
-def main(params: Params, maps: Path, assets: Path, out: Path, counts: Path) -> None:
+def main(params: Params, maps: Path, assets: Path, gaps: Path, held_out: Path, out: Path, counts: Path) -> None:
     """Place `per_map` scenes on every map; asked = placed + rejected."""
     table = Table.from_arrow(read_assets(require(assets, "run the assets stage")), str(assets))
+    seen = Gaps.from_arrow(read_assets(require(gaps, "run the assets stage")), str(gaps))
     files = sorted(require(maps, "run the maps stage").glob("*/map.net.xml"))
     if not files:
         raise MissingTool(f"{maps} holds no map: run the maps stage")
     rejected: Counter[str] = Counter()
-    scenarios = [scenario for file in files for scenario in _scenes(params, file, table, rejected)]
+    placer = _Placer(params, table, seen)
+    scenarios = [scenario for file in files for scenario in placer.scenes(file, params.initial, rejected)]
     for shard, start in enumerate(range(0, len(scenarios), params.per_shard)):
         write_shard(out / f"shard-{shard:05d}.parquet", scenarios[start : start + params.per_shard])
     placed = sum(len(scenario.vehicles) for scenario in scenarios)
     asked = len(files) * params.per_map * params.initial.vehicles
-    write_json(counts, {"maps": len(files), "scenarios": len(scenarios), "asked": asked, "placed": placed, "rejected": rejected})
+    told = {"maps": len(files), "scenarios": len(scenarios), "asked": asked, "placed": placed, "rejected": rejected}
+    write_json(counts, {**told, "mode": params.initial.placement.mode, "headways": _headways(placer, files, held_out)})
     print(f"place: {placed} of {asked} vehicles on {len(files)} maps")
 
 
-def _scenes(params: Params, file: Path, table: Table, rejected: Counter[str]) -> Iterator[Scenario]:
-    network = Network.read(file.read_bytes(), str(file))
-    initialiser = Initialiser(network, file.parent.name, SOURCE, table, params.initial)
-    for number in range(params.per_map):
-        try:
-            scenario, left_out = initialiser.scenario(number, params.seed)
-        except UnusableInput as error:
-            rejected[error.reason] += params.initial.vehicles
-            continue
-        rejected.update(left_out)
-        yield scenario
+def _headways(placer: "_Placer", files: list[Path], held_out: Path) -> dict[str, Any]:
+    """Of both modes and of the held-out logs."""
+    params = placer.params
+    logs = [s for shard in shards(require(held_out, "run the ingest stage")) for s in read_shard(shard)][: params.compared]
+    truth = measure_gaps(logs)
+    told = {"held-out logs": headways(truth)}
+    for mode in MODES:
+        initial = replace(params.initial, placement=replace(params.initial.placement, mode=mode))
+        scenes = [scene for file in files for scene in placer.scenes(file, initial, Counter())]
+        told[f"placed, mode {mode}"] = headways(measure_gaps(scenes), truth)
+    return told
+
+
+@dataclass(frozen=True)
+class _Placer:
+    params: Params
+    table: Table
+    gaps: Gaps
+
+    def scenes(self, file: Path, initial: Settings, rejected: Counter[str]) -> Iterator[Scenario]:
+        """The scenes on one map; `rejected` counts vehicles that found no place."""
+        network = Network.read(file.read_bytes(), str(file))
+        initialiser = Initialiser(network, file.parent.name, SOURCE, self.table, initial, self.gaps)
+        for number in range(self.params.per_map):
+            try:
+                scenario, left_out = initialiser.scenario(number, self.params.seed)
+            except UnusableInput as error:
+                rejected[error.reason] += initial.vehicles
+                continue
+            rejected.update(left_out)
+            yield scenario
 
 
 if __name__ == "__main__":

@@ -85,6 +85,7 @@ def _in_english(clause: str) -> str:
         clause = re.sub(f"([{''.join(_DIGITS)}])?十([{''.join(_DIGITS)}])?", _tens, clause)
         clause = re.sub(f"([{''.join(_DIGITS)}])(?=[辆台个秒米])", lambda m: str(_DIGITS[m[1]]), clause)
         clause = re.sub(r"(\d+)秒(?:之?内|钟内)", r" within \1 seconds ", re.sub(r"(\d+)[辆台个]", r" \1 ", clause))
+        clause = re.sub(r"前方(?:有)?停着(?:的)?(.+)", r"\1停在前方", clause)
         for word in sorted(_CHINESE, key=len, reverse=True):
             clause = clause.replace(word, _CHINESE[word])
         return clause

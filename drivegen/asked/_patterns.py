@@ -11,7 +11,7 @@ KINDS = {
     Kind.CAR: r"(?:passenger )?cars?|sedans?|suvs?|taxis?|automobiles?|hatchbacks?|vans?|minivans?|pickups?",
     Kind.TRUCK: r"(?:semi ?|heavy |delivery )?trucks?|lorr(?:y|ies)|hgvs?|semis?|articulated lorr(?:y|ies)|trailers?",
     Kind.BUS: r"bus(?:es)?|coach(?:es)?|city bus(?:es)?",
-    Kind.VEHICLE: r"vehicles?|leaders?|followers?|tailgaters?|others?",
+    Kind.VEHICLE: r"vehicles?|leaders?|followers?|tailgaters?|others?|1 of (?:them|these|the \w+)|one of (?:them|these|the \w+)",
 }
 NOT_VEHICLES = r"(?! ?(?:lanes?|stops?|stations?|parks?|parking|wash|bays?|depots?|dealers?|ferr\w+|only|traffic))"
 """A noun before these is part of a road: "bus lane", "car park"."""

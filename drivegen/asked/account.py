@@ -95,7 +95,7 @@ def _of_group(start: AskedStart, number: int, group: Group, routes: list[list[Ro
         items.append(Item("place", f"{group.count} x {group.kind.value}{said} {relation.value.replace('_', ' ')}", got))
     if group.queue:
         there = [v for v in members if v is not None]
-        items.append(Item("queue", f"{group.count} in a queue", len(there) == len(members) and queued(vehicles, there)))
+        items.append(Item("queue", f"{group.count} in a queue", len(there) == len(members) and queued(routes, vehicles, there)))
     if group.speed is not None:
         got = all(v is not None and _near(float(vehicles.speed[v]), group.speed) for v in members)
         items.append(Item("speed", f"{group.count} x {group.kind.value} at {group.speed * 3.6:.0f} km/h", got))

@@ -73,16 +73,17 @@ def _near(along: float, low: float, high: float, distance: float | None) -> bool
     return abs(along - distance) <= max(TOLERANCE, TOLERANCE_SHARE * distance) + SLACK
 
 
-def queued(vehicles: Vehicles, members: list[int]) -> bool:
-    """Whether the vehicles `members` stand one behind another, the head first or last, close and in line."""
-    return len(members) > 1 and (_in_line(vehicles, members) or _in_line(vehicles, members[::-1]))
+def queued(routes: Sequence[Sequence[Route]], vehicles: Vehicles, members: list[int]) -> bool:
+    """Whether the vehicles `members` stand one behind another, the head first or last, close and on one way."""
+    return len(members) > 1 and (_in_line(routes, vehicles, members) or _in_line(routes, vehicles, members[::-1]))
 
 
-def _in_line(vehicles: Vehicles, members: list[int]) -> bool:
+def _in_line(routes: Sequence[Sequence[Route]], vehicles: Vehicles, members: list[int]) -> bool:
     for leader, follower in itertools.pairwise(members):
-        x, y = to_vehicle_frame(vehicles.position[leader][None], vehicles.position[follower], vehicles.heading[follower])[0]
-        gap = x - (vehicles.size[leader, 0] + vehicles.size[follower, 0]) / 2
-        if not (0 < gap < 10.0 + 2.5 * vehicles.speed[follower] and abs(y) < OUT + 0.2 * x):
+        found = [to_frenet(route, vehicles.position[leader][None])[0] for route in routes[follower]]
+        length = float(vehicles.size[leader, 0] + vehicles.size[follower, 0]) / 2
+        farthest = 10.0 + 2.5 * float(vehicles.speed[follower])
+        if not any(abs(d) < OUT and 0 < s - length < farthest for s, d in found):
             return False
     return True
 

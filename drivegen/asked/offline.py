@@ -138,7 +138,7 @@ class _Reader:
         return _Phrase(match.start(), match.end(), 0, {"kind": kinds.pop()} if kinds else {}, target=True)
 
     def _vehicle_phrase(self, match: re.Match[str]) -> _Phrase | None:
-        if self.text.negated(match) or (match["count"] or "").strip() in ("any", "no"):
+        if self.text.negated(match) or (match["count"] or "").strip() == "any" or self._of_target(match):
             return None
         kind = next(kind for kind in Kind if kind.name in match.groupdict() and match[kind.name])
         said = (match["count"] or "").strip()
@@ -161,6 +161,13 @@ class _Reader:
         self._from_adjectives(adjectives, fields)
         self.text.take(match, _told(fields))
         return _Phrase(match.start(), match.end(), 0, fields)
+
+    def _of_target(self, match: re.Match[str]) -> bool:
+        """Whether the noun is the target's own: "the ego vehicle", "the target is a truck"."""
+        spans = (m.span() for m in re.finditer(rf"\b(?:{words.TARGET})\b", self.text.text))
+        if any(begin < match.end() and match.start() < end for begin, end in spans):
+            return True
+        return re.search(rf"\b(?:{words.TARGET}) is(?: driving)?$", self.text.text[: match.start()].rstrip()) is not None
 
     def _from_adjectives(self, adjectives: str, fields: dict[str, Any]) -> None:
         for word, manoeuvre in words.ADJECTIVE_MANOEUVRES.items():

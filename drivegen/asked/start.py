@@ -18,6 +18,9 @@ from drivegen.rollout import Choices
 from drivegen.scenario import Scenario
 from drivegen.selectors.base import Selector
 
+UNLIKELY = 0.05
+"""A start is good enough where the selector itself gives the goals of every manoeuvre at least this probability."""
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -26,7 +29,7 @@ class Settings:
     Attributes:
         densities: by their words, see `Fill`.
         placements: drawn for one in which everybody stands as wished.
-        starts: of those, looked at for one in which every manoeuvre has a goal.
+        starts: of those, looked at for one in which every manoeuvre has a likely goal.
     """
 
     densities: dict[str, Fill]
@@ -68,7 +71,8 @@ def start(
     generation: GeneratorSettings,
     seed: int,
 ) -> AskedStart:
-    """The best start of those drawn: most wishes placed first, then most manoeuvres with a goal. Same seed, same start.
+    """The best start of those drawn: most wishes placed first, then most manoeuvres with a goal, then the
+    likeliest goals. Same seed, same start.
 
     `vehicles` in all where the request does not say how many. Raises UnusableInput, reason `no-place`, where the map has no
     room for the target, and for kinds that the asset table lacks.
@@ -123,7 +127,8 @@ def _missing(found: "_Placed | AskedStart") -> tuple[int, int]:
     return wished, len(found.cast) - len(there)
 
 
-def _lacks(found: AskedStart) -> tuple[int, int, int]:
-    """What is missing, the gravest first: wished vehicles, manoeuvres without a goal, vehicles."""
+def _lacks(found: AskedStart) -> tuple[float, ...]:
+    """What is missing, the gravest first: wished vehicles, manoeuvres without a goal, vehicles, likelihood of the goals."""
     wished, missing = _missing(found)
-    return wished, len(found.cast.orders) - sum(found.ordered.feasible), missing
+    unlikely = sum(np.log(UNLIKELY / max(mass, 1e-6)) for mass in found.ordered.natural if mass < UNLIKELY)
+    return wished, len(found.cast.orders) - sum(found.ordered.feasible), missing, float(unlikely)

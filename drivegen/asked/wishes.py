@@ -116,7 +116,7 @@ def _wish(group: Group, which: int, number: int, speed: float | None, random: np
     """Of vehicle `which` of a group, which is the asked vehicle `number`."""
     own = group.speed if group.speed is not None else _about(speed, random)
     if group.queue and which > 0:  # the first of a queue ahead is its last vehicle, so that the target keeps its gap
-        return Wish(beside=number - 1, ahead=group.place is Relation.AHEAD, speed=group.speed)
+        return Wish(beside=number - 1, ahead=group.place in (None, Relation.AHEAD), speed=group.speed)
     place = group.place
     if which == 0 and group.manoeuvre is not None:
         place = _place(group.manoeuvre, place, random)

@@ -128,6 +128,36 @@ def gaps_of(scenario: Scenario) -> list[dict[str, Any]]:
     return rows
 
 
+LONGEST = 10.0
+"""Longer time gaps [s] say nothing of following."""
+
+
+def headways(gaps: Gaps, truth: Gaps | None = None) -> dict[str, Any]:
+    """What can be compared of gaps: counts, medians, 41 quantiles of the time gap [s] of moving vehicles with a leader.
+
+    `distance` is the Wasserstein-1 distance [s] between their time gaps and those of `truth`: the mean difference of quantiles.
+    """
+    own = _time_gaps(gaps)
+    share = np.linspace(0.0, 1.0, 41)
+    told: dict[str, Any] = {
+        "vehicles": len(gaps),
+        "led": float(gaps.led.mean()) if len(gaps) else 0.0,
+        "gap_median": float(np.median(gaps.gap[gaps.led])) if gaps.led.any() else None,
+        "time_gap_median": float(np.median(own)) if len(own) else None,
+        "time_gap": np.quantile(own, share).round(3).tolist() if len(own) else [],
+    }
+    if truth is not None and len(own) and len(true := _time_gaps(truth)):
+        fine = np.linspace(0.0, 1.0, 1001)
+        told["distance"] = float(np.abs(np.quantile(own, fine) - np.quantile(true, fine)).mean())
+    return told
+
+
+def _time_gaps(gaps: Gaps) -> NDArray[np.float64]:
+    led = gaps[gaps.led & (gaps.speed > 1.0)]
+    found = (led.gap / led.speed).astype(np.float64)
+    return np.asarray(found[found <= LONGEST])
+
+
 class Draws:
     """Draws from the rows, conditioned on one vehicle's speed: the NEAREST rows with a like speed are equally likely."""
 

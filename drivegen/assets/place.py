@@ -7,7 +7,7 @@ rejected with a reason, so asked = placed + rejected.
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +27,10 @@ MODES = ("paper", "data")
 
 _TARGETS = 16
 """Places for the target that are looked at for one from which every wish can be met."""
+
+
+_FEW = 4
+"""Spots drawn from logs at first."""
 
 
 @dataclass(frozen=True)
@@ -105,12 +109,14 @@ def place_vehicles(
     rejected: Counter[str] = Counter()
     for number, (row, wish) in enumerate(zip(rows[1:], wishes[1:], strict=True), 1):
         fits = fitting(slots, table, row)
+        spots: Iterable[Spots]
         if wish.stands:
-            spots = wished_spots(scene, fits, wish, limit, settings.attempts, random)
-        elif following is not None:
-            spots = drawn_spots(scene, fits & near, limit, following, settings.attempts, random)
+            spots = [wished_spots(scene, fits, wish, limit, settings.attempts, random)]
+        elif following is not None:  # few at first: each is drawn on its own, and most are free
+            few = (min(_FEW, settings.attempts), max(settings.attempts - _FEW, 0))
+            spots = (drawn_spots(scene, fits & near, limit, following, some, random) for some in few)
         else:
-            spots = any_spots(scene, fits & near, limit, settings.speed_spread, settings.radius, settings.attempts, random)
+            spots = [any_spots(scene, fits & near, limit, settings.speed_spread, settings.radius, settings.attempts, random)]
         reason = _place_one(scene, spots, wish, row, number)
         if reason is not None:
             rejected[reason] += 1
@@ -171,22 +177,18 @@ def _pace(limit: float, wish: Wish, draws: Draws | None, random: np.random.Gener
     return limit * (random.uniform(0.6, 1.0) if draws is None else min(draws.pace(random), 1.0))
 
 
-def _place_one(scene: Scene, spots: Spots, wish: Wish, row: int, number: int) -> str | None:
+def _place_one(scene: Scene, groups: Iterable[Spots], wish: Wish, row: int, number: int) -> str | None:
     """Add one social vehicle at the first spot that is free and keeps its gaps, or say why none is."""
-    if not len(spots.slot):
-        return "does-not-fit"
-    speed = spots.speed if wish.speed is None else np.minimum(spots.limit, wish.speed)
-    free = ~scene.overlaps(spots.slot, row)
     reasons: Counter[str] = Counter()
-    for candidate in range(len(spots.slot)):
-        if not free[candidate]:
-            reasons["overlap"] += 1
-        elif not scene.keeps_gaps(int(spots.slot[candidate]), float(speed[candidate]), row):
-            reasons["time-gap"] += 1
-        else:
-            scene.add(int(spots.slot[candidate]), float(speed[candidate]), row, number)
-            return None
-    return reasons.most_common(1)[0][0]
+    for spots in groups:
+        speed = spots.speed if wish.speed is None else np.minimum(spots.limit, wish.speed)
+        free = ~scene.overlaps(spots.slot, row)
+        for slot, pace, is_free in zip(spots.slot.tolist(), speed.tolist(), free.tolist(), strict=True):
+            if is_free and scene.keeps_gaps(slot, pace, row):
+                scene.add(slot, pace, row, number)
+                return None
+            reasons["time-gap" if is_free else "overlap"] += 1
+    return reasons.most_common(1)[0][0] if reasons else "does-not-fit"
 
 
 def _vehicles(scene: Scene) -> Vehicles:

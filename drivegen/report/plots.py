@@ -102,3 +102,32 @@ def bars(groups: Mapping[str, float], label: str, errors: Mapping[str, tuple[flo
         axes.grid(visible=False, axis="y")
         axes.set_xlabel(label)
     return canvas.svg
+
+
+def shares(series: Mapping[str, Sequence[float]], label: str) -> bytes:
+    """Cumulative shares: each series holds quantiles at evenly spaced shares from 0 to 1; the first is drawn as the log's."""
+    with Canvas(5.6, 2.8) as (canvas, axes):
+        for (name, quantiles), colour in zip(series.items(), (LOG, *SERIES), strict=False):
+            steps = len(quantiles) - 1
+            axes.plot(quantiles, [i / max(steps, 1) for i in range(len(quantiles))], color=colour, lw=1.5, label=name)
+        axes.set_xlabel(label)
+        axes.set_ylabel("share of vehicles")
+        axes.set_ylim(0, 1)
+        axes.legend(frameon=False, fontsize=8)
+    return canvas.svg
+
+
+def lines(series: Mapping[str, tuple[Sequence[float], Sequence[float]]], across: str, up: str) -> bytes:
+    """Named lines (x, y) of their own places, both axes from zero; NaNs are left out."""
+    with Canvas(5.6, 2.8) as (canvas, axes):
+        for (name, (xs, ys)), colour in zip(series.items(), SERIES, strict=False):
+            points = [(x, y) for x, y in zip(xs, ys, strict=True) if y == y]
+            if points:
+                axes.plot(*zip(*points, strict=True), color=colour, lw=1.4, marker="o", ms=3, label=name.replace("_", " "))
+        axes.set_xlabel(across)
+        axes.set_ylabel(up)
+        axes.set_xlim(left=0)
+        axes.set_ylim(bottom=0)
+        if series:
+            axes.legend(frameon=False, fontsize=8)
+    return canvas.svg

@@ -1,5 +1,7 @@
 """Stages assets and place: from logs to vehicles on maps made from words."""
 
+from pathlib import Path
+
 import numpy as np
 import orjson
 import pytest
@@ -20,6 +22,7 @@ PARAMS = place.Params(
     seed=7,
     per_map=3,
     per_shard=2,
+    compared=2,
     initial=Settings(
         vehicles=8,
         horizon=50,
@@ -34,15 +37,21 @@ PARAMS = place.Params(
 ARMS = [{"angle": angle, "lanes_in": 2, "lanes_out": 2} for angle in (0, 90, 180, 270)]
 
 
+def _inputs(folder: Path, **others: Path) -> list[Path]:
+    """Maps, assets, gaps and held-out logs of the stage, some of them replaced."""
+    own = {"maps": folder / "maps", "assets": folder / "assets.parquet", "gaps": folder / "gaps.parquet"}
+    return [*(own | others).values(), folder / "scenarios" / "train"]
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("place")
     write_shard(path / "scenarios" / "train" / "shard-00000.parquet", [busy_crossing()])
-    assets.main(assets.Params(), path / "scenarios", path / "assets.parquet")
+    assets.main(assets.Params(gap_scenarios=1), path / "scenarios", path / "assets.parquet", path / "gaps.parquet")
     (path / "maps" / "cross").mkdir(parents=True)
     spec = MapSpec.model_validate({"road": {"kind": "crossing", "control": "signals", "arms": ARMS}})
     (path / "maps" / "cross" / "map.net.xml").write_bytes(compile_map(spec))
-    place.main(PARAMS, path / "maps", path / "assets.parquet", path / "new", path / "place.json")
+    place.main(PARAMS, *_inputs(path), path / "new", path / "place.json")
     return path
 
 
@@ -74,17 +83,17 @@ def test_asked_is_placed_plus_rejected(folder):
 
 
 def test_the_same_seed_writes_the_same_bytes(folder, tmp_path):
-    place.main(PARAMS, folder / "maps", folder / "assets.parquet", tmp_path / "new", tmp_path / "place.json")
+    place.main(PARAMS, *_inputs(folder), tmp_path / "new", tmp_path / "place.json")
     for shard in shards(folder / "new"):
         assert shard.read_bytes() == (tmp_path / "new" / shard.name).read_bytes()
 
 
 def test_missing_and_damaged_inputs_are_named(folder, tmp_path):
     with pytest.raises(MissingTool, match="run the assets stage"):
-        place.main(PARAMS, folder / "maps", tmp_path / "none.parquet", tmp_path, tmp_path / "c.json")
+        place.main(PARAMS, *_inputs(folder, assets=tmp_path / "none.parquet"), tmp_path, tmp_path / "c.json")
     (tmp_path / "empty").mkdir()
     with pytest.raises(MissingTool, match="run the maps stage"):
-        place.main(PARAMS, tmp_path / "empty", folder / "assets.parquet", tmp_path, tmp_path / "c.json")
+        place.main(PARAMS, *_inputs(folder, maps=tmp_path / "empty"), tmp_path, tmp_path / "c.json")
     (tmp_path / "cut.parquet").write_bytes((folder / "assets.parquet").read_bytes()[:100])
     with pytest.raises(UnusableInput, match=r"cut\.parquet"):
-        place.main(PARAMS, folder / "maps", tmp_path / "cut.parquet", tmp_path, tmp_path / "c.json")
+        place.main(PARAMS, *_inputs(folder, assets=tmp_path / "cut.parquet"), tmp_path, tmp_path / "c.json")

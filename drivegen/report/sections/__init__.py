@@ -2,7 +2,7 @@
 
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section
-from drivegen.report.sections import about, corner, data, driving, maps, models, quality, trust, vehicles
+from drivegen.report.sections import about, corner, data, driving, maps, models, planners, quality, trust, vehicles
 
 _ORDER = (
     about.summary,
@@ -16,7 +16,7 @@ _ORDER = (
     data.section,
     data.limits,
     models.selector,
-    models.planner,
+    planners.section,
     maps.section,
     vehicles.section,
     about.recordings,

@@ -1,0 +1,81 @@
+"""Vehicles from words and from data: what was asked against what was got, its price, and headways beside those of logs."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from drivegen.report import plots
+from drivegen.report.evidence import Evidence
+from drivegen.report.section import Figure, Section, not_measured
+from drivegen.report.table import Cell, Table, number, row
+
+_HEADS = ("asked for", "read by", "times", "got", "by chance", "natural", "illegal", "illegal unasked", "least time gap [s]")
+_NOTES = (
+    "got: share of what was asked for that is seen in the scene. by chance: share that came about in the same first frame when "
+    "nobody asked for it. natural: median probability that the learned selector itself gives to the goals that the words demand.",
+    "illegal: share of vehicles that broke a rule or were left out because nothing legal was found, under the words and with the "
+    "selector's own goals. The suite and the rules that read it were written by the same hand.",
+)
+
+
+def section(evidence: Evidence) -> Section:
+    """The suite of requests, and the distribution of headways."""
+    asked, place = evidence.results.get("asked"), evidence.results.get("place")
+    headways = place.get("headways") if isinstance(place, Mapping) else None
+    tables = [_kinds(asked)] if isinstance(asked, Mapping) else []
+    lead = (
+        "Words say how many vehicles there are, of which kinds, how dense, how fast, where they stand and what single ones do. "
+        "Manoeuvres bind the goal of one vehicle; the planner and the checker stay as they are."
+    )
+    figures = _headways(headways) if isinstance(headways, Mapping) else []
+    if figures:
+        tables.append(_headway_table(headways))
+    missing = "" if tables else not_measured("asked")
+    return Section("vehicles", "Vehicles from words", lead, tuple(tables), tuple(figures), missing=missing)
+
+
+def _kinds(asked: Mapping[str, Any]) -> Table:
+    reader = str(asked.get("reader", ""))
+    rows = [_kind(name, reader, values) for name, values in asked["kinds"].items() if name != "misread"]
+    read = f"{asked['read_as_meant']} of {asked['scenes']} readings of {asked['requests']} requests were as meant; "
+    placed = f"{asked['vehicles_placed']} of {asked['vehicles_asked']} vehicles were placed."
+    return Table("asked", "Traffic in words", _HEADS, tuple(rows), (read + placed, *_NOTES))
+
+
+def _kind(name: str, reader: str, values: Mapping[str, Any]) -> Any:
+    return row(
+        name.replace("_", " "),
+        reader,
+        number(values["asked"]),
+        *(_or_dash(values[key], 2) for key in ("got", "by_chance", "natural", "illegal", "illegal_free", "least_time_gap")),
+        origin="ours",
+    )
+
+
+def _or_dash(value: float | None, digits: int) -> Cell:
+    return Cell("–" if value is None else number(float(value), digits))
+
+
+def _headways(headways: Mapping[str, Any]) -> list[Figure]:
+    series = {name: values["time_gap"] for name, values in headways.items() if values.get("time_gap")}
+    if not series:
+        return []
+    picture = plots.shares(series, "time gap to the leader [s]")
+    return [Figure.svg("Headways at the first frame", "Placed by each mode, and in held-out logs (cumulative share).", picture)]
+
+
+def _headway_table(headways: Mapping[str, Any]) -> Table:
+    heads = ("", "vehicles", "with a leader", "median gap [m]", "median time gap [s]", "distance to held-out logs [s]")
+    rows = [
+        row(
+            name,
+            number(values["vehicles"]),
+            number(values["led"]),
+            number(values["gap_median"]),
+            number(values["time_gap_median"]),
+            _or_dash(values.get("distance"), 2),
+            origin="ours",
+        )
+        for name, values in headways.items()
+    ]
+    note = "distance: Wasserstein-1 distance between the time gaps of moving vehicles with a leader, up to 10 s."
+    return Table("headways", "Headways of placed vehicles and of held-out logs", heads, tuple(rows), (note,))

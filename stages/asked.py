@@ -1,0 +1,74 @@
+"""Stage `asked`: our own suite of traffic in words, on some of the maps: what was asked against what was got, and its price.
+
+argv: maps (a folder with <name>/map.net.xml), assets, models, table (JSON). Every request is read by the offline rules, placed
+on maps in turn, and rolled out twice from the same first frame: with the goals that realise its manoeuvres, and with the
+selector's own, so that the price of the words is seen beside what the same scene costs without them.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from drivegen.asked.offline import READER
+from drivegen.asked.start import Settings as AskedSettings
+from drivegen.asked.suite import Bench, offers, suite, summary
+from drivegen.assets.table import Table
+from drivegen.equipment import Equipment
+from drivegen.errors import MissingTool
+from drivegen.generators.base import Settings as GeneratorSettings
+from drivegen.initialise import Initialiser
+from drivegen.initialise import Settings as InitialSettings
+from drivegen.make import SELECTOR
+from drivegen.store.assets import read_assets
+from drivegen.store.files import write_json
+from drivegen.sumo.network import Network
+from stages._door import enter, read_params, require
+
+SOURCE = "DriveGen (map from words)"
+
+
+@dataclass(frozen=True)
+class Params:
+    """Section `asked`: the first `requests` (null: all), `per_request` of the `maps` for each that have what it needs,
+    `samples` futures of each, `vehicles` in all where a request does not say how many.
+    """
+
+    seed: int
+    requests: int | None
+    samples: int
+    maps: list[str]
+    per_request: int
+    vehicles: int
+    settings: AskedSettings
+
+
+def main(params: Params, maps: Path, assets: Path, models: Path, out: Path) -> dict[str, float]:
+    """One row for each request on each map, and rates by kind of request."""
+    table = Table.from_arrow(read_assets(require(assets, "run the assets stage")), str(assets))
+    initial, generation = read_params("place.initial", InitialSettings), read_params("ship.generation", GeneratorSettings)
+    tools = Equipment.open(models, generation.planner, SELECTOR)
+    bench = Bench(params.settings, generation, tools, params.vehicles, params.samples, params.seed)
+    there = [name for name in params.maps if (maps / name / "map.net.xml").exists()]
+    if not there:
+        raise MissingTool(f"{maps} holds none of the maps {', '.join(params.maps)}: run the maps stage")
+    networks = {name: _network(maps / name / "map.net.xml") for name in there}
+    initialisers = {name: Initialiser(network, name, SOURCE, table, initial) for name, network in networks.items()}
+    has = {name: offers(network.map) for name, network in networks.items()}
+    requests = suite()[: params.requests]
+    rows = []
+    for number, request in enumerate(requests):
+        fit = [name for name in there if request.road in has[name]] or there
+        chosen = [fit[(number + i) % len(fit)] for i in range(min(params.per_request, len(fit)))]
+        rows += [bench.row(request, name, initialisers[name]) for name in chosen]
+    told = summary(rows)
+    write_json(out, {"requests": len(requests), "maps": there, "reader": READER, **told, "rows": rows})
+    read = f"{told['read_as_meant']} of {told['scenes']} read as meant"
+    print(f"asked: {read}; {told['got']:.0%} of what was asked for was got")
+    return {"scenes": float(len(rows))}
+
+
+def _network(file: Path) -> Network:
+    return Network.read(file.read_bytes(), str(file))
+
+
+if __name__ == "__main__":
+    enter("asked", Params, main)
