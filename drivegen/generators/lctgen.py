@@ -29,11 +29,12 @@ from drivegen import seeds
 from drivegen.generators._lctgen.codes import PARTS, Action, state_code
 from drivegen.generators._lctgen.learning import LctgenObjective, Taught, Trainable
 from drivegen.generators._lctgen.net import LctgenNet
+from drivegen.generators._lctgen.place import place
 from drivegen.generators._learned import Learned
 from drivegen.generators._motion import filled_in, trajectories
 from drivegen.generators._vectors import AGENTS, Scenes
 from drivegen.samples import Samples
-from drivegen.scenario import Scenario
+from drivegen.scenario import Scenario, Vehicles
 from drivegen.training import loop
 
 CHUNK = 16
@@ -114,6 +115,10 @@ class Plugin(Learned):
         """Actions (CHUNK, A, PARTS) that are not to be drawn: none, as the future is not known."""
         del scenarios
         return None
+
+    def place(self, scenario: Scenario, code: NDArray[np.int64], rng: np.random.Generator) -> Vehicles:
+        """The scenario's target and vehicles drawn for the further rows of a code (N, 8); see `_lctgen.place`."""
+        return place(self.net.net, scenario, code, rng)
 
     def _knots(self, scenes: Scenes, noise: "Noise", known: NDArray[np.int64] | None) -> NDArray[np.float32]:
         """Knots (CHUNK, K, A, J, 2) in the vehicles' frames."""

@@ -1,0 +1,183 @@
+"""LCTGen's codes by hand, its bound that knows the log, retrieval of maps, words."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivegen.errors import UnusableInput
+from drivegen.generators._lctgen.codes import PARTS, Action, Direction, logged_actions, state_code
+from drivegen.generators._lctgen.learning import NO_PIECE, places
+from drivegen.generators._lctgen.maps import library_codes, map_code, retrieved
+from drivegen.generators._lctgen.words import written
+from drivegen.generators._vectors import AGENTS, Scenes
+from drivegen.generators.lctgen import CHUNK, Plugin
+from drivegen.geometry import boxes_overlap
+from drivegen.scenario import Scenario, Trajectories
+from tests.generators.rivals import same, scenes, trained
+from tests.scenes import busy_crossing, crossing, drive, scenario, stack, straight_road
+
+
+def one(track: Trajectories) -> Scenario:
+    return scenario(straight_road(600), stack([track]))
+
+
+def with_speed(speeds: np.ndarray) -> Trajectories:
+    """Along y = 0 with the given speed (101,) at each step."""
+    made = Trajectories.empty(101)
+    made.position[:, 0] = 20 + np.concatenate([[0], np.cumsum(speeds[1:]) * 0.1])
+    made.velocity[:, 0] = speeds
+    made.valid[:] = True
+    return made
+
+
+def test_states_are_coded_as_seen_from_the_target() -> None:
+    line = straight_road().centreline[0].astype(np.float64)
+    other = straight_road().centreline[1].astype(np.float64)
+    cars = [drive(line, 100, 8, 11), drive(line, 78, 3, 11), drive(other[::-1], 150, 11, 11)]
+    code = state_code(Scenes.of([scenario(straight_road(), stack(cars))]))[0, :3]
+    assert code[0].tolist() == [0, 0, Direction.SAME, 3]
+    assert code[1, 1:].tolist() == [4, Direction.SAME, 1]
+    assert code[1, 0] in (1, 2)
+    assert code[2].tolist() == [0, 10, Direction.OPPOSITE, 4]
+
+
+@pytest.mark.parametrize(
+    ("speeds", "actions"),
+    [
+        (np.full(101, 8.0), [Action.KEEP_SPEED] * 4),
+        (np.concatenate([np.linspace(8, 0, 26), np.zeros(75)]), [Action.STOP] * 4),
+        (np.concatenate([np.full(26, 10.0), np.linspace(10, 1, 75)]), [Action.KEEP_SPEED] + [Action.SLOW_DOWN] * 3),
+        (np.linspace(2, 14, 101), [Action.SPEED_UP] * 4),
+    ],
+)
+def test_actions_of_speed(speeds: np.ndarray, actions: list[Action]) -> None:
+    found, seen = logged_actions(Scenes.with_logs([one(with_speed(speeds))]))
+    assert seen[0, 0].all()
+    assert not seen[0, 1:].any()
+    assert found[0, 0].tolist() == actions
+
+
+@pytest.mark.parametrize(
+    ("side", "turn", "change"), [(1, Action.TURN_LEFT, Action.CHANGE_LEFT), (-1, Action.TURN_RIGHT, Action.CHANGE_RIGHT)]
+)
+def test_actions_to_the_sides(side: int, turn: Action, change: Action) -> None:
+    t = np.arange(101) * 0.1
+    track = with_speed(np.full(101, 8.0))
+    shift = np.clip((t - 2.5) / 2.5, 0, 1)
+    track.position[:, 1] = side * 3.5 * shift
+    found, _ = logged_actions(Scenes.with_logs([one(track)]))
+    assert found[0, 0].tolist() == [Action.KEEP_SPEED, change, Action.KEEP_SPEED, Action.KEEP_SPEED]
+    track = with_speed(np.full(101, 8.0))
+    track.heading[:] = side * np.clip((t - 5) / 2.5, 0, 1) * 1.5
+    found, _ = logged_actions(Scenes.with_logs([one(track)]))
+    assert found[0, 0, 2] == turn
+
+
+def test_what_the_log_did_not_see_is_no_action() -> None:
+    track = with_speed(np.full(101, 8.0))
+    track.valid[60:] = False
+    _, seen = logged_actions(Scenes.with_logs([one(track)]))
+    assert seen[0, 0].tolist() == [True, True, False, False]
+
+
+def test_a_vehicle_stands_on_the_piece_beneath_it() -> None:
+    line = straight_road(lanes=1).centreline[0].astype(np.float64)
+    scene = scenario(straight_road(lanes=1), stack([drive(line, 100, 8, 11), drive(line[::-1], 100, 8, 11)]))
+    scenes_ = Scenes.of([scene])
+    piece, attributes = places(scenes_)
+    middle = scenes_.points[0, piece[0, 0]].mean(axis=0)
+    assert np.hypot(*middle) <= 7.6
+    np.testing.assert_allclose(attributes[0, 0, 0] * 5, -middle[0], atol=1e-3)
+    np.testing.assert_allclose(attributes[0, 0, 3:] * [5, 5, 10], [*scene.vehicles.size[0, :2], 8.0], atol=1e-3)
+    assert piece[0, 1] == NO_PIECE  # against the only lane's direction
+    assert (piece[0, 2:] == NO_PIECE).all()
+
+
+def test_losses_of_all_parts_go_down() -> None:
+    _, first, last = trained("lctgen")
+    assert last < 0.9 * first
+
+
+class Told(Plugin):
+    """LCTGen told that everybody does one thing."""
+
+    action = Action.STOP
+
+    def known_actions(self, scenarios: Sequence[Scenario]) -> np.ndarray:
+        return np.full((CHUNK, AGENTS, PARTS), self.action)
+
+
+def test_actions_matter(tmp_path: Path) -> None:
+    trained("lctgen")[0].save(tmp_path / "generators" / "lctgen")
+    told = Told(tmp_path, None)
+    stopped = told.generate(scenes(), 2, 7)
+    told.action = Action.SPEED_UP
+    assert not same(stopped, told.generate(scenes(), 2, 7))
+
+
+def test_without_a_log_the_bound_says_so() -> None:
+    scene = replace(busy_crossing(), log=None)
+    found, seen = logged_actions(Scenes.with_logs([scene]))
+    assert len(found) == len(seen) == 0
+
+
+@pytest.fixture(scope="module")
+def generator() -> Plugin:
+    made = trained("lctgen")[0]
+    assert isinstance(made, Plugin)
+    return made
+
+
+def test_placed_vehicles_stand_free_of_one_another_behind_the_given_target(generator: Plugin) -> None:
+    scene = busy_crossing()
+    code = written("eight cars ahead, two oncoming cars", np.random.default_rng(1)).vehicles
+    placed = generator.place(scene, code, np.random.default_rng(2))
+    placed.validate()
+    assert 2 <= len(placed) <= len(code)
+    np.testing.assert_array_equal(placed.position[0], scene.vehicles.position[0])
+    first, second = np.triu_indices(len(placed), 1)
+    size = placed.size[:, :2]
+    assert not boxes_overlap(
+        placed.position[first], placed.heading[first], size[first], placed.position[second], placed.heading[second], size[second]
+    ).any()
+    again = generator.place(replace(scene, vehicles=scene.vehicles[:1], log=None), code, np.random.default_rng(2))
+    np.testing.assert_array_equal(again.position, placed.position)  # the others of the scenario are not looked at
+
+
+def test_a_code_of_too_many_vehicles_is_named(generator: Plugin) -> None:
+    with pytest.raises(UnusableInput, match="16 at most"):
+        generator.place(busy_crossing(), np.zeros((17, 8), np.int64), np.random.default_rng(0))
+
+
+def test_a_map_is_coded_as_the_target_sees_it() -> None:
+    assert map_code(straight_road(300, 3), np.array([100.0, 3.5]), 0.0).tolist() == [3, 0, 0, 0, 19, 1]
+    same, opposite, left, right, junction, lane = map_code(crossing(), np.array([-40.0, -1.75]), 0.0)
+    assert (same, opposite, lane) == (1, 1, 0)
+    assert left > 0 < right
+    assert junction == 6  # 30 m
+
+
+def test_the_map_with_the_most_alike_code_is_retrieved() -> None:
+    library = library_codes([(straight_road(300, n), np.array([100.0, 0.0]), 0.0) for n in (1, 2, 3)])
+    rng = np.random.default_rng(0)
+    assert retrieved(map_code(straight_road(400, 2), np.array([50.0, 0.0]), 0.0), library, rng) == 1
+    assert {retrieved(library[0], library[[0, 0]], rng) for _ in range(20)} == {0, 1}
+    with pytest.raises(UnusableInput, match="library is empty"):
+        retrieved(library[0], library[:0], rng)
+
+
+def test_words_become_a_code() -> None:
+    rng = np.random.default_rng(3)
+    code = written("Three oncoming cars turn left at a two-lane intersection, a car ahead brakes", rng)
+    assert code.vehicles.shape == (5, 8)
+    assert (code.vehicles[1:4, 2] == Direction.OPPOSITE).all()
+    assert (code.vehicles[1:4, 4:] == Action.TURN_LEFT).all()
+    assert code.vehicles[4, 0] in (0, 3)
+    assert (code.vehicles[4, 4:] == Action.SLOW_DOWN).all()
+    assert code.roads[:4].tolist() == [2, 2, 2, 2]
+    assert len(written("crowded one-way street", rng).vehicles) == 15
+    with pytest.raises(UnusableInput, match="how many"):
+        written("sing me a song", rng)
