@@ -136,7 +136,7 @@ def test_without_costs_the_table_is_empty(made, tmp_path):
 
 
 def report_of(made, out):
-    places = [made / "metrics", made / "plots", made / "test", made / "generated/drivegen", made / "maps"]
+    places = [made / folder for folder in ("metrics", "plots", "test", "generated", "goals", "maps", "costs")]
     report.main(report.Params(seed=7, scenes=2, maps=4), *places, out / "index.html", out / "tables")
     return (out / "index.html").read_text()
 
@@ -149,7 +149,7 @@ def test_the_report_shows_what_was_measured(made, tmp_path):
     summary = details_of(made, "drivegen")
     assert f"{summary['min_sade']:.2f}" in page
     assert "hand-made scenes" in page
-    assert page.count("data:image/png") == 2
+    assert page.count("data:image/png") == 4  # each scene large, and by every method
     assert "Training: planner route fm" in page
     assert (tmp_path / "one/tables/quality.md").read_text().startswith("### Table I")
     assert report_of(made, tmp_path / "two") == page
