@@ -135,18 +135,25 @@ def _along_routes(candidates: Sequence[Candidates], s: Floats, d: Floats) -> tup
     return on_line + (s - at * SPACING)[..., None] * forward + d[..., None] * left, heading
 
 
+# Rows are never cut out of arrays inside the loops: a cut costs as much as the whole test that it is for.
+
+
 @njit(cache=True)
-def _meet(pos_a, head_a, length_a, width_a, pos_b, head_b, valid_b, length_b, width_b, last):  # type: ignore[no-untyped-def]
-    """Whether two boxes meet before sample `last`, once they have been apart."""
-    reach = 0.5 * (np.sqrt(length_a**2 + width_a**2) + np.sqrt(length_b**2 + width_b**2))
+def _meet(pos_a, head_a, size_a, a, pos_b, head_b, size_b, b, valid_b, last):  # type: ignore[no-untyped-def]
+    """Whether the boxes of rows a and b meet before sample `last`, once they have been apart."""
+    length_a, width_a, length_b, width_b = size_a[a, 0], size_a[a, 1], size_b[b, 0], size_b[b, 1]
+    reach = np.float32(0.5) * (
+        np.sqrt(length_a * length_a + width_a * width_a) + np.sqrt(length_b * length_b + width_b * width_b)
+    )
+    reach *= reach
     apart = False
-    for t in range(min(last, len(head_a))):
-        if not valid_b[t]:
+    for t in range(min(last, head_a.shape[1])):
+        if not valid_b[b, t]:
             continue
-        dx, dy = pos_b[t, 0] - pos_a[t, 0], pos_b[t, 1] - pos_a[t, 1]
-        touching = dx * dx + dy * dy <= reach * reach
+        dx, dy = pos_b[b, t, 0] - pos_a[a, t, 0], pos_b[b, t, 1] - pos_a[a, t, 1]
+        touching = dx * dx + dy * dy <= reach
         if touching:
-            touching = depth(dx, dy, head_a[t], length_a, width_a, head_b[t], length_b, width_b) > 0
+            touching = depth(dx, dy, head_a[a, t], length_a, width_a, head_b[b, t], length_b, width_b) > 0
         if touching and apart:
             return True
         apart = apart or not touching
@@ -154,30 +161,22 @@ def _meet(pos_a, head_a, length_a, width_a, pos_b, head_b, valid_b, length_b, wi
 
 
 @njit(cache=True)
-def _near(box_a, box_b, margin):  # type: ignore[no-untyped-def]
-    return (
-        box_a[0] - margin <= box_b[2]
-        and box_b[0] - margin <= box_a[2]
-        and box_a[1] - margin <= box_b[3]
-        and box_b[1] - margin <= box_a[3]
-    )
-
-
-@njit(cache=True)
 def _exclusions(position, heading, valid, size, owner, target_last, met):  # type: ignore[no-untyped-def]
     boxes = bounds(position, valid)
     for a in range(len(owner)):
+        mine = np.float32(0.5) * (size[a, 0] + size[a, 1])
+        low_x, low_y, high_x, high_y = boxes[a, 0] - mine, boxes[a, 1] - mine, boxes[a, 2] + mine, boxes[a, 3] + mine
         for b in range(a):
             if owner[a] == owner[b]:
                 break
-            margin = 0.5 * (size[a, 0] + size[a, 1] + size[b, 0] + size[b, 1])
-            if _near(boxes[a], boxes[b], margin):
-                last = target_last[a] if owner[b] == TARGET else position.shape[1]
-                found = _meet(
-                    position[a], heading[a], size[a, 0], size[a, 1],
-                    position[b], heading[b], valid[b], size[b, 0], size[b, 1], last,
-                )  # fmt: skip
-                met[a, b], met[b, a] = found, found
+            theirs = np.float32(0.5) * (size[b, 0] + size[b, 1])
+            if low_x > boxes[b, 2] + theirs or high_x < boxes[b, 0] - theirs:
+                continue
+            if low_y > boxes[b, 3] + theirs or high_y < boxes[b, 1] - theirs:
+                continue
+            last = target_last[a] if owner[b] == TARGET else position.shape[1]
+            found = _meet(position, heading, size, a, position, heading, size, b, valid, last)
+            met[a, b], met[b, a] = found, found
 
 
 @njit(cache=True)
@@ -186,9 +185,10 @@ def _meetings(position, heading, size, other_position, other_heading, other_vali
     others = bounds(other_position, other_valid)
     for a in range(len(heading)):
         for b in range(len(other_heading)):
-            margin = 0.5 * (size[a, 0] + size[a, 1] + other_size[b, 0] + other_size[b, 1])
-            if _near(boxes[a], others[b], margin):
+            reach = np.float32(0.5) * (size[a, 0] + size[a, 1] + other_size[b, 0] + other_size[b, 1])
+            across = max(boxes[a, 0] - others[b, 2], others[b, 0] - boxes[a, 2])
+            along = max(boxes[a, 1] - others[b, 3], others[b, 1] - boxes[a, 3])
+            if max(across, along) <= reach:
                 met[a] += _meet(
-                    position[a], heading[a], size[a, 0], size[a, 1],
-                    other_position[b], other_heading[b], other_valid[b], other_size[b, 0], other_size[b, 1], len(heading[a]),
-                )  # fmt: skip
+                    position, heading, size, a, other_position, other_heading, other_size, b, other_valid, heading.shape[1]
+                )
