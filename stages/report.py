@@ -1,7 +1,7 @@
 """Stage report: one HTML page and a folder of Markdown tables from whatever has been measured.
 
 argv: folder of results (JSON), folder of curves (CSV), test scenarios, samples (a folder a method), recorded goals (a folder a
-selector), folder of maps, the page to write, the folder of tables to write. Where a folder is absent its section reads
+selector), folder of maps, costs, the page to write, the folder of tables to write. Where a folder is absent its section reads
 "not measured".
 """
 
@@ -24,10 +24,12 @@ from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_
 from drivegen.report.published import METHODS
 from drivegen.samples import NO_GOAL, Samples
 from drivegen.scenario import Scenario
+from drivegen.store.costs import COST
 from drivegen.store.draw import Drawn, by_method, draw_scenes
 from drivegen.store.files import whole
 from drivegen.store.goals import read_goals
 from drivegen.store.results import run_id
+from drivegen.store.warehouse import read_parts
 from stages._door import enter
 
 _PINNED = ("drivegen", "numpy", "torch", "libsumo", "pyarrow", "duckdb", "opencv-python-headless")
@@ -63,6 +65,7 @@ def main(
     generated: Path,
     goals: Path,
     maps: Path,
+    costs: Path,
     page: Path,
     tables: Path,
 ) -> None:
@@ -81,6 +84,7 @@ def main(
         else (),
         maps=tuple(_map(folder) for folder in sorted(maps.glob("*/map.png"))[: params.maps]),
         curves=tuple(_curve(curves, file) for file in sorted(curves.rglob("*.csv"))),
+        costs=_costs(costs),
         recordings=tuple(Link(**link) for link in results.get("recordings", [])),
         provenance={
             "seed": str(params.seed),
@@ -92,7 +96,8 @@ def main(
     _write(page, build_page(sections, evidence.source))
     for section in sections:
         for table in section.tables:
-            _write(tables / f"{table.name}.md", table.markdown())
+            if table.repeatable:
+                _write(tables / f"{table.name}.md", table.markdown())
     print(f"report: {page.resolve().as_uri()}")
 
 
@@ -142,6 +147,13 @@ def _map(file: Path) -> Picture:
     about = file.with_suffix(".json")
     words = orjson.loads(about.read_bytes()) if about.exists() else {}
     return Picture(file.parent.name.replace("_", " "), str(words.get("text", "")), shrunk(file.read_bytes(), MAP_WIDTH))
+
+
+def _costs(folder: Path) -> dict[str, dict[str, float]]:
+    found: dict[str, dict[str, float]] = {}
+    for cost in read_parts(sorted(folder.glob("*.parquet")), COST).to_pylist():
+        found.setdefault(f"{cost['stage']}/{cost['item']}", {})[cost["name"]] = cost["value"]
+    return found
 
 
 def _curve(folder: Path, file: Path) -> Curve:

@@ -75,6 +75,7 @@ def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Pa
     planner.save(model)
     _write_curve(curve, rows)
     counts = {"train_tracks": len(train), "validation_tracks": len(validation), "steps": rows[-1].step}
+    epochs = round(rows[-1].step * settings.training.batch / max(len(train), 1), 2)
     drawn = drawn_tracks(validation, params.scored, params.scored_scenes.get(name), params.training_seed)
 
     def sample(scenes: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
@@ -82,7 +83,7 @@ def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Pa
             return planner.sample(scenes, requests)
 
     scores = score(sample, validation, drawn, params.samples, params.training_seed, judge)
-    write_json(metrics, {"planner": name, **counts, "validation_loss": rows[-1].validation, **scores})
+    write_json(metrics, {"planner": name, **counts, "epochs": epochs, "validation_loss": rows[-1].validation, **scores})
     shutil.rmtree(checkpoints, ignore_errors=True)
     return {**{key: float(value) for key, value in counts.items()}, **took, "planned": float(len(drawn) * params.samples)}
 

@@ -40,6 +40,7 @@ class Evidence:
         scenes: pictures of scenarios drawn by seed. comparisons: the same scenes by every method.
         maps: pictures of generated maps.
         curves: training curves. recordings: links to .rrd files.
+        costs: what stages took, by "stage/item", then by name; they differ from run to run.
         provenance: names and hashes that say what the numbers were made from.
     """
 
@@ -49,6 +50,7 @@ class Evidence:
     comparisons: tuple[Picture, ...] = ()
     maps: tuple[Picture, ...] = ()
     curves: tuple[Curve, ...] = ()
+    costs: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     recordings: tuple[Link, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
 

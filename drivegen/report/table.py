@@ -26,13 +26,17 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """`name` is the file name in reports/tables, `columns` the headings, the first one of the row's names."""
+    """`name` is the file name in reports/tables, `columns` the headings, the first one of the row's names.
+
+    A table that is not `repeatable` holds times, which differ from run to run: it stands in the page and nowhere else.
+    """
 
     name: str
     title: str
     columns: tuple[str, ...]
     rows: tuple[Row, ...]
     notes: tuple[str, ...] = field(default=())
+    repeatable: bool = True
 
     def markdown(self) -> str:
         """The table with its title and notes; cells' pipes are escaped."""

@@ -1,10 +1,9 @@
-"""What was trained: the goal selector and the planners, with their curves."""
+"""What was trained: the goal selector, with its curve."""
 
 from drivegen.report import plots
 from drivegen.report.evidence import Curve, Evidence
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.sections._generic import matrix, tables
-from drivegen.report.table import Table
 
 
 def selector(evidence: Evidence) -> Section:
@@ -22,18 +21,6 @@ def selector(evidence: Evidence) -> Section:
     parts = (*compared, *tables("selector", "Learned selector", found))
     missing = "" if found or goals else not_measured("train_selector")
     return Section("selector", "Goal selection", lead, parts, _curves(evidence, "train_selector"), missing=missing)
-
-
-def planner(evidence: Evidence) -> Section:
-    """The planners, side by side."""
-    trained = {name: value for name, value in evidence.below("train_planner").items() if isinstance(value, dict)}
-    lead = "Planners fill in motion between a vehicle's first state and its goal."
-    parts: list[Table] = [matrix("planners", "Planners", trained, "planner")] if trained else []
-    for name, values in trained.items():
-        nested = {key: value for key, value in values.items() if isinstance(value, dict | list)}
-        parts += tables(f"planner-{name}", f"Planner {name}", nested)
-    missing = "" if trained else not_measured("train_planner")
-    return Section("planner", "Planners", lead, tuple(parts), _curves(evidence, "train_planner"), missing=missing)
 
 
 def _curves(evidence: Evidence, folder: str) -> tuple[Figure, ...]:
