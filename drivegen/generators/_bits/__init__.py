@@ -1,0 +1,1 @@
+"""The parts of generator `bits`: rasters, networks, what is learnt, rules."""

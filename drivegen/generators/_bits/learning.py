@@ -1,0 +1,134 @@
+"""What BITS learns from: rasters of every vehicle of every log at many steps; goals, plans and predictions by imitation."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.nn import functional
+
+from drivegen.generators._bits.net import GOAL, HOLD, Plan, Seen, cell_of, told_of
+from drivegen.generators._bits.raster import Painted, rasters, stretch
+from drivegen.generators._closed_loop import Tracks
+from drivegen.geometry import rotate, wrap_angle
+from drivegen.scenario import DT
+
+HELD_OUT, HELD_OUT_CHUNK = 1024, 128
+"""Validation examples that the loss is taken over, drawn once, and how many go through the network at once."""
+
+TURN_WEIGHT = 5.0
+"""Of a radian against a metre."""
+
+GOAL_NOISE = (1.0, 0.5, 0.05, 0.5)
+"""The policy is taught with goals that miss by so much (one sigma, units of GOAL), as those that are drawn do."""
+
+
+@dataclass(frozen=True)
+class Logs:
+    """Logged scenes: who is where, and the painted lanes."""
+
+    tracks: Tracks
+    painted: Painted
+
+    def __len__(self) -> int:
+        return len(self.tracks.start) - 1
+
+    @classmethod
+    def joined(cls, parts: Sequence["Logs"]) -> "Logs":
+        """All scenes in order."""
+        return cls(Tracks.joined([p.tracks for p in parts]), Painted.joined([p.painted for p in parts]))
+
+
+class DrivingExamples:
+    """Vehicles at steps: what they saw, and what they did until `horizon` steps later.
+
+    Attributes:
+        box, step: (E,) of the logs.
+    """
+
+    def __init__(self, logs: Logs, horizon: int, most: int | None = None) -> None:
+        self.logs, self.horizon = logs, horizon
+        self.box, self.step = logs.tracks.examples(HOLD, horizon)
+        self.scene = logs.tracks.scene
+        if most is not None and len(self.box) > most:
+            kept = np.linspace(0, len(self.box) - 1, most).astype(np.intp)
+            self.box, self.step = self.box[kept], self.step[kept]
+
+    def seen(self, rows: NDArray[np.integer]) -> tuple[Tensor, Tensor]:
+        """Rasters and numbers that the network is told, for examples `rows` (b,)."""
+        tracks, scene, step = self.logs.tracks, self.scene[self.box[rows]], self.step[rows]
+        crowd = tracks.at(scene, step)
+        box = crowd.start[:-1] + self.box[rows] - tracks.start[scene]
+        pictures = rasters(self.logs.painted, crowd, np.arange(len(rows)), box, scene, step, self.horizon * DT)
+        speed = np.hypot(crowd.state[box, 3], crowd.state[box, 4])
+        told = told_of(*(torch.from_numpy(a) for a in (speed, crowd.size[box], tracks.kind[self.box[rows]])))
+        return torch.from_numpy(pictures), told
+
+    def future(self, rows: NDArray[np.integer]) -> tuple[Tensor, ...]:
+        """Place (b, Q, 2), turn (b, Q) and speed (b, Q) every HOLD steps, in each vehicle's frame, and whether it was seen."""
+        tracks, box, step = self.logs.tracks, self.box[rows, None], self.step[rows, None]
+        at = step + np.arange(HOLD, self.horizon + 1, HOLD)
+        heading = tracks.heading[box, step]
+        place = rotate(tracks.position[box, at] - tracks.position[box, step], -heading)
+        turn = wrap_angle(tracks.heading[box, at] - heading).astype(np.float32)
+        speed = np.hypot(tracks.velocity[box, at, 0], tracks.velocity[box, at, 1])
+        return tuple(torch.from_numpy(a) for a in (place, turn, speed, tracks.valid[box, at]))
+
+
+class BitsObjective:
+    """See `training.loop.Objective`. The goal network by cross-entropy of the true cell and residuals there, the policy by the
+    way to the true goal, the predictor by the way itself.
+    """
+
+    def __init__(self, train: DrivingExamples, validation: DrivingExamples) -> None:
+        self.train, self.held_out = train, validation
+        self.size = len(train.box)
+
+    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:
+        """By how much each goal misses (rows, GOAL)."""
+        return (torch.randn(rows, GOAL, generator=generator) * torch.tensor(GOAL_NOISE),)
+
+    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:
+        """Mean over the examples."""
+        return self._loss(model, self.train, rows.cpu().numpy(), drawn[0])
+
+    def validation(self, model: nn.Module) -> float:
+        """Over examples spread evenly over the validation logs, with goals that don't miss."""
+        count, device = len(self.held_out.box), next(model.parameters()).device
+        parts = [np.arange(low, min(low + HELD_OUT_CHUNK, count)) for low in range(0, count, HELD_OUT_CHUNK)]
+        total = 0.0
+        for rows in parts:
+            total += len(rows) * float(self._loss(model, self.held_out, rows, torch.zeros(len(rows), GOAL, device=device)))
+        return total / count if count else float("nan")
+
+    def _loss(self, model: nn.Module, examples: DrivingExamples, rows: NDArray[np.integer], missed: Tensor) -> Tensor:
+        pictures, told = (t.to(missed.device) for t in examples.seen(rows))
+        place, turn, speed, there = (t.to(missed.device) for t in examples.future(rows))
+        goal = torch.cat([place[:, -1], turn[:, -1:], speed[:, -1:]], dim=1)
+        seen, plan, prediction = model(pictures, told, goal[:, None] + missed[:, None])
+        plan = Plan(*(part[:, 0] for part in plan))
+        longer = torch.from_numpy(stretch(10 * told[:, 0].cpu().numpy(), examples.horizon * DT)).to(missed.device)
+        return (
+            goal_loss(Seen(*seen), goal, longer)
+            + way_loss(plan, place, turn, there)
+            + way_loss(Plan(*prediction), place, turn, there)
+        )
+
+
+def goal_loss(seen: Seen, goal: Tensor, stretch: Tensor) -> Tensor:
+    """Cross-entropy of the cell of each goal (b, GOAL), and how far the goal of that cell is from it."""
+    cell = cell_of(goal[:, :2], stretch)
+    found = seen.goal[torch.arange(len(cell), device=cell.device), cell]
+    weight = goal.new_tensor([1.0, 1.0, TURN_WEIGHT, 1.0])
+    gap = functional.smooth_l1_loss(found * weight, goal * weight, reduction="none").sum(dim=1)
+    return functional.cross_entropy(seen.logit, cell) + gap.mean()
+
+
+def way_loss(plan: Plan, place: Tensor, turn: Tensor, there: Tensor) -> Tensor:
+    """How far a plan (b, T) is from the way (b, Q) that was driven, every HOLD steps."""
+    at = slice(HOLD - 1, None, HOLD)
+    gap = functional.smooth_l1_loss(plan.place[:, at], place, reduction="none").sum(dim=-1)
+    gap = gap + functional.smooth_l1_loss(TURN_WEIGHT * plan.turn[:, at], TURN_WEIGHT * turn, reduction="none")
+    return (gap * there).sum(dim=1).div(there.sum(dim=1).clamp(min=1)).mean()

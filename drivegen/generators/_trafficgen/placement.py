@@ -1,0 +1,270 @@
+"""TrafficGen's initialisation: vehicles are put onto a map one by one, around a target that stands there.
+
+What is the paper's: pieces of lanes are the regions; boxes placed so far are encoded by context gating, then the regions in
+their context; each region has odds of holding one more vehicle, and a mixture for where on it, how turned, how fast and how
+large; who overlaps is drawn anew. What is reduced: one mixture of independent Gaussians for all attributes together instead
+of one each, and as many regions as `placement_lanes` says.
+"""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.nn import functional
+
+from drivegen.generators._closed_loop import Crowd, Tracks
+from drivegen.generators._trafficgen.net import Encoder
+from drivegen.generators._trafficgen.vectors import REACH, LaneVectors, Surroundings
+from drivegen.geometry import boxes_overlap, wrap_angle
+from drivegen.scenario import TARGET, Scenario, SizeSource, VehicleKind, Vehicles
+
+ATTRIBUTES = 6
+"""Part of the region passed, offset to its left [m], heading against it [rad], speed [10 m/s], length [5 m], width [2 m]."""
+
+COMPONENTS = 4
+"""Of the mixture."""
+
+KINDS = (VehicleKind.CAR, VehicleKind.TRUCK, VehicleKind.BUS)
+
+HEIGHT = 1.6
+"""Nothing learns heights [m]."""
+
+WITHIN, AGREEING = 2.5, 1.0
+"""A vehicle belongs to the region under it [m] whose direction it agrees with [rad]."""
+
+TRIES = 8
+"""Draws for one vehicle until it overlaps nobody."""
+
+_SIGMA = (-4.0, 1.0)
+
+
+class Regions(NamedTuple):
+    """Of B scenes: odds (B, V) of one more vehicle in each region, log weights (B, V, C) of the mixture, its means and
+    log-sigmas (B, V, C, ATTRIBUTES), logits of KINDS (B, V, 3).
+    """
+
+    odds: Tensor
+    weight: Tensor
+    mean: Tensor
+    sigma: Tensor
+    kind: Tensor
+
+
+class PlacementNet(nn.Module):
+    """Encoder and heads per region."""
+
+    def __init__(self, width: int, layers: int) -> None:
+        super().__init__()
+        self.encoder = Encoder(width, layers)
+        wanted = 1 + len(KINDS) + COMPONENTS * (1 + 2 * ATTRIBUTES)
+        self.head = nn.Sequential(nn.Linear(2 * width, width), nn.ReLU(), nn.Linear(width, wanted))
+
+    def forward(self, lanes: Tensor, lane_there: Tensor, boxes: Tensor, box_there: Tensor) -> Regions:
+        """From `Surroundings` of the target, with the boxes placed so far."""
+        lane, _, context = self.encoder(lanes, lane_there, boxes, box_there)
+        out = self.head(torch.cat([lane, context[:, None].expand_as(lane)], dim=-1))
+        odds, kind, rest = out.split([1, len(KINDS), COMPONENTS * (1 + 2 * ATTRIBUTES)], dim=-1)
+        mixture = rest.unflatten(-1, (COMPONENTS, 1 + 2 * ATTRIBUTES))
+        sigma = mixture[..., 1 + ATTRIBUTES :].clamp(*_SIGMA)
+        weight = mixture[..., 0].log_softmax(dim=-1)
+        return Regions(odds[..., 0].masked_fill(~lane_there, -1e4), weight, mixture[..., 1 : 1 + ATTRIBUTES], sigma, kind)
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Where vehicles are that are not placed yet: region (B, W) and whether there is one (B, W), attributes (B, W, ATTRIBUTES),
+    number in KINDS (B, W).
+    """
+
+    region: Tensor
+    there: Tensor
+    attributes: Tensor
+    kind: Tensor
+
+    def to(self, device: torch.device) -> "Wanted":
+        """The same on `device`."""
+        return Wanted(*(getattr(self, name).to(device) for name in ("region", "there", "attributes", "kind")))
+
+
+def placement_loss(regions: Regions, wanted: Wanted) -> Tensor:
+    """Binary cross-entropy of the regions, and likelihood of the attributes and kinds in those with a vehicle."""
+    rows = torch.arange(len(wanted.region), device=wanted.region.device)[:, None]
+    filled = torch.zeros_like(regions.odds)
+    filled[rows.expand_as(wanted.region)[wanted.there], wanted.region[wanted.there]] = 1.0
+    real = regions.odds > -1e4
+    odds = functional.binary_cross_entropy_with_logits(regions.odds[real], filled[real], reduction="sum") / len(filled)
+    at = (rows.expand_as(wanted.region)[wanted.there], wanted.region[wanted.there])
+    if not len(at[0]):
+        return odds
+    gap = (wanted.attributes[wanted.there][:, None] - regions.mean[at]) / regions.sigma[at].exp()
+    density = (-0.5 * gap.square() - regions.sigma[at]).sum(dim=-1) + regions.weight[at]
+    return odds - density.logsumexp(dim=-1).mean() + functional.cross_entropy(regions.kind[at], wanted.kind[wanted.there])
+
+
+class PlacementExamples:
+    """Scenes at steps at which their target is seen; of the other vehicles some are given and some are to be placed."""
+
+    def __init__(self, tracks: Tracks, vectors: LaneVectors, counts: tuple[int, int]) -> None:
+        self.tracks, self.vectors, self.counts = tracks, vectors, counts
+        self.scene, self.step = np.nonzero(tracks.valid[tracks.start[:-1]])
+
+    def of(self, rows: NDArray[np.integer], share: NDArray[np.floating]) -> tuple[tuple[Tensor, ...], Wanted]:
+        """Inputs and what is wanted for examples `rows` (b,), of whose vehicles about `share` (b,) are given."""
+        crowd = self.tracks.at(self.scene[rows], self.step[rows])
+        first, group = crowd.start[:-1], np.repeat(np.arange(len(rows)), np.diff(crowd.start))
+        within = np.arange(crowd.start[-1]) - first[group]
+        given = (within * 0.61803398875 + 7 * share[group]) % 1.0 < share[group]  # spread evenly, another subset for each share
+        given[first] = True
+        shown = replace(crowd, there=crowd.there & given)
+        around = Surroundings.of(
+            self.vectors, shown, np.arange(len(rows)), first, self.scene[rows], self.step[rows], self.counts, 0.0
+        )
+        box = self.tracks.start[self.scene[rows]][group] + within
+        asked = np.flatnonzero(crowd.there & crowd.planned & ~given)
+        found = _wanted(around, crowd, first, group[asked], asked, self.tracks.kind[box[asked]])
+        return _tensors(around), found
+
+
+def _wanted(
+    around: Surroundings,
+    crowd: Crowd,
+    first: NDArray[np.integer],
+    group: NDArray[np.integer],
+    asked: NDArray[np.integer],
+    kind: NDArray[np.uint8],
+) -> Wanted:
+    """The region of each vehicle `asked` (n,) of `group` (n,), one vehicle per region."""
+    origin = crowd.state[first[group]]
+    along, across, length, turned = _against(around.lanes[group], origin, crowd.state[asked])
+    inside = (along >= 0) & (along <= length) & (np.abs(across) < WITHIN) & (np.abs(turned) < AGREEING)
+    inside &= around.lane_there[group]
+    region = np.where(inside, np.abs(across), np.inf).argmin(axis=1)
+    n = np.arange(len(asked))
+    _, single = np.unique(group * around.lanes.shape[1] + region, return_index=True)
+    kept = np.zeros(len(asked), np.bool_)
+    kept[single] = True
+    kept &= inside[n, region]
+    columns = [along[n, region] / length[n, region], across[n, region], turned[n, region]]
+    speed = np.hypot(crowd.state[asked, 3], crowd.state[asked, 4]) / 10
+    attributes = np.column_stack([*columns, speed, crowd.size[asked, 0] / 5, crowd.size[asked, 1] / 2]).astype(np.float32)
+    column = n - np.searchsorted(group, group)
+    shape = len(first), int(column.max(initial=0)) + 1
+    out = [
+        np.zeros(shape, np.int64),
+        np.zeros(shape, np.bool_),
+        np.zeros((*shape, ATTRIBUTES), np.float32),
+        np.zeros(shape, np.int64),
+    ]
+    for array, values in zip(out, (region, kept, attributes, np.minimum(kind, len(KINDS) - 1)), strict=True):
+        array[group, column] = values
+    return Wanted(*(torch.from_numpy(array) for array in out))
+
+
+def _against(
+    lanes: NDArray[np.float32], origin: NDArray[np.float32], state: NDArray[np.float32]
+) -> tuple[NDArray[np.floating], ...]:
+    """(n, V) way along and offset to the left of each region [m], its length [m], heading against it [rad]."""
+    cos, sin = np.cos(origin[:, 2]), np.sin(origin[:, 2])
+    dx, dy = state[:, 0] - origin[:, 0], state[:, 1] - origin[:, 1]
+    x, y = (cos * dx + sin * dy)[:, None], (cos * dy - sin * dx)[:, None]
+    begin, end = lanes[..., 0:2] * REACH, lanes[..., 2:4] * REACH
+    ux, uy = lanes[..., 4], lanes[..., 5]
+    gx, gy = x - begin[..., 0], y - begin[..., 1]
+    turned = wrap_angle((state[:, 2] - origin[:, 2])[:, None] - np.arctan2(uy, ux))
+    return ux * gx + uy * gy, ux * gy - uy * gx, np.maximum(np.hypot(*np.moveaxis(end - begin, -1, 0)), 0.1), turned
+
+
+def place(
+    net: PlacementNet, scenario: Scenario, counts: tuple[int, int], piece: float, count: int, random: np.random.Generator
+) -> Vehicles:
+    """`count` vehicles in all, or as many as find room: the scenario's target, then those that are drawn around it.
+
+    Of the scenario, map, target and signals at step 0 are read.
+    """
+    vectors = LaneVectors.of([scenario], piece)
+    placed, used = scenario.vehicles[:1], np.zeros(counts[0], np.bool_)
+    with torch.inference_mode():
+        while len(placed) < count:
+            crowd = _crowd(placed)
+            zero = np.zeros(1, np.int64)
+            around = Surroundings.of(vectors, crowd, zero, zero, zero, zero, counts, 0.0)
+            used |= ~around.lane_there[0]
+            if len(placed) == 1:
+                used |= _taken(around, crowd)
+            regions = Regions(*(part[0].double() for part in net(*_tensors(around))))
+            fresh = _draw(regions, around.lanes[0], used, placed, random)
+            if fresh is None:
+                return placed
+            placed = _with(placed, fresh)
+    return placed
+
+
+def _taken(around: Surroundings, crowd: Crowd) -> NDArray[np.bool_]:
+    """(V,) regions that the target stands on."""
+    along, across, length, turned = (a[0] for a in _against(around.lanes[:1], crowd.state[:1], crowd.state[:1]))
+    taken = (along >= 0) & (along <= length) & (np.abs(across) < WITHIN) & (np.abs(turned) < AGREEING)
+    return np.asarray(taken)
+
+
+def _draw(
+    regions: Regions, lanes: NDArray[np.float32], used: NDArray[np.bool_], placed: Vehicles, random: np.random.Generator
+) -> Vehicles | None:
+    """One more vehicle that overlaps nobody; regions in which all tries failed are `used` from then on. None if all are."""
+    chance = torch.sigmoid(regions.odds).numpy() * ~used
+    while chance.sum() > 0:
+        region = int(random.choice(len(chance), p=chance / chance.sum()))
+        used[region], chance[region] = True, 0.0
+        for _ in range(TRIES):
+            component = int(random.choice(COMPONENTS, p=_normalised(regions.weight[region].exp().numpy())))
+            sigma = regions.sigma[region, component].exp().numpy()
+            attributes = regions.mean[region, component].numpy() + sigma * random.standard_normal(ATTRIBUTES)
+            kind = KINDS[int(random.choice(len(KINDS), p=_normalised(regions.kind[region].softmax(-1).numpy())))]
+            fresh = _vehicle(lanes[region], attributes, kind, placed)
+            hit = boxes_overlap(
+                fresh.position, fresh.heading, fresh.size[:, :2] + 0.5, placed.position, placed.heading, placed.size[:, :2]
+            )
+            if not hit.any():
+                return fresh
+    return None
+
+
+def _vehicle(lane: NDArray[np.float32], attributes: NDArray[np.float64], kind: VehicleKind, placed: Vehicles) -> Vehicles:
+    """The vehicle of these attributes in a region, in the map's frame."""
+    part, offset, turned, speed, length, width = attributes.tolist()
+    begin, end, direction = lane[0:2] * REACH, lane[2:4] * REACH, np.arctan2(lane[5], lane[4])
+    left = np.array([-np.sin(direction), np.cos(direction)])
+    local = begin + (end - begin) * np.clip(part, 0, 1) + left * np.clip(offset, -WITHIN, WITHIN)
+    heading, origin = float(placed.heading[TARGET]), placed.position[TARGET]
+    turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
+    return Vehicles(
+        track_id=np.array([f"placed-{len(placed)}"]),
+        kind=np.array([kind], np.uint8),
+        size=np.array([[np.clip(5 * length, 2.5, 18), np.clip(2 * width, 1.4, 2.6), HEIGHT]], np.float32),
+        size_source=np.array([SizeSource.ASSUMED], np.uint8),
+        position=(origin + turn @ local)[None].astype(np.float32),
+        heading=np.array([wrap_angle(np.array(heading + direction + np.clip(turned, -1, 1)))], np.float32),
+        speed=np.array([max(10 * speed, 0.0)], np.float32),
+    )
+
+
+def _with(placed: Vehicles, fresh: Vehicles) -> Vehicles:
+    names = ("track_id", "kind", "size", "size_source", "position", "heading", "speed")
+    return Vehicles(*(np.concatenate([getattr(placed, n), getattr(fresh, n)]) for n in names))
+
+
+def _crowd(placed: Vehicles) -> Crowd:
+    velocity = np.column_stack([np.cos(placed.heading), np.sin(placed.heading)]) * placed.speed[:, None]
+    state = np.column_stack([placed.position, placed.heading, velocity]).astype(np.float32)
+    there = np.ones(len(placed), np.bool_)
+    return Crowd(np.array([0, len(placed)]), state, there, there, placed.size[:, :2])
+
+
+def _normalised(chance: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(chance / chance.sum())
+
+
+def _tensors(around: Surroundings) -> tuple[Tensor, ...]:
+    return tuple(torch.from_numpy(a) for a in (around.lanes, around.lane_there, around.boxes, around.box_there))
