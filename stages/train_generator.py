@@ -55,6 +55,8 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     counts = {"train_examples": len(train), "validation_examples": len(validation), "steps": rows[-1].step}
     learnt = {"parameters": generator.parameters, "validation_loss": min(row.validation for row in rows)}
     scores = _scores(generator, scenarios / "val", params)
+    for bound, told in generator.bounds().items():
+        scores |= {f"{bound}.{key}": value for key, value in _scores(told, scenarios / "val", params).items()}
     write_json(metrics, {"generator": model.name, **counts, **learnt, **scores})
     shutil.rmtree(checkpoints, ignore_errors=True)
     return {**{key: float(value) for key, value in counts.items()}, "training_cpu_seconds": trained}

@@ -115,6 +115,10 @@ class Learned(ABC):
         made._ready()
         return made, curve
 
+    def bounds(self) -> "dict[str, Learned]":
+        """By name, generators with these very weights that are told some of what happened: no methods, but what bounds one."""
+        return {}
+
     def save(self, folder: Path) -> None:
         """Write settings (JSON) and weights (safetensors) into `folder`, that is `models/generators/<name>`."""
         tensors = {key: value.numpy() for key, value in self.net.state_dict().items()}

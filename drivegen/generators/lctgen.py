@@ -26,7 +26,8 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from drivegen import seeds
-from drivegen.generators._lctgen.codes import PARTS, Action, state_code
+from drivegen.errors import UnusableInput
+from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, state_code
 from drivegen.generators._lctgen.learning import LctgenObjective, Taught, Trainable
 from drivegen.generators._lctgen.net import LctgenNet
 from drivegen.generators._lctgen.place import place
@@ -120,6 +121,12 @@ class Plugin(Learned):
         """The scenario's target and vehicles drawn for the further rows of a code (N, 8); see `_lctgen.place`."""
         return place(self.net.net, scenario, code, rng)
 
+    def bounds(self) -> dict[str, Learned]:
+        """Told the log's actions."""
+        told = LogCode.__new__(LogCode)
+        told.settings, told.net = self.settings, self.net
+        return {"log_code": told}
+
     def _knots(self, scenes: Scenes, noise: "Noise", known: NDArray[np.int64] | None) -> NDArray[np.float32]:
         """Knots (CHUNK, K, A, J, 2) in the vehicles' frames."""
         net, told = self.net.net, scenes.tensors(torch.device("cpu"))
@@ -141,6 +148,25 @@ class Plugin(Learned):
             logits = self.net.net.action_logits(vehicles, actions, part) / self.settings.temperature
             actions[..., part] = (logits + noise[..., part, :]).argmax(-1)
         return actions
+
+
+class LogCode(Plugin):
+    """Told what every vehicle will do: looks at the log, and says so."""
+
+    backend = "recorded"
+
+    @property
+    def said(self) -> str:
+        """See `Plugin`."""
+        return "lctgen_log_code"
+
+    def known_actions(self, scenarios: Sequence[Scenario]) -> NDArray[np.int64]:
+        """The log's actions; KEEP_SPEED where it did not see any. Raises UnusableInput for a scenario without a log."""
+        for scenario in scenarios:
+            if scenario.log is None:
+                raise UnusableInput(f"scenario {scenario.scenario_id} was never recorded: there is no action to take from it")
+        actions, seen = logged_actions(Scenes.with_logs(scenarios).padded(CHUNK))
+        return np.where(seen, actions, Action.KEEP_SPEED)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section
-from drivegen.report.sections import about, corner, data, driving, maps, models, planners, quality, trust, vehicles
+from drivegen.report.sections import about, corner, data, driving, generators, maps, models, planners, quality, trust, vehicles
 
 _ORDER = (
     about.summary,
@@ -17,6 +17,7 @@ _ORDER = (
     data.limits,
     models.selector,
     planners.section,
+    generators.section,
     maps.section,
     vehicles.section,
     about.recordings,

@@ -1,0 +1,80 @@
+"""Generators to compare with: how large they are, what they learnt from, how long it took, and whether the loss is flat."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from drivegen.report import plots
+from drivegen.report.evidence import Curve, Evidence
+from drivegen.report.published import METHODS
+from drivegen.report.section import Figure, Section, not_measured
+from drivegen.report.table import Cell, Row, Table, measured, number, row
+
+_FLAT = 0.05
+"""A curve is called flat if its last quarter gained no more than this share of all that was gained."""
+
+_SCORES = ("min_sade", "min_sfde", "mean_sade", "mean_sfde")
+_BOUNDS = {"log_code": "code from the log (a bound, no method)"}
+
+_NOTES = (
+    "Trained on the same logs as DriveGen; the weights of the lowest validation loss are kept. Errors [m] are those of the "
+    "validation scenes, on which every choice was made, not of the test scenes. Losses of different generators don't compare.",
+    f"Flat: the last quarter of the steps gained at most {_FLAT:.0%} of all that was gained.",
+)
+
+
+def section(evidence: Evidence) -> Section:
+    """All trained generators side by side, and their curves."""
+    trained = {name: value for name, value in evidence.below("train_generator").items() if isinstance(value, Mapping)}
+    title = "Generators to compare with"
+    lead = "Other ways to generate traffic, as their papers describe them; what is reduced to train here is said in each file."
+    if not trained:
+        return Section("generators", title, lead, missing=not_measured("train_generator"))
+    curves = {curve.title.removeprefix("train_generator/"): curve for curve in evidence.curves}
+    rows: list[Row] = []
+    for name, values in trained.items():
+        rows.append(_line(name, values, curves.get(name)))
+        rows += [_bound(text, values, key) for key, text in _BOUNDS.items() if f"{key}.validation_min_sade" in values]
+    columns = (
+        "generator", "parameters", "train examples", "steps", "validation loss", "flat",
+        *(key.replace("_s", "-s").replace("sade", "sADE").replace("sfde", "sFDE") for key in _SCORES),
+    )  # fmt: skip
+    table = Table("generators", title, columns, tuple(rows), (*_NOTES, *evidence.trained_on))
+    times = {name: evidence.costs[f"train_generator/{name}"] for name in trained if f"train_generator/{name}" in evidence.costs}
+    tables = (table, _times(times)) if times else (table,)
+    return Section("generators", title, lead, tables, _figures(trained, curves))
+
+
+def _line(name: str, values: Mapping[str, Any], curve: Curve | None) -> Row:
+    counts = (number(values.get(key)) for key in ("parameters", "train_examples", "steps"))
+    loss = measured(dict(values), "validation_loss", 3)
+    flat = "–" if curve is None else _flat(curve.columns.get("validation", ()))
+    scores = (measured(dict(values), f"validation_{key}", 2) for key in _SCORES)
+    return row(METHODS.get(name, name), *counts, loss, flat, *scores)
+
+
+def _bound(text: str, values: Mapping[str, Any], key: str) -> Row:
+    scores = (measured(dict(values), f"{key}.validation_{score}", 2) for score in _SCORES)
+    return row(text, *[Cell("–")] * 5, *scores)
+
+
+def _times(times: Mapping[str, Mapping[str, float]]) -> Table:
+    """What training took on this machine."""
+    rows = [row(METHODS.get(name, name), number(taken.get("training_cpu_seconds"), 1)) for name, taken in times.items()]
+    note = "Training alone, without reading logs and without scoring."
+    return Table("generators-times", "Training of generators", ("generator", "CPU-s"), tuple(rows), (note,), repeatable=False)
+
+
+def _flat(losses: Sequence[float]) -> str:
+    """Whether the best loss of the first three quarters is near the best of all; nothing for fewer than four rows."""
+    seen = [loss for loss in losses if loss == loss]
+    if len(seen) < 4:
+        return "–"
+    before, best = min(seen[: len(seen) * 3 // 4]), min(seen)
+    return "yes" if before - best <= _FLAT * max(seen[0] - best, 0.0) else "not yet"
+
+
+def _figures(trained: Mapping[str, Any], curves: Mapping[str, Curve]) -> tuple[Figure, ...]:
+    drawn = [(name, curves[name]) for name in trained if name in curves and len(curves[name].columns.get("step", ())) > 1]
+    return tuple(
+        Figure.svg(f"Training: {METHODS.get(name, name)}", "", plots.curves(curve.columns, "step")) for name, curve in drawn
+    )
