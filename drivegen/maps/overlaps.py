@@ -25,6 +25,9 @@ _TOUCH = 1.5
 _NEAR_NODE = 60.0
 """Lanes of edges that share a node may lie on one another this close to it [m]: ramps and forks leave at small angles."""
 
+_CLEARANCE = 4.0
+"""Roads this far above one another cross on a bridge [m]."""
+
 _MOST = 5
 """So many pairs are named."""
 
@@ -34,10 +37,10 @@ def overlapping(net: bytes, place: str) -> tuple[str, ...]:
     root = parse(net, place, root="net")
     nodes = {j.get("id", ""): (float(j.get("x", "0")), float(j.get("y", "0"))) for j in root.iter("junction")}
     edges = [e for e in root.iter("edge") if not e.get("function") and e.get("from") and e.get("to")]
-    ends = [(e.get("from", ""), e.get("to", "")) for e in edges]
+    ends = _joined([(e.get("from", ""), e.get("to", "")) for e in edges])
     found: dict[tuple[int, int], Point] = {}
     for a, b, (x, y) in _touching([_samples(edge) for edge in edges]):
-        shared = [nodes[name] for name in set(ends[a]) & set(ends[b]) if name in nodes]
+        shared = [nodes[name] for name in ends[a] & ends[b] if name in nodes]
         if (a, b) not in found and all(math.dist((x, y), node) > _NEAR_NODE for node in shared):
             found[a, b] = (x, y)
     names = [edge.get("id", "") for edge in edges]
@@ -45,22 +48,33 @@ def overlapping(net: bytes, place: str) -> tuple[str, ...]:
     return tuple(told[:_MOST])
 
 
+def _joined(ends: list[tuple[str, str]]) -> list[set[str]]:
+    """The nodes at which each edge ends; where it only goes on there (a turn lane begins), those behind as well."""
+    beside: defaultdict[str, set[str]] = defaultdict(set)
+    for a, b in ends:
+        beside[a].add(b)
+        beside[b].add(a)
+    return [{a, b}.union(*(beside[node] for node in (a, b) if len(beside[node]) == 2)) for a, b in ends]
+
+
 def _samples(edge: Element) -> NDArray[np.float64]:
-    """Points (P, 2) on the centrelines of an edge's lanes."""
-    lines = [[tuple(map(float, p.split(",")[:2])) for p in lane.get("shape", "").split()] for lane in edge.iter("lane")]
-    points = [resample(np.array(line, np.float64), _STEP) for line in lines if len(line) > 1]
-    return np.concatenate(points) if points else np.zeros((0, 2))
+    """Points (P, 3) on the centrelines of an edge's lanes: x, y and the edge's greatest height, which few networks have."""
+    shapes = [[tuple(map(float, p.split(","))) for p in lane.get("shape", "").split()] for lane in edge.iter("lane")]
+    points = [resample(np.array([p[:2] for p in shape], np.float64), _STEP) for shape in shapes if len(shape) > 1]
+    height = max((p[2] for shape in shapes for p in shape if len(p) > 2), default=0.0)
+    flat = np.concatenate(points) if points else np.zeros((0, 2))
+    return np.column_stack([flat, np.full(len(flat), height)])
 
 
 def _touching(edges: list[NDArray[np.float64]]) -> Iterator[tuple[int, int, Point]]:
     """Pairs of edges with a place where they touch: points are sorted into cells, and each is compared with its neighbours."""
-    cells: defaultdict[tuple[int, int], list[tuple[int, float, float]]] = defaultdict(list)
+    cells: defaultdict[tuple[int, int], list[tuple[int, float, float, float]]] = defaultdict(list)
     for edge, points in enumerate(edges):
-        for (i, j), (x, y) in zip(np.floor(points / _TOUCH).astype(int).tolist(), points.tolist(), strict=True):
-            cells[i, j].append((edge, x, y))
+        for (i, j), (x, y, z) in zip(np.floor(points[:, :2] / _TOUCH).astype(int).tolist(), points.tolist(), strict=True):
+            cells[i, j].append((edge, x, y, z))
     for (i, j), here in cells.items():
         near = [there for di, dj in ((1, -1), (1, 0), (1, 1), (0, 1)) for there in cells.get((i + di, j + dj), ())]
         pairs = [*combinations(here, 2), *((a, b) for a in here for b in near)]
-        for (a, ax, ay), (b, bx, by) in pairs:
-            if a != b and math.hypot(ax - bx, ay - by) < _TOUCH:
+        for (a, ax, ay, az), (b, bx, by, bz) in pairs:
+            if a != b and math.hypot(ax - bx, ay - by) < _TOUCH and abs(az - bz) < _CLEARANCE:
                 yield min(a, b), max(a, b), ((ax + bx) / 2, (ay + by) / 2)

@@ -75,7 +75,10 @@ class _Edge:
 def measure(net: bytes, place: str) -> Structure:
     """The structure of a network; raises UnusableInput where it is none or has no edge for cars."""
     root = parse(net, place, root="net")
-    edges = {edge.id: edge for element in root.iter("edge") if (edge := _edge(element)) is not None}
+    try:
+        edges = {edge.id: edge for element in root.iter("edge") if (edge := _edge(element)) is not None}
+    except ValueError as error:
+        raise UnusableInput(f"{place}: a lane has a number that is none: {error}", reason="bad-map") from None
     if not edges:
         raise UnusableInput(f"{place} has no road that a car may use", reason="no-lanes")
     return _Graph(root, edges).structure()
@@ -89,6 +92,8 @@ def _edge(element: Element) -> _Edge | None:
         return None
     shape = tuple(_points(lanes[len(lanes) // 2].get("shape", "")))
     speed, length = (float(lanes[0].get(name, "0")) for name in ("speed", "length"))
+    if not shape or not all(map(math.isfinite, (speed, length, *(value for point in shape for value in point)))):
+        raise ValueError(f"edge {element.get('id', '')[:40]!r} has no finite shape, speed and length")
     return _Edge(element.get("id", ""), element.get("from", ""), element.get("to", ""), len(lanes), speed, length, shape)
 
 
