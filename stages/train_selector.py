@@ -2,15 +2,18 @@
 
 argv: scenarios (folder with train and val), model (folder), metrics (JSON), loss curve (CSV). The metrics stand beside
 those of a uniform choice and of the hand-made prior on the same candidates. An interrupted training goes on from
-`.drivegen/checkpoints/`, in a file named after everything that it depends on.
+`.drivegen/checkpoints/`, in a file named after everything that it depends on. With a teacher, odds that a selector recorded for
+the train split (stage goals) are the labels instead of logs.
 """
 
 import hashlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from drivegen.errors import UnusableInput
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.candidates import candidates
+from drivegen.goals.packing import unpack
 from drivegen.goals.scores import Judged, judge, scores
 from drivegen.lanes.graph import LaneGraph
 from drivegen.selectors.base import Selector
@@ -18,11 +21,24 @@ from drivegen.selectors.learned import Lists, Plugin, Settings
 from drivegen.selectors.prior import Plugin as Prior
 from drivegen.selectors.random import Plugin as Random
 from drivegen.store.files import whole, write_json
+from drivegen.store.goals import read_goals
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training.curve import LossRow
 from stages._door import enter, require, spread
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
+
+
+@dataclass(frozen=True)
+class Teacher:
+    """Whose odds are imitated: `goals`, a folder of the goals stage for the train split, "" for logs; `name`, who chose there."""
+
+    goals: str
+    name: str
+
+    def __post_init__(self) -> None:
+        if bool(self.goals) != bool(self.name):
+            raise UnusableInput("train_selector.teacher: goals and name belong together: whose odds are these?")
 
 
 @dataclass(frozen=True)
@@ -32,18 +48,19 @@ class Params:
     training_seed: int
     workers: int
     candidates: CandidateSettings
+    teacher: Teacher
     learned: Settings
 
 
 def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Path) -> None:
     """Learn, save, score."""
-    learnt = _lists(require(scenarios / "train", "run the ingest stage"), params)
-    held_out = _lists(scenarios / "val", params)
+    learnt = _lists(require(scenarios / "train", "run the ingest stage"), params, params.teacher.goals)
+    held_out = _lists(scenarios / "val", params, "")
     checkpoint = CHECKPOINTS / f"selector-{_key(learnt, held_out, params)}.safetensors"
-    selector, rows = Plugin.fit(learnt, held_out, params.learned, params.training_seed, checkpoint, _say)
+    selector, rows = Plugin.fit(learnt, held_out, params.learned, params.training_seed, checkpoint, _say, params.teacher.name)
     selector.save(model)
     _write_curve(curve, rows)
-    counts = {"train_vehicles": len(learnt), "validation_vehicles": len(held_out)}
+    counts = {"described": selector.described, "train_vehicles": len(learnt), "validation_vehicles": len(held_out)}
     temperature = {"temperature": float(selector.net.temperature)}
     write_json(metrics, counts | temperature | {"validation": _scores(scenarios / "val", params, selector)})
     checkpoint.unlink(missing_ok=True)
@@ -53,7 +70,7 @@ def _key(learnt: Lists, held_out: Lists, params: Params) -> str:
     """A name for everything that the weights depend on: lists, settings, seed and the code that learns."""
     digest = hashlib.sha256(repr((asdict(params.learned), params.training_seed)).encode())
     for lists in (learnt, held_out):
-        for array in (lists.x, lists.distance, lists.doubt):
+        for array in (lists.x, lists.distance, lists.doubt, lists.taught):
             digest.update(array.tobytes())
     root = Path(__file__).parents[1] / "drivegen"
     for path in [root / "selectors/learned.py", root / "selectors/_ranker.py", *sorted((root / "training").glob("*.py"))]:
@@ -65,19 +82,32 @@ def _say(line: str) -> None:
     print(f"train_selector: {line}", flush=True)
 
 
-def _lists(split: Path, params: Params) -> Lists:
-    tasks = [(shard, params.candidates) for shard in shards(split)] if split.exists() else []
+def _lists(split: Path, params: Params, teacher: str) -> Lists:
+    tasks = [(shard, params.candidates, teacher) for shard in shards(split)] if split.exists() else []
     return Lists.joined(
         [Lists.none(), *(part for _, part in spread(_shard_lists, tasks, params.workers, f"goals of {split.name}"))]
     )
 
 
-def _shard_lists(task: tuple[Path, CandidateSettings]) -> Lists:
-    shard, settings = task
+def _shard_lists(task: tuple[Path, CandidateSettings, str]) -> Lists:
+    shard, settings, teacher = task
+    if teacher:
+        return _taught_lists(shard, require(Path(teacher) / shard.name, "run the goals stage on the train split"))
     parts = [Lists.none()]
     for scenario in read_shard(shard):
         graph = LaneGraph.of(scenario.map)
         parts.append(Lists.of(scenario, [candidates(graph, scenario, n, settings) for n in range(len(scenario.vehicles))]))
+    return Lists.joined(parts)
+
+
+def _taught_lists(shard: Path, recorded: Path) -> Lists:
+    """Lists of a shard with the odds recorded for it. Raises UnusableInput where they belong to other scenarios."""
+    scenarios, goals = read_shard(shard), read_goals(recorded)
+    if [s.scenario_id for s in scenarios] != [g.scenario_id for g in goals]:
+        raise UnusableInput(f"{recorded} belongs to other scenarios than {shard}: run the goals stage again")
+    parts = [Lists.none()]
+    for scenario, columns in zip(scenarios, goals, strict=True):
+        parts.append(Lists.by_teacher(scenario, *unpack(LaneGraph.of(scenario.map), columns)))
     return Lists.joined(parts)
 
 

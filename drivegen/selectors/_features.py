@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drivegen.geometry import Floats, wrap_angle
 from drivegen.goals.candidates import Candidates, Manoeuvre
 from drivegen.goals.forecast import Habit, forecast
+from drivegen.goals.outlook import Outlooks
 from drivegen.goals.prior import GAP, shares
 from drivegen.goals.reach import Dynamics, speed_caps
 from drivegen.goals.traffic import Neighbours, Queue
@@ -39,7 +40,7 @@ NAMES = (
     "pace", "acceleration", "end_speed", "speed", "standing", "relative_speed", "keen", "flow",
     "gap", "closing", "red", "entry", "held_up", "ahead_of_flow",
     "lane_changes", "turn", "turns", "offset", "braking", "dead_end", "share", "room", "log_prior", "off_lane", "leaves_map",
-    "heavy", "edge", "spread", *(kind.name.lower() for kind in Manoeuvre),
+    "heavy", "edge", "spread", *(kind.name.lower() for kind in Manoeuvre), "clash", "more_clash",
 )  # fmt: skip
 """One name per column."""
 
@@ -99,7 +100,18 @@ def features(scenario: Scenario, candidates: Sequence[Candidates]) -> list[NDArr
 
     Of signals, whose programs run without regard to traffic, the states of the whole horizon are used.
     """
-    return [_of_vehicle(scenario, vehicle, c) for vehicle, c in enumerate(candidates)]
+    clashes = _clashes(scenario, candidates)
+    return [
+        np.column_stack([_of_vehicle(scenario, vehicle, c), clash.clip(0, 3), (clash - clash.min()).clip(0, 3)])
+        for vehicle, (c, clash) in enumerate(zip(candidates, clashes, strict=True))
+    ]
+
+
+def _clashes(scenario: Scenario, candidates: Sequence[Candidates]) -> list[NDArray[np.float32]]:
+    """(C,) of each vehicle: how many others have goals that exclude the candidate, expected by their prior."""
+    together = Outlooks.of(scenario, candidates, np.full(len(candidates), scenario.steps))
+    clash = together.exclusions() @ np.concatenate([c.prior for c in candidates])
+    return np.split(np.asarray(clash, np.float32), together.start[1:-1])
 
 
 def _of_vehicle(scenario: Scenario, vehicle: int, c: Candidates) -> NDArray[np.float32]:

@@ -1,5 +1,6 @@
 """What every goal selector keeps to, and what the learned one learns."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from tests import scenes
 from tests.goals.test_goals_candidates import SETTINGS
 
 TRAINING = Training(120, 32, 0.01, 5, True, 0.0, 0.9, 1.0, False, 60, 60)
-LEARNING = Settings(width=16, dropout=0.0, sigma=2.0, farthest=8.0, training=TRAINING)
+LEARNING = Settings(width=16, dropout=0.0, sigma=2.0, farthest=8.0, floor=0.0, training=TRAINING)
 
 
 def offered(scene):
@@ -138,3 +139,27 @@ def test_features_are_named_finite_and_bounded():
             assert rows.shape[1] == len(NAMES)
             assert np.isfinite(rows).all()
             assert np.abs(rows).max() <= 3
+
+
+def test_the_floor_is_spread_evenly_and_kept_with_the_weights(trained, tmp_path):
+    _, selector, _ = trained
+    scene = steady_scene(8.7)
+    graph, found = offered(scene)
+    floored = Plugin(selector.net, 0.1)
+    floored.save(tmp_path)
+    for c, p, q in zip(found, selector.rank(graph, scene, found), Plugin.load(tmp_path).rank(graph, scene, found), strict=True):
+        assert np.allclose(q, 0.9 * p + 0.1 / len(c), atol=1e-6)
+    with pytest.raises(UnusableInput, match="floor"):
+        replace(LEARNING, floor=1.0)
+
+
+def test_a_candidate_that_others_goals_exclude_is_told_apart():
+    """Beyond a car that will hardly move, on one lane: who wants to end there clashes with it."""
+    roads = scenes.straight_road(400, 1)
+    log = [scenes.drive(scenes.joined(roads, 0), start, speed, 101) for start, speed in ((10, 10.0), (40, 0.0))]
+    scene = scenes.scenario(roads, scenes.stack(log))
+    _, found = offered(scene)
+    clash = features(scene, found)[0][:, NAMES.index("clash")]
+    beyond = found[0].s > 80
+    assert beyond.any()
+    assert clash[beyond].min() > 0.2 + clash[found[0].s < 25].max(initial=0.0)

@@ -6,8 +6,11 @@ import numpy as np
 import orjson
 import pytest
 
+from drivegen.errors import UnusableInput
+from drivegen.goals.candidates import candidates
 from drivegen.goals.packing import unpack
 from drivegen.lanes.graph import LaneGraph
+from drivegen.selectors.learned import Plugin as Learned
 from drivegen.store.goals import read_goals
 from drivegen.store.scenarios import write_shard
 from stages import goals, train_selector
@@ -27,7 +30,7 @@ def trained(tmp_path_factory):
     for split in ("train", "val", "test"):
         write_shard(root / "scenarios" / split / "shard-00000.parquet", several(split))
     short = replace(LEARNING, training=replace(LEARNING.training, steps=20, report_every=10))
-    params = train_selector.Params(7, 1, SETTINGS, short)
+    params = train_selector.Params(7, 1, SETTINGS, train_selector.Teacher("", ""), short)
     train_selector.main(params, root / "scenarios", root / "selector", root / "train.json", root / "curve.csv")
     return root
 
@@ -53,3 +56,33 @@ def test_goals_stand_beside_their_scenarios(trained, selector):
     assert table["all"]["nll.low"] <= table["all"]["nll"] <= table["all"]["nll.high"]
     if selector == "random":
         assert np.isclose(table["all"]["nll"], np.mean([np.log(len(c)) for c in found]), atol=1e-4)
+
+
+def test_a_selector_can_be_taught_by_recorded_odds_and_says_by_whose(trained, tmp_path):
+    scenarios, taught = trained / "scenarios", tmp_path / "taught"
+    out = tmp_path / "goals" / "prior"
+    goals.main(goals.Params(7, 1, 0, SETTINGS, ASKING), scenarios / "train", taught, out, tmp_path / "p.json")
+    long = replace(LEARNING, training=replace(LEARNING.training, steps=200, report_every=100))
+    teacher = train_selector.Teacher(str(out), "language model little")
+    params = train_selector.Params(7, 1, SETTINGS, teacher, long)
+    train_selector.main(params, scenarios, taught, tmp_path / "train.json", tmp_path / "curve.csv")
+    selector = Learned.load(taught)
+    assert selector.described == "learned selector (distilled from language model little)"
+    assert orjson.loads((tmp_path / "train.json").read_bytes())["described"] == selector.described
+    logs = orjson.loads((trained / "train.json").read_bytes())
+    assert logs["described"] == "learned selector (imitates logs)"
+    scene = several("train")[0]
+    graph = LaneGraph.of(scene.map)
+    found = [candidates(graph, scene, n, SETTINGS) for n in range(len(scene.vehicles))]
+    for c, p in zip(found, selector.rank(graph, scene, found), strict=True):
+        assert np.abs(p - c.prior).sum() < np.abs(1 / len(c) - c.prior).sum()  # it is the prior that was learnt
+    with pytest.raises(UnusableInput, match="belong together"):
+        train_selector.Teacher("somewhere", "")
+
+
+def test_odds_of_other_scenarios_teach_nothing(trained, tmp_path):
+    scenarios = trained / "scenarios"
+    goals.main(goals.Params(7, 1, 0, SETTINGS, ASKING), scenarios / "val", tmp_path, tmp_path / "prior", tmp_path / "p.json")
+    params = train_selector.Params(7, 1, SETTINGS, train_selector.Teacher(str(tmp_path / "prior"), "prior"), LEARNING)
+    with pytest.raises(UnusableInput, match="other scenarios"):
+        train_selector.main(params, scenarios, tmp_path / "model", tmp_path / "train.json", tmp_path / "curve.csv")
