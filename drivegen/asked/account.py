@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivegen.asked.achieved import does, queued, stands
 from drivegen.asked.request import Group, Kind, TrafficRequest
@@ -106,7 +105,7 @@ def manoeuvres(start: AskedStart, samples: Samples, k: int) -> list[Item]:
     """What is seen in sample k: manoeuvres, in time."""
     items = []
     routes = [keeping_routes(c) for c in start.free.candidates]
-    target = _followed(start.ordered.choices.candidates[TARGET], samples.goal[k], routes)
+    target = _followed(start.ordered.choices.candidates[TARGET], int(samples.goal[k, TARGET]), routes[TARGET])
     done = {duty.vehicle: (duty, natural) for duty, natural in zip(start.duties, start.ordered.natural, strict=True)}
     for order in start.cast.orders:
         vehicle = start.vehicle(order.number)
@@ -126,13 +125,12 @@ def keeping_routes(candidates: Candidates) -> list[Route]:
     return [route for route in candidates.routes if route.lane_changes == 0]
 
 
-def _followed(candidates: Candidates, goals: NDArray[np.int32], routes: list[list[Route]]) -> Route | None:
-    """The route that the target follows, if it keeps its lane; else its likeliest that does."""
-    goal = int(goals[TARGET])
+def _followed(candidates: Candidates, goal: int, routes: list[Route]) -> list[Route]:
+    """The target's routes that keep its lane, the one that its goal lies on first."""
     number = int(candidates.route[goal]) if goal >= 0 else NO_ROUTE
     if number != NO_ROUTE and candidates.routes[number].lane_changes == 0:
-        return candidates.routes[number]
-    return routes[TARGET][0] if routes[TARGET] else None
+        return [candidates.routes[number], *routes]
+    return list(routes)
 
 
 def _near(speed: float, asked: float) -> bool:

@@ -13,7 +13,7 @@ from drivegen.asked.goals import Duty
 from drivegen.asked.request import Manoeuvre
 from drivegen.asked.wishes import TARGET
 from drivegen.assets.where import ALIKE, BESIDE, FARTHEST, NEAREST, TOLERANCE, TOLERANCE_SHARE, Relation
-from drivegen.geometry import Floats, to_vehicle_frame, wrap_angle
+from drivegen.geometry import to_vehicle_frame, wrap_angle
 from drivegen.lanes.frenet import to_frenet
 from drivegen.lanes.line import Route
 from drivegen.scenario import DT, Trajectories, Vehicles
@@ -88,10 +88,11 @@ def _in_line(routes: Sequence[Sequence[Route]], vehicles: Vehicles, members: lis
     return True
 
 
-def does(duty: Duty, motion: Trajectories, target_route: Route | None, own_route: Route | None) -> bool:
+def does(duty: Duty, motion: Trajectories, target_routes: Sequence[Route], own_route: Route | None) -> bool:
     """Whether the vehicle does its duty in the motion (N, T) of one sample, in time.
 
-    `target_route` and `own_route` keep their lanes: what "in its lane" means for the target and for the vehicle.
+    `target_routes`, the one that the target follows first, and `own_route` keep their lanes: what "in its lane" means for the
+    target and for the vehicle.
     """
     track = motion[duty.vehicle]
     if not track.valid.all() or not motion[TARGET].valid.all():
@@ -109,19 +110,25 @@ def does(duty: Duty, motion: Trajectories, target_route: Route | None, own_route
     if duty.manoeuvre in (Manoeuvre.CHANGE_LEFT, Manoeuvre.CHANGE_RIGHT):
         side = 1.0 if duty.manoeuvre is Manoeuvre.CHANGE_LEFT else -1.0
         return own_route is not None and bool((side * to_frenet(own_route, track.position)[:last, 1] > CHANGED).any())
-    return target_route is not None and _before_target(duty, track, motion[TARGET], target_route, turned, last)
+    if duty.manoeuvre is Manoeuvre.TURN_LEFT_ACROSS:
+        across = any(_crosses(route, track, last) for route in target_routes)
+        return bool((turned[:last] > TURNED).any() and across)
+    return bool(target_routes) and _before_target(duty, track, motion[TARGET], target_routes[0], last)
 
 
-def _before_target(duty: Duty, track: Trajectories, target: Trajectories, route: Route, turned: Floats, last: int) -> bool:
-    """Manoeuvres that are measured along the target's way."""
+def _crosses(route: Route, track: Trajectories, last: int) -> bool:
+    """Whether a vehicle gets from one side of a way that lies ahead to the other."""
+    s, d = to_frenet(route, track.position).T
+    return bool(((np.sign(d) != np.sign(d[0])) & (s > 0) & (s < route.length))[:last].any())
+
+
+def _before_target(duty: Duty, track: Trajectories, target: Trajectories, route: Route, last: int) -> bool:
+    """Cutting in and overtaking, measured along the target's way."""
     s, d = to_frenet(route, track.position).T
     own, _ = to_frenet(route, target.position).T
     if duty.manoeuvre is Manoeuvre.CUT_IN:
         return bool(abs(d[0]) > OUT and ((np.abs(d) < INTO) & (s > own))[:last].any())
-    if duty.manoeuvre is Manoeuvre.OVERTAKE:
-        return bool(s[0] < own[0] and (s > own + 2.0)[:last].any())
-    crosses = (np.sign(d) != np.sign(d[0])) & (s > 0)
-    return bool((turned[:last] > TURNED).any() and crosses[:last].any())  # TURN_LEFT_ACROSS
+    return bool(s[0] < own[0] and (s > own + 2.0)[:last].any())
 
 
 def hardest_braking(track: Trajectories) -> NDArray[np.float32]:

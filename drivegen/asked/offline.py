@@ -72,7 +72,7 @@ class _Reader:
             self._describe(phrase)
         self._density()
         self._speed_of_all(bool(phrases))
-        target = next((p.fields for p in phrases if p.target), {})
+        target = {name: value for p in reversed(phrases) if p.target for name, value in p.fields.items()}
         groups = [self._group(p.fields) for p in phrases if not p.target]
         try:
             return TrafficRequest(

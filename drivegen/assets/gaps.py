@@ -128,6 +128,11 @@ def gaps_of(scenario: Scenario) -> list[dict[str, Any]]:
     return rows
 
 
+SLOW = 1.0
+"""Up to this speed [m/s] a gap is one of a standing queue; STANDSTILL [m] stands in for it where no queue was seen."""
+
+STANDSTILL = 1.0
+
 LONGEST = 10.0
 """Longer time gaps [s] say nothing of following."""
 
@@ -159,7 +164,12 @@ def _time_gaps(gaps: Gaps) -> NDArray[np.float64]:
 
 
 class Draws:
-    """Draws from the rows, conditioned on one vehicle's speed: the NEAREST rows with a like speed are equally likely."""
+    """Draws from the rows, conditioned on one vehicle's speed: the NEAREST rows with a like speed are equally likely.
+
+    Attributes:
+        share_led: of vehicles with a leader. least_gap: [m] that hardly anybody falls short of in a standing queue.
+        least_time_gap: [s] that comes on top of it while moving, for all but one in a hundred.
+    """
 
     NEAREST = 40
 
@@ -168,10 +178,10 @@ class Draws:
         self.share_led = float(gaps.led.mean())
         self._pace = np.clip(gaps.speed / np.maximum(gaps.limit, 1.0), 0.0, 1.2)
         self._by_leader, self._by_follower = _sorted_by(led, led.leader_speed), _sorted_by(led, led.speed)
-        moving = led.speed > 1.0
-        headway = led.gap[moving] / led.speed[moving]
-        self.least_gap = float(np.quantile(led.gap, 0.01))
-        self.least_time_gap = float(np.quantile(headway, 0.01)) if len(headway) else 0.0
+        slow = led.speed <= SLOW
+        self.least_gap = float(np.quantile(led.gap[slow], 0.01)) if slow.any() else STANDSTILL
+        headway = (led.gap[~slow] - self.least_gap) / led.speed[~slow]
+        self.least_time_gap = max(float(np.quantile(headway, 0.01)), 0.0) if len(headway) else 0.0
 
     def pace(self, random: np.random.Generator) -> float:
         """Speed as a share of the limit."""
@@ -190,9 +200,11 @@ class Draws:
         return float(led.leader_speed[row]), float(led.gap[row])
 
     def _near(self, keys: NDArray[np.float32], value: float, random: np.random.Generator) -> int:
-        at = int(np.searchsorted(keys, value))
-        low = min(max(at - self.NEAREST // 2, 0), max(len(keys) - self.NEAREST, 0))
-        return int(random.integers(low, min(low + self.NEAREST, len(keys))))
+        """One of the rows whose key is the value, and of as many on either side as make up NEAREST."""
+        first, last = (int(np.searchsorted(keys, value, side)) for side in ("left", "right"))
+        spare = max(self.NEAREST - (last - first), 0)
+        low = min(max(first - spare // 2, 0), max(len(keys) - self.NEAREST, 0))
+        return int(random.integers(low, min(max(last, low + self.NEAREST), len(keys))))
 
 
 def _sorted_by(gaps: Gaps, keys: NDArray[np.float32]) -> tuple[NDArray[np.float32], Gaps]:

@@ -26,9 +26,9 @@ def section(evidence: Evidence) -> Section:
         "Words say how many vehicles there are, of which kinds, how dense, how fast, where they stand and what single ones do. "
         "Manoeuvres bind the goal of one vehicle; the planner and the checker stay as they are."
     )
-    figures = _headways(headways) if isinstance(headways, Mapping) else []
-    if figures:
-        tables.append(_headway_table(headways))
+    figures: list[Figure] = []
+    if isinstance(headways, Mapping):
+        figures, tables = _headways(headways), [*tables, _headway_table(headways)]
     missing = "" if tables else not_measured("asked")
     return Section("vehicles", "Vehicles from words", lead, tuple(tables), tuple(figures), missing=missing)
 

@@ -1,0 +1,107 @@
+"""Gaps of logged traffic, and placement that draws from them."""
+
+import numpy as np
+import pytest
+
+from drivegen.assets.gaps import Draws, Gaps, headways, measure_gaps
+from drivegen.assets.place import PlaceSettings, place_vehicles
+from drivegen.assets.slots import Slots
+from drivegen.assets.table import Provenance, build_table
+from drivegen.assets.where import Relation, Wish, standing
+from drivegen.errors import UnusableInput
+from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
+
+LANE = np.array([[0.0, 0.0], [800.0, 0.0]])
+SLOTS = Slots(straight_road(800, 3))
+
+
+def queue(gap: float, speed: float, source: str = "SUMO corpus (simulated)"):
+    """Five cars of 4.6 m on the right lane, bumper to bumper `gap` apart."""
+    scene = scenario(straight_road(800, 2), stack([drive(LANE, 300 - i * (gap + 4.6), speed, 3) for i in range(5)]))
+    return type(scene)(**{**vars(scene), "source": source})
+
+
+def settings(mode: str) -> PlaceSettings:
+    return PlaceSettings(mode, 120.0, 120.0, 0.15, 0.8, 2.0, 24)
+
+
+def test_gaps_are_measured_bumper_to_bumper_with_where_they_are_from():
+    gaps = measure_gaps([queue(15.0, 10.0), queue(30.0, 12.0, "measured somewhere")])
+    assert len(gaps) == 10
+    assert gaps.led.sum() == 8
+    assert np.allclose(np.sort(gaps.gap[gaps.led]), [15] * 4 + [30] * 4, atol=0.05)
+    assert np.isnan(gaps.leader_speed[~gaps.led]).all()
+    assert set(gaps.provenance[:5]) == {Provenance.SIMULATED}
+    assert set(gaps.provenance[5:]) == {Provenance.MEASURED}
+    assert set(gaps.scenario_id) == {"scene-0"}
+    again = Gaps.from_arrow(gaps.to_arrow(), "there")
+    assert all(np.array_equal(getattr(gaps, n), getattr(again, n), equal_nan=n == "leader_speed") for n in vars(gaps))
+
+
+def test_a_table_without_followers_or_with_other_columns_is_refused():
+    gaps = measure_gaps([queue(15.0, 10.0)])
+    for wrong in (gaps.to_arrow().drop_columns(["gap"]), gaps[~gaps.led].to_arrow()):
+        with pytest.raises(UnusableInput, match="there"):
+            Gaps.from_arrow(wrong, "there")
+
+
+def test_draws_follow_the_speed_they_are_asked_for():
+    gaps = measure_gaps([queue(8.0, 5.0)] * 20 + [queue(40.0, 20.0)] * 20)
+    draws, random = Draws(gaps), np.random.default_rng(0)
+    assert all(draws.follower(5.0, random)[1] == pytest.approx(8, abs=0.1) for _ in range(20))
+    assert all(draws.leader(20.0, random)[1] == pytest.approx(40, abs=0.1) for _ in range(20))
+    assert draws.share_led == pytest.approx(0.8)
+
+
+def test_placement_from_data_has_the_gaps_of_the_data_where_the_papers_has_not():
+    logs = measure_gaps([queue(float(gap), 10.0) for gap in range(12, 20)])
+    table, draws = build_table([busy_crossing()]), Draws(logs)
+    found = {}
+    for mode in ("paper", "data"):
+        placed = [
+            place_vehicles(SLOTS, table, [0] * 12, settings(mode), np.random.default_rng(seed), draws=draws) for seed in range(12)
+        ]
+        assert all(len(p.vehicles) + sum(p.rejected.values()) == 12 for p in placed)
+        scenes = [scenario(SLOTS.map, stack([drive(LANE, 10, 5, 2)] * len(p.vehicles))) for p in placed]
+        scenes = [type(s)(**{**vars(s), "vehicles": p.vehicles, "log": None}) for s, p in zip(scenes, placed, strict=True)]
+        rows = measure_gaps(scenes)
+        assert set(rows.provenance) == {Provenance.GENERATED}
+        found[mode] = headways(rows, logs)["distance"]
+    assert found["data"] < 0.6 * found["paper"]
+
+
+def test_mode_data_needs_gaps_and_there_are_two_modes():
+    with pytest.raises(UnusableInput, match="gaps"):
+        place_vehicles(SLOTS, build_table([busy_crossing()]), [0], settings("data"), np.random.default_rng(0))
+    with pytest.raises(UnusableInput, match="paper, data"):
+        settings("guess")
+
+
+def test_wished_places_are_where_they_are_said_to_be():
+    slots = SLOTS
+    middle = int(np.flatnonzero((slots.lane == 1) & (np.abs(slots.along - 401) < 1))[0])
+    for relation, lane, low, high in (
+        (Relation.AHEAD, 1, 4, 80),
+        (Relation.BEHIND, 1, -80, -4),
+        (Relation.LEFT, 2, -12, 12),
+        (Relation.RIGHT_AHEAD, 0, 4, 40),
+        (Relation.LEFT_BEHIND, 2, -40, -4),
+    ):
+        found = np.flatnonzero(standing(slots, middle, relation, None))
+        along = slots.along[found] - slots.along[middle]
+        assert set(slots.lane[found].tolist()) == {lane}
+        assert low <= along.min() < along.max() <= high
+    assert np.allclose(slots.along[standing(slots, middle, Relation.AHEAD, 30.0)] - slots.along[middle], 30, atol=6.1)
+    assert not standing(slots, middle, Relation.ONCOMING, None).any()
+
+
+def test_a_queue_stands_in_one_lane_and_speeds_are_as_wished():
+    wishes = [Wish(speed=8.0), Wish(Relation.AHEAD, speed=4.0), *(Wish(beside=i, ahead=True) for i in (1, 2))]
+    placed = place_vehicles(
+        SLOTS, build_table([busy_crossing()]), [0] * 4, settings("paper"), np.random.default_rng(5), wishes=wishes
+    )
+    assert placed.number.tolist() == [0, 1, 2, 3]
+    assert len(set(placed.lane.tolist())) == 1
+    x = placed.vehicles.position[:, 0]
+    assert (np.diff(x) > 4.6).all()
+    assert np.allclose(placed.vehicles.speed, [8, 4, 4, 4])
