@@ -2,16 +2,15 @@
 
 No neural network: the driver is `drivers.idm` with the parameters of its settings, in closed loop with all the others of its
 sample, the context actors and red lights. Samples differ by the ways (drawn evenly among those that the lane graph offers) and by
-each vehicle's wish: desired speed over the speed limit, whose mean and spread are measured on the train logs. What is in
+each vehicle's wish: desired speed over the speed limit, whose distribution is learnt from the train logs. What is in
 those: of each vehicle that drove at `free_share` of the limit or more, the highest share that it reached.
 
 There is no right of way at junctions without signals: IDM sees who crosses only once he is in the way. Collisions there
 are what this model makes of traffic.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Self
 
 import numpy as np
@@ -22,7 +21,6 @@ from torch import Tensor, nn
 from drivegen import seeds
 from drivegen.drivers.idm import Plugin as Driver
 from drivegen.drivers.idm import Settings as DriverSettings
-from drivegen.errors import UnusableInput
 from drivegen.generators._idm.traffic import Crowd, drive, motion
 from drivegen.generators._idm.ways import Ways
 from drivegen.generators._learned import Learned
@@ -30,14 +28,9 @@ from drivegen.lanes.graph import LaneGraph
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
 from drivegen.training import loop
-from drivegen.training.curve import LossRow
 
 WISHES = (0.5, 1.5)
 """A wish is never drawn below or above these shares of the limit."""
-
-TO_SPREAD = 1.4826
-"""Standard deviation of a normal distribution over its median absolute deviation: a vehicle that comes off a faster road
-shall not count for ten."""
 
 ON_LANE = 2.0
 """[m] A lane's limit holds for who is this near to its line."""
@@ -50,12 +43,14 @@ class IdmSettings:
     Attributes:
         driver: see `drivers.idm`. ways: of a vehicle at most. lane_changes: on a way at most.
         free_share: of the limit; a vehicle that never drove as fast had no free road, and says nothing about its wish.
+        training: see `training.loop.Settings`; it is two numbers.
     """
 
     driver: DriverSettings
     ways: int
     lane_changes: int
     free_share: float
+    training: loop.Settings
 
 
 @dataclass(frozen=True)
@@ -74,15 +69,38 @@ class Wishes:
 
 
 class WishDistribution(nn.Module):
-    """The two numbers that are measured: mean and standard deviation of the wishes."""
-
-    mean: Tensor
-    spread: Tensor
+    """Laplace's distribution, which few odd vehicles (off a faster road, say) hardly move."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.register_buffer("mean", torch.ones(()))
-        self.register_buffer("spread", torch.ones(()))
+        self.middle = nn.Parameter(torch.tensor(1.0))
+        self.log_scale = nn.Parameter(torch.tensor(-1.0))
+
+    def forward(self, share: Tensor) -> Tensor:
+        """Mean negative log-likelihood of shares (V,)."""
+        loss: Tensor = ((share - self.middle).abs() * (-self.log_scale).exp() + self.log_scale + np.log(2.0)).mean()
+        return loss
+
+
+class WishObjective:
+    """The likelihood of the logs' wishes."""
+
+    def __init__(self, train: Wishes, validation: Wishes) -> None:
+        self.train, self.held_out = (torch.from_numpy(w.share).float().to(loop.device()) for w in (train, validation))
+        self.size = len(train)
+
+    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:  # noqa: ARG002 nothing is random
+        """See `loop.Objective`."""
+        return ()
+
+    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:  # noqa: ARG002
+        """See `loop.Objective`."""
+        loss: Tensor = model(self.train[rows])
+        return loss
+
+    def validation(self, model: nn.Module) -> float:
+        """See `loop.Objective`."""
+        return float(model(self.held_out)) if len(self.held_out) else float("nan")
 
 
 class Plugin(Learned):
@@ -107,37 +125,9 @@ class Plugin(Learned):
 
     @classmethod
     def objective(cls, settings: IdmSettings, net: nn.Module, train: Wishes, validation: Wishes, seed: int) -> loop.Objective:
-        """Nothing is minimised: `fit` measures."""
-        raise NotImplementedError("idm is measured, not trained")
-
-    @classmethod
-    def fit(
-        cls,
-        settings: IdmSettings,
-        train: Wishes,
-        validation: Wishes,
-        seed: int,
-        checkpoints: Path | None,
-        report: Callable[[str], None],
-    ) -> tuple[Self, list[LossRow]]:
-        """Mean and spread of the wishes; the curve is one row of their negative log-likelihoods."""
-        del seed, checkpoints
-        if len(train) == 0:
-            raise UnusableInput("no logged vehicle drove freely on a road with a speed limit", reason="no-examples")
-        made = cls.__new__(cls)
-        made.settings, made.net = settings, WishDistribution()
-        middle = float(np.median(train.share))
-        made.net.mean.fill_(middle)
-        made.net.spread.fill_(max(TO_SPREAD * float(np.median(np.abs(train.share - middle))), 1e-3))
-        made._ready()
-        row = LossRow(1, made._surprise(train), made._surprise(validation))
-        report(f"{len(train)} vehicles drove freely: {float(made.net.mean):.3f} +- {float(made.net.spread):.3f} of the limit")
-        return made, [row]
-
-    @property
-    def parameters(self) -> int:
-        """Mean and spread."""
-        return 2
+        """See `Learned`."""
+        del settings, net, seed
+        return WishObjective(train, validation)
 
     def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         """K futures of each scenario."""
@@ -147,18 +137,11 @@ class Plugin(Learned):
         ways = Ways.of(scenario, self.settings.ways, self.settings.lane_changes)
         draws = rng.random((samples, len(scenario.vehicles)))
         way = (ways.start[:-1] + (draws * np.diff(ways.start)).astype(np.intp)).reshape(-1)
-        wish = rng.normal(float(self.net.mean), float(self.net.spread), way.shape).clip(*WISHES).astype(np.float32)
+        wish = rng.laplace(float(self.net.middle), float(self.net.log_scale.exp()), way.shape).clip(*WISHES).astype(np.float32)
         known = np.nan_to_num(ways.limit[way], nan=self.settings.driver.desired_speed)
         crowd = Crowd.of(scenario, ways.point[way], known * wish[:, None], ways.lane[way], ways.parked)
         driven = drive(crowd, Driver(self.settings.driver), scenario.steps)
         return Samples.without_goals(scenario.scenario_id, self.name, motion(crowd, scenario, *driven))
-
-    def _surprise(self, wishes: Wishes) -> float:
-        """Mean negative log-likelihood of the normal distribution; NaN for no wishes."""
-        if len(wishes) == 0:
-            return float("nan")
-        off = (wishes.share - float(self.net.mean)) / float(self.net.spread)
-        return float(0.5 * np.mean(off**2) + np.log(float(self.net.spread) * np.sqrt(2 * np.pi)))
 
 
 def _shares(scenario: Scenario, free_share: float) -> NDArray[np.float64]:
@@ -170,4 +153,4 @@ def _shares(scenario: Scenario, free_share: float) -> NDArray[np.float64]:
     share = np.zeros(log.valid.shape)
     share[log.valid] = np.nan_to_num(log.speed[log.valid] / limit)
     highest = share.max(axis=1)
-    return np.asarray(highest[highest >= free_share], np.float64)
+    return np.asarray(np.minimum(highest[highest >= free_share], WISHES[1]), np.float64)
