@@ -4,10 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drivegen.maps.spec import Arm, Corridor, Crossing, Fork, Graph, Grid, Highway, MapSpec, Roundabout
+from drivegen.maps.spec import Arm, Corridor, Crossing, Fork, Graph, Grid, Highway, Interchange, MapSpec, Roundabout
 from drivegen.maps.structure import Structure
 
 _TOLERANCE = 0.15
+_LONG_ARM = 100.0
 _TITLES = {"left_hand": "left-hand traffic"}
 
 
@@ -55,6 +56,7 @@ def _agrees(want: Any, got: Any) -> bool:
 def _crossing(road: Crossing) -> dict[str, Any]:
     count = len(road.arms)
     return {
+        **_way_across(road),
         "arms": (count,),
         "signals": int(road.control == "signals"),
         "roundabouts": (),
@@ -62,6 +64,15 @@ def _crossing(road: Crossing) -> dict[str, Any]:
         "merges": 0,
         "diverges": 0,
     }
+
+
+def _way_across(road: Crossing) -> dict[str, Any]:
+    """The longest way over two arms, less what the junction takes of each: its corners, and more the wider it is."""
+    pairs = [(a, b) for a in road.arms for b in road.arms if a is not b and a.lanes_in and b.lanes_out]
+    if not pairs or min(arm.length for arm in road.arms) < _LONG_ARM:
+        return {}  # the junction's own size would decide
+    widest = max(max(arm.lanes_in, arm.lanes_out) for arm in road.arms)
+    return {"length": max(a.length + b.length for a, b in pairs) - 2 * (6.0 + 2.0 * widest)}
 
 
 def _pockets(arm: Arm, road: Crossing) -> int:
@@ -125,7 +136,15 @@ def _highway(road: Highway) -> dict[str, Any]:
 
 
 def _fork(road: Fork) -> dict[str, Any]:
-    return {"arms": (), "signals": 0, "diverges": 1, "one_way": True, "max_lanes": road.lanes, "speed": road.speed}
+    place = "merges" if road.joins else "diverges"
+    return {"arms": (), "signals": 0, place: 1, "one_way": True, "max_lanes": road.lanes, "speed": road.speed}
+
+
+def _interchange(road: Interchange) -> dict[str, Any]:
+    arms = {"diamond": (4, 4), "half_diamond": (3, 3), "side": (4,), "terminal": (3,)}[road.form]
+    ramps = 2 if road.form == "diamond" else 1
+    lit = len(arms) if road.control == "signals" else 0
+    return {"arms": arms, "signals": lit, "diverges": ramps, "merges": 0 if road.form == "terminal" else ramps}
 
 
 def _graph(road: Graph) -> dict[str, Any]:
@@ -140,5 +159,6 @@ _EXPECTED: dict[str, Any] = {
     "grid": _grid,
     "highway": _highway,
     "fork": _fork,
+    "interchange": _interchange,
     "graph": _graph,
 }

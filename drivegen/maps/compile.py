@@ -8,6 +8,7 @@ from drivegen.maps.compilers.crossings import compile_crossing
 from drivegen.maps.compilers.graphs import compile_graph
 from drivegen.maps.compilers.grids import compile_grid
 from drivegen.maps.compilers.highways import compile_fork, compile_highway
+from drivegen.maps.compilers.interchanges import compile_interchange
 from drivegen.maps.compilers.roundabouts import compile_roundabout
 from drivegen.maps.spec import MapSpec
 from drivegen.sumo.netconvert import plain_to_net
@@ -20,6 +21,7 @@ _COMPILERS: dict[str, Any] = {
     "grid": compile_grid,
     "highway": compile_highway,
     "fork": compile_fork,
+    "interchange": compile_interchange,
     "graph": compile_graph,
 }
 

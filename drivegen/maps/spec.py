@@ -195,7 +195,7 @@ class Highway(_Part):
 
 
 class Fork(_Part):
-    """A one-way road that splits into two branches, `angle` degrees apart."""
+    """A one-way road that splits into two branches, `angle` degrees apart; or, where `joins`, two that become one."""
 
     kind: Literal["fork"] = "fork"
     lanes: Lanes = 2
@@ -204,12 +204,33 @@ class Fork(_Part):
     angle: Annotated[float, Field(ge=10.0, le=120.0, allow_inf_nan=False)] = 40.0
     speed: Speed = 70 / 3.6
     length: Length = 200.0
+    joins: bool = False
 
     @model_validator(mode="after")
     def _lanes_go_on(self) -> "Fork":
         if max(self.left_lanes, self.right_lanes) > self.lanes or self.left_lanes + self.right_lanes < self.lanes:
             raise ValueError("a branch has at most the road's lanes, and both together at least as many")
         return self
+
+
+class Interchange(_Part):
+    """Where a highway and a road over it meet by ramps, which end at crossings on that road (ramp terminals).
+
+    `form` says which of the four ramps there are: "diamond" all; "half_diamond" an off-ramp from the first carriageway and an
+    on-ramp to the other one, both on one side of the road; "side" an off-ramp and an on-ramp of the first carriageway;
+    "terminal" its off-ramp alone. The road passes over the highway without a junction, `HEIGHT` metres above it.
+    """
+
+    kind: Literal["interchange"] = "interchange"
+    form: Literal["diamond", "half_diamond", "side", "terminal"] = "diamond"
+    lanes: Annotated[int, Field(ge=1, le=6)] = 2
+    speed: Speed = 100 / 3.6
+    ramp_lanes: Annotated[int, Field(ge=1, le=2)] = 1
+    ramp_speed: Speed = 50 / 3.6
+    road_lanes: Annotated[int, Field(ge=1, le=4)] = 1
+    road_speed: Speed = 50 / 3.6
+    road_length: Length = 150.0
+    control: Control = "signals"
 
 
 class GraphNode(_Part):
@@ -268,7 +289,7 @@ class Graph(_Part):
         return self
 
 
-Road = Annotated[Crossing | Roundabout | Corridor | Grid | Highway | Fork | Graph, Field(discriminator="kind")]
+Road = Annotated[Crossing | Roundabout | Corridor | Grid | Highway | Fork | Interchange | Graph, Field(discriminator="kind")]
 
 
 class MapSpec(_Part):

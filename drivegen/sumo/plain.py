@@ -20,7 +20,7 @@ class Node:
     Attributes:
         x, y: position [m]. type: SUMO's word, e.g. "priority", "traffic_light", "allway_stop".
         shape: outline given by hand; edges then keep their full length up to it. See `POINT_SHAPE`.
-        radius: of the corners [m], None for netconvert's own choice.
+        radius: of the corners [m], None for netconvert's own choice. z: height [m], of bridges.
     """
 
     id: str
@@ -29,6 +29,7 @@ class Node:
     type: str = "priority"
     shape: tuple[Point, ...] | None = None
     radius: float | None = None
+    z: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -103,6 +104,8 @@ class PlainNetwork:
             element = SubElement(root, "node", id=node.id, x=_number(node.x), y=_number(node.y), type=node.type)
             if node.shape is not None:
                 element.set("shape", _points(node.shape))
+            if node.z:
+                element.set("z", _number(node.z))
             if node.radius is not None:
                 element.set("radius", _number(node.radius))
         return _bytes(root)

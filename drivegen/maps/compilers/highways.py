@@ -4,7 +4,7 @@ A carriageway is cut where its number of lanes changes. Its reference line is th
 lanes that join or leave on the right leave the others exactly straight; at every cut the lanes are connected by hand.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,7 +25,10 @@ _FORK_RADIUS = 150.0
 
 @dataclass
 class _Carriageway:
-    """A carriageway while it is drawn: its line, how far it is drawn, lanes there, and how far its left edge has moved."""
+    """A carriageway while it is drawn: its line, how far it is drawn, lanes there, and how far its left edge has moved.
+
+    `room` is how long its next ramp may be, so that it does not cross another one [m].
+    """
 
     name: str
     line: lines.Line
@@ -34,6 +37,7 @@ class _Carriageway:
     drawn: float = 0.0
     left: float = 0.0
     cuts: int = 0
+    room: float = np.inf
 
     @property
     def node(self) -> str:
@@ -47,13 +51,33 @@ class _Carriageway:
 def compile_highway(spec: Highway, plain: PlainNetwork) -> None:
     """Draw one or two carriageways along the alignment, the first one heading east from near (0, 0)."""
     axis = lines.draw(spec.alignment)
-    _carriageway(spec, plain, "h", axis, spec.events)
+    add_carriageway(spec, plain, "h", axis, spec.events)
     if spec.carriageways == 2:
-        _carriageway(spec, plain, "g", axis[::-1], spec.events if spec.both else ())
+        add_carriageway(spec, plain, "g", axis[::-1], spec.events if spec.both else ())
 
 
 def compile_fork(spec: Fork, plain: PlainNetwork) -> None:
-    """Draw a one-way road heading east that splits at (0, 0)."""
+    """Draw a one-way road heading east that splits at (0, 0), or two that become one there."""
+    if spec.joins:
+        split = PlainNetwork()
+        _draw_split(spec, split)
+        _add_backwards(split, plain)
+    else:
+        _draw_split(spec, plain)
+
+
+def _add_backwards(split: PlainNetwork, plain: PlainNetwork) -> None:
+    """Add a network driven backwards and seen in a mirror across its way, so that lanes stay on the right."""
+
+    def flip(points: tuple[Point, ...]) -> tuple[Point, ...]:
+        return tuple((-x, y) for x, y in points)
+
+    plain.nodes += [replace(n, x=-n.x, shape=None if n.shape is None else flip(n.shape)) for n in split.nodes]
+    plain.edges += [replace(e, source=e.target, target=e.source, shape=flip(e.shape[::-1])) for e in split.edges]
+    plain.connections += [Connection(c.target, c.source, c.target_lane, c.source_lane) for c in split.connections]
+
+
+def _draw_split(spec: Fork, plain: PlainNetwork) -> None:
     stem = np.array([[-spec.length, 0.0], [0.0, 0.0]])
     way = _Carriageway("h", stem, spec.speed, spec.lanes)
     _begin(plain, way)
@@ -76,14 +100,27 @@ def _branch(turn: float, length: float) -> lines.Line:
     return np.concatenate([arc, arc[-1:] + straight * np.array([[np.cos(turn), np.sin(turn)]])])
 
 
-def _carriageway(spec: Highway, plain: PlainNetwork, name: str, axis: lines.Line, events: tuple[HighwayEvent, ...]) -> None:
+def add_carriageway(spec: Highway, plain: PlainNetwork, name: str, axis: lines.Line, events: tuple[HighwayEvent, ...]) -> None:
+    """Draw the carriageway that runs along `axis`, with ramps `{name}ramp{i}_in` and `_out`."""
     line = lines.part(axis, 0.0, lines.length(axis), -spec.median / 2 if spec.carriageways == 2 else 0.0)
     stretch = lines.length(line) / spec.alignment.length if spec.alignment.shape == "straight" else 1.0
     way = _Carriageway(name, line, spec.speed, spec.lanes)
     _begin(plain, way)
     for i, event in enumerate(events):
+        way.room = _room(events, i)
         _event(plain, way, event, f"{name}ramp{i}", event.position * stretch)
     _draw_to(plain, way, lines.length(line), 0)
+
+
+def _room(events: tuple[HighwayEvent, ...], i: int) -> float:
+    """Half the way between an off-ramp and the on-ramp after it, for either of the two."""
+    leaving = i if events[i].kind in ("off_ramp", "weaving") else i - 1
+    if not 0 <= leaving < len(events) - 1 or events[leaving].kind not in ("off_ramp", "weaving"):
+        return float("inf")
+    if events[leaving + 1].kind not in ("on_ramp", "weaving"):
+        return float("inf")
+    gap = events[leaving + 1].position - events[leaving].position - events[leaving].length
+    return max(20.0, gap / 2 - 10.0)
 
 
 def _event(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent, ramp: str, start: float) -> None:
@@ -158,7 +195,7 @@ def _across(way: _Carriageway, at: float, lanes: int, left_too: bool) -> tuple[P
 def _add_ramp(plain: PlainNetwork, way: _Carriageway, name: str, event: HighwayEvent, at: float, main: int, joins: bool) -> None:
     """A ramp that runs in (or out) beside the `main` lanes, tangent to them at distance `at`."""
     room = at if joins else lines.length(way.line) - at
-    length = min(_RAMP_LENGTH, max(room, _SHORTEST_RAMP))
+    length = min(_RAMP_LENGTH, max(room, _SHORTEST_RAMP), way.room)
     share = np.linspace(1.0, 0.0, 25)
     away = way.left - main * LANE_WIDTH - _RAMP_AWAY * (length / _RAMP_LENGTH) * share**2
     shape = lines.beside(way.line, at - (length if joins else -length) * share, away)

@@ -5,26 +5,42 @@ from dataclasses import dataclass, field
 from drivegen.maps.spec import Control, Side
 
 
-@dataclass(frozen=True)
+@dataclass
 class JunctionWords:
-    """A junction that is mentioned: its form, how many roads meet (None unsaid), T or Y shape, how many there are."""
+    """A junction that is mentioned.
+
+    Attributes:
+        form: "crossing" or "roundabout". at: place in the text. arms: roads that meet, None unsaid. shape: "t", "y" or "".
+        count: how many of them. control: its own, as `Facts.control`, or "unsignalled". side: of its side road.
+        gap: from the junction before it [m].
+    """
 
     form: str
     at: int
     arms: int | None = None
     shape: str = ""
     count: int = 1
-    signals: bool | None = None
+    control: str | None = None
+    side: Side | None = None
+    gap: float | None = None
 
 
-@dataclass(frozen=True)
+@dataclass
 class EventWords:
-    """A ramp or a change of lanes along a highway, in the order of the text."""
+    """A ramp or a change of lanes along a highway, in the order of the text; lengths [m], speed [m/s], None unsaid.
+
+    Attributes:
+        position: from the start of the road. gap: from what comes before it. length: of the lane beside the road.
+    """
 
     kind: str
     at: int
     lanes: int | None = None
     side: Side = "right"
+    position: float | None = None
+    gap: float | None = None
+    length: float | None = None
+    speed: float | None = None
 
 
 @dataclass
@@ -33,11 +49,12 @@ class Facts:
 
     Attributes:
         features: words that decide the kind ("highway", "grid", "curve", ...) and where in the text they stand.
-        lanes: per direction by role: "main", "side", "ring", "ramp"; `other_lanes` are those without one, in order.
-        from_lanes, to_lanes: of a road that narrows or widens.
+        lanes: per direction by role: "main", "side", "ring", "ramp", "arms"; `other_lanes` are those without one, in order.
+        from_lanes, to_lanes: of a road that narrows or widens. branches: lanes of the left and right branch of a fork.
         speeds: [m/s] by role "main", "side", "ramp", "ring". lengths: [m] by role "length", "spacing", "radius",
-            "diameter", "auxiliary", "offset", "position", "side". angle: [degrees].
-        one_way: how many roads are said to be one-way. two_way: a road is said to run both ways.
+            "diameter", "auxiliary", "offset", "position", "side", "median". angle: [degrees].
+        one_way: places in the text of roads that are said to be one-way. two_way: a road is said to run both ways.
+        interchange: its form, "" none.
     """
 
     features: dict[str, int] = field(default_factory=dict)
@@ -49,6 +66,7 @@ class Facts:
     other_lanes: list[tuple[int, int]] = field(default_factory=list)
     from_lanes: int | None = None
     to_lanes: int | None = None
+    branches: tuple[int, int] | None = None
     speeds: dict[str, float] = field(default_factory=dict)
     lengths: dict[str, float] = field(default_factory=dict)
     angle: float | None = None
@@ -61,6 +79,7 @@ class Facts:
     left_pocket: bool = False
     right_pocket: bool = False
     surroundings: str = ""
+    interchange: str = ""
 
     def has(self, *features: str) -> bool:
         """Whether any of the features is there."""

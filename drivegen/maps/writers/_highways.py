@@ -10,6 +10,7 @@ from drivegen.maps.writers._facts import EventWords, Facts
 Road = dict[str, Any]
 
 _FIRST, _BETWEEN, _LAST = 250.0, 120.0, 250.0
+_LEAST_BETWEEN = 45.0
 _AUXILIARY = {"on_ramp": 200.0, "off_ramp": 150.0, "weaving": 300.0}
 _BEND_RADIUS = 250.0
 
@@ -47,9 +48,12 @@ def fork(facts: Facts, choices: Choices) -> Road:
     length = facts.lengths.get("length") or choices.length("arms", 140, 200)
     fast = facts.has("highway")
     speed = choices.speed(facts, highway=fast)
-    if fast or (facts.one_way and not facts.two_way) or facts.events:
-        left = (lanes + 1) // 2
-        road = {"kind": "fork", "lanes": lanes, "left_lanes": left, "right_lanes": max(1, lanes - left), "length": length}
+    if fast or facts.branches or (facts.one_way and not facts.two_way) or facts.events:
+        left, right = facts.branches or ((lanes + 1) // 2, max(1, lanes - (lanes + 1) // 2))
+        told = facts.branches and not (facts.lanes or facts.other_lanes)
+        lanes = left + right if told else max(left, right, min(lanes, left + right))
+        road = {"kind": "fork", "lanes": lanes, "left_lanes": left, "right_lanes": right, "length": length}
+        road["joins"] = facts.has("joining")
         return {**road, "angle": min(angle, 40.0) if fast else angle, "speed": speed}
     arms = [{"angle": a, "lanes_in": lanes, "lanes_out": lanes, "length": length, "speed": speed} for a in _branches(angle)]
     return {"kind": "crossing", "arms": arms, "control": facts.control or "yield"}
@@ -89,14 +93,27 @@ def _lanes(facts: Facts, choices: Choices, usual: int, events: list[EventWords])
 
 def _place(facts: Facts, events: list[EventWords], speed: float) -> tuple[list[Road], float]:
     """Positions along the carriageway; returns the events and the length of road that they need."""
-    here = facts.lengths.get("position", _FIRST)
-    between = max(_BETWEEN, facts.lengths.get("spacing", 0.0))
     ramp_speed = facts.speeds.get("ramp", max(30 * KMH, min(speed, 60 * KMH)))
-    placed = []
+    placed: list[Road] = []
+    end = 0.0
     for event in events:
         lanes = event.lanes or (facts.lanes.get("ramp", 1) if event.kind in _AUXILIARY else 1)
         length = facts.lengths.get("auxiliary", _AUXILIARY.get(event.kind, 0.0))
-        road: Road = {"kind": event.kind, "position": here, "lanes": lanes, "ramp_speed": ramp_speed, "side": event.side}
+        here = _position(facts, event, placed, end)
+        if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in _AUXILIARY and "auxiliary" not in facts.lengths:
+            placed[-1]["length"] = max(50.0, here - _LEAST_BETWEEN - placed[-1]["position"])  # what was said leaves less room
+        road: Road = {"kind": event.kind, "position": here, "lanes": lanes, "side": event.side}
+        road["ramp_speed"] = event.speed or ramp_speed
         placed.append({**road, "length": length} if event.kind in _AUXILIARY else road)
-        here += length + between
-    return placed, here - between + _LAST
+        end = here + length
+    return placed, end + _LAST
+
+
+def _position(facts: Facts, event: EventWords, placed: list[Road], end: float) -> float:
+    """Where an event lies: where the description says, or a usual distance from what comes before it."""
+    if event.position is not None:
+        return event.position
+    if not placed:
+        return facts.lengths.get("position", _FIRST)
+    gap = event.gap or facts.lengths.get("spacing")
+    return max(placed[-1]["position"] + gap, placed[-1]["position"] + 100.0) if gap else end + _BETWEEN

@@ -1,182 +1,189 @@
-"""Junctions in words: grids, roundabouts, T and Y junctions, crossings, and how many roads meet at them."""
-
-import re
-from dataclasses import replace
+"""Junctions: roundabouts, T and Y junctions, crossings, and how many roads meet at them."""
 
 from drivegen.maps.writers._facts import Facts, JunctionWords
-from drivegen.maps.writers._reading import Reading
+from drivegen.maps.writers._layouts import read_grid
+from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._sentence import Sentence
 
-_CROSSING = r"(?:crossings?|cross ?roads?|crossways|intersections?|junctions?)"
-_SIZES = r"(?:(?:mini|small|large|big|modern|urban|compact|simple) )*"
-_RING = rf"{_SIZES}(?:roundabouts?|traffic circles?|rotar(?:y|ies)|circular (?:junction|intersection)s?|gyrator(?:y|ies))"
-ARMS = (
-    r"(?:ways?|arms?|legs?|roads?|streets?|exits?|branch(?:es)?|approach(?:es)?|spokes?|entries|entrances|avenues|"
-    r"directions|highways)"
-)
-_SIGNALS = r"(?:(?:un)?signali[sz]ed|(?:(?:traffic|stop) )?light controlled|signal controlled)"
-_MEET = r"(?:meet|join|cross|intersect|come together|converge|crossing|meeting|intersecting|joined|connected|linked)"
-_REFERS_BACK = re.compile(r"\b(?:the|this|that|each|every|all|both|its|these|those|such)(?: \w+)?$")
-_STAGGERED = (
-    rf"(?:staggered|off ?set|dog ?leg)(?: t)?(?: (?:{_CROSSING}|t s))?(?! (?:by|of|from) )",
-    rf"{_CROSSING} (?:that is |which is )?(?:staggered|off ?set)",
-)
+_NAMES = {"t": "T-junction", "y": "Y-junction", "crossing": "crossing", "roundabout": "roundabout"}
+_FEWEST = 3
 
 
-def refers_back(reading: Reading, match: re.Match[str], words: int = 2) -> bool:
-    """Whether the matched noun is "the ..." or "each ...": something that was mentioned before, or all of them."""
-    return bool(_REFERS_BACK.search(reading.before(match, words)))
-
-
-def read_junctions(reading: Reading, facts: Facts) -> None:
+def read_junctions(s: Sentence, facts: Facts) -> None:
     """Find all junctions, in the order of the text."""
-    _read_staggered(reading, facts)
-    _read_grid(reading, facts)
-    _read_roundabouts(reading, facts)
-    _read_shaped(reading, facts)
-    _read_crossings(reading, facts)
-    _read_loose_arms(reading, facts)
-    facts.junctions.sort(key=lambda junction: junction.at)
-
-
-def _read_staggered(reading: Reading, facts: Facts) -> None:
-    for pattern in _STAGGERED:
-        for match in list(reading.all(pattern)):
-            if reading.negated(match):
-                reading.take(match, "not staggered")
-                continue
-            facts.features.setdefault("staggered", match.start())
-            reading.take(match, "staggered junction")
-
-
-def _read_grid(reading: Reading, facts: Facts) -> None:
-    size = r"(\d+) ?(?:x|by|times) ?(\d+)"
-    many = r"(?:streets|roads|blocks|crossings|intersections|junctions)"
-    grid = (
-        r"(?:(?:street|road|city|regular|square|rectangular|manhattan|style|downtown) )*"
-        rf"(?:grid|blocks?|checkerboard|lattice|mesh)(?: (?:network|plan|layout))?(?: of (?:city )?{many})?(?: streets)?"
-    )
-    patterns = (
-        rf"{size} {grid}",
-        rf"{grid} (?:of |with )?{size}(?: {many})?",
-        rf"{grid} (?:of |with |, )*(\d+) (?:rows|horizontal {many}|streets) (?:and|by|x) (\d+) \w+(?: streets| roads)?",
-        rf"{size}(?: \w+)? {many}",
-        rf"{grid}()()",
-    )
-    for pattern in patterns:
-        for match in list(reading.all(pattern)):
-            if reading.negated(match):
-                reading.take(match, "no grid")
-                continue
-            facts.features.setdefault("grid", match.start())
-            if match[1] and facts.grid is None:
-                facts.grid = (int(match[1]), int(match[2]))
-            reading.take(match, f"grid of {match[1]} x {match[2]} streets" if match[1] else "street grid")
-    alone = reading.first(size) if facts.has("grid") and facts.grid is None else None
-    if alone is not None:
-        facts.grid = (int(alone[1]), int(alone[2]))
-        reading.take(alone, f"grid of {alone[1]} x {alone[2]} streets")
-
-
-def _read_roundabouts(reading: Reading, facts: Facts) -> None:
-    joins = (
-        r"(?: ?,? ?(?:with|of|has|having|where|joining|connecting|linking|serving|that|which|joins|connects|links|and|from"
-        r"|for|between))* "
-    )
-    patterns = (
-        rf"(\d+) (?:way|arm(?:ed)?|leg(?:ged)?|exit|branch|road) {_RING}()",
-        rf"{_RING}{joins}(\d+) (?!lane)(?:\w+ )?{ARMS}()",
-        rf"(\d+) (?!lane)(?:\w+ )?{ARMS} (?:(?:are|that|which|all) )*{_MEET}(?: \w+){{0,2}}? an? {_RING}()",
-        rf"()(?:(\d+) )?{_RING}",
-    )
-    for pattern in patterns:
-        for match in list(reading.all(pattern)):
-            if reading.negated(match):
-                reading.take(match, "no roundabout")
-                continue
-            arms = int(match[1]) if match[1] else None
-            count = int(match[2]) if match[2] else 1
-            known = any(junction.form == "roundabout" for junction in facts.junctions)
-            if not (known and refers_back(reading, match)):
-                facts.junctions.append(JunctionWords("roundabout", match.start(), arms, count=count))
-            said = f" that {arms} roads meet" if arms else ""
-            reading.take(match, f"roundabout{said}" if count == 1 else f"{count} roundabouts")
-
-
-def _read_shaped(reading: Reading, facts: Facts) -> None:
-    """T and Y junctions, which have three roads, and side roads that end at another road."""
-    head = rf"(?:(\d+) (way |arm |leg )?)?(?:{_SIGNALS} )?"
-    road = r"(?:(?:main|major|bigger|larger|busy|wide) )*(?:road|street|arterial|avenue|highway)"
-    shapes = (
-        ("t", rf"{head}(?:t|tee)(?: shaped| style| type)? ?{_CROSSING}", "T-junction"),
-        ("t", rf"(?:ends?|ending|terminat\w+|runs|dead ?ends) (?:at|in|into|on) (?:an?|the) {road}()()", "T-junction"),
-        ("y", rf"{head}y(?: shaped| style| type)? ?{_CROSSING}", "Y-junction"),
-    )
-    for shape, pattern, meaning in shapes:
-        for match in list(reading.all(pattern)):
-            if reading.negated(match):
-                reading.take(match, f"no {meaning}")
-                continue
-            count = int(match[1]) if match[1] and not match[2] else 1
-            arms = int(match[1]) if match[2] else 3
-            if not (
-                facts.junctions and (refers_back(reading, match) or match.group().startswith(("end", "run", "term", "dead")))
-            ):
-                facts.junctions.append(JunctionWords("crossing", match.start(), arms, shape, count, _lit(match.group())))
-            reading.take(match, meaning if count == 1 else f"{count} {meaning}s")
-
-
-def _read_crossings(reading: Reading, facts: Facts) -> None:
-    way = r"(?:way|arm(?:ed)?|leg(?:ged)?|road|branch|street|approach)"
-    joins = r"(?: ?,? ?(?:with|of|has|having|where|joining|connecting|that|which|between))+ "
-    place = rf"(?: each other)?(?: (?:at|in) (?:a |1 |one |an )?(?:single |same )?(?:point|place|{_CROSSING}))?"
-    patterns = (
-        rf"(\d+) {way}(?: multi leg)? (?:(?:{_SIGNALS}|urban|rural|star|stop) )*{_CROSSING}()",
-        rf"(?:{_SIGNALS} |multi (?:leg|way|arm) |star )?{_CROSSING}{joins}(?:exactly )?(\d+) (?!lane)(?:\w+ )?{ARMS}()",
-        rf"(?:where |at which )?(\d+) (?!lane)(?:\w+ ){{0,2}}?{ARMS} (?:all |that |which |are )*{_MEET}{place}()",
-        rf"()crossed by (\d+) (?:\w+ )?{ARMS}",
-        rf"()(?:(\d+) )?(?:{_SIGNALS} )?{_CROSSING}",
-        r"()()(?:roads|streets|country lanes|avenues) (?:that |which )?(?:meet|intersect|cross|join)(?: each other)?",
-        r"()()(?:cross(?:es|ed)?|intersects?|intersecting)",
-    )
-    for pattern in patterns:
-        for match in list(reading.all(pattern)):
-            if reading.negated(match):
-                reading.take(match, "no crossings")
-                continue
-            _add_crossing(reading, facts, match)
-
-
-def _add_crossing(reading: Reading, facts: Facts, match: re.Match[str]) -> None:
-    arms = int(match[1]) if match[1] else None
-    arms = 4 if arms == 2 else arms  # two roads that cross are four arms
-    count = int(match[2]) if match[2] else 1
-    known = next((i for i, junction in enumerate(facts.junctions) if junction.form == "crossing"), None)
-    is_verb = (
-        arms is None and re.search(r"(?:cross(?:es|ed|ing)?|intersect(?:s|ing)?|meet|join|other)$", match.group()) is not None
-    )
-    same = known is not None and count == 1 and (is_verb or (arms is None and refers_back(reading, match)))
-    if known is not None and arms is not None and facts.junctions[known].arms in (None, arms):
-        facts.junctions[known] = replace(facts.junctions[known], arms=arms)
-    elif not same and not (facts.junctions and arms is None and count == 1 and refers_back(reading, match)):
-        facts.junctions.append(JunctionWords("crossing", match.start(), arms, "", count, _lit(match.group())))
-    said = f" of {arms} arms" if arms else ""
-    reading.take(match, f"crossing{said}" if count == 1 else f"{count} crossings")
-
-
-def _read_loose_arms(reading: Reading, facts: Facts) -> None:
-    """A number of arms that stands apart from its junction: "a rotary, 40 m across, four legs"."""
-    for match in list(reading.all(rf"(\d+) (?!lane|side|one way|minor|cross)(?:\w+ )?{ARMS}")):
-        alone = len(facts.junctions) == 1 and facts.junctions[0].count == 1
-        if alone and facts.junctions[0].arms in (None, int(match[1])) and int(match[1]) > 2:
-            facts.junctions[0] = replace(facts.junctions[0], arms=int(match[1]))
-            reading.take(match, f"{match[1]} roads meet")
+    read_grid(s, facts)
+    for phrase in s.phrases:
+        if phrase.kind == "place" and phrase.head not in s.used:
+            _read_place(s, facts, phrase)
     if any(junction.form == "roundabout" for junction in facts.junctions):
-        for match in list(reading.all(r"rings?|circles?|circulating|circulatory")):
-            reading.take(match, "")
+        for phrase in (*s.said("ring"), *s.said("central")):
+            s.use(phrase.head, phrase.head, "")
+    elif (ring := next(s.said("ring"), None)) and _stands_for_roundabout(s, ring):
+        facts.junctions.append(JunctionWords("roundabout", ring.first, ring.arms))
+        s.use(ring.head, ring.head, "roundabout")
+    _read_arms(s, facts)
+    _read_counted_signals(s, facts)
 
 
-def _lit(phrase: str) -> bool | None:
-    """Whether the junction's own name says that it has signals."""
-    if re.search(r"\bunsignali", phrase):
-        return False
-    return True if re.search(_SIGNALS, phrase) else None
+def _stands_for_roundabout(s: Sentence, ring: Phrase) -> bool:
+    return ring.text.endswith(("circle", "circles")) or any(p.number and p.number >= _FEWEST for p in s.said("arm"))
+
+
+def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:
+    name = _NAMES.get(phrase.value, phrase.value)
+    if phrase.negated:
+        s.use(phrase.first, phrase.head, f"no {name}s")
+        return
+    if phrase.value == "staggered":
+        facts.features.setdefault("staggered", phrase.first)
+        first = phrase.text.split()[0]
+        facts.turn = "right" if first == "right" else "left" if first == "left" else facts.turn
+        s.use(phrase.first, phrase.head, "staggered junction")
+        return
+    _use_words(s, phrase)
+    arms = phrase.arms or _ways(s, phrase)
+    same = _meant(s, facts, phrase)
+    if same is not None:
+        same.arms = same.arms or arms
+        same.control = same.control or _own_control(phrase)
+        if phrase.value in ("t", "y") and not same.shape and same.form == "crossing":
+            same.shape, same.arms = phrase.value, same.arms or _FEWEST
+        s.use(phrase.head, phrase.head, name)
+        return
+    shape = phrase.value if phrase.value in ("t", "y") else ""
+    form = "roundabout" if phrase.value == "roundabout" else "crossing"
+    count = phrase.number or 1
+    if phrase.arms is None and arms is not None:
+        count = 1
+    junction = JunctionWords(
+        form, phrase.first, arms or (_FEWEST if shape else None), shape, count, _own_control(phrase), gap=phrase.gap
+    )
+    following = s.tokens[phrase.head + 1 : phrase.head + 2]
+    if following and following[0].kind == "turn":
+        junction.side = "left" if following[0].value == "left" else "right"
+    facts.junctions.append(junction)
+    s.use(phrase.first if phrase.number else phrase.head, phrase.head, name if count == 1 else f"{count} {name}s")
+
+
+def _use_words(s: Sentence, phrase: Phrase) -> None:
+    for i in range(phrase.first, phrase.head):
+        if s.tokens[i].kind in ("control", "number", "arm", "many"):
+            s.used.add(i)
+        if s.tokens[i].kind == "road" and s.word(i - 1, "number"):
+            s.used.update((i - 1, i))
+
+
+def _ways(s: Sentence, phrase: Phrase) -> int | None:
+    """Four in "four-way intersection" where the phrase begins after the number."""
+    before = s.tokens[max(0, phrase.first - 2) : phrase.first]
+    if len(before) == 2 and before[0].kind == "number" and before[1].kind in ("arm", "two_way"):
+        s.used.update((phrase.first - 2, phrase.first - 1))
+        return before[0].number
+    return None
+
+
+def _own_control(phrase: Phrase) -> str | None:
+    return phrase.words.get("control")
+
+
+def _meant(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
+    """The junction that was mentioned before, where these words mean it again."""
+    form = "roundabout" if phrase.value == "roundabout" else "crossing"
+    known = [j for j in facts.junctions if j.form == form]
+    if facts.has("staggered") and form == "crossing":
+        return JunctionWords("crossing", phrase.first)
+    if not known:
+        return facts.junctions[-1] if facts.junctions and form == "crossing" and _refers_back(s, phrase) else None
+    if (phrase.number or 1) > 1 and phrase.number == known[-1].count and not s.between(known[-1].at, phrase.first, "and", "seq"):
+        return known[-1]
+    if (phrase.number or 1) > 1 or phrase.det == "another" or s.between(known[-1].at, phrase.first, "seq", "later"):
+        return None
+    if _refers_back(s, phrase):
+        return known[-1]
+    if phrase.value in ("t", "y") and known[-1].shape in ("", phrase.value) and known[-1].arms in (None, _FEWEST):
+        close = not s.between(known[-1].at, phrase.first, "and")
+        return known[-1] if close else None
+    if phrase.value == "roundabout" and s.between(known[-1].at + 1, phrase.first, "det", "comma", "stop"):
+        return None
+    same = phrase.value in ("crossing", "roundabout")
+    return known[-1] if same and not s.between(known[-1].at, phrase.first, "and", "number") else None
+
+
+def _refers_back(s: Sentence, phrase: Phrase) -> bool:
+    near = s.tokens[max(0, phrase.first - 1) : phrase.head + 1]
+    return phrase.det == "the" or any(t.text in ("each", "every", "all", "both", "its") for t in near)
+
+
+def _read_arms(s: Sentence, facts: Facts) -> None:
+    """A number of roads or arms that meet: at the junction mentioned, or making one."""
+    for phrase in (*s.said("arm"), *s.said("road"), *s.said("ramp", "off_or_arm", "on_or_arm")):
+        number = phrase.number or _counted_before(s, phrase)
+        if phrase.head in s.used or number is None or number < 2 or phrase.role:
+            continue
+        if facts.has("grid") or (phrase.kind == "ramp" and not facts.junctions):
+            continue
+        if _crosses(s, phrase):
+            continue
+        _give_arms(s, facts, phrase, number)
+
+
+def _counted_before(s: Sentence, phrase: Phrase) -> int | None:
+    if phrase.first and s.word(phrase.first - 1, "number") and phrase.kind == "arm":
+        return s.tokens[phrase.first - 1].number
+    return None
+
+
+def _crosses(s: Sentence, phrase: Phrase) -> bool:
+    """Whether the streets cross another one after another: "crossed by four streets", "crosses three roads"."""
+    before = s.tokens[max(0, phrase.first - 3) : phrase.first]
+    return any(t.kind == "verb" and t.value == "cross" for t in before)
+
+
+def _give_arms(s: Sentence, facts: Facts, phrase: Phrase, number: int) -> None:
+    single = [j for j in facts.junctions if j.count == 1]
+    s_meet = _meets(s, phrase)
+    if phrase.kind != "arm" and not single and not s_meet:
+        return
+    if facts.has("staggered", "fork") or (not facts.junctions and _of_a_road(s, phrase)):
+        return
+    arms = 4 if number == 2 and phrase.kind == "road" else number
+    if not facts.junctions:
+        if phrase.kind == "road" and not s_meet:
+            return
+        facts.junctions.append(JunctionWords("crossing", phrase.first, arms))
+    else:
+        nearest = min(facts.junctions, key=lambda j: abs(j.at - phrase.first))
+        if phrase.kind == "road" and number == 2:
+            arms = nearest.arms or (4 if nearest.form == "crossing" else None) or 4
+            if nearest.form == "roundabout":
+                return
+        if nearest.arms not in (None, arms):
+            return  # a contradiction: the number stays over, and is refused
+        nearest.arms = arms
+    s.use(phrase.first, phrase.head, f"{number} roads meet")
+    if s.word(phrase.first - 1, "number"):
+        s.used.add(phrase.first - 1)
+
+
+def _of_a_road(s: Sentence, phrase: Phrase) -> bool:
+    """Whether the arms are said of a road: "a bypass with six arms"."""
+    before = s.last_before(phrase.first, "road")
+    return before is not None and phrase.first - before.head <= 2 and s.word(before.head + 1, "with")
+
+
+def _meets(s: Sentence, phrase: Phrase) -> bool:
+    near = s.tokens[max(0, phrase.first - 3) : phrase.first] + s.tokens[phrase.head + 1 : phrase.head + 6]
+    for token in near:
+        if token.kind == "stop":
+            break
+        if token.kind == "verb" and token.value in ("meet", "cross", "join"):
+            return True
+    return False
+
+
+def _read_counted_signals(s: Sentence, facts: Facts) -> None:
+    """Lights that are counted are junctions: "three traffic lights every 200 m"."""
+    for phrase in s.said("control", "signals"):
+        if (phrase.number or 0) >= 2 and not facts.junctions and not facts.has("grid"):
+            facts.junctions.append(JunctionWords("crossing", phrase.first, None, "", phrase.number or 2, "signals"))
+            s.use(phrase.first, phrase.head, f"{phrase.number} signalised crossings")

@@ -1,120 +1,105 @@
 """How many lanes, of which road. Lanes count per direction unless the description says they are the total."""
 
-import re
-
 from drivegen.maps.writers._facts import Facts
-from drivegen.maps.writers._reading import Reading
+from drivegen.maps.writers._owners import is_close, owner, role
+from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._quantities import Lanes
+from drivegen.maps.writers._sentence import Sentence
 
-_ROAD = r"(?:roads?|streets?|arms?|legs?|approach(?:es)?|avenues?|carriageways?|lanes?)"
-NOUNS = {
-    "ring": r"(?:roundabouts?|traffic circles?|rotar(?:y|ies)|rings?|circles?|circulating (?:road|carriageway))",
-    "ramp": r"(?:(?:on |off |entry |exit |entrance |access |merging )?(?:ramps?|slip roads?))",
-    "side": rf"(?:(?:side|minor|secondary|smaller|cross|crossing|lesser|local|access|branch|joining|other) {_ROAD}|stem)",
-    "main": rf"(?:(?:main|major|primary|priority|through|bigger|larger|big|mainline) ?{_ROAD}?|arterial(?: {_ROAD})?|mainline)",
-}
-_N = r"(\d+)"
-_LANES = r"(?:driving |traffic |travel |through |circulating |general purpose )?lanes?"
-_EACH = (
-    r"(?:(?:going |running )?(?:in |on |for |per |at )?(?:each|either|every|both|per|a)(?: of the)?(?: driving| travel)?"
-    r" (?:ways?|directions?|sides?|carriageways?|approach(?:es)?|arms?|legs?)|per direction|each way|apiece)"
-)
-_NARROWS = (
-    r"(?: ?,? ?(?:that|which|and|will|gradually|suddenly|is|are|being|then|later) )* ?"
-    r"(?:narrow\w*|merg\w+|reduc\w+|drop\w*|becom\w+|taper\w*|go(?:es|ing)?|shr\w+nk\w*|squeez\w+|converg\w+|clos\w+|turn\w*"
-    r"|widen\w*|expand\w*|grow\w*|open\w*|chang\w+|down|up|increas\w+)"
-    r"(?: (?:down|up|out))?"
-)
+_OWNERS = ("road", "ramp", "ring", "place", "arm")
+_MOST = 8
 
 
-def read_lanes(reading: Reading, facts: Facts) -> None:
+def read_lanes(s: Sentence, facts: Facts) -> None:
     """Fill in the lane numbers."""
-    _read_pockets(reading, facts)
-    _read_changes(reading, facts)
-    for role, noun in NOUNS.items():
-        _read_role(reading, facts, role, noun)
-    total = rf"{_N} {_LANES} (?:in total|total|altogether|overall|both directions together|combined)"
-    total += rf"|{_N} {_LANES} (?:undivided|two way|2 way|bidirectional)"
-    for match in list(reading.all(total)):
-        lanes = int(next(g for g in match.groups() if g))
-        facts.other_lanes.append((match.start(), max(1, lanes // 2) if lanes else 0))
-        reading.take(match, f"{lanes} lanes in all, {max(1, lanes // 2)} per direction")
-    each = rf"{_N} {_LANES},? {_EACH}|{_N} {_EACH}|{_EACH} (?:direction )?(?:has|with|of) {_N} {_LANES}"
-    explicit = _read_plain(reading, facts, each)
-    plain = rf"{_N} {_LANES}"
-    if explicit:
-        # "A four-lane road, two lanes each way" says the same thing twice.
-        same = {*explicit, *(2 * lanes for lanes in explicit)}
-        for match in list(reading.all(plain)):
-            if int(match[1]) in same:
-                reading.take(match, f"{_count(explicit[0])} per direction")
-    _read_plain(reading, facts, plain)
-
-
-def _read_plain(reading: Reading, facts: Facts, pattern: str) -> list[int]:
-    found = []
-    for match in list(reading.all(pattern)):
-        lanes = int(next(g for g in match.groups() if g))
-        facts.other_lanes.append((match.start(), lanes))
-        found.append(lanes)
-        reading.take(match, f"{_count(lanes)} per direction")
-    return found
-
-
-def _read_role(reading: Reading, facts: Facts, role: str, noun: str) -> None:
-    between = r"(?:(?:is|has|having|have|with|of|that|which|carrying|each|only|and a|wide|,) ){0,3}"
-    adjectives = r"(?:(?!and\b|with\b|meets?\b|cross\w*\b|from\b|road\b|street\b|highway\b|intersection\b|\d)\w+ ){0,2}?"
-    patterns = (
-        rf"{_N} {_LANES}(?: {_EACH})? (?:on|in|for|along|at|inside|around|of|to) (?:the |each |its |every |all )*{noun}",
-        rf"{noun} {between}{_N} {_LANES}(?: (?:wide|{_EACH}))?",
-        rf"{_N} lane,? (?!each|per|in){adjectives}{noun}",
-    )
-    for pattern in patterns:
-        for match in list(reading.all(pattern)):
-            if role not in facts.lanes:
-                facts.lanes[role] = int(match[1])
-            # The noun itself decides the kind of road, so only the lane words are taken here.
-            words = re.compile(rf"{_N} {_LANES}(?: {_EACH})?").search(reading.text, match.start(), match.end())
-            if words is not None:
-                reading.take(words, f"{_count(int(match[1]))} on the {role}")
-
-
-def _read_changes(reading: Reading, facts: Facts) -> None:
-    """A road that narrows or widens from one number of lanes to another."""
-    patterns = (
-        rf"{_N}(?: {_LANES})?(?: road| highway| street| motorway)?{_NARROWS} (?:in)?to (?:only |just )?{_N}(?: {_LANES})?",
-        rf"{_N}(?: {_LANES})? becom\w+ (?:only |just )?{_N}(?: {_LANES})?",
-        rf"from {_N}(?: {_LANES})? (?:down |up )?to {_N} ?(?:{_LANES})?",
-        rf"{_N} to {_N} {_LANES}",
-    )
-    for pattern in patterns:
-        match = reading.first(pattern)
-        if match is not None and facts.from_lanes is None:
-            facts.from_lanes, facts.to_lanes = int(match[1]), int(match[2])
-            change = "lane_drop" if facts.to_lanes < facts.from_lanes else "lane_gain"
-            facts.features[change] = match.start()
-            reading.take(match, f"{_count(facts.from_lanes)} become {facts.to_lanes}")
-    match = reading.first(rf"{_NARROWS} (?:in)?to (?:only |just )?{_N} {_LANES}")
-    if match is not None and facts.from_lanes is None:
-        facts.to_lanes = int(match[1])
-        facts.features["lane_change"] = match.start()
-        reading.take(match, f"becomes {_count(facts.to_lanes)}")
-
-
-def _read_pockets(reading: Reading, facts: Facts) -> None:
-    kinds = r"(?:a |an |separate |dedicated |exclusive |own |extra |protected |additional )*"
-    pocket = r"(?:turn(?:ing|s)?) (?:lanes?|pockets?|bays?)"
-    for match in list(reading.all(rf"{kinds}(left and right |left or right |left |right )?(?:hand )?{pocket}")):
-        if reading.negated(match):
-            reading.take(match, "no turn lanes")
+    said = [item for item in s.lanes if item.first not in s.used]
+    explicit = {item.count for item in said if item.per == "each"}
+    for item in said:
+        phrase = owner(s, item.first, item.last, *_OWNERS)
+        count = item.count
+        if item.per == "total" or _runs_both_ways(s, item, phrase):
+            count = max(1, count // 2) if count else 0
+        elif item.per == "" and count not in explicit and count % 2 == 0 and count // 2 in explicit and _same_road(s, item, said):
+            s.use(item.first, item.last, f"{_count(count // 2)} per direction")
             continue
-        which = (match[1] or "left and right").strip()
-        facts.left_pocket |= "left" in which
-        facts.right_pocket |= "right" in which
-        reading.take(match, f"turn lanes ({which})")
-    for match in list(reading.all(rf"{kinds}lanes? for (?:the )?(left|right) turn(?:s|ing)?")):
-        facts.left_pocket |= match[1] == "left"
-        facts.right_pocket |= match[1] == "right"
-        reading.take(match, f"turn lanes ({match[1]})")
+        _give(s, facts, item, phrase, count)
+    _read_elliptic(s, facts)
+
+
+def _runs_both_ways(s: Sentence, item: Lanes, phrase: Phrase | None) -> bool:
+    """Whether "two-lane, two-way road" counts both directions."""
+    if item.per or item.value:
+        return False
+    if item.inside and phrase is not None and phrase.words.get("two_way"):
+        return True
+    after = [t.kind for t in s.tokens[item.last + 1 : item.last + 3]]
+    return after[:1] == ["two_way"] or (after == ["comma", "two_way"])
+
+
+def _same_road(s: Sentence, item: Lanes, said: list[Lanes]) -> bool:
+    here = owner(s, item.first, item.last, *_OWNERS)
+    halves = [other for other in said if other.per == "each" and 2 * other.count == item.count]
+    return any(
+        (there := owner(s, o.first, o.last, *_OWNERS)) is None or here is None or role(s, there) == role(s, here) for o in halves
+    )
+
+
+def _give(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None, count: int) -> None:
+    who = _role(s, facts, item, phrase)
+    if who == "ramp" and phrase is not None:
+        phrase.lanes = count
+    if who and who not in facts.lanes:
+        facts.lanes[who] = count
+    elif not who:
+        facts.other_lanes.append((item.first, count))
+    where = f" on the {who}" if who in ("side", "ring", "ramp") else ""
+    s.use(item.first, item.last, f"{_count(count)}{where} per direction" if not where else f"{_count(count)}{where}")
+
+
+def _role(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None) -> str:
+    if item.value:
+        return item.value
+    if phrase is None:
+        return ""
+    if item.per in ("arms", "all") and phrase.kind in ("place", "ring", "arm"):
+        return "arms"
+    if phrase.kind == "arm":
+        return "arms"
+    if phrase.kind == "place":
+        governed = s.governed(item.last) is phrase
+        return "ring" if phrase.value == "roundabout" and (governed or phrase.first <= item.first <= phrase.head) else ""
+    who = role(s, phrase)
+    inside = phrase.first <= item.first < phrase.head or s.governed(item.last) is phrase
+    if who in ("ramp", "ring") and not inside and not is_close(s, phrase, item.first) and "main" not in facts.lanes:
+        return "main" if who == "ramp" else "arms" if item.per else ""
+    return who
+
+
+def _read_elliptic(s: Sentence, facts: Facts) -> None:
+    """Numbers whose lanes were said before: "three lanes on the main road, two on the side road", "minor one"."""
+    if not s.lanes:
+        return
+    taken = {i for item in s.lanes for i in range(item.first, item.last + 1)}
+    for i in s.of_kind("number"):
+        if i in taken or i in s.used or not 1 <= s.tokens[i].number <= _MOST:
+            continue
+        phrase = s.governed(i)
+        if phrase is None and _ends_here(s, i):
+            phrase = s.last_before(i, "road", "ramp", "ring", "place")
+            phrase = phrase if phrase is not None and is_close(s, phrase, i) else None
+        if phrase is None or phrase.kind not in _OWNERS:
+            continue
+        who = "ring" if phrase.kind == "place" and phrase.value == "roundabout" else role(s, phrase)
+        if who and who not in facts.lanes:
+            facts.lanes[who] = s.tokens[i].number
+            if phrase.kind == "ramp":
+                phrase.lanes = s.tokens[i].number
+            s.use(i, i, f"{_count(s.tokens[i].number)} on the {who}")
+
+
+def _ends_here(s: Sentence, i: int) -> bool:
+    following = s.tokens[i + 1] if i + 1 < len(s.tokens) else None
+    return following is None or following.kind in ("comma", "stop", "and", "each", "seq", "but")
 
 
 def _count(lanes: int) -> str:

@@ -59,7 +59,8 @@ _CHINESE_WORDS = {
     "单向": "in each direction with", "条车道": " lanes", "个车道": " lanes", "车道": " lanes", "限速": "speed limit",
     "公里每小时": "kmh", "千米每小时": "kmh", "公里/小时": "kmh", "千米/小时": "kmh", "公里": "km", "千米": "km", "米": "m",
     "直线道路": "straight road", "直路": "straight road", "直道": "straight road", "笔直": "straight",
-    "弯道": "curve", "弯路": "curved road", "弯曲": "curved", "S形弯": "s curve", "S弯": "s curve", "S型弯": "s curve",
+    "双车道": "2 lane ", "弯道": "curve", "弯路": "curved road", "弯曲": "curved", "S形弯": "s curve",
+    "S弯": "s curve", "S型弯": "s curve",
     "发夹弯": "hairpin", "网格": "grid", "棋盘": "grid", "单行道": "one way street", "断头路": "cul de sac",
     "死胡同": "cul de sac", "道路": "road", "公路": "road", "街道": "street", "马路": "road", "乡村": "rural",
     "城市": "urban", "住宅区": "residential", "主路": "main road", "主干道": "main road", "支路": "side road",
@@ -76,7 +77,10 @@ def in_english(text: str) -> str:
     if _CHINESE.search(text):
         return _from_chinese(text)
     lower = text.lower()
-    if len(_GERMAN.findall(lower)) >= 2 or re.search(r"[äöüß]|(?:kreuzung|kreisverkehr|kreisel|sackgasse|straße)\b", lower):
+    if len(_GERMAN.findall(lower)) >= 2 or re.search(
+        r"[äöüß]|(?:kreuzung|kreisverkehr|kreisel|sackgasse|straße|autobahn\w+|fahrstreifen|fahrspur(?:en)?|\w+spurige?r?|einbahn\w+)\b",
+        lower,
+    ):
         return _from_german(lower)
     return text
 

@@ -1,85 +1,218 @@
 """Speeds, lengths, angles and what each belongs to."""
 
-import re
-
 from drivegen.maps.writers._facts import Facts
-from drivegen.maps.writers._reading import Reading
+from drivegen.maps.writers._owners import is_close, owner, role
+from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._sentence import Sentence
 
-NUMBER = r"(\d+(?:\.\d+)?)"
-
-_SPEED_UNITS = {"kmh": 1 / 3.6, "mph": 0.44704, "mps": 1.0}
-_LENGTH_UNITS = {"m": 1.0, "km": 1000.0, "ft": 0.3048, "yd": 0.9144, "mile": 1609.344}
-_LENGTH = rf"{NUMBER} ?(m|km|ft|yd|mile)"
-_BESIDE = r"(?:acceleration|deceleration|auxiliary|merg\w+|weaving)"
-_LIMIT = r"(?:speed|limit|limited|posted|maximum|max|signed|restricted|design)"
-_DRIVING = re.compile(r"\b(?:cars?|trucks?|bus(?:es)?|vehicles?|vans?|lorr(?:y|ies)|traffic (?:moving|driving|flowing)|driver)\b")
+_KMH = 1 / 3.6
+_LEAST_BARE_SPEED = 10
+_CUES = ("radius", "diameter", "spacing", "offset", "later", "before", "start", "long", "auxiliary", "weaving", "median")
+_EVENTS = ("ramp", "weaving", "extra")
 
 
-def read_speeds(reading: Reading, facts: Facts) -> None:
+def read_speeds(s: Sentence, facts: Facts) -> None:
     """Speed limits, with or without a unit; the speeds of cars are left to whoever reads vehicles."""
-    with_unit = rf"(?:(?:{_LIMIT}|of|is|at|to|a|are|roads?|zone|set|up) )*{NUMBER} ?(kmh|mph|mps)(?: {_LIMIT})*(?: zone)?"
-    bare = rf"(?:{_LIMIT} )+(?:(?:of|is|at|to|set|being|the) )*{NUMBER}(?! ?(?:m|km|ft|yd|mile|lanes?|degrees)\b)|{NUMBER} zone"
-    for pattern in (with_unit, bare):
-        for match in list(reading.all(pattern)):
-            clause = re.split(r"[.,;]", reading.text[: match.start()])[-1]
-            if _DRIVING.search(clause) and "limit" not in match.group():
-                continue
-            groups = [g for g in match.groups() if g is not None]
-            unit = groups[1] if len(groups) > 1 else "kmh"
-            role = _speed_role(reading, match)
-            facts.speeds.setdefault(role, float(groups[0]) * _SPEED_UNITS[unit])
-            where = "" if role == "main" else f" on the {role}"
-            shown = {"kmh": "km/h", "mph": "mph", "mps": "m/s"}[unit]
-            reading.take(match, f"speed limit {groups[0]} {shown}{where}")
+    for i, token in enumerate(s.tokens):
+        if i in s.used:
+            continue
+        if token.kind == "speed" and not _is_driven(s, i):
+            _give_speed(s, facts, i, token.amount[0], f"{_shown(token.text)}")
+        elif token.kind == "number" and token.amount[0] >= _LEAST_BARE_SPEED and _is_bare_speed(s, facts, i):
+            _give_speed(s, facts, i, token.amount[0] * _KMH, f"{token.amount[0]:g} km/h")
 
 
-def _speed_role(reading: Reading, match: re.Match[str]) -> str:
-    near = f"{reading.before(match, 4)} | {reading.after(match, 5)}"
-    if re.search(r"\bramp\b|\bslip\b", near):
-        return "ramp"
-    if re.search(r"\b(?:side|minor|secondary|cross) (?:road|street)s?", near):
-        return "side"
-    return "ring" if re.search(r"\b(?:ring|circulat\w+)\b", near) else "main"
+def _shown(text: str) -> str:
+    return text.replace("kmh", "km/h").replace("mps", "m/s")
 
 
-def read_lengths(reading: Reading, facts: Facts) -> None:
+def _clause(s: Sentence, i: int) -> int:
+    """Where the clause of token i begins."""
+    while i > 0 and s.tokens[i - 1].kind not in ("stop", "comma", "and", "but"):
+        i -= 1
+    return i
+
+
+def _is_driven(s: Sentence, i: int) -> bool:
+    clause = s.tokens[_clause(s, i) : i]
+    return any(t.kind == "driving" for t in clause) and not any(t.kind == "speed_word" for t in clause)
+
+
+def _is_bare_speed(s: Sentence, facts: Facts, i: int) -> bool:
+    following = s.tokens[i + 1] if i + 1 < len(s.tokens) else None
+    if following is not None and following.kind == "speed_word":
+        return True
+    if following is not None and following.kind in ("lane", "arm", "place", "road", "driving"):
+        return False
+    if any(t.kind == "speed_word" for t in s.tokens[_clause(s, i) : i]):
+        return True
+    return bool(facts.speeds) and s.governed(i) is not None
+
+
+def _give_speed(s: Sentence, facts: Facts, i: int, speed: float, shown: str) -> None:
+    who = _speed_role(s, facts, i)
+    phrase = owner(s, i, i, "ramp")
+    if who == "ramp" and phrase is not None and phrase.speed is None:
+        phrase.speed = speed
+    facts.speeds.setdefault(who or "main", speed)
+    first = i
+    while (first > 0 and s.tokens[first - 1].kind in ("speed_word", "is")) or (
+        first > 0 and s.tokens[first - 1].text in ("of", "at", "to")
+    ):
+        first -= 1
+    last = i + 1 if s.word(i + 1, "speed_word") else i
+    s.use(first, last, f"speed limit {shown}" + (f" on the {who}" if who and who != "main" else ""))
+
+
+def _speed_role(s: Sentence, facts: Facts, i: int) -> str:
+    inside = next((p for p in s.phrases if p.first <= i < p.head and p.kind in ("road", "ramp", "ring", "place")), None)
+    governed = s.governed(i)
+    if governed is None and s.word(i + 1, "speed_word"):
+        governed = s.governed(i + 1)
+    if governed is not None and ((governed.det == "" and (governed.number or 0) > 1) or _all(s, governed)):
+        return "main"
+    phrase = inside or governed
+    if phrase is not None:
+        return role(s, phrase)
+    before = s.last_before(i, "road", "ramp", "ring", "place")
+    if before is None or before.kind == "place":
+        return "main"
+    who = role(s, before)
+    if who in ("ramp", "side", "ring") and not is_close(s, before, i) and "main" not in facts.speeds:
+        return "main"
+    if who == "side" and not before.role and not is_close(s, before, i):
+        return "main"
+    return who
+
+
+def _all(s: Sentence, phrase: Phrase) -> bool:
+    near = s.tokens[max(0, phrase.first - 1) : phrase.head + 1]
+    return any(t.text in ("all", "both", "each", "every") for t in near)
+
+
+def read_lengths(s: Sentence, facts: Facts) -> None:
     """Lengths by role; the words beside a number tell what it measures."""
-    roles = (
-        (
-            "spacing",
-            rf"(?:every|spacing of|spacing|spaced|intervals? of|blocks? of|distance of|separated by) (?:about )?{_LENGTH}",
-        ),
-        ("spacing", rf"{_LENGTH} (?:apart|between|spacing|intervals?|from (?:each other|1 another|one another)|blocks?|away)"),
-        ("position", rf"{_LENGTH} (?:after|from|beyond|past|into) the (?:start|beginning)"),
-        ("spacing", rf"{_LENGTH} before"),
-        ("spacing", rf"{_LENGTH}(?: \w+)? (?:later|further on|after (?:that|it))"),
-        ("radius", rf"{_LENGTH} radius|radius (?:of |is )?(?:about )?{_LENGTH}"),
-        ("diameter", rf"{_LENGTH} (?:in )?(?:diameter|across|wide)|diameter (?:of |is )?(?:about )?{_LENGTH}"),
-        ("auxiliary", rf"{_LENGTH}(?: long)? {_BESIDE}(?: (?:lane|section|area))?"),
-        (
-            "auxiliary",
-            rf"{_BESIDE} (?:lane|section|area) (?:, )?(?:\w+ )?(?:of |is )?{_LENGTH}(?: long)?",
-        ),
-        ("offset", rf"(?:offset|staggered|displaced|shifted)(?: by| of)?(?: about)? {_LENGTH}|{_LENGTH} offset"),
-        ("position", rf"(?:after|at)(?: about| the first)? {_LENGTH}"),
-        ("side", rf"(?:arms|legs|approaches|side (?:roads?|streets?)) (?:of |are |is )*(?:about )?{_LENGTH}(?: long)?"),
-        ("length", rf"(?:length (?:of |is )?|over |for |of |about )*{_LENGTH}(?: (?:in length|long|stretch|length|of))*"),
+    for i in s.of_kind("length"):
+        if i in s.used:
+            continue
+        metres, cue = s.tokens[i].amount[0], _cue(s, i)
+        name = _named(s, i, cue)
+        if name in ("gap", "position") and _give_to_part(s, i, name, metres, cue):
+            pass
+        elif name == "gap":
+            facts.lengths.setdefault("spacing", metres)
+        else:
+            facts.lengths.setdefault(name, metres)
+        shown = {"auxiliary": "auxiliary lane", "gap": "distance"}.get(name, name)
+        s.use(i, i, f"{shown} {s.tokens[i].text}")
+    alone = next((i for i in s.of_kind("number") if i not in s.used and s.tokens[i].number >= 20 and _cue_word(s, i)), None)
+    if alone is not None:
+        name = s.tokens[alone - 1 if s.tokens[alone - 1].kind in _CUES else alone - 2].kind
+        facts.lengths.setdefault(name, s.tokens[alone].amount[0])
+        s.use(alone, alone, f"{name} {s.tokens[alone].text} m")
+
+
+def _cue_word(s: Sentence, i: int) -> bool:
+    before = [t.kind for t in s.tokens[max(0, i - 2) : i]]
+    return any(kind in ("radius", "diameter", "spacing") for kind in before)
+
+
+def _cue(s: Sentence, i: int) -> int | None:
+    """The token that says what the length at i measures: right after it, else close before it."""
+    for j in range(i + 1, min(len(s.tokens), i + 4)):
+        token = s.tokens[j]
+        if token.kind in _CUES:
+            return j
+        if not (
+            token.kind in ("is", "small", "auxiliary")
+            or (token.kind == "prep" and token.value in ("on", "of"))
+            or token.text in ("long", "further")
+        ):
+            break
+    for j in range(i - 1, max(-1, i - 5), -1):
+        token = s.tokens[j]
+        if token.kind in _CUES and not (token.kind in ("later", "before", "spacing") and _has_length(s, j, i)):
+            return j
+        if token.kind in ("length", "stop", "comma", "road", "place", "ramp", "speed", "verb", "number", "lane"):
+            return None
+    return None
+
+
+def _has_length(s: Sentence, j: int, i: int) -> bool:
+    """Whether the cue at j already follows a length of its own."""
+    return j > 0 and s.tokens[j - 1].kind == "length" and j - 1 != i
+
+
+def _named(s: Sentence, i: int, cue: int | None) -> str:
+    kind = s.tokens[cue].kind if cue is not None else ""
+    if kind == "spacing" and s.tokens[cue or 0].text in ("away", "distance"):
+        kind = "later" if s.tokens[cue or 0].text == "away" else "spacing"
+    if kind == "long":
+        return _what_is_long(s, i)
+    if kind:
+        return {"later": "gap", "before": "gap", "start": "position", "weaving": "auxiliary"}.get(kind, kind)
+    before = s.tokens[i - 1] if i else None
+    if before is not None and before.kind == "prep" and before.text in ("at", "after"):
+        return "position" if before.text == "at" else "gap"
+    if _is_inside(s, i, "auxiliary", "weaving"):
+        return "auxiliary"
+    return _what_is_long(s, i)
+
+
+def _is_inside(s: Sentence, i: int, *kinds: str) -> bool:
+    return any(p.kind in kinds and p.first <= i < p.head for p in s.phrases) or (
+        i + 1 < len(s.tokens) and s.tokens[i + 1].kind in kinds
     )
-    for role, pattern in roles:
-        for match in list(reading.all(pattern)):
-            value, unit = [g for g in match.groups() if g is not None][:2]
-            facts.lengths.setdefault(role, float(value) * _LENGTH_UNITS[unit])
-            # The words beside an auxiliary lane's length decide the kind of road, so only the number is taken there.
-            found = re.compile(_LENGTH).search(reading.text, match.start(), match.end()) if role == "auxiliary" else match
-            reading.take(found or match, f"{role.replace('auxiliary', 'auxiliary lane')} {value} {unit}")
 
 
-def read_angles(reading: Reading, facts: Facts) -> None:
+def _what_is_long(s: Sentence, i: int) -> str:
+    """Which thing a plain length belongs to: an acceleration lane, side roads, arms, or the road itself."""
+    road = next((p for p in s.phrases if p.kind == "road" and p.first <= i < p.head), None)
+    if road is not None and any(t.value == "meet" for t in s.tokens[max(0, road.first - 2) : road.first]):
+        return "spacing"  # "linked by a 120 m road"
+    before = s.last_before(i, "auxiliary", "weaving", "road", "arm", "ramp", "place", "shape")
+    if _is_inside(s, i, "auxiliary", "weaving"):
+        return "auxiliary"
+    if before is None or s.governed(i) is not None:
+        return "length"
+    if before.kind in ("auxiliary", "weaving") and len(s.tokens[before.head + 1 : i]) <= 3:
+        return "auxiliary"
+    if (before.kind == "road" and before.role == "side") or before.kind == "arm":
+        return "side" if is_close(s, before, i) else "length"
+    return "length"
+
+
+def _give_to_part(s: Sentence, i: int, name: str, metres: float, cue: int | None) -> bool:
+    """Note where a ramp or junction lies, or how far from the one before it; whether there is one."""
+    kinds = (*_EVENTS, "place")
+    start = _clause(s, i)
+    before = next((p for p in reversed(s.phrases) if start <= p.head < i and p.kind in kinds and not p.negated), None)
+    after = next(
+        (p for p in s.phrases if p.first > i and p.kind in kinds and not p.negated and not s.between(i, p.first, "stop")), None
+    )
+    if name == "position":
+        part = before or s.last_before(i, *kinds) or after
+        if part is not None:
+            part.position = metres
+        return part is not None
+    parts = [p for p in s.phrases if p.kind in kinds and not p.negated]
+    is_before = cue is not None and s.tokens[cue].kind == "before"
+    part = after if is_before or before is None or before is parts[0] else before
+    part = part or before
+    if part is None:
+        return False
+    if part is parts[0] and not is_before:
+        part.position = metres
+    else:
+        part.gap = metres
+    return True
+
+
+def read_angles(s: Sentence, facts: Facts) -> None:
     """One angle: of a bend, a fork or a skew crossing."""
-    for match in list(reading.all(rf"(?:(?:through|by|of|at|an angle of|about) )*{NUMBER} degrees?(?: angle)?")):
-        facts.angle = float(match[1]) if facts.angle is None else facts.angle
-        reading.take(match, f"angle {match[1]} degrees")
-    right = reading.first(r"(?:at |a )*right angles?|quarter turn|perpendicular(?:ly)?")
-    if facts.angle is None and right is not None:
-        facts.angle = 90.0
-        reading.take(right, "angle 90 degrees")
+    for i in s.of_kind("angle"):
+        facts.angle = s.tokens[i].amount[0] if facts.angle is None else facts.angle
+        s.use(i, i, f"angle {s.tokens[i].amount[0]:g} degrees")
+    for i in s.of_kind("right_angle"):
+        facts.angle = 90.0 if facts.angle is None else facts.angle
+        s.use(i, i, "angle 90 degrees")

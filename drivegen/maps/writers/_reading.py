@@ -11,7 +11,7 @@ _UNITS = (
     (r"k\.?m\.? ?/ ?h\b|\bkm ?h\b|kph|kmph|(?:km|kilomet(?:re|er)s?) (?:per|an|a|every) hour|\bkmhr?\b|\bk/h\b", " kmh "),
     (r"m\.?p\.?h\b\.?|mi ?/ ?h\b|miles? (?:per|an|a) hour", " mph "),
     (r"\bm ?/ ?s\b|met(?:re|er)s? (?:per|a) second", " mps "),
-    (r"°|\bdegs?\b\.?", " degrees "),
+    (r"°|\bdeg(?:ree)?s?\b\.?", " degrees "),
     (r"\bkilomet(?:re|er)s?\b|\bkms?\b", " km "),
     (r"\bmet(?:re|er)s?\b", " m "),
     (r"\bfeet\b|\bfoot\b|\bft\b\.?", " ft "),
@@ -26,6 +26,8 @@ _TENS = {word: 10 * i for i, word in enumerate(_DECADES, 2)}
 _OTHER_NUMBERS = (
     (r"\b(?:a )?pair of\b|\ba couple of\b|\btwin\b|\bdouble(?= lane)|\bdual(?= lane)", "2"),
     (r"\btriple(?= lane)", "3"),
+    (r"\bdouble(?= (?:mini )?(?:roundabout|junction))", "2"),
+    (r"\bround about(?! \d+ ?(?:m|km|ft|yd)\b)", "roundabout"),
     (r"\bsingle(?= (?:\w+ )?lane)", "1"),
     (r"\b(?:a |one |1 )?half (?:a |of a )?(?=km|mile)", "0.5 "),
     (r"\b(?:a |one |1 )?quarter (?:of a |of an )?(?=km|mile)", "0.25 "),
@@ -95,7 +97,7 @@ class Reading:
 
     def left_over(self) -> list[str]:
         """The words that nothing has taken, in order."""
-        words = re.finditer(r"[^\s,.;:]+", self.text)
+        words = re.finditer(r"[^\s,.;:()]+", self.text)
         return [w.group() for w in words if 1 not in self._taken[w.start() : w.end()]]
 
     def untaken(self) -> str:
@@ -112,9 +114,12 @@ def normalise(text: str) -> str:
     for pattern, unit in _UNITS:
         text = re.sub(pattern, unit, text)
     text = re.sub(r"(?<!\d)\.(?=\d)", "0.", text)
+    text = re.sub(r" ?(?:-+>|=+>|→) ?", " to ", text)
+    text = re.sub(r"\b(\d) ?\+ ?\1\b(?: ?lanes?)?", r"\1 lanes per direction", text)
     text = re.sub(r"(?<![\w.])-(?=\d)", "minus ", text)
     text = re.sub(r"['\"`*_/\\-]", " ", text)
-    text = re.sub(r"[()\[\]{};:!?\n\r]", " , ", text)
+    text = re.sub(r"[([{]", " ( ", re.sub(r"[)\]}]", " ) ", text))
+    text = re.sub(r"[;:!?\n\r]", " , ", text)
     text = re.sub(r"(?<!\d)\.|\.(?!\d)", " . ", text)
     text = re.sub(r",", " , ", text)
     return _digits(re.sub(r"\s+", " ", text).strip())

@@ -6,12 +6,12 @@ from typing import Any
 
 from drivegen.errors import UnusableInput
 from drivegen.maps.writers._choices import Choices
+from drivegen.maps.writers._control import control_at, control_of
+from drivegen.maps.writers._corridors import alignment, row, side_streets, staggered, street
 from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._highways import fork, highway
 
 Road = dict[str, Any]
-
-_MOST_IN_A_ROW = 12
 
 
 def road(facts: Facts, choices: Choices) -> Road | None:
@@ -34,22 +34,10 @@ def _refuse_contradictions(facts: Facts) -> None:
             )
     if facts.control == "signals" and facts.unsignalled:
         raise UnusableInput("the description asks for traffic lights and for none", reason="impossible-map")
+    if facts.has("curve", "s_curve", "hairpin") and (facts.junctions or facts.side_streets):
+        raise UnusableInput("I can draw junctions on straight roads only, and bends without junctions", reason="not-understood")
     if any(lanes == 0 for lanes in [*facts.lanes.values(), *(n for _, n in facts.other_lanes)]):
         raise UnusableInput("a road needs at least one lane", reason="impossible-map")
-
-
-def _control(facts: Facts, equal_roads: bool) -> str:
-    if facts.control == "stop" and equal_roads:
-        return "all_way_stop"
-    return facts.control or "yield"
-
-
-def _junction_control(facts: Facts, words: JunctionWords, equal_roads: bool) -> str:
-    """Who goes first at a junction that may itself be called signalised or unsignalised."""
-    if words.signals:
-        return "signals"
-    control = _control(facts, equal_roads)
-    return "yield" if words.signals is False and control == "signals" else control
 
 
 def _arms_at(count: int, shape: str, facts: Facts) -> list[float]:
@@ -65,12 +53,12 @@ def _arms_at(count: int, shape: str, facts: Facts) -> list[float]:
 
 def _crossing(facts: Facts, choices: Choices) -> Road:
     words = facts.junctions[0]
-    minor = facts.has("side_road", "meets") or "side" in facts.lanes
-    count = words.arms or (3 if minor and not facts.has("verb_cross") and words.shape != "x" else 4)
+    minor = facts.has("side_road") or (facts.has("meets") and words.shape == "t")
+    count = words.arms or (3 if words.shape == "t" else 4)
     shape = words.shape or ("t" if count == 3 and minor else "even" if count == 3 else "")
     if count == 3 and not words.shape and words.arms:
         shape = "t"  # three-way junctions are drawn as a T unless a Y is asked for
-    main = choices.lanes(facts, 2 if facts.has("arterial") else 1, "main")
+    main = choices.lanes(facts, 2 if facts.has("arterial", "divided") else 1, "main", "arms")
     side = _side_lanes(facts, main)
     length = facts.lengths.get("length") or facts.lengths.get("side") or choices.length("arms", 140, 200)
     speed = choices.speed(facts)
@@ -85,14 +73,14 @@ def _crossing(facts: Facts, choices: Choices) -> Road:
         arm |= {"left_turn_lane": facts.left_pocket, "right_turn_lane": facts.right_pocket}
         arms.append(arm)
     _make_one_way(facts, arms, count)
-    return {"kind": "crossing", "arms": arms, "control": _junction_control(facts, words, equal_roads=not unequal)}
+    return {"kind": "crossing", "arms": arms, "control": control_at(facts, words, equal_roads=not unequal)}
 
 
 def _side_lanes(facts: Facts, main: int) -> int:
     if "side" in facts.lanes:
         return facts.lanes["side"]
     others = sorted(facts.other_lanes)
-    if "main" in facts.lanes:
+    if "main" in facts.lanes or "arms" in facts.lanes:
         return others[0][1] if others else main
     return others[1][1] if len(others) > 1 else main
 
@@ -125,7 +113,7 @@ def _roundabout(facts: Facts, choices: Choices) -> Road:
     if facts.junctions[0].arms is None:
         choices.assume("four roads meet the roundabout")
     ring = facts.lanes.get("ring") or (min(facts.other_lanes)[1] if facts.other_lanes and "main" not in facts.lanes else 1)
-    lanes = facts.lanes.get("main") or facts.lanes.get("side")
+    lanes = facts.lanes.get("arms") or facts.lanes.get("main") or facts.lanes.get("side")
     lanes = lanes or (min(facts.other_lanes)[1] if facts.other_lanes else min(ring, 2))
     diameter = _diameter(facts, choices, count, ring)
     length = facts.lengths.get("length") or facts.lengths.get("side") or choices.length("arms", 120, 180)
@@ -145,104 +133,6 @@ def _diameter(facts: Facts, choices: Choices, arms: int, ring: int) -> float:
     return choices.length("diameter of the roundabout", max(30, least), max(30, least) + 20)
 
 
-def _row(facts: Facts, choices: Choices) -> Road:
-    """Several junctions along one road, in the order of the text."""
-    words = [junction for junction in facts.junctions for _ in range(min(junction.count, _MOST_IN_A_ROW + 1))]
-    spacing = facts.lengths.get("spacing") or choices.length("spacing", 150, 250)
-    main = choices.lanes(facts, 1, "main")
-    side = facts.lanes.get("side", main if "main" not in facts.lanes else 1)
-    junctions = [_along(facts, junction, side, choices.speed(facts)) for junction in words]
-    return _corridor(facts, choices, main, junctions, spacing)
-
-
-def _along(facts: Facts, words: JunctionWords, side: int, speed: float) -> Road:
-    control = _junction_control(facts, words, equal_roads=False)
-    sides = ["left", "right"]
-    if words.arms == 3:
-        sides = ["left"] if facts.turn == "left" else ["right"]
-    if words.arms not in (None, 3, 4):
-        raise UnusableInput("junctions in a row can have three or four arms", reason="impossible-map")
-    ring = facts.lanes.get("ring", 1)
-    form: Road = {"form": words.form, "sides": sides, "side_lanes": side, "ring_lanes": ring, "diameter": 36.0 + 8 * ring}
-    return {**form, "control": control, "side_speed": facts.speeds.get("side", speed)}
-
-
-def _side_streets(facts: Facts, choices: Choices) -> Road:
-    count = facts.side_streets or 3
-    spacing = facts.lengths.get("spacing") or choices.length("spacing", 70, 110)
-    side = facts.lanes.get("side", 1)
-    control = _control(facts, equal_roads=False)
-    if facts.surroundings == "residential" and facts.control is None and not facts.has("main_road"):
-        control = "uncontrolled"
-        choices.assume("right before left")
-    sides = [["left"], ["right"]]
-    common = {"side_lanes": side, "control": control, "side_speed": facts.speeds.get("side", choices.speed(facts))}
-    one_side = [[facts.turn]] * 2 if facts.turn else sides
-    junctions = [{**common, "sides": one_side[i % 2], "dead_end": facts.has("cul_de_sac")} for i in range(count)]
-    return _corridor(facts, choices, choices.lanes(facts, 1, "main"), junctions, spacing)
-
-
-def _staggered(facts: Facts, choices: Choices) -> Road:
-    offset = facts.lengths.get("offset") or facts.lengths.get("spacing") or choices.length("offset", 40, 60)
-    main = choices.lanes(facts, 1, "main")
-    control = _control(facts, equal_roads=False)
-    first = facts.turn or "right"
-    common = {"side_lanes": facts.lanes.get("side", 1), "control": control, "side_speed": choices.speed(facts)}
-    junctions = [{**common, "sides": [first]}, {**common, "sides": ["left" if first == "right" else "right"]}]
-    return _corridor(facts, choices, main, junctions, offset)
-
-
-def _corridor(facts: Facts, choices: Choices, main: int, junctions: list[Road], spacing: float) -> Road:
-    if len(junctions) > _MOST_IN_A_ROW:
-        raise UnusableInput(f"a road can have at most {_MOST_IN_A_ROW} junctions along it", reason="impossible-map")
-    between = spacing * (len(junctions) - 1)
-    ends = choices.length("road before the first and after the last junction", 120, 160)
-    if "length" in facts.lengths:
-        ends = max(60.0, (facts.lengths["length"] - between) / 2)
-    placed = [{**junction, "position": ends + i * spacing} for i, junction in enumerate(junctions)]
-    one_way = bool(facts.one_way) and not facts.two_way
-    return {
-        "kind": "corridor",
-        "alignment": {"shape": "straight", "length": 2 * ends + between},
-        "lanes": main,
-        "lanes_back": 0 if one_way else main,
-        "speed": choices.speed(facts),
-        "junctions": placed,
-    }
-
-
-def _street(facts: Facts, choices: Choices) -> Road:
-    """A road without junctions: straight, curved, or a dead end."""
-    lanes = choices.lanes(facts, 2 if facts.has("arterial") else 1, "main")
-    one_way = bool(facts.one_way) and not facts.two_way
-    dead_end = facts.has("cul_de_sac")
-    return {
-        "kind": "corridor",
-        "alignment": alignment(facts, choices, (120, 180) if dead_end else (400, 600)),
-        "lanes": lanes,
-        "lanes_back": 0 if one_way else lanes,
-        "speed": choices.speed(facts),
-        "dead_end": dead_end,
-    }
-
-
-def alignment(facts: Facts, choices: Choices, usual: tuple[int, int], radius: float = 60.0) -> Road:
-    """The line of a road without crossings."""
-    shape = next((name for name in ("hairpin", "s_curve", "curve") if facts.has(name)), "straight")
-    if shape == "straight":
-        return {"shape": shape, "length": facts.lengths.get("length") or choices.length("length", *usual, step=50)}
-    angle = facts.angle or {"hairpin": 180.0, "s_curve": 60.0, "curve": 90.0}[shape]
-    angle = 180.0 if shape == "hairpin" else angle
-    bend = facts.lengths.get("radius") or (20.0 if shape == "hairpin" else radius * _bend(facts))
-    arcs = math.radians(angle) * bend * (2 if shape == "s_curve" else 1)
-    length = facts.lengths.get("length") or arcs + choices.length("straight roads beside the bend", 200, 300, step=20)
-    return {"shape": shape, "length": length, "angle": -angle if facts.turn == "right" else angle, "radius": bend}
-
-
-def _bend(facts: Facts) -> float:
-    return 0.5 if facts.has("sharp") else 2.0 if facts.has("gentle") else 1.0
-
-
 def _grid(facts: Facts, choices: Choices) -> Road:
     rows, columns = facts.grid or (3, 3)
     if facts.grid is None:
@@ -254,8 +144,29 @@ def _grid(facts: Facts, choices: Choices) -> Road:
         "spacing": facts.lengths.get("spacing") or facts.lengths.get("length") or choices.length("spacing", 100, 150),
         "lanes": choices.lanes(facts, 1, "main", "side"),
         "speed": choices.speed(facts),
-        "control": _control(facts, equal_roads=True),
+        "control": control_of(facts, equal_roads=True),
         "one_way": bool(facts.one_way),
+    }
+
+
+def _interchange(facts: Facts, choices: Choices) -> Road:
+    if facts.interchange == "unknown":
+        raise UnusableInput(
+            "I cannot draw 'interchange' without its form; of interchanges I can draw a diamond, half a diamond and a single "
+            "ramp terminal",
+            reason="not-understood",
+        )
+    main = choices.lanes(facts, 2, "main")
+    return {
+        "kind": "interchange",
+        "form": facts.interchange,
+        "lanes": main,
+        "speed": choices.speed(facts, highway=True),
+        "ramp_lanes": facts.lanes.get("ramp", 1),
+        "ramp_speed": facts.speeds.get("ramp", 50 / 3.6),
+        "road_lanes": facts.lanes.get("side", 1),
+        "road_speed": facts.speeds.get("side", 50 / 3.6),
+        "control": control_of(facts, equal_roads=False) if facts.control or facts.unsignalled else "signals",
     }
 
 
@@ -265,8 +176,6 @@ def _is_highway(facts: Facts) -> bool:
 
 
 def _is_crossing(facts: Facts) -> bool:
-    if (not facts.junctions and facts.has("meets") and facts.has("side_road", "main_road")) or facts.has("verb_cross"):
-        facts.junctions.append(JunctionWords("crossing", 0, 3 if facts.has("meets") else 4, "t" if facts.has("meets") else ""))
     if facts.control == "all_way_stop" and not facts.junctions and not facts.has("curve", "s_curve", "hairpin"):
         facts.junctions.append(JunctionWords("crossing", 0, 4))  # "a four-way stop"
     return bool(facts.junctions)
@@ -277,13 +186,14 @@ def _in_a_row(facts: Facts) -> bool:
 
 
 _KINDS: tuple[tuple[Callable[[Facts], bool], Callable[[Facts, Choices], Road]], ...] = (
+    (lambda facts: bool(facts.interchange), _interchange),
     (lambda facts: facts.has("grid"), _grid),
-    (lambda facts: facts.has("staggered"), _staggered),
-    (_in_a_row, _row),
-    (lambda facts: facts.side_streets > 1 or (facts.has("side_streets") and not facts.junctions), _side_streets),
+    (lambda facts: facts.has("staggered"), staggered),
+    (_in_a_row, row),
+    (lambda facts: facts.side_streets > 1 or (facts.has("side_streets") and not facts.junctions), side_streets),
     (lambda facts: bool(facts.junctions) and facts.junctions[0].form == "roundabout", _roundabout),
     (lambda facts: facts.has("fork") and not facts.junctions, fork),
     (_is_highway, lambda facts, choices: highway(facts, choices, alignment)),
     (_is_crossing, _crossing),
-    (lambda facts: facts.has("road", "straight", "curve", "s_curve", "hairpin", "cul_de_sac", "arterial", "main_road"), _street),
+    (lambda facts: facts.has("road", "straight", "curve", "s_curve", "hairpin", "cul_de_sac", "arterial", "main_road"), street),
 )

@@ -13,16 +13,20 @@ from pydantic import ValidationError
 
 from drivegen.errors import UnusableInput
 from drivegen.maps.spec import MapSpec
+from drivegen.maps.writers._changes import read_branches, read_changes, read_joining_roads
 from drivegen.maps.writers._choices import Choices
+from drivegen.maps.writers._events import read_ramps
 from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._general import note_roads, read_control, read_hand, read_pockets, read_roads, read_shapes
 from drivegen.maps.writers._junctions import read_junctions
-from drivegen.maps.writers._kinds import read_control, read_hand, read_highway, read_kinds, read_one_way
 from drivegen.maps.writers._lanes import read_lanes
 from drivegen.maps.writers._languages import in_english
+from drivegen.maps.writers._layouts import read_interchange
 from drivegen.maps.writers._measures import read_angles, read_lengths, read_speeds
-from drivegen.maps.writers._ramps import read_ramps, read_side_streets
-from drivegen.maps.writers._reading import Reading
+from drivegen.maps.writers._reading import normalise
+from drivegen.maps.writers._relations import read_relations
 from drivegen.maps.writers._roads import road
+from drivegen.maps.writers._sentence import Sentence
 from drivegen.maps.writers.base import Understanding
 
 if TYPE_CHECKING:
@@ -37,17 +41,14 @@ CAN_DRAW = (
 
 _LONGEST = 2000
 _CANNOT = (
-    r"clover ?leaf|(?:diamond |stack |spaghetti |trumpet )?interchanges?|over ?pass(?:es)?|under ?pass(?:es)?|fly ?overs?|"
+    r"clover ?leaf|(?:stack|spaghetti|trumpet|spui|ddi|turbine|windmill)(?: interchanges?)?|diverging diamond|"
+    r"single point(?: urban)? interchange|tunnels?|viaducts?|"
     r"(?:rail(?:way|road)?|level|train|tram)(?: level)? crossings?|railways?|railroads?|parking (?:lots?|garages?|decks?)|"
     r"car parks?|toll (?:plazas?|booths?|stations?|gates?)|race ?tracks?|runways?|spiral\w*|helix|multi ?(?:storey|level)|"
-    r"merge of \d+ \w+|y merge|(?:motorway|highway|freeway|autobahn) junctions?|"
-    r"figure (?:of )?(?:8|eight)|draw ?bridges?|ferry|ferries|diverging diamond|jug ?handles?|turbo roundabouts?|rivers?"
+    r"(?:motorway|highway|freeway|autobahn) junctions?|"
+    r"figure (?:of )?(?:8|eight)|draw ?bridges?|ferry|ferries|jug ?handles?|turbo roundabouts?|rivers?|michigan left\w*"
 )
-_BESIDE_THE_POINT = (
-    r"(?:pedestrian|zebra|foot|crosswalk|bicycle|cycle|animal|wildlife) ?crossings?|crosswalks?|(?:bus|bike|bicycle|cycle|"
-    r"cycling|parking|tram) lanes?|bus stops?|(?:hard )?shoulders?|side ?walks?|pavements?"
-)
-_COUNTED = r"lanes?|ways?|arms?|legs?|roads?|streets?|exits?|branches|junctions?|crossings?|intersections?|roundabouts?|ramps?"
+_COUNTED = frozenset(("lane", "arm", "road", "place", "ramp"))
 _SMALL_WORDS = frozenset(
     re.findall(
         r"\w+",
@@ -57,17 +58,28 @@ _SMALL_WORDS = frozenset(
         need map scene scenario road network layout show simple typical basic standard normal ordinary about around
         approximately roughly some then one no not without two way through across over between after before near along
         up down when while their them they he she you your my our also very quite another same other first second last
-        next end ends side sides here than more most less any s t design set use using but must can should followed row
+        next end ends side sides here than more most less any s t d setting design set use using but must can should followed row
         together come comes joined joining controlled control angle meeting linked connected connecting connects placed
-        located
+        located goes go runs running going traffic style real really kind sort thing place situated version picture
         """,
     )
 )
 
-# What is read first takes its words: lane numbers before the junctions that they belong to, ramps before bends.
+# Each rule takes what it understands, so that later ones leave it: changes of lanes before numbers of lanes.
 _RULES = (
-    *(read_hand, read_lanes, read_speeds, read_lengths, read_one_way, read_junctions, read_highway),
-    *(read_ramps, read_side_streets, read_kinds, read_angles, read_control),
+    *(
+        read_hand,
+        read_branches,
+        read_joining_roads,
+        read_changes,
+        read_lanes,
+        read_speeds,
+        read_lengths,
+        read_angles,
+        read_roads,
+        read_interchange,
+    ),
+    *(read_junctions, read_relations, read_ramps, read_shapes, read_pockets, read_control, note_roads),
 )
 
 
@@ -81,17 +93,16 @@ class Plugin:
 
     def write(self, text: str, seed: int, vehicle_words: Set[str] = frozenset()) -> Understanding:
         """See `MapWriter.write`."""
-        reading = _read(text)
+        sentence = _read(text)
         facts = Facts()
-        _refuse_the_unknown(reading)
         for read in _RULES:
-            read(reading, facts)
-        choices = Choices(reading.text, seed)
+            read(sentence, facts)
+        choices = Choices(sentence.text, seed)
         fields = road(facts, choices)
-        ignored = [w for w in reading.left_over() if w not in vehicle_words and w not in _SMALL_WORDS]
-        understood = tuple((phrase, meaning) for phrase, meaning in reading.notes if meaning)
+        ignored = _ignored(sentence, vehicle_words)
+        understood = sentence.understood()
         if fields is not None:
-            _refuse_lost_numbers(reading)
+            _refuse_lost_numbers(sentence)
         if fields is None or _unsure(facts, understood, ignored):
             raise UnusableInput(
                 f"no road that I know is described in {_quoted(text)}; I can draw {CAN_DRAW}", reason="not-understood"
@@ -103,28 +114,40 @@ class Plugin:
         return Understanding(spec, understood, tuple(choices.assumed), tuple(dict.fromkeys(ignored)), self.description)
 
 
-def _read(text: str) -> Reading:
+def _read(text: str) -> Sentence:
     if len(text) > _LONGEST:
         raise UnusableInput(f"the description is longer than {_LONGEST} characters", reason="too-long")
-    return Reading(in_english(text))
-
-
-def _refuse_the_unknown(reading: Reading) -> None:
-    """Stop at roads of kinds that are not drawn; set aside words that change no road."""
-    for match in list(reading.all(_CANNOT)):
-        if not reading.negated(match):
+    plain = normalise(in_english(text))
+    for match in re.finditer(rf"(?<!\w)(?:{_CANNOT})(?!\w)", plain):
+        if not re.search(r"\b(?:no|not|without|never)(?: an?| any)? $", plain[: match.start()]):
             raise UnusableInput(f"I cannot draw {match.group()!r}; I can draw {CAN_DRAW}", reason="not-understood")
-        reading.take(match, f"no {match.group()}")
-    if negative := reading.first(r"minus \d+"):
+    if negative := re.search(r"minus \d+", plain):
         raise UnusableInput(f"{negative.group()!r} makes no road: numbers must be positive", reason="impossible-map")
-    for match in list(reading.all(_BESIDE_THE_POINT)):
-        reading.set_aside(match)
+    return Sentence(plain)
 
 
-def _refuse_lost_numbers(reading: Reading) -> None:
+def _ignored(sentence: Sentence, vehicle_words: Set[str]) -> list[str]:
+    """The words that changed nothing and are no small words."""
+    words = [
+        word
+        for i, token in enumerate(sentence.tokens)
+        if i not in sentence.used and token.kind in ("unknown", "noise", "driving", "number", "length", "speed", "angle", "size")
+        for word in token.text.split()
+    ]
+    return [word for word in words if word not in vehicle_words and word not in _SMALL_WORDS and re.search(r"\w", word)]
+
+
+def _refuse_lost_numbers(sentence: Sentence) -> None:
     """Stop at a number of roads or lanes that no rule took: leaving it out would draw another road than was asked for."""
-    if match := reading.first(rf"(?:[2-9]|\d\d+) (?:\w+ )?(?:{_COUNTED})"):
-        raise UnusableInput(f"I do not understand {match.group()!r} here; please say it in other words", reason="not-understood")
+    for i in sentence.of_kind("number"):
+        if i in sentence.used or sentence.tokens[i].number < 2:
+            continue
+        for j in range(i + 1, min(i + 3, len(sentence.tokens))):
+            if sentence.tokens[j].kind in _COUNTED:
+                phrase = " ".join(t.text for t in sentence.tokens[i : j + 1])
+                raise UnusableInput(f"I do not understand {phrase!r} here; please say it in other words", reason="not-understood")
+            if sentence.tokens[j].kind != "unknown":
+                break
 
 
 def _unsure(facts: Facts, understood: tuple[tuple[str, str], ...], ignored: list[str]) -> bool:

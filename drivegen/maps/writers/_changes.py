@@ -1,0 +1,245 @@
+"""Roads that narrow, widen or split, and how many lanes there are before and after."""
+
+from drivegen.maps.spec import Side
+from drivegen.maps.writers._facts import EventWords, Facts
+from drivegen.maps.writers._sentence import Sentence
+
+_SKIPPED = ("prep", "but", "det", "is", "that", "role", "verb", "unknown", "with", "turn")
+
+
+def read_changes(s: Sentence, facts: Facts) -> None:
+    """Lane drops and gains, by numbers or in words."""
+    _read_from_to(s, facts)
+    for i in s.verbs("narrow", "widen", "become", "lose", "gain", "merge"):
+        if facts.from_lanes is None and not s.negated_at(i):
+            _read_verb(s, facts, i)
+    for i in s.verbs("narrow", "widen", "lose", "gain", "end"):
+        if not facts.has("lane_drop", "lane_gain", "lane_change") and not s.negated_at(i):
+            _read_lane_verb(s, facts, i)
+    for phrase in s.said("extra"):
+        _read_extra(s, facts, phrase.head)
+
+
+def _number(s: Sentence, start: int, end: int) -> int | None:
+    """The first number of lanes from token `start` on, over small words."""
+    for i in range(start, end):
+        token = s.tokens[i]
+        if token.kind == "number":
+            return i
+        if (token.kind not in _SKIPPED and token.kind != "lane") or (token.kind == "prep" and token.value == "on"):
+            return None
+    return None
+
+
+def _after_number(s: Sentence, i: int) -> int:
+    """The last token of "three lanes" from its number on."""
+    return next((item.last for item in s.lanes if item.first == i), i)
+
+
+def _lane_number(s: Sentence, i: int) -> bool:
+    following = s.tokens[i + 1 : i + 2]
+    bound = following and following[0].kind in ("road", "arm", "place", "ramp", "length", "spacing", "shape", "unknown")
+    return 0 <= s.tokens[i].amount[0] <= 12 and not bound
+
+
+def _read_from_to(s: Sentence, facts: Facts) -> None:
+    """From four to three lanes; 2 lanes to 3."""
+    for i in s.of_kind("prep", "to"):
+        after = _number(s, i + 1, min(len(s.tokens), i + 4))
+        before = next((j for j in range(i - 1, max(-1, i - 4), -1) if s.tokens[j].kind == "number"), None)
+        if after is None or before is None or not (_lane_number(s, after) and s.tokens[before].number <= 12):
+            continue
+        between = s.tokens[before + 1 : i]
+        lanes_said = any(t.kind == "lane" for t in [*between, *s.tokens[after + 1 : after + 3]])
+        verbs = {t.value for t in between if t.kind == "verb"}
+        joined = (verbs & {"merge", "join"} and _adjectival(s, after)) or "split" in verbs
+        if all(t.kind in ("lane", "each", "verb", "but", "road") for t in between) and lanes_said and not joined:
+            _change(s, facts, s.tokens[before].number, s.tokens[after].number, before, _after_number(s, after))
+            return
+
+
+def _read_verb(s: Sentence, facts: Facts, i: int) -> None:
+    """It narrows to two; three lanes become four; 4 lanes merge into 3; gains a fourth lane."""
+    verb = s.tokens[i].value
+    after = _number(s, i + 1, min(len(s.tokens), i + 5))
+    if verb == "gain" and (third := _ordinal_lane(s, i)) is not None:
+        _change(s, facts, third - 1, third, i, i + 3)
+        return
+    if verb in ("lose", "gain") and not s.between(i, (after or i) + 1, "prep"):
+        return
+    if after is None or not _lane_number(s, after) or (verb in ("lose", "gain", "merge") and _adjectival(s, after)):
+        return
+    if verb == "merge" and not (s.between(i, after, "prep") and _lane_or_end(s, after)):
+        return
+    earlier = [item for item in s.lanes if item.last < i and item.first not in s.used]
+    bare = next((j for j in range(i - 1, max(-1, i - 4), -1) if s.tokens[j].kind == "number" and _lane_number(s, j)), None)
+    to = s.tokens[after].number
+    if earlier:
+        _change(s, facts, earlier[-1].count, to, earlier[-1].first, _after_number(s, after))
+    elif bare is not None:
+        _change(s, facts, s.tokens[bare].number, to, bare, _after_number(s, after))
+    elif verb != "merge":
+        facts.to_lanes = to
+        facts.features["lane_change"] = i
+        s.use(i, _after_number(s, after), f"becomes {to} lane{'s' if to > 1 else ''}")
+
+
+def _adjectival(s: Sentence, i: int) -> bool:
+    return any(item.inside for item in s.lanes if item.first == i)
+
+
+def _lane_or_end(s: Sentence, i: int) -> bool:
+    return i + 1 >= len(s.tokens) or s.tokens[i + 1].kind in ("lane", "comma", "stop", "prep", "number")
+
+
+def _ordinal_lane(s: Sentence, i: int) -> int | None:
+    for token, following in zip(s.tokens[i + 1 : i + 4], s.tokens[i + 2 : i + 5], strict=False):
+        if token.kind == "ordinal" and following.kind == "lane":
+            return int(token.value)
+    return None
+
+
+def _change(s: Sentence, facts: Facts, before: int, after: int, first: int, last: int) -> None:
+    if before == after:
+        return
+    facts.from_lanes, facts.to_lanes = before, after
+    facts.features["lane_drop" if after < before else "lane_gain"] = first
+    s.use(first, min(last, len(s.tokens) - 1), f"{before} lanes become {after}")
+    for item in s.lanes:
+        if first <= item.first <= last:
+            s.used.update(range(item.first, item.last + 1))
+
+
+def _read_lane_verb(s: Sentence, facts: Facts, i: int) -> None:
+    """The left lane ends; it loses a lane; a lane is added; it narrows."""
+    verb = s.tokens[i].value
+    lane = _lane_beside(s, i)
+    own = [item for item in s.lanes if lane is not None and item.first <= lane <= item.last and item.last - item.first >= 1]
+    counted = own[0].count if own else 1
+    if verb in ("end", "lose", "gain"):
+        single = lane is not None and _one_of_them(s, lane, i)
+        if not single:
+            return
+    else:
+        counted = 1
+    kind = "lane_gain" if verb in ("widen", "gain") else "lane_drop"
+    facts.features[kind] = i
+    facts.events.append(EventWords(kind, i, counted if verb in ("lose", "gain") and counted <= 3 else 1, _side(s, i)))
+    first, last = (min(i, lane), max(i, lane)) if lane is not None else (i, i)
+    for item in own:
+        s.used.update(range(item.first, item.last + 1))
+    s.use(first, last, kind.replace("_", " "))
+
+
+def _lane_beside(s: Sentence, i: int) -> int | None:
+    """The lane that ends or begins: beside the verb, or before it with its road between ("the right lane of the road ends")."""
+    near = (*range(i - 1, max(-1, i - 5), -1), *range(i + 1, min(len(s.tokens), i + 5)))
+    beside: int | None = next((j for j in near if s.tokens[j].text in ("lane", "lanes") and not _of_a_road(s, j)), None)
+    if beside is not None:
+        return beside
+    for j in range(i - 1, max(-1, i - 9), -1):
+        if s.tokens[j].text == "lane" and s.word(j + 1, "prep"):
+            return j
+    return None
+
+
+def _of_a_road(s: Sentence, j: int) -> bool:
+    return any(p.kind == "road" and p.first <= j < p.head for p in s.phrases)
+
+
+def _one_of_them(s: Sentence, lane: int, verb: int) -> bool:
+    """Whether lane and verb belong together: the lane is the verb's subject or object, and not the road's number of lanes."""
+    first, last = min(lane, verb), max(lane, verb)
+    between = s.tokens[first + 1 : last]
+    if lane < verb and s.word(lane + 1, "prep") and s.tokens[lane + 1].value == "of":
+        between = []
+    if any(t.kind in ("stop", "road", "place", "ramp", "verb") or t.text == "," for t in between):
+        return False
+    if verb < lane:
+        return True
+    before = s.tokens[lane - 1] if lane else None
+    return (
+        before is None
+        or before.kind in ("det", "turn", "role", "unknown", "small", "ordinal", "comma")
+        or (before.kind == "number" and before.number == 1)
+    )
+
+
+def _side(s: Sentence, i: int) -> Side:
+    near = s.tokens[max(0, i - 5) : i + 5]
+    return "left" if any(t.kind == "turn" and t.value == "left" for t in near) else "right"
+
+
+def _read_extra(s: Sentence, facts: Facts, i: int) -> None:
+    if not facts.has("lane_drop", "lane_gain", "lane_change"):
+        kind = "lane_drop" if s.tokens[i].value == "drop" or _ends(s, i) else "lane_gain"
+        facts.features[kind] = i
+        facts.events.append(EventWords(kind, i, 1, _side(s, i)))
+        s.use(i, i, kind.replace("_", " "))
+    else:
+        s.use(i, i, "")
+
+
+def _ends(s: Sentence, i: int) -> bool:
+    return any(t.kind == "verb" and t.value in ("end", "lose") for t in s.tokens[i + 1 : i + 4])
+
+
+def read_branches(s: Sentence, facts: Facts) -> None:
+    """Roads that split, with the lanes of their branches: "two go left and one right"."""
+    for i in s.verbs("split"):
+        if s.negated_at(i):
+            s.use(i, i, "no fork")
+            continue
+        facts.features.setdefault("fork", i)
+        s.use(i, i, "road that splits into two")
+        turns = {t.value: j for j, t in enumerate(s.tokens) if t.kind == "turn"}
+        if set(turns) == {"left", "right"}:
+            counts = {side: _count_beside(s, j) for side, j in turns.items()}
+            if counts["left"] and counts["right"]:
+                facts.branches = (counts["left"], counts["right"])
+        both = [j for j in range(i + 1, min(len(s.tokens), i + 8)) if s.tokens[j].kind == "number"]
+        if facts.branches is None and len(both) == 2 and s.between(both[0], both[1], "and"):
+            facts.branches = (s.tokens[both[0]].number, s.tokens[both[1]].number)
+            s.use(both[0], both[1], f"{facts.branches[0]} lanes to the left, {facts.branches[1]} to the right")
+            for item in s.lanes:
+                if item.first in both:
+                    s.used.update(range(item.first, item.last + 1))
+        for j in range(i + 1, min(len(s.tokens), i + 4)):
+            if s.tokens[j].kind == "number" and s.tokens[j].number == 2:
+                s.use(j, j, "")
+
+
+def read_joining_roads(s: Sentence, facts: Facts) -> None:
+    """Two roads that become one: "two motorways merge into one"."""
+    if any(s.said("place")):
+        return
+    for phrase in (*s.said("road"), *s.said("ramp")):
+        after = s.tokens[phrase.head + 1 : phrase.head + 3]
+        merges = any(t.kind == "verb" and t.value in ("merge", "become") for t in after)
+        merges |= any(t.kind == "verb" and t.value == "merge" for t in s.tokens[max(0, phrase.first - 2) : phrase.first])
+        if phrase.number != 2 or not merges or phrase.role:
+            continue
+        facts.features.update({"fork": phrase.first, "joining": phrase.first})
+        one = next((p for p in s.said("road") if p.first > phrase.head), None)
+        each = phrase.lanes or 2
+        facts.branches = (each, each)
+        facts.lanes["main"] = one.lanes if one is not None and one.lanes else 2 * each
+        last = one.head if one is not None else phrase.head
+        for i in range(phrase.head + 1, min(phrase.head + 5, len(s.tokens))):
+            last = max(last, i) if s.tokens[i].kind == "number" else last
+        s.use(phrase.first, last, "2 roads become 1")
+        return
+
+
+def _count_beside(s: Sentence, turn: int) -> int:
+    for j in range(turn, max(-1, turn - 6), -1):
+        token = s.tokens[j]
+        if token.kind in ("stop", "verb") and j != turn and token.value == "split":
+            return 0
+        if token.kind == "number" and token.number <= 4:
+            s.use(j, turn, f"{token.number} to the {s.tokens[turn].value}")
+            for item in s.lanes:
+                if item.first <= j <= item.last:
+                    s.used.update(range(item.first, item.last + 1))
+            return token.number
+    return 0

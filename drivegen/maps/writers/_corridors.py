@@ -1,0 +1,118 @@
+"""Streets from facts: plain and curved ones, several junctions in a row, side streets, staggered junctions."""
+
+import math
+from typing import Any
+
+from drivegen.errors import UnusableInput
+from drivegen.maps.writers._choices import Choices
+from drivegen.maps.writers._control import control_at, control_of
+from drivegen.maps.writers._facts import Facts, JunctionWords
+
+Road = dict[str, Any]
+
+_MOST_IN_A_ROW = 12
+
+
+def row(facts: Facts, choices: Choices) -> Road:
+    """Several junctions along one road, in the order of the text."""
+    words = [junction for junction in facts.junctions for _ in range(min(junction.count, _MOST_IN_A_ROW + 1))]
+    gaps = [junction.gap for junction in words if junction.gap]
+    spacing = facts.lengths.get("spacing") or (gaps[0] if gaps else choices.length("spacing", 150, 250))
+    main = choices.lanes(facts, 1, "main", "arms")
+    side = facts.lanes.get("side", main if "main" not in facts.lanes else 1)
+    junctions = [_along(facts, junction, side, choices.speed(facts)) for junction in words]
+    if len({junction.side for junction in words if junction.arms == 3}) > 1:
+        for junction, word in zip(junctions, words, strict=True):
+            junction["sides"] = [word.side] if word.side and word.arms == 3 else junction["sides"]
+    return _corridor(facts, choices, main, junctions, [junction.gap or spacing for junction in words[1:]])
+
+
+def _along(facts: Facts, words: JunctionWords, side: int, speed: float) -> Road:
+    control = control_at(facts, words, equal_roads=False)
+    sides = ["left", "right"]
+    if words.arms == 3:
+        sides = ["left"] if (words.side or facts.turn) == "left" else ["right"]
+    if words.arms not in (None, 3, 4):
+        raise UnusableInput("junctions in a row can have three or four arms", reason="impossible-map")
+    ring = facts.lanes.get("ring", 1)
+    form: Road = {"form": words.form, "sides": sides, "side_lanes": side, "ring_lanes": ring, "diameter": 36.0 + 8 * ring}
+    return {**form, "control": control, "side_speed": facts.speeds.get("side", speed)}
+
+
+def side_streets(facts: Facts, choices: Choices) -> Road:
+    count = facts.side_streets or 3
+    spacing = facts.lengths.get("spacing") or choices.length("spacing", 70, 110)
+    side = facts.lanes.get("side", 1)
+    control = control_of(facts, equal_roads=False)
+    if facts.surroundings == "residential" and facts.control is None and not facts.has("main_road"):
+        control = "uncontrolled"
+        choices.assume("right before left")
+    sides = [["left"], ["right"]]
+    common = {"side_lanes": side, "control": control, "side_speed": facts.speeds.get("side", choices.speed(facts))}
+    one_side = [[facts.turn]] * 2 if facts.turn else sides
+    junctions = [{**common, "sides": one_side[i % 2], "dead_end": facts.has("cul_de_sac")} for i in range(count)]
+    if facts.has("cross_streets"):
+        junctions = [{**junction, "sides": ["left", "right"]} for junction in junctions]
+    return _corridor(facts, choices, choices.lanes(facts, 1, "main"), junctions, [spacing] * (count - 1))
+
+
+def staggered(facts: Facts, choices: Choices) -> Road:
+    offset = facts.lengths.get("offset") or facts.lengths.get("spacing") or choices.length("offset", 40, 60)
+    main = choices.lanes(facts, 1, "main")
+    control = control_of(facts, equal_roads=False)
+    first = facts.turn or "right"
+    common = {"side_lanes": facts.lanes.get("side", 1), "control": control, "side_speed": choices.speed(facts)}
+    junctions = [{**common, "sides": [first]}, {**common, "sides": ["left" if first == "right" else "right"]}]
+    return _corridor(facts, choices, main, junctions, [offset])
+
+
+def _corridor(facts: Facts, choices: Choices, main: int, junctions: list[Road], gaps: list[float]) -> Road:
+    """A straight road with junctions `gaps` [m] apart."""
+    if len(junctions) > _MOST_IN_A_ROW:
+        raise UnusableInput(f"a road can have at most {_MOST_IN_A_ROW} junctions along it", reason="impossible-map")
+    between = sum(gaps)
+    ends = choices.length("road before the first and after the last junction", 120, 160)
+    if "length" in facts.lengths:
+        ends = max(60.0, (facts.lengths["length"] - between) / 2)
+    placed = [{**junction, "position": ends + sum(gaps[:i])} for i, junction in enumerate(junctions)]
+    one_way = bool(facts.one_way) and not facts.two_way
+    return {
+        "kind": "corridor",
+        "alignment": {"shape": "straight", "length": 2 * ends + between},
+        "lanes": main,
+        "lanes_back": 0 if one_way else main,
+        "speed": choices.speed(facts),
+        "junctions": placed,
+    }
+
+
+def street(facts: Facts, choices: Choices) -> Road:
+    """A road without junctions: straight, curved, or a dead end."""
+    lanes = choices.lanes(facts, 2 if facts.has("arterial") else 1, "main")
+    one_way = bool(facts.one_way) and not facts.two_way
+    dead_end = facts.has("cul_de_sac")
+    return {
+        "kind": "corridor",
+        "alignment": alignment(facts, choices, (120, 180) if dead_end else (400, 600)),
+        "lanes": lanes,
+        "lanes_back": 0 if one_way else lanes,
+        "speed": choices.speed(facts),
+        "dead_end": dead_end,
+    }
+
+
+def alignment(facts: Facts, choices: Choices, usual: tuple[int, int], radius: float = 60.0) -> Road:
+    """The line of a road without crossings."""
+    shape = next((name for name in ("hairpin", "s_curve", "curve") if facts.has(name)), "straight")
+    if shape == "straight":
+        return {"shape": shape, "length": facts.lengths.get("length") or choices.length("length", *usual, step=50)}
+    angle = facts.angle or {"hairpin": 180.0, "s_curve": 60.0, "curve": 90.0}[shape]
+    angle = 180.0 if shape == "hairpin" else angle
+    bend = facts.lengths.get("radius") or (20.0 if shape == "hairpin" else radius * _bend(facts))
+    arcs = math.radians(angle) * bend * (2 if shape == "s_curve" else 1)
+    length = facts.lengths.get("length") or arcs + choices.length("straight roads beside the bend", 200, 300, step=20)
+    return {"shape": shape, "length": length, "angle": -angle if facts.turn == "right" else angle, "radius": bend}
+
+
+def _bend(facts: Facts) -> float:
+    return 0.5 if facts.has("sharp") else 2.0 if facts.has("gentle") else 1.0

@@ -1,0 +1,119 @@
+"""Ramps and weaving sections: what happens along a highway, in words."""
+
+from dataclasses import replace
+
+from drivegen.maps.writers._facts import EventWords, Facts
+from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._sentence import Sentence
+
+_MOST = 9
+_NAMES = {"on_ramp": "on-ramp", "off_ramp": "off-ramp"}
+
+
+def read_ramps(s: Sentence, facts: Facts) -> None:
+    """Fill in the events along a highway."""
+    for phrase in (*s.denied("ramp"), *s.denied("weaving")):
+        s.use(phrase.first, phrase.head, "no ramps")
+    for phrase in s.said("weaving"):
+        facts.features.setdefault("weaving", phrase.first)
+        s.use(phrase.head, phrase.head, "weaving section")
+    for phrase in s.said("ramp"):
+        _read_ramp(s, facts, phrase)
+    for phrase in s.said("auxiliary"):
+        _read_auxiliary(s, facts, phrase)
+    if not facts.interchange:
+        _read_verbs(s, facts)
+    facts.events.sort(key=lambda event: event.at)
+
+
+def _is_fast(s: Sentence, facts: Facts) -> bool:
+    return facts.has("highway", "divided") or any(p.value in ("on", "off", "") for p in s.said("ramp"))
+
+
+def _read_ramp(s: Sentence, facts: Facts, phrase: Phrase) -> None:
+    if phrase.head in s.used:
+        return
+    if phrase.value.endswith("_or_arm") and (facts.junctions or not _is_fast(s, facts) or _named_otherwise(s, phrase)):
+        return
+    kind = "on_ramp" if phrase.value.startswith("on") else "off_ramp" if phrase.value.startswith("off") else _direction(s, phrase)
+    s.use(phrase.head, phrase.head, _NAMES[kind])
+    known = [event for event in facts.events if event.kind == kind or phrase.value == ""]
+    if known and _refers_back(s, phrase):
+        known[-1].lanes = known[-1].lanes or phrase.lanes
+        known[-1].speed = known[-1].speed or phrase.speed
+        known[-1].gap = known[-1].gap or phrase.gap
+        known[-1].position = known[-1].position or phrase.position
+        return
+    copies = min(phrase.number or 1, _MOST)
+    if phrase.number:
+        s.use(phrase.first, phrase.head, f"{copies} {_NAMES[kind]}{'s' if copies > 1 else ''}")
+    if phrase.text.endswith("ramps") and phrase.value == "" and not phrase.number:
+        for j, both in enumerate(("on_ramp", "off_ramp")):
+            facts.events.append(EventWords(both, phrase.first + j))
+        return
+    event = EventWords(kind, phrase.first, phrase.lanes, position=phrase.position, gap=phrase.gap, speed=phrase.speed)
+    facts.events += [replace(event) for _ in range(copies)]
+    if _both_kinds(s, phrase):
+        facts.events.append(EventWords("off_ramp" if kind == "on_ramp" else "on_ramp", phrase.first - 1))
+
+
+def _named_otherwise(s: Sentence, phrase: Phrase) -> bool:
+    """Whether a plain "exit" is the "off-ramp" of the same description."""
+    return not phrase.number and any(p.value == phrase.value.split("_")[0] for p in s.said("ramp"))
+
+
+def _both_kinds(s: Sentence, phrase: Phrase) -> bool:
+    """ "On and off ramps": the first word has lost its noun."""
+    before = [t.text for t in s.tokens[max(0, phrase.first - 3) : phrase.first]]
+    wanted = ("on", "entry", "entrance") if phrase.value.startswith("off") else ("off", "exit")
+    return len(before) >= 2 and before[-1] in ("and", "then") and before[-2] in wanted
+
+
+def _refers_back(s: Sentence, phrase: Phrase) -> bool:
+    near = s.tokens[max(0, phrase.first - 1) : phrase.head + 1]
+    return any(t.text in ("the", "this", "that", "its", "which") for t in near)
+
+
+def _direction(s: Sentence, phrase: Phrase) -> str:
+    """Whether a plain "ramp" joins or leaves, by the verbs around it."""
+    near: list[tuple[int, str]] = []
+    for i in s.verbs("leave", "join", "merge"):
+        here, there = min(i, phrase.head), max(i, phrase.head)
+        if s.between(here, there, "stop"):
+            continue
+        other = any(p is not phrase and p.kind == "ramp" and here < p.head < there for p in s.phrases)
+        distance = there - here + (3 if i < phrase.head else 0) + (20 if other else 0)
+        near.append((distance, "off_ramp" if s.tokens[i].value == "leave" else "on_ramp"))
+    near += [(abs(p.head - phrase.head) + 2, "off_ramp" if p.value == "off" else "on_ramp") for p in s.said("auxiliary")]
+    return min(near)[1] if near else "on_ramp"
+
+
+def _read_auxiliary(s: Sentence, facts: Facts, phrase: Phrase) -> None:
+    """A lane beside the road belongs to its ramp; without one it implies one."""
+    if phrase.value == "weave":
+        if {"on_ramp", "off_ramp"} <= {event.kind for event in facts.events}:
+            facts.features.setdefault("weaving", phrase.first)
+        s.use(phrase.head, phrase.head, "auxiliary lane")
+        return
+    kind = "off_ramp" if phrase.value == "off" else "on_ramp"
+    if not any(event.kind == kind for event in facts.events) and not facts.has("weaving"):
+        if facts.events and kind == "on_ramp":
+            s.use(phrase.head, phrase.head, "auxiliary lane")
+            return
+        facts.events.append(EventWords(kind, phrase.first))
+    s.use(phrase.head, phrase.head, _NAMES[kind])
+
+
+def _read_verbs(s: Sentence, facts: Facts) -> None:
+    """Traffic that joins or leaves a highway without a ramp being named."""
+    fast = facts.has("highway", "divided")
+    for i in (*s.verbs("leave"), *s.verbs("merge"), *s.verbs("join")):
+        if i in s.used or s.negated_at(i):
+            continue
+        kind = "off_ramp" if s.tokens[i].value == "leave" else "on_ramp"
+        s.use(i, i, "")
+        if not fast or facts.has("lane_drop", "lane_gain", "lane_change", "weaving", "fork") or facts.junctions:
+            continue
+        if not any(event.kind == kind for event in facts.events) and not facts.events:
+            facts.events.append(EventWords(kind, i))
+            s.use(i, i, _NAMES[kind])

@@ -1,0 +1,176 @@
+"""What holds for the whole description: kinds of road, bends, who goes first, one-way, surroundings, the side of traffic."""
+
+from drivegen.maps.spec import Side
+from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._sentence import Sentence
+
+_CONTROLS = {
+    "signals": "traffic lights",
+    "unsignalled": "no traffic lights",
+    "all_way_stop": "all-way stop",
+    "stop": "stop signs",
+    "uncontrolled": "no signs: right before left",
+    "yield": "side roads yield",
+}
+
+
+def read_hand(s: Sentence, facts: Facts) -> None:
+    """Left- or right-hand traffic."""
+    for i in s.of_kind("left_hand"):
+        facts.left_hand = s.tokens[i].value == "left" or facts.left_hand
+        s.use(i, i, f"{s.tokens[i].value}-hand traffic")
+
+
+def read_roads(s: Sentence, facts: Facts) -> None:
+    """Classes and roles of roads, one-way, surroundings, medians."""
+    for phrase in s.said("road"):
+        for name in (phrase.words.get("class"), phrase.words.get("surroundings")):
+            if name in ("highway", "arterial"):
+                facts.features.setdefault(name, phrase.first)
+        facts.features.setdefault("road", phrase.first)
+        if phrase.role:
+            facts.features.setdefault(f"{phrase.role}_road", phrase.first)
+    for phrase in s.phrases:
+        if phrase.kind in ("road", "place", "shape", "dead_end") and not phrase.negated and not facts.surroundings:
+            facts.surroundings = phrase.words.get("surroundings", "")
+    for i in s.of_kind("surroundings"):
+        facts.surroundings = facts.surroundings or s.tokens[i].value
+        s.use(i, i, f"{s.tokens[i].value} road")
+    _read_divided(s, facts)
+    _read_ways(s, facts)
+
+
+def note_roads(s: Sentence, _facts: Facts) -> None:
+    """Note the roads that nothing else has noted; read last, because a number of roads may make a junction."""
+    meaning = {"highway": "highway", "arterial": "arterial road", "main": "main road", "side": "side road"}
+    for phrase in s.said("road"):
+        if phrase.head not in s.used:
+            s.use(phrase.head, phrase.head, meaning.get(phrase.words.get("class") or phrase.role, ""))
+
+
+def _read_divided(s: Sentence, facts: Facts) -> None:
+    for i in s.of_kind("divided"):
+        if s.negated_at(i):
+            s.use(i, i, "no median")
+            continue
+        facts.features.setdefault("divided", i)
+        if s.tokens[i].text.startswith(("dual", "2 carriage")):
+            facts.features.setdefault("highway" if "carriage" in s.tokens[i].text else "divided", i)
+        s.use(i, i, "divided road")
+
+
+def _read_ways(s: Sentence, facts: Facts) -> None:
+    for i in s.of_kind("one_way"):
+        if s.negated_at(i):
+            facts.two_way = True
+            s.use(i, i, "two-way")
+            continue
+        phrase = next((p for p in s.phrases if p.first <= i <= p.head and p.kind == "road"), None)
+        number = phrase.number if phrase is not None else None
+        facts.one_way += [i] * max(1, min(2, number or 1))
+        s.use(i, i, "one-way")
+    for phrase in s.said("road", "one_way"):
+        if phrase.head not in facts.one_way:
+            facts.one_way.append(phrase.head)
+            s.use(phrase.head, phrase.head, "one-way")
+    for i in s.of_kind("two_way"):
+        facts.two_way = True
+        s.use(i, i, "two-way")
+
+
+def read_shapes(s: Sentence, facts: Facts) -> None:
+    """Bends, straights, dead ends."""
+    for phrase in (*s.denied("shape"), *s.denied("dead_end")):
+        s.use(phrase.first, phrase.head, f"no {phrase.value or 'dead end'}")
+    turns: list[str] = []
+    for phrase in s.said("shape"):
+        facts.features.setdefault(phrase.value, phrase.first)
+        s.use(phrase.head, phrase.head, phrase.value.replace("_", "-"))
+    for phrase in s.said("dead_end"):
+        facts.features.setdefault("cul_de_sac", phrase.first)
+        s.use(phrase.head, phrase.head, "dead end")
+    for i in s.of_kind("bend_size"):
+        facts.features.setdefault(s.tokens[i].value, i)
+        s.use(i, i, f"{'small' if s.tokens[i].value == 'sharp' else 'large'} radius")
+    for i in s.of_kind("turn"):
+        turns.append(s.tokens[i].value)
+        if i not in s.used:
+            facts.turn = facts.turn or (_side(s.tokens[i].value))
+            s.use(i, i, f"to the {s.tokens[i].value}")
+    _read_double_bend(s, facts, turns)
+
+
+def _side(value: str) -> Side:
+    return "left" if value == "left" else "right"
+
+
+def _read_double_bend(s: Sentence, facts: Facts, turns: list[str]) -> None:
+    """Two bends to opposite sides are an S-curve."""
+    bends = list(s.said("shape", "curve"))
+    opposite = len(set(turns)) == 2 and not facts.has("fork")
+    if bends and (opposite or any((p.number or 0) == 2 for p in bends)):
+        facts.features.setdefault("s_curve", bends[0].first)
+        s.use(bends[0].first, bends[0].head, "S-curve")
+
+
+def read_pockets(s: Sentence, facts: Facts) -> None:
+    """Turn lanes."""
+    for phrase in s.denied("pocket"):
+        s.use(phrase.first, phrase.head, "no turn lanes")
+    for phrase in s.said("pocket"):
+        sides = phrase.value
+        before = s.tokens[phrase.first - 2 : phrase.first] if phrase.first >= 2 else []
+        if phrase.words.get("turn") or (before and before[0].kind == "turn" and before[1].kind in ("and", "or")):
+            sides = "left right"
+        facts.left_pocket |= "left" in sides
+        facts.right_pocket |= "right" in sides
+        s.use(phrase.first, phrase.head, f"turn lanes ({sides.replace(' ', ' and ')})")
+
+
+def read_control(s: Sentence, facts: Facts) -> None:
+    """Who goes first. Who denies both lights and signs wants neither."""
+    denied = {phrase.value for phrase in s.denied("control")}
+    for phrase in s.denied("control"):
+        if phrase.value == "signals":
+            facts.unsignalled = True
+        s.use(phrase.first, phrase.head, f"no {_CONTROLS.get(phrase.value, 'signs')}")
+    found: list[str] = []
+    for phrase in s.said("control"):
+        if phrase.head in s.used:
+            continue
+        if phrase.value == "signs":
+            s.use(phrase.head, phrase.head, "")
+            continue
+        if not _for_ordinal(s, facts, phrase.head, phrase.value):
+            found.append(phrase.value)
+        s.use(phrase.first if phrase.value == "all_way_stop" else phrase.head, phrase.head, _CONTROLS[phrase.value])
+    found += [i.control for i in facts.junctions if i.control and len(facts.junctions) == 1]
+    _decide(facts, found, denied)
+    for i in s.of_kind("control"):
+        s.use(i, i, "")
+
+
+def _decide(facts: Facts, found: list[str], denied: set[str]) -> None:
+    facts.unsignalled |= "unsignalled" in found
+    rest = [value for value in found if value != "unsignalled"]
+    for value in ("signals", "all_way_stop", "uncontrolled", "stop", "yield"):
+        if value in rest and facts.control is None:
+            facts.control = value
+    if "signs" in denied and "signals" in denied and facts.control is None:
+        facts.control = "uncontrolled"
+
+
+def _for_ordinal(s: Sentence, facts: Facts, i: int, control: str) -> bool:
+    """ "The first with lights, the second with a stop sign": control of one junction of a row."""
+    ordinal = s.last_before(i, "ordinal")
+    if ordinal is None or i - ordinal.head > 5 or not facts.junctions:
+        return False
+    if len(facts.junctions) == 1 and facts.junctions[0].count > 1:
+        one = facts.junctions[0]
+        facts.junctions[:] = [type(one)(one.form, one.at, one.arms, one.shape, 1, one.control) for _ in range(min(one.count, 13))]
+    index = int(ordinal.value) - 1
+    if index >= len(facts.junctions):
+        return False
+    facts.junctions[index].control = control
+    s.use(ordinal.first, ordinal.head, f"junction {index + 1}")
+    return True

@@ -1,0 +1,73 @@
+"""Whole layouts: street grids, and interchanges of a highway with a road over it."""
+
+from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._sentence import Sentence
+
+_LEAST_STREETS = 2
+
+
+def read_grid(s: Sentence, facts: Facts) -> None:
+    """A grid, its size by "3 x 4" or by counted streets in two directions, and its crossings, which are no others."""
+    for phrase in s.denied("place", "grid"):
+        s.use(phrase.first, phrase.head, "no grid")
+    grids = list(s.said("place", "grid"))
+    for i in s.of_kind("size"):
+        if grids or any(t.kind in ("road", "place") and t.text.endswith("s") for t in s.tokens[i + 1 : i + 3]):
+            _take_size(s, facts, i)
+    if not (grids or facts.grid):
+        return
+    facts.features["grid"] = grids[0].first if grids else 0
+    for phrase in grids:
+        s.use(phrase.first, phrase.head, "street grid")
+    _count_streets(s, facts)
+    for phrase in s.said("place", "crossing"):
+        control = phrase.words.get("control")
+        if control and control != "unsignalled" and facts.control is None:
+            facts.control = control  # type: ignore[assignment]
+        s.use(phrase.first, phrase.head, "")
+
+
+def _take_size(s: Sentence, facts: Facts, i: int) -> None:
+    facts.grid = (int(s.tokens[i].amount[0]), int(s.tokens[i].amount[1]))
+    s.use(i, i, f"grid of {facts.grid[0]} x {facts.grid[1]} streets")
+    for j in range(i + 1, min(i + 3, len(s.tokens))):
+        if s.tokens[j].kind in ("road", "place"):
+            s.use(j, j, "")
+
+
+def _count_streets(s: Sentence, facts: Facts) -> None:
+    counted = [p for p in s.said("road") if (p.number or 0) >= _LEAST_STREETS and p.first not in s.used]
+    if facts.grid is None and len(counted) == 2:
+        facts.grid = (counted[0].number or 0, counted[1].number or 0)
+        for phrase in counted:
+            s.use(phrase.first, phrase.head, f"{phrase.number} streets")
+
+
+def read_interchange(s: Sentence, facts: Facts) -> None:
+    """Interchange parts: a highway over another road, with ramps between them."""
+    for phrase in s.denied("interchange"):
+        s.use(phrase.first, phrase.head, "no interchange")
+    said = [p for p in s.said("interchange") if p.value] or list(s.said("interchange"))
+    fast = any(p.words.get("class") == "highway" for p in s.said("road"))
+    ramps = list(s.said("ramp"))
+    over = [i for i in s.of_kind("over") if not s.negated_at(i)]
+    if said:
+        facts.interchange = said[0].value or ("diamond" if over else "unknown")
+    elif over and fast and ramps:
+        facts.interchange = "diamond"
+    elif fast and ramps and _ramp_ends_at_crossing(s, ramps):
+        facts.interchange = "terminal"
+    for phrase in said:
+        s.use(phrase.first, phrase.head, f"{facts.interchange.replace('_', ' ')} interchange")
+    for i in over if facts.interchange else ():
+        s.use(i, i, "over or under another road, without a crossing")
+
+
+def _ramp_ends_at_crossing(s: Sentence, ramps: list[Phrase]) -> bool:
+    """ "The exit ramp ends at a signalised crossing"."""
+    for i in s.verbs("end_at", "end", "join", "meet"):
+        place = s.next_after(i, "place")
+        if any(p.head < i for p in ramps) and place is not None and place.value in ("crossing", "t", "roundabout"):
+            return True
+    return False

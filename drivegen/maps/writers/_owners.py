@@ -1,0 +1,84 @@
+"""Which road a number belongs to: roads told apart by role, direction and "another", and numbers tied to them by position."""
+
+from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._sentence import Sentence
+
+_APART = ("verb", "and", "prep", "comma", "seq", "with")
+
+
+def roads(s: Sentence) -> list[list[Phrase]]:
+    """The roads that are spoken of, each with the phrases that mean it, in order; "the road" is one that was named before."""
+    groups: list[list[Phrase]] = []
+    for phrase in s.said("road"):
+        if known := _known(s, groups, phrase):
+            known.append(phrase)
+        else:
+            groups.append([phrase])
+    return groups
+
+
+def _known(s: Sentence, groups: list[list[Phrase]], phrase: Phrase) -> list[Phrase] | None:
+    for name in ("role", "label"):
+        said = phrase.words.get(name)
+        for group in groups:
+            if said and any(p.words.get(name) == said for p in group):
+                return group
+    if phrase.role or not groups:
+        return None
+    if phrase.words.get("label"):
+        free = [g for g in groups if not any(p.words.get("label") or p.role for p in g) and (g[0].number or 1) == 1]
+        labelled = any(p.words.get("label") for g in groups for p in g)
+        return None if labelled or not free else free[0]
+    previous = groups[-1][-1]
+    new = phrase.det == "another" or (phrase.det == "a" and s.between(previous.head, phrase.first, *_APART))
+    new = new or (phrase.det == "" and phrase.lanes is not None and s.between(previous.head, phrase.first, "verb", "and"))
+    return None if new else groups[0] if groups[0][0].role != "side" else groups[-1]
+
+
+def role(s: Sentence, phrase: Phrase) -> str:
+    """Whose numbers the phrase's are: "main", "side", "ring", "ramp", or "" for all roads alike."""
+    if phrase.kind in ("ring", "ramp"):
+        return phrase.kind
+    if phrase.kind == "auxiliary":
+        return "ramp"
+    if phrase.kind != "road":
+        return ""
+    if phrase.role:
+        return phrase.role
+    groups = roads(s)
+    here = next((g for g in groups if any(p is phrase for p in g)), None)
+    if here is None or (phrase.number or 1) > 2:
+        return ""
+    said = next((p.role for p in here if p.role), "")
+    if said:
+        return said
+    named = {p.role for g in groups for p in g if p.role}
+    if "main" in named:
+        return "side" if "side" not in named and phrase.det in ("a", "another") else "main"
+    rest = [g for g in groups if not any(p.role for p in g)]
+    return "main" if here is rest[0] else "side" if here is rest[1] and "side" not in named else ""
+
+
+def owner(s: Sentence, first: int, last: int, *kinds: str) -> Phrase | None:
+    """The phrase that the numbers in tokens first to last belong to, by position; None where they stand for themselves.
+
+    A number inside a phrase belongs to it; else one before "on the ..." to what follows; else to what is spoken of last.
+    """
+    for phrase in s.phrases:
+        if phrase.first <= first and last < phrase.head and phrase.kind in kinds and not phrase.negated:
+            return phrase
+    governed = s.governed(last)
+    if governed is not None and governed.kind in kinds:
+        return governed
+    before = s.last_before(first, *kinds)
+    if before is not None and before.value.endswith("_or_arm") and any(s.said("place")):
+        before = next(p for p in s.said("place"))
+    if before is None and first and s.word(first - 1, "stop"):
+        return s.last_before(first - 1, *kinds)
+    return before
+
+
+def is_close(s: Sentence, phrase: Phrase, first: int) -> bool:
+    """Whether a number right after a phrase is said of it: no comma or other matter stands between, a bracket may."""
+    between = s.tokens[phrase.head + 1 : first]
+    return len(between) <= 4 and not any(t.text in (",", ".") or t.kind in ("verb", "and", "seq") for t in between)

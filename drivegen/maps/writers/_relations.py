@@ -1,0 +1,82 @@
+"""Roads that cross, meet, join or end at one another, and side streets along a road."""
+
+from drivegen.maps.writers._facts import Facts, JunctionWords
+from drivegen.maps.writers._sentence import Sentence
+
+_FEWEST = 3
+
+
+def read_relations(s: Sentence, facts: Facts) -> None:
+    """Roads that cross, meet, join or end at one another make junctions where none was named."""
+    for i in s.verbs("cross"):
+        if not s.negated_at(i):
+            _read_crossing_verb(s, facts, i)
+    for i in s.verbs("meet", "join", "end_at"):
+        if not s.negated_at(i):
+            _read_joining_verb(s, facts, i)
+    _read_side_roads(s, facts)
+
+
+def _read_crossing_verb(s: Sentence, facts: Facts, i: int) -> None:
+    crossing = s.next_after(i, "road")
+    many = crossing.number if crossing is not None and not s.between(i, crossing.first, "verb", "comma") else None
+    s.use(i, i, "")
+    if many and many >= 2 and crossing is not None and not facts.has("grid"):
+        rest = [j for j in facts.junctions if j.count > 1 or j.form == "roundabout" or j.arms not in (None, 4)]
+        facts.junctions[:] = [*rest, JunctionWords("crossing", crossing.first, 4, "", many, _common_control(facts))]
+        s.use(crossing.first, crossing.head, f"{many} crossings")
+    elif not facts.junctions and not facts.has("grid", "staggered") and not facts.interchange:
+        facts.junctions.append(JunctionWords("crossing", i, 4))
+        s.use(i, i, "crossing")
+    facts.features.setdefault("verb_cross", i)
+
+
+def _common_control(facts: Facts) -> str | None:
+    return next((j.control for j in facts.junctions if j.control), None)
+
+
+def _read_joining_verb(s: Sentence, facts: Facts, i: int) -> None:
+    """ "A meets B": a T where their roles differ or A ends there, else a crossing."""
+    subject, target = s.last_before(i, "road", "ramp", "place", "dead_end"), s.next_after(i, "road", "place")
+    verb = s.tokens[i].value
+    if facts.has("grid", "staggered") or target is None or subject is None or subject.kind in ("ramp", "place"):
+        return
+    if subject.kind == "dead_end":
+        if target.kind == "road" and verb == "join":
+            facts.side_streets = 1
+            facts.features.setdefault("side_streets", i)
+            s.use(i, i, "side street")
+        return
+    if target.kind == "place" or (subject.number or 1) > 2:
+        return
+    if "highway" in (target.words.get("class"), subject.words.get("class")) and target.words.get("class") == "highway":
+        return
+    s.use(i, i, "")
+    tee = verb in ("join", "end_at") or subject.role == "side" or target.role == "main" or target.words.get("class") == "arterial"
+    if facts.junctions:
+        junction = facts.junctions[-1]
+        if tee and junction.form == "crossing" and junction.arms is None and junction.count == 1:
+            junction.arms, junction.shape = _FEWEST, "t"
+        return
+    facts.junctions.append(JunctionWords("crossing", i, _FEWEST if tee else 4, "t" if tee else ""))
+    s.use(i, i, "T-junction" if tee else "crossing")
+    facts.features.setdefault("meets", i)
+
+
+def _read_side_roads(s: Sentence, facts: Facts) -> None:
+    """Side streets along a road."""
+    for phrase in s.denied("road"):
+        if phrase.role == "side":
+            s.use(phrase.first, phrase.head, "no side streets")
+    counts = [p for p in s.said("road") if p.role == "side" and p.number and p.head not in s.used]
+    for phrase in counts:
+        count = phrase.number or 0
+        if count >= 2 and not facts.has("staggered") and not any(j.count > 1 for j in facts.junctions):
+            facts.side_streets = count
+            facts.features.setdefault("side_streets", phrase.first)
+            crossing = any(t.text.startswith("cross") for t in s.tokens[phrase.first : phrase.head + 1])
+            facts.features.update({"cross_streets": phrase.first} if crossing else {})
+        elif count == 1 and not facts.junctions:
+            facts.side_streets = 1
+            facts.features.setdefault("side_streets", phrase.first)
+        s.use(phrase.first, phrase.head, f"{count} side street{'s' if count > 1 else ''}")
