@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.ensemble import HistGradientBoostingClassifier
 
 from drivegen.metrics.features import Features
 from drivegen.metrics.intervals import Interval, percentiles
@@ -127,6 +126,8 @@ def _held_out_scores(
     tracks: Floats, generated: NDArray[np.bool_], scene: NDArray[np.intp], order: NDArray[np.intp], seed: int
 ) -> Floats:
     """Log odds of being generated, from the classifier of the fold that did not see the track's scene."""
+    from sklearn.ensemble import HistGradientBoostingClassifier  # a second to import, which no process of `spread` needs
+
     score = np.zeros(len(tracks))
     for fold in np.array_split(order, min(FOLDS, len(order))):
         asked = np.isin(scene, fold)
