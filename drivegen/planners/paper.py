@@ -35,11 +35,11 @@ from drivegen.planners._paper_examples import DiffusionObjective, Rasters
 from drivegen.planners._paper_net import PaperNet
 from drivegen.planners._paper_states import SCALES, conditions, from_states
 from drivegen.planners._scores import drawn_tracks, probe
-from drivegen.planners._weights import read_weights, write_weights
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.scenario import Scenario, Trajectories
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
+from drivegen.training.weights import read_weights, write_weights
 
 CHUNK = 32
 """Requests that go through the network at once, always: sums differ between batch sizes."""
@@ -130,12 +130,14 @@ class Plugin:
 
     def save(self, folder: Path) -> None:
         """See `planners.base.Planner`."""
-        write_weights(folder, "paper", asdict(self.settings), {k: v.numpy() for k, v in self.net.cpu().state_dict().items()})
+        write_weights(
+            folder, "planner", "paper", asdict(self.settings), {k: v.numpy() for k, v in self.net.cpu().state_dict().items()}
+        )
 
     @classmethod
     def load(cls, folder: Path) -> Self:
         """See `planners.base.Planner`."""
-        values, tensors = read_weights(folder, "paper")
+        values, tensors = read_weights(folder, "planner", "paper")
         values |= {"training": loop.Settings(**values["training"]), "channels": tuple(values["channels"])}
         planner = cls(PaperSettings(**values))
         try:

@@ -28,11 +28,11 @@ from drivegen.planners._poly_net import PolylineEncoder, own_features
 from drivegen.planners._polylines import surroundings
 from drivegen.planners._profile import spline
 from drivegen.planners._scores import drawn_tracks, probe
-from drivegen.planners._weights import read_weights, write_weights
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.scenario import Scenario, Trajectories
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
+from drivegen.training.weights import read_weights, write_weights
 
 GROUPS = ("along", "bend_x", "bend_y")
 
@@ -119,12 +119,14 @@ class Plugin:
     def save(self, folder: Path) -> None:
         """See `planners.base.Planner`."""
         tensors = {f"net/{k}": v.cpu().numpy() for k, v in self.net.state_dict().items()}
-        write_weights(folder, "poly_fm", asdict(self.settings), tensors | {f"basis/{k}": v for k, v in self.basis.items()})
+        write_weights(
+            folder, "planner", "poly_fm", asdict(self.settings), tensors | {f"basis/{k}": v for k, v in self.basis.items()}
+        )
 
     @classmethod
     def load(cls, folder: Path) -> Self:
         """See `planners.base.Planner`."""
-        settings, tensors = read_weights(folder, "poly_fm")
+        settings, tensors = read_weights(folder, "planner", "poly_fm")
         settings["training"] = loop.Settings(**settings["training"])
         planner = cls(PolyFmSettings(**settings))
         planner.basis = {k.removeprefix("basis/"): v for k, v in tensors.items() if k.startswith("basis/")}
