@@ -33,9 +33,10 @@ class Line:
     not followed, and no proxy is used for what is not encrypted: they would take the key elsewhere.
     """
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, most_bytes: int = MOST_BYTES) -> None:
         import httpx2
 
+        self._most = most_bytes
         self.attempts, self.too_large = 0, False
         hooks: dict[str, list[Callable[..., Any]]] = {"request": [self._sent], "response": [self._received]}
         self.http: httpx2.AsyncClient = httpx2.AsyncClient(
@@ -67,7 +68,7 @@ class Line:
                 length = 0
                 async for chunk in inner:
                     length += len(chunk)
-                    if length > MOST_BYTES:
+                    if length > line._most:
                         line.too_large = True
                         raise httpx2.ReadError("longer than an answer can be", request=request)
                     yield chunk
@@ -99,9 +100,9 @@ async def _call(model: Callable[[Line], "Model"], request: Request, settings: Ro
             async with asyncio.timeout((1 + settings.retries) * (settings.timeout + _LONGEST_WAIT)):
                 response = await model_request(
                     model(line),
-                    _messages(request),
+                    messages_of(request),
                     model_settings=ModelSettings(max_tokens=request.max_tokens),
-                    model_request_parameters=_parameters(request),
+                    model_request_parameters=parameters_of(request),
                 )
         except UserError:
             others = ", ".join(word for word in get_args(Output) if word != request.output)
@@ -109,15 +110,21 @@ async def _call(model: Callable[[Line], "Model"], request: Request, settings: Ro
         except TimeoutError:
             reason = "timeout"
         except AgentRunError as error:
-            reason = "too-large" if line.too_large else _reason(error)
+            reason = "too-large" if line.too_large else reason_of(error)
         else:
-            return Reply(scrubbed(encodable(_text(response)), key), *_tokens(response), max(0, line.attempts - 1))
+            return as_reply(response, key, max(0, line.attempts - 1))
     raise NoAnswer(
         f"{request.model} at {endpoint(url)} gave no answer after {line.attempts} attempts: {reason}", reason
     ) from None
 
 
-def _reason(error: Exception) -> Reason:
+def as_reply(response: "ModelResponse", key: str, retries: int) -> Reply:
+    """A response as plain values, without the key that a server may have repeated."""
+    return Reply(scrubbed(encodable(_text(response)), key), *_tokens(response), retries)
+
+
+def reason_of(error: Exception) -> Reason:
+    """Why there is no answer, from what pydantic-ai says."""
     from pydantic_ai import exceptions
 
     kinds: tuple[tuple[type[Exception], Reason], ...] = (  # a class before those that it is one of
@@ -131,7 +138,8 @@ def _reason(error: Exception) -> Reason:
     return next((reason for kind, reason in kinds if isinstance(error, kind)), "server-error")
 
 
-def _messages(request: Request) -> "list[ModelMessage]":
+def messages_of(request: Request) -> "list[ModelMessage]":
+    """The conversation so far."""
     from pydantic_ai.messages import BinaryContent, ModelRequest, ModelResponse, TextPart, UserPromptPart
 
     shown = [BinaryContent(p.content, media_type=p.media_type) if isinstance(p, Image) else p for p in request.parts]
@@ -142,7 +150,8 @@ def _messages(request: Request) -> "list[ModelMessage]":
     return messages
 
 
-def _parameters(request: Request) -> "ModelRequestParameters":
+def parameters_of(request: Request) -> "ModelRequestParameters":
+    """How the schema of the answer is told."""
     from pydantic_ai.models import ModelRequestParameters
     from pydantic_ai.output import OutputObjectDefinition
     from pydantic_ai.tools import ToolDefinition

@@ -1,6 +1,7 @@
 """The seam: whoever wants something from a language model asks a `LanguageModel`, and gets a validated answer or a NoAnswer."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import cast
 
@@ -8,6 +9,7 @@ import orjson
 
 from drivegen import plugins
 from drivegen.lm.backends.base import Backend, Output, Reply, Request, Turn
+from drivegen.lm.batch import DISCOUNT
 from drivegen.lm.ledger import Call, Ledger
 from drivegen.lm.prices import input_tokens, price
 from drivegen.lm.prompt import A, NoAnswer, Prompt
@@ -93,9 +95,9 @@ class LanguageModel:
             sample=sample,
         )
 
-    def _reply(self, request: Request, asked: int) -> tuple[Reply, Call]:
-        """The recorded reply, or the model's own, and its row, which lacks the outcome."""
-        row = Call(
+    def _row(self, request: Request, asked: int) -> Call:
+        """The row of a call, as far as it is known before."""
+        return Call(
             role=self.role,
             model=request.model,
             prompt_version=request.prompt_version,
@@ -110,14 +112,74 @@ class LanguageModel:
             latency=0.0,
             retries=0,
         )
+
+    def _reply(self, request: Request, asked: int) -> tuple[Reply, Call]:
+        """The recorded reply, or the model's own, and its row, which lacks the outcome."""
+        row = self._row(request, asked)
         if self._settings.model and (kept := self._records.find(request)):
-            told = replace(
-                row, replayed=True, cost=_dollars(0.0), input_tokens=kept.input_tokens, output_tokens=kept.output_tokens
-            )
-            return kept, told
+            return kept, _replayed(row, kept)
         reply, row = self._call(request, row)
         self._records.keep(request, reply)
         return reply, row
+
+    def ask_many(self, prompts: Sequence[Prompt[A]], sample: int = 0) -> list[A | NoAnswer]:
+        """The answers to many questions through the vendor's batch endpoint: half the price, within a day.
+
+        As `ask`, but what has no answer stands in the list as its NoAnswer. What is recorded is not asked again; what fails
+        validation goes into another batch, twice at most. Raises UnusableInput where the vendor has no batch endpoint.
+        """
+        found: dict[int, A | NoAnswer] = {}
+        turns: list[tuple[Turn, ...]] = [()] * len(prompts)
+        for asked in range(1 + ASKED_AGAIN):
+            left = [i for i in range(len(prompts)) if i not in found]
+            requests = [self.request(prompts[i], sample, turns[i]) for i in left]
+            for i, (reply, row) in zip(left, self._replies(requests, asked), strict=True):
+                if isinstance(reply, NoAnswer):
+                    found[i] = reply
+                    continue
+                try:
+                    found[i] = read(reply.text, prompts[i])
+                except InvalidReply as wrong:
+                    self.ledger.add(replace(row, outcome="asked again" if asked < ASKED_AGAIN else "invalid-answer"))
+                    turns[i] = (*turns[i], Turn(reply.text, _MEND.format(wrong)))
+                else:
+                    self.ledger.add(replace(row, outcome="answered"))
+        said = f"{self._settings.model} gave no valid answer in {1 + ASKED_AGAIN} attempts"
+        return [found.get(i, NoAnswer(f"{said} (prompt {prompts[i].version})", "invalid-answer")) for i in range(len(prompts))]
+
+    def _replies(self, requests: Sequence[Request], asked: int) -> list[tuple[Reply | NoAnswer, Call]]:
+        """Recorded replies, and those of one batch for the rest; rows lack the outcome, those of failures are noted."""
+        rows = [self._row(request, asked) for request in requests]
+        kept = [self._records.find(request) if self._settings.model else None for request in requests]
+        missing = [i for i, reply in enumerate(kept) if reply is None]
+        made = dict(zip(missing, self._batch([requests[i] for i in missing], [rows[i] for i in missing]), strict=True))
+        return [made[i] if reply is None else (reply, _replayed(rows[i], reply)) for i, reply in enumerate(kept)]
+
+    def _batch(self, requests: Sequence[Request], rows: Sequence[Call]) -> list[tuple[Reply | NoAnswer, Call]]:
+        if not requests:
+            return []
+        backend = self._backend()
+        vendor = backend.vendor(self._settings.base_url)
+        most = [_discounted(price(r.model, vendor, input_tokens(r, type(backend)), r.max_tokens)) for r in requests]
+        if self._settings.model:
+            for usd in most:
+                self.ledger.set_aside(usd)
+        began = time.perf_counter()
+        replies = backend.replies(requests)
+        latency = time.perf_counter() - began
+        told: list[tuple[Reply | NoAnswer, Call]] = []
+        for request, row, usd, reply in zip(requests, rows, most, replies, strict=True):
+            if isinstance(reply, NoAnswer):
+                self.ledger.settle(usd, 0.0 if reply.reason in _NOT_BILLED else None)
+                self.ledger.add(replace(row, outcome=reply.reason, latency=latency))
+                told.append((reply, row))
+                continue
+            cost = _discounted(price(request.model, vendor, reply.input_tokens, reply.output_tokens))
+            self.ledger.settle(usd, cost)
+            self._records.keep(request, reply)
+            row = replace(row, input_tokens=reply.input_tokens, output_tokens=reply.output_tokens)
+            told.append((reply, replace(row, latency=latency, cost=_dollars(cost))))
+        return told
 
     def _call(self, request: Request, row: Call) -> tuple[Reply, Call]:
         backend = self._backend()
@@ -145,3 +207,11 @@ class LanguageModel:
 
 def _dollars(usd: float | None) -> str:
     return UNKNOWN if usd is None else f"{usd:.6f}"
+
+
+def _discounted(usd: float | None) -> float | None:
+    return None if usd is None else usd * DISCOUNT
+
+
+def _replayed(row: Call, kept: Reply) -> Call:
+    return replace(row, replayed=True, cost=_dollars(0.0), input_tokens=kept.input_tokens, output_tokens=kept.output_tokens)

@@ -13,6 +13,7 @@ import orjson
 
 from drivegen import plugins
 from drivegen.lm.backends.base import Backend, Request
+from drivegen.lm.batch import DISCOUNT
 from drivegen.lm.prompt import Image
 from drivegen.lm.settings import RoleSettings
 
@@ -57,8 +58,8 @@ def input_tokens(request: Request, backend: type[Backend]) -> int:
     return math.ceil(length / _BYTES_PER_TOKEN) + sum(backend.image_tokens(*_size(image.content)) for image in images)
 
 
-def estimate(settings: RoleSettings, requests: Iterable[Request], answer_tokens: int) -> Estimate:
-    """What the requests would cost if each answer has about `answer_tokens`, without asking anybody."""
+def estimate(settings: RoleSettings, requests: Iterable[Request], answer_tokens: int, *, batch: bool = False) -> Estimate:
+    """What the requests would cost if each answer has about `answer_tokens`, without asking anybody; in a `batch` half."""
     backend: type[Backend] = plugins.load("lm.backends", settings.backend)
     vendor = backend.vendor(settings.base_url)
     inputs = [input_tokens(request, backend) for request in requests]
@@ -67,6 +68,8 @@ def estimate(settings: RoleSettings, requests: Iterable[Request], answer_tokens:
     longest = settings.max_tokens * len(inputs)
     usd = price(settings.model, vendor, total, answers)
     most = price(settings.model, vendor, 3 * total + 3 * longest, 3 * longest)
+    if batch:
+        usd, most = (None if dollars is None else dollars * DISCOUNT for dollars in (usd, most))
     return Estimate(len(inputs), total, answers, usd, most)
 
 

@@ -1,9 +1,10 @@
 """The protocol of a backend: one request in, one reply out, both plain; whether the reply is usable is not its business."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
-from drivegen.lm.prompt import Image
+from drivegen.lm.prompt import Image, NoAnswer
 
 if TYPE_CHECKING:
     from drivegen.lm.settings import RoleSettings
@@ -52,6 +53,9 @@ class Backend(Protocol):
 
     def reply(self, request: Request) -> Reply:
         """Ask once. Raises NoAnswer, in words that hold nothing the server said."""
+
+    def replies(self, requests: Sequence[Request]) -> list[Reply | NoAnswer]:
+        """Ask many at once, cheaper and later; a reply or a NoAnswer for each. Raises UnusableInput where that is not offered."""
 
     @staticmethod
     def vendor(base_url: str) -> str:

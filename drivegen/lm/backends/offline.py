@@ -1,5 +1,7 @@
 """No language model: every question has a typed failure for an answer, so that the caller's fallback is used, and counted."""
 
+from collections.abc import Sequence
+
 from drivegen.lm.backends.base import Reply, Request
 from drivegen.lm.prompt import NoAnswer
 from drivegen.lm.settings import RoleSettings
@@ -14,6 +16,10 @@ class Plugin:
     def reply(self, request: Request) -> Reply:
         """See `Backend.reply`."""
         raise NoAnswer(f"no language model is configured for {request.prompt_version}", "no-model")
+
+    def replies(self, requests: Sequence[Request]) -> list[Reply | NoAnswer]:
+        """See `Backend.replies`."""
+        return [NoAnswer(f"no language model is configured for {request.prompt_version}", "no-model") for request in requests]
 
     @staticmethod
     def vendor(base_url: str) -> str:

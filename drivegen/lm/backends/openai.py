@@ -1,48 +1,40 @@
 """OpenAI, and every server that speaks its chat protocol (vLLM, Ollama, llama.cpp, ...) by `base_url`."""
 
 import math
+from typing import TYPE_CHECKING
 
-from drivegen.lm.backends.base import Reply, Request
-from drivegen.lm.client import Line, call
-from drivegen.lm.keys import secret
-from drivegen.lm.settings import RoleSettings
+from drivegen.lm.backends._hosted import Hosted
+from drivegen.lm.client import Line
 
-VENDOR = "https://api.openai.com/v1"
+if TYPE_CHECKING:
+    from pydantic_ai.models import Model
+    from pydantic_ai.providers.openai import OpenAIProvider
 
 _PATCH, _MOST_PATCHES = 32, 1536
 
 
-class Plugin:
+class Plugin(Hosted):
     """A model behind OpenAI's chat protocol."""
 
-    def __init__(self, settings: RoleSettings) -> None:
-        self._settings = settings
-        self._url = settings.base_url or VENDOR
-        self._key = secret(settings.key, self._url)
+    URL, NAME = "https://api.openai.com/v1", "openai"
 
-    def reply(self, request: Request) -> Reply:
-        """See `Backend.reply`."""
-        from openai import AsyncOpenAI
-        from pydantic_ai.models import Model
+    def model(self, line: Line) -> "Model":
+        """See `Hosted.model`."""
         from pydantic_ai.models.openai import OpenAIChatModel
+
+        return OpenAIChatModel(self._settings.model, provider=self._provider(line))
+
+    def batch_model(self, line: Line) -> "Model":
+        """See `Hosted.batch_model`: pydantic-ai batches through the responses protocol, which OpenAI itself offers."""
+        from pydantic_ai.models.openai import OpenAIResponsesModel
+
+        return OpenAIResponsesModel(self._settings.model, provider=self._provider(line))
+
+    def _provider(self, line: Line) -> "OpenAIProvider":
+        from openai import AsyncOpenAI
         from pydantic_ai.providers.openai import OpenAIProvider
 
-        def model(line: Line) -> Model:
-            client = AsyncOpenAI(
-                base_url=self._url,
-                api_key=self._key or "none",  # the client insists on one
-                timeout=self._settings.timeout,
-                max_retries=self._settings.retries,
-                http_client=line.http,
-            )
-            return OpenAIChatModel(self._settings.model, provider=OpenAIProvider(openai_client=client))
-
-        return call(model, request, self._settings, self._key, self._url)
-
-    @staticmethod
-    def vendor(base_url: str) -> str:
-        """See `Backend.vendor`."""
-        return "openai" if base_url in ("", VENDOR) else ""
+        return OpenAIProvider(openai_client=AsyncOpenAI(**self.client_options(line)))
 
     @staticmethod
     def image_tokens(width: int, height: int) -> int:

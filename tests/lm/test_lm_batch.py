@@ -1,0 +1,71 @@
+"""Batches: many questions in one job, at half the price; each with an answer or a reason of its own."""
+
+from datetime import timedelta
+
+import pytest
+
+from drivegen.errors import UnusableInput
+from drivegen.lm import batch
+from drivegen.lm.prices import estimate, price
+from drivegen.lm.prompt import NoAnswer, OverBudget
+from drivegen.lm.records import Mode
+from tests.lm.asking import GOOD, model, question, settings
+from tests.lm.batch_server import serving_batches
+
+WORDS = [question(f"where to, {i}?") for i in range(3)]
+
+
+@pytest.fixture(autouse=True)
+def _quick(monkeypatch):
+    for name in ("FIRST_LOOK", "LAST_LOOK"):
+        monkeypatch.setattr(batch, name, timedelta(milliseconds=5))
+
+
+def test_many_questions_are_one_job_and_what_is_bad_is_asked_again_in_another(tmp_path):
+    with serving_batches([GOOD, '{"place": 9}', None, GOOD]) as server:
+        asked = model(tmp_path, server.url)
+        first, second, third = asked.ask_many(WORDS)
+    assert (first.place, second.place) == (2, 2)
+    assert isinstance(third, NoAnswer)
+    assert third.reason == "refused"
+    assert [len(job) for job in server.jobs] == [3, 1]
+    assert "less than or equal to 3" in str(server.jobs[1])
+    assert asked.ledger.outcomes == {"answered": 2, "asked again": 1, "refused": 1}
+    again = model(tmp_path, "http://127.0.0.1:9/v1", mode=Mode.REPLAY).ask_many([WORDS[0], WORDS[1]])
+    assert again == [first, second]
+
+
+def test_what_is_recorded_is_not_asked_again(tmp_path):
+    with serving_batches([GOOD, GOOD]) as server:
+        model(tmp_path, server.url).ask_many(WORDS[:1])
+        asked = model(tmp_path, server.url)
+        asked.ask_many(WORDS[:2])
+    assert [len(job) for job in server.jobs] == [1, 1]
+    assert [call.replayed for call in asked.ledger.calls] == [True, False]
+
+
+def test_a_batch_costs_half_in_estimates_and_before_the_call(tmp_path):
+    role = settings(model="gpt-4o")
+    requests = [model(tmp_path, model="gpt-4o").request(words) for words in WORDS]
+    whole, half = (estimate(role, requests, 50, batch=one) for one in (False, True))
+    assert (half.usd, half.most_usd) == (pytest.approx(whole.usd / 2), pytest.approx(whole.most_usd / 2))
+    assert half.usd == pytest.approx(price("gpt-4o", "openai", whole.input_tokens, 150) * batch.DISCOUNT)
+    with serving_batches([GOOD] * 3) as server:
+        asked = model(tmp_path, server.url, max_calls=2)
+        with pytest.raises(OverBudget):
+            asked.ask_many(WORDS)
+    assert not server.jobs
+
+
+def test_offline_every_question_has_a_typed_failure(tmp_path):
+    asked = model(tmp_path, backend="offline", model="", max_calls=0)
+    assert [failure.reason for failure in asked.ask_many(WORDS)] == ["no-model"] * 3
+
+
+def test_a_model_without_a_batch_endpoint_is_named(tmp_path, monkeypatch):
+    def none(*_, **__):
+        raise NotImplementedError
+
+    monkeypatch.setattr("pydantic_ai.direct.model_request_batch", none)
+    with pytest.raises(UnusableInput, match="one by one"):
+        model(tmp_path, "http://127.0.0.1:9/v1").ask_many(WORDS)
