@@ -69,7 +69,7 @@ def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Pa
     checkpoints = CHECKPOINTS / _key(params, settings, scenarios)
     judge = _Judge(require(limits, "run the calibrate stage"))
     planner: Planner = plugin(settings)
-    took: dict[str, float] = {}
+    took: dict[str, float] = {"planned": 0.0}
     with _timed("training", took):
         rows = planner.fit(train, validation, params.training_seed, checkpoints, _say(name))
     planner.save(model)
@@ -80,22 +80,23 @@ def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Pa
 
     def sample(scenes: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
         with _timed("planning", took):
+            took["planned"] += len(requests)
             return planner.sample(scenes, requests)
 
     scores = score(sample, validation, drawn, params.samples, params.training_seed, judge)
     write_json(metrics, {"planner": name, **counts, "epochs": epochs, "validation_loss": rows[-1].validation, **scores})
     shutil.rmtree(checkpoints, ignore_errors=True)
-    return {**{key: float(value) for key, value in counts.items()}, **took, "planned": float(len(drawn) * params.samples)}
+    return {**{key: float(value) for key, value in counts.items()}, **took}
 
 
 @contextmanager
 def _timed(what: str, took: dict[str, float]) -> Iterator[None]:
-    """Note what the block takes: `<what>_cpu_seconds` and, where there is a GPU, `<what>_gpu_seconds` (wall time)."""
+    """Add what the block takes to `took`: `<what>_cpu_seconds` and, where there is a GPU, `<what>_gpu_seconds` (wall time)."""
     cpu, wall = time.process_time(), time.perf_counter()
     yield
-    took[f"{what}_cpu_seconds"] = time.process_time() - cpu
+    took[f"{what}_cpu_seconds"] = took.get(f"{what}_cpu_seconds", 0.0) + time.process_time() - cpu
     if loop.device().type == "cuda":
-        took[f"{what}_gpu_seconds"] = time.perf_counter() - wall
+        took[f"{what}_gpu_seconds"] = took.get(f"{what}_gpu_seconds", 0.0) + time.perf_counter() - wall
 
 
 class _Judge:

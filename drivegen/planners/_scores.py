@@ -44,7 +44,8 @@ def score(sample: Sample, examples: Examples, drawn: NDArray[np.intp], samples: 
     the mean distance to the goal at its step, `miss_rate` the share of tracks with no sample within MISSED of it.
     `acceleration` [m/s2] and `jerk` [m/s3] are root mean squares along the track, `.._distance` the Wasserstein-1 distances
     of their distributions to the log's. Verdicts are shares of trajectories. Names with `log.` and `base.` before them are
-    the log's own figures and those of the exact base without any residual, which needs no training.
+    the log's own figures and those of the exact base without any residual, which needs no training; those with `hidden.` are
+    the planner's errors when it is told of no route and of nothing on it.
     """
     if len(drawn) == 0:
         return {"scored_tracks": 0}
@@ -63,7 +64,18 @@ def score(sample: Sample, examples: Examples, drawn: NDArray[np.intp], samples: 
         mine = _smoothness(motion, log) | ({} if motion is log else _errors(wanted, motion, log))
         mine |= {name: float(broken.mean()) for name, broken in judge(examples.scenarios, wanted, motion).items()}
         found |= {prefix + name: value for name, value in mine.items()}
+    unrouted = _errors(requests, sample(examples.scenarios, without_routes(requests)), log)
+    found |= {f"hidden.{name}": unrouted[name] for name in ("ade_best", "ade_mean")}
     return {key: value if isinstance(value, int) else round(float(value), 6) for key, value in found.items()}
+
+
+def without_routes(requests: PlanRequests) -> PlanRequests:
+    """The same requests where no route fits: its line, its leader and its signals are unknown."""
+    never, zero = np.full(len(requests), np.inf, np.float32), np.zeros(len(requests), np.float32)
+    return replace(
+        requests, route=np.full(len(requests), -1, np.int32), goal_s=zero, goal_d=zero, leader_gap=never, leader_speed=zero,
+        stop_s=never,
+    )  # fmt: skip
 
 
 def probe(sample: Sample, examples: Examples, drawn: NDArray[np.intp], seed: int) -> float:

@@ -69,6 +69,8 @@ def test_it_writes_model_metrics_and_curve_with_the_same_bytes(
     assert 0 < metrics["ade_best"] <= metrics["ade_mean"] < 30
     assert metrics["goal_error"] < 1e-3
     assert metrics["miss_rate"] == 0
+    assert 0 < metrics["hidden.ade_best"] < 30
+    assert metrics["hidden.ade_best"] != metrics["ade_best"]
     assert 0 < metrics["base.ade_best"] == metrics["base.ade_mean"] < 30
     assert metrics["log.jerk_distance"] == 0 < metrics["jerk_distance"]
     assert 0 <= metrics["off_road"] <= metrics["illegal"] <= 1
@@ -85,7 +87,7 @@ def test_times_of_training_and_planning_are_costs_and_no_results(
     monkeypatch.chdir(tmp_path)
     rest = (tmp_path / "route_fm", tmp_path / "metrics.json", tmp_path / "curve.csv")
     costs = train_planner.main(params, scenarios, limits, *rest)
-    assert costs["planned"] == 12
+    assert costs["planned"] == 24  # six tracks, two samples, with and without routes
     assert costs["training_cpu_seconds"] > 0 < costs["planning_cpu_seconds"]
     assert "seconds" not in rest[1].read_text()
 

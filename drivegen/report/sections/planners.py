@@ -14,6 +14,8 @@ PAPER_EPOCHS = 90
 _COLUMNS = {
     "ade_best": "ADE, best [m]",
     "ade_mean": "ADE, mean [m]",
+    "hidden.ade_best": "best, routes hidden [m]",
+    "hidden.ade_mean": "mean, routes hidden [m]",
     "miss_rate": "missed goals",
     "goal_error": "goal error [m]",
     "acceleration": "acceleration, rms [m/s2]",
@@ -27,6 +29,7 @@ _COLUMNS = {
 _NOTES = (
     "Validation tracks that move, each planned towards its own logged end. Distances are Wasserstein-1, of smoothed speeds. "
     "Illegal: by the checker's limits, all rules that need no other vehicle. A goal is missed if no sample ends within 2 m. "
+    "Routes hidden: as where no route fits; route_fm then goes along a Bezier curve, the others are not told of routes anyhow. "
     "No residual: the base that meets both ends exactly, without anything learnt.",
 )
 
@@ -58,16 +61,16 @@ def _quality(trained: Mapping[str, Mapping[str, Any]], trained_on: tuple[str, ..
 
 def _line(text: str, values: Mapping[str, Any], prefix: str, tracks: Any, scenes: Any) -> Row:
     steps = number(values.get("steps")) if not prefix else "–"
-    cells = [_cell(values, prefix + key, prefix == "log." and key not in _SMOOTH) for key in _COLUMNS]
+    cells = [measured(dict(values), prefix + key, 3) if _has(prefix, key) else Cell("–") for key in _COLUMNS]
     return row(text, steps, *cells, f"{number(tracks)} of {number(scenes)}", origin="" if prefix else "ours")
 
 
-_SMOOTH = ("acceleration", "jerk", "off_road", "illegal")
-"""What the log has, too: the rest is against itself."""
+_OWN = ("acceleration", "jerk", "off_road", "illegal")
+"""What the log has, too: the rest would be against itself."""
 
 
-def _cell(values: Mapping[str, Any], key: str, empty: bool) -> Cell:
-    return Cell("–") if empty else measured(dict(values), key, 3)
+def _has(prefix: str, key: str) -> bool:
+    return not prefix or (key in _OWN if prefix == "log." else not key.startswith("hidden."))
 
 
 def _named(name: str, values: Mapping[str, Any]) -> str:
