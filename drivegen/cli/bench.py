@@ -9,11 +9,11 @@ from rich.table import Table
 from typer import Context, Exit, Option, Typer
 
 from drivegen import plugins
-from drivegen.bench import measure
+from drivegen.bench import measure, unmeasured
 from drivegen.cli._lm import MaxUsd, Words, model
 from drivegen.cli._maps import MapMode, Mode, writer_of
 from drivegen.maps.suite.cases import Case, first_try, outside_cases, own_cases
-from drivegen.maps.suite.table import STEPS, not_measured, published
+from drivegen.maps.suite.table import STEPS, not_measured, published, seconds
 from drivegen.maps.suite.trials import tried
 from drivegen.maps.writers.base import MapWriter
 from drivegen.store.files import write_json
@@ -42,6 +42,8 @@ def speed(
         verdict = "" if row.target is None else "pass" if row.passed else "MISS"
         table.add_row(row.name, f"{row.value:.4g}", row.unit, reference, ratio, target, verdict)
     Console().print(table)
+    for sentence in unmeasured():
+        Console(stderr=True).print(sentence)
     if json is not None:
         write_json(json, [row.as_json() for row in rows])
     if not all(row.passed for row in rows):
@@ -84,7 +86,7 @@ def _beside_the_real_data() -> Path | None:
 def _tried(writer: MapWriter, cases: list[Case], seed: int) -> dict[str, Any]:
     with Console(stderr=True).status(f"{len(cases)} descriptions: {writer.description} ..."):
         trials = tried(cases, writer, seed)
-    return {**published(writer.description, trials), "cpu_seconds": sum(trial.seconds for trial in trials)}
+    return {**published(writer.description, trials), "cpu_seconds": seconds(trials)}
 
 
 def _print(found: dict[str, Any]) -> None:
@@ -93,11 +95,16 @@ def _print(found: dict[str, Any]) -> None:
     if not found["measured"]:
         console.print("not measured: name a model with --lm\n", highlight=False)
         return
-    table = Table("", *(name.replace("_", " ") for name in _COLUMNS), "right", box=None, pad_edge=False)
+    table = Table("", *(name.replace("_", " ") for name in _COLUMNS), "right", "CPU s each", box=None, pad_edge=False)
     for name, counts in [*found["suites"].items(), *found["kinds"].items()]:
-        table.add_row(name, *(str(counts[column]) for column in _COLUMNS), f"{counts['share_right']:.0%}")
+        table.add_row(
+            name,
+            *(str(counts[column]) for column in _COLUMNS),
+            f"{counts['share_right']:.0%}",
+            f"{found['cpu_seconds'][name]:.2f}",
+        )
     console.print(table)
     for case in found["failed"]:
         why = "; ".join(case["wrong"])
         console.print(f"{case['suite']}: {case['text']}: {why}", highlight=False, markup=False, soft_wrap=True)
-    console.print(f"processor time {found['cpu_seconds']:.1f} s\n", highlight=False)
+    console.print()

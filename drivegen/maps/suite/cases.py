@@ -1,8 +1,8 @@
 """The descriptions: our own, those written by somebody who had not seen the rules, and a folder's from outside.
 
-A line of `own.jsonl` or `held_out.jsonl` is {"kind", "text"} with either "expect", names of `Structure` (or `speed_kmh`; with
-`_min` behind: at least) and values, or "refused", words that the refusal must hold. Names of vehicles that a map writer must
-list as ignored stand in "ignored".
+Part A of those held out was given to the rules' author after the first try, part B was not. A line of the files is {"kind",
+"text"} with either "expect", names of `Structure` (or `speed_kmh`; with `_min` behind: at least) and values, or "refused", words
+that the refusal must hold. Names of vehicles that a map writer must list as ignored stand in "ignored".
 """
 
 import json
@@ -53,7 +53,7 @@ class Case:
 
 def own_cases() -> list[Case]:
     """The descriptions that ship with the package."""
-    return [case for suite, name in ((OWN, "own"), (HELD_OUT, "held_out")) for case in _read(suite, f"{name}.jsonl")]
+    return [*_read(OWN, "own.jsonl"), *_read(HELD_OUT, "held_out.jsonl")]
 
 
 def first_try() -> list[dict[str, Any]]:
@@ -95,6 +95,7 @@ def _read(suite: str, name: str) -> list[Case]:
 
 
 def _case(suite: str, row: dict[str, Any]) -> Case:
+    suite = f"{suite} {row['part']}" if row.get("held_out") else suite
     return Case(suite, row["kind"], row["text"], row.get("expect"), row.get("refused", ""), tuple(row.get("ignored", ())))
 
 

@@ -58,6 +58,13 @@ def by_kind(trials: Sequence[Trial]) -> dict[str, dict[str, Any]]:
     return {kind: counted([trial for trial in trials if trial.case.kind == kind]) for kind in kinds}
 
 
+def seconds(trials: Sequence[Trial]) -> dict[str, float]:
+    """Mean processor time of a description by suite and by kind [s]; it differs from run to run."""
+    names = {name for trial in trials for name in (trial.case.suite, trial.case.kind)}
+    groups = {name: [t.seconds for t in trials if name in (t.case.suite, t.case.kind)] for name in names}
+    return {name: sum(taken) / len(taken) for name, taken in groups.items()}
+
+
 def failed(trials: Sequence[Trial]) -> list[dict[str, Any]]:
     """What did not come out right, and why."""
     return [
