@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from drivegen.metrics.front import on_front
 from drivegen.metrics.intervals import Interval
 from drivegen.metrics.pooled import Resampling, pooled_mean, rank_correlation
 from drivegen.report import paper
@@ -68,18 +69,24 @@ def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator)
 
 
 def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled) -> Table:
-    """Mean error against diversity: DriveGen at every temperature of its goals, the others as they are."""
-    lines = []
-    for temperature, results in sorted(at.items()):
-        cells = [_cell(_one_seed(results, metric)) for metric in FIVE]
-        lines.append(row(f"DriveGen, temperature {temperature:g}", *cells, origin="ours"))
-    lines += [
-        row(_label(method, pooled), *(_cell(pooled[method].get(metric)) for metric in FIVE), origin="ours")
-        for method in METHODS
-        if method in pooled and method != "log"
+    """Mean error against diversity: DriveGen at every temperature of its goals, the others as they are; the front is bold."""
+    found = {
+        f"DriveGen, temperature {temperature:g}": {metric: _one_seed(results, metric) for metric in FIVE}
+        for temperature, results in sorted(at.items())
+    }
+    methods = [m for m in METHODS if m in pooled and m != "log"]
+    found |= {_label(m, pooled): {metric: pooled[m].get(metric) for metric in FIVE} for m in methods}
+    error, diversity = (
+        np.array([np.nan if (point := cells[metric]) is None else point.value for cells in found.values()])
+        for metric in ("mean_sade", "diversity")
+    )
+    lines = [
+        row(Cell(name, best=bool(best)), *(_cell(cells[metric]) for metric in FIVE), origin="ours")
+        for (name, cells), best in zip(found.items(), on_front(error, diversity), strict=True)
     ]
     notes = (
         f"One training seed ({data.seeds[0]}) at each temperature; the temperature in use was chosen on the validation split.",
+        "Bold: on the front, that is, no other row has a lower mean-sADE and a diversity as near to 1, or the reverse.",
     )
     return Table(f"front-{data.name}", f"Error against diversity: {data.title}", ("", *_HEADS), tuple(lines), notes)
 

@@ -1,0 +1,28 @@
+"""The published table of error against diversity marks the settings that no other one beats."""
+
+import numpy as np
+
+from drivegen.metrics.intervals import Interval
+from drivegen.report.published import DataSet, Results
+from drivegen.report.published_tables import front
+
+
+def results(error: float, diversity: float) -> Results:
+    values = {metric: np.full((1, 2), error) for metric in ("min_sade", "min_sfde", "mean_sade", "mean_sfde")}
+    return Results(("a", "b"), values, {"diversity": [Interval(diversity, np.nan, np.nan)]}, "learned")
+
+
+def test_rows_on_the_front_are_bold_and_the_log_is_no_row():
+    at = {0.5: results(2.0, 0.8), 0.7: results(2.5, 0.95), 1.0: results(3.0, 1.1)}
+    pooled = {
+        method: {
+            **{metric: Interval(error, error, error) for metric in ("min_sade", "mean_sade")},
+            "diversity": Interval(diversity, diversity, diversity),
+        }
+        for method, (error, diversity) in {"bits": (1.8, 0.6), "constant_velocity": (5.0, 0.9), "log": (0.0, 1.0)}.items()
+    }
+    data = DataSet("x", "some scenes", "", (7,), {method: results(1, 1) for method in pooled}, by_scene=False)
+    table = front(data, at, pooled)
+    bold = {row.cells[0].text for row in table.rows if row.cells[0].best}
+    assert bold == {"DriveGen, temperature 0.5", "DriveGen, temperature 0.7", "BITS"}
+    assert "Log (recorded futures)" not in {row.cells[0].text for row in table.rows}
