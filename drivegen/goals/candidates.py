@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from drivegen.geometry import Floats, rotate, wrap_angle
 from drivegen.goals.cover import cover
+from drivegen.goals.kerb import kerb_place
 from drivegen.goals.prior import Places, places, shares
 from drivegen.goals.reach import Dynamics, end_speed, stopping_distance
 from drivegen.goals.traffic import Ahead, Neighbours, look_ahead
@@ -38,10 +39,13 @@ TURN = np.deg2rad(35)
 """Heading change inside junctions from which on a way is a turn [rad] ..."""
 
 U_TURN = np.deg2rad(140)
-"""... or a U-turn."""
+"""... or, with what bends before and behind them, a U-turn: a narrow one begins before its junction does."""
 
 SETTLE = 25.0
 """A vehicle's offset from its lane's middle fades with this length [m]."""
+
+KERB = 0.02
+"""Prior weight of pulling over."""
 
 OFF_LANE = 3.5
 """A vehicle farther from its route's line than this [m] also gets goals off the lanes."""
@@ -72,6 +76,7 @@ class Manoeuvre(IntEnum):
     STOP = 6
     STAY = 7
     OFF_LANE = 8
+    PARK = 9
 
 
 @dataclass(frozen=True)
@@ -146,10 +151,12 @@ def candidates(
         tables.append(_on_route(number, route, where, float(offset[number]), speed, seconds))
     if not routes or np.abs(offset).min() > OFF_LANE:
         tables.append(_arcs(position, heading, speed, settings.dynamics, seconds))
-    whole = _Table.joined(tables)
+    kerbs = _kerbs(scenario, vehicle, routes, offset, speed, seconds)
+    stays = np.append(stays, sum(len(table.s) for table in tables) + np.arange(len(kerbs)))
+    whole = _Table.joined([*tables, *kerbs])
     halts = np.flatnonzero(whole.halt)
     halts = halts[cover(whole.position[halts], whole.mass[halts], halts[:0], settings.spacing, MOST_HALTS)]
-    keep = np.concatenate([stays, halts])  # staying and the very places to stop at are always on offer
+    keep = np.concatenate([stays, halts])  # staying, the kerb and the very places to stop at are always on offer
     for share in FINER:
         keep = cover(whole.position, whole.mass, keep, share * settings.spacing, settings.most)
     keep = keep[np.lexsort((whole.s[keep], whole.route[keep]))]
@@ -240,7 +247,8 @@ def manoeuvres(route: Route | None, s: Floats | float, final: Floats | float) ->
     kind = np.where(np.asarray(final) < STANDING, Manoeuvre.STOP, Manoeuvre.KEEP)
     kind = np.where(shift > 0, Manoeuvre.CHANGE_LEFT, np.where(shift < 0, Manoeuvre.CHANGE_RIGHT, kind))
     kind = np.where(turned > TURN, Manoeuvre.LEFT, np.where(turned < -TURN, Manoeuvre.RIGHT, kind))
-    kind = np.where(np.abs(turned) > U_TURN, Manoeuvre.U_TURN, kind)
+    back = (np.abs(route.heading[at] - route.heading[0]) > U_TURN) & (np.abs(turned) > U_TURN / 2)  # some of it on the way in
+    kind = np.where(back, Manoeuvre.U_TURN, kind)
     still = (np.asarray(s) < NO_MOVE) & (np.asarray(final) < STANDING)
     return np.where(still, Manoeuvre.STAY, kind).astype(np.uint8)
 
@@ -261,6 +269,23 @@ def _stay(position: Floats, heading: float, routes: list[Route], offset: NDArray
         mass=np.array([1.0 if speed < STANDING else 0.3]),
         halt=np.zeros(1, np.bool_),
     )
+
+
+def _kerbs(
+    scenario: Scenario, vehicle: int, routes: list[Route], offset: NDArray[np.float32], speed: float, seconds: float
+) -> list[_Table]:
+    """The place at the kerb of the route that the vehicle is most nearly on, if there is one."""
+    number = int(np.argmin(np.abs(offset))) if routes else NO_ROUTE
+    place = (
+        kerb_place(routes[number], scenario.map, speed, float(scenario.vehicles.size[vehicle, 1]), seconds) if routes else None
+    )
+    if place is None:
+        return []
+    s, d = (np.array([value]) for value in place)
+    position, heading = from_frenet(routes[number], s, d)
+    one = _stay(position[0], float(heading[0]), routes, offset, speed)
+    parked, mass = np.array([Manoeuvre.PARK], np.uint8), np.array([KERB])
+    return [replace(one, s=s, d=d, manoeuvre=parked, lane=routes[number].lane[(s / SPACING).astype(int)], mass=mass)]
 
 
 def _arcs(position: Floats, heading: float, speed: float, dynamics: Dynamics, seconds: float) -> _Table:

@@ -49,6 +49,7 @@ _WORDS = {
     Manoeuvre.STOP: "stops",
     Manoeuvre.STAY: "stays where it is",
     Manoeuvre.OFF_LANE: "drives off the lanes",
+    Manoeuvre.PARK: "pulls over and parks",
 }
 
 

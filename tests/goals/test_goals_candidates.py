@@ -81,6 +81,46 @@ def test_a_standing_leader_brings_a_stop_behind_it():
     assert found.ahead[0].leader_gap == pytest.approx(60 - 4.6, abs=0.1)
 
 
+def test_a_moving_leader_brings_a_place_in_the_queue_behind_it():
+    roads = scenes.straight_road()
+    line = scenes.joined(roads, 0)
+    scene = scenes.scenario(roads, scenes.stack([scenes.drive(line, 20, 10, 101), scenes.drive(line, 60, 3, 101)]))
+    found = candidates(LaneGraph.of(roads), scene, 0, SETTINGS)
+    behind = 60 + 3 * 10 - 4.6 - 2.5 - 1.2 * 3  # where the leader will be, less a car, the gap and the headway
+    assert np.abs(found.s - (behind - 20)).min() < SETTINGS.spacing * 1.1
+
+
+def test_a_way_back_is_a_u_turn():
+    plain = scenes.crossing()
+    lines = [plain.centreline[i] for i in range(len(plain))]
+    back = scenes._arc(lines[0][-1], lines[6][0], 0.0, np.pi)
+    links = [*map(tuple, plain.links.tolist()), (0, len(lines)), (len(lines), 6)]
+    roads = scenes.road_map([*lines, back], links, [*range(8, 20), len(lines)])
+    scene = alone(roads, scenes.joined(roads, 0), 60, 5)
+    found = candidates(LaneGraph.of(roads), scene, 0, SETTINGS)
+    turned = found.manoeuvre == Manoeuvre.U_TURN
+    assert turned.any()
+    assert (np.abs(found.heading[turned]) > 2.5).all()
+    assert (found.lane[turned] == 6).any()
+    assert Manoeuvre.U_TURN not in candidates(LaneGraph.of(plain), scene, 0, SETTINGS).manoeuvre
+
+
+def test_the_kerb_is_on_offer_where_one_may_park():
+    roads = scenes.straight_road(300, 2)
+    graph = LaneGraph.of(roads)
+    right, left = (candidates(graph, alone(roads, scenes.joined(roads, lane), 30, 8), 0, SETTINGS) for lane in (0, 1))
+    [at] = np.flatnonzero(right.manoeuvre == Manoeuvre.PARK)
+    assert right.speed[at] == 0
+    assert right.position[at] == pytest.approx((30 + 16, -(1.75 - 0.95 - 0.3)), abs=0.05)  # 8 m/s at 2 m/s2; beside the edge
+    assert Manoeuvre.PARK not in left.manoeuvre  # another lane is to its right
+    fast = replace(roads, speed_limit=np.full(2, 30.0, np.float32))
+    scene = alone(fast, scenes.joined(fast, 0), 30, 8)
+    assert Manoeuvre.PARK not in candidates(LaneGraph.of(fast), scene, 0, SETTINGS).manoeuvre
+    crossing = scenes.crossing()
+    scene = alone(crossing, scenes.joined(crossing, 0), 70, 8)  # would stand in the junction
+    assert Manoeuvre.PARK not in candidates(LaneGraph.of(crossing), scene, 0, SETTINGS).manoeuvre
+
+
 @pytest.mark.parametrize("place", [(30.0, 0.0), (30.0, -40.0), (30.0, 900.0)])
 def test_a_standing_vehicle_may_stay_wherever_it_is(place):
     roads = scenes.straight_road()
