@@ -10,6 +10,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
 from safetensors.torch import load_file, save_file
@@ -75,6 +76,22 @@ def test_training_lowers_the_loss_and_reports_a_curve() -> None:
     _, curve = train(net(0.0), NoisyCosine(), replace(SETTINGS, steps=200), 5, None, lambda line: None)
     assert [row.step for row in curve] == list(range(20, 201, 20))
     assert curve[-1].validation < 0.2 * curve[0].validation
+
+
+def test_a_probe_is_asked_of_the_averaged_network_at_every_row_and_changes_nothing() -> None:
+    asked: list[float] = []
+
+    def probe(averaged: nn.Module) -> float:
+        assert not averaged.training
+        asked.append(NoisyCosine().validation(averaged))
+        return asked[-1]
+
+    watched, rows = train(net(), NoisyCosine(), SETTINGS, 5, None, lambda line: None, probe=probe)
+    alone, plain = train(net(), NoisyCosine(), SETTINGS, 5, None, lambda line: None)
+    assert [row.error for row in rows] == asked == [row.validation for row in rows]
+    assert np.isnan([row.error for row in plain]).all()
+    for mine, theirs in zip(watched.parameters(), alone.parameters(), strict=True):
+        assert torch.equal(mine, theirs)
 
 
 def test_training_killed_at_a_random_step_resumes_to_the_same_bytes(tmp_path: Path) -> None:
