@@ -21,7 +21,7 @@ HELD_OUT, HELD_OUT_CHUNK = 2048, 256
 TURN_WEIGHT = 5.0
 """Of a radian against a metre and a metre per second."""
 
-PLACEMENT_EVERY, PLACEMENT_WEIGHT = 8, 0.1
+PLACEMENT_EVERY, PLACEMENT_WEIGHT = 16, 0.1
 """One row in so many of a batch is one of placement as well; its loss is large but shares no weights with the motion's."""
 
 

@@ -12,6 +12,8 @@ KNOT = 5
 
 DT_KNOT = 0.1 * KNOT
 
+LARGEST = 3.0
+
 
 class Gates(nn.Module):
     """`layers` context gates (MultiPath++, Varadarajan et al. 2022): s' = MLP(s) * MLP(c), c' = max over the set.
@@ -57,9 +59,9 @@ class Encoder(nn.Module):
 
     def forward(self, lanes: Tensor, lane_there: Tensor, boxes: Tensor, box_there: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Codes of the lanes (R, V, D), context of the boxes (R, D), context of the lanes (R, D); the first box leads."""
-        box = self.box(boxes)
+        box = self.box(squashed(boxes))
         _, of_boxes = self.box_gates(box, box[:, 0], box_there)
-        lane, of_lanes = self.lane_gates(self.lane(lanes), of_boxes, lane_there)
+        lane, of_lanes = self.lane_gates(self.lane(squashed(lanes)), of_boxes, lane_there)
         return lane, of_boxes, of_lanes
 
 
@@ -86,6 +88,11 @@ class MotionNet(nn.Module):
         before = torch.cat([now.expand(-1, velocity.shape[1], -1, -1), velocity[:, :, :-1]], dim=2)
         place = ((before + velocity) * (DT_KNOT / 2)).cumsum(dim=2)
         return Modes(self.odds(code)[..., 0], velocity, place, 0.1 * change[..., 2])
+
+
+def squashed(numbers: Tensor) -> Tensor:
+    """The numbers bounded by LARGEST: who is faster than anybody in the logs should not lead far beyond what was learnt."""
+    return numbers / (1 + numbers.abs() / LARGEST)
 
 
 def embed(features: int, width: int) -> nn.Sequential:

@@ -143,10 +143,11 @@ def _wanted(
     inside &= around.lane_there[group]
     region = np.where(inside, np.abs(across), np.inf).argmin(axis=1)
     n = np.arange(len(asked))
-    _, single = np.unique(group * around.lanes.shape[1] + region, return_index=True)
+    on_one = inside[n, region]
+    _, single = np.unique(np.where(on_one, group * around.lanes.shape[1] + region, -1 - n), return_index=True)
     kept = np.zeros(len(asked), np.bool_)
     kept[single] = True
-    kept &= inside[n, region]
+    kept &= on_one
     columns = [along[n, region] / length[n, region], across[n, region], turned[n, region]]
     speed = np.hypot(crowd.state[asked, 3], crowd.state[asked, 4]) / 10
     attributes = np.column_stack([*columns, speed, crowd.size[asked, 0] / 5, crowd.size[asked, 1] / 2]).astype(np.float32)
