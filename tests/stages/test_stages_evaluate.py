@@ -105,7 +105,7 @@ def test_samples_of_other_scenes_are_refused(made, tmp_path):
 
 def test_all_results_and_costs_are_collected(made, tmp_path):
     write_cost(tmp_path / "costs", "evaluate", "drivegen", {"cpu_seconds": 5.0, "scenarios": 5})
-    collect.main(collect.Params(), made / "metrics", tmp_path / "costs", tmp_path / "costs.md", tmp_path / "drivegen.duckdb")
+    collect.main(collect.Params(), made / "metrics", tmp_path / "costs", tmp_path / "calls", tmp_path / "costs.md", tmp_path / "drivegen.duckdb")
     quality = query(tmp_path / "drivegen.duckdb", "from scenario_quality order by method").to_pylist()
     summary = details_of(made, "drivegen")
     assert [row["method"] for row in quality] == ["drivegen", "log"]
@@ -123,7 +123,7 @@ def test_costs_of_methods_count_the_choice_of_goals_and_say_what_was_not_measure
         ("train_generator", "bits", {"cpu_seconds": 120.0}),
     ):
         write_cost(tmp_path / "costs", stage, item, costs)
-    collect.main(collect.Params(), made / "metrics", tmp_path / "costs", tmp_path / "costs.md", tmp_path / "drivegen.duckdb")
+    collect.main(collect.Params(), made / "metrics", tmp_path / "costs", tmp_path / "calls", tmp_path / "costs.md", tmp_path / "drivegen.duckdb")
     text = (tmp_path / "costs.md").read_text()
     assert "| drivegen | 300 | 100 | not measured | 900 | 50 |" in text
     assert "| bits | 80 | 0 | 10 | 700 | 50 |" in text
@@ -131,7 +131,7 @@ def test_costs_of_methods_count_the_choice_of_goals_and_say_what_was_not_measure
 
 
 def test_without_costs_the_table_is_empty(made, tmp_path):
-    collect.main(collect.Params(), made / "metrics", tmp_path / "none", tmp_path / "costs.md", tmp_path / "drivegen.duckdb")
+    collect.main(collect.Params(), made / "metrics", tmp_path / "none", tmp_path / "none", tmp_path / "costs.md", tmp_path / "drivegen.duckdb")
     assert (tmp_path / "costs.md").read_text().count("\n| ") == 4
 
 
@@ -142,15 +142,15 @@ def report_of(made, out):
 
 
 def test_the_report_shows_what_was_measured(made, tmp_path):
-    (made / "plots/train_planner").mkdir(parents=True, exist_ok=True)
-    with (made / "plots/train_planner/route_fm.csv").open("w", newline="") as file:
+    (made / "plots").mkdir(exist_ok=True)
+    with (made / "plots/train_selector.csv").open("w", newline="") as file:
         csv.writer(file).writerows([["step", "train", "validation"], [1, 2.0, 2.5], [2, 1.0, ""]])
     page = report_of(made, tmp_path / "one")
     summary = details_of(made, "drivegen")
     assert f"{summary['min_sade']:.2f}" in page
     assert "hand-made scenes" in page
     assert page.count("data:image/png") == 4  # each scene large, and by every method
-    assert "Training: planner route fm" in page
+    assert "Training: selector" in page
     assert (tmp_path / "one/tables/quality.md").read_text().startswith("### Table I")
     assert report_of(made, tmp_path / "two") == page
 
