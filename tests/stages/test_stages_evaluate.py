@@ -105,7 +105,14 @@ def test_samples_of_other_scenes_are_refused(made, tmp_path):
 
 def test_all_results_and_costs_are_collected(made, tmp_path):
     write_cost(tmp_path / "costs", "evaluate", "drivegen", {"cpu_seconds": 5.0, "scenarios": 5})
-    collect.main(collect.Params(), made / "metrics", tmp_path / "costs", tmp_path / "calls", tmp_path / "costs.md", tmp_path / "drivegen.duckdb")
+    collect.main(
+        collect.Params(),
+        made / "metrics",
+        tmp_path / "costs",
+        tmp_path / "calls",
+        tmp_path / "costs.md",
+        tmp_path / "drivegen.duckdb",
+    )
     quality = query(tmp_path / "drivegen.duckdb", "from scenario_quality order by method").to_pylist()
     summary = details_of(made, "drivegen")
     assert [row["method"] for row in quality] == ["drivegen", "log"]
@@ -123,7 +130,14 @@ def test_costs_of_methods_count_the_choice_of_goals_and_say_what_was_not_measure
         ("train_generator", "bits", {"cpu_seconds": 120.0}),
     ):
         write_cost(tmp_path / "costs", stage, item, costs)
-    collect.main(collect.Params(), made / "metrics", tmp_path / "costs", tmp_path / "calls", tmp_path / "costs.md", tmp_path / "drivegen.duckdb")
+    collect.main(
+        collect.Params(),
+        made / "metrics",
+        tmp_path / "costs",
+        tmp_path / "calls",
+        tmp_path / "costs.md",
+        tmp_path / "drivegen.duckdb",
+    )
     text = (tmp_path / "costs.md").read_text()
     assert "| drivegen | 300 | 100 | not measured | 900 | 50 |" in text
     assert "| bits | 80 | 0 | 10 | 700 | 50 |" in text
@@ -131,7 +145,14 @@ def test_costs_of_methods_count_the_choice_of_goals_and_say_what_was_not_measure
 
 
 def test_without_costs_the_table_is_empty(made, tmp_path):
-    collect.main(collect.Params(), made / "metrics", tmp_path / "none", tmp_path / "none", tmp_path / "costs.md", tmp_path / "drivegen.duckdb")
+    collect.main(
+        collect.Params(),
+        made / "metrics",
+        tmp_path / "none",
+        tmp_path / "none",
+        tmp_path / "costs.md",
+        tmp_path / "drivegen.duckdb",
+    )
     assert (tmp_path / "costs.md").read_text().count("\n| ") == 4
 
 
