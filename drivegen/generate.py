@@ -7,7 +7,7 @@ thousands of scenarios.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,7 +128,15 @@ def _requests(choices: Sequence[Choices], wanted: list[NDArray[np.int64]], base_
         columns.append((np.full(len(rows), s), rows[:, 1], *(column[pick] for column in table.columns)))
         noise.append(_mixed(base_seed(s), rows))
     goals = Goals(*map(np.concatenate, zip(*columns, strict=True)))
-    return plan_requests([choice.scenario for choice in choices], routes, goals, np.concatenate(noise))
+    used, route = _in_use(goals.route)
+    scenarios = [choice.scenario for choice in choices]
+    return plan_requests(scenarios, [routes[r] for r in used], replace(goals, route=route), np.concatenate(noise))
+
+
+def _in_use(route: NDArray[np.integer]) -> tuple[list[int], NDArray[np.int64]]:
+    """The routes that are asked for, and `route` (B,) in numbers of these: most candidates' routes are followed by nobody."""
+    used = np.unique(route[route >= 0])
+    return used.tolist(), np.where(route >= 0, np.searchsorted(used, route), -1)
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,9 @@ CRAWL = 1.0
 
 _MEAN = 1 / (2 * HALF + 1)
 _SLOPE = 1 / (sum(k * k for k in range(-HALF, HALF + 1)) * DT)
-_SPAN = 1 / (2 * HALF * DT)
+_SPAN = np.float32(1 / (2 * HALF * DT))
+_NEVER, _ZERO, _ONE = np.float32(NEVER), np.float32(0.0), np.float32(1.0)
+_CRAWL, _STEERING = np.float32(CRAWL), np.float32(STEERING_SPEED)
 _RULES = (SPEED, ACCELERATION, BRAKING, LATERAL_ACCELERATION, VELOCITY_ERROR, CURVATURE, SIDE_SLIP)
 
 
@@ -51,46 +53,67 @@ def judge(position, direction, velocity, valid, limit, worst, first):  # type: i
     steps = valid.shape[1]
     sums, moments = np.zeros((2, steps + 1)), np.zeros((2, steps + 1))
     whole = np.zeros(steps, np.bool_)  # whether the window around a step has no gap
-    nothing = np.float32(0.0)
-    found = np.empty((len(_RULES), steps), np.float32)
     for b in range(valid.shape[0]):
         run, sx, sy, mx, my = 0, 0.0, 0.0, 0.0, 0.0
         for t in range(steps):
             run = run + 1 if valid[b, t] else 0
             whole[max(t - HALF, 0)] = run > 2 * HALF
-            vx, vy = (velocity[b, t, 0], velocity[b, t, 1]) if valid[b, t] else (nothing, nothing)
+            vx = velocity[b, t, 0] if valid[b, t] else 0.0
+            vy = velocity[b, t, 1] if valid[b, t] else 0.0
             sx, sy, mx, my = sx + vx, sy + vy, mx + t * vx, my + t * vy
             sums[0, t + 1], sums[1, t + 1], moments[0, t + 1], moments[1, t + 1] = sx, sy, mx, my
-        _severities(position[b], direction[b], sums[0], sums[1], moments[0], moments[1], found)
+        window = (position[b], direction[b], sums[0], sums[1], moments[0], moments[1])
+        highest = _highest(whole, window, HALF, steps - HALF)
         for i, rule in enumerate(_RULES):
-            highest = np.float32(NEVER)
-            for t in range(HALF, steps - HALF):
-                highest = max(highest, found[i, t] if whole[t] else highest)
-            worst[b, rule] = highest
-            if highest > limit[rule]:
-                first[b, rule] = np.argmax((found[i] > limit[rule]) & whole)
+            worst[b, rule] = highest[i]
+            if highest[i] > limit[rule]:
+                t = HALF
+                while not _highest(whole, window, t, t + 1)[i] > limit[rule]:
+                    t += 1
+                first[b, rule] = t
 
 
-@njit(cache=True, error_model="numpy")
-def _severities(position, direction, sum_x, sum_y, moment_x, moment_y, found):  # type: ignore[no-untyped-def]
-    """Fill `found` (7, T) in the order of _RULES. No branches, so that the compiler makes vector instructions of it."""
-    for t in range(HALF, position.shape[0] - HALF):
-        low, high = t - HALF, t + HALF + 1
-        total_x, total_y = sum_x[high] - sum_x[low], sum_y[high] - sum_y[low]
-        vx, vy = total_x * _MEAN, total_y * _MEAN
-        ax = (moment_x[high] - moment_x[low] - t * total_x) * _SLOPE
-        ay = (moment_y[high] - moment_y[low] - t * total_y) * _SLOPE
-        error_x = (position[t + HALF, 0] - position[t - HALF, 0]) * _SPAN - vx
-        error_y = (position[t + HALF, 1] - position[t - HALF, 1]) * _SPAN - vy
+@njit(cache=True, error_model="numpy", fastmath={"nnan", "nsz"})
+def _highest(whole, window, begin, end):  # type: ignore[no-untyped-def]
+    """The highest severities at steps from `begin` to before `end` whose window is whole, in the order of _RULES.
+
+    No stores and no branches, and NaN only where `whole` is false, so that the compiler makes vector instructions of it.
+    """
+    position, direction, sum_x, sum_y, moment_x, moment_y = window
+    # From here on everything is counted from 0: an index that might be negative would be looked into at every step.
+    ahead, behind, whole, facing = position[begin + HALF :], position[begin - HALF :], whole[begin:], direction[begin:]
+    high_x, high_y, low_x, low_y = (
+        sum_x[begin + HALF + 1 :],
+        sum_y[begin + HALF + 1 :],
+        sum_x[begin - HALF :],
+        sum_y[begin - HALF :],
+    )
+    up_x, up_y, down_x, down_y = (
+        moment_x[begin + HALF + 1 :], moment_y[begin + HALF + 1 :], moment_x[begin - HALF :], moment_y[begin - HALF :]
+    )  # fmt: skip
+    top = gain = loss = turn = error = bend = slip = _NEVER
+    for t in range(end - begin):
+        total_x, total_y = high_x[t] - low_x[t], high_y[t] - low_y[t]
+        vx, vy = np.float32(total_x * _MEAN), np.float32(total_y * _MEAN)
+        ax = np.float32((up_x[t] - down_x[t] - (begin + t) * total_x) * _SLOPE)
+        ay = np.float32((up_y[t] - down_y[t] - (begin + t) * total_y) * _SLOPE)
+        error_x = (ahead[t, 0] - behind[t, 0]) * _SPAN - vx
+        error_y = (ahead[t, 1] - behind[t, 1]) * _SPAN - vy
         speed = np.sqrt(vx * vx + vy * vy)
-        inverse = 1 / max(speed, CRAWL)
-        ux = vx * inverse if speed > CRAWL else direction[t, 0]
-        uy = vy * inverse if speed > CRAWL else direction[t, 1]
+        inverse = _ONE / (max(_CRAWL, speed))
+        cos, sin = facing[t, 0], facing[t, 1]
+        ux = vx * inverse if speed > _CRAWL else cos
+        uy = vy * inverse if speed > _CRAWL else sin
         along, across = ux * ax + uy * ay, abs(ux * ay - uy * ax)
-        found[0, t] = speed
-        found[1, t] = along
-        found[2, t] = -along
-        found[3, t] = across
-        found[4, t] = np.sqrt(error_x * error_x + error_y * error_y)
-        found[5, t] = across * inverse * inverse if speed > STEERING_SPEED else 0.0
-        found[6, t] = abs(direction[t, 0] * vy - direction[t, 1] * vx)
+        differs = error_x * error_x + error_y * error_y
+        curved = across * inverse * inverse if speed > _STEERING else _ZERO
+        slid = abs(cos * vy - sin * vx)
+        here = whole[t]
+        top = speed if here and speed > top else top
+        gain = along if here and along > gain else gain
+        loss = -along if here and -along > loss else loss
+        turn = across if here and across > turn else turn
+        error = differs if here and differs > error else error
+        bend = curved if here and curved > bend else bend
+        slip = slid if here and slid > slip else slip
+    return top, gain, loss, turn, np.sqrt(error) if error >= 0 else _NEVER, bend, slip

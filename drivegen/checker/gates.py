@@ -62,7 +62,7 @@ class Gates:
         step = points[start + 1] - points[start]
         direction = step / np.maximum(np.hypot(step[:, :1], step[:, 1:]), 1e-6)
         position = _line_middles(map_, lanes, points[start])
-        conflicts = [_conflicts(map_, int(lane)) if waits[lane] else _NO_CONFLICTS for lane in lanes]
+        conflicts = _conflicts(map_, lanes, waits)
         counts = np.array([len(at) for at, _ in conflicts], np.int64)
         return cls(
             position.astype(np.float32),
@@ -91,7 +91,8 @@ def _guarded_and_siblings(map_: RoadMap, guarded: NDArray[np.bool_]) -> NDArray[
     return np.flatnonzero(map_.for_vehicles & beside)
 
 
-_NO_CONFLICTS = (np.zeros((0, 2), np.float32), np.zeros((0, 2), np.float32))
+_Conflicts = tuple[NDArray[np.float32], NDArray[np.float32]]
+_NO_CONFLICTS: _Conflicts = (np.zeros((0, 2), np.float32), np.zeros((0, 2), np.float32))
 
 
 def _line_middles(map_: RoadMap, lanes: NDArray[np.intp], starts: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -119,12 +120,11 @@ def _red_for(lanes: NDArray[np.intp], signals: Signals) -> NDArray[np.int16]:
     return count
 
 
-def _conflicts(map_: RoadMap, lane: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Points and directions of the junction lanes with priority that cross `lane` or end where it ends."""
+def _conflicts(map_: RoadMap, lanes: NDArray[np.intp], waits: NDArray[np.bool_]) -> list[_Conflicts]:
+    """Points and directions of the junction lanes with priority that cross each lane that `waits`, or end where it ends."""
     free = np.isin(map_.control, (LaneControl.FREE, LaneControl.SIGNAL)) & map_.in_junction & map_.for_vehicles
-    others = np.flatnonzero(free).astype(np.int32)
-    at, towards = _crossing_points(map_.centreline.points, map_.centreline.start, np.int32(lane), others)
-    return at, towards
+    others, line = np.flatnonzero(free).astype(np.int32), map_.centreline
+    return [_crossing_points(line.points, line.start, np.int32(lane), others) if waits[lane] else _NO_CONFLICTS for lane in lanes]
 
 
 @njit(cache=True)

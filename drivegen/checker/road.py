@@ -32,6 +32,7 @@ _BLUR = np.float32(0.3)
 """Distances between cells are off by no more than this, nearly always [m]."""
 _PER_METRE = np.float32(1 / CELL)
 _HALF = np.float32(0.5)
+_SECTORS_PER_RADIAN = SECTORS / (2 * np.pi)
 _LIMIT_UNIT = np.float32(LIMIT_UNIT)
 _NEVER = np.float32(NEVER)
 
@@ -63,10 +64,10 @@ def corner_outside(field, origin, x, y, cos, sin, length, width):  # type: ignor
 
 
 @njit(cache=True, error_model="numpy")
-def judge(outside, directions, limits, origin, position, direction, sector, velocity, valid, size, limit, worst, first):  # type: ignore[no-untyped-def]
+def judge(outside, directions, limits, origin, position, heading, direction, velocity, valid, size, limit, worst, first):  # type: ignore[no-untyped-def]
     """Fill the road rules of `worst`, `first` (B, R) for B trajectories (B, T, ...) of boxes `size` (B, 2).
 
-    `direction` (B, T, 2) are unit headings, `sector` (B, T) their numbers in the mask of lane directions.
+    `direction` (B, T, 2) are unit vectors of `heading` (B, T).
     """
     for b in range(valid.shape[0]):
         worst[b, OFF_ROAD], first[b, OFF_ROAD] = _judge_edges(
@@ -74,7 +75,7 @@ def judge(outside, directions, limits, origin, position, direction, sector, velo
         )
         # An array of results costs more than the look-ups: both rules of the lanes come back as numbers.
         worst[b, WRONG_WAY], first[b, WRONG_WAY], worst[b, OVER_LIMIT], first[b, OVER_LIMIT] = _judge_lanes(
-            directions, limits, origin, position[b], sector[b], velocity[b], valid[b], limit[WRONG_WAY], limit[OVER_LIMIT]
+            directions, limits, origin, position[b], heading[b], velocity[b], valid[b], limit[WRONG_WAY], limit[OVER_LIMIT]
         )
 
 
@@ -106,7 +107,7 @@ def _judge_edges(outside, origin, position, direction, valid, length, width, lim
 
 
 @njit(cache=True, error_model="numpy")
-def _judge_lanes(directions, limits, origin, position, sector, velocity, valid, wrong_limit, over_limit):  # type: ignore[no-untyped-def]
+def _judge_lanes(directions, limits, origin, position, heading, velocity, valid, wrong_limit, over_limit):  # type: ignore[no-untyped-def]
     """(longest time against the lanes [s], its first step beyond the limit or -1, most above the speed limit [m/s], its step)."""
     against = 0
     longest, wrong_first, over, over_first = _NEVER, -1, _NEVER, -1
@@ -120,7 +121,10 @@ def _judge_lanes(directions, limits, origin, position, sector, velocity, valid, 
             continue
         speed = np.sqrt(velocity[t, 0] * velocity[t, 0] + velocity[t, 1] * velocity[t, 1])
         lanes = directions[i, j]
-        wrong = speed > WRONG_WAY_SPEED and lanes != 0 and lanes & _AGREEING[sector[t]] == 0
+        wrong = speed > WRONG_WAY_SPEED and lanes != 0
+        if wrong:
+            sector = int(np.floor(heading[t] * _SECTORS_PER_RADIAN)) % SECTORS
+            wrong = lanes & _AGREEING[sector] == 0
         against = against + STRIDE if wrong else 0
         lasting = np.float32(against * DT)
         longest = max(longest, lasting)

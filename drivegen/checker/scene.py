@@ -15,7 +15,7 @@ from drivegen.checker import collisions, dynamics, priority, road
 from drivegen.checker.gates import Gates
 from drivegen.checker.limits import FLAGS, NEVER, OVERLAP, OVERLAP_CONTEXT, RULES, Limits
 from drivegen.geometry import unit
-from drivegen.render.drivable import RoadField, road_field, sectors
+from drivegen.render.drivable import RoadField, road_field
 from drivegen.scenario import TARGET, Scenario, Trajectories
 
 NOBODY = -1
@@ -160,7 +160,7 @@ class SceneChecker:
         dynamics.judge(position, direction, velocity, valid, self.limit, worst, first)
         field = self.field
         rasters = (field.outside, field.directions, field.limit, field.origin)
-        road.judge(*rasters, position, direction, sectors(heading), velocity, valid, size, self.limit, worst, first)
+        road.judge(*rasters, position, heading, direction, velocity, valid, size, self.limit, worst, first)
         if len(self._context_size):
             hit, when = _nothing(len(size))
             people = (self._context[0], self._context[1], self._context[3], self._context_size)

@@ -34,6 +34,7 @@ LIMIT_UNIT = 0.5
 """Speed limits are stored in steps of half a metre per second, rounded up; 0 is unknown."""
 
 _SUBPIXEL = 4
+_CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.uint8)
 _FAR = 100.0
 
 
@@ -107,12 +108,12 @@ def _fill(plane: NDArray[np.uint8], pieces: NDArray[np.int32], values: NDArray[n
 
 
 def _signed_distance(road: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """Negative inside. OpenCV fills every cell that an outline touches: half a cell is taken back."""
+    """Negative inside: the distance to the road's outermost cells, which outlines run through, so it is 0 on them."""
     if not road.any():
         return np.full(road.shape, _FAR, np.float32)
-    outside = cv2.distanceTransform(1 - road, cv2.DIST_L2, 5)
-    inside = cv2.distanceTransform(road, cv2.DIST_L2, 5)
-    signed: NDArray[np.float32] = np.where(road > 0, 1.0 - inside, outside).astype(np.float32) * np.float32(CELL)
+    edge = road - cv2.erode(road, _CROSS, borderType=cv2.BORDER_CONSTANT, borderValue=1)
+    signed: NDArray[np.float32] = cv2.distanceTransform(1 - edge, cv2.DIST_L2, 5)
+    signed *= np.float32(CELL) - road * np.float32(2 * CELL)
     return signed
 
 

@@ -1,12 +1,13 @@
 """Benchmark rows say whether they pass, compare in the right direction, and work on sound scenes."""
 
 import json
+import time
 
 import numpy as np
 import pytest
 
 from drivegen import bench
-from drivegen.bench import Row, _row, _scene
+from drivegen.bench import Row, _row, _scene, generation
 from drivegen.errors import UnusableInput
 
 
@@ -53,3 +54,22 @@ def test_a_measured_part_gives_rows():
     (row,) = bench.measure("lanes")
     assert row.value > 0
     assert row.unit == "ms"
+
+
+def test_a_clock_takes_inner_steps_off_outer_ones():
+    clock = generation._Clock()
+
+    def spin(seconds: float) -> None:
+        end = time.process_time() + seconds
+        while time.process_time() < end:
+            pass
+
+    inner = clock.time("inner", lambda: spin(0.03))
+    clock.time("outer", lambda: (inner(), spin(0.01)))()
+    assert 0.03 <= clock.spent["inner"] < 0.2
+    assert 0.01 <= clock.spent["outer"] < clock.spent["inner"]
+
+
+def test_a_part_says_what_it_needs_and_is_left_out(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    assert any(sentence.startswith("generation: not measured, it needs data/models") for sentence in bench.unmeasured())
