@@ -19,6 +19,9 @@ EVERY = 5
 KNOTS = 20
 """J, knots at steps EVERY, 2 EVERY, ..., 10 s in all."""
 
+DEGREES = 7
+"""Of freedom that a network has in each direction."""
+
 SLOW = 0.5
 """[m/s] Below this speed a direction of motion says nothing about the heading."""
 
@@ -57,6 +60,18 @@ def spline_tables() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     position = (2 * u**3 - 3 * u**2 + 1) * y0 + (u**3 - 2 * u**2 + u) * m0 + (3 * u**2 - 2 * u**3) * y1 + (u**3 - u**2) * m1
     velocity = (6 * u**2 - 6 * u) * (y0 - y1) + (3 * u**2 - 4 * u + 1) * m0 + (3 * u**2 - 2 * u) * m1
     return position, velocity / h
+
+
+@cache
+def smoothing_table() -> NDArray[np.float64]:
+    """(J, J) the projection of knots on smooth curves that start at rest: u^2 times polynomials of less than DEGREES, u = t / T.
+
+    A network that says J knots freely needs long to learn not to jerk; this leaves it what vehicles do within 10 s.
+    """
+    share = np.arange(1, KNOTS + 1) / KNOTS
+    curves = share[:, None] ** 2 * np.polynomial.legendre.legvander(2 * share - 1, DEGREES - 1)
+    basis, _ = np.linalg.qr(curves)
+    return np.asarray(basis @ basis.T)
 
 
 def filled_in(knots: NDArray[np.float32], speed: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

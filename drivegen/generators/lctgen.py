@@ -12,8 +12,9 @@ and sees the first frame only. `lctgen_log_code` takes them from the log instead
 paper has a language model write the code; offline, rules do (`_lctgen.words`).
 
 Reduced, by settings: width 64, not 256; fields of the code are looked up in tables, not as sinusoids; one mixture for all
-attributes. Changed, to its advantage: where the first frame is given, a query is also told its vehicle's exact state and
-the context of its surroundings in its own frame; the future lasts 10 s, so an action lasts 2.5 s.
+attributes; a motion is a smooth curve of few degrees of freedom in each direction. Changed, to its advantage: where the
+first frame is given, a query is also told its vehicle's exact state and the context of its surroundings in its own frame;
+the future lasts 10 s, so an action lasts 2.5 s.
 """
 
 from collections.abc import Sequence

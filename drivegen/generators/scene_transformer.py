@@ -6,7 +6,8 @@ together; the loss is the joint best of F (the future whose mean displacement ov
 classification of which one that is. The task is their behaviour prediction with a history of one step.
 
 Reduced, by settings: width and layers (theirs are 256 wide and some twenty deep); a token spans seconds, not 0.1 s;
-displacement by its length, not by a Laplace distribution with learnt scales; no conditional or goal-directed tasks.
+displacement by its length, not by a Laplace distribution with learnt scales; a smooth curve of few degrees of freedom
+in each direction; no conditional or goal-directed tasks.
 Changed, to its advantage where scenes are few: roads and neighbours are seen in each agent's own frame and relations
 between agents are a bias of attention, where the paper has one frame for the scene. Of the road, each agent sees the
 nearest pieces.

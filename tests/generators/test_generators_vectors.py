@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.errors import UnusableInput
-from drivegen.generators._motion import KNOTS, at_knots, filled_in, trajectories
+from drivegen.generators._motion import DEGREES, KNOTS, at_knots, filled_in, smoothing_table, trajectories
 from drivegen.generators._pieces import PIECE, POINTS, Pieces
 from drivegen.generators._relative import REACH, surroundings
 from drivegen.generators._vectors import ACTORS, AGENTS, PIECES, STEPS, Scenes, local_future
@@ -146,6 +146,16 @@ def test_knots_of_a_steady_motion_give_that_motion(speed: float, acceleration: f
     np.testing.assert_allclose(position, dense, atol=0.2)  # the curvature is taken to end at 0
     np.testing.assert_allclose(position[:, :, :85], dense[:, :, :85], atol=5e-3)
     np.testing.assert_allclose(velocity[0, 0, :80, 0], speed + acceleration * t[:80], atol=1e-2)
+
+
+def test_smoothing_is_a_projection_that_keeps_smooth_curves() -> None:
+    table, share = smoothing_table(), np.arange(1, KNOTS + 1) / KNOTS
+    np.testing.assert_allclose(table @ table, table, atol=1e-10)
+    assert np.trace(table) == pytest.approx(DEGREES)
+    braking = share**2 * (1 - 0.5 * share)
+    np.testing.assert_allclose(table @ braking, braking, atol=1e-10)
+    zigzag = (-1.0) ** np.arange(KNOTS)
+    assert np.abs(table @ zigzag)[:-2].max() < 0.4
 
 
 def test_parked_vehicles_stay_and_longer_scenarios_go_straight_on() -> None:

@@ -7,7 +7,7 @@ from torch import Tensor, nn
 
 from drivegen.generators._attention import Block
 from drivegen.generators._lctgen.codes import PARTS, SIZES, Action
-from drivegen.generators._motion import EVERY, KNOTS
+from drivegen.generators._motion import EVERY, KNOTS, smoothing_table
 from drivegen.generators._pieces import FEATURES, POINTS
 from drivegen.generators._relative import REACH, SurroundingsEncoder, surroundings
 from drivegen.generators._vectors import AGENT_FEATURES, AGENTS, SceneTensors
@@ -58,6 +58,8 @@ class Placement:
 class LctgenNet(nn.Module):
     """`modes` K' futures of each vehicle; `gaussians` of each placed one; `pieces` of road around each vehicle."""
 
+    smoothing: Tensor
+
     def __init__(self, width: int, heads: int, layers: int, blocks: int, modes: int, gaussians: int, pieces: int) -> None:
         super().__init__()
         self.pieces, self.modes, self.gaussians = pieces, modes, gaussians
@@ -76,6 +78,7 @@ class LctgenNet(nn.Module):
         self.motion = nn.Sequential(
             nn.LayerNorm(width), nn.Linear(width, 2 * width), nn.GELU(), nn.Linear(2 * width, modes * 2 * KNOTS)
         )
+        self.register_buffer("smoothing", torch.from_numpy(smoothing_table()).float(), persistent=False)
         self.score = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, width), nn.GELU(), nn.Linear(width, modes))
         self.query_mask, self.map_mask = nn.Linear(width, width), nn.Linear(width, width)
         self.attributes = nn.Sequential(
@@ -117,7 +120,7 @@ class LctgenNet(nn.Module):
         share = torch.arange(1, KNOTS + 1, device=added.device) / KNOTS
         straight = scenes.speed[..., None, None] * share * (KNOTS * EVERY * DT)
         onward = torch.stack([straight, torch.zeros_like(straight)], dim=-1)
-        return onward + added * (SPREAD * share[:, None]), self.score(decoded)
+        return onward + self.smoothing @ (added * (SPREAD * share[:, None])), self.score(decoded)
 
     def placed(self, decoded: Tensor, roads: Tensor) -> Placement:
         """Where the queries' vehicles stand."""

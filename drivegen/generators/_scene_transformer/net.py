@@ -4,7 +4,7 @@ import torch
 from torch import Tensor, nn
 
 from drivegen.generators._attention import Block
-from drivegen.generators._motion import EVERY, KNOTS
+from drivegen.generators._motion import EVERY, KNOTS, smoothing_table
 from drivegen.generators._relative import OTHER_FEATURES, Surroundings, SurroundingsEncoder, surroundings
 from drivegen.generators._vectors import SceneTensors
 from drivegen.scenario import DT
@@ -20,6 +20,8 @@ class SceneTransformerNet(nn.Module):
     each.
     """
 
+    smoothing: Tensor
+
     def __init__(self, width: int, heads: int, layers: int, decoder_layers: int, modes: int, stretches: int, pieces: int) -> None:
         super().__init__()
         self.pieces, self.modes, self.stretches = pieces, modes, stretches
@@ -31,6 +33,7 @@ class SceneTransformerNet(nn.Module):
         self.over_time = nn.ModuleList([Block(width, heads) for _ in range(layers + decoder_layers)])
         self.over_agents = nn.ModuleList([Block(width, heads) for _ in range(layers + decoder_layers)])
         self.out = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, 2 * KNOTS // stretches))
+        self.register_buffer("smoothing", torch.from_numpy(smoothing_table()).float(), persistent=False)
         self.score = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, width), nn.GELU(), nn.Linear(width, 1))
 
     def forward(self, scenes: SceneTensors) -> tuple[Tensor, Tensor]:
@@ -62,5 +65,5 @@ class SceneTransformerNet(nn.Module):
         share = torch.arange(1, KNOTS + 1, device=x.device) / KNOTS
         straight = scenes.speed[..., None] * share * (KNOTS * EVERY * DT)
         onward = torch.stack([straight, torch.zeros_like(straight)], dim=-1)[:, None]
-        knots: Tensor = onward + added * (SPREAD * share[:, None])
+        knots: Tensor = onward + self.smoothing @ (added * (SPREAD * share[:, None]))
         return knots
