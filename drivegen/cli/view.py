@@ -1,4 +1,4 @@
-"""`drivegen view`: look at a scenario folder, logged or generated, in the Rerun viewer."""
+"""`drivegen view`: look at a scenario folder or a sensor log, recorded or generated, in the Rerun viewer."""
 
 import os
 import shutil
@@ -11,6 +11,7 @@ from rich.console import Console
 from typer import Argument, Option
 
 from drivegen.av2.folder import read_folder
+from drivegen.datasets.argoverse2_sensor import read_whole_log
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.recording.record import record_scenario
 from drivegen.selection import Settings, select
@@ -20,7 +21,7 @@ EVERYTHING = Settings(target="focal", max_vehicles=128, first_step=0, horizon=10
 
 
 def command(
-    scenario: Annotated[Path, Argument(help="A scenario folder: scenario_<id>.parquet and log_map_archive_<id>.json.")],
+    scenario: Annotated[Path, Argument(help="A scenario folder in Argoverse 2's layout, or the folder of a sensor log.")],
     out: Annotated[Path | None, Option(help="Write the recording here; else <id>.rrd in the current folder.")] = None,
     show: Annotated[bool, Option(help="Open the viewer; without a screen only the file is written.")] = True,
 ) -> None:
@@ -42,7 +43,8 @@ def _recorded(scenario: Path, out: Path | None) -> Path | None:
 
 
 def _record(scenario: Path, out: Path | None) -> Path:
-    log = read_folder(scenario, f"log in {scenario.name}")
+    sensor = any(scenario.glob("annotations*.feather"))
+    log = read_whole_log(scenario) if sensor else read_folder(scenario, f"log in {scenario.name}")
     path = out or Path(f"{log.scenario_id}.rrd")
     record_scenario(path, select(log, EVERYTHING))
     return path

@@ -51,11 +51,17 @@ class Plugin:
         first = int(window) * STRIDE
         if first >= log.motion.steps:
             raise UnusableInput(f"{scene}: the log has {log.motion.steps} frames only", reason="no-such-scenario")
-        return _cut(log, scene, first)
+        return _cut(log, scene, first, first + WINDOW)
 
     def files(self, split: str, scene: str) -> tuple[Path, ...]:
         """Annotations, poses and map of the log."""
         return log_files(self.root / split / scene.rpartition(":")[0])
+
+
+def read_whole_log(folder: Path) -> RecordedLog:
+    """All frames of the log in `folder`; raises UnusableInput with a countable reason."""
+    log = read_sensor_log(folder)
+    return _cut(log, folder.name, 0, log.motion.steps)
 
 
 def _windows(log: Path) -> int:
@@ -65,8 +71,8 @@ def _windows(log: Path) -> int:
         return 1
 
 
-def _cut(log: SensorLog, scene: str, first: int) -> RecordedLog:
-    motion = log.motion.between(first, first + WINDOW)
+def _cut(log: SensorLog, scene: str, first: int, end: int) -> RecordedLog:
+    motion = log.motion.between(first, end)
     seen = motion.valid.any(-1)
     ego = np.flatnonzero(log.track_id[seen] == EGO_TRACK)
     return RecordedLog(

@@ -7,11 +7,13 @@ import sys
 from pathlib import Path
 
 import pytest
+import rerun as rr
 
 from drivegen import cli
 from drivegen.av2.export import export_scenario
 from drivegen.cli import doctor
 from tests import scenes
+from tests.small_datasets import sensor_log
 
 COMMAND = [sys.executable, "-c", "from drivegen.cli import main; main()"]
 
@@ -35,6 +37,21 @@ def test_view_writes_a_recording_where_no_screen_is(folder, tmp_path):
     assert done.returncode == 0, done.stderr
     assert "scene-0.rrd" in done.stdout
     assert (tmp_path / "scene-0.rrd").stat().st_size > 1000
+
+
+def test_view_shows_all_of_a_sensor_log(tmp_path):
+    sensor_log(tmp_path / "log-a", frames=130)
+    done = run("view", "log-a", "--no-show", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    steps = {
+        int(step)
+        for chunk in rr.chunk.RrdReader(tmp_path / "log-a.rrd").stream()
+        if chunk.entity_path == "/world/traffic/target"
+        for name in chunk.timeline_names
+        if name == "step"
+        for step in chunk.to_record_batch().column("step").to_pylist()
+    }
+    assert max(steps) == 129
 
 
 def test_view_takes_the_recording_that_lies_in_the_folder(folder, tmp_path):
