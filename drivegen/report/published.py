@@ -24,6 +24,7 @@ METHODS = {
     "lctgen": "LCTGen",
     "idm": "IDM",
     "constant_velocity": "Constant velocity",
+    "random_agent": "Random agent",
     "log": "Log (recorded futures)",
 }
 """All rows of every table; one that nobody ran reads "not measured"."""

@@ -15,10 +15,21 @@ from drivegen.report.published import (
     DataSet,
     Pooled,
     Results,
-    is_distance,
     recording,
     resampling_of,
     under_trained,
+)
+from drivegen.report.sections.trust import (
+    BOXES,
+    BOXES_NOTE,
+    DISTANCES,
+    DISTANCES_NOTE,
+    REALISM,
+    REALISM_NOTE,
+    SCORES,
+    SCORES_NOTE,
+    horizon_words,
+    is_likelihood,
 )
 from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, row
 
@@ -123,43 +134,32 @@ def _paired(data: DataSet, draws: int, rng: np.random.Generator) -> Table:
     return Table(f"paired-{data.name}", title, ("DriveGen less", *_HEADS[:4]), tuple(lines), ("Below zero DriveGen is better.",))
 
 
-_TRUST_TABLES: tuple[tuple[str, str, dict[str, str], tuple[str, ...]], ...] = (
-    (
-        "safety",
-        "Safety of what is generated",
-        {
-            "collision_per_vehicle": "vehicles in collision",
-            "off_road_per_vehicle": "vehicles off road",
-            "illegal_per_vehicle": "vehicles illegal",
-            "rejected": "trajectories rejected",
-        },
-        ("Shares. Rejected: of all trajectories that were planned, those that the checker threw away.",),
-    ),
-    (
-        "scores",
-        "Proper scores, realism and a classifier",
-        {"realism": "realism \u2191", "auc": "AUC \u2192 0.5"},
-        (
-            "Realism: in the manner of WOSAC, on these data; the log's own row is what perfect is worth. AUC: of a classifier "
-            "that tells generated from logged tracks, 0.5 where it cannot.",
-        ),
-    ),
-)
+_SAFETY = {
+    "collision_per_vehicle": "in collision",
+    "off_road_per_vehicle": "off road",
+    "illegal_per_vehicle": "any violation",
+    "illegal_per_scene": "scenes with any",
+}
 
 
 def _trust(data: DataSet, pooled: Pooled) -> list[Table]:
-    """What the paper leaves out; columns that a table names, then every further metric of the same family."""
-    families = {"scores": ("energy", "nll"), "safety": ("box",)}
-    found = []
-    for name, title, columns, notes in _TRUST_TABLES:
-        known = {metric for metrics in pooled.values() for metric in metrics}
-        more = sorted(m for m in known - set(columns) if m.startswith(families[name]))
-        named = columns | {metric: metric.replace("_", " ").replace(".", " ") for metric in more}
-        found.append(_plain(f"{name}-{data.name}", f"{title}: {data.title}", named, pooled, notes))
-    distances = {m: m.removeprefix("distance.").replace("_", " ") for ms in pooled.values() for m in ms if is_distance(m)}
-    title = f"Distances of distributions from the log's: {data.title}"
-    found.append(_plain(f"distances-{data.name}", title, dict(sorted(distances.items())), pooled, ("0 is the same.",)))
-    return found
+    """What the paper leaves out, in the report's words."""
+    likelihoods = {name: horizon_words(name) for metrics in pooled.values() for name in metrics if is_likelihood(name)}
+    found = (
+        (
+            "safety",
+            "Safety of what is generated",
+            _SAFETY,
+            "Shares of vehicles, and of scenes, that the legal checker objects to.",
+        ),
+        ("realism", "Realism in the manner of WOSAC", REALISM, REALISM_NOTE),
+        ("scores", "Proper scores", SCORES | dict(sorted(likelihoods.items())), SCORES_NOTE),
+        ("distances", "Distances of distributions, and a classifier", DISTANCES, DISTANCES_NOTE),
+        ("boxes", "What collision rates owe to box sizes, and what is rejected", BOXES, BOXES_NOTE),
+    )
+    return [
+        _plain(f"{name}-{data.name}", f"{title}: {data.title}", columns, pooled, (note,)) for name, title, columns, note in found
+    ]
 
 
 def _plain(name: str, title: str, columns: Mapping[str, str], pooled: Pooled, notes: tuple[str, ...]) -> Table:

@@ -8,7 +8,7 @@ from drivegen.report.section import Section, not_measured
 from drivegen.report.sections.quality import name_of, ordered, rows_of
 from drivegen.report.table import Table, measured, row
 
-_REALISM = {
+REALISM = {
     "realism": "score",
     "realism.linear_speed": "speed",
     "realism.linear_acceleration": "acceleration",
@@ -20,13 +20,13 @@ _REALISM = {
     "realism.distance_to_road_edge": "road edge",
     "realism.off_road": "off-road",
 }
-_SCORES = {
+SCORES = {
     "energy_trajectory": "energy score [m] \u2193",
     "energy_final": "at the end [m] \u2193",
     "energy_joint": "of the scene [m] \u2193",
     "energy_joint_final": "of the scene, at the end [m] \u2193",
 }
-_DISTANCES = {
+DISTANCES = {
     "auc": "AUC \u2192 0.5",
     "distance.speed": "speed [m/s]",
     "distance.acceleration": "acceleration [m/s2]",
@@ -37,7 +37,7 @@ _DISTANCES = {
     "distance.post_encroachment": "post-encroachment [s]",
     "distance.manoeuvres": "manoeuvres [bit]",
 }
-_BOXES = {
+BOXES = {
     "boxes_90_collision": "boxes x 0.9",
     "boxes_100_collision": "boxes x 1.0",
     "boxes_110_collision": "boxes x 1.1",
@@ -47,6 +47,24 @@ _BOXES = {
     "close_call_log": "the same in the log",
     "rejected": "planned trajectories rejected",
 }
+REALISM_NOTE = (
+    "Likelihood of the log under histograms of the samples, with features, bins and weights of the 2025 challenge; its "
+    "traffic light feature (0.05) is dropped and the other weights are divided by 0.95. The log does not score 1. "
+    "Comparable on these scenes with this number of samples only, with no leaderboard."
+)
+SCORES_NOTE = (
+    "Energy scores: of each vehicle's way and end, and of all vehicles at once; a method does best by sampling what it "
+    "believes. NLL: of the log, in nats per vehicle, under a Gaussian kernel on the samples whose bandwidth is, for each "
+    "scenario, the one that is likeliest for all others; the log's own is bounded by the finest bandwidth."
+)
+DISTANCES_NOTE = (
+    "Wasserstein-1 distances of generated from logged motion over all scenes, of manoeuvres the Jensen-Shannon "
+    "divergence. AUC: boosted trees that tell generated from logged tracks of scenes that they were not trained on."
+)
+BOXES_NOTE = (
+    "Shares of vehicles whose box touches another one, without the checker's tolerances; pairs that are given "
+    "overlapping count only once they have come apart."
+)
 
 
 def section(evidence: Evidence) -> Section:
@@ -58,45 +76,39 @@ def section(evidence: Evidence) -> Section:
     )
     if not methods:
         return Section("trust", "Trust in the numbers", lead, missing=not_measured("evaluate"))
-    likelihoods = {name: _horizon(name) for values in methods.values() for name in values if _is_likelihood(name)}
+    likelihoods = {name: horizon_words(name) for values in methods.values() for name in values if is_likelihood(name)}
     found = (
         _table(
             "realism",
             "Realism in the manner of WOSAC, adapted to Argoverse 2",
-            _REALISM,
+            REALISM,
             methods,
             evidence,
-            "Likelihood of the log under histograms of the samples, with features, bins and weights of the 2025 challenge; its "
-            "traffic light feature (0.05) is dropped and the other weights are divided by 0.95. The log does not score 1. "
-            "Comparable on these scenes with this number of samples only, with no leaderboard.",
+            REALISM_NOTE,
         ),
         _table(
             "scores",
             "Proper scores",
-            _SCORES | dict(sorted(likelihoods.items())),
+            SCORES | dict(sorted(likelihoods.items())),
             methods,
             evidence,
-            "Energy scores: of each vehicle's way and end, and of all vehicles at once; a method does best by sampling what it "
-            "believes. NLL: of the log, in nats per vehicle, under a Gaussian kernel on the samples whose bandwidth is, for each "
-            "scenario, the one that is likeliest for all others; the log's own is bounded by the finest bandwidth.",
+            SCORES_NOTE,
         ),
         _table(
             "distances",
             "Distances of distributions, and a classifier",
-            _DISTANCES,
+            DISTANCES,
             methods,
             evidence,
-            "Wasserstein-1 distances of generated from logged motion over all scenes, of manoeuvres the Jensen-Shannon "
-            "divergence. AUC: boosted trees that tell generated from logged tracks of scenes that they were not trained on.",
+            DISTANCES_NOTE,
         ),
         _table(
             "boxes",
             "What collision rates owe to box sizes, and what is rejected",
-            _BOXES,
+            BOXES,
             methods,
             evidence,
-            "Shares of vehicles whose box touches another one, without the checker's tolerances; pairs that are given "
-            "overlapping count only once they have come apart.",
+            BOXES_NOTE,
             digits=3,
         ),
     )
@@ -119,11 +131,12 @@ def _table(
     return Table(name, title, ("", *columns.values()), tuple(lines), (*evidence.trained_on, note))
 
 
-def _is_likelihood(name: str) -> bool:
+def is_likelihood(name: str) -> bool:
+    """Whether a key is a likelihood of the log, and not an end of its interval."""
     return name.startswith("nll_") and not name.endswith((".low", ".high"))
 
 
-def _horizon(name: str) -> str:
+def horizon_words(name: str) -> str:
     """A key as a heading: "nll_joint_3s" -> "NLL of the scene at 3 s"."""
     *kind, horizon = name.split("_")
     return f"NLL{' of the scene' if 'joint' in kind else ''} at {horizon.removesuffix('s')} s \u2193"
