@@ -17,13 +17,12 @@ from drivegen.errors import MissingTool
 from drivegen.generators.base import Settings as GeneratorSettings
 from drivegen.initialise import Initialiser
 from drivegen.initialise import Settings as InitialSettings
-from drivegen.make import SELECTOR
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
 from drivegen.sumo.network import Network
 from stages._door import enter, read_params, require
 
-SOURCE = "DriveGen (map from words)"
+SOURCE, SELECTOR = "DriveGen (map from words)", "learned"
 
 
 @dataclass(frozen=True)

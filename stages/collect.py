@@ -1,7 +1,8 @@
 """Stage collect: all result and cost parts in one DuckDB file with views (a leaf: nothing depends on it).
 
-argv: folder of result parts, folder of cost parts, table of costs to write (Markdown), the DuckDB file to write. Costs differ
-from run to run and so they stand here, outside of what promises the same bytes for the same seed.
+argv: folder of result parts, folder of cost parts, folder of calls of language models, table of costs to write (Markdown), the
+DuckDB file to write. Costs and calls differ from run to run and so they stand here, outside of what promises the same bytes for
+the same seed.
 """
 
 from collections.abc import Iterator
@@ -9,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from drivegen.lm.ledger import CALLS
 from drivegen.store.costs import COST
 from drivegen.store.files import whole
 from drivegen.store.results import RESULT
@@ -42,11 +44,18 @@ _TABLES = (
 )
 
 
-def main(params: Params, results: Path, costs: Path, table: Path, out: Path) -> dict[str, float]:  # noqa: ARG001  # every main takes params
-    """Collect the parts below `results` and `costs` (which may be absent: a fresh checkout has no times)."""
+def main(
+    params: Params,  # noqa: ARG001  # every main takes params
+    results: Path,
+    costs: Path,
+    calls: Path,
+    table: Path,
+    out: Path,
+) -> dict[str, float]:
+    """Collect the parts below `results`, `costs` and `calls` (these may be absent: a fresh checkout has no times, no calls)."""
     parts = result_parts(require(results, "run the stages that measure"))
     rows = read_parts(parts, RESULT)
-    build(out, rows, read_parts(sorted(costs.glob("*.parquet")), COST))
+    build(out, rows, read_parts(sorted(costs.glob("*.parquet")), COST), read_parts(sorted(calls.glob("*.parquet")), CALLS))
     with whole(table) as temporary:
         temporary.write_text("\n".join(_markdown(out)), encoding="utf-8")
     print(f"{out}: {rows.num_rows} results of {len(parts)} parts; costs in {table}")

@@ -9,7 +9,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from drivegen.asked import offline
-from drivegen.asked.base import Reading
+from drivegen.asked.reading import Reading
 from drivegen.asked.request import TrafficRequest
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prompt import NoAnswer, Prompt, fenced

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from drivegen.asked import _patterns as words
 from drivegen.asked._languages import vehicle_clauses
-from drivegen.asked.base import Reading
+from drivegen.asked.reading import Reading
 from drivegen.asked.request import Density, Group, Kind, Manoeuvre, TrafficRequest
 from drivegen.assets.where import Relation
 from drivegen.errors import UnusableInput

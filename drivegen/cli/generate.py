@@ -10,7 +10,7 @@ from rich.progress import Progress
 from typer import BadParameter, Option
 
 from drivegen.asked import language_model
-from drivegen.asked.base import Reading
+from drivegen.asked.reading import Reading
 from drivegen.av2.folder import read_folder
 from drivegen.cli import _project
 from drivegen.cli._lm import MaxUsd, Words, model

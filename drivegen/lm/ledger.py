@@ -10,7 +10,7 @@ import pyarrow as pa
 from drivegen.lm.prompt import OverBudget
 from drivegen.store.files import write_table
 
-_COLUMNS = pa.schema(
+CALLS = pa.schema(
     [
         ("role", pa.string()),
         ("model", pa.string()),
@@ -27,6 +27,7 @@ _COLUMNS = pa.schema(
         ("retries", pa.int64()),
     ]
 )
+"""Columns of a table of calls; see `Call`."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ class Ledger:
 
     def table(self) -> pa.Table:
         """The calls, a column per field of `Call`."""
-        return pa.Table.from_pylist([asdict(call) for call in self.calls], schema=_COLUMNS)
+        return pa.Table.from_pylist([asdict(call) for call in self.calls], schema=CALLS)
 
     def write(self, path: Path) -> None:
         """The calls as Parquet; latencies differ from run to run, so this is no output of a stage."""

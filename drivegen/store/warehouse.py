@@ -53,10 +53,10 @@ def _naming(part: Path) -> Iterator[None]:
         raise UnusableInput(f"{part} is not a Parquet file: remove it and run its stage again", reason="truncated") from error
 
 
-def build(path: Path, results: pa.Table, costs: pa.Table) -> None:
-    """Write `path` with the tables `results` and `costs` and all views."""
+def build(path: Path, results: pa.Table, costs: pa.Table, calls: pa.Table) -> None:
+    """Write `path` with the tables `results`, `costs` and `calls` (of language models) and all views."""
     with whole(path) as temporary, duckdb.connect(str(temporary)) as connection:
-        for name, table in {"results": results, "costs": costs}.items():
+        for name, table in {"results": results, "costs": costs, "calls": calls}.items():
             connection.register("incoming", table)
             connection.execute(f"create table {name} as from incoming").fetchall()
             connection.unregister("incoming")

@@ -9,8 +9,11 @@ from typer.testing import CliRunner
 from drivegen import cli
 from drivegen.cli import doctor
 from drivegen.errors import UnusableInput
+from drivegen.store.scenarios import write_shard
 from tests.lm.asking import settings
 from tests.lm.chat_server import Says, serving
+from tests.projects import PARAMS
+from tests.scenes import busy_crossing
 
 CROSSING = {"kind": "crossing", "control": "signals", "arms": [{"angle": a} for a in (0, 90, 180, 270)]}
 
@@ -42,6 +45,27 @@ def test_estimate_prints_calls_tokens_and_dollars_and_asks_nobody(project):
     assert "unknown" not in told
     assert "dollars     unknown" in drivegen("estimate").output
     assert "nothing is spent" in drivegen("estimate", "--lm", "offline").output
+
+
+def test_estimate_covers_every_role_and_both_layouts_of_goals(project, tmp_path):
+    told = drivegen("estimate", "--lm", "openai:gpt-4o").output
+    assert "no data/scenarios/test here" in told
+    assert "corner_cases  nothing in this pipeline asks it" in told
+    own = yaml.safe_load((tmp_path / "params.yaml").read_text())
+    whole = yaml.safe_load(PARAMS.read_text())
+    (tmp_path / "params.yaml").write_text(yaml.safe_dump(own | {"goals": whole["goals"]}))
+    scenes = [busy_crossing(101, f"crossing-{i}") for i in range(4)]
+    write_shard(tmp_path / "data" / "scenarios" / "test" / "shard-00000.parquet", scenes)
+    told = drivegen("estimate", "--lm", "openai:gpt-4o").output
+    vehicles, scenario = (told.split(f"for goals, {layout}")[1].split() for layout in ("per_vehicle", "per_scenario"))
+    assert 4 < int(vehicles[1]) <= 32  # a call a vehicle
+    assert int(scenario[1]) == 4  # a call a scene
+    assert int(vehicles[4]) > int(scenario[4]) > 0
+    dollars, batch = (
+        float(vehicles[vehicles.index("dollars") + 1].strip(",;")),
+        float(vehicles[vehicles.index("batches") + 1].strip(",;")),
+    )
+    assert batch == pytest.approx(dollars / 2, rel=0.01)
 
 
 def test_the_doctor_tries_each_configured_model_once(project):

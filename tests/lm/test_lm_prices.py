@@ -7,11 +7,15 @@ import pytest
 
 from drivegen import plugins
 from drivegen.errors import UnusableInput
-from drivegen.lm.ledger import Ledger
+from drivegen.lm.ledger import CALLS, Ledger
 from drivegen.lm.prices import estimate, input_tokens, price
 from drivegen.lm.prompt import OverBudget
 from drivegen.lm.settings import RecordSettings, overridden
-from tests.lm.asking import model, question, settings
+from drivegen.store.costs import COST
+from drivegen.store.results import RESULT
+from drivegen.store.warehouse import build, query, read_parts
+from tests.lm.asking import GOOD, model, question, settings
+from tests.lm.chat_server import Says, serving
 
 OPENAI, ANTHROPIC, OFFLINE = (plugins.load("lm.backends", name) for name in ("openai", "anthropic", "offline"))
 
@@ -52,8 +56,19 @@ def test_money_is_set_aside_before_a_call_and_settled_after_it():
     assert ledger.spent == pytest.approx(0.7)
 
 
-def test_the_ledger_is_a_table(tmp_path):
+def test_the_ledger_is_a_table_and_every_call_a_row_of_the_warehouse(tmp_path):
     assert Ledger(1.0, 1).table().num_rows == 0
+    with serving([Says("{"), Says(GOOD)]) as server:
+        asked = model(tmp_path, server.url)
+        asked.ask(question())
+        asked.ask(question())
+    asked.ledger.write(tmp_path / "calls" / "goals.parquet")
+    calls = read_parts([tmp_path / "calls" / "goals.parquet"], CALLS)
+    build(tmp_path / "all.duckdb", RESULT.empty_table(), COST.empty_table(), calls)
+    assert query(tmp_path / "all.duckdb", "select count(*) as n from calls")["n"].to_pylist() == [4]
+    [row] = query(tmp_path / "all.duckdb", "from language_model_calls").to_pylist()
+    assert (row["calls"], row["replayed"], row["answered"], row["asked_again"]) == (4, 2, 2, 2)
+    assert (row["input_tokens"], row["dollars"]) == (480, None)
 
 
 def test_lm_words_name_another_model():

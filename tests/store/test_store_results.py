@@ -5,6 +5,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from drivegen.errors import UnusableInput
+from drivegen.lm.ledger import CALLS
 from drivegen.store.costs import COST, write_cost
 from drivegen.store.results import RESULT, Run, result_rows, run_id, write_results
 from drivegen.store.warehouse import build, query, read_parts, result_parts
@@ -21,7 +22,9 @@ def warehouse(folder, *parts):
         write_results(folder / "metrics" / f"{i}.parquet", [part])
     write_cost(folder / "costs", "evaluate", "drivegen", {"cpu_seconds": 6.0, "scenarios": 3})
     results = read_parts(result_parts(folder / "metrics"), RESULT)
-    build(folder / "drivegen.duckdb", results, read_parts(sorted((folder / "costs").glob("*.parquet")), COST))
+    build(
+        folder / "drivegen.duckdb", results, read_parts(sorted((folder / "costs").glob("*.parquet")), COST), CALLS.empty_table()
+    )
     return folder / "drivegen.duckdb"
 
 
@@ -81,7 +84,7 @@ def test_views_average_per_method_and_by_kind_of_scene(tmp_path):
 
 def test_a_warehouse_is_replaced_as_a_whole(tmp_path):
     made = warehouse(tmp_path, rows(min_sade=[1.0, 2.0, 6.0]))
-    build(made, RESULT.empty_table(), COST.empty_table())
+    build(made, RESULT.empty_table(), COST.empty_table(), CALLS.empty_table())
     assert query(made, "select count(*) as n from results").to_pylist() == [{"n": 0}]
     assert [file.name for file in tmp_path.iterdir() if file.is_file()] == ["drivegen.duckdb"]
 

@@ -1,4 +1,5 @@
--- Everything below reads two tables: results (long rows, one number of one scenario each) and costs (times, not repeatable).
+-- Everything below reads three tables: results (long rows, one number of one scenario each), costs (times, not repeatable) and
+-- calls (every call of a language model, or answer from the records, one row each).
 
 -- One row a metric, method and driver: the numbers of the report's tables, before intervals.
 create view metrics as
@@ -62,3 +63,13 @@ order by seen.method;
 create view cost_of_training as
 select stage, item, max(value) filter (name = 'cpu_seconds') as cpu_seconds, max(value) filter (name = 'gpu_seconds') as gpu_seconds
 from costs where stage like 'train%' group by stage, item order by stage, item;
+
+-- What language models were asked and what it took: one row a role, model and wording. Dollars are null where a price is unknown.
+create view language_model_calls as
+select role, model, prompt_version, count(*) as calls, count(*) filter (replayed) as replayed,
+       count(*) filter (outcome = 'answered') as answered, count(*) filter (outcome = 'asked again') as asked_again,
+       sum(input_tokens) as input_tokens, sum(output_tokens) as output_tokens, sum(retries) as retries,
+       if(bool_or(cost = 'unknown'), null, sum(try_cast(cost as double))) as dollars,
+       sum(latency) as seconds
+from calls
+group by all;
