@@ -3,27 +3,39 @@
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import orjson
 from pydantic import ValidationError
 
 from drivegen.errors import UnusableInput
 from drivegen.maps.build import ACCOUNT, BuiltMap, build_spec
+from drivegen.maps.edits import (
+    REMOVES,
+    Fields,
+    add_ramp,
+    change_lanes,
+    control,
+    keep,
+    move,
+    remove_ramp,
+    set_auxiliary,
+    set_lanes,
+    set_length,
+    set_ramp_lanes,
+    set_speed,
+    to_crossing,
+    to_roundabout,
+    turn_lanes,
+)
 from drivegen.maps.spec import MapSpec
 from drivegen.maps.writers._reading import Reading
 
 CAN_EDIT = (
     "add or remove a lane, set the lanes, add or remove traffic lights, stop or yield signs, set the speed limit, make it a "
-    "roundabout or a crossing, move a ramp or lane change up- or downstream, make it longer or shorter, add or remove turn "
+    "roundabout or a crossing, add, remove or move ramps, move lane changes, make it longer or shorter, add or remove turn "
     "lanes, let traffic keep left or right"
 )
 """The edits that are understood."""
-
-Fields = dict[str, Any]
-_LANES = ("lanes", "lanes_back", "lanes_in", "lanes_out", "left_lanes")
-_UNITS = {"kmh": 1 / 3.6, "mph": 0.44704, "mps": 1.0, "": 1 / 3.6}
-_REMOVES = r"(?:remove|delete|drop|without|no|take (?:away|out)|get rid of|switch off)"
 
 
 def refine_map(folder: Path, text: str) -> BuiltMap:
@@ -65,188 +77,59 @@ def refine(spec: MapSpec, text: str) -> tuple[MapSpec, tuple[tuple[str, str], ..
         raise UnusableInput(f"after this edit the road cannot be drawn: {message}", reason="impossible-map") from None
 
 
-def _each(value: Any, change: Callable[[Fields], None]) -> None:
-    """Apply a change to every mapping inside `value`."""
-    if isinstance(value, dict):
-        change(value)
-        for item in value.values():
-            _each(item, change)
-    elif isinstance(value, list):
-        for item in value:
-            _each(item, change)
-
-
-def _change_lanes(fields: Fields, match: re.Match[str]) -> str:
-    count = int(match[2]) if match[2] else 1
-    step = count if match[1].startswith(("add", "widen", "extra")) else -count
-
-    def change(part: Fields) -> None:
-        for name in _LANES:
-            if part.get(name) and not _is_event(part):
-                part[name] += step
-
-    _each(fields["road"], change)
-    return f"{'+' if step > 0 else '-'}{abs(step)} lane per direction"
-
-
-def _is_event(part: Fields) -> bool:
-    return "ramp_speed" in part
-
-
-def _set_lanes(fields: Fields, match: re.Match[str]) -> str:
-    lanes = int(match[1])
-
-    def change(part: Fields) -> None:
-        for name in _LANES:
-            if part.get(name) and not _is_event(part) and name != "left_lanes":
-                part[name] = lanes
-
-    _each(fields["road"], change)
-    return f"{lanes} lanes per direction"
-
-
-def _control(control: str, meaning: str) -> Callable[[Fields, re.Match[str]], str]:
-    def apply(fields: Fields, _match: re.Match[str]) -> str:
-        if not _has(fields["road"], "control"):
-            raise UnusableInput("this road has no crossing that could be controlled", reason="impossible-map")
-
-        def change(part: Fields) -> None:
-            if "control" in part:
-                part["control"] = control
-
-        _each(fields["road"], change)
-        return meaning
-
-    return apply
-
-
-def _has(value: Any, name: str) -> bool:
-    found: list[bool] = []
-    _each(value, lambda part: found.append(name in part))
-    return any(found)
-
-
-def _set_speed(fields: Fields, match: re.Match[str]) -> str:
-    speed = float(match[1]) * _UNITS[match[2] or ""]
-
-    def change(part: Fields) -> None:
-        for name in ("speed", "side_speed"):
-            if name in part:
-                part[name] = speed
-        for name in ("ring_speed", "ramp_speed"):
-            if name in part:
-                part[name] = min(part[name], speed)
-
-    _each(fields["road"], change)
-    return f"speed limit {speed * 3.6:.0f} km/h"
-
-
-def _to_roundabout(fields: Fields, _match: re.Match[str]) -> str:
-    road = fields["road"]
-    if road["kind"] == "crossing":
-        arms = [{**arm, "left_turn_lane": False, "right_turn_lane": False} for arm in road["arms"]]
-        ring = 2 if max(arm["lanes_in"] for arm in arms) > 1 else 1
-        diameter = max(30.0 + 10.0 * ring, 9.0 * len(arms) + 8.0 * ring)
-        fields["road"] = {"kind": "roundabout", "arms": arms, "ring_lanes": ring, "diameter": diameter}
-    elif road.get("junctions"):
-        for junction in road["junctions"]:
-            junction["form"] = "roundabout"
-    else:
-        raise UnusableInput(f"a {road['kind']} cannot become a roundabout", reason="impossible-map")
-    return "roundabout"
-
-
-def _to_crossing(fields: Fields, _match: re.Match[str]) -> str:
-    road = fields["road"]
-    if road["kind"] == "roundabout":
-        fields["road"] = {"kind": "crossing", "arms": road["arms"]}
-    elif road.get("junctions"):
-        for junction in road["junctions"]:
-            junction["form"] = "crossing"
-    else:
-        raise UnusableInput(f"a {road['kind']} cannot become a crossing", reason="impossible-map")
-    return "crossing"
-
-
-def _move(fields: Fields, match: re.Match[str]) -> str:
-    """Move what happens along the road, and what comes after it, so that gaps stay."""
-    metres = float(match[2]) * (1000.0 if match[3] == "km" else 1.0)
-    metres = -metres if match[4].startswith(("up", "back", "earlier", "closer", "nearer")) else metres
-    road = fields["road"]
-    kinds = {"on": "on_ramp", "entry": "on_ramp", "off": "off_ramp", "exit": "off_ramp"}
-    wanted = next((kind for word, kind in kinds.items() if (match[1] or "").startswith(word)), None)
-    parts = [e for e in road.get("events", []) if wanted in (None, e["kind"])] or road.get("junctions", [])
-    if not parts:
-        raise UnusableInput("there is nothing along this road that could be moved", reason="impossible-map")
-    everything = road.get("events") or road["junctions"]
-    for part in everything[everything.index(parts[0]) :]:
-        part["position"] += metres
-    last = everything[-1]["position"] + everything[-1].get("length", 0.0)
-    road["alignment"]["length"] = max(road["alignment"]["length"], last + 150.0)
-    return f"moved {abs(metres):.0f} m {'down' if metres > 0 else 'up'}stream"
-
-
-def _set_length(fields: Fields, match: re.Match[str]) -> str:
-    road = fields["road"]
-    metres = float(match[2]) * (1000.0 if match[3] == "km" else 1.0)
-    step = {"longer": metres, "shorter": -metres}.get(match[1] or match[4] or "")
-
-    def change(part: Fields) -> None:
-        if "length" in part and not _is_event(part):
-            part["length"] = metres if step is None else part["length"] + step
-
-    _each(road.get("alignment", road), change)
-    return f"{metres:.0f} m {match[1] or match[4] or 'long'}"
-
-
-def _turn_lanes(fields: Fields, match: re.Match[str]) -> str:
-    wanted = not re.match(_REMOVES, match[1] or "")
-    sides = [side for side in ("left", "right") if match[2] is None or side in match[2]]
-    if fields["road"]["kind"] != "crossing":
-        raise UnusableInput("only a single crossing can have turn lanes", reason="impossible-map")
-    for arm in fields["road"]["arms"]:
-        arm.update({f"{side}_turn_lane": wanted for side in sides})
-    return f"{'with' if wanted else 'no'} turn lanes"
-
-
-def _keep(fields: Fields, match: re.Match[str]) -> str:
-    side = match[1] or match[2]
-    fields["left_hand"] = side == "left"
-    return f"{side}-hand traffic"
-
-
 _N = r"(\d+(?:\.\d+)?)"
 _SIGNALS = r"(?:the |all |its )*(?:traffic )?(?:lights|signals?)"
 _SIGNS = r"(?:the |all |its )*(?:stop|yield|give way)? ?(?:signs?|control)"
-_ALONG = r"(downstream|upstream|back|further|forward|later|earlier|closer|nearer|along)"
-_MOVED = r"(on |off |exit |entry )?(?:ramp|lane drop|junction|crossing|it|exit|entry)"
-_INTO = r"(?:make (?:it|this) |turn (?:it|this) |into |replace (?:it|this) |with |by |a |an )+"
+_ALONG = r"(?:downstream|upstream|back|further|farther|forward|later|earlier|closer|nearer|along|ahead|on|down the road)"
+_RAMP = r"(?:(?:on|off|exit|entry|entrance) )?(?:ramp|slip road|slip)|exit|entry|entrance|onramp|offramp"
+_MOVED = rf"({_RAMP}|lane drop|lane gain|junction|crossing|roundabout|it)"
+_MOVES = r"(?:move|shift|push|pull|slide|put|place|relocate|bring)"
+_BY = rf"(?:should be |must be |by |about |{_ALONG} )*"
+_INTO = (
+    r"(?:(?:make|turn|convert|change|transform|replace|swap|i would rather have|i d rather have|use) )"
+    r"(?:(?:it|this|that|all|every|each|the|crossings?|crossroads|intersections?|junctions?|into|to|with|by|for|a|an|one|1) )*"
+)
 _EDITS: tuple[tuple[str, Callable[[Fields, re.Match[str]], str]], ...] = (
-    (r"(?:(?:keep|drive|driving|traffic) (?:on )?(?:the )?(left|right))|(left|right) hand traffic", _keep),
+    (r"(?:(?:keep|drive|driving|traffic) (?:on )?(?:the )?(left|right))|(left|right) hand traffic", keep),
     (
-        rf"((?:add|with|give it|{_REMOVES}) ?)?(?:the |a |dedicated )*((?:left and right|left|right) )?turn(?:ing)? lanes?",
-        _turn_lanes,
+        rf"((?:add|with|give (?:it|every \w+|each \w+|all \w+)|{REMOVES}) ?)?(?:the |a |dedicated )*"
+        r"((?:left and right|left|right) )?turn(?:ing)? (?:lanes?|pockets?|bays?)",
+        turn_lanes,
     ),
     (
-        r"(add|widen|remove|drop|delete|extra) (?:by )?(?:a |an |1 |one |another |more )*(?:(\d+) )?(?:more )?lanes?"
+        rf"(add|widen|put|give it|extra|1 (?=more|extra)|another|{REMOVES}|take) (?:by )?"
+        r"(?:a |an |1 |one |another |more |extra |the )*"
+        r"(?:(\d+) )?(?:more |extra )?lanes?(?: away)?"
         r"(?: \w+ direction)?",
-        _change_lanes,
+        change_lanes,
     ),
-    (r"(\d+) lanes?(?: (?:per|in each|each) (?:direction|way))?", _set_lanes),
-    (rf"{_REMOVES} {_SIGNALS}|unsignali[sz]ed", _control("yield", "no traffic lights")),
-    (rf"{_REMOVES} {_SIGNS}", _control("uncontrolled", "no signs: right before left")),
+    (rf"(\d+) lanes? ({_RAMP})", set_ramp_lanes),
+    (rf"{REMOVES} (?:the |this |all |its )*({_RAMP})s?", remove_ramp),
+    (rf"(?:add|with|put|give it) (?:a |an |another |1 |one )*({_RAMP})(?: (?:after|behind) \w+(?: \w+){{0,2}})?", add_ramp),
+    (r"(?:only |just |fewer lanes(?: ,)? )*(\d+) lanes?(?: (?:per|in each|each) (?:direction|way))?", set_lanes),
+    (r"fewer lanes(?: ,)? (?:just |only )*(\d+)", set_lanes),
+    (rf"{REMOVES} {_SIGNALS}|unsignali[sz]ed", control("yield", "no traffic lights")),
+    (rf"{REMOVES} {_SIGNS}", control("uncontrolled", "no signs: right before left")),
     (
         r"(?:add |with |use |install )*(?:\w+ )?(?:traffic lights?|signals?|lights)|signali[sz]e(?:d)?(?: it)?",
-        _control("signals", "traffic lights"),
+        control("signals", "traffic lights"),
     ),
-    (r"(?:all way|4 way) stops?(?: signs?)?", _control("all_way_stop", "all-way stop")),
-    (r"(?:add |with |use )*stop signs?", _control("stop", "stop signs")),
-    (r"(?:add |with |use )*(?:yield|give way)(?: signs?)?", _control("yield", "side roads yield")),
-    (rf"move (?:the |that )?{_MOVED} (?:by )?{_N} ?(m|km) (?:further |farther |more )?{_ALONG}", _move),
-    (rf"(longer|shorter) by {_N} ?(m|km)()", _set_length),
-    (rf"()(?:by )?{_N} ?(m|km) (longer|shorter|long)", _set_length),
-    (rf"(?:speed |limit |limited |maximum |to |of |at |the |set |a |is )*{_N} ?(kmh|mph|mps)", _set_speed),
-    (rf"(?:speed |limit |limited |maximum )+(?:to |of |at |is )*{_N}()", _set_speed),
-    (rf"{_INTO}(?:roundabout|traffic circle|rotary)", _to_roundabout),
-    (rf"{_INTO}(?:crossing|crossroads|intersection|junction)", _to_crossing),
+    (r"(?:all way|4 way) stops?(?: signs?)?", control("all_way_stop", "all-way stop")),
+    (r"(?:add |with |use )*stop signs?", control("stop", "stop signs")),
+    (r"(?:add |with |use )*(?:yield|give way)(?: signs?)?", control("yield", "side roads yield")),
+    (rf"{_MOVES} (?:the |that )?{_MOVED} {_BY}{_N} ?(m|km)(?: {_ALONG})*", move),
+    (rf"({_RAMP}) {_BY}{_N} ?(m|km)(?: {_ALONG})+", move),
+    (
+        r"(acceleration|deceleration|auxiliary|weaving) (?:lane|section|area)(?:,| of| is| to| should be)* "
+        rf"{_N} ?(m|km)(?: long)?",
+        set_auxiliary,
+    ),
+    (rf"(extend|lengthen|shorten) (?:it |the road |this |the highway )*by {_N} ?(m|km)()", set_length),
+    (rf"(longer|shorter) by {_N} ?(m|km)()", set_length),
+    (rf"()(?:by )?{_N} ?(m|km) (longer|shorter|long)", set_length),
+    (rf"(?:speed |limit |limited |maximum |to |of |at |the |set |a |is )*{_N} ?(kmh|mph|mps)", set_speed),
+    (rf"(?:speed |limit |limited |maximum )+(?:to |of |at |is |should be )*{_N}()", set_speed),
+    (rf"(?:make it )?(?:a )?{_N} zone()", set_speed),
+    (rf"{_INTO}(?:roundabouts?|traffic circles?|rotary|rotaries)", to_roundabout),
+    (rf"{_INTO}(?:crossing|crossroads|intersection|junction)", to_crossing),
 )

@@ -50,7 +50,8 @@ def _read_from_to(s: Sentence, facts: Facts) -> None:
         if after is None or before is None or not (_lane_number(s, after) and s.tokens[before].number <= 12):
             continue
         between = s.tokens[before + 1 : i]
-        lanes_said = any(t.kind == "lane" for t in [*between, *s.tokens[after + 1 : after + 3]])
+        beside = (*between, *s.tokens[after + 1 : after + 3], *s.tokens[max(0, before - 2) : before])
+        lanes_said = any(t.kind in ("lane", "extra") for t in beside)
         verbs = {t.value for t in between if t.kind == "verb"}
         joined = (verbs & {"merge", "join"} and _adjectival(s, after)) or "split" in verbs
         if all(t.kind in ("lane", "each", "verb", "but", "road") for t in between) and lanes_said and not joined:
@@ -192,21 +193,30 @@ def read_branches(s: Sentence, facts: Facts) -> None:
             continue
         facts.features.setdefault("fork", i)
         s.use(i, i, "road that splits into two")
-        turns = {t.value: j for j, t in enumerate(s.tokens) if t.kind == "turn"}
-        if set(turns) == {"left", "right"}:
-            counts = {side: _count_beside(s, j) for side, j in turns.items()}
-            if counts["left"] and counts["right"]:
-                facts.branches = (counts["left"], counts["right"])
-        both = [j for j in range(i + 1, min(len(s.tokens), i + 8)) if s.tokens[j].kind == "number"]
-        if facts.branches is None and len(both) == 2 and s.between(both[0], both[1], "and"):
-            facts.branches = (s.tokens[both[0]].number, s.tokens[both[1]].number)
-            s.use(both[0], both[1], f"{facts.branches[0]} lanes to the left, {facts.branches[1]} to the right")
-            for item in s.lanes:
-                if item.first in both:
-                    s.used.update(range(item.first, item.last + 1))
+        _read_branch_lanes(s, facts, i)
         for j in range(i + 1, min(len(s.tokens), i + 4)):
             if s.tokens[j].kind == "number" and s.tokens[j].number == 2:
                 s.use(j, j, "")
+
+
+def _read_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
+    """Lanes of the branches after the verb at i: "two left, one right", "two lanes each", "into two and two"."""
+    turns = {t.value: j for j, t in enumerate(s.tokens) if t.kind == "turn"}
+    if set(turns) == {"left", "right"}:
+        counts = {side: _count_beside(s, j) for side, j in turns.items()}
+        if counts["left"] and counts["right"]:
+            facts.branches = (counts["left"], counts["right"])
+    each = [item for item in s.lanes if item.first > i and item.per == "each"]
+    if facts.branches is None and set(turns) == {"left", "right"} and each:
+        facts.branches = (each[0].count, each[0].count)
+        s.use(each[0].first, each[0].last, f"{each[0].count} lanes on each branch")
+    both = [j for j in range(i + 1, min(len(s.tokens), i + 8)) if s.tokens[j].kind == "number"]
+    if facts.branches is None and len(both) == 2 and s.between(both[0], both[1], "and"):
+        facts.branches = (s.tokens[both[0]].number, s.tokens[both[1]].number)
+        s.use(both[0], both[1], f"{facts.branches[0]} lanes to the left, {facts.branches[1]} to the right")
+        for item in s.lanes:
+            if item.first in both:
+                s.used.update(range(item.first, item.last + 1))
 
 
 def read_joining_roads(s: Sentence, facts: Facts) -> None:
@@ -231,8 +241,16 @@ def read_joining_roads(s: Sentence, facts: Facts) -> None:
         return
 
 
+def _is_named_first(s: Sentence) -> bool:
+    """Whether branches are named before their lanes: "left branch one lane, right branch two"."""
+    turn = next(s.of_kind("turn"))
+    return all(item.first > turn for item in s.lanes) and s.word(turn + 1, "role")
+
+
 def _count_beside(s: Sentence, turn: int) -> int:
-    for j in range(turn, max(-1, turn - 6), -1):
+    following = [j for j in range(turn + 1, min(len(s.tokens), turn + 4)) if s.tokens[j].kind == "number"]
+    backwards = range(turn, max(-1, turn - 6), -1)
+    for j in following[:1] if following and _is_named_first(s) else backwards:
         token = s.tokens[j]
         if token.kind in ("stop", "verb") and j != turn and token.value == "split":
             return 0

@@ -156,7 +156,7 @@ def _decide(facts: Facts, found: list[str], denied: set[str]) -> None:
     for value in ("signals", "all_way_stop", "uncontrolled", "stop", "yield"):
         if value in rest and facts.control is None:
             facts.control = value
-    if "signs" in denied and "signals" in denied and facts.control is None:
+    if denied & {"signs", "stop"} and "signals" in denied and facts.control is None:
         facts.control = "uncontrolled"
 
 

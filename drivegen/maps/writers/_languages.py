@@ -41,7 +41,8 @@ _GERMAN_WORDS = {
     "rechts vor links": "right before left", "lange": "long", "lang": "long", "meter": "m", "kilometer": "km",
     "durchmesser": "diameter", "im abstand von": "spaced", "linksverkehr": "left hand traffic", "grad": "degrees",
     "linksabbiegespuren": "left turn lanes", "linksabbiegespur": "left turn lanes", "abbiegespuren": "turn lanes",
-    "nach links": "to the left", "nach rechts": "to the right", "hintereinander": "in a row", "von": "from", "auf": "to",
+    "nach links": "to the left", "nach rechts": "to the right", "hintereinander": "in a row",
+    "abstand": "apart", "scharfe": "sharp", "scharfer": "sharp", "von": "from", "auf": "to",
     "einer": "a", "einem": "a", "einen": "a", "eines": "a", "eine": "a", "ein": "a", "der": "the", "die": "the", "das": "the",
     "des": "the", "dem": "the", "den": "the", "durch": "through", "ländliche": "rural", "städtische": "urban",
 }  # fmt: skip
@@ -72,14 +73,22 @@ _CHINESE_WORDS = {
 }  # fmt: skip
 
 
+_ENGLISH_TOO = frozenset(("die", "des", "den", "tempo", "lang", "von", "auf", "raster"))
+_ONLY_GERMAN = (frozenset(_GERMAN_WORDS) | frozenset(_GERMAN_NUMBERS)) - _ENGLISH_TOO
+
+
 def in_english(text: str) -> str:
     """`text` with German or Chinese words replaced; an English text comes back as it is."""
     if _CHINESE.search(text):
         return _from_chinese(text)
     lower = text.lower()
-    if len(_GERMAN.findall(lower)) >= 2 or re.search(
-        r"[äöüß]|(?:kreuzung|kreisverkehr|kreisel|sackgasse|straße|autobahn\w+|fahrstreifen|fahrspur(?:en)?|\w+spurige?r?|einbahn\w+)\b",
-        lower,
+    if (
+        len(_GERMAN.findall(lower)) >= 2
+        or len(set(re.findall(r"\w+", lower)) & _ONLY_GERMAN) >= 2
+        or re.search(
+            r"[äöüß]|(?:kreuzung|kreisverkehr|kreisel|sackgasse|straße|autobahn\w+|fahrstreifen|fahrspur(?:en)?|\w+spurige?r?|einbahn\w+)\b",
+            lower,
+        )
     ):
         return _from_german(lower)
     return text

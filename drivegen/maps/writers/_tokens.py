@@ -13,6 +13,7 @@ LENGTH_UNITS = {"m": 1.0, "km": 1000.0, "ft": 0.3048, "yd": 0.9144, "mile": 1609
 _N = r"(\d+(?:\.\d+)?)"
 _NUMBERS = (
     ("size", re.compile(r"(\d+) ?(?:x|by|times) ?(\d+)(?! ?(?:m|km|ft|yd)\b)")),
+    ("size", re.compile(r"(\d+) rows?(?: and| by|,| ,)? ?(\d+) (?:columns?|cols?)")),
     ("speed", re.compile(rf"{_N} ?(kmh|mph|mps)\b")),
     ("length", re.compile(rf"{_N} ?(m|km|ft|yd|mile)\b")),
     ("angle", re.compile(rf"{_N} ?degrees\b")),

@@ -140,7 +140,7 @@ def _ignored(sentence: Sentence, vehicle_words: Set[str]) -> list[str]:
 def _refuse_lost_numbers(sentence: Sentence) -> None:
     """Stop at a number of roads or lanes that no rule took: leaving it out would draw another road than was asked for."""
     for i in sentence.of_kind("number"):
-        if i in sentence.used or sentence.tokens[i].number < 2:
+        if i in sentence.used or sentence.tokens[i].number == 1:
             continue
         for j in range(i + 1, min(i + 3, len(sentence.tokens))):
             if sentence.tokens[j].kind in _COUNTED:
