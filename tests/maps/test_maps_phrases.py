@@ -6,6 +6,7 @@ import pytest
 
 from drivegen.errors import UnusableInput
 from drivegen.maps.examine import examine
+from drivegen.maps.overlaps import overlapping
 from drivegen.maps.refine import refine
 from drivegen.maps.spec import Corridor, Crossing, Fork, Highway, Interchange, MapSpec
 from drivegen.maps.writers.offline import Plugin
@@ -14,8 +15,14 @@ from drivegen.sumo.network import read_network
 KMH = 1 / 3.6
 
 
+def specified(text: str) -> MapSpec:
+    spec = Plugin().write(text, 7).spec
+    assert isinstance(spec, MapSpec)
+    return spec
+
+
 def written(text: str) -> Any:
-    return Plugin().write(text, 7).spec.road
+    return specified(text).road
 
 
 def pair(road: Crossing) -> tuple[int, int]:
@@ -81,7 +88,7 @@ def test_branches_and_roads_that_become_one_have_the_lanes_said() -> None:
     fork = written("the road forks: two lanes go left, one lane goes right")
     assert isinstance(fork, Fork)
     assert (fork.left_lanes, fork.right_lanes, fork.lanes) == (2, 1, 3)
-    both = Plugin().write("two motorways merge into one", 7).spec
+    both = specified("two motorways merge into one")
     assert isinstance(both.road, Fork)
     assert both.road.joins
     assert all(c.passed for c in examine(both).checks)
@@ -96,8 +103,6 @@ def test_an_interchange_is_as_asked_and_its_bridge_is_no_junction(form: Any, lef
 
 
 def test_a_bridge_too_low_would_be_found() -> None:
-    from drivegen.maps.overlaps import overlapping
-
     network = examine(MapSpec(road=Interchange())).network
     assert overlapping(network, "map") == ()
     assert overlapping(network.replace(b",6.00", b",1.00"), "map") != ()
@@ -129,7 +134,7 @@ def test_where_traffic_keeps_left_the_outermost_lane_has_no_left_neighbour() -> 
     ],
 )
 def test_ramps_are_edited_in_other_words(edit: str, events: list[tuple[str, float]]) -> None:
-    road = refine(Plugin().write("a motorway with two lanes and an on-ramp", 7).spec, edit)[0].road
+    road = refine(specified("a motorway with two lanes and an on-ramp"), edit)[0].road
     assert isinstance(road, Highway)
     assert [(e.kind, e.position) for e in road.events] == events
     assert road.lanes == 2
