@@ -1,6 +1,7 @@
 """Batches: many questions in one job, at half the price; each with an answer or a reason of its own."""
 
 from datetime import timedelta
+from unittest.mock import Mock
 
 import pytest
 
@@ -63,9 +64,6 @@ def test_offline_every_question_has_a_typed_failure(tmp_path):
 
 
 def test_a_model_without_a_batch_endpoint_is_named(tmp_path, monkeypatch):
-    def none(*_, **__):
-        raise NotImplementedError
-
-    monkeypatch.setattr("pydantic_ai.direct.model_request_batch", none)
+    monkeypatch.setattr("pydantic_ai.direct.model_request_batch", Mock(side_effect=NotImplementedError))
     with pytest.raises(UnusableInput, match="one by one"):
         model(tmp_path, "http://127.0.0.1:9/v1").ask_many(WORDS)
