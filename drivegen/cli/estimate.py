@@ -19,7 +19,7 @@ from drivegen.lm.prices import Estimate, estimate
 from drivegen.lm.settings import RoleSettings
 from drivegen.maps.writers.language_model import prompt
 from drivegen.scenario import Scenario
-from drivegen.selectors._vlm_question import Case, about_scenario, about_vehicle, examples
+from drivegen.selectors._vlm_question import LIKELIEST, Case, about_scenario, about_vehicle, examples
 from drivegen.selectors.vlm import LAYOUTS
 from drivegen.selectors.vlm import Settings as AskingSettings
 from drivegen.settings import build, read_section
@@ -85,9 +85,9 @@ def _questions(scenes: Sequence[Scenario], asked: AskingSettings, asking: Langua
         cases = cases[: max(round(asked.ask_when_unsure * len(cases)), 1)]
         vehicles += len(cases)
         if asked.layout == "per_scenario":
-            requests.append(asking.request(about_scenario(cases, asked.ranked, asked.pixels, before)))
+            requests.append(asking.request(about_scenario(cases, asked.ranked, asked.pixels, before, LIKELIEST)))
         else:
-            requests += [asking.request(about_vehicle(case, asked.ranked, asked.pixels, before)) for case in cases]
+            requests += [asking.request(about_vehicle(case, asked.ranked, asked.pixels, before, LIKELIEST)) for case in cases]
     return requests, _RANKING_TOKENS * vehicles // max(len(requests), 1)
 
 

@@ -3,9 +3,10 @@
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import cast
+from typing import Any, cast
 
 import orjson
+from pydantic import BaseModel
 
 from drivegen import plugins
 from drivegen.lm.backends.base import Backend, Output, Reply, Request, Turn
@@ -41,6 +42,12 @@ class LanguageModel:
         self.ledger = Ledger(settings.max_usd, settings.max_calls)
         self._settings, self._records = settings, records
         self._made: Backend | None = None
+        self._ahead: dict[str, BaseModel | NoAnswer] = {}
+
+    @property
+    def in_batches(self) -> bool:
+        """Whether the role's settings want questions that are known together asked together."""
+        return self._settings.batch and bool(self._settings.model)
 
     @property
     def prompt_version(self) -> str:
@@ -59,6 +66,10 @@ class LanguageModel:
         usable answer came, OverBudget before a call that may cost too much, MissingTool where a recorded reply or the key is
         missing.
         """
+        if self._ahead and (early := self._ahead.get(key_of(self.request(prompt, sample)))) is not None:
+            if isinstance(early, NoAnswer):
+                raise early
+            return cast(A, early)
         turns: tuple[Turn, ...] = ()
         for asked in range(1 + ASKED_AGAIN):
             request = self.request(prompt, sample, turns)
@@ -121,6 +132,17 @@ class LanguageModel:
         reply, row = self._call(request, row)
         self._records.keep(request, reply)
         return reply, row
+
+    def ask_ahead(self, prompts: Sequence[Prompt[Any]], sample: int = 0) -> None:
+        """Where the role is set to batches, ask all of them in one, once each; `ask` then hands out what came.
+
+        Raises as `ask_many`.
+        """
+        if not self.in_batches or not prompts:
+            return
+        by_key = {key_of(self.request(prompt, sample)): prompt for prompt in prompts}
+        new = {key: prompt for key, prompt in by_key.items() if key not in self._ahead}
+        self._ahead |= dict(zip(new, self.ask_many(list(new.values()), sample), strict=True))
 
     def ask_many(self, prompts: Sequence[Prompt[A]], sample: int = 0) -> list[A | NoAnswer]:
         """The answers to many questions through the vendor's batch endpoint: half the price, within a day.

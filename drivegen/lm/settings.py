@@ -28,6 +28,7 @@ class RoleSettings:
         prompt: version of the wording.
         max_tokens: of one answer. timeout: of one attempt [s]. retries: of an attempt that failed on the way.
         max_usd, max_calls: what a run may spend; calls count where the price is unknown, too.
+        batch: whether stages ask what they know together through the vendor's batch endpoint: half the price, within a day.
     """
 
     backend: str
@@ -41,6 +42,7 @@ class RoleSettings:
     retries: int
     max_usd: float
     max_calls: int
+    batch: bool
 
     def __post_init__(self) -> None:
         if self.backend not in (known := plugins.names("lm.backends")):

@@ -23,15 +23,16 @@ from drivegen.render.png import png
 from drivegen.roadmap import NO_LANE
 from drivegen.scenario import DT, TARGET, Scenario, VehicleKind
 
-VERSION = "goals-1"
-
 LONGEST_RANKING = 8
 
-INSTRUCTIONS = """\
+_LIKELIEST = """\
 You judge road traffic. For a vehicle you get a picture from above and a table of numbered places where it may be at the end of
 the time that is given. Rank the places at which it is most likely to end, the likeliest first, as many as you are asked for,
 each with a reason of at most twenty words. Think of its speed and the limit, of the vehicles ahead of it, of red lights, of who
 has to give way, of its lane and where that leads.
+"""
+
+THE_PICTURE = """\
 The picture: 200 m by 200 m, the vehicle in the middle in magenta, its heading up; a white bar marks the front of each vehicle, a
 thin line where it will be in one second at its present speed. Other vehicles are blue, the scenario's target vehicle is orange,
 people and riders are violet. Bars where lanes begin are signals in their colour. Places are dark discs with white numbers; a
@@ -51,6 +52,23 @@ _WORDS = {
     Manoeuvre.OFF_LANE: "drives off the lanes",
     Manoeuvre.PARK: "pulls over and parks",
 }
+
+
+@dataclass(frozen=True)
+class Wording:
+    """What is asked of the places: `question` has room for {seconds}, `wanted` says which places are to be ranked first.
+
+    `version` names the whole wording: answers are recorded under it.
+    """
+
+    version: str
+    instructions: str
+    question: str
+    wanted: str
+
+
+LIKELIEST = Wording("goals-1", _LIKELIEST + THE_PICTURE, "Where will it be in {seconds:.0f} seconds?", "likeliest")
+"""Where vehicles will be."""
 
 
 class Ranked(BaseModel):
@@ -115,17 +133,19 @@ def examples(folder: str) -> tuple[str | Image, ...]:
     return tuple(parts)
 
 
-def about_vehicle(case: Case, wanted: int, pixels: int, before: tuple[str | Image, ...]) -> Prompt[Ranking]:
+def about_vehicle(case: Case, wanted: int, pixels: int, before: tuple[str | Image, ...], wording: Wording) -> Prompt[Ranking]:
     """The question for one vehicle; `before` are examples and knowledge."""
 
     def check(answer: Ranking) -> None:
         _check(answer, len(case.candidates), "")
 
-    asked = f"Rank the {_wanted(case, wanted)} likeliest places."
-    return Prompt(VERSION, INSTRUCTIONS, (*before, *_shown(case, pixels), asked), Ranking, check)
+    asked = f"Rank the {_wanted(case, wanted)} {wording.wanted} places."
+    return Prompt(wording.version, wording.instructions, (*before, *_shown(case, pixels, wording), asked), Ranking, check)
 
 
-def about_scenario(cases: Sequence[Case], wanted: int, pixels: int, before: tuple[str | Image, ...]) -> Prompt[Rankings]:
+def about_scenario(
+    cases: Sequence[Case], wanted: int, pixels: int, before: tuple[str | Image, ...], wording: Wording
+) -> Prompt[Rankings]:
     """One question for several vehicles of a scenario, each with its own picture and table."""
     counts = {case.vehicle: len(case.candidates) for case in cases}
 
@@ -136,9 +156,9 @@ def about_scenario(cases: Sequence[Case], wanted: int, pixels: int, before: tupl
         for ranking in answer.vehicles:
             _check(ranking, counts[ranking.vehicle], f"vehicle {ranking.vehicle}: ")
 
-    parts = [part for case in cases for part in _shown(case, pixels)]
-    asked = f"For each of these {len(cases)} vehicles rank the {wanted} likeliest places, or all where it has fewer."
-    return Prompt(VERSION, INSTRUCTIONS, (*before, *parts, asked), Rankings, check)
+    parts = [part for case in cases for part in _shown(case, pixels, wording)]
+    asked = f"For each of these {len(cases)} vehicles rank the {wanted} {wording.wanted} places, or all where it has fewer."
+    return Prompt(wording.version, wording.instructions, (*before, *parts, asked), Rankings, check)
 
 
 def _wanted(case: Case, wanted: int) -> int:
@@ -153,14 +173,14 @@ def _check(answer: Ranking, count: int, whose: str) -> None:
         raise ValueError(f"{whose}a place is ranked twice")
 
 
-def _shown(case: Case, pixels: int) -> tuple[str, Image]:
+def _shown(case: Case, pixels: int, wording: Wording) -> tuple[str, Image]:
     c, order = case.candidates, case.order
     picture, _ = draw_bird_eye(case.scenario, case.vehicle, c.position[order], c.lane[order], pixels)
-    told = f"{_situation(case)}\n{_table(case)}"
+    told = f"{_situation(case, wording)}\n{_table(case)}"
     return fenced(f"vehicle_{case.vehicle}", told), Image(png(picture), "image/png")
 
 
-def _situation(case: Case) -> str:
+def _situation(case: Case, wording: Wording) -> str:
     """The vehicle and what is ahead of it on its likeliest route."""
     v, c, n = case.scenario.vehicles, case.candidates, case.vehicle
     kind = VehicleKind(v.kind[n]).name.lower()
@@ -168,7 +188,7 @@ def _situation(case: Case) -> str:
     lines = [
         f"Vehicle {n} of {len(v)}, a {kind} {v.size[n, 0]:.1f} m long, drives {max(float(v.speed[n]), 0.0):.1f} m/s"
         + (" and is the scenario's target." if n == TARGET else "."),
-        f"Where will it be in {seconds:.0f} seconds?",
+        wording.question.format(seconds=seconds),
     ]
     if c.routes:
         likeliest = int(np.argmax(shares(c.routes)))

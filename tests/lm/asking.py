@@ -42,6 +42,7 @@ def settings(base_url: str = "", **more: Any) -> RoleSettings:
         "retries": 2,
         "max_usd": 1.0,
         "max_calls": 20,
+        "batch": False,
     }
     return RoleSettings(**{**values, **more})
 
