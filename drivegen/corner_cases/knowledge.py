@@ -70,7 +70,7 @@ class Knowledge:
     def rows(self) -> list[dict[str, object]]:
         """One row per feature value that occurred: counts, probability and its 95 % Wilson interval, riskiest first."""
         features: tuple[tuple[str, list[str]], ...] = (
-            ("relative speed [m/s]", _speed_names()),
+            ("relative speed [m/s]", speed_names()),
             ("direction", [d.name.lower() for d in Direction]),
             ("behaviour", [b.name.lower() for b in Behaviour]),
         )
@@ -114,6 +114,7 @@ def wilson(hits: int, trials: int) -> tuple[float, float]:
     return max(0.0, float(centre - half)), min(1.0, float(centre + half))
 
 
-def _speed_names() -> list[str]:
+def speed_names() -> list[str]:
+    """The relative-speed bins [m/s] in words."""
     edges = [f"{edge:g}" for edge in SPEED_EDGES]
     return [f"below {edges[0]}", *(f"{a} to {b}" for a, b in pairwise(edges)), f"above {edges[-1]}"]

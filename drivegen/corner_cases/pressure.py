@@ -42,13 +42,16 @@ def risk(met: Encounters, knowledge: Knowledge, settings: PressureSettings) -> N
 
 
 def lean(natural: NDArray[np.floating], risks: NDArray[np.float64], settings: PressureSettings) -> NDArray[np.float32]:
-    """Probabilities (C,) used for one vehicle's candidates: natural * risk ** strength, normalised.
+    """Probabilities (C,) used for one vehicle's candidates: natural * risk ** strength, normalised and `bounded`."""
+    return bounded(natural, (risks / risks.max()) ** settings.strength, settings.max_ratio)
 
-    Every ratio to `natural` stays within max_ratio: the normaliser is the root of a sum of clipped ratios, which grows
-    with it from 1 / max_ratio to max_ratio and so crosses 1 once.
+
+def bounded(natural: NDArray[np.floating], tilt: NDArray[np.float64], bound: float) -> NDArray[np.float32]:
+    """Probabilities (C,) natural * tilt, normalised, with every ratio to `natural` within `bound` and its inverse.
+
+    `tilt` (C,) is positive. The normaliser is the root of a sum of clipped ratios, which grows with it from 1 / bound to
+    bound and so crosses 1 once.
     """
-    tilt = (risks / risks.max()) ** settings.strength
-    bound = settings.max_ratio
 
     def ratio(log_scale: float) -> NDArray[np.float64]:
         return np.asarray(np.clip(tilt * np.exp(log_scale), 1 / bound, bound))

@@ -133,14 +133,18 @@ def _target_from(planned: NDArray[Any], around: NDArray[Any]) -> NDArray[Any]:
 def learn(knowledge: Knowledge, drives: Sequence[Drive], choices: Sequence[Choices], reach: float) -> Knowledge:
     """Knowledge with the encounters of all drives added."""
     for drive, choice in zip(drives, choices, strict=True):
-        met = _encounters_of(drive, choice)
-        hit = np.isin(drive.outcome.kind, COUNTED) & ~drive.outcome.in_first_second
-        partner = drive.outcome.partner[:, None] == np.arange(1, len(choice.scenario.vehicles))
-        knowledge = knowledge.with_outcomes(met, partner & hit[:, None], reach)
+        knowledge = knowledge.with_outcomes(encounters_of(drive, choice), taught(drive, choice), reach)
     return knowledge
 
 
-def _encounters_of(drive: Drive, choice: Choices) -> Encounters:
+def taught(drive: Drive, choice: Choices) -> NDArray[np.bool_]:
+    """(K, N - 1), which runs ended in a collision with which social vehicle that knowledge is made of."""
+    hit = np.isin(drive.outcome.kind, COUNTED) & ~drive.outcome.in_first_second
+    partner = drive.outcome.partner[:, None] == np.arange(1, len(choice.scenario.vehicles))
+    return np.asarray(partner & hit[:, None])
+
+
+def encounters_of(drive: Drive, choice: Choices) -> Encounters:
     """Encounters (K, N - 1) of the driven target with each social vehicle."""
     sizes = choice.scenario.vehicles.size
     social = drive.samples.motion[:, 1:]

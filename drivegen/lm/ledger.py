@@ -2,6 +2,8 @@
 
 import threading
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -9,6 +11,9 @@ import pyarrow as pa
 
 from drivegen.lm.prompt import OverBudget
 from drivegen.store.files import write_table
+
+FOLDER = Path(".drivegen/calls")
+"""Where tables of calls are kept, a file for each stage and each command that called."""
 
 CALLS = pa.schema(
     [
@@ -104,6 +109,15 @@ class Ledger:
     def table(self) -> pa.Table:
         """The calls, a column per field of `Call`."""
         return pa.Table.from_pylist([asdict(call) for call in self.calls], schema=CALLS)
+
+    @contextmanager
+    def kept(self, path: Path) -> Iterator[None]:
+        """Write the calls to `path` at the end of the block, also where it ends in an error; nothing where there were none."""
+        try:
+            yield
+        finally:
+            if self.calls:
+                self.write(path)
 
     def write(self, path: Path) -> None:
         """The calls as Parquet; latencies differ from run to run, so this is no output of a stage."""

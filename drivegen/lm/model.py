@@ -12,10 +12,10 @@ from drivegen import plugins
 from drivegen.lm.backends.base import Backend, Output, Reply, Request, Turn
 from drivegen.lm.batch import DISCOUNT
 from drivegen.lm.ledger import Call, Ledger
-from drivegen.lm.prices import input_tokens, price
+from drivegen.lm.prices import estimate, in_dollars, input_tokens, price
 from drivegen.lm.prompt import A, NoAnswer, Prompt
 from drivegen.lm.reading import InvalidReply, read
-from drivegen.lm.records import Records, key_of
+from drivegen.lm.records import Mode, Records, key_of
 from drivegen.lm.settings import RoleSettings
 
 ASKED_AGAIN = 2
@@ -132,6 +132,23 @@ class LanguageModel:
         reply, row = self._call(request, row)
         self._records.keep(request, reply)
         return reply, row
+
+    def forecast(self, prompts: Sequence[Prompt[Any]], answer_tokens: int, times: float = 1.0) -> str:
+        """A line before a run: calls, tokens and dollars of so many `times` these questions, and where the run would stop."""
+        role, who = f"lm.{self.role}", self.description
+        if not self._settings.model:
+            return f"{role}: no language model is configured: nobody is asked"
+        if self._records.mode is Mode.REPLAY:
+            return f"{role}: recorded answers of {who} are replayed: nobody is asked, nothing is spent"
+        requests = [self.request(prompt) for prompt in prompts]
+        one = estimate(self._settings, requests, answer_tokens, batch=self.in_batches).times(times)
+        asked = "in batches" if self.in_batches else "one by one"
+        return (
+            f"{role}: {who}, {asked}: about {one.calls} calls, {one.input_tokens} tokens in, {one.output_tokens} out, dollars "
+            f"{in_dollars(one.usd)}, at most {in_dollars(one.most_usd)}; what is recorded already costs nothing"
+            f"{' in mode auto' if self._records.mode is Mode.AUTO else ', but is asked again in this mode'}; the run stops at "
+            f"{self._settings.max_usd:g} dollars or {self._settings.max_calls} calls"
+        )
 
     def ask_ahead(self, prompts: Sequence[Prompt[Any]], sample: int = 0) -> None:
         """Where the role is set to batches, ask all of them in one, once each; `ask` then hands out what came.

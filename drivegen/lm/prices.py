@@ -17,6 +17,9 @@ from drivegen.lm.batch import DISCOUNT
 from drivegen.lm.prompt import Image
 from drivegen.lm.settings import RoleSettings
 
+MAP_TOKENS, TRAFFIC_TOKENS, RANKING_TOKENS = 500, 250, 120
+"""Of an answer of ordinary size: a map, the traffic of a description, the ranking of one vehicle's goals."""
+
 _BYTES_PER_TOKEN = 3.5
 _PNG = b"\x89PNG\r\n\x1a\n"
 _UNKNOWN_IMAGE = (1024, 1024)  # [pixels] where a picture is no PNG
@@ -34,6 +37,12 @@ class Estimate:
     output_tokens: int
     usd: float | None
     most_usd: float | None
+
+    def times(self, share: float) -> "Estimate":
+        """Of so many times as many calls."""
+        dollars = (None if usd is None else usd * share for usd in (self.usd, self.most_usd))
+        calls, *tokens = (round(count * share) for count in (self.calls, self.input_tokens, self.output_tokens))
+        return Estimate(calls, *tokens, *dollars)
 
 
 def price(model: str, vendor: str, input_tokens: int | None, output_tokens: int | None) -> float | None:
@@ -71,6 +80,11 @@ def estimate(settings: RoleSettings, requests: Iterable[Request], answer_tokens:
     if batch:
         usd, most = (None if dollars is None else dollars * DISCOUNT for dollars in (usd, most))
     return Estimate(len(inputs), total, answers, usd, most)
+
+
+def in_dollars(usd: float | None) -> str:
+    """For people."""
+    return "unknown" if usd is None else f"{usd:.4f}"
 
 
 def _size(content: bytes) -> tuple[int, int]:
