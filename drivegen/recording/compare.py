@@ -16,8 +16,9 @@ import rerun.blueprint as rrb
 
 from drivegen.recording import colours
 from drivegen.recording.blueprint import from_above
+from drivegen.recording.lines import flat, thinned
 from drivegen.recording.record import recording_of, view_of
-from drivegen.recording.roads import flat, log_roads, log_signals
+from drivegen.recording.roads import log_roads, log_signals, surroundings
 from drivegen.recording.traffic import log_boxes
 from drivegen.samples import Samples
 from drivegen.scenario import TARGET, Scenario, Trajectories
@@ -41,9 +42,10 @@ def record_comparison(path: Path, scenario: Scenario, methods: Mapping[str, Samp
         rrb.BlueprintPanel(state="collapsed"),
         auto_views=False,
     )
+    roads, signals = surroundings(scenario, list(moving.values()))
     with recording_of(path, f"{scenario.scenario_id}: methods side by side", show) as recording:
-        log_roads(recording, scenario.map)
-        log_signals(recording, scenario.map, scenario.signals)
+        log_roads(recording, roads)
+        log_signals(recording, roads, signals)
         for name, motion in moving.items():
             _log_traffic(recording, f"world/methods/{name}/traffic", scenario, motion)
         for name, samples in methods.items():
@@ -58,13 +60,13 @@ def _log_traffic(recording: rr.RecordingStream, path: str, scenario: Scenario, m
 
 
 def _log_samples(recording: rr.RecordingStream, path: str, samples: Samples) -> None:
-    """Lines of all samples of all vehicles, every fifth step."""
+    """Lines of all samples of all vehicles, as exact as can be seen."""
     lines, shades = [], []
     for k, i in np.ndindex(*samples.violation.shape):
         motion = samples.motion[k, i]
-        line = motion.position[motion.valid][::5]
+        line = motion.position[motion.valid]
         if len(line) > 1:
             legal = colours.TARGET if i == TARGET else colours.SOCIAL
-            lines.append(flat(line, 0.02))
+            lines.append(flat(thinned(line), 0.02))
             shades.append((*(legal if samples.legal[k, i] else colours.ILLEGAL)[:3], _FAINT))
     recording.log(path, rr.LineStrips3D(lines, colors=shades, radii=0.1), static=True)

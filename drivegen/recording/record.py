@@ -29,7 +29,8 @@ from numpy.typing import NDArray
 from drivegen.errors import UnusableInput
 from drivegen.recording import colours, traffic
 from drivegen.recording.blueprint import layout
-from drivegen.recording.roads import flat, log_roads, log_signals
+from drivegen.recording.lines import flat
+from drivegen.recording.roads import log_roads, log_signals, surroundings
 from drivegen.samples import Samples
 from drivegen.scenario import TARGET, Scenario, Trajectories
 from drivegen.store.files import whole
@@ -74,9 +75,10 @@ def record_scenario(
         raise UnusableInput(f"scenario {scenario.scenario_id} has no log: give generated samples to record", reason="no-motion")
     centre, extent = view_of(motion)
     show = layout(centre, extent, image=bird_eye is not None, verdicts=samples is not None)
+    roads, signals = surroundings(scenario, [motion] if scenario.log is None else [motion, scenario.log])
     with recording_of(path, f"{scenario.scenario_id} ({scenario.source})", show) as recording:
-        log_roads(recording, scenario.map)
-        log_signals(recording, scenario.map, scenario.signals)
+        log_roads(recording, roads)
+        log_signals(recording, roads, signals)
         traffic.log_vehicles(recording, scenario, motion, samples, sample)
         traffic.log_context(recording, scenario.context)
         motions = {"generated" if samples is not None else "logged": motion}

@@ -1,16 +1,44 @@
-"""Roads and signals in a recording: surfaces as a mesh, markings as lines, signals as bars that change colour."""
+"""Roads and signals in a recording: surfaces as a mesh, markings as lines, signals as bars that change colour.
+
+Only what is near enough to the traffic to be looked at is drawn (`surroundings`): a town's map is larger than its traffic.
+"""
+
+from collections.abc import Sequence
 
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from drivegen.geometry import Floats, interpolate
+from drivegen.crop import Cropper
+from drivegen.geometry import Floats, arc_length, interpolate
 from drivegen.recording import colours
+from drivegen.recording.lines import closed, flat, thinned
 from drivegen.roadmap import RoadMap
-from drivegen.scenario import DT, Signals
+from drivegen.scenario import DT, Scenario, Signals, Trajectories
+
+SIGHT = 50.0
+"""Roads are drawn where they come this near to a vehicle [m] ..."""
+
+_LOOK = 1.0
+"""... at some time; it is looked every second [s] ..."""
+
+_CELL = 10.0
+"""... and places in one square of this side [m] count once."""
 
 _MOST_RIBS = 9
 """Cross-sections of a bent lane's surface; more would not be seen."""
+
+_RIB = 0.3
+"""A surface, which has the colour of the one next to it, may differ so much from its edges [m]."""
+
+
+def surroundings(scenario: Scenario, motions: Sequence[Trajectories]) -> tuple[RoadMap, Signals]:
+    """The roads near any vehicle of `motions` (N, T) each, and their signals; the whole map where none is near."""
+    every = round(_LOOK / DT)
+    places = np.concatenate([motion.position[:, ::every][motion.valid[:, ::every]] for motion in motions])
+    cells = np.unique(np.round(places / _CELL), axis=0) * _CELL
+    roads, kept = Cropper(scenario.map).around(cells, SIGHT)
+    return (roads, scenario.signals.on_lanes(kept)) if len(kept) else (scenario.map, scenario.signals)
 
 
 def log_roads(recording: rr.RecordingStream, roads: RoadMap) -> None:
@@ -19,13 +47,13 @@ def log_roads(recording: rr.RecordingStream, roads: RoadMap) -> None:
     mesh = rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, vertex_colors=shade)
     recording.log("world/roads/surface", mesh, static=True)
     drive = np.flatnonzero(roads.for_vehicles & ~roads.in_junction)
-    edges = [flat(line) for lane in drive for line in (roads.left[int(lane)], roads.right[int(lane)])]
+    edges = [line for lane in drive for line in (roads.left[int(lane)], roads.right[int(lane)])]
     _strips(recording, "world/roads/boundaries", edges, colours.MARKING, 0.08)
-    across = [flat(roads.centreline[int(lane)]) for lane in np.flatnonzero(roads.in_junction)]
+    across = [roads.centreline[int(lane)] for lane in np.flatnonzero(roads.in_junction)]
     _strips(recording, "world/roads/connections", across, colours.CONNECTION, 0.06)
-    _strips(recording, "world/roads/drivable", [_closed(line) for line in roads.drivable.lines()], colours.KERB, 0.12)
-    _strips(recording, "world/roads/crossings", [_closed(line) for line in roads.crossings.lines()], colours.CROSSING, 0.12)
-    _strips(recording, "world/roads/stop_lines", [flat(line) for line in roads.stop_lines], colours.STOP_LINE, 0.2)
+    _strips(recording, "world/roads/drivable", [closed(line) for line in roads.drivable.lines()], colours.KERB, 0.12)
+    _strips(recording, "world/roads/crossings", [closed(line) for line in roads.crossings.lines()], colours.CROSSING, 0.12)
+    _strips(recording, "world/roads/stop_lines", list(roads.stop_lines), colours.STOP_LINE, 0.2)
 
 
 def log_signals(recording: rr.RecordingStream, roads: RoadMap, signals: Signals) -> None:
@@ -45,20 +73,10 @@ def times(steps: NDArray[np.integer]) -> list[rr.TimeColumn]:
     return [rr.TimeColumn("time", duration=steps * DT), rr.TimeColumn("step", sequence=steps)]
 
 
-def flat(points: Floats, height: float = 0.0) -> NDArray[np.float32]:
-    """Points (P, 2) of the ground as (P, 3)."""
-    return np.concatenate([points, np.full((len(points), 1), height)], axis=1).astype(np.float32)
-
-
-def _closed(outline: Floats) -> NDArray[np.float32]:
-    return flat(np.concatenate([outline, outline[:1]]))
-
-
-def _strips(
-    recording: rr.RecordingStream, path: str, lines: list[NDArray[np.float32]], colour: colours.Colour, radius: float
-) -> None:
+def _strips(recording: rr.RecordingStream, path: str, lines: Sequence[Floats], colour: colours.Colour, radius: float) -> None:
     if lines:
-        recording.log(path, rr.LineStrips3D(lines, colors=[colour], radii=radius), static=True)
+        strips = [flat(thinned(line)) for line in lines]
+        recording.log(path, rr.LineStrips3D(strips, colors=[colour], radii=radius), static=True)
 
 
 def _surface(roads: RoadMap) -> tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.uint8]]:
@@ -68,9 +86,10 @@ def _surface(roads: RoadMap) -> tuple[NDArray[np.float32], NDArray[np.uint32], N
     shades: list[NDArray[np.uint8]] = []
     count = 0
     for lane in range(len(roads)):
-        ribs = min(_MOST_RIBS, max(len(roads.left[lane]), len(roads.right[lane])))
+        edges = roads.left[lane], roads.right[lane]
+        ribs = min(_MOST_RIBS, max(len(thinned(line, _RIB)) for line in edges))
         along, rungs = np.linspace(0.0, 1.0, ribs), count + 2 * np.arange(ribs - 1)
-        left, right = (interpolate(line, along * _length(line)) for line in (roads.left[lane], roads.right[lane]))
+        left, right = (interpolate(line, along * float(arc_length(line)[-1])) for line in edges)
         height = -0.12 if roads.in_junction[lane] else -0.08
         triangles += [np.stack([rungs, rungs + 1, rungs + 2], axis=1), np.stack([rungs + 1, rungs + 3, rungs + 2], axis=1)]
         vertices.append(flat(np.stack([left, right], axis=1).reshape(-1, 2), height))
@@ -78,7 +97,3 @@ def _surface(roads: RoadMap) -> tuple[NDArray[np.float32], NDArray[np.uint32], N
         shades.append(np.tile(np.array(shade, np.uint8), (2 * ribs, 1)))
         count += 2 * ribs
     return np.concatenate(vertices), np.concatenate(triangles).astype(np.uint32), np.concatenate(shades)
-
-
-def _length(line: Floats) -> float:
-    return float(np.hypot(*np.diff(line, axis=0).T).sum())

@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 
 from drivegen.geometry import boxes_gap
 from drivegen.recording import colours
-from drivegen.recording.roads import flat, times
+from drivegen.recording.lines import flat, thinned
+from drivegen.recording.roads import times
 from drivegen.samples import Samples, Violation
 from drivegen.scenario import TARGET, Actors, Scenario, Trajectories
 
@@ -26,10 +27,11 @@ def log_vehicles(
     ids = scenario.vehicles.track_id
     for path, rows in (("target", slice(0, 1)), ("social", slice(1, None))):
         log_boxes(recording, f"world/traffic/{path}", motion[rows], scenario.vehicles.size[rows], shades[rows], ids[rows])
-    lines = [flat(motion.position[i][motion.valid[i]][::3], 0.05) for i in range(count)]
+    lines = [motion.position[i][motion.valid[i]] for i in range(count)]
     long = [i for i in range(count) if len(lines[i]) > 1]
     shown = [(*(colours.ILLEGAL if first[i] >= 0 else base[i].tolist())[:3], 110) for i in long]
-    recording.log("world/paths", rr.LineStrips3D([lines[i] for i in long], colors=shown, radii=0.12), static=True)
+    paths = rr.LineStrips3D([flat(thinned(lines[i]), 0.05) for i in long], colors=shown, radii=0.12)
+    recording.log("world/paths", paths, static=True)
 
 
 def log_ghosts(recording: rr.RecordingStream, scenario: Scenario, log: Trajectories) -> None:
@@ -54,7 +56,11 @@ def log_boxes(
     labels: NDArray[np.str_],
     fill: rr.components.FillMode = rr.components.FillMode.Solid,
 ) -> None:
-    """Boxes (N, T) of sizes (N, 3) and colours (N, T, 4) at `path`; each step holds those that are valid then."""
+    """Boxes (N, T) of sizes (N, 3) and colours (N, T, 4) at `path`; each step holds those that are valid then.
+
+    Places and headings are written at every step, what else a box has only where it changes: the viewer keeps what it was
+    told last, and half of a recording would be repetition.
+    """
     if len(labels) == 0:
         return
     recording.log(path, rr.Boxes3D.from_fields(fill_mode=fill, radii=0.05, show_labels=False), static=True)
@@ -63,13 +69,15 @@ def log_boxes(
     zero = np.zeros_like(half)
     columns = rr.Boxes3D.columns(
         centers=np.concatenate([motion.position[row, step], size[row, 2:] / 2], axis=1),
-        half_sizes=size[row] / 2,
         quaternions=np.stack([zero, zero, np.sin(half), np.cos(half)], axis=1),
-        colors=shades[row, step],
-        labels=labels[row].tolist(),
     )
     counts = np.bincount(step, minlength=motion.steps)
     recording.send_columns(path, indexes=times(np.arange(motion.steps)), columns=columns.partition(counts))
+    shown = np.concatenate([motion.valid[..., None], shades], axis=-1)
+    changes = np.concatenate([[0], 1 + np.flatnonzero((shown[:, 1:] != shown[:, :-1]).any(axis=(0, 2)))])
+    step, row = np.nonzero(motion.valid.T[changes])
+    columns = rr.Boxes3D.columns(half_sizes=size[row] / 2, colors=shades[row, changes[step]], labels=labels[row].tolist())
+    recording.send_columns(path, indexes=times(changes), columns=columns.partition(np.bincount(step, minlength=len(changes))))
 
 
 def log_speeds(recording: rr.RecordingStream, scenario: Scenario, motions: dict[str, Trajectories]) -> None:

@@ -1,5 +1,6 @@
 """Recordings, read back from their files."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,10 +9,11 @@ import rerun as rr
 
 from drivegen.errors import UnusableInput
 from drivegen.recording import GoalMarks, record_scenario
+from drivegen.recording.roads import surroundings
 from drivegen.recording.traffic import FREE, clearance
 from drivegen.samples import Violation
-from drivegen.scenario import Actors, Trajectories
-from tests.scenes import busy_crossing, drive, noisy_samples, scenario, stack, straight_road
+from drivegen.scenario import Actors, Signals, SignalState, Trajectories
+from tests.scenes import busy_crossing, drive, noisy_samples, road_map, scenario, stack, straight_road
 
 
 def read(path: Path) -> dict[str, dict[str, list]]:
@@ -23,9 +25,18 @@ def read(path: Path) -> dict[str, dict[str, list]]:
         for name in batch.schema.names:
             if ":" in name:
                 entity.setdefault(name, []).extend(batch.column(name).to_pylist())
+        if "step" in batch.schema.names:
+            for name in batch.schema.names:
+                rows = entity.setdefault(f"step of {name}", []) if ":" in name else []
+                rows.extend(batch.column("step").to_pylist())
         entity.setdefault("times", []).extend(chunk.timeline_names)
         entity.setdefault("static", []).append(chunk.is_static)
     return found
+
+
+def at_steps(entity: dict[str, list], component: str) -> dict[int, list]:
+    """The rows of a component by the step from which on they hold."""
+    return dict(zip(entity[f"step of {component}"], entity[component], strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -69,9 +80,9 @@ def test_vehicles_move_over_both_time_lines(recorded):
 
 def test_boxes_turn_red_at_their_first_violation(recorded):
     _, found = recorded
-    colours = [row[0] for row in found["/world/traffic/target"]["Boxes3D:colors"] if row is not None]
-    assert len(set(colours[:40])) == len(set(colours[40:])) == 1
-    assert colours[39] != colours[40]
+    shown = at_steps(found["/world/traffic/target"], "Boxes3D:colors")
+    assert list(shown) == [0, 40]  # what does not change is not repeated
+    assert shown[0] != shown[40]
 
 
 def test_verdicts_say_who_what_and_when(recorded):
@@ -117,8 +128,11 @@ def test_a_vehicle_that_was_not_seen_is_not_drawn(tmp_path):
     scene = busy_crossing(steps=20)
     scene.log.valid[3, 5:] = False
     record_scenario(tmp_path / "gap.rrd", scene)
-    rows = read(tmp_path / "gap.rrd")["/world/traffic/social"]["Boxes3D:centers"]
-    assert [len(row) for row in rows] == [7] * 5 + [6] * 15
+    social = read(tmp_path / "gap.rrd")["/world/traffic/social"]
+    assert [len(row) for row in at_steps(social, "Boxes3D:centers").values()] == [7] * 5 + [6] * 15
+    for component in ("half_sizes", "colors", "labels"):
+        rows = at_steps(social, f"Boxes3D:{component}")
+        assert {step: len(row) for step, row in rows.items()} == {0: 7, 5: 6}
 
 
 def test_nothing_to_show_is_refused(tmp_path):
@@ -163,3 +177,25 @@ def test_people_count_for_clearance_and_are_drawn(tmp_path):
     np.testing.assert_allclose(clearance(scene, log), 5 - 0.95 - 0.3, atol=1e-3)
     record_scenario(tmp_path / "p.rrd", scene)
     assert "/world/context" in read(tmp_path / "p.rrd")
+
+
+def test_of_a_large_map_only_what_is_near_the_traffic_is_drawn(tmp_path):
+    near, far = straight_road(100), straight_road(100)
+    line = near.centreline[0].astype(np.float64)
+    town = road_map([line, *(line + np.array([0.0, 400.0 + 5 * i]) for i in range(300))])
+    scene = scenario(town, stack([drive(line, 20, 5, 11)]))
+    signals = Signals(np.array([0, 200], np.int32), np.full((2, 11), int(SignalState.GREEN), np.uint8))
+    scene = replace(scene, signals=signals)
+    roads, shown = surroundings(scene, [scene.log])
+    assert (len(roads), shown.lane.tolist()) == (1, [0])
+    record_scenario(tmp_path / "town.rrd", scene)
+    record_scenario(tmp_path / "road.rrd", replace(scene, map=far, signals=signals.on_lanes(np.array([0]))))
+    assert (tmp_path / "town.rrd").stat().st_size < 1.05 * (tmp_path / "road.rrd").stat().st_size
+
+
+def test_a_scene_away_from_every_road_keeps_its_map():
+    scene = busy_crossing(steps=5)
+    assert scene.log is not None
+    away = replace(scene.log, position=scene.log.position + np.float32(5000))
+    roads, signals = surroundings(scene, [away])
+    assert (roads, signals) == (scene.map, scene.signals)
