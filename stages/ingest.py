@@ -23,13 +23,16 @@ from drivegen.datasets._splits import CORPUS, SPLITS, Plan, items, trained_on
 from drivegen.datasets.base import Dataset
 from drivegen.errors import UnusableInput
 from drivegen.selection import Settings
-from drivegen.store.files import write_json, write_table
+from drivegen.store.files import whole, write_json, write_table
 from drivegen.store.notes import ShardNote, arrange, digest, read_note, stands, write_note
-from drivegen.store.scenarios import write_shard
+from drivegen.store.scenarios import shards, write_shard
 from stages._door import enter, spread
 
 CODE = ("*.py", "av2/*.py", "commonroad/*.py", "datasets/*.py", "store/lists.py", "store/scenarios.py")
 """What decides how a recording becomes a row; when it changes, all shards are made again."""
+
+EMPTY = "no-scenes.txt"
+"""What a split without shards holds."""
 
 
 @dataclass(frozen=True)
@@ -89,14 +92,14 @@ def main(params: Params, corpus: Path, out: Path, metrics: Path) -> dict[str, fl
     plan = Plan(params.source, names, params.held_out, params.limits)
     settings = _settings_hash(params)
     tasks = {split: list(_tasks(params, roots, items(plan, opened, split), out, split, settings)) for split in SPLITS}
-    for split in SPLITS:
-        (out / split).mkdir(parents=True, exist_ok=True)  # stages depend on it, with or without shards
     total = {split: Admission() for split in SPLITS}
     of_task = {task.note: total[split] for split in SPLITS for task in tasks[split]}
     for task, admission in spread(make_shard, [t for split in SPLITS for t in tasks[split]], params.workers, "ingest"):
         of_task[task.note].add(admission)
     _write_tables(out, total)
     _check(total)
+    for split in SPLITS:
+        _tell_if_empty(out / split, params.source)
     described = ", ".join(opened(name).description for name in names)
     write_json(metrics, {"trained_on": described, "note": note, "splits": {s: found.counts for s, found in total.items()}})
     return {"scenarios": float(sum(found.accepted for found in total.values()))}
@@ -174,6 +177,17 @@ def _check(total: dict[str, Admission]) -> None:
             said = ", ".join(f"{count} x {reason}" for reason, count in reasons) or "there are none"
             remedy = "see rejected.parquet, ingest.root and ingest.held_out"
             raise UnusableInput(f"no scene can be used as {split} scenario ({said}); {remedy}")
+
+
+def _tell_if_empty(folder: Path, source: str) -> None:
+    """Leave a sentence in a split without shards: stages depend on its folder, and DVC's cache keeps no empty folder."""
+    said = folder / EMPTY
+    if shards(folder):
+        said.unlink(missing_ok=True)
+    else:
+        sentence = f"No scene is in this split (source: {source}): what is measured on it is missing from the tables.\n"
+        with whole(said) as temporary:
+            temporary.write_text(sentence)
 
 
 def _write_tables(out: Path, total: dict[str, Admission]) -> None:

@@ -162,6 +162,17 @@ def test_a_data_set_of_short_recordings_has_a_horizon_of_its_own(world: Path) ->
     assert found == {"real-a": 12, "real-c": 12} | {f"train-{i}": 15 for i in range(3)}
 
 
+def test_an_empty_split_says_so_in_a_file_because_no_cache_keeps_an_empty_folder(world: Path) -> None:
+    note = world / "out" / "val" / ingest.EMPTY
+    run(world, limits={"train": None, "val": 0, "test": None})
+    assert ids(world, "val") == []
+    assert [path.name for path in note.parent.iterdir()] == [ingest.EMPTY]
+    assert note.read_text().startswith("No scene is in this split (source: sumo_corpus)")
+    run(world)
+    assert ids(world, "val") == ["val-0"]
+    assert not note.exists()
+
+
 def test_scenes_that_are_gone_leave_no_shard_behind(world: Path) -> None:
     run(world)
     shutil.rmtree(world / "corpus/val")
