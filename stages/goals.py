@@ -1,21 +1,26 @@
 """Stage goals@<selector>: candidate goals of every vehicle and their probabilities, shard for shard.
 
 argv: scenarios (folder of shards), the trained selector (folder), goals (folder; its name is the selector's), metrics
-(JSON). Coverage and ranking are scored where scenarios have a log. Where a language model is asked (`vlm`), its calls are rows of
-.drivegen/calls/goals.parquet.
+(JSON). Coverage and ranking are scored where scenarios have a log. Where a language model is asked (`vlm`), what it will cost is
+told before the first call, in batches (lm.goals.batch) a shard is one, and its calls are rows of .drivegen/calls/goals.parquet.
 """
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import pyarrow.parquet as pq
+
 from drivegen import plugins
-from drivegen.goals.candidates import Settings, candidates
+from drivegen.goals.candidates import Candidates, Settings, candidates
 from drivegen.goals.packing import pack
 from drivegen.goals.scores import Judged, judge, scores
 from drivegen.lanes.graph import LaneGraph
+from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
+from drivegen.lm.prices import RANKING_TOKENS
 from drivegen.lm.settings import RecordSettings, RoleSettings
+from drivegen.scenario import Scenario
 from drivegen.selectors.base import Selector
 from drivegen.selectors.vlm import Plugin as AskingSelector
 from drivegen.selectors.vlm import Settings as AskingSettings
@@ -24,7 +29,9 @@ from drivegen.store.goals import write_goals
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, read_params, require, spread
 
-CALLS = Path(".drivegen/calls/goals.parquet")
+CALLS = FOLDER / "goals.parquet"
+
+_SCENES = 3  # whose questions are really made for the forecast of what calls will cost
 
 
 @dataclass(frozen=True)
@@ -52,28 +59,46 @@ class Task:
 def main(params: Params, scenarios: Path, model: Path, goals: Path, metrics: Path) -> None:
     """Find, rank, write, score."""
     selector: Selector = plugins.load("selectors", goals.name).load(model)
+    found = shards(require(scenarios, "run the ingest stage"))
     asked: dict[str, Any] = {}
     if isinstance(selector, AskingSelector):
         lm = LanguageModel("goals", read_params("lm.goals", RoleSettings), read_params("lm.records", RecordSettings).open())
         selector = AskingSelector.asking(model, lm, params.vlm, params.seed)
-    in_one = selector if isinstance(selector, AskingSelector) else None  # one budget, one list of calls
-    found = shards(require(scenarios, "run the ingest stage"))
-    tasks = [Task(shard, model, goals, params.candidates, in_one) for shard in found]
-    done = spread(_shard_goals, tasks, 1 if in_one else params.workers, f"goals by {goals.name}")
+        print(_forecast(found, selector, lm, params.candidates), flush=True)
+        tasks = [Task(shard, model, goals, params.candidates, selector) for shard in found]
+        with lm.ledger.kept(CALLS):
+            done = list(spread(_shard_goals, tasks, 1, f"goals by {goals.name}"))  # one budget, one list of calls
+        asked = {"asking": selector.account.table()}
+    else:
+        tasks = [Task(shard, model, goals, params.candidates, None) for shard in found]
+        done = list(spread(_shard_goals, tasks, params.workers, f"goals by {goals.name}"))
     judged = Judged.joined([part for _, part in done])
-    if in_one:
-        lm.ledger.write(CALLS)
-        asked = {"asking": in_one.account.table()}
     told = {"selector": goals.name, "described": selector.described, **asked}
     write_json(metrics, told | scores(judged, params.seed, params.draws))
+
+
+def _forecast(found: list[Path], selector: AskingSelector, model: LanguageModel, settings: Settings) -> str:
+    """What the calls will cost, from the questions about the first scenes."""
+    total = sum(pq.read_metadata(shard).num_rows for shard in found)  # a row is a scenario
+    first = [_offered(scenario, settings) for scenario in read_shard(found[0])[:_SCENES]]
+    questions = selector.questions(first)
+    answer = RANKING_TOKENS * sum(len(scenario.vehicles) for _, scenario, _ in first) // max(len(questions), 1)
+    return model.forecast(questions, answer, total / max(len(first), 1))
+
+
+def _offered(scenario: Scenario, settings: Settings) -> tuple[LaneGraph, Scenario, list[Candidates]]:
+    graph = LaneGraph.of(scenario.map)
+    return graph, scenario, [candidates(graph, scenario, n, settings) for n in range(len(scenario.vehicles))]
 
 
 def _shard_goals(task: Task) -> Judged:
     selector = task.selector or plugins.load("selectors", task.goals.name).load(task.model)
     packed, judged = [], []
-    for scenario in read_shard(task.shard):
-        graph = LaneGraph.of(scenario.map)
-        found = [candidates(graph, scenario, n, task.settings) for n in range(len(scenario.vehicles))]
+    scenarios = read_shard(task.shard)
+    if isinstance(selector, AskingSelector) and selector.in_batches:
+        selector.ahead([_offered(scenario, task.settings) for scenario in scenarios])
+    for scenario in scenarios:
+        graph, _, found = _offered(scenario, task.settings)
         offered = selector.offer(graph, scenario, found)
         probabilities = selector.rank(graph, scenario, offered)
         packed.append(pack(scenario.scenario_id, task.goals.name, offered, probabilities))

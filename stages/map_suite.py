@@ -1,7 +1,8 @@
 """Stage `map_suite`: how often a map from words is the map that was asked for, for every writer.
 
 argv: the table (JSON). A writer that needs a language model where none is configured (lm.maps) stands in it as not measured.
-Where one is, its calls are rows of .drivegen/calls/map_suite.parquet. Processor times go to the cost table.
+Where one is, what it will cost is told before the first call, first questions go in one batch if lm.maps.batch says so, and its
+calls are rows of .drivegen/calls/map_suite-<writer>.parquet. Processor times go to the cost table.
 """
 
 from dataclasses import dataclass
@@ -9,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from drivegen import plugins
+from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
+from drivegen.lm.prices import MAP_TOKENS
 from drivegen.lm.settings import RecordSettings, RoleSettings
 from drivegen.maps.suite.cases import Case, first_try, outside_cases, own_cases
 from drivegen.maps.suite.table import not_measured, published
@@ -17,8 +20,6 @@ from drivegen.maps.suite.trials import tried
 from drivegen.maps.writers.base import MapWriter
 from drivegen.store.files import write_json
 from stages._door import enter, read_params
-
-CALLS = Path(".drivegen/calls/map_suite.parquet")
 
 
 @dataclass(frozen=True)
@@ -49,8 +50,12 @@ def main(params: Params, table: Path) -> dict[str, float]:
             found[name] = not_measured(name.replace("_", " "))
             continue
         model = LanguageModel("maps", role, read_params("lm.records", RecordSettings).open())
-        found[name] = _measured(name, plugins.load("maps.writers", name)(model), cases, params.seed, costs)
-        model.ledger.write(CALLS)
+        writer = plugins.load("maps.writers", name)(model)
+        questions = writer.first_questions(case.text for case in cases)
+        print(f"map_suite, {name}: {model.forecast(questions, MAP_TOKENS)}", flush=True)
+        with model.ledger.kept(FOLDER / f"map_suite-{name}.parquet"):
+            model.ask_ahead(questions, sample=params.seed)
+            found[name] = _measured(name, writer, cases, params.seed, costs)
     write_json(table, {"descriptions": len(cases), "first_try": first_try(), "writers": found})
     return costs
 

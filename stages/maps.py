@@ -1,7 +1,8 @@
 """Stage `maps`: roads from words, each as a SUMO network, an account and a picture.
 
 argv: out (gets <name>/{map.net.xml, map.json, map.png}), table (JSON, one row per description). Where a language model writes
-them, its calls are rows of .drivegen/calls/maps.parquet.
+them, what it will cost is told before the first call, first questions go in one batch if lm.maps.batch says so, and its calls
+are rows of .drivegen/calls/maps.parquet.
 """
 
 from collections import Counter
@@ -9,14 +10,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from drivegen import plugins
 from drivegen.errors import UnusableInput
+from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
+from drivegen.lm.prices import MAP_TOKENS
 from drivegen.lm.settings import RecordSettings, RoleSettings
 from drivegen.maps.build import build_map
 from drivegen.store.files import write_json
 from stages._door import enter, read_params, spread
 
-CALLS = Path(".drivegen/calls/maps.parquet")
+CALLS = FOLDER / "maps.parquet"
+
+_ASKING = "language_model"
+"""Writers whose names begin so ask one."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +48,16 @@ class _Task:
 
 def main(params: Params, out: Path, table: Path) -> None:
     """Build every map; a description that is not understood is a row in the table, not the end of the stage."""
-    model = _language_model() if params.writer == "language_model" else None
+    model = _language_model() if params.writer.startswith(_ASKING) else None
     tasks = [_Task(name, text, params.seed, params.writer, out / name, model) for name, text in sorted(params.prompts.items())]
-    workers = 1 if model else params.workers  # one budget, one list of calls
-    rows = [row for _, row in spread(_build, tasks, workers, "maps")]
-    if model:
-        model.ledger.write(CALLS)
+    if model is None:
+        rows = [row for _, row in spread(_build, tasks, params.workers, "maps")]
+    else:  # in one process: one budget, one list of calls
+        questions = plugins.load("maps.writers", params.writer)(model).first_questions(task.text for task in tasks)
+        print(model.forecast(questions, MAP_TOKENS), flush=True)
+        with model.ledger.kept(CALLS):
+            model.ask_ahead(questions, sample=params.seed)
+            rows = [row for _, row in spread(_build, tasks, 1, "maps")]
     good = Counter[str]()
     for row in rows:
         good.update(name for name in ("understood", "network", "as_asked") if row[name])

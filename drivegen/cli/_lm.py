@@ -1,11 +1,16 @@
 """Language models as the command line finds them: params.yaml, and `--lm` and `--max-usd` over it."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import Annotated, Literal
+from uuid import uuid4
 
 from pydantic import BaseModel, Field
 from typer import Option
 
+from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prompt import Prompt
 from drivegen.lm.records import Mode
@@ -40,6 +45,19 @@ def model(name: str, words: str | None, max_usd: float | None) -> LanguageModel:
     return LanguageModel(name, role(name, words, max_usd), records.open())
 
 
+@contextmanager
+def calling(command: str, name: str, words: str | None, max_usd: float | None) -> Iterator[LanguageModel]:
+    """A role's language model for one command; its calls are rows of a table of their own, also where the command fails."""
+    asked = model(name, words, max_usd)
+    with asked.ledger.kept(calls_of(command)):
+        yield asked
+
+
+def calls_of(command: str) -> Path:
+    """A new file for the calls of one run of a command, beside those of the stages: `collect` reads them all."""
+    return FOLDER / f"{command}-{uuid4().hex[:12]}.parquet"
+
+
 class Two(BaseModel):
     """The answer to one and one."""
 
@@ -49,7 +67,8 @@ class Two(BaseModel):
 def tiny_call(settings: RoleSettings) -> str:
     """Ask the model of a role for one and one, past all records; returns what it took. Raises DriveGenError."""
     asked = LanguageModel("doctor", settings, RecordSettings(Mode.OFF, "").open())
-    asked.ask(Prompt("doctor-1", "Answer the question.", ("What is 1 + 1?",), Two))
+    with asked.ledger.kept(calls_of("doctor")):
+        asked.ask(Prompt("doctor-1", "Answer the question.", ("What is 1 + 1?",), Two))
     calls = asked.ledger.calls
     tokens = sum((call.input_tokens or 0) + (call.output_tokens or 0) for call in calls)
     again = f" when asked {len(calls)} times" if len(calls) > 1 else ""

@@ -10,7 +10,7 @@ from typer import Context, Exit, Option, Typer
 
 from drivegen import plugins
 from drivegen.bench import measure, unmeasured
-from drivegen.cli._lm import MaxUsd, Words, model
+from drivegen.cli._lm import MaxUsd, Words, calling
 from drivegen.cli._maps import MapMode, Mode, writer_of
 from drivegen.maps.suite.cases import Case, first_try, outside_cases, own_cases
 from drivegen.maps.suite.table import STEPS, not_measured, published, seconds
@@ -69,7 +69,8 @@ def maps(
     if lm is None:
         found.append(not_measured("language model"))
     else:
-        found.append(_tried(plugins.load("maps.writers", writer_of(map_mode))(model("maps", lm, max_usd)), cases, seed))
+        with calling("bench-maps", "maps", lm, max_usd) as model:
+            found.append(_tried(plugins.load("maps.writers", writer_of(map_mode))(model), cases, seed))
     for one in found:
         _print(one)
     if json is not None:

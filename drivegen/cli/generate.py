@@ -1,6 +1,7 @@
 """`drivegen generate`: traffic for a logged scene, a road network, or a road in words."""
 
 import re
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,7 +14,7 @@ from drivegen.asked import language_model
 from drivegen.asked.reading import Reading
 from drivegen.av2.folder import read_folder
 from drivegen.cli import _project
-from drivegen.cli._lm import MaxUsd, Words, model
+from drivegen.cli._lm import MaxUsd, Words, calling
 from drivegen.equipment import Equipment
 from drivegen.errors import UnusableInput
 from drivegen.generators.base import Settings
@@ -49,11 +50,11 @@ def command(
     if lm is not None and text is None:
         raise BadParameter("--lm reads words: give --text")
     console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
-    with whole_folder(out) as folder, Progress(console=console, transient=True) as progress:
+    model = calling("generate", "maps", lm, max_usd) if lm is not None else nullcontext()
+    with whole_folder(out) as folder, model as reader, Progress(console=console, transient=True) as progress:
         task = progress.add_task("reading", total=None)
         settings = _project.generation(scored=scenario is not None)
         tools = _project.equipment(settings)
-        reader = model("maps", lm, max_usd) if lm is not None else None
         wanted = _Wanted(map, text, vehicles, seed, reader)
         start = _logged(scenario, vehicles) if scenario else _new(wanted, folder, tools, settings, console)
         progress.update(task, description=f"planning {samples} futures of {len(start.scenario.vehicles)} vehicles")

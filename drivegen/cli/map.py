@@ -8,7 +8,7 @@ from rich.console import Console
 from typer import Argument, BadParameter, Option, Typer
 from typer.core import TyperGroup
 
-from drivegen.cli._lm import MaxUsd, Words, model
+from drivegen.cli._lm import MaxUsd, Words, calling
 from drivegen.cli._maps import MapMode, Mode, writer_of
 from drivegen.errors import UnusableInput
 from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
@@ -119,7 +119,8 @@ def export(
 def _drawn(text: str, seed: int, out: Path, lm: str | None, mode: Mode, max_usd: float | None) -> BuiltMap:
     if lm is None:
         return build_map(text, seed, folder=out)
-    return build_map(text, seed, writer_of(mode), folder=out, model=model("maps", lm, max_usd))
+    with calling("map", "maps", lm, max_usd) as model:
+        return build_map(text, seed, writer_of(mode), folder=out, model=model)
 
 
 def _window(around: str | None, radius: float | None, junction: str | None) -> Window | None:

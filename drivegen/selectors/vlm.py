@@ -69,9 +69,14 @@ class Plugin(FirstFrameSelector):
         """What the model would be asked at first; nothing where there is none."""
         return [prompt for scene in self._scenes(offered) for prompt in self._asking.questions(scene)] if self._asking else []
 
+    @property
+    def in_batches(self) -> bool:
+        """Whether questions that are known together are to be asked together, by `ahead`."""
+        return self._asking is not None and self._asking.model.in_batches
+
     def ahead(self, offered: Sequence[Offered]) -> None:
         """Before `rank`: ask about all of them in one batch, if lm.goals is set to that."""
-        if self._asking is not None and self._asking.model.in_batches:
+        if self._asking is not None and self.in_batches:
             self._asking.ahead(self._scenes(offered))
 
     def _scenes(self, offered: Sequence[Offered]) -> list[Scene]:

@@ -17,11 +17,13 @@ from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder
 from drivegen.av2.schema import COLUMNS
 from drivegen.cli.view import EVERYTHING
+from drivegen.lm.ledger import FOLDER
 from drivegen.maps.build import build_map
 from drivegen.metrics.displacement import scene_errors
 from drivegen.scenario import Actors, Scenario, VehicleKind
 from drivegen.selection import select
 from tests import scenes
+from tests.lm.chat_server import Says, serving
 from tests.projects import make_project
 
 Run = Callable[..., tuple[int, str]]
@@ -245,3 +247,12 @@ def test_a_full_disk_exits_1_and_leaves_nothing(run, small_disk, tmp_path, room)
     assert "File too large" in said or "is the disk full?" in said
     assert "Traceback" not in said
     assert not list(tmp_path.iterdir())
+
+
+def test_what_a_model_was_asked_for_words_is_a_row_of_its_calls(run: Run, project: Path, tmp_path: Path) -> None:
+    words = ("--map", "town centre.net.xml", "--text", "three cars", "--samples", "1", "--out", str(tmp_path / "asked"))
+    with serving([Says("six lorries, or so")]) as server:
+        code, _ = run("generate", *words, "--lm", f"openai:little-model@{server.url}")
+        assert (code, len(server.requests)) == (0, 3)
+    [file] = (project / FOLDER).glob("generate-*.parquet")
+    assert pq.read_table(file)["outcome"].to_pylist() == ["asked again", "asked again", "invalid-answer"]

@@ -1,7 +1,9 @@
 """Language models from the command line: estimates, the doctor's tiny call, a map by a model's hand."""
 
 import json
+from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 import yaml
 from typer.testing import CliRunner
@@ -9,6 +11,7 @@ from typer.testing import CliRunner
 from drivegen import cli
 from drivegen.cli import doctor
 from drivegen.errors import UnusableInput
+from drivegen.lm.ledger import FOLDER
 from drivegen.store.scenarios import write_shard
 from tests.lm.asking import settings
 from tests.lm.chat_server import Says, serving
@@ -35,6 +38,13 @@ def project(tmp_path, monkeypatch):
 
 def drivegen(*words: str):
     return CliRunner().invoke(cli.build(list(words)), list(words), catch_exceptions=False)
+
+
+def calls_of(command: str) -> list[dict]:
+    """The rows that `collect` will read of a command's runs, with a look at whether they hold the key."""
+    files = sorted(FOLDER.glob(f"{command}-*.parquet"))
+    assert not any(b"sk-very-secret" in file.read_bytes() for file in files)
+    return [row for file in files for row in pq.read_table(file).to_pylist()]
 
 
 def test_estimate_prints_calls_tokens_and_dollars_and_asks_nobody(project):
@@ -75,9 +85,11 @@ def test_the_doctor_tries_each_configured_model_once(project):
     assert [finding.ok for finding in found] == [True, True, None]
     assert "150 tokens" in found[0].found
     assert len(server.requests) == 1  # two roles share the model
+    assert [row["outcome"] for row in calls_of("doctor")] == ["answered"]
     with serving([Says("key revoked", status=401)]) as server:
         project(base_url=server.url)
         assert [finding.ok for finding in doctor.language_models()] == [False, False, None]
+    assert sorted(row["outcome"] for row in calls_of("doctor")) == ["answered", "refused", "refused"]
 
 
 def test_a_map_by_a_model_is_kept_and_drawn_again_without_it(project, tmp_path):
@@ -88,6 +100,7 @@ def test_a_map_by_a_model_is_kept_and_drawn_again_without_it(project, tmp_path):
             told = drivegen("map", "a crossing", "--out", folder, "--lm", model)
             assert "written by  language model little-model" in told.output
         assert len(server.requests) == 1
+    assert sorted(row["replayed"] for row in calls_of("map")) == [False, True]  # a table for each run of the command
     assert (tmp_path / "a" / "map.net.xml").read_bytes() == (tmp_path / "b" / "map.net.xml").read_bytes()
     with pytest.raises(UnusableInput, match="no backend"):
         drivegen("map", "a crossing", "--out", "c", "--lm", "nobody:x")
@@ -107,3 +120,15 @@ def test_a_model_may_write_the_xml_itself_and_is_measured_beside_the_offline_rul
     assert offline["written_by"].startswith("offline rules")
     assert asked["written_by"] == "language model little-model, writing XML"
     assert asked["suites"]["own"]["loads"] > 0
+    assert len(calls_of("bench-maps")) >= len(server.requests) - 1 > 0
+
+
+def test_rows_of_calls_hold_no_key_whatever_a_server_repeats(project, monkeypatch):
+    monkeypatch.setenv("LITTLE_KEY", "sk-very-secret")
+    with serving([Says("sk-very-secret", status=500), Says('{"sum": 3, "sk-very-secret": 1}')]) as server:
+        project(base_url=server.url, key="LITTLE_KEY")
+        told = [*doctor.language_models(), *doctor.language_models()]
+        assert "sk-very-secret" in server.headers[0]["authorization"]
+    assert "sk-very-secret" not in str(told)
+    assert {row["outcome"] for row in calls_of("doctor")} == {"server-error", "asked again", "invalid-answer"}
+    assert not any(b"sk-very-secret" in file.read_bytes() for file in Path().rglob("*") if file.is_file())

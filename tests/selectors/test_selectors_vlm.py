@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from datetime import timedelta
 
 import numpy as np
 import orjson
@@ -12,6 +13,7 @@ from drivegen.errors import MissingTool, UnusableInput
 from drivegen.goals.candidates import candidates
 from drivegen.goals.outlook import Outlooks
 from drivegen.lanes.graph import LaneGraph
+from drivegen.lm import batch
 from drivegen.lm.prompt import OverBudget
 from drivegen.lm.records import Mode
 from drivegen.selectors._vlm_account import Account, odds, worth_asking
@@ -23,6 +25,7 @@ from stages import goals
 from tests import scenes
 from tests.goals.test_goals_candidates import SETTINGS as CANDIDATES
 from tests.lm import asking
+from tests.lm.batch_server import serving_batches
 from tests.lm.chat_server import Says, serving
 
 SETTINGS = Settings("per_vehicle", 768, 3, 4, 0.5, 0.8, 1.0, "", "")
@@ -239,3 +242,25 @@ def test_a_recorded_run_is_replayed_to_the_same_bytes_with_nobody_called(models,
     table = orjson.loads(recorded[1])
     assert table["asking"]["asked"] == len(FOUND)
     assert "little-model" in table["described"]
+
+
+def test_a_shard_may_be_asked_about_in_one_batch_with_the_same_bytes_as_one_by_one(models, tmp_path, monkeypatch):
+    for name in ("FIRST_LOOK", "LAST_LOOK"):
+        monkeypatch.setattr(batch, name, timedelta(milliseconds=5))
+    write_shard(tmp_path / "test" / "shard-00000.parquet", [SCENE])
+    monkeypatch.chdir(tmp_path)
+    params = goals.Params(7, 2, 10, CANDIDATES, SETTINGS)
+
+    def run(url, mode, out, **role):
+        lm = {"goals": vars(asking.settings(url, max_calls=100, **role)), "records": {"mode": mode, "folder": "store"}}
+        (tmp_path / "params.yaml").write_text(yaml.safe_dump({"lm": lm}))
+        goals.main(params, tmp_path / "test", models / "selector", tmp_path / out / "vlm", tmp_path / f"{out}.json")
+        return (tmp_path / out / "vlm" / "shard-00000.parquet").read_bytes(), (tmp_path / f"{out}.json").read_bytes()
+
+    answers = [json.dumps(ranking(2, 1))] * len(FOUND)
+    with serving_batches(answers) as server:
+        together = run(server.url, "auto", "together", batch=True)
+    assert [len(job) for job in server.jobs] == [len(FOUND)]
+    with serving([says(2, 1)]) as server:
+        one_by_one = run(server.url, "off", "alone")
+    assert together == one_by_one == run("http://127.0.0.1:9", "replay", "again", batch=True)

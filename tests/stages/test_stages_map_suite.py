@@ -6,6 +6,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
+from drivegen.lm.ledger import FOLDER
 from drivegen.maps.suite import cases
 from stages import map_suite
 from tests.lm.asking import settings
@@ -50,7 +51,8 @@ def test_a_configured_model_is_measured_and_replayed_to_the_same_bytes(run):
     told = json.loads(table)["writers"]["language_model"]
     assert told["written_by"] == "language model little-model"
     assert (told["suites"]["own"]["as_asked"], told["suites"]["own"]["refused"]) == (1, 1)
-    assert [call["outcome"] for call in pq.read_table(map_suite.CALLS).to_pylist()] == ["answered", "answered"]
+    calls = pq.read_table(FOLDER / "map_suite-language_model.parquet")
+    assert calls["outcome"].to_pylist() == ["answered", "answered"]
     assert run(["language_model"], mode="replay", base_url="http://127.0.0.1:9")[0] == table
 
 

@@ -1,13 +1,16 @@
 """Stage `maps` with a language model as the writer: counted calls, the fallback in the table, a replay without a server."""
 
 import json
+from datetime import timedelta
 
 import pyarrow.parquet as pq
 import pytest
 import yaml
 
+from drivegen.lm import batch
 from stages import maps
 from tests.lm.asking import settings
+from tests.lm.batch_server import serving_batches
 from tests.lm.chat_server import Says, serving
 
 CROSSING = {"kind": "crossing", "control": "signals", "arms": [{"angle": a} for a in (0, 90, 180, 270)]}
@@ -44,3 +47,27 @@ def test_without_a_model_the_offline_rules_write_and_the_calls_say_why(run):
     assert row["as_asked"]
     assert row["writer"] == "offline rules (no language model), for there is no language model"
     assert call["outcome"] == "no-model"
+
+
+def test_what_it_will_cost_is_told_before_the_first_call(run, capsys):
+    with serving([Says(ANSWER)]) as server:
+        run("auto", base_url=server.url, max_usd=0.5)
+    told = capsys.readouterr().out
+    assert "lm.maps: language model little-model, one by one: about 1 calls" in told.splitlines()[0]
+    assert "stops at 0.5 dollars" in told
+    run("replay", base_url="http://127.0.0.1:9")
+    assert "nobody is asked" in capsys.readouterr().out
+
+
+def test_first_questions_may_go_in_one_batch_and_are_recorded_as_if_asked_one_by_one(run, monkeypatch):
+    for name in ("FIRST_LOOK", "LAST_LOOK"):
+        monkeypatch.setattr(batch, name, timedelta(milliseconds=5))
+    PROMPTS["hill"] = "a road"
+    try:
+        with serving_batches([ANSWER, ANSWER]) as server:
+            row, calls = run("auto", base_url=server.url, batch=True)
+        assert [len(job) for job in server.jobs] == [2]
+        assert [call["outcome"] for call in calls] == ["answered", "answered"]
+        assert run("replay", base_url="http://127.0.0.1:9")[0] == row
+    finally:
+        del PROMPTS["hill"]

@@ -5,7 +5,7 @@ checks of the network. Where no usable answer comes, the offline rules read the 
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Set
+from collections.abc import Iterable, Set
 from dataclasses import replace
 from typing import Annotated, Generic, TypeVar
 
@@ -82,6 +82,10 @@ class AskingWriter(ABC, Generic[A]):
     @abstractmethod
     def written(self, answer: A) -> MapSpec | WrittenNetwork | None:
         """The map of an answer, None where it says that there can be none. Raises UnusableXml."""
+
+    def first_questions(self, texts: Iterable[str]) -> list[Prompt[A]]:
+        """What is asked about descriptions at first; nothing about those that are refused unasked."""
+        return [self.prompt(text) for text in texts if len(text) <= _LONGEST]
 
     @property
     def description(self) -> str:
