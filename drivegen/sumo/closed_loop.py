@@ -5,9 +5,6 @@ are moved by hand to where the record has them (moveToXY), on the lane or beside
 """
 
 import json
-import os
-import subprocess
-import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,10 +17,9 @@ from numpy.typing import NDArray
 
 from drivegen.geometry import arc_length
 from drivegen.scenario import DT
-from drivegen.sumo.traffic import SimulationFailed
+from drivegen.sumo import child, closed_loop_process
 
-_PROGRAM = Path(__file__).with_name("closed_loop_process.py")
-_LONGEST_MESSAGE = 300
+_PROGRAM = Path(closed_loop_process.__file__)  # run, never called; imported so that whoever follows imports finds it
 _SECONDS_PER_RUN = 20.0
 
 
@@ -67,7 +63,7 @@ def drive(
         limit = _SECONDS_PER_RUN * len(runs)
         task = {"edges": edges, "time_limit": limit, "arguments": _arguments(folder)}
         (folder / "runs.json").write_text(json.dumps(task))
-        _run(folder, limit)
+        child.simulate(_PROGRAM, folder, limit)
         results = [np.load(folder / f"result-{i}.npz") for i in range(len(runs))]
         return [(result["along"], result["speed"]) for result in results]
 
@@ -134,18 +130,3 @@ def _arguments(folder: Path) -> list[str]:
         "--xml-validation.net": "never",
     }
     return [word for pair in options.items() for word in pair]
-
-
-def _run(folder: Path, time_limit: float) -> None:
-    command = [sys.executable, "-P", str(_PROGRAM), str(folder)]
-    environment = {key: os.environ[key] for key in ("PATH", "HOME", "LD_LIBRARY_PATH", "SUMO_HOME") if key in os.environ}
-    try:
-        done = subprocess.run(command, cwd=folder, env=environment, timeout=1.5 * time_limit, capture_output=True, check=False)
-    except subprocess.TimeoutExpired:
-        raise SimulationFailed(f"SUMO was stopped after {1.5 * time_limit:.0f} s", reason="timeout") from None
-    if done.returncode < 0:
-        raise SimulationFailed(f"SUMO crashed (signal {-done.returncode})", reason="sumo-crashed")
-    if done.returncode:
-        lines = [line.strip() for line in done.stderr.decode("utf-8", "replace").splitlines() if line.strip()]
-        told = lines[-1] if lines else f"exit code {done.returncode}"
-        raise SimulationFailed(f"SUMO refuses the run: {told[:_LONGEST_MESSAGE]}", reason="sumo-refused")

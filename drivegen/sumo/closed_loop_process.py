@@ -1,4 +1,4 @@
-"""The process in which SUMO drives targets through replayed traffic, started by `closed_loop.drive`; nothing imports it.
+"""The process in which SUMO drives targets through replayed traffic, started by `closed_loop.drive`; nobody calls it.
 
 libsumo keeps one simulation per process and can crash it, so it lives alone. It is run by path, with the name of a folder
 that holds `runs.json` and per run a network and arrays, and imports nothing of ours.

@@ -1,14 +1,12 @@
 """Does SUMO itself load a network? netconvert's word is not enough: libsumo refuses, and dies of, some of what it makes."""
 
-import os
 import subprocess
-import sys
 import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from drivegen.sumo import loading_process
+from drivegen.sumo import child, loading_process
 
 _PROGRAM = Path(loading_process.__file__)  # run, never called; imported so that whoever follows imports finds it
 _SECONDS = 20
@@ -36,10 +34,8 @@ def load_all(networks: Sequence[bytes]) -> list[bool]:
 def _loaded(folder: Path, first: int, count: int) -> list[int]:
     """The networks that one process loads, from `first` on, until one ends it."""
     seconds = _SECONDS * (1 + count - first)
-    command = [sys.executable, "-P", str(_PROGRAM), str(folder), str(first), str(count), str(seconds)]
-    environment = {key: os.environ[key] for key in ("PATH", "HOME", "LD_LIBRARY_PATH", "SUMO_HOME") if key in os.environ}
     (folder / "loaded").unlink(missing_ok=True)
     with suppress(subprocess.TimeoutExpired):  # what it had loaded until then stands
-        subprocess.run(command, cwd=folder, env=environment, timeout=1.5 * seconds, capture_output=True, check=False)
+        child.start(_PROGRAM, folder, (str(first), str(count), str(seconds)), 1.5 * seconds)
     told = folder / "loaded"
     return [int(line) for line in told.read_text().split()] if told.exists() else []

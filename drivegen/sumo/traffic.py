@@ -7,9 +7,6 @@ counter-clockwise from +x.
 
 import importlib.util
 import json
-import os
-import subprocess
-import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,20 +17,17 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.errors import MissingTool
 from drivegen.geometry import unit, wrap_angle
 from drivegen.scenario import DT, Trajectories, VehicleKind
+from drivegen.sumo import child
+from drivegen.sumo.child import SimulationFailed
 from drivegen.sumo.programs import decode
 
 _PROGRAM = Path(__file__).with_name("simulation.py")
-_LONGEST_MESSAGE = 300
 
 SMOOTHING = 0.3
 """Standard deviation of the time over which tracks are averaged [s]."""
-
-
-class SimulationFailed(UnusableInput):
-    """SUMO refused the input, crashed or took too long; `reason` is sumo-refused, sumo-crashed, timeout or no-traffic."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +80,7 @@ def simulate(network: bytes, demand: bytes, origin: NDArray[np.float64], run: Ru
         (folder / "demand.rou.xml").write_bytes(demand)
         task = {"first": first, "steps": steps, "time_limit": run.time_limit, "arguments": _arguments(folder, run)}
         (folder / "run.json").write_text(json.dumps(task))
-        _run(folder, run.time_limit)
+        child.simulate(_PROGRAM, folder, run.time_limit)
         tracks = pq.read_table(folder / "tracks.parquet")
         types = json.loads((folder / "types.json").read_text())
         changes = json.loads((folder / "lights.json").read_text())
@@ -117,21 +111,6 @@ def _arguments(folder: Path, run: Run) -> list[str]:
     sublanes = {"--lateral-resolution": str(run.lateral_resolution)} if run.lateral_resolution > 0 else {}
     given = {"-n": str(folder / "net.net.xml"), "-r": str(folder / "demand.rou.xml")}
     return [word for pair in (given | tracks | quiet | rules | sublanes).items() for word in pair]
-
-
-def _run(folder: Path, time_limit: float) -> None:
-    command = [sys.executable, "-P", str(_PROGRAM), str(folder)]
-    environment = {key: os.environ[key] for key in ("PATH", "HOME", "LD_LIBRARY_PATH", "SUMO_HOME") if key in os.environ}
-    try:
-        done = subprocess.run(command, cwd=folder, env=environment, timeout=1.5 * time_limit, capture_output=True, check=False)
-    except subprocess.TimeoutExpired:
-        raise SimulationFailed(f"SUMO was stopped after {1.5 * time_limit:.0f} s", reason="timeout") from None
-    if done.returncode < 0:
-        raise SimulationFailed(f"SUMO crashed (signal {-done.returncode})", reason="sumo-crashed")
-    if done.returncode:
-        lines = [line.strip() for line in done.stderr.decode("utf-8", "replace").splitlines() if "Error" in line]
-        told = lines[0] if lines else f"exit code {done.returncode}"
-        raise SimulationFailed(f"SUMO refuses the run: {told[:_LONGEST_MESSAGE]}", reason="sumo-refused")
 
 
 def _states(changes: list[list[object]], first: int, steps: int) -> NDArray[np.uint8]:

@@ -9,9 +9,10 @@ from drivegen.maps.compile import compile_map
 from drivegen.maps.spec import MapSpec
 from drivegen.roadmap import RoadMap
 from drivegen.scenario import SignalState, VehicleKind
+from drivegen.sumo.child import SimulationFailed
 from drivegen.sumo.demand import Demand, draw_demand, vehicles_at_begin
 from drivegen.sumo.network import Network
-from drivegen.sumo.traffic import Run, SimulationFailed, simulate
+from drivegen.sumo.traffic import Run, simulate
 
 RUN = Run(seed=3, warm_up=5.0, seconds=6.0, lateral_resolution=0.8, time_limit=30.0)
 ARMS = [{"angle": angle, "lanes_in": 2, "lanes_out": 2, "length": 100} for angle in (0, 90, 180, 270)]
