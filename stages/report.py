@@ -44,7 +44,7 @@ PANELS = 3
 METHOD = "drivegen"
 """Whose samples are shown large."""
 
-GOALS_OF = {"drivegen": "learned", "drivegen_without_goals": "random"}
+GOALS_OF = {"drivegen": "learned", "drivegen_vlm": "vlm", "drivegen_without_goals": "random"}
 """Whose recorded goals a method follows."""
 
 

@@ -17,6 +17,7 @@ FIVE = ("min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity")
 
 METHODS = {
     "drivegen": "DriveGen",
+    "drivegen_vlm": "DriveGen, goals by a vision-language model",
     "drivegen_without_goals": "DriveGen w/o gs",
     "scene_transformer": "SceneTransformer",
     "bits": "BITS",

@@ -21,7 +21,7 @@ NAMES = {
 _BOUNDS = ("log", "drivegen_true_goals", "lctgen_log_code", "random_agent")
 """Methods that are told what happened, and one that is no traffic: bounds, not rivals."""
 
-SELECTORS = {"drivegen": "learned", "drivegen_without_goals": "random", "drivegen_true_goals": "log"}
+SELECTORS = {"drivegen": "learned", "drivegen_vlm": "vlm", "drivegen_without_goals": "random", "drivegen_true_goals": "log"}
 """Whose goals a method follows, as its plugin says; the others choose none, or their own."""
 
 _COLUMNS = ("min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity_ratio")
