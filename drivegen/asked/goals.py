@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from drivegen.asked.request import Manoeuvre
 from drivegen.asked.wishes import TARGET
-from drivegen.geometry import to_vehicle_frame
-from drivegen.goals.candidates import Candidates, manoeuvres
+from drivegen.geometry import to_vehicle_frame, wrap_angle
+from drivegen.goals.candidates import NO_ROUTE, Candidates, manoeuvres
 from drivegen.goals.candidates import Manoeuvre as Way
 from drivegen.lanes.frenet import from_frenet, to_frenet
 from drivegen.lanes.graph import LaneGraph
 from drivegen.lanes.line import SPACING, Route
 from drivegen.rollout import Choices
-from drivegen.scenario import DT, Scenario
+from drivegen.scenario import DT, Scenario, SignalState
 from drivegen.selectors.base import Selector
 
 HARD = 3.0
@@ -34,10 +34,25 @@ IN_LANE = 1.6
 PAST = 8.0
 """Who has overtaken is so far ahead [m], centre to centre."""
 
+ROUND = np.deg2rad(60)
+"""Who has turned heads so far [rad] from where it began, so that the goal is not in the middle of the turn."""
+
+ACROSS = 2.0
+"""Who has turned across a way is so far [m] beyond its line."""
+
+CALM = 3.0
+"""Sideways acceleration [m/s2] of a calm turn: it gives the speed in the turn. A goal asks for too much of the way before if it
+takes more than PACE times that speed on average, for the planner brakes late."""
+
+PACE = 1.2
+
+_EARLIER, _LATER, _SLOWEST = 1.0, 2.0, 4.0
+"""A light is green from so much before to so much after [s] a vehicle that keeps its speed, or at least [m/s], gets there."""
+
+TURNS = {Manoeuvre.TURN_LEFT: Way.LEFT, Manoeuvre.TURN_RIGHT: Way.RIGHT, Manoeuvre.TURN_LEFT_ACROSS: Way.LEFT}
+"""Manoeuvres that are turns, and the ways of goals that are."""
+
 _DIRECT = {
-    Manoeuvre.TURN_LEFT: Way.LEFT,
-    Manoeuvre.TURN_RIGHT: Way.RIGHT,
-    Manoeuvre.TURN_LEFT_ACROSS: Way.LEFT,
     Manoeuvre.CHANGE_LEFT: Way.CHANGE_LEFT,
     Manoeuvre.CHANGE_RIGHT: Way.CHANGE_RIGHT,
     Manoeuvre.STOPPED: Way.STAY,
@@ -58,7 +73,8 @@ class Ordered:
     """Choices under duties.
 
     Attributes:
-        choices: `used` is zero for goals that do not realise a vehicle's duty. feasible: of each duty, whether any goal does.
+        choices: `used` is zero for goals that do not realise a vehicle's duty. feasible: of each duty, whether a goal does so
+            without haste.
         natural: of each duty, the probability that the selector itself gives to the goals that do.
     """
 
@@ -79,8 +95,9 @@ def ordered(graph: LaneGraph, choices: Choices, selector: Selector, duties: Sequ
         used = [_fitted(u, n) for u, n in zip(used, natural, strict=True)]
     feasible, mass = [], []
     for duty in duties:
-        realises = realising(choices.scenario, offered, duty)
-        feasible.append(bool(realises.any()))
+        calmly = realising(choices.scenario, offered, duty)
+        realises = calmly if calmly.any() else realising(choices.scenario, offered, duty, hastily=True)
+        feasible.append(bool(calmly.any()))
         mass.append(float(natural[duty.vehicle][realises].sum()))
         used[duty.vehicle] = _bound(used[duty.vehicle], realises)
         if duty.vehicle != TARGET and not any(other.vehicle == TARGET for other in duties):
@@ -88,11 +105,13 @@ def ordered(graph: LaneGraph, choices: Choices, selector: Selector, duties: Sequ
     return Ordered(Choices(choices.scenario, offered, natural, used), tuple(feasible), tuple(mass))
 
 
-def realising(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty) -> NDArray[np.bool_]:
-    """(C,) which candidates of the duty's vehicle realise it."""
+def realising(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty, *, hastily: bool = False) -> NDArray[np.bool_]:
+    """(C,) which candidates of the duty's vehicle realise it; `hastily`, turns for which it would have to brake late, too."""
     own = candidates[duty.vehicle]
     if duty.manoeuvre in _DIRECT:
         return np.asarray(own.manoeuvre == _DIRECT[duty.manoeuvre])
+    if duty.manoeuvre in TURNS:
+        return _turning(scenario, candidates, duty, hastily)
     speed = float(scenario.vehicles.speed[duty.vehicle])
     if duty.manoeuvre is Manoeuvre.HARD_BRAKING:
         near = own.s <= speed**2 / (2 * HARD) + SPACING
@@ -107,6 +126,47 @@ def realising(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty) 
         return np.asarray((own.manoeuvre == way) & (np.abs(d) < IN_LANE))
     expected = float(scenario.vehicles.speed[TARGET]) * scenario.horizon * DT
     return np.asarray((s > expected + PAST) & (own.manoeuvre != Way.STAY))  # OVERTAKE
+
+
+def _turning(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty, hastily: bool) -> NDArray[np.bool_]:
+    """(C,) goals beyond the turn, on routes whose lights are green as the vehicle gets there; those across the target's way."""
+    own, vehicle = candidates[duty.vehicle], duty.vehicle
+    side = -1.0 if duty.manoeuvre is Manoeuvre.TURN_RIGHT else 1.0
+    turned = side * wrap_angle(own.heading - scenario.vehicles.heading[vehicle]) > ROUND
+    green = [
+        number for number, route in enumerate(own.routes) if _green(scenario, route, float(scenario.vehicles.speed[vehicle]))
+    ]
+    found = np.equal(own.manoeuvre, TURNS[duty.manoeuvre]) & turned & np.isin(own.route, green) & (hastily | _calm(own))
+    if duty.manoeuvre is not Manoeuvre.TURN_LEFT_ACROSS:
+        return np.asarray(found)
+    way = keeping(candidates[TARGET])
+    if way is None:
+        return np.zeros(len(own), np.bool_)
+    begins = to_frenet(way, scenario.vehicles.position[vehicle][None])[0, 1]
+    return np.asarray(found & (-np.sign(begins) * to_frenet(way, own.position)[:, 1] > ACROSS))
+
+
+def _calm(own: Candidates) -> NDArray[np.bool_]:
+    """(C,) goals that leave time for the sharpest bend on the way."""
+    calm = np.zeros(len(own), np.bool_)
+    for i in np.flatnonzero(own.route != NO_ROUTE).tolist():
+        bend = np.abs(np.diff(own.routes[int(own.route[i])].heading[: int(own.s[i] / SPACING) + 2])) / SPACING
+        calm[i] = own.s[i] / (own.step[i] * DT) <= PACE * np.sqrt(CALM / max(float(bend.max(initial=0.0)), 1e-3))
+    return calm
+
+
+def _green(scenario: Scenario, route: Route, speed: float) -> bool:
+    """Whether no light on the route forbids the way when a vehicle of this speed [m/s] gets there."""
+    signals = scenario.signals
+    for lane, state in zip(signals.lane.tolist(), signals.state, strict=True):
+        along = np.flatnonzero(route.lane == lane)
+        if not len(along) or along[0] == 0:  # not on the route, or it stands beyond the line already
+            continue
+        arrival = along[0] * SPACING / max(speed, _SLOWEST)
+        first, last = round(max(arrival - _EARLIER, 0.0) / DT), round((arrival + _LATER) / DT)
+        if np.isin(state[first:last], (SignalState.RED, SignalState.YELLOW)).any():
+            return False
+    return True
 
 
 def keeping(candidates: Candidates) -> Route | None:

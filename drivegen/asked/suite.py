@@ -89,9 +89,10 @@ class Bench:
     seed: int
 
     def row(self, request: Request, name: str, initialiser: Initialiser) -> dict[str, Any]:
-        """One request on one map: what was understood, what was got, what it cost. What was asked is what the words mean.
+        """One request on one map: what was understood, what was got, what it cost.
 
-        So that a misreading counts against what was got, everything is measured against the meaning, not the reading.
+        What was got is measured against the reading, item by item; a misreading counts as one more item that was not got, so
+        that things which nobody read are not counted one by one.
         """
         try:
             read = offline.read(request.text).request

@@ -30,6 +30,11 @@ _OVERTAKE = {Relation.BEHIND: Relation.LEFT_BEHIND, Relation.LEFT: Relation.LEFT
 FASTER = 1.35
 """Who overtakes begins this much faster than everybody else."""
 
+TURNING = 5.5
+"""Who turns begins no faster [m/s], unless a speed is asked for: a turn has to be braked for."""
+
+_TURNS = (Manoeuvre.TURN_LEFT, Manoeuvre.TURN_RIGHT, Manoeuvre.TURN_LEFT_ACROSS)
+
 _CALM_BRAKING, _STANDING_ROOM = 1.5, 10.0
 """The target could stop [m/s2] so far [m] before what stands ahead of it, centre to centre."""
 
@@ -124,15 +129,19 @@ def _wish(group: Group, which: int, number: int, speed: float | None, random: np
             own = 0.0
         if group.manoeuvre is Manoeuvre.OVERTAKE and group.speed is None and speed is not None:
             own = FASTER * speed
+        if group.manoeuvre in _TURNS and own is None:
+            own = TURNING
     return Wish(relation=place or (Relation.AHEAD if group.queue else None), distance=group.distance, speed=own)
 
 
 def _approach(request: TrafficRequest) -> float | None:
-    """The target's speed [m/s]: as asked, or one from which it can well stop behind what is asked to stand ahead of it."""
+    """The target's speed [m/s]: as asked, or one from which it can well stop behind what stands ahead, or turn."""
     still = [group for group in request.groups if group.manoeuvre is Manoeuvre.STOPPED or group.speed == 0]
     standing = [group for group in still if group.place in (None, Relation.AHEAD)]
-    if request.speed is not None or not standing:
+    if request.speed is not None:
         return request.speed
+    if not standing:
+        return TURNING if request.target_does in _TURNS else None
     nearest = min(group.distance or FARTHEST / 2 for group in standing)
     return float(np.sqrt(_CALM_BRAKING * 2 * max(nearest - _STANDING_ROOM, 1.0)))
 

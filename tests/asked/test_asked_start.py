@@ -8,22 +8,25 @@ import pytest
 from drivegen.asked import offline
 from drivegen.asked.account import first_frame, manoeuvres
 from drivegen.asked.achieved import BRAKING, does
-from drivegen.asked.goals import Duty
+from drivegen.asked.goals import ACROSS, ROUND, Duty, keeping, realising
 from drivegen.asked.request import Manoeuvre
 from drivegen.asked.start import Settings, start
 from drivegen.asked.suite import Bench, offers, suite, summary
-from drivegen.asked.wishes import Fill, cast
+from drivegen.asked.wishes import TURNING, Fill, cast
 from drivegen.assets.table import build_table
 from drivegen.equipment import Equipment
 from drivegen.errors import UnusableInput
 from drivegen.generators.base import Settings as GeneratorSettings
+from drivegen.geometry import wrap_angle
 from drivegen.initialise import Initialiser
 from drivegen.initialise import Settings as InitialSettings
+from drivegen.lanes.frenet import to_frenet
 from drivegen.lanes.graph import LaneGraph
 from drivegen.lanes.routes import feasible_routes
 from drivegen.maps.compile import compile_map
 from drivegen.maps.spec import MapSpec
-from drivegen.scenario import VehicleKind
+from drivegen.scenario import SignalState, VehicleKind
+from drivegen.selectors.random import Plugin as Random
 from drivegen.settings import build, read_section
 from drivegen.sumo.network import Network
 from tests.projects import PARAMS
@@ -160,3 +163,49 @@ def test_the_bench_gives_a_row_with_a_price_and_rates_by_kind(initialiser, tools
     assert told["kinds"]["overtake"]["asked"] == 1
     assert 0 <= told["kinds"]["overtake"]["natural"] <= 1
     assert rows[2]["items"] == []
+
+
+def turning_start(initialised, words):
+    generation = build(GeneratorSettings, read_section("ship.generation", PARAMS), "ship.generation")
+    settings = replace(SETTINGS, placements=60, starts=60)
+    request = offline.read(words).request
+    return start(initialised, "turn", request, settings, 3, Random.load(PARAMS), generation, 7)
+
+
+@pytest.fixture(scope="module")
+def junction() -> Initialiser:
+    settings = build(InitialSettings, read_section("place.initial", PARAMS), "place.initial")
+    arms = [{"angle": angle} for angle in (0, 90, 180, 270)]
+    spec = MapSpec.model_validate({"road": {"kind": "crossing", "control": "signals", "arms": arms}})
+    return Initialiser(Network.read(compile_map(spec), "junction"), "junction", "test", build_table([busy_crossing()]), settings)
+
+
+@pytest.mark.parametrize(("words", "side"), [("the target turns right", -1.0), ("the target turns left", 1.0)])
+def test_who_turns_has_a_goal_beyond_the_turn_begins_slowly_and_meets_no_red_light(junction, words, side):
+    made = turning_start(junction, words)
+    assert made.ordered.feasible == (True,)
+    own, scene = made.ordered.choices.candidates[0], made.scenario
+    bound = made.ordered.choices.used[0] > 0
+    assert (side * wrap_angle(own.heading - scene.vehicles.heading[0])[bound] > ROUND).all()
+    assert scene.vehicles.speed[0] <= TURNING + 0.1
+    assert (own.s[bound] / 10.0 < 9.0).all()  # on average: no dash to the corner
+    [duty] = made.duties
+    red = replace(scene.signals, state=np.full_like(scene.signals.state, SignalState.RED))
+    assert len(red) > 0
+    assert not realising(replace(scene, signals=red), made.ordered.choices.candidates, duty, hastily=True).any()
+    green = replace(scene.signals, state=np.full_like(scene.signals.state, SignalState.GREEN))
+    eager = realising(replace(scene, signals=green), made.ordered.choices.candidates, duty, hastily=True)
+    assert (eager >= bound).all()
+
+
+def test_a_goal_in_the_middle_of_a_turn_across_the_targets_way_does_not_realise_it(junction):
+    made = turning_start(junction, "an oncoming car turns left across our path")
+    assert made.ordered.feasible == (True,)
+    [duty] = made.duties
+    candidates = made.ordered.choices.candidates
+    way = keeping(candidates[0])
+    began = to_frenet(way, made.scenario.vehicles.position[duty.vehicle][None])[0, 1]
+    ends = to_frenet(way, candidates[duty.vehicle].position)[:, 1]
+    bound = made.ordered.choices.used[duty.vehicle] > 0
+    assert (np.sign(ends[bound]) == -np.sign(began)).all()
+    assert (np.abs(ends[bound]) > ACROSS).all()
