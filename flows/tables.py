@@ -92,4 +92,5 @@ def _bring_up(room: Room) -> str:
     futures = submit(plan, stale, root)
     for future in futures.values():
         future.wait()
-    return "; ".join(str(f.state.message) for f in futures.values() if f.state.name == "Failed")
+    ended = [future.state for future in futures.values() if not future.state.is_completed()]
+    return "; ".join(str(state.message) for state in ended if not state.is_pending())  # those behind a failed one wait for ever

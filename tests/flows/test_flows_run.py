@@ -1,10 +1,12 @@
-"""The three flows under a local Prefect server, on a pipeline of shell commands."""
+"""The flows under a local Prefect server, on a pipeline of shell commands."""
 
 import json
 import os
+import time
 from pathlib import Path
 
 import pytest
+import yaml
 
 from flows import server
 from tests.flows import toy
@@ -85,3 +87,77 @@ def test_without_models_nothing_is_published(root):
     assert state.is_failed()
     assert "run `make run` first" in str(state.message)
     assert not (root / "data" / "versions").exists()
+
+
+def test_a_stage_killed_in_the_middle_is_never_taken_as_done(root):
+    from flows.experiment import experiment
+
+    sound = "cat data/maps data/scenarios > data/placed"
+    (root / "dvc.yaml").write_text(toy.DVC.replace(sound, "cat data/maps > data/placed; kill -9 $$"))
+    state = experiment(return_state=True)
+    assert state.is_failed()
+    assert str(state.message).startswith("stage place failed: ")
+    assert (root / "data" / "placed").read_text() == "seed: 7\n"  # half of it is there ...
+    assert not (root / "data" / "shipped").exists()  # ... and nobody used it
+    (root / "dvc.yaml").write_text(toy.DVC)
+    after = states(experiment())
+    assert (after["place"], after["ship"], after["maps"]) == ("Completed", "Completed", "Cached")
+    assert (root / "data" / "shipped" / "shard").read_text() == "seed: 7\nlogs\n"
+
+
+@pytest.fixture
+def runs(running, tmp_path, monkeypatch) -> Path:
+    monkeypatch.chdir(toy.build_tables(tmp_path))
+    return tmp_path
+
+
+def test_tables_are_pooled_from_runs_that_share_what_they_have_in_common(runs):
+    from flows.tables import tables
+
+    state = tables(real=runs, return_state=True)
+    assert state.is_completed(), state.message
+    assert state.message == "reports/published from 3 runs"
+    assert (runs / "reports" / "published" / "pooled").read_text().splitlines() == [
+        "toy/7/data/table-drivegen drivegen 7 1.0",
+        "toy/7/data/table-log log 7 1.0",
+        "toy/8/data/table-drivegen drivegen 8 1.0",
+        "toy/8/data/table-log log 8 1.0",
+        "toy/t0.5/data/table-drivegen drivegen 7 0.5",
+    ]
+    assert (runs / "ingested").read_text() == "once\n"  # the first run computed it, the others took it from the cache
+    assert not list(runs.glob(".drivegen/tables/*/*/data/round-*"))  # no table asks for it
+    assert not (runs / "data").exists()
+
+
+def test_a_run_that_fails_ends_the_tables_by_name_and_keeps_the_old_ones(runs):
+    from flows.tables import tables
+
+    (runs / "dvc.yaml").write_text((runs / "dvc.yaml").read_text().replace("> data/table-${item}", "> no/such/folder"))
+    state = tables(real=runs, return_state=True)
+    assert state.is_failed()
+    assert str(state.message).startswith("toy/7: stage evaluate@drivegen failed: ")
+    assert not (runs / ".drivegen" / "tables" / "toy" / "8").exists()
+    assert not (runs / "reports").exists()
+
+
+def test_the_deployments_schedule_makes_runs_for_the_sundays_to_come(running):
+    from prefect.client.orchestration import get_client
+    from prefect.client.schemas.actions import DeploymentScheduleCreate
+    from prefect.client.schemas.filters import DeploymentFilter, DeploymentFilterId
+    from prefect.client.schemas.schedules import CronSchedule
+
+    from flows.regenerate import regenerate
+
+    (deployment,) = yaml.safe_load((Path(__file__).parents[2] / "prefect.yaml").read_text())["deployments"]
+    assert deployment["entrypoint"] == "flows/regenerate.py:regenerate"
+    schedules = [DeploymentScheduleCreate(schedule=CronSchedule(**wanted)) for wanted in deployment["schedules"]]
+    with get_client(sync_client=True) as client:
+        number = client.create_deployment(client.create_flow(regenerate), name=deployment["name"], schedules=schedules)
+        wanted = DeploymentFilter(id=DeploymentFilterId(any_=[number]))
+        deadline = time.monotonic() + 30
+        while not (made := client.read_flow_runs(deployment_filter=wanted)) and time.monotonic() < deadline:
+            time.sleep(0.5)
+        client.delete_deployment(number)
+    assert made, "the server's scheduler made no run"
+    assert all(run.auto_scheduled for run in made)
+    assert {(run.expected_start_time.isoweekday(), run.expected_start_time.hour) for run in made} == {(7, 3)}

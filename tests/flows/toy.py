@@ -44,6 +44,53 @@ rounds:
 - {k: 3, before: data/round-2, rate: 0.9}
 """
 
+EVALUATE = """
+  evaluate:
+    foreach: ${run.methods}
+    do:
+      cmd: echo ${item} ${run.training_seed} ${rollout.generation.temperature} > data/table-${item}
+      deps:
+      - data/scenarios
+      params:
+      - run.training_seed
+      - rollout.generation.temperature
+      outs:
+      - data/table-${item}
+"""
+
+PUBLISH = """
+  training_seed: 7
+  methods: [drivegen, log]
+rollout: {generation: {temperature: 1.0}}
+publish:
+  seeds: [7, 8]
+  temperatures: [0.5]
+  params: {run.seed: 3}
+  data:
+    toy: {folder: "", params: {}, folders: {}, front: true}
+    absent: {folder: recordings, params: {}, folders: {}, front: false}
+"""
+
+DOOR = """#!/bin/sh
+# What stages/run does, for the door `publish` alone: one line a table of every run.
+set -eu
+test "$1" = publish
+mkdir -p "$3"
+for table in "$2"/*/*/data/table-*; do echo "${table#"$2"/} $(cat "$table")"; done > "$3/pooled"
+"""
+
+
+def build_tables(folder: Path) -> Path:
+    """Write a toy pipeline whose results can be pooled; it notes in `ingested` how often ingest was computed."""
+    build(folder)
+    counted = DVC.replace("echo logs >", f"echo once >> {folder}/ingested && echo logs >")
+    (folder / "dvc.yaml").write_text(counted + EVALUATE)
+    (folder / "params.yaml").write_text(PARAMS.replace("  seed: 7\n", "  seed: 7" + PUBLISH))
+    (folder / "stages").mkdir()
+    (folder / "stages" / "run").write_text(DOOR)
+    (folder / "stages" / "run").chmod(0o755)
+    return folder
+
 
 def build(folder: Path) -> Path:
     """Write the toy pipeline into `folder`."""
