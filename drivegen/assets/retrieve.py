@@ -1,4 +1,6 @@
-"""Retrieve vehicles from the asset table (paper: by the number and type of vehicles)."""
+"""Retrieve vehicles from the asset table (paper: by the number and type of vehicles), also by size and usual speed."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,21 +9,45 @@ from drivegen.assets.table import Table
 from drivegen.errors import UnusableInput
 from drivegen.scenario import VehicleKind
 
-ANY_LENGTH = (0.0, float("inf"))
+Range = tuple[float, float]
+
+ANY: Range = (0.0, float("inf"))
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What vehicles may be like, ends included: `length`, `width`, `height` [m], usual `speed` [m/s]."""
+
+    length: Range = ANY
+    width: Range = ANY
+    height: Range = ANY
+    speed: Range = ANY
+
+    def fits(self, table: Table) -> NDArray[np.bool_]:
+        """(A,) rows within all ranges."""
+        values = np.column_stack([table.size, table.usual_speed])
+        low, high = np.array([self.length, self.width, self.height, self.speed], np.float32).T
+        anything = (low == 0) & np.isinf(high)  # also what nobody knows
+        return np.asarray((anything | ((values >= low) & (values <= high))).all(-1))
+
+    def __str__(self) -> str:
+        told = {"long": self.length, "wide": self.width, "high": self.height, "fast": self.speed}
+        said = [f"{a:g} to {b:g} {'m/s' if how == 'fast' else 'm'} {how}" for how, (a, b) in told.items() if (a, b) != ANY]
+        return ", ".join(said) or "of any size"
 
 
 def retrieve(
-    table: Table, kind: VehicleKind, number: int, random: np.random.Generator, length: tuple[float, float] = ANY_LENGTH
+    table: Table, kind: VehicleKind, number: int, random: np.random.Generator, asked: Asked | None = None
 ) -> NDArray[np.intp]:
-    """Rows (number,) of vehicles of `kind` whose length [m] lies in a range, drawn as often as they were seen.
+    """Rows (number,) of vehicles of `kind` that are as `asked`, drawn as often as they were seen.
 
-    Only rows of the best provenance that the kind has in that range are drawn; a row may come twice.
-    Raises UnusableInput, reason `no-assets`, where nothing fits.
+    Only rows of the best provenance that the kind has in those ranges are drawn; a row may come twice. Where each is from
+    stands in the table (`provenance`, `source`). Raises UnusableInput, reason `no-assets`, where nothing fits.
     """
-    fits = (table.kind == kind) & (table.size[:, 0] >= length[0]) & (table.size[:, 0] <= length[1])
+    asked = asked or Asked()
+    fits = (table.kind == kind) & asked.fits(table)
     if not fits.any():
-        low, high = length
-        raise UnusableInput(f"the asset table has no {kind.name.lower()} between {low:g} and {high:g} m long", reason="no-assets")
+        raise UnusableInput(f"the asset table has no {kind.name.lower()} {asked}", reason="no-assets")
     rows = np.flatnonzero(fits & (table.provenance == table.provenance[fits].min()))
     share = table.count[rows] / table.count[rows].sum()
     return random.choice(rows, size=number, p=share)

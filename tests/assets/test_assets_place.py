@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.assets.place import Placement, PlaceSettings, place_vehicles
-from drivegen.assets.retrieve import draw_kinds, retrieve
+from drivegen.assets.retrieve import Asked, draw_kinds, retrieve
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Provenance, Table, build_table
 from drivegen.errors import UnusableInput
@@ -145,9 +145,47 @@ def test_retrieval_goes_by_kind_number_and_length_and_by_how_often_a_row_was_see
     rows = retrieve(table(), VehicleKind.CAR, 400, random)
     assert set(rows.tolist()) == {0, 1}
     assert np.mean(rows == 0) == pytest.approx(0.75, abs=0.07)
-    assert set(retrieve(table(), VehicleKind.TRUCK, 9, random, length=(8, 20)).tolist()) == {3}
-    with pytest.raises(UnusableInput, match="no bus between 1 and 2 m"):
-        retrieve(table(), VehicleKind.BUS, 1, random, length=(1, 2))
+    assert set(retrieve(table(), VehicleKind.TRUCK, 9, random, Asked(length=(8, 20))).tolist()) == {3}
+    with pytest.raises(UnusableInput, match="no bus 1 to 2 m long, 0 to 3 m/s fast"):
+        retrieve(table(), VehicleKind.BUS, 1, random, Asked(length=(1, 2), speed=(0, 3)))
+
+
+@pytest.mark.parametrize(
+    ("asked", "rows"),
+    [
+        (Asked(), {0, 1}),
+        (Asked(width=(1.9, 2.5)), {1}),
+        (Asked(height=(0, 1.5)), {0}),
+        (Asked(length=(4.0, 4.0)), {0}),
+        (Asked(speed=(12, 30)), {1}),
+        (Asked(length=(3, 6), width=(1, 3), height=(1, 2), speed=(10, 10)), {0}),
+    ],
+)
+def test_retrieval_goes_by_every_side_and_by_speed(asked, rows):
+    own = replace(table(), usual_speed=np.float32([10, 20, 10, 10, 10, 10]))
+    assert set(retrieve(own, VehicleKind.CAR, 50, np.random.default_rng(0), asked).tolist()) == rows
+
+
+@given(st.integers(0, 2**32), *(st.tuples(st.floats(0, 6), st.floats(0, 6)).map(sorted).map(tuple) for _ in range(3)))
+def test_what_is_retrieved_lies_within_the_ranges_or_nothing_is(seed, length, width, height):
+    asked = Asked(length=length, width=width, height=height)
+    rows = np.flatnonzero(asked.fits(table()))
+    inside = [
+        all(low <= x <= high for x, (low, high) in zip(size, (length, width, height), strict=True)) for size in table().size
+    ]
+    assert rows.tolist() == np.flatnonzero(inside).tolist()
+
+
+def test_every_row_says_where_it_is_from():
+    scene = busy_crossing()
+    assumed = replace(scene.vehicles, size_source=np.full(len(scene.vehicles), SizeSource.ASSUMED, np.uint8))
+    simulated = replace(scene, source="SUMO corpus (simulated)")
+    made = build_table([replace(scene, source="logs"), simulated, replace(scene, source="old logs", vehicles=assumed)])
+    told = {(Provenance(p), s) for p, s in zip(made.provenance.tolist(), made.source.tolist(), strict=True)}
+    here = {(Provenance.MEASURED, "logs"), (Provenance.SIMULATED, "SUMO corpus (simulated)"), (Provenance.DOCUMENTED, "old logs")}
+    assert here <= told
+    rows = retrieve(made, VehicleKind.CAR, 20, np.random.default_rng(0))
+    assert {made.source[row] for row in rows} == {"logs"}  # the best that there is
 
 
 def test_better_provenance_wins_within_a_kind():
