@@ -5,33 +5,43 @@ from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
+import numpy as np
 import pyarrow.parquet as pq
 from rich.console import Console
 
 from drivegen.asked import language_model
 from drivegen.cli._lm import MaxUsd, Words, model, role
+from drivegen.corner_cases.asking import WORDING as CORNER
+from drivegen.corner_cases.asking import in_words
+from drivegen.corner_cases.collisions import PIXELS
+from drivegen.corner_cases.knowledge import SHAPE, Knowledge
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.candidates import candidates
 from drivegen.lanes.graph import LaneGraph
 from drivegen.lm.backends.base import Request
 from drivegen.lm.model import LanguageModel
-from drivegen.lm.prices import Estimate, estimate
+from drivegen.lm.prices import MAP_TOKENS, RANKING_TOKENS, TRAFFIC_TOKENS, Estimate, estimate, in_dollars
+from drivegen.lm.prompt import Image
 from drivegen.lm.settings import RoleSettings
 from drivegen.maps.writers.language_model import prompt
-from drivegen.scenario import Scenario
-from drivegen.selectors._vlm_question import LIKELIEST, Case, about_scenario, about_vehicle, examples
+from drivegen.render.png import png
+from drivegen.scenario import TARGET, Scenario
+from drivegen.selectors._vlm_question import LIKELIEST, Case, Wording, about_scenario, about_vehicle, examples
 from drivegen.selectors.vlm import LAYOUTS
 from drivegen.selectors.vlm import Settings as AskingSettings
 from drivegen.settings import build, read_section
 from drivegen.store.scenarios import read_shard, shards
 
-_MAP_TOKENS, _TRAFFIC_TOKENS, _RANKING_TOKENS = 500, 250, 120
-"""Of an answer of ordinary size: a map, the traffic of a description, the ranking of one vehicle's goals."""
-
 _SCENES = 3
 """Scenes whose questions about goals are really made; the others are taken to be like them."""
 
 _TEST = Path("data/scenarios/test")
+
+_KNOWN = in_words(Knowledge(np.ones(SHAPE, np.int64), np.zeros(SHAPE, np.int64), 1.0))
+"""As long as what a round knows can be: every feature was met."""
+
+_BLANK = png(np.zeros((PIXELS, PIXELS, 3), np.uint8))
+"""In place of a picture of a collision, which has its size."""
 
 _NOBODY = "no language model is configured for {}: nobody is asked, nothing is spent (try --lm)"
 
@@ -50,55 +60,73 @@ def command(lm: Words = None, max_usd: MaxUsd = None) -> None:
 
 def _maps(settings: RoleSettings, asking: LanguageModel) -> list[str]:
     texts = list(read_section("maps.prompts").values())
-    roads = estimate(settings, [asking.request(prompt(text)) for text in texts], _MAP_TOKENS)
-    batch = estimate(settings, [asking.request(prompt(text)) for text in texts], _MAP_TOKENS, batch=True)
+    roads = estimate(settings, [asking.request(prompt(text)) for text in texts], MAP_TOKENS)
+    batch = estimate(settings, [asking.request(prompt(text)) for text in texts], MAP_TOKENS, batch=True)
     one = asking.request(language_model.prompt(texts[0] if texts else ""))
-    traffic = estimate(settings, [one], _TRAFFIC_TOKENS)
+    traffic = estimate(settings, [one], TRAFFIC_TOKENS)
     lines = _lines("maps", asking, settings, roads, batch)
-    return [*lines, f"traffic     of one description: dollars {_dollars(traffic.usd)} (drivegen generate --text --lm)"]
+    return [*lines, f"traffic     of one description: dollars {in_dollars(traffic.usd)} (drivegen generate --text --lm)"]
 
 
 def _goals(settings: RoleSettings, asking: LanguageModel) -> list[str]:
     if not _TEST.exists():
         return [f"goals       no {_TEST} here: `make run` makes the scenes that would be asked about"]
     asked = build(AskingSettings, read_section("goals.vlm"), "params.yaml: goals.vlm")
-    found = shards(_TEST)
-    total = sum(pq.read_metadata(shard).num_rows for shard in found)  # a row is a scenario
-    scenes = list(islice((scenario for shard in found for scenario in read_shard(shard)), _SCENES))
+    scenes, total = _first_scenes()
+    share = (total / len(scenes)) if scenes else 0.0
     lines = []
     for layout in LAYOUTS:
-        requests, answer = _questions(scenes, replace(asked, layout=layout), asking)
-        share = (total / len(scenes)) if scenes else 0.0
-        plain, batch = (_times(estimate(settings, requests, answer, batch=one), share) for one in (False, True))
+        how = replace(asked, layout=layout)
+        requests, answer = _questions(scenes, how, asking, LIKELIEST, examples(asked.examples), first=0)
+        plain, batch = (estimate(settings, requests, answer, batch=one).times(share) for one in (False, True))
         lines += _lines(f"goals, {layout}", asking, settings, plain, batch)
     return lines
 
 
-def _questions(scenes: Sequence[Scenario], asked: AskingSettings, asking: LanguageModel) -> tuple[list[Request], int]:
-    """The questions about the goals of some scenes, and tokens of an answer to one of them."""
+def _questions(
+    scenes: Sequence[Scenario],
+    asked: AskingSettings,
+    asking: LanguageModel,
+    wording: Wording,
+    before: tuple[str | Image, ...],
+    first: int,
+) -> tuple[list[Request], int]:
+    """The questions about the goals of some scenes' vehicles from the `first` on, and tokens of an answer to one of them."""
     offered = build(CandidateSettings, read_section("goals.candidates"), "params.yaml: goals.candidates")
-    before, requests, vehicles = examples(asked.examples), [], 0
+    requests, vehicles = [], 0
     for scenario in scenes:
         graph = LaneGraph.of(scenario.map)
-        found = [candidates(graph, scenario, n, offered) for n in range(len(scenario.vehicles))]
-        cases = [Case.of(scenario, n, c, 0) for n, c in enumerate(found) if len(c) > 1]
+        found = [(n, candidates(graph, scenario, n, offered)) for n in range(first, len(scenario.vehicles))]
+        cases = [Case.of(scenario, n, c, 0) for n, c in found if len(c) > 1]
         cases = cases[: max(round(asked.ask_when_unsure * len(cases)), 1)]
         vehicles += len(cases)
         if asked.layout == "per_scenario":
-            requests.append(asking.request(about_scenario(cases, asked.ranked, asked.pixels, before, LIKELIEST)))
+            requests.append(asking.request(about_scenario(cases, asked.ranked, asked.pixels, before, wording)))
         else:
-            requests += [asking.request(about_vehicle(case, asked.ranked, asked.pixels, before, LIKELIEST)) for case in cases]
-    return requests, _RANKING_TOKENS * vehicles // max(len(requests), 1)
+            requests += [asking.request(about_vehicle(case, asked.ranked, asked.pixels, before, wording)) for case in cases]
+    return requests, RANKING_TOKENS * vehicles // max(len(requests), 1)
 
 
-def _corner_cases(settings: RoleSettings, asking: LanguageModel) -> list[str]:  # noqa: ARG001  as the others
-    return ["corner_cases  nothing in this pipeline asks it: no calls, 0 dollars"]
+def _corner_cases(settings: RoleSettings, asking: LanguageModel) -> list[str]:
+    if not _TEST.exists():
+        return [f"corner_cases  no {_TEST} here: `make run` makes the scenes that would be asked about"]
+    corner, rounds = read_section("corner"), read_section("run")["rounds"]
+    asked = build(AskingSettings, corner["vlm"], "params.yaml: corner.vlm")
+    wording = replace(CORNER, instructions=CORNER.instructions + "\n" + _KNOWN)
+    shown = tuple(Image(_BLANK, "image/png") for _ in range(corner["pictures"]))
+    scenes, total = _first_scenes()
+    requests, answer = _questions(scenes, asked, asking, wording, shown, first=TARGET + 1)
+    times = total / max(len(scenes), 1) * sum(one["round"] > 0 for one in rounds)
+    plain, batch = (estimate(settings, requests, answer, batch=one).times(times) for one in (False, True))
+    used = "" if corner["goals"] == "vlm" else f"; not asked as params.yaml is (corner.goals: {corner['goals']})"
+    return _lines(f"corner_cases{used}", asking, settings, plain, batch)
 
 
-def _times(one: Estimate, share: float) -> Estimate:
-    """An estimate of so many times as many calls."""
-    dollars = (None if usd is None else usd * share for usd in (one.usd, one.most_usd))
-    return Estimate(round(one.calls * share), round(one.input_tokens * share), round(one.output_tokens * share), *dollars)
+def _first_scenes() -> tuple[list[Scenario], int]:
+    """A few test scenes, and how many there are."""
+    found = shards(_TEST)
+    total = sum(pq.read_metadata(shard).num_rows for shard in found)  # a row is a scenario
+    return list(islice((scenario for shard in found for scenario in read_shard(shard)), _SCENES)), total
 
 
 def _lines(what: str, asking: LanguageModel, settings: RoleSettings, found: Estimate, batch: Estimate) -> list[str]:
@@ -109,9 +137,5 @@ def _lines(what: str, asking: LanguageModel, settings: RoleSettings, found: Esti
         f"model       {asking.description}, for {what}",
         f"calls       {found.calls}",
         f"tokens      about {found.input_tokens} in, {found.output_tokens} out",
-        f"dollars     {_dollars(found.usd)}, in batches {_dollars(batch.usd)}; at most {_dollars(found.most_usd)}; {over}",
+        f"dollars     {in_dollars(found.usd)}, in batches {in_dollars(batch.usd)}; at most {in_dollars(found.most_usd)}; {over}",
     ]
-
-
-def _dollars(usd: float | None) -> str:
-    return "unknown" if usd is None else f"{usd:.4f}"

@@ -60,10 +60,10 @@ def test_estimate_prints_calls_tokens_and_dollars_and_asks_nobody(project):
 def test_estimate_covers_every_role_and_both_layouts_of_goals(project, tmp_path):
     told = drivegen("estimate", "--lm", "openai:gpt-4o").output
     assert "no data/scenarios/test here" in told
-    assert "corner_cases  nothing in this pipeline asks it" in told
+    assert "corner_cases  no data/scenarios/test here" in told
     own = yaml.safe_load((tmp_path / "params.yaml").read_text())
     whole = yaml.safe_load(PARAMS.read_text())
-    (tmp_path / "params.yaml").write_text(yaml.safe_dump(own | {"goals": whole["goals"]}))
+    (tmp_path / "params.yaml").write_text(yaml.safe_dump(own | {name: whole[name] for name in ("goals", "corner", "run")}))
     scenes = [busy_crossing(101, f"crossing-{i}") for i in range(4)]
     write_shard(tmp_path / "data" / "scenarios" / "test" / "shard-00000.parquet", scenes)
     told = drivegen("estimate", "--lm", "openai:gpt-4o").output
@@ -71,6 +71,9 @@ def test_estimate_covers_every_role_and_both_layouts_of_goals(project, tmp_path)
     assert 4 < int(vehicles[1]) <= 32  # a call a vehicle
     assert int(scenario[1]) == 4  # a call a scene
     assert int(vehicles[4]) > int(scenario[4]) > 0
+    rounds = told.split("for corner_cases; not asked as params.yaml is (corner.goals: reweighting)")[1].split()
+    assert 0 < int(rounds[1]) <= 2 * 4 * 7  # two rounds with knowledge, a call a social vehicle
+    assert int(rounds[4]) / int(rounds[1]) > int(vehicles[4]) / int(vehicles[1])  # each with pictures of collisions
     dollars, batch = (
         float(vehicles[vehicles.index("dollars") + 1].strip(",;")),
         float(vehicles[vehicles.index("batches") + 1].strip(",;")),
