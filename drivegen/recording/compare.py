@@ -25,6 +25,8 @@ from drivegen.scenario import TARGET, Scenario, Trajectories
 
 LOG = "log"
 _FAINT = 90
+_NEAR_ENOUGH = 0.3
+"""Samples' lines are drawn this exactly [m]: a view has hundreds, all faint."""
 
 
 def record_comparison(path: Path, scenario: Scenario, methods: Mapping[str, Samples], sample: int = 0) -> None:
@@ -60,13 +62,13 @@ def _log_traffic(recording: rr.RecordingStream, path: str, scenario: Scenario, m
 
 
 def _log_samples(recording: rr.RecordingStream, path: str, samples: Samples) -> None:
-    """Lines of all samples of all vehicles, as exact as can be seen."""
+    """Lines of all samples of all vehicles, as exact as a faint line needs."""
     lines, shades = [], []
     for k, i in np.ndindex(*samples.violation.shape):
         motion = samples.motion[k, i]
         line = motion.position[motion.valid]
         if len(line) > 1:
             legal = colours.TARGET if i == TARGET else colours.SOCIAL
-            lines.append(flat(thinned(line), 0.02))
+            lines.append(flat(thinned(line, _NEAR_ENOUGH), 0.02))
             shades.append((*(legal if samples.legal[k, i] else colours.ILLEGAL)[:3], _FAINT))
     recording.log(path, rr.LineStrips3D(lines, colors=shades, radii=0.1), static=True)
