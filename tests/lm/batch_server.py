@@ -55,16 +55,48 @@ class BatchServer:
         body |= {"usage": usage, "parallel_tool_calls": True, "tool_choice": "auto", "tools": []}
         return json.dumps({**told, "response": {"status_code": 200, "request_id": "q", "body": body}}).encode()
 
+    def anthropic(self, method: str, path: str, body: bytes) -> tuple[str, bytes]:
+        """Anthropic's protocol: a job made of requests, and a list of results at an address that the ended job names."""
+        if method == "POST":
+            self.jobs.append(json.loads(body)["requests"])
+            return self._anthropic_job(len(self.jobs) - 1)
+        number = int(path.rsplit("/b", 1)[1].split("/")[0])
+        if not path.endswith("/results"):
+            return self._anthropic_job(number)
+        lines = [self._anthropic_line(request) for request in self.jobs[number]]
+        return "application/x-jsonl", b"\n".join(reversed(lines)) + b"\n"  # in any order, as the vendor says
+
+    def _anthropic_job(self, number: int) -> tuple[str, bytes]:
+        self.looks[number] = self.looks.get(number, -1) + 1
+        done = self.looks[number] > 0
+        counts = {"processing": int(not done), "succeeded": int(done), "errored": 0, "canceled": 0, "expired": 0}
+        times = {"created_at": "2026-01-01T00:00:00Z", "expires_at": "2026-01-02T00:00:00Z"}
+        told = {"id": f"b{number}", "type": "message_batch", "request_counts": counts, **times}
+        told["processing_status"] = "ended" if done else "in_progress"
+        told["results_url"] = f"{self.url}/messages/batches/b{number}/results" if done else None
+        return "application/json", json.dumps(told).encode()
+
+    def _anthropic_line(self, request: dict[str, Any]) -> bytes:
+        text = self._answers.pop(0)
+        if text is None:
+            refusal = {"type": "error", "error": {"type": "invalid_request_error", "message": "no"}}
+            return json.dumps({"custom_id": request["custom_id"], "result": {"type": "errored", "error": refusal}}).encode()
+        message = {"id": "m", "type": "message", "role": "assistant", "model": "claude", "stop_reason": "end_turn"}
+        message |= {"content": [{"type": "text", "text": text}], "usage": {"input_tokens": 120, "output_tokens": 30}}
+        message["stop_sequence"] = None
+        return json.dumps({"custom_id": request["custom_id"], "result": {"type": "succeeded", "message": message}}).encode()
+
 
 @contextmanager
 def serving_batches(answers: Sequence[str | None]) -> Iterator[BatchServer]:
-    """A server of OpenAI's batch protocol; None among the answers is a refusal."""
+    """A server of OpenAI's and Anthropic's batch protocols; None among the answers is a refusal."""
     served = BatchServer(answers)
 
     class Handler(BaseHTTPRequestHandler):
         def _answer(self, method: str) -> None:
             body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
-            kind, content = served.openai(method, self.path, body)
+            protocol = served.anthropic if "/messages/batches" in self.path else served.openai
+            kind, content = protocol(method, self.path, body)
             self.send_response(200)
             self.send_header("Content-Type", kind)
             self.send_header("Content-Length", str(len(content)))

@@ -36,6 +36,36 @@ def test_many_questions_are_one_job_and_what_is_bad_is_asked_again_in_another(tm
     assert again == [first, second]
 
 
+def test_anthropics_batches_give_answers_and_reasons_as_openais_do(tmp_path):
+    with serving_batches([GOOD, '{"place": 9}', None, GOOD]) as server:
+        url = server.url.removesuffix("/v1")
+        asked = model(tmp_path, url, backend="anthropic", output="prompted")
+        first, second, third = asked.ask_many(WORDS)
+    assert (first.place, second.place) == (2, 2)
+    assert isinstance(third, NoAnswer)
+    assert [len(job) for job in server.jobs] == [3, 1]
+    assert "less than or equal to 3" in str(server.jobs[1])
+    assert asked.ledger.outcomes == {"answered": 2, "asked again": 1, third.reason: 1}
+    assert [call.input_tokens for call in asked.ledger.calls if call.outcome == "answered"] == [120, 120]
+    again = model(tmp_path, "http://127.0.0.1:9", mode=Mode.REPLAY, backend="anthropic", output="prompted")
+    assert again.ask_many(WORDS[:2]) == [first, second]
+
+
+def test_what_is_asked_ahead_is_handed_out_with_no_further_call(tmp_path):
+    with serving_batches([GOOD, None]) as server:
+        asked = model(tmp_path, server.url, batch=True)
+        asked.ask_ahead([WORDS[0], WORDS[0], WORDS[1]])  # the same question once
+        assert asked.ask(WORDS[0]).place == 2
+        with pytest.raises(NoAnswer) as failure:
+            asked.ask(WORDS[1])
+        assert failure.value.reason == "refused"
+        one_by_one = model(tmp_path / "other", server.url)
+        one_by_one.ask_ahead(WORDS)
+    assert [len(job) for job in server.jobs] == [2]
+    assert len(asked.ledger.calls) == 2
+    assert not one_by_one.ledger.calls
+
+
 def test_what_is_recorded_is_not_asked_again(tmp_path):
     with serving_batches([GOOD, GOOD]) as server:
         model(tmp_path, server.url).ask_many(WORDS[:1])
