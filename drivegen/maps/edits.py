@@ -132,7 +132,10 @@ def move(fields: Fields, match: re.Match[str]) -> str:
     """Move what happens along the road, and what comes after it, so that gaps stay."""
     metres = float(match[2]) * (1000.0 if match[3] == "km" else 1.0)
     towards = match.group()
-    metres = -metres if re.search(r"\b(?:upstream|earlier|closer|nearer|forward to the start|back)\b", towards) else metres
+    back = re.search(r"\b(?:upstream|earlier|closer|nearer|forward to the start)\b", towards) is not None
+    # What is pushed back comes later, what is moved back comes sooner.
+    back |= re.search(r"\bback\b", towards) is not None and not towards.startswith("push")
+    metres = -metres if back else metres
     road = fields["road"]
     wanted = _ramp_kind(match[1])
     parts = [e for e in road.get("events", []) if wanted in (None, e["kind"])] or road.get("junctions", [])

@@ -17,6 +17,7 @@ from drivegen.maps.imports import import_map
 from drivegen.maps.refine import refine
 from drivegen.maps.spec import MapSpec
 from drivegen.maps.suite.cases import own_cases
+from drivegen.maps.writers._likeness import nearest
 from drivegen.maps.writers.offline import Plugin
 from tests.maps.mutants import COUNT, WATCH, at_most, mutated_bytes, mutated_spec, mutated_text
 
@@ -35,6 +36,7 @@ def strayed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", None)
     monkeypatch.chdir(tmp_path)
+    nearest("a road")  # reads our examples and imports scikit-learn, which open files of their own
     with WATCH.over(tmp_path) as found:
         yield found
     assert found == []

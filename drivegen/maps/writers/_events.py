@@ -35,6 +35,9 @@ def _read_ramp(s: Sentence, facts: Facts, phrase: Phrase) -> None:
         return
     if phrase.value.endswith("_or_arm") and (facts.junctions or not _is_fast(s, facts) or _named_otherwise(s, phrase)):
         return
+    if phrase.text.startswith("diverge") and any(p is not phrase and p.value == "off" for p in s.said("ramp")):
+        s.use(phrase.head, phrase.head, "")  # "diverge section, one-lane off-ramp": one exit
+        return
     kind = "on_ramp" if phrase.value.startswith("on") else "off_ramp" if phrase.value.startswith("off") else _direction(s, phrase)
     s.use(phrase.head, phrase.head, _NAMES[kind])
     known = [event for event in facts.events if event.kind == kind or phrase.value == ""]
@@ -71,6 +74,8 @@ def _both_kinds(s: Sentence, phrase: Phrase) -> bool:
 
 def _refers_back(s: Sentence, phrase: Phrase) -> bool:
     near = s.tokens[max(0, phrase.first - 1) : phrase.head + 1]
+    if phrase.text == "ramp" and (s.word(phrase.head + 1, "speed_word") or s.word(phrase.head + 1, "speed")):
+        return True  # "ramp speed 60 km/h"
     return any(t.text in ("the", "this", "that", "its", "which") for t in near)
 
 

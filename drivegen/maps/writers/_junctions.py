@@ -15,6 +15,9 @@ def read_junctions(s: Sentence, facts: Facts) -> None:
     for phrase in s.phrases:
         if phrase.kind == "place" and phrase.head not in s.used:
             _read_place(s, facts, phrase)
+    if len(facts.junctions) == 1 and facts.junctions[0].count == 1 and any(s.said("central")):
+        facts.junctions[0].form = "roundabout"  # only rings have an island in the middle
+        facts.lengths.pop("length", None)
     if any(junction.form == "roundabout" for junction in facts.junctions):
         for phrase in (*s.said("ring"), *s.said("central")):
             s.use(phrase.head, phrase.head, "")
@@ -103,10 +106,20 @@ def _meant(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
     if phrase.value in ("t", "y") and known[-1].shape in ("", phrase.value) and known[-1].arms in (None, _FEWEST):
         close = not s.between(known[-1].at, phrase.first, "and")
         return known[-1] if close else None
+    if any(t.text in ("mean", "called", "namely", "aka", "ie") for t in s.tokens[known[-1].at : phrase.first]):
+        return known[-1]
     if phrase.value == "roundabout" and s.between(known[-1].at + 1, phrase.first, "det", "comma", "stop"):
         return None
     same = phrase.value in ("crossing", "roundabout")
+    if same and _is_explained(s, known[-1].at, phrase):
+        return known[-1]
     return known[-1] if same and not s.between(known[-1].at, phrase.first, "and", "number") else None
+
+
+def _is_explained(s: Sentence, at: int, phrase: Phrase) -> bool:
+    """Whether the phrase says what the junction before it is: "the junction is a four-legged, signalised one"."""
+    before = s.tokens[at + 1 : phrase.head]
+    return any(t.kind == "is" for t in before[:3]) and not any(t.kind in ("stop", "seq", "later", "spacing") for t in before)
 
 
 def _refers_back(s: Sentence, phrase: Phrase) -> bool:

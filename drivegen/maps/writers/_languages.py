@@ -106,11 +106,32 @@ def _from_german(text: str) -> str:
 def _from_chinese(text: str) -> str:
     digit = f"[{''.join(_CHINESE_DIGITS)}]"
     text = re.sub(rf"双向({digit})(?:条)?车道", lambda m: f" {_CHINESE_DIGITS[m[1]]} lanes in total ", text)
+    text = re.sub("[一二三四五六七八九]?[十百][一二三四五六七八九十]*", _chinese_number, text)
+    text = re.sub(r"限速(每小时)?(\d+)(?:公里|千米)(?!每|/)", r"限速\2公里每小时", text)
+    text = re.sub(rf"({digit}|\d)个?(?:路口|岔口|出口|入口)的(环岛|转盘|环形交叉口)", _ring_with_arms, text)
     text = re.sub("一个|一条", " ", text)
     text = re.sub(rf"({digit})(?=岔|路交|条|个(?!方向)|车道|臂|路)", lambda m: f" {_CHINESE_DIGITS[m[1]]}", text)
     text = re.sub(r"(?<=\d)[个条]", "", re.sub(r"(\d)条?路(?!交|口)", r"\1 roads ", text))
     pattern = "|".join(re.escape(word) for word in _longest(_CHINESE_WORDS))
     return re.sub(pattern, lambda m: f" {_CHINESE_WORDS[m[0]]} ", text)
+
+
+def _chinese_number(match: re.Match[str]) -> str:
+    """Numbers from ten on: "一百二十" is 120; "十字" (the cross) is none."""
+    words = match[0]
+    if match.string[match.end() : match.end() + 1] == "字":
+        return words
+    hundreds, _, rest = words.rpartition("百")
+    tens, ten, ones = rest.rpartition("十")
+    value = _CHINESE_DIGITS.get(hundreds, 1) * 100 if "百" in words else 0
+    value += _CHINESE_DIGITS.get(tens, 1) * 10 if ten else 0
+    if ones:
+        value += _CHINESE_DIGITS[ones] * (10 if "百" in words and not ten else 1)
+    return str(value)
+
+
+def _ring_with_arms(match: re.Match[str]) -> str:
+    return f" roundabout with {_CHINESE_DIGITS.get(match[1], match[1])} arms "
 
 
 def _longest(words: dict[str, str]) -> list[str]:

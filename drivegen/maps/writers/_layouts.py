@@ -15,6 +15,9 @@ def read_grid(s: Sentence, facts: Facts) -> None:
     for i in s.of_kind("size"):
         if grids or any(t.kind in ("road", "place") and t.text.endswith("s") for t in s.tokens[i + 1 : i + 3]):
             _take_size(s, facts, i)
+        elif s.word(i + 1, "place"):
+            s.use(i, i, "")  # "a 4x4 intersection" is one of two roads with that many lanes in all
+    _read_two_directions(s, facts)
     if not (grids or facts.grid):
         return
     facts.features["grid"] = grids[0].first if grids else 0
@@ -26,6 +29,15 @@ def read_grid(s: Sentence, facts: Facts) -> None:
         if control and control != "unsignalled" and facts.control is None:
             facts.control = control  # type: ignore[assignment]
         s.use(phrase.first, phrase.head, "")
+
+
+def _read_two_directions(s: Sentence, facts: Facts) -> None:
+    """Streets counted by direction: "four north-south by four east-west streets"."""
+    labels = [i for i in s.of_kind("label") if i and s.word(i - 1, "number") and s.tokens[i - 1].number >= _LEAST_STREETS]
+    if facts.grid is None and len(labels) == 2 and s.tokens[labels[0]].value != s.tokens[labels[1]].value:
+        facts.grid = (s.tokens[labels[0] - 1].number, s.tokens[labels[1] - 1].number)
+        last = labels[1] + 1 if s.word(labels[1] + 1, "road") else labels[1]
+        s.use(labels[0] - 1, last, f"grid of {facts.grid[0]} x {facts.grid[1]} streets")
 
 
 def _take_size(s: Sentence, facts: Facts, i: int) -> None:

@@ -7,6 +7,7 @@ from drivegen.maps.writers._sentence import Sentence
 
 _KMH = 1 / 3.6
 _LEAST_BARE_SPEED = 10
+_MOST_BARE_SPEED = 130
 _CUES = ("radius", "diameter", "spacing", "offset", "later", "before", "start", "long", "auxiliary", "weaving", "median")
 _EVENTS = ("ramp", "weaving", "extra")
 
@@ -46,7 +47,14 @@ def _is_bare_speed(s: Sentence, facts: Facts, i: int) -> bool:
         return False
     if any(t.kind == "speed_word" for t in s.tokens[_clause(s, i) : i]):
         return True
-    return bool(facts.speeds) and s.governed(i) is not None
+    return (bool(facts.speeds) and s.governed(i) is not None) or (not facts.speeds and _stands_alone(s, i))
+
+
+def _stands_alone(s: Sentence, i: int) -> bool:
+    """Whether a round number that is left by itself can only be a limit: "two lanes each way, 90"."""
+    ends = i + 1 == len(s.tokens) or s.tokens[i + 1].kind in ("comma", "stop")
+    begins = i > 0 and s.tokens[i - 1].kind in ("comma", "stop", "each")
+    return ends and begins and s.tokens[i].number % 10 == 0 and 20 <= s.tokens[i].number <= _MOST_BARE_SPEED
 
 
 def _give_speed(s: Sentence, facts: Facts, i: int, speed: float, shown: str) -> None:
@@ -54,6 +62,9 @@ def _give_speed(s: Sentence, facts: Facts, i: int, speed: float, shown: str) -> 
     phrase = owner(s, i, i, "ramp")
     if who == "ramp" and phrase is not None and phrase.speed is None:
         phrase.speed = speed
+    if (who or "main") == "main" and "main" in facts.speeds and _names_the_road_again(s, facts, i):
+        facts.speeds["ramp"] = facts.speeds.pop("main")  # the earlier one was said of the ramp
+        s.notes[:] = [(at, words, f"{m} on the ramp" if m.startswith("speed limit") else m) for at, words, m in s.notes]
     facts.speeds.setdefault(who or "main", speed)
     first = i
     while (first > 0 and s.tokens[first - 1].kind in ("speed_word", "is")) or (
@@ -62,6 +73,13 @@ def _give_speed(s: Sentence, facts: Facts, i: int, speed: float, shown: str) -> 
         first -= 1
     last = i + 1 if s.word(i + 1, "speed_word") else i
     s.use(first, last, f"speed limit {shown}" + (f" on the {who}" if who and who != "main" else ""))
+
+
+def _names_the_road_again(s: Sentence, facts: Facts, i: int) -> bool:
+    """Whether the speed at i stands right behind a highway, and one before it behind words on a ramp."""
+    highway = next((p for p in s.said("road") if p.head == i - 1 and p.words.get("class") == "highway"), None)
+    ramp = next((p for p in s.said("ramp") if p.head < i), None)
+    return highway is not None and ramp is not None and "ramp" not in facts.speeds
 
 
 def _speed_role(s: Sentence, facts: Facts, i: int) -> str:
@@ -171,6 +189,9 @@ def _what_is_long(s: Sentence, i: int) -> str:
     if road is not None and any(t.value == "meet" for t in s.tokens[max(0, road.first - 2) : road.first]):
         return "spacing"  # "linked by a 120 m road"
     before = s.last_before(i, "auxiliary", "weaving", "road", "arm", "ramp", "place", "shape")
+    near = s.tokens[i - 1].text if i else ""
+    if any(s.said("weaving")) and (near in ("within", "over") or not any(s.said("road"))):
+        return "auxiliary"  # "weaving between two ramps over 350 m"
     if _is_inside(s, i, "auxiliary", "weaving"):
         return "auxiliary"
     if before is None or s.governed(i) is not None:

@@ -131,6 +131,8 @@ def _first(tokens: list[Token], start: int, head: int, lane_at: dict[int, Lanes]
             continue
         follows_a_head = lanes.first > 0 and before and before[-1].head == lanes.first - 1 and before[-1].kind in _HOLDS_LANES
         plural = tokens[lanes.last].text.endswith("lanes") or tokens[lanes.last].kind in ("each", "total")
+        if lanes.count > 1 and tokens[head].kind == "road" and any(t.text == "lane" for t in tokens[lanes.first : i + 1]):
+            continue  # "a four-lane-per-direction expressway"
         if tokens[head].kind not in _HOLDS_LANES or (plural and (follows_a_head or tokens[lanes.last].kind != "lane")):
             first = i + 1
     while first < head and tokens[first].kind in ("unknown", "each", "total", "length", "speed", "long", "speed_word", "angle"):

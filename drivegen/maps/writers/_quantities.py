@@ -44,6 +44,8 @@ def _number_before(tokens: list[Token], i: int) -> int | None:
     for j in range(i - 1, max(-1, i - 4), -1):
         if tokens[j].kind == "number":
             return j
+        if tokens[j].kind == "road" and tokens[j].value == "highway" and j == i - 1:
+            continue  # "two freeway lanes"
         if tokens[j].kind not in ("one_way", "small", "unknown", "control", "role", "comma") or tokens[j].text == ",":
             return None
     return None

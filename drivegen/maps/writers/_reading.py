@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator
 
 _UNITS = (
+    (r"(?<=limit )(\d+) ?km\b(?! ?/| per)|(?<=limit of )(\d+) ?km\b(?! ?/| per)", lambda m: f"{m[1] or m[2]} kmh "),
     (r"k\.?m\.? ?/ ?h\b|\bkm ?h\b|kph|kmph|(?:km|kilomet(?:re|er)s?) (?:per|an|a|every) hour|\bkmhr?\b|\bk/h\b", " kmh "),
     (r"m\.?p\.?h\b\.?|mi ?/ ?h\b|miles? (?:per|an|a) hour", " mph "),
     (r"\bm ?/ ?s\b|met(?:re|er)s? (?:per|a) second", " mps "),

@@ -4,6 +4,7 @@ from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._sentence import Sentence
 
 _FEWEST = 3
+_OPPOSITE = ("both sides", "opposite sides", "either side", "each side")
 
 
 def read_relations(s: Sentence, facts: Facts) -> None:
@@ -14,7 +15,27 @@ def read_relations(s: Sentence, facts: Facts) -> None:
     for i in s.verbs("meet", "join", "end_at"):
         if not s.negated_at(i):
             _read_joining_verb(s, facts, i)
-    _read_side_roads(s, facts)
+    if not _read_opposite_sides(s, facts):
+        _read_side_roads(s, facts)
+
+
+def _read_opposite_sides(s: Sentence, facts: Facts) -> bool:
+    """Two side roads, one from either side: a crossing where they meet the road at one place, else a staggered junction."""
+    sides = [p for p in s.said("road") if p.role == "side"]
+    two = any(p.number == 2 for p in sides)
+    another = any(p.det == "another" for p in s.said("road") if sides and p.head > sides[0].head)
+    turns = {t.value for t in s.tokens if t.kind == "turn"}
+    both = turns == {"left", "right"} or any(t.text in _OPPOSITE for t in s.tokens)
+    if not both or not (two or another) or facts.has("staggered", "grid") or any(j.count > 1 for j in facts.junctions):
+        return False
+    meaning = _drawn_as(s, facts, sides[0].first, another)
+    if not meaning:
+        return False
+    s.use(sides[0].first, sides[0].head, meaning)
+    for i in (*s.of_kind("turn"), *s.of_kind("each"), *s.of_kind("det", "another"), *s.of_kind("number")):
+        if i not in s.used and (s.tokens[i].kind != "number" or s.tokens[i].number == 1):
+            s.use(i, i, "")
+    return True
 
 
 def _read_crossing_verb(s: Sentence, facts: Facts, i: int) -> None:
@@ -61,6 +82,18 @@ def _read_joining_verb(s: Sentence, facts: Facts, i: int) -> None:
     facts.junctions.append(JunctionWords("crossing", i, _FEWEST if tee else 4, "t" if tee else ""))
     s.use(i, i, "T-junction" if tee else "crossing")
     facts.features.setdefault("meets", i)
+
+
+def _drawn_as(s: Sentence, facts: Facts, at: int, another: bool) -> str:
+    """Note the junction of side roads from both sides; "" where the words do not say which it is."""
+    if any(t.text in ("same", "opposite", "facing") for t in s.tokens) and "spacing" not in facts.lengths:
+        facts.junctions[:] = [JunctionWords("crossing", at, 4)]
+        return "crossing"
+    if another or any(name in facts.lengths for name in ("spacing", "offset")):
+        facts.junctions.clear()
+        facts.features["staggered"] = at
+        return "staggered junction"
+    return ""
 
 
 def _read_side_roads(s: Sentence, facts: Facts) -> None:

@@ -17,16 +17,19 @@ from drivegen.maps.writers._changes import read_branches, read_changes, read_joi
 from drivegen.maps.writers._choices import Choices
 from drivegen.maps.writers._events import read_ramps
 from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._gate import refuse_contradictions, refuse_lost_numbers, refuse_misread
 from drivegen.maps.writers._general import note_roads, read_control, read_hand, read_pockets, read_roads, read_shapes
 from drivegen.maps.writers._junctions import read_junctions
 from drivegen.maps.writers._lanes import read_lanes
 from drivegen.maps.writers._languages import in_english
 from drivegen.maps.writers._layouts import read_interchange
+from drivegen.maps.writers._likeness import MARGIN, NONE, TYPICAL, kind_of, nearest
 from drivegen.maps.writers._measures import read_angles, read_lengths, read_speeds
 from drivegen.maps.writers._reading import normalise
 from drivegen.maps.writers._relations import read_relations
-from drivegen.maps.writers._roads import road
+from drivegen.maps.writers._roads import Road, road
 from drivegen.maps.writers._sentence import Sentence
+from drivegen.maps.writers._small_words import NARRATIVE, SMALL_WORDS
 from drivegen.maps.writers.base import Understanding
 
 if TYPE_CHECKING:
@@ -48,23 +51,6 @@ _CANNOT = (
     r"(?:motorway|highway|freeway|autobahn) junctions?|"
     r"figure (?:of )?(?:8|eight)|draw ?bridges?|ferry|ferries|jug ?handles?|turbo roundabouts?|rivers?|michigan left\w*"
 )
-_COUNTED = frozenset(("lane", "arm", "road", "place", "ramp"))
-_SMALL_WORDS = frozenset(
-    re.findall(
-        r"\w+",
-        """
-        a an the of in on at to and or with for from by as is are be it its that this there has have where which who
-        into onto each every all both only just please create generate make draw build give me us i we want would like
-        need map scene scenario road network layout show simple typical basic standard normal ordinary about around
-        approximately roughly some then one no not without two way through across over between after before near along
-        up down when while their them they he she you your my our also very quite another same other first second last
-        next end ends side sides here than more most less any s t d setting design set use using but must can should followed row
-        together come comes joined joining controlled control angle meeting linked connected connecting connects placed
-        located goes go runs running going traffic style real really kind sort thing place situated version picture
-        """,
-    )
-)
-
 # Each rule takes what it understands, so that later ones leave it: changes of lanes before numbers of lanes.
 _RULES = (
     *(
@@ -93,30 +79,58 @@ class Plugin:
 
     def write(self, text: str, seed: int, vehicle_words: Set[str] = frozenset()) -> Understanding:
         """See `MapWriter.write`."""
-        sentence = _read(text)
-        facts = Facts()
-        for read in _RULES:
-            read(sentence, facts)
+        sentence, facts = _understood(_read(text))
         choices = Choices(sentence.text, seed)
         fields = road(facts, choices)
+        understood, written_by = sentence.understood(), self.description
         ignored = _ignored(sentence, vehicle_words)
-        understood = sentence.understood()
         if fields is not None:
-            _refuse_lost_numbers(sentence)
+            refuse_lost_numbers(sentence)
         if fields is None or _unsure(facts, understood, ignored):
-            raise UnusableInput(
-                f"no road that I know is described in {_quoted(text)}; I can draw {CAN_DRAW}", reason="not-understood"
-            )
+            fields, like = _like_an_example(text, fields, facts, choices)
+            understood, written_by = (*understood, like), f"{self.description}, by likeness to a described example"
+        else:
+            refuse_contradictions(sentence, facts, fields)
+            refuse_misread(sentence, text, kind_of(fields))
         try:
             spec = MapSpec.model_validate({"road": fields, "left_hand": facts.left_hand})
         except ValidationError as error:
             raise UnusableInput(f"this road cannot be drawn: {_first(error)}", reason="impossible-map") from None
-        return Understanding(spec, understood, tuple(choices.assumed), tuple(dict.fromkeys(ignored)), self.description)
+        return Understanding(spec, understood, tuple(choices.assumed), tuple(dict.fromkeys(ignored)), written_by)
+
+
+def _understood(sentence: Sentence) -> tuple[Sentence, Facts]:
+    facts = Facts()
+    for read in _RULES:
+        read(sentence, facts)
+    return sentence, facts
+
+
+def _like_an_example(text: str, fields: Road | None, facts: Facts, choices: Choices) -> tuple[Road, tuple[str, str]]:
+    """The road where the rules have none or are not sure: of the kind of the nearest described example, with the numbers that
+    the rules did read. Raises UnusableInput where no kind is nearest by the measured margin, or it is not the one of the rules.
+    """
+    near = nearest(text)
+    agreed = fields is None or kind_of(fields) == near.kind
+    if near.kind == NONE or near.margin < MARGIN or near.kind not in TYPICAL or not agreed:
+        raise UnusableInput(
+            f"no road that I know is described in {_quoted(text)}; I can draw {CAN_DRAW}", reason="not-understood"
+        )
+    meaning = f"{near.kind.replace('_', ' ')}, because it is most like {_quoted(near.text)} (margin {near.margin:.2f})"
+    if fields is None:
+        _, typical = _understood(Sentence(normalise(TYPICAL[near.kind])))
+        for name in ("lanes", "other_lanes", "speeds", "lengths", "control", "unsignalled", "left_hand", "surroundings", "turn"):
+            setattr(typical, name, getattr(facts, name))
+        fields = road(typical, choices)
+    assert fields is not None  # every typical description is understood by the rules: see the tests
+    return fields, (_quoted(text), meaning)
 
 
 def _read(text: str) -> Sentence:
     if len(text) > _LONGEST:
         raise UnusableInput(f"the description is longer than {_LONGEST} characters", reason="too-long")
+    if re.search(r"</?\w+[^<>]*>", text):
+        raise UnusableInput("markup is no description of a road; please describe it in words", reason="not-understood")
     plain = normalise(in_english(text))
     for match in re.finditer(rf"(?<!\w)(?:{_CANNOT})(?!\w)", plain):
         if not re.search(r"\b(?:no|not|without|never)(?: an?| any)? $", plain[: match.start()]):
@@ -134,24 +148,12 @@ def _ignored(sentence: Sentence, vehicle_words: Set[str]) -> list[str]:
         if i not in sentence.used and token.kind in ("unknown", "noise", "driving", "number", "length", "speed", "angle", "size")
         for word in token.text.split()
     ]
-    return [word for word in words if word not in vehicle_words and word not in _SMALL_WORDS and re.search(r"\w", word)]
-
-
-def _refuse_lost_numbers(sentence: Sentence) -> None:
-    """Stop at a number of roads or lanes that no rule took: leaving it out would draw another road than was asked for."""
-    for i in sentence.of_kind("number"):
-        if i in sentence.used or sentence.tokens[i].number == 1:
-            continue
-        for j in range(i + 1, min(i + 3, len(sentence.tokens))):
-            if sentence.tokens[j].kind in _COUNTED:
-                phrase = " ".join(t.text for t in sentence.tokens[i : j + 1])
-                raise UnusableInput(f"I do not understand {phrase!r} here; please say it in other words", reason="not-understood")
-            if sentence.tokens[j].kind != "unknown":
-                break
+    return [word for word in words if word not in vehicle_words and word not in SMALL_WORDS and re.search(r"\w", word)]
 
 
 def _unsure(facts: Facts, understood: tuple[tuple[str, str], ...], ignored: list[str]) -> bool:
     """Whether so much was left over that what was understood may be chance."""
+    ignored = [word for word in ignored if word not in NARRATIVE]
     if not understood and facts.has("road"):
         return len(ignored) > 1
     return len(ignored) > 3 + 2 * len(understood)

@@ -1,0 +1,124 @@
+"""What the rules left over, and whether it forbids to draw: an honest no beats a wrong road.
+
+A number of roads, lanes or junctions that no rule took would make another road than was asked for. Where much of a description
+was left over and the described examples speak clearly of another kind of road, the rules have probably misread it.
+"""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from drivegen.errors import UnusableInput
+from drivegen.maps.writers import _likeness
+from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._sentence import Sentence
+from drivegen.maps.writers._small_words import NARRATIVE, SMALL_WORDS
+
+LEAST_TAKEN = 0.7
+"""Share of the words that speak of something below which the described examples are asked."""
+
+_JOINING = ("join", "cross", "meet", "split", "end_at")
+_COUNTED = frozenset(("lane", "arm", "road", "place", "ramp", "ring", "extra", "shape", "weaving", "control"))
+_MEASURES = frozenset(("length", "angle", "size"))
+_OVER = frozenset(("small", "unknown", "control", "one_way", "two_way", "surroundings", "role", "label", "prep"))
+_SILENT = frozenset(
+    (
+        "comma",
+        "stop",
+        "det",
+        "is",
+        "that",
+        "prep",
+        "and",
+        "or",
+        "with",
+        "but",
+        "neg",
+        "each",
+        "seq",
+        "small",
+        "bound",
+        "driving",
+        "noise",
+    )
+)
+
+
+def refuse_lost_numbers(s: Sentence) -> None:
+    """Raise UnusableInput at a number that counts or measures roads and that no rule took."""
+    for i, token in enumerate(s.tokens):
+        if i in s.used or (token.kind == "number" and token.number == 1 and not _is_counted(s, i)):
+            continue
+        if token.kind in _MEASURES or (token.kind == "number" and _counts_roads(s, i)):
+            last = min(i + 2, len(s.tokens))
+            lost = " ".join(t.text for t in s.tokens[i:last]).strip(" ,.")
+            raise UnusableInput(f"I do not understand {lost!r} here; please say it in other words", reason="not-understood")
+
+
+def refuse_contradictions(s: Sentence, facts: Facts, road: Mapping[str, Any]) -> None:
+    """Raise UnusableInput where roads are said to meet, or not to be there, and the road that was read has no junction or has.
+
+    Who goes first, a side road, or roads that join and cross make no sense along a road that meets no other.
+    """
+    for phrase in s.denied("road"):
+        if not phrase.words and s.tokens[phrase.head].text in ("road", "roads", "street", "streets"):
+            raise UnusableInput(f"a map needs roads, and {phrase.text!r} are denied", reason="impossible-map")
+    if road["kind"] not in ("corridor", "highway", "fork") or road.get("junctions"):
+        return
+    told = [p.head for p in s.said("road") if p.role == "side"] if not facts.has("fork") else []
+    told += [p.head for p in s.said("control", "signals", "stop", "yield", "all_way_stop")]
+    if not road.get("events") and road["kind"] == "corridor":
+        told += [i for i in s.verbs(*_JOINING) if i not in s.used and not s.negated_at(i)]
+        told = [i for i in told if not (s.tokens[i].kind == "verb" and facts.has("cul_de_sac"))]
+    if told:
+        words = s.tokens[min(told)].text
+        raise UnusableInput(
+            f"I do not understand where roads meet, though {words!r} says that they do; please say it in other words",
+            reason="not-understood",
+        )
+
+
+def _is_counted(s: Sentence, i: int) -> bool:
+    """Whether the "1" at i stands right before "arm": "a roundabout with one arm"."""
+    return s.word(i + 1, "arm") and s.tokens[i + 1].text in ("arm", "leg", "branch", "spoke")
+
+
+def _counts_roads(s: Sentence, i: int) -> bool:
+    """Whether the number at i counts what roads are made of, or stands where a number of them was asked for."""
+    for j in range(i + 1, min(i + 4, len(s.tokens))):
+        if s.tokens[j].kind in _COUNTED:
+            return True
+        if s.tokens[j].kind not in _OVER:
+            return s.tokens[j].kind in ("comma", "stop", "and") and j == i + 1 and _is_bare(s, i)
+    return i + 1 == len(s.tokens) and _is_bare(s, i)
+
+
+def _is_bare(s: Sentence, i: int) -> bool:
+    """Whether the number names nothing: in "unit 2" or "question 12" it does."""
+    return i == 0 or s.tokens[i - 1].kind != "unknown" or not re.fullmatch(r"[a-z]+", s.tokens[i - 1].text)
+
+
+def taken(s: Sentence) -> float:
+    """Share of the words that speak of something which changed the road."""
+    speaking = [i for i in range(len(s.tokens)) if i in s.used or not _is_silent(s, i)]
+    return sum(i in s.used for i in speaking) / max(1, len(speaking))
+
+
+def _is_silent(s: Sentence, i: int) -> bool:
+    kind, text = s.tokens[i].kind, s.tokens[i].text
+    if s.tokens[i].kind == "number":
+        return s.word(i + 1, "driving") or s.word(i + 1, "noise")
+    return kind in _SILENT or (kind == "unknown" and (text in SMALL_WORDS or text in NARRATIVE or not re.search(r"\w", text)))
+
+
+def refuse_misread(s: Sentence, text: str, kind: str) -> None:
+    """Raise UnusableInput where much was left over and the described examples say clearly that it is another kind of road."""
+    if taken(s) >= LEAST_TAKEN:
+        return
+    near = _likeness.nearest(text)
+    if near.kind != kind and near.margin >= _likeness.MARGIN:
+        left = ", ".join(repr(t.text) for i, t in enumerate(s.tokens) if i not in s.used and not _is_silent(s, i))
+        raise UnusableInput(
+            f"I am not sure of this road, because I do not understand {left}; please say it in other words",
+            reason="not-understood",
+        )
