@@ -44,6 +44,9 @@ PANELS = 3
 METHOD = "drivegen"
 """Whose samples are shown large."""
 
+NO_TRAFFIC = "random_agent"
+"""An anchor of the measures; there is nothing to see."""
+
 GOALS_OF = {"drivegen": "learned", "drivegen_vlm": "vlm", "drivegen_without_goals": "random"}
 """Whose recorded goals a method follows."""
 
@@ -123,7 +126,8 @@ def _comparison(drawn: Drawn, methods: Mapping[str, Samples], goals: Path) -> Pi
     moving = scenario.log if scenario.log is not None else drawn.samples.motion
     view = view_of(moving, PANEL_WIDTH)
     panels = []
-    for name in [*(m for m in METHODS if m in methods), *(m for m in methods if m not in METHODS)]:
+    order = [*(m for m in METHODS if m in methods), *(m for m in methods if m not in METHODS)]
+    for name in [m for m in order if m != NO_TRAFFIC]:
         samples = methods[name]
         places = _followed(samples, goals, drawn.shard)
         panels.append((METHODS.get(name, name), scene_picture(scenario, samples.motion, ~samples.legal, places, view=view)))
