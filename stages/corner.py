@@ -7,7 +7,7 @@ collisions in pictures and words. Where a language model chooses goals (`goals: 
 and its calls are rows of .drivegen/calls/corner-<round>.parquet.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +16,10 @@ import pyarrow.parquet as pq
 
 from drivegen import plugins
 from drivegen.corner_cases.asking import asking, endanger, scene_of
-from drivegen.corner_cases.collisions import Collision, collisions, in_words, picture, telling
+from drivegen.corner_cases.collisions import Collision, collisions, telling, write_picture
 from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.corner_cases.pressure import PressureSettings
-from drivegen.corner_cases.rounds import Drive, lean_on, learn, play
+from drivegen.corner_cases.rounds import lean_on, learn, play
 from drivegen.corner_cases.summary import RoundSummary, summarise
 from drivegen.equipment import read_planner
 from drivegen.errors import UnusableInput
@@ -36,7 +36,7 @@ from drivegen.selectors._vlm_account import Account
 from drivegen.selectors._vlm_asking import Asking
 from drivegen.selectors._vlm_asking import Settings as AskingSettings
 from drivegen.selectors._vlm_question import examples
-from drivegen.store.files import whole, write_json
+from drivegen.store.files import write_json
 from drivegen.store.goals import read_goals
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import read_shard, shards
@@ -112,9 +112,8 @@ def main(params: Params, scenarios: Path, models: Path, goals: Path, out: Path, 
     learnt = sum((gained for _, (gained, _, _) in played), known)
     write_json(out / KNOWLEDGE, learnt.to_json())
     _show([(task, one) for task, (_, _, hits) in played for one in hits], learnt, params.pictures)
-    numbers = RoundSummary.joined([summary for _, (_, summary, _) in played]).numbers(
-        params.draws, rng(params.seed, "corner", "bootstrap")
-    )
+    summary = RoundSummary.joined([one for _, (_, one, _) in played])
+    numbers = summary.numbers(params.draws, rng(params.seed, "corner", "bootstrap"))
     about = {"driver": params.driver, "simulator": params.simulator, "round": int(out.name), "seed": params.seed}
     told = {"goals": asked.model.description, "asking": account.table()} if asked else {"goals": "statistical re-weighting"}
     write_json(metrics, {**about, **told, **numbers, "knowledge": learnt.rows()})
@@ -127,14 +126,13 @@ def _asking(out: Path, params: Params, known: Knowledge) -> Asking | None:
         return None
     role, records = read_params("lm.corner_cases", RoleSettings), read_params("lm.records", RecordSettings)
     shown = examples(str(_before(out) / COLLISIONS)) + examples(params.vlm.examples)
-    model = LanguageModel("corner_cases", role, records.open())
-    return asking(model, params.vlm, params.seed, known, shown, params.pressure.reaction_time)
+    model, early = LanguageModel("corner_cases", role, records.open()), params.pressure.reaction_time
+    return asking(model, params.vlm, params.seed, known, shown, early)
 
 
 def _forecast(asked: Asking, tasks: list[Task]) -> str:
     """What the round's calls will cost, from the questions about its first scenes."""
-    first = tasks[0]
-    choices = _choices(first)[:_SCENES]
+    choices = _choices(tasks[0])[:_SCENES]
     prompts = [prompt for choice in choices for prompt in asked.questions(scene_of(choice, choice))]
     answered = RANKING_TOKENS * sum(len(c.candidates) - 1 for c in choices) // max(len(prompts), 1)
     total = sum(pq.read_metadata(task.shard).num_rows for task in tasks)  # a row is a scenario
@@ -151,17 +149,13 @@ def _show(hits: list[tuple[Task, Collision]], knowledge: Knowledge, most: int) -
             next(s for s in read_samples(task.out / part / task.shard.name) if s.scenario_id == one.scenario_id)
             for part in ("samples", "driven")
         )
-        with whole(task.out / COLLISIONS / f"{number}.png") as temporary:
-            temporary.write_bytes(picture(one, scenario, traffic, driven.motion[:, 0]))
-        with whole(task.out / COLLISIONS / f"{number}.txt") as temporary:
-            temporary.write_text(in_words(one, knowledge), encoding="utf-8")
+        write_picture(task.out / COLLISIONS / str(number), one, scenario, traffic, driven.motion[:, 0], knowledge)
 
 
 def _knowledge_before(out: Path, params: Params) -> Knowledge:
-    number = int(out.name)
-    if number == 0:
+    if int(out.name) == 0:
         return Knowledge.none(params.prior_strength)
-    path = require(_before(out) / KNOWLEDGE, f"run the round before: corner@{number - 1}")
+    path = require(_before(out) / KNOWLEDGE, f"run the round before: corner@{_before(out).name}")
     return Knowledge.from_json(orjson.loads(path.read_bytes()))
 
 
@@ -187,7 +181,7 @@ def _play_shard(task: Task) -> tuple[Knowledge, RoundSummary, list[Collision]]:
     rollout = params.generation.rollout
     drives = play(choices, planner, limits, rollout, driver, simulator, params.samples, params.seed)
     write_samples(task.out / "samples" / task.shard.name, [drive.samples for drive in drives])
-    write_samples(task.out / "driven" / task.shard.name, [_driven(drive) for drive in drives])
+    write_samples(task.out / "driven" / task.shard.name, [drive.driven for drive in drives])
     gained = learn(Knowledge.none(params.prior_strength), drives, choices, params.pressure.reach)
     hits = [one for pair in zip(choices, drives, strict=True) for one in collisions(*pair)]
     return gained, summarise(choices, drives), hits
@@ -200,13 +194,6 @@ def _leaning(task: Task, choices: list[Choices], planner: Planner) -> list[Choic
     params = task.params
     leaning = lean_on(choices, expected, planner, task.knowledge, params.pressure, params.seed)
     return leaning if task.asked is None else endanger(choices, leaning, task.asked, params.pressure.max_ratio, task.account)
-
-
-def _driven(drive: Drive) -> Any:
-    """The samples with the target's row alone, as it was driven."""
-    only = drive.samples
-    columns = ("violation", "first_violation", "goal", "natural", "used", "attempts", "dropped")
-    return replace(only, motion=drive.target[:, None], **{name: getattr(only, name)[:, :1] for name in columns})
 
 
 if __name__ == "__main__":

@@ -45,6 +45,13 @@ class Drive:
     target: Trajectories
     outcome: DrivingOutcome
 
+    @property
+    def driven(self) -> Samples:
+        """The samples with the target's row alone, as it was driven."""
+        columns = ("violation", "first_violation", "goal", "natural", "used", "attempts", "dropped")
+        rows: dict[str, Any] = {name: getattr(self.samples, name)[:, :1] for name in columns}
+        return replace(self.samples, motion=self.target[:, None], **rows)
+
 
 def lean_on(
     choices: Sequence[Choices],
