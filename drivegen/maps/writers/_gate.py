@@ -65,8 +65,10 @@ def refuse_contradictions(s: Sentence, facts: Facts, road: Mapping[str, Any]) ->
             raise UnusableInput(f"a map needs roads, and {phrase.text!r} are denied", reason="impossible-map")
     if road["kind"] not in ("corridor", "highway", "fork") or road.get("junctions"):
         return
-    told = [p.head for p in s.said("road") if p.role == "side"] if not facts.has("fork") else []
-    told += [p.head for p in s.said("control", "signals", "stop", "yield", "all_way_stop")]
+    sides = [p.head for p in s.said("road") if p.role == "side" and s.tokens[p.head].text != "side"]  # "on one side"
+    told = [] if facts.has("fork") else sides
+    if not road.get("events"):
+        told += [p.head for p in s.said("control", "signals", "stop", "yield", "all_way_stop")]
     if not road.get("events") and road["kind"] == "corridor":
         told += [i for i in s.verbs(*_JOINING) if i not in s.used and not s.negated_at(i)]
         told = [i for i in told if not (s.tokens[i].kind == "verb" and facts.has("cul_de_sac"))]

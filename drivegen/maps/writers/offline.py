@@ -130,7 +130,7 @@ def _read(text: str) -> Sentence:
     if len(text) > _LONGEST:
         raise UnusableInput(f"the description is longer than {_LONGEST} characters", reason="too-long")
     if re.search(r"</?\w+[^<>]*>", text):
-        raise UnusableInput("markup is no description of a road; please describe it in words", reason="not-understood")
+        raise UnusableInput(f"markup is no description of a road; I can draw {CAN_DRAW}", reason="not-understood")
     plain = normalise(in_english(text))
     for match in re.finditer(rf"(?<!\w)(?:{_CANNOT})(?!\w)", plain):
         if not re.search(r"\b(?:no|not|without|never)(?: an?| any)? $", plain[: match.start()]):
