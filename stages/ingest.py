@@ -11,14 +11,12 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import orjson
-import pyarrow as pa
 
 import drivegen
 from drivegen import plugins
-from drivegen.datasets._admission import Admission
+from drivegen.datasets._admission import Admission, accounts
 from drivegen.datasets._splits import CORPUS, SPLITS, Plan, items, trained_on
 from drivegen.datasets.base import Dataset
 from drivegen.errors import UnusableInput
@@ -96,7 +94,8 @@ def main(params: Params, corpus: Path, out: Path, metrics: Path) -> dict[str, fl
     of_task = {task.note: total[split] for split in SPLITS for task in tasks[split]}
     for task, admission in spread(make_shard, [t for split in SPLITS for t in tasks[split]], params.workers, "ingest"):
         of_task[task.note].add(admission)
-    _write_tables(out, total)
+    for name, table in accounts(total).items():
+        write_table(out / f"{name}.parquet", table)
     _check(total)
     for split in SPLITS:
         _tell_if_empty(out / split, params.source)
@@ -188,25 +187,6 @@ def _tell_if_empty(folder: Path, source: str) -> None:
         sentence = f"No scene is in this split (source: {source}): what is measured on it is missing from the tables.\n"
         with whole(said) as temporary:
             temporary.write_text(sentence)
-
-
-def _write_tables(out: Path, total: dict[str, Admission]) -> None:
-    rejected = [(split, *row) for split, found in total.items() for row in found.rejected]
-    numbers = [
-        (split, name, word, count)
-        for split, found in total.items()
-        for name, counts in sorted(found.counts.items())
-        for word, count in sorted(counts.items())
-    ]
-    words = pa.string()
-    write_table(
-        out / "rejected.parquet", _table(rejected, dict.fromkeys(("split", "source", "scene", "reason", "sentence"), words))
-    )
-    write_table(out / "counts.parquet", _table(numbers, {"split": words, "source": words, "name": words, "count": pa.int64()}))
-
-
-def _table(rows: list[tuple[Any, ...]], columns: dict[str, pa.DataType]) -> pa.Table:
-    return pa.table({name: pa.array([row[i] for row in rows], kind) for i, (name, kind) in enumerate(columns.items())})
 
 
 if __name__ == "__main__":

@@ -1,10 +1,12 @@
 """Recordings become scenarios or are rejected: every one is accounted for, by data set, with a countable reason."""
 
 from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 
 from drivegen.datasets.base import Dataset
 from drivegen.errors import UnusableInput
@@ -92,3 +94,23 @@ def _numbers(log: RecordedLog, scenario: Scenario, settings: Settings) -> Counte
     for word, tracks in log.skipped.items():
         counts[f"skipped_tracks.{word}"] = tracks
     return counts
+
+
+def accounts(total: Mapping[str, Admission]) -> dict[str, pa.Table]:
+    """By split: `rejected`, a row a recording with its reason, and `counts`, a row a number."""
+    words = pa.string()
+    rejected = [(split, *row) for split, found in total.items() for row in found.rejected]
+    numbers = [
+        (split, source, name, count)
+        for split, found in total.items()
+        for source, counts in sorted(found.counts.items())
+        for name, count in sorted(counts.items())
+    ]
+    return {
+        "rejected": _table(rejected, dict.fromkeys(("split", "source", "scene", "reason", "sentence"), words)),
+        "counts": _table(numbers, {"split": words, "source": words, "name": words, "count": pa.int64()}),
+    }
+
+
+def _table(rows: Sequence[tuple[Any, ...]], columns: Mapping[str, pa.DataType]) -> pa.Table:
+    return pa.table({name: pa.array([row[i] for row in rows], kind) for i, (name, kind) in enumerate(columns.items())})

@@ -11,6 +11,9 @@ _TOLERANCE = 0.15
 _LONG_ARM = 100.0
 _TITLES = {"left_hand": "left-hand traffic"}
 
+_SHARP = 40.0
+"""Arms nearer to one another than this [degrees] share their surface for longer than a corner takes."""
+
 
 @dataclass(frozen=True)
 class Check:
@@ -69,10 +72,16 @@ def _crossing(road: Crossing) -> dict[str, Any]:
 def _way_across(road: Crossing) -> dict[str, Any]:
     """The longest way over two arms, less what the junction takes of each: its corners, and more the wider it is."""
     pairs = [(a, b) for a in road.arms for b in road.arms if a is not b and a.lanes_in and b.lanes_out]
-    if not pairs or min(arm.length for arm in road.arms) < _LONG_ARM:
+    if not pairs or min(arm.length for arm in road.arms) < _LONG_ARM or _sharpest(road) < _SHARP:
         return {}  # the junction's own size would decide
     widest = max(max(arm.lanes_in, arm.lanes_out) for arm in road.arms)
     return {"length": max(a.length + b.length for a, b in pairs) - 2 * (6.0 + 2.0 * widest)}
+
+
+def _sharpest(road: Crossing) -> float:
+    """The least angle between two neighbouring arms [degrees]: roads that part slowly are one junction for long."""
+    angles = sorted(arm.angle % 360.0 for arm in road.arms)
+    return min((after - before) % 360.0 for before, after in zip(angles, [*angles[1:], angles[0] + 360.0], strict=True))
 
 
 def _pockets(arm: Arm, road: Crossing) -> int:
