@@ -11,7 +11,7 @@ _TOLERANCE = 0.15
 _LONG_ARM = 100.0
 _TITLES = {"left_hand": "left-hand traffic"}
 
-_SHARP = 40.0
+_SHARP = 60.0
 """Arms nearer to one another than this [degrees] share their surface for longer than a corner takes."""
 
 

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -98,6 +98,9 @@ def test_a_ring_too_small_for_its_roads_is_refused_with_the_size_it_needs() -> N
 @given(st.lists(st.integers(0, 17), min_size=3, max_size=8, unique=True), st.integers(1, 4), st.booleans())
 @settings(max_examples=8, deadline=None)
 def test_any_arms_that_are_apart_meet_at_one_crossing(sectors: list[int], lanes: int, signals: bool) -> None:
+    ring = sorted(sectors)
+    nearest = min((after - before) % 18 for before, after in zip(ring, [*ring[1:], ring[0] + 18], strict=True))
+    assume(lanes <= 2 * nearest)  # wider roads at 20 degrees lie on top of one another, which the checks say
     arms = [{"angle": 20.0 * s, "lanes_in": lanes, "lanes_out": lanes, "left_turn_lane": s % 2 == 0} for s in sectors]
     control = "signals" if signals else "yield"
     built = build_spec(MapSpec.model_validate({"road": {"kind": "crossing", "arms": arms, "control": control}}), {})
