@@ -4,7 +4,7 @@ from drivegen.goals.scores import METRICS
 from drivegen.report.evidence import Evidence
 from drivegen.report.sections import models
 
-MOVING = {name: 0.5 for name in (*METRICS, "calibration_error")}
+MOVING = dict.fromkeys((*METRICS, "calibration_error"), 0.5)
 BOUNDS = {f"{name}{end}": value for name in MOVING for end, value in ((".low", 0.4), (".high", 0.6))}
 ROW = {"described": "learned selector (imitates logs)", "moving": {"vehicles": 40.0, **MOVING, **BOUNDS}, "all": {}}
 ASKING = {"vehicles": 50, "fallback": {"timeout": 3}, "label_bias": -0.21, "label_bias_by_chance": 0.04}
