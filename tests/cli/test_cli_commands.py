@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -61,6 +62,14 @@ def test_view_takes_the_recording_that_lies_in_the_folder(folder, tmp_path):
     assert "made.rrd" in done.stdout
 
 
+def test_without_models_generate_says_who_makes_them(tmp_path):
+    shutil.copy(Path(__file__).parents[2] / "params.yaml", tmp_path)
+    done = run("generate", "--out", "o", "--text", "roundabout with four arms", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "`make run`" in done.stderr
+    assert not (tmp_path / "o").exists()
+
+
 @pytest.mark.parametrize(
     ("words", "code", "sentence"),
     [
@@ -69,8 +78,8 @@ def test_view_takes_the_recording_that_lies_in_the_folder(folder, tmp_path):
         (["map", "sing me a song", "--out", "m"], 2, "drivegen: no road that I know"),
         (["map", "--out", "m"], 2, "Missing argument"),
         (["generate", "--out", "o"], 2, "give exactly one of --scenario, --map and --text"),
-        (["generate", "--out", "o", "--map", "x", "--text", "y"], 2, "give exactly one of"),
-        (["generate", "--out", "o", "--text", "roundabout with four arms"], 1, "`make run`"),
+        (["generate", "--out", "o", "--map", "x", "--scenario", "y"], 2, "give exactly one of"),
+        (["generate", "--out", "o", "--text", "roundabout with four arms"], 1, "change into the project's folder"),
         (["bench", "--only", "nothing"], 2, "no benchmark is called 'nothing'"),
     ],
 )
