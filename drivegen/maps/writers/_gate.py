@@ -14,7 +14,7 @@ from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._sentence import Sentence
 from drivegen.maps.writers._small_words import NARRATIVE, SMALL_WORDS
 
-LEAST_TAKEN = 0.7
+LEAST_TAKEN = 0.5
 """Share of the words that speak of something below which the described examples are asked."""
 
 _JOINING = ("join", "cross", "meet", "split", "end_at")
