@@ -1,10 +1,14 @@
 """What many tests share and takes seconds to make."""
 
+import os
 from pathlib import Path
 
 import pytest
 
 from tests.models import write_models
+
+# Prefect reads its settings once. Whatever imports it first, a server that starts beside a busy test has time to.
+os.environ.setdefault("PREFECT_SERVER_EPHEMERAL_STARTUP_TIMEOUT_SECONDS", "180")
 
 
 @pytest.fixture(scope="session")
