@@ -93,7 +93,7 @@ def main(params: Params, runs: Path, out: Path) -> None:
             tables.append(published_tables.training(known[less][0], known[more][0], params.draws, stream))
     if not rows:
         raise UnusableInput(f"{runs} holds no run that was evaluated: run `make tables`", reason="no-runs")
-    _write(out, rows, tables, _provenance(params, runs, sorted(known), missing))
+    _write(out, rows, tables, _provenance(params, runs, sorted(known)))
     print(f"publish: {len(rows)} figures of {', '.join(known)}; not measured: {', '.join(missing) or 'none'}")
 
 
@@ -141,16 +141,17 @@ def _chosen_by(method: str) -> str:
     return str(plugins.load("selectors", plugin.selector).described)
 
 
-def _provenance(params: Params, runs: Path, known: list[str], missing: list[str]) -> dict[str, Any]:
-    """What the tables were made from; no times and no paths, so the same runs give the same bytes."""
+def _provenance(params: Params, runs: Path, known: list[str]) -> dict[str, Any]:
+    """What the tables were made from and what they lack; no times and no paths, so the same runs give the same bytes."""
     places = [place for name in known for place in sorted((runs / name).iterdir()) if (place / METRICS).is_dir()]
+    made = {str(place.relative_to(runs)): run_id({}, [place / METRICS]) for place in places}
+    wanted = [f"{name}/{seed}" for name in params.data for seed in params.seeds]
+    wanted += [f"{name}/t{t}" for name, about in params.data.items() if about.front for t in params.temperatures]
     return {
-        "command": "make tables",
         "seed": params.seed,
-        "training_seeds": list(params.seeds),
         "bootstrap_draws": params.draws,
-        "runs": {str(place.relative_to(runs)): run_id({}, [place / METRICS]) for place in places},
-        "not_measured": missing,
+        "runs": made,
+        "runs_missing": [name for name in wanted if name not in made],
         "versions": {name: version(name) for name in _PINNED},
     }
 
@@ -158,21 +159,20 @@ def _provenance(params: Params, runs: Path, known: list[str], missing: list[str]
 def _write(out: Path, rows: list[dict[str, Any]], tables: list[Table], provenance: dict[str, Any]) -> None:
     write_json(out / "scenario_quality.json", rows)
     write_json(out / "provenance.json", provenance)
-    for name, text in _files(tables):
+    for name, text in _files(tables, provenance):
         with whole(out / name) as temporary:
             temporary.write_text(text, encoding="utf-8")
 
 
-def _files(tables: list[Table]) -> Iterator[tuple[str, str]]:
+def _files(tables: list[Table], provenance: dict[str, Any]) -> Iterator[tuple[str, str]]:
     for table in tables:
         yield f"{table.name}.md", table.markdown()
     lines = [f"* [{table.title}]({table.name}.md)" for table in tables]
-    head = [
-        "# Published tables",
-        "",
-        "Made by `make tables`; `provenance.json` says from what, `scenario_quality.json` has all figures.",
-        "",
-    ]
+    made, missing = len(provenance["runs"]), provenance["runs_missing"]
+    whole_set = f"From all {made} runs that `publish` of params.yaml asks for."
+    partial = f"INCOMPLETE: from {made} of {made + len(missing)} runs; not there: {', '.join(missing)}."
+    head = ["# Published tables", "", partial if missing else whole_set, ""]
+    head += ["`provenance.json` says from what, `scenario_quality.json` has all figures.", ""]
     yield "README.md", "\n".join([*head, *lines, ""])
 
 

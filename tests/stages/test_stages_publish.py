@@ -77,7 +77,9 @@ def test_tables_mark_the_under_trained_and_what_nobody_measured(runs, tmp_path):
     assert "temperature 0.5" in (tmp_path / "out/front-here.md").read_text()
     assert (tmp_path / "out/scenes-there.md").exists()
     assert "1.00" in (tmp_path / "out/transfer-here-there.md").read_text()
-    assert orjson.loads((tmp_path / "out/provenance.json").read_bytes())["not_measured"] == ["absent"]
+    missing = orjson.loads((tmp_path / "out/provenance.json").read_bytes())["runs_missing"]
+    assert missing == ["absent/7", "absent/8", "there/t0.5", "absent/t0.5"]
+    assert "INCOMPLETE: from 5 of 9 runs; not there: absent/7" in (tmp_path / "out/README.md").read_text()
 
 
 def test_the_same_runs_give_the_same_bytes(runs, tmp_path):
