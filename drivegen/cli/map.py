@@ -12,9 +12,11 @@ from drivegen.cli._lm import MaxUsd, Words, calling
 from drivegen.cli._maps import MapMode, Mode, writer_of
 from drivegen.errors import UnusableInput
 from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
-from drivegen.maps.imports import Window, export_opendrive, import_map
+from drivegen.maps.imports import Window, import_map
+from drivegen.maps.opendrive import Extent, export_opendrive, read_back
 from drivegen.maps.refine import refine_map
 from drivegen.store.files import whole
+from drivegen.sumo.network import read_network
 
 WORDS, WINDOW_RADIUS = "words", 150.0
 _FILES = f"{NETWORK} (SUMO), {ACCOUNT} (understood, ignored) and {PICTURE}"
@@ -83,7 +85,7 @@ def bring(
         raise UnusableInput(f"{file} is no file: give a SUMO network, OpenStreetMap, OpenDRIVE or Argoverse 2 map")
     built = import_map(file.read_bytes(), str(file), window)
     built.save(out)
-    _tell("read", f"{built.account['source']}: {_counts(built)}")
+    _tell("read", f"{built.account['source']}: {_counts(built)}; {Extent.of(built.road_map)}")
     _tell_written(out)
 
 
@@ -106,14 +108,20 @@ def export(
     to: Annotated[Form, Option(help="sumo: the network as it is; opendrive: .xodr.")],
     out: Annotated[Path, Option(help="The file to write.")],
 ) -> None:
-    """Write a map for other programs. OpenDRIVE by netconvert is lossy: lanes may be missing when it is read back."""
+    """Write a map for other programs. OpenDRIVE is read back, and what was written and what came back stand beside each other."""
     source = folder / NETWORK
     if not source.is_file():
         raise UnusableInput(f"{source} is not there: make the map first")
     network = source.read_bytes()
+    written = network if to is Form.SUMO else export_opendrive(network)
     with whole(out) as temporary:
-        temporary.write_bytes(network if to is Form.SUMO else export_opendrive(network))
-    _tell("written", str(out))
+        temporary.write_bytes(written)
+    if to is Form.OPENDRIVE:
+        there, back = Extent.of(read_network(network, str(source))), read_back(written, str(out))
+        _tell("written", f"{out}: {there}")
+        _tell("read back", f"{'the same lanes and ways' if back.holds(there) else 'not the same'}: {back}")
+    else:
+        _tell("written", str(out))
 
 
 def _drawn(text: str, seed: int, out: Path, lm: str | None, mode: Mode, max_usd: float | None) -> BuiltMap:

@@ -1,11 +1,10 @@
-"""Real roads in, and any of our roads out: SUMO networks, OpenStreetMap, OpenDRIVE, Argoverse 2.
+"""Real roads in: SUMO networks, OpenStreetMap, OpenDRIVE, Argoverse 2.
 
 What a file is, is decided by its content. Every file is parsed without DTD before netconvert sees it. A window of
 scenario size can be cut out of a city; a SUMO network that is not cut keeps its bytes.
 """
 
 import math
-import re
 from collections import defaultdict
 from dataclasses import dataclass
 from typing import Any
@@ -15,6 +14,7 @@ from drivegen.av2.maps import read_map
 from drivegen.errors import UnusableInput
 from drivegen.maps.argoverse2 import to_network
 from drivegen.maps.build import BuiltMap
+from drivegen.maps.opendrive import read_opendrive
 from drivegen.maps.structure import measure
 from drivegen.safe_xml import parse, unpack
 from drivegen.sumo.netconvert import NetconvertRefused, convert
@@ -28,7 +28,6 @@ _OSM = (
 )
 _SOURCES = {"net": "SUMO network", "osm": "OpenStreetMap", "OpenDRIVE": "OpenDRIVE"}
 _TIMEOUT = 300.0
-_DATE = re.compile(rb'(<header[^>]*?\sdate=")[^"]*(")')
 
 
 @dataclass(frozen=True)
@@ -88,15 +87,10 @@ def cut(network: bytes, place: str, window: Window) -> bytes:
     return made
 
 
-def export_opendrive(network: bytes) -> bytes:
-    """A SUMO network as OpenDRIVE (.xodr), without the date of writing."""
-    made = convert({"in.net.xml": network}, ["-s", "in.net.xml", "--opendrive-output", "out.xodr"], "out.xodr", _TIMEOUT)
-    return _DATE.sub(rb"\1\2", made)
-
-
 def _converted(data: bytes, root: str) -> bytes:
-    kind, flags = ("--osm-files", _OSM) if root == "osm" else ("--opendrive-files", ("--no-turnarounds", "true", *_CAR))
-    return convert({"in.xml": data}, [kind, "in.xml", *flags, "-o", "out.net.xml"], "out.net.xml", _TIMEOUT)
+    if root == "OpenDRIVE":
+        return read_opendrive(data)
+    return convert({"in.xml": data}, ["--osm-files", "in.xml", *_OSM, "-o", "out.net.xml"], "out.net.xml", _TIMEOUT)
 
 
 def _centre(root: Element, place: str, window: Window) -> tuple[float, float]:

@@ -1,6 +1,7 @@
 """`drivegen map`: words, files, edits and other programs' formats, through the command line itself."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -63,7 +64,10 @@ def test_a_window_is_smaller_than_the_whole(folder, tmp_path):
 
 
 def test_opendrive_is_written_and_read(folder, tmp_path):
-    run("export", folder, "--to", "opendrive", "--out", tmp_path / "a.xodr")
+    said = run("export", folder, "--to", "opendrive", "--out", tmp_path / "a.xodr")
+    lanes = [re.search(r"(\d+) car, 0 bus, 0 bicycle lanes; (\d+) ways", line).groups() for line in said.splitlines()]
+    assert lanes[0] == lanes[1]
+    assert "the same lanes and ways" in said
     assert b"<OpenDRIVE" in (tmp_path / "a.xodr").read_bytes()
     assert "OpenDRIVE" in run("import", tmp_path / "a.xodr", "--out", tmp_path / "back")
 

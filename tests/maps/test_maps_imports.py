@@ -7,7 +7,8 @@ import pytest
 
 from drivegen.errors import UnusableInput
 from drivegen.maps.build import build_map
-from drivegen.maps.imports import Window, export_opendrive, import_map
+from drivegen.maps.imports import Window, import_map
+from drivegen.maps.opendrive import export_opendrive
 
 OSM = b"""<?xml version="1.0"?><osm version="0.6">
 <node id="1" lat="52.0000" lon="13.0000"/><node id="2" lat="52.0000" lon="13.0030"/>

@@ -1,0 +1,142 @@
+"""OpenDRIVE out and in, by netconvert; and how much of a network is still there when it is read back.
+
+netconvert alone writes every lane that cars may not use as "restricted", whoever may, and reads such lanes, and bicycle lanes, as
+nothing. Here each lane is written as what our maps take it for ("driving", "bus", "biking": lane types of OpenDRIVE 1.4), and
+read as such. What a lane type cannot say is lost: which of lorries, taxis or trams share the lane.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element, tostring
+
+import numpy as np
+
+from drivegen.roadmap import LaneKind, RoadMap
+from drivegen.safe_xml import parse
+from drivegen.sumo.netconvert import convert
+from drivegen.sumo.network import Network, read_network
+
+TIMEOUT = 300.0
+"""For netconvert [s]: a city takes that long."""
+
+_DATE = re.compile(rb'(<header[^>]*?\sdate=")[^"]*(")')
+_ALLOW = {LaneKind.VEHICLE: ("disallow", "pedestrian"), LaneKind.BUS: ("allow", "bus"), LaneKind.BIKE: ("allow", "bicycle")}
+_OTHERS = ("pedestrian", "tram", "rail")
+_CAR = ("driving", "stop", "parking", "entry", "exit", "offRamp", "onRamp", "mwyEntry", "mwyExit", "bidirectional")
+_NOT_ROAD = (
+    "pedestrian rail rail_urban rail_electric rail_fast tram drone aircraft scooter container wheelchair subway cable_car ship"
+)
+_OF_FOREIGN = {
+    "bus": "bus coach taxi",
+    "taxi": "taxi",
+    "HOV": "hov",
+    "biking": "bicycle",
+    "roadWorks": "authority",
+    "tram": "tram",
+}
+_NOTHING = ("restricted", "none", "shoulder", "border", "median", "curb", "sidewalk", "special1", "special2", "special3", "rail")
+_KEPT = "passenger,bus,truck,delivery,taxi,hov,bicycle"
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How much road a map has, in figures that do not depend on where a format lets a junction begin.
+
+    Attributes:
+        lanes: of roads, those across junctions left out, by kind (VEHICLE, BUS, BIKE). kilometres: of all lanes, those across
+            junctions too. ways: pairs of lanes of which one leads into the other, straight or across a junction.
+    """
+
+    lanes: tuple[int, int, int]
+    kilometres: float
+    ways: int
+
+    @classmethod
+    def of(cls, road_map: RoadMap) -> "Extent":
+        """Of a map."""
+        road = ~road_map.in_junction
+        lanes = [int((road & (road_map.kind == kind)).sum()) for kind in (LaneKind.VEHICLE, LaneKind.BUS, LaneKind.BIKE)]
+        lines = (road_map.centreline[i].astype(np.float64) for i in range(len(road_map)))
+        metres = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
+        return cls((lanes[0], lanes[1], lanes[2]), metres / 1000, len(set(_ways(road_map))))
+
+    def holds(self, other: "Extent") -> bool:
+        """Whether it has the same lanes and ways as another map; lengths differ where a junction's inside is drawn anew."""
+        return (self.lanes, self.ways) == (other.lanes, other.ways)
+
+    def __str__(self) -> str:
+        cars, buses, bicycles = self.lanes
+        lanes = f"{cars} car, {buses} bus, {bicycles} bicycle lanes"
+        return f"{lanes}; {self.ways} ways from lane to lane; {self.kilometres:.2f} lane-km"
+
+
+def export_opendrive(network: bytes) -> bytes:
+    """A SUMO network as OpenDRIVE (.xodr), without the date of writing."""
+    arguments = ["-s", "in.net.xml", "--opendrive-output", "out.xodr"]
+    made = convert({"in.net.xml": _with_plain_permissions(network)}, arguments, "out.xodr", TIMEOUT)
+    made = made.replace(b'type="restricted"', b'type="bus"')  # nothing else is left that netconvert calls so
+    return _DATE.sub(rb"\1\2", made)
+
+
+def read_opendrive(xodr: bytes) -> bytes:
+    """The SUMO network of an OpenDRIVE file: its lanes for cars, buses and bicycles. Raises NetconvertRefused."""
+    flags = ["--type-files", "lanes.typ.xml", "--keep-edges.by-vclass", _KEPT, "--no-turnarounds", "true"]
+    arguments = ["--opendrive-files", "in.xodr", *flags, "-o", "out.net.xml"]
+    return convert({"in.xodr": xodr, "lanes.typ.xml": _types()}, arguments, "out.net.xml", TIMEOUT)
+
+
+def read_back(xodr: bytes, place: str) -> Extent:
+    """What is there of a map when its OpenDRIVE is read."""
+    return Extent.of(read_network(read_opendrive(xodr), place))
+
+
+def _ways(road_map: RoadMap) -> Iterator[tuple[int, int]]:
+    after: dict[int, list[int]] = {}
+    for lane, following in road_map.links.tolist():
+        after.setdefault(lane, []).append(following)
+    for lane in np.flatnonzero(~road_map.in_junction).tolist():
+        reached, seen = list(after.get(lane, [])), set()
+        while reached:
+            following = reached.pop()
+            if not road_map.in_junction[following]:
+                yield lane, following
+            elif following not in seen:
+                seen.add(following)
+                reached += after.get(following, [])
+
+
+def _with_plain_permissions(network: bytes) -> bytes:
+    """The network with each lane open to what it is for alone, so that netconvert gives it a lane type that says so."""
+    root = parse(network, "network", root="net")
+    read = Network.read(network, "network")
+    kinds = dict(zip(read.lane_names, read.map.kind.tolist(), strict=True))
+    for edge in root.iter("edge"):
+        for lane in edge.iter("lane"):
+            kind = kinds.get(lane.get("id", ""))
+            attribute, classes = _of_others(lane) if kind is None else _ALLOW[LaneKind(kind)]
+            lane.attrib.pop("allow", None)
+            lane.attrib.pop("disallow", None)
+            lane.set(attribute, classes)
+    for connection in root.iter("connection"):
+        connection.attrib.pop(
+            "linkIndex2", None
+        )  # of a light for a second stop on the way: netconvert refuses its own in windows
+    return bytes(tostring(root))
+
+
+def _of_others(lane: Element) -> tuple[str, str]:
+    """Of a lane that is for none of our vehicles: its first user that OpenDRIVE has a lane type for, or nobody."""
+    allowed = lane.get("allow", "").split()
+    return next((("allow", name) for name in _OTHERS if name in allowed), ("disallow", "all"))
+
+
+def _types() -> bytes:
+    """Who may use lanes of each OpenDRIVE type, as netconvert reads it; a type's speed and width hold where a file has none."""
+    rows = [f'<type id="{name}" priority="1" speed="13.89" width="3.65" disallow="{_NOT_ROAD}"/>' for name in _CAR]
+    rows += [
+        f'<type id="{name}" priority="1" speed="13.89" width="{1.5 if name == "biking" else 3.65}" allow="{allowed}"/>'
+        for name, allowed in _OF_FOREIGN.items()
+    ]
+    rows += [f'<type id="{name}" priority="0" speed="1.39" width="1.0" disallow="all" discard="true"/>' for name in _NOTHING]
+    return ("<types>" + "".join(rows) + "</types>").encode()

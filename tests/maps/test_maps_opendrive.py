@@ -1,0 +1,54 @@
+"""Maps go out as OpenDRIVE and come back with their lanes and ways, whoever the lanes are for."""
+
+import re
+
+import pytest
+
+from drivegen.maps.build import build_map
+from drivegen.maps.opendrive import Extent, export_opendrive, read_back, read_opendrive
+from drivegen.sumo.network import read_network
+
+KINDS = (
+    "four-way crossing with signals, two lanes each way and left turn lanes",
+    "roundabout with four arms and two lanes",
+    "highway with three lanes and an on-ramp",
+    "a 3 by 3 grid of streets with blocks of 200 m and one lane each",
+    "a straight road with two lanes each way, left-hand traffic",
+)
+
+
+@pytest.mark.parametrize("text", KINDS)
+def test_a_map_comes_back_with_its_lanes_ways_and_lengths(text: str) -> None:
+    built = build_map(text, 7)
+    before, after = Extent.of(built.road_map), read_back(export_opendrive(built.network), "a.xodr")
+    assert before.lanes[0] > 0
+    assert after.holds(before)
+    assert after.kilometres == pytest.approx(before.kilometres, rel=0.01)
+
+
+@pytest.fixture(scope="module")
+def shared() -> bytes:
+    """A crossing of streets, each with a lane for cars, one for bicycles and lorries and one for buses and trams."""
+    network = build_map("four-way crossing with three lanes each way, no turn lanes", 7).network
+    network = re.sub(
+        rb'(<lane id="[^:"][^"]*_0" [^>]*?)(?: (?:dis)?allow="[^"]*")?( speed)', rb'\1 allow="bicycle delivery"\2', network
+    )
+    return re.sub(rb'(<lane id="[^:"][^"]*_2" [^>]*?)(?: (?:dis)?allow="[^"]*")?( speed)', rb'\1 allow="bus tram"\2', network)
+
+
+def test_lanes_for_buses_and_bicycles_come_back_as_such(shared: bytes) -> None:
+    before = Extent.of(read_network(shared, "net"))
+    assert before.lanes == (8, 8, 8)
+    xodr = export_opendrive(shared)
+    assert b'type="restricted"' not in xodr
+    assert read_back(xodr, "a.xodr").lanes == before.lanes
+
+
+def test_lanes_that_a_foreign_file_restricts_are_nobodys(shared: bytes) -> None:
+    foreign = export_opendrive(shared).replace(b'type="bus"', b'type="restricted"')
+    assert read_back(foreign, "a.xodr").lanes == (8, 0, 8)
+
+
+def test_the_same_network_gives_the_same_bytes(shared: bytes) -> None:
+    assert export_opendrive(shared) == export_opendrive(shared)
+    assert read_opendrive(export_opendrive(shared)) == read_opendrive(export_opendrive(shared))
