@@ -195,7 +195,14 @@ def test_the_driver_in_logs_is_the_dataset_s_row_of_table_three():
 def test_limits_are_listed_by_rule():
     table = TABLES["checker"]
     assert table.columns == ("rule", "limits", "pass rate")
-    assert [[cell.text for cell in row.cells] for row in table.rows] == [
-        ["speed", "33.100", "0.991"],
-        ["legal", "\u2013", "0.960"],
-    ]
+    assert [[cell.text for cell in row.cells] for row in table.rows] == [["speed", "33.100", "0.991"]]
+    assert [[cell.text for cell in row.cells] for row in TABLES["checker-verdicts"].rows] == [["legal", "0.960"]]
+
+
+def test_a_round_says_in_words_what_made_the_driver_fail():
+    cell = {"feature": "behaviour", "value": "turning_left", "encounters": 9, "collisions": 2}
+    rounds = {"corner/1": {"collision": 0.1, "knowledge": [cell | {"probability": 0.2, "low": 0.05, "high": 0.5}]}}
+    tables = {table.name: table for section in all_sections(Evidence(rounds)) for table in section.tables}
+    (row,) = tables["corner-1-knowledge"].rows
+    assert [c.text for c in row.cells] == ["behaviour", "turning left", "9", "2", "0.200"]
+    assert row.cells[-1].note == "0.050\u20130.500"

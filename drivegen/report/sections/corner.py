@@ -1,15 +1,15 @@
 """Corner cases: rounds against a given driver, beside the paper's tables III and IV."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import chain
 from typing import Any
 
 from drivegen.report import paper, plots
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Figure, Section, not_measured
-from drivegen.report.sections._generic import matrix, tables
+from drivegen.report.sections._generic import matrix, words
 from drivegen.report.sections.driving import PAPER_COLUMNS, by_traffic
-from drivegen.report.table import NOT_MEASURED, Row, Table, measured, row
+from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, measured, number, row
 
 DRIVERS = ("idm", "gail", "sac")
 """The drivers of table III."""
@@ -26,9 +26,7 @@ def section(evidence: Evidence) -> Section:
     figures = []
     if rounds:
         found.append(matrix("corner-rounds", "Corner-case rounds", rounds, "round"))
-        for name, values in rounds.items():
-            nested = {key: value for key, value in values.items() if isinstance(value, Mapping | list)}
-            found += tables(f"corner-{name}", f"Round {name}", nested)
+        found += [_knowledge(name, values["knowledge"]) for name, values in rounds.items() if values.get("knowledge")]
         figures = _plot(rounds)
     missing = "" if rounds else not_measured("corner")
     return Section("corner", "Corner cases", lead, tuple(found), tuple(figures), missing=missing)
@@ -49,6 +47,20 @@ def _against_paper(evidence: Evidence, rounds: Mapping[str, Mapping[str, Any]]) 
 def _our_row(label: str, source: str, drivers: Mapping[str, dict[str, Any]]) -> Row:
     cells = [measured(drivers.get(driver, {}), key) for driver in DRIVERS for key in PAPER_COLUMNS.values()]
     return row(label, source, *cells, origin="ours")
+
+
+def _knowledge(name: str, cells: Sequence[dict[str, Any]]) -> Table:
+    heads = ("", "of the encounter", "encounters", "collisions", "P(collision)")
+    lines = [
+        row(words(cell["feature"]), words(cell["value"]), number(cell["encounters"]), number(cell["collisions"]), _odds(cell))
+        for cell in cells
+    ]
+    notes = ("Shares of encounters that ended in a collision, with 95 % intervals, likeliest first; the next round uses them.",)
+    return Table(f"corner-{name}-knowledge", f"Round {name}: what made the driver fail", heads, tuple(lines), notes)
+
+
+def _odds(cell: dict[str, Any]) -> Cell:
+    return measured({"p": cell["probability"], "p.low": cell["low"], "p.high": cell["high"]}, "p", 3)
 
 
 def _gpu_hours() -> Table:

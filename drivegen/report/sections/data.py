@@ -30,14 +30,18 @@ def limits(evidence: Evidence) -> Section:
 
 
 def _by_rule(found: Any) -> tuple[Table, ...]:
-    """`{"limits": {rule: x}, "pass_rate": {rule: y}, ...}` with one row a rule, the limits first."""
+    """`{"limits": {rule: x}, "pass_rate": {rule: y}, ...}` with one row a rule; what has no limit is a verdict or "legal"."""
     if not isinstance(found, Mapping):
         return ()
     groups = {name: found[name] for name in ("limits", *sorted(set(found) - {"limits"})) if isinstance(found.get(name), Mapping)}
-    rules = list(dict.fromkeys(rule for values in groups.values() for rule in values))
-    rows = {rule: {name: values[rule] for name, values in groups.items() if rule in values} for rule in rules}
+    limited = groups.get("limits", {})
+    names = list(dict.fromkeys(name for values in groups.values() for name in values))
+    rows = {name: {group: values[name] for group, values in groups.items() if name in values} for name in names}
+    rules = {name: row for name, row in rows.items() if name in limited}
+    verdicts = {name.lower(): row for name, row in rows.items() if name not in limited}
     rest = {name: value for name, value in found.items() if name not in groups}
-    named = (matrix("checker", "Limits and pass rates", rows, "rule"),) if rows else ()
+    named = [matrix("checker", "Limits and pass rates", rules, "rule")] if rules else []
+    named += [matrix("checker-verdicts", "Pass rates by verdict", verdicts, "verdict")] if verdicts else []
     return (*named, *tables("checker-settings", "Calibration", rest))
 
 
