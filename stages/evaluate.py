@@ -26,6 +26,8 @@ SHOWN = (
     "mean_sfde",
     "diversity_ratio",
     "realism",
+    "joint.order",
+    "joint.energy_gain",
     "collision_per_vehicle",
     "off_road_per_vehicle",
     "illegal_per_vehicle",

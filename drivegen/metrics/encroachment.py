@@ -27,13 +27,13 @@ def post_encroachment(motion: Trajectories, known: NDArray[np.bool_]) -> list[ND
     out = []
     for k in range(len(motion.valid)):
         position = np.ascontiguousarray(motion.position[k])
-        steps = _pairs(position, cos[k], sin[k], mask, bounds(position, mask), _paces(position, mask), round(LONGEST / DT))
+        steps = _pairs(position, cos[k], sin[k], mask, bounds(position, mask), paces(position, mask), round(LONGEST / DT))
         out.append((steps * DT).astype(np.float32))
     return out
 
 
 @njit(cache=True)
-def _paces(position, known):  # type: ignore[no-untyped-def]
+def paces(position, known):  # type: ignore[no-untyped-def]
     """(N,) the farthest that a vehicle gets in one step [m], gaps bridged evenly; at least a centimetre."""
     paces = np.full(known.shape[0], 0.01)
     for n in range(known.shape[0]):
@@ -55,7 +55,7 @@ def _pairs(position, cos, sin, known, box, pace, longest):  # type: ignore[no-un
         for b in range(a):
             apart = max(box[a, 0] - box[b, 2], box[b, 0] - box[a, 2], box[a, 1] - box[b, 3], box[b, 1] - box[a, 3])
             if apart < SAME_PLACE:
-                steps = _least(position, cos, sin, known, a, b, pace[b], longest)
+                steps, _, _ = nearest_visits(position, cos, sin, known, a, b, pace[b], longest)
                 if steps <= longest:
                     found[count] = steps
                     count += 1
@@ -63,9 +63,9 @@ def _pairs(position, cos, sin, known, box, pace, longest):  # type: ignore[no-un
 
 
 @njit(cache=True)
-def _least(position, cos, sin, known, a, b, pace, longest):  # type: ignore[no-untyped-def]
-    """Least number of steps between the visits of a and b; `longest` + 1 if there is none."""
-    least = longest + 1
+def nearest_visits(position, cos, sin, known, a, b, pace, longest):  # type: ignore[no-untyped-def]
+    """Least number of steps between the visits of a and b, and a's and b's; `longest` + 1 if there is none."""
+    least, at_a, at_b = longest + 1, 0, 0
     widest = np.cos(CROSSING)
     for s in range(known.shape[1]):
         if not known[a, s]:
@@ -78,9 +78,9 @@ def _least(position, cos, sin, known, a, b, pace, longest):  # type: ignore[no-u
             dx, dy = position[a, s, 0] - position[b, t, 0], position[a, s, 1] - position[b, t, 1]
             apart = np.sqrt(dx * dx + dy * dy)
             if apart < SAME_PLACE:
-                if cos[a, s] * cos[b, t] + sin[a, s] * sin[b, t] < widest:
-                    least = min(least, abs(s - t))
+                if cos[a, s] * cos[b, t] + sin[a, s] * sin[b, t] < widest and abs(s - t) < least:
+                    least, at_a, at_b = abs(s - t), s, t
                 t += 1
             else:
                 t += max(1, int((apart - SAME_PLACE) / pace))  # b can't be here sooner
-    return least
+    return least, at_a, at_b

@@ -4,11 +4,10 @@ The yardstick is the same samples *shuffled*: each vehicle keeps its K trajector
 itself. Every marginal stays as it is, and whatever vehicles have to do with one another is gone. Where a method's samples are
 no nearer to the log than their shuffles, its joint structure is worth nothing. Compared are
 
-* collisions: share of vehicles whose box touches another one;
-* the order at conflict points: of the pairs that cross or join each other's way in the log and in the sample, the share that
-  comes in the log's order;
+* collisions: share of vehicles whose box touches another one, without the checker's tolerances;
+* order: of the pairs that cross or join each other's way in a sample, the share that comes there in the log's order;
 * energy scores of the scene (`proper`), which are strictly proper for joint futures: lower is better;
-* distances of headways and post-encroachment times to the log's (`distributions`), and the share of close calls.
+* distances of headways, times to collision and post-encroachment times to the log's (`distributions`).
 """
 
 from collections.abc import Sequence
@@ -18,36 +17,36 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from drivegen.boxes import bounds
 from drivegen.metrics.displacement import scored_steps
-from drivegen.metrics.distributions import RANGES, SceneCounts, scene_counts, wasserstein
-from drivegen.metrics.encroachment import CROSSING, LONGEST, SAME_PLACE
-from drivegen.metrics.features import scene_features
+from drivegen.metrics.distributions import SceneCounts, distances, scene_counts
+from drivegen.metrics.encroachment import LONGEST, SAME_PLACE, nearest_visits, paces
+from drivegen.metrics.features import Features, scene_features
+from drivegen.metrics.intervals import Interval, percentiles
 from drivegen.metrics.proper import energy_scores
-from drivegen.metrics.road_edge import RoadEdges
-from drivegen.metrics.surroundings import touching
+from drivegen.metrics.surroundings import Boxes, touching
 from drivegen.scenario import DT, Scenario, Trajectories
 
 SAME_TIME = 0.3
 """Visits of a conflict point that are nearer in time than this have no order [s]."""
 
+DISTANCES = ("headway", "time_to_collision", "post_encroachment")
+"""Distributions of `distributions.RANGES` in which one vehicle has to do with another."""
+
 
 @dataclass(frozen=True)
 class SceneJoint:
-    """One scene's K samples, as they are or shuffled.
+    """One scene's samples beside the same shuffled.
 
     Attributes:
-        touching: (K, N) bool, the box touches another one.
-        agree, conflicts: number of (sample, pair) whose order at a conflict point is the log's, and of all that have one.
-        energy_final, energy: energy scores of all vehicles at once [m].
-        counts: histograms beside the log's.
+        metrics: figures of the scene by name; `shuffled.x` beside `x` or `joint.x`.
+        orders: (2, 2) int64 right orders and all that the log tells, of the samples and (second row) of the shuffled ones.
+        shuffled: the shuffled samples' histograms beside the log's.
     """
 
-    touching: NDArray[np.bool_]
-    agree: int
-    conflicts: int
-    energy_final: float
-    energy: float
-    counts: SceneCounts
+    metrics: dict[str, float]
+    orders: NDArray[np.int64]
+    shuffled: SceneCounts
 
 
 def shuffled(samples: Trajectories, rng: np.random.Generator) -> Trajectories:
@@ -57,76 +56,115 @@ def shuffled(samples: Trajectories, rng: np.random.Generator) -> Trajectories:
     return samples[order, np.arange(vehicles)]
 
 
-def scene_joint(scenario: Scenario, samples: Trajectories, log: Trajectories, edges: RoadEdges) -> SceneJoint:
-    """Measure samples (K, N, T) against the log (N, T); `edges` as for `scene_features`."""
-    features, boxes = scene_features(scenario, samples, log, edges)
-    count = len(scenario.vehicles)
-    hit = touching(boxes, count, np.ones(1))[0, :-1]
-    energy = energy_scores(samples, log)
-    known = scored_steps(log)
-    truth = conflict_orders(log[np.newaxis], known)
-    agree, conflicts = _agreement(conflict_orders(samples, known), truth[0])
-    return SceneJoint(hit, agree, conflicts, energy.energy_joint_final, energy.energy_joint, scene_counts(features))
+def scene_joint(scenario: Scenario, log: Trajectories, features: Features, boxes: Boxes, rng: np.random.Generator) -> SceneJoint:
+    """Measure K samples against the log (N, T); `features` and `boxes` are theirs and, last, the log's."""
+    together = features.motion[:-1]
+    dealt = shuffled(together, rng)
+    apart, apart_boxes = scene_features(scenario, dealt, log, None)
+    count = len(log.valid)
+    counts, energy = scene_counts(apart), [energy_scores(motion, log).energy_joint for motion in (together, dealt)]
+    metrics = {
+        "joint.collision": _collisions(boxes, count),
+        "shuffled.collision": _collisions(apart_boxes, count),
+        "shuffled.close_call": float(counts.close_call[1]),
+        "shuffled.energy_joint": energy[1],
+        "joint.energy_gain": energy[1] - energy[0],
+    }
+    return SceneJoint(metrics, np.array([orders(motion, log) for motion in (together, dealt)]), counts)
 
 
-def conflict_orders(motion: Trajectories, known: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """(K, N, N) [s]: by how much vehicle b is later than a where their ways cross or join; NaN where they don't.
+def joint_figures(scenes: Sequence[SceneJoint], draws: int, rng: np.random.Generator) -> dict[str, Interval]:
+    """What only a set of scenes has, with intervals that resample scenes: shares of right orders, distances when shuffled."""
+    counted = np.stack([scene.orders for scene in scenes])
+    times = rng.multinomial(len(scenes), np.full(len(scenes), 1 / len(scenes)), size=draws)
+    drawn = np.tensordot(times, counted, 1)
+    found = {}
+    for kind, name in enumerate(("joint.order", "shuffled.order")):
+        found[name] = Interval(float(_share(counted.sum(axis=0)[kind])), *percentiles(_known(_share(drawn[:, kind]))))
+    apart = distances([scene.shuffled for scene in scenes], draws, rng)
+    return found | {f"shuffled.{name}": apart[name] for name in DISTANCES}
 
-    The place is that of least time between both visits, as for post-encroachment times: centres nearer than SAME_PLACE,
-    headings that differ by more than CROSSING. `motion` is (K, N, T); steps that `known` (N, T) leaves out are not looked at.
+
+def orders(samples: Trajectories, log: Trajectories) -> tuple[int, int]:
+    """Of samples (K, N, T): pairs in the log's (N, T) order where their ways cross or join, and all whose order it tells.
+
+    The place is that of least time between both visits, as for post-encroachment times. The log tells the order there if both
+    come (within SAME_PLACE), or if one comes while the other one, where its log ends, is still on its way there.
     """
-    cos, sin = np.cos(motion.heading), np.sin(motion.heading)
-    position, mask = np.ascontiguousarray(motion.position), np.ascontiguousarray(known)
-    return np.asarray(_orders(position, cos, sin, mask, round(LONGEST / DT)) * DT)
+    known = np.ascontiguousarray(scored_steps(log))
+    cos, sin = np.cos(samples.heading), np.sin(samples.heading)
+    position, truth = np.ascontiguousarray(samples.position), np.ascontiguousarray(log.position)
+    right, told = _orders(position, cos, sin, truth, known, round(LONGEST / DT), round(SAME_TIME / DT))
+    return int(right), int(told)
 
 
-def _agreement(found: NDArray[np.float64], truth: NDArray[np.float64]) -> tuple[int, int]:
-    """Number of (sample, pair) in the order of the log's `truth` (N, N), and of all that both give an order to."""
-    pairs = np.triu_indices(len(truth), 1)
-    mine, theirs = found[:, pairs[0], pairs[1]], truth[pairs]
-    ordered = (np.abs(mine) >= SAME_TIME) & (np.abs(theirs) >= SAME_TIME)
-    return int((ordered & (np.sign(mine) == np.sign(theirs))).sum()), int(ordered.sum())
+def _collisions(boxes: Boxes, vehicles: int) -> float:
+    """Share of (sample, vehicle) that touch another box; the log, the last one, left out."""
+    return float(touching(boxes, vehicles, np.ones(1))[0, :-1].mean())
+
+
+def _share(counts: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Of (..., 2) right ones and all of them; NaN where there are none."""
+    right, told = counts[..., 0], counts[..., 1]
+    return np.asarray(np.divide(right, told, out=np.full(told.shape, np.nan), where=told > 0))
+
+
+def _known(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return values[np.isfinite(values)]
 
 
 @njit(cache=True)
-def _orders(position, cos, sin, known, longest):  # type: ignore[no-untyped-def]
-    samples, vehicles, steps = cos.shape
-    out = np.full((samples, vehicles, vehicles), np.nan)
-    widest = np.cos(CROSSING)
-    for k in range(samples):
-        for a in range(vehicles):
-            for b in range(a + 1, vehicles):
-                least, found = longest + 1, 0
-                for s in range(steps):
-                    if not known[a, s]:
-                        continue
-                    for t in range(max(0, s - least + 1), min(steps, s + least)):
-                        dx = position[k, a, s, 0] - position[k, b, t, 0]
-                        dy = position[k, a, s, 1] - position[k, b, t, 1]
-                        if not known[b, t] or dx * dx + dy * dy >= SAME_PLACE**2 or abs(s - t) >= least:
-                            continue
-                        if cos[k, a, s] * cos[k, b, t] + sin[k, a, s] * sin[k, b, t] < widest:
-                            least, found = abs(s - t), t - s
-                if least <= longest:
-                    out[k, a, b], out[k, b, a] = found, -found
-    return out
+def _orders(position, cos, sin, truth, known, longest, same):  # type: ignore[no-untyped-def]
+    right, told = 0, 0
+    for k in range(position.shape[0]):
+        box, pace = bounds(position[k], known), paces(position[k], known)
+        for a in range(known.shape[0]):
+            for b in range(a):
+                apart = max(box[a, 0] - box[b, 2], box[b, 0] - box[a, 2], box[a, 1] - box[b, 3], box[b, 1] - box[a, 3])
+                if apart >= SAME_PLACE:
+                    continue
+                least, s, t = nearest_visits(position[k], cos[k], sin[k], known, a, b, pace[b], longest)
+                if same <= least <= longest:
+                    later = _later(position[k], truth, known, a, b, s, t)
+                    told += abs(later) >= same
+                    right += abs(later) >= same and (later > 0) == (t > s)
+    return right, told
 
 
-def summary(scenes: Sequence[SceneJoint]) -> dict[str, float]:
-    """All figures over a set of scenes; NaN where nothing was there to be measured."""
-    conflicts = sum(scene.conflicts for scene in scenes)
-    found = {
-        "collision_per_vehicle": float(np.mean([scene.touching.mean() for scene in scenes])),
-        "collision_per_scene": float(np.mean([scene.touching.any(axis=1).mean() for scene in scenes])),
-        "order_agreement": sum(scene.agree for scene in scenes) / conflicts if conflicts else float("nan"),
-        "ordered_pairs": float(conflicts),
-        "energy_joint_final": float(np.mean([scene.energy_final for scene in scenes])),
-        "energy_joint": float(np.mean([scene.energy for scene in scenes])),
-        "close_call": float(np.nanmean([scene.counts.close_call[1] for scene in scenes])),
-        "log_close_call": float(np.nanmean([scene.counts.close_call[0] for scene in scenes])),
-    }
-    for number, name in enumerate(RANGES):
-        if name in ("headway", "time_to_collision", "post_encroachment"):
-            counts = np.sum([scene.counts.numbers[number] for scene in scenes], axis=0)
-            found[f"{name}_distance"] = float(wasserstein(counts, *RANGES[name]))
-    return found
+@njit(cache=True)
+def _later(position, truth, known, a, b, s, t):  # type: ignore[no-untyped-def]
+    """By how many steps b comes after a in the log where it is at step t, and a at step s, of a sample; 0 if not known."""
+    at_a, at_b = _arrival(position, truth, known, a, s), _arrival(position, truth, known, b, t)
+    if at_a >= 0 and at_b >= 0:
+        return at_b - at_a
+    if at_a >= 0 and _on_its_way(position, truth, known, b, t, at_a):
+        return known.shape[1]
+    if at_b >= 0 and _on_its_way(position, truth, known, a, s, at_b):
+        return -known.shape[1]
+    return 0
+
+
+@njit(cache=True)
+def _arrival(position, truth, known, n, step):  # type: ignore[no-untyped-def]
+    """First step at which vehicle n of the log is where it is at `step` of the sample; -1 if it never is."""
+    for t in range(known.shape[1]):
+        dx, dy = truth[n, t, 0] - position[n, step, 0], truth[n, t, 1] - position[n, step, 1]
+        if known[n, t] and dx * dx + dy * dy < SAME_PLACE**2:
+            return t
+    return -1
+
+
+@njit(cache=True)
+def _on_its_way(position, truth, known, n, step, seen):  # type: ignore[no-untyped-def]
+    """Whether vehicle n's log lasts until step `seen` and ends on the sample's way to where it is at `step`."""
+    last = -1
+    for t in range(known.shape[1]):
+        if known[n, t]:
+            last = t
+    if last < seen:
+        return False
+    for t in range(step + 1):
+        dx, dy = truth[n, last, 0] - position[n, t, 0], truth[n, last, 1] - position[n, t, 1]
+        if dx * dx + dy * dy < SAME_PLACE**2:
+            return True
+    return False

@@ -9,6 +9,7 @@ from drivegen.metrics.classifier import TrackPairs, track_pairs
 from drivegen.metrics.displacement import scene_errors, scored_steps, summarise
 from drivegen.metrics.distributions import SceneCounts, scene_counts
 from drivegen.metrics.features import scene_features
+from drivegen.metrics.joint import SceneJoint, scene_joint
 from drivegen.metrics.labels import label
 from drivegen.metrics.proper import energy_scores, log_densities
 from drivegen.metrics.realism import realism
@@ -41,6 +42,7 @@ class Scored:
         scenario: its id. metrics: by name.
         log, best, any_sample: the log, the sample of least sADE and one drawn by seed, valid where the log is.
         counts: histograms of motion. tracks: features of tracks. densities: (2, H, B), see `proper.log_densities`.
+        joint: beside the same samples shuffled.
     """
 
     scenario: str
@@ -51,16 +53,18 @@ class Scored:
     counts: SceneCounts
     tracks: TrackPairs
     densities: NDArray[np.float64]
+    joint: SceneJoint
 
 
 def score(
     scenario: Scenario, log: Trajectories, samples: Samples, edges: RoadEdges, settings: Settings, rng: np.random.Generator
 ) -> Scored:
-    """Measure one scene's samples against its log; `rng` draws the sample that stands for all where one does."""
+    """Measure one scene's samples against its log; `rng` draws the sample that stands for all where one does, and shuffles."""
     sade, sfde = scene_errors(samples.motion, log)
     drawn = int(rng.integers(len(sade)))
     features, boxes = scene_features(scenario, samples.motion, log, edges)
     counts = scene_counts(features)
+    joint = scene_joint(scenario, log, features, boxes, rng)
     metrics = {
         **asdict(summarise(sade, sfde)),
         **asdict(energy_scores(samples.motion, log)),
@@ -68,6 +72,7 @@ def score(
         **asdict(safety_rates(samples)),
         **{f"violation.{kind}": share for kind, share in violation_shares(samples).items()},
         **box_rates(boxes, len(log.valid), settings.box_scales),
+        **joint.metrics,
         "close_call": float(counts.close_call[1]),
         "close_call_log": float(counts.close_call[0]),
         "attempts": float(samples.attempts.mean()),
@@ -82,4 +87,4 @@ def score(
     tracks = track_pairs(features, drawn)
     horizons, bandwidths = np.array(settings.horizons), np.array(settings.bandwidths)
     densities = log_densities(samples.motion, log, horizons, bandwidths)
-    return Scored(scenario.scenario_id, metrics, log, best, any_sample, counts, tracks, densities)
+    return Scored(scenario.scenario_id, metrics, log, best, any_sample, counts, tracks, densities, joint)

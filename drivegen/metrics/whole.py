@@ -19,6 +19,7 @@ from drivegen.metrics.diversity import (
     squared_differences,
 )
 from drivegen.metrics.intervals import Interval, bootstrap_means
+from drivegen.metrics.joint import joint_figures
 from drivegen.metrics.proper import likeliest_for_others
 from drivegen.metrics.scene import Scored, Settings
 from drivegen.seeds import rng
@@ -47,6 +48,7 @@ def summary(scenes: Sequence[Scored], table: Mapping[str, Floats], seed: int, dr
     """Everything over the set, from its scenes and their `columns`."""
     numbers = _means(table, seed, draws) | _diversity(scenes, seed, draws, splits)
     found = {f"distance.{k}": v for k, v in distances([s.counts for s in scenes], draws, _stream(seed, "distances")).items()}
+    found |= joint_figures([scene.joint for scene in scenes], draws, _stream(seed, "joint"))
     found["auc"] = telling_apart([scene.tracks for scene in scenes], seed, draws, _stream(seed, "classifier"))
     for name, interval in found.items():
         numbers |= _flat(name, interval)

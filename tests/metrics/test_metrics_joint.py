@@ -3,41 +3,63 @@
 import numpy as np
 import pytest
 
-from drivegen.metrics.joint import conflict_orders, scene_joint, shuffled, summary
-from drivegen.metrics.road_edge import RoadEdges
+from drivegen.metrics.features import scene_features
+from drivegen.metrics.joint import SceneJoint, joint_figures, orders, scene_joint, shuffled
 from drivegen.scenario import Trajectories
 from tests.scenes import crossing, drive, joined, scenario, stack
 
-NO_ROAD = RoadEdges(np.zeros((4, 4), np.float32), np.zeros(2, np.float32), 1.0)
 STEPS, SAMPLES = 81, 12
 
 
-def meeting(first: float, second: float) -> Trajectories:
-    """Two cars that cross at right angles in the middle of a crossing, each from its own start [m] at 10 m/s."""
+def meeting(first: float, second: float, speeds: tuple[float, float] = (10, 10)) -> Trajectories:
+    """Two cars that cross at right angles in the middle of a crossing, each from its own start [m] at its own speed [m/s]."""
     roads = crossing()
-    return stack([drive(joined(roads, 0, 8, 4), first, 10, STEPS), drive(joined(roads, 2, 15, 7), second, 10, STEPS)])
+    ways = joined(roads, 0, 8, 4), joined(roads, 2, 15, 7)
+    return stack([drive(way, start, v, STEPS) for way, start, v in zip(ways, (first, second), speeds, strict=True)])
+
+
+def samples_of(*parts: Trajectories) -> Trajectories:
+    return Trajectories(*(np.stack([getattr(p, n) for p in parts]) for n in ("position", "heading", "velocity", "valid")))
 
 
 def polite(count: int = SAMPLES) -> Trajectories:
     """Samples in which now the one, now the other car is let through: never both at once."""
-    parts = [meeting(40, 10) if k % 2 else meeting(10, 40) for k in range(count)]
-    return Trajectories(*(np.stack([getattr(p, n) for p in parts]) for n in ("position", "heading", "velocity", "valid")))
+    return samples_of(*(meeting(40, 10) if k % 2 else meeting(10, 40) for k in range(count)))
 
 
-def test_the_order_at_a_crossing_is_the_difference_of_arrivals() -> None:
-    motion = meeting(40, 10)[np.newaxis]
-    late = conflict_orders(motion, motion.valid[0])[0]
-    assert late[0, 1] == pytest.approx(3.0, abs=0.5)  # 30 m at 10 m/s; within SAME_PLACE of one another a bit less
-    assert late[1, 0] == -late[0, 1]
-    assert np.isnan(late[0, 0])
-    hidden = motion.valid[0] & (np.arange(STEPS) < 3)
-    assert np.isnan(conflict_orders(motion, hidden)).all()
+def measured(samples: Trajectories, log: Trajectories, seed: int = 0) -> SceneJoint:
+    scene = scenario(crossing(), log)
+    return scene_joint(scene, log, *scene_features(scene, samples, log, None), np.random.default_rng(seed))
 
 
-def test_vehicles_that_follow_each_other_have_no_order_at_a_conflict() -> None:
+def test_the_order_at_a_crossing_is_the_log_s_or_the_other_one() -> None:
+    log = meeting(40, 10)
+    assert orders(log[np.newaxis], log) == (1, 1)
+    assert orders(samples_of(meeting(10, 40)), log) == (0, 1)
+    assert orders(polite(), log) == (SAMPLES // 2, SAMPLES)
+
+
+def test_one_who_still_waits_when_the_other_comes_is_the_later_one() -> None:
+    waits = meeting(40, 10, (10, 1))
+    assert orders(samples_of(meeting(40, 10)), waits) == (1, 1)
+    assert orders(samples_of(meeting(40, 10, (7, 14))), waits) == (0, 1)
+
+
+def test_the_log_does_not_tell_the_order_where_nobody_comes_or_one_goes_elsewhere_or_is_lost() -> None:
+    crossed = samples_of(meeting(40, 10))
+    assert orders(crossed, meeting(10, 10, (1, 1))) == (0, 0)
     roads = crossing()
-    motion = stack([drive(joined(roads, 0, 8, 4), start, 8, STEPS) for start in (5, 25)])[np.newaxis]
-    assert np.isnan(conflict_orders(motion, motion.valid[0])).all()
+    away = stack([drive(joined(roads, 0, 8, 4), 40, 10, STEPS), drive(joined(roads, 2, 14, 6), 40, 10, STEPS)])
+    assert orders(crossed, away) == (0, 0)
+    lost = meeting(40, 10, (10, 1))
+    lost.valid[1, 2:] = False
+    assert orders(crossed, lost) == (0, 0)
+
+
+def test_vehicles_that_follow_each_other_have_no_order() -> None:
+    roads = crossing()
+    log = stack([drive(joined(roads, 0, 8, 4), start, 8, STEPS) for start in (5, 25)])
+    assert orders(log[np.newaxis], log) == (0, 0)
 
 
 def test_shuffling_keeps_every_vehicle_s_trajectories_and_breaks_their_company() -> None:
@@ -50,32 +72,29 @@ def test_shuffling_keeps_every_vehicle_s_trajectories_and_breaks_their_company()
     assert not np.array_equal(samples.position[:, 0] - samples.position[:, 1], mixed.position[:, 0] - mixed.position[:, 1])
 
 
-def test_a_joint_method_beats_its_own_shuffle_in_collisions_and_post_encroachment_times() -> None:
-    log = meeting(40, 10)
-    scene = scenario(crossing(), log)
-    samples = polite()
-    together = summary([scene_joint(scene, samples, log, NO_ROAD)])
-    apart = summary([scene_joint(scene, shuffled(samples, np.random.default_rng(s)), log, NO_ROAD) for s in range(8)])
-    assert together["collision_per_vehicle"] == 0 < apart["collision_per_vehicle"]
-    assert together["collision_per_scene"] == 0 < apart["collision_per_scene"]
-    assert together["order_agreement"] == 0.5  # half of the samples let the other one through
-    assert together["ordered_pairs"] == SAMPLES
-    assert apart["ordered_pairs"] < 8 * SAMPLES  # some meet at once: no order
-    assert together["post_encroachment_distance"] < apart["post_encroachment_distance"]
+def test_polite_samples_touch_only_when_shuffled() -> None:
+    scene = measured(polite(), meeting(40, 10))
+    assert scene.metrics["joint.collision"] == 0 < scene.metrics["shuffled.collision"]
+    assert scene.orders[0].tolist() == [SAMPLES // 2, SAMPLES]
+    assert scene.orders[1, 1] < SAMPLES  # some meet at once: no order
 
 
 def test_of_logs_that_are_as_polite_as_the_samples_the_joint_energy_score_prefers_the_unshuffled() -> None:
-    samples, both = polite(), (meeting(40, 10), meeting(10, 40))
-
-    def energy(found: Trajectories) -> float:
-        return float(np.mean([scene_joint(scenario(crossing(), log), found, log, NO_ROAD).energy for log in both]))
-
-    assert energy(samples) < min(energy(shuffled(samples, np.random.default_rng(s))) for s in range(8))
+    logs = meeting(40, 10), meeting(10, 40)
+    gains = [measured(polite(), log, seed).metrics["joint.energy_gain"] for seed in range(8) for log in logs]
+    assert np.mean(gains) > 0
 
 
-def test_the_log_as_its_own_sample_is_perfect() -> None:
+def test_a_set_s_order_is_the_share_over_all_its_pairs_with_an_interval_over_scenes() -> None:
     log = meeting(40, 10)
-    found = summary([scene_joint(scenario(crossing(), log), log[np.newaxis][np.zeros(3, int)], log, NO_ROAD)])
-    assert found["order_agreement"] == 1
-    assert found["energy_joint"] == found["energy_joint_final"] == found["post_encroachment_distance"] == 0
-    assert found["close_call"] == found["log_close_call"]
+    right, both = measured(samples_of(*[log] * 3), log), measured(polite(), log)
+    found = joint_figures([right, both], 200, np.random.default_rng(0))["joint.order"]
+    assert found.value == pytest.approx((3 + SAMPLES // 2) / (3 + SAMPLES))
+    assert (found.low, found.high) == (0.5, 1.0)
+
+
+def test_what_no_scene_has_is_not_a_number() -> None:
+    log = meeting(10, 10, (1, 1))
+    found = joint_figures([measured(log[np.newaxis][[0, 0]], log)], 20, np.random.default_rng(0))
+    assert np.isnan(found["joint.order"].value)
+    assert np.isnan(found["shuffled.post_encroachment"].value)
