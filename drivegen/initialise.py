@@ -15,6 +15,7 @@ from drivegen.assets.where import Wish
 from drivegen.crop import Cropper
 from drivegen.errors import UnusableInput
 from drivegen.scenario import DT, TARGET, Actors, Scenario, SignalState, VehicleKind
+from drivegen.settings import Count, Positive
 from drivegen.sumo.network import Network
 
 CLOSED = (SignalState.RED, SignalState.YELLOW)
@@ -33,11 +34,11 @@ class Settings:
         placement: see `PlaceSettings`.
     """
 
-    vehicles: int
-    horizon: int
+    vehicles: Count
+    horizon: Count
     shares: dict[str, float]
-    map_radius: float
-    longest_cycle: float
+    map_radius: Positive
+    longest_cycle: Positive
     placement: PlaceSettings
 
 

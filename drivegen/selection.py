@@ -16,6 +16,7 @@ from drivegen.geometry import boxes_overlap, wrap_angle
 from drivegen.recorded import NO_TRACK, RecordedLog
 from drivegen.roadmap import NO_LANE
 from drivegen.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
+from drivegen.settings import Count, Index, Positive, Share
 
 PLANNED_KINDS = (VehicleKind.CAR, VehicleKind.TRUCK, VehicleKind.BUS)
 """Kinds that are planned; all others are context."""
@@ -59,11 +60,11 @@ class Settings:
     """
 
     target: str
-    max_vehicles: int
-    first_step: int
-    horizon: int
-    map_radius: float | None
-    smallest_shrink: float
+    max_vehicles: Count
+    first_step: Index
+    horizon: Count
+    map_radius: Positive | None
+    smallest_shrink: Share
 
 
 def select(log: RecordedLog, settings: Settings) -> Scenario:

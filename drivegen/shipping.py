@@ -12,6 +12,7 @@ import numpy as np
 
 from drivegen.samples import Samples
 from drivegen.scenario import TARGET, Scenario
+from drivegen.settings import Count, NotNegative
 
 
 @dataclass(frozen=True)
@@ -23,8 +24,8 @@ class ShipSettings:
         moved: the target must get at least this far [m]: a scene in which nothing is asked of it tests nothing.
     """
 
-    fewest: int
-    moved: float
+    fewest: Count
+    moved: NotNegative
 
 
 def ship(scenario: Scenario, samples: Samples, settings: ShipSettings, counts: Counter[str]) -> Iterator[Scenario]:

@@ -11,6 +11,7 @@ from drivegen import plugins
 from drivegen.generate import recorded_choices
 from drivegen.generators.base import Settings
 from drivegen.samples import Samples
+from drivegen.settings import Count
 from drivegen.store.goals import read_goals
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, shards
@@ -23,8 +24,8 @@ class Params:
     """`samples`: futures of each scenario. `generation`: see `generators.base.Settings`."""
 
     seed: int
-    workers: int
-    samples: int
+    workers: Count
+    samples: Count
     generation: Settings
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from drivegen import plugins
 from drivegen.generators.base import Settings
+from drivegen.settings import Count
 from drivegen.shipping import ShipSettings, ship
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards, write_shard
@@ -20,9 +21,9 @@ class Params:
     """`method`: the generator. `samples`: futures of each new scenario. `generation`, `settings`: see their classes."""
 
     seed: int
-    workers: int
+    workers: Count
     method: str
-    samples: int
+    samples: Count
     generation: Settings
     settings: ShipSettings
 

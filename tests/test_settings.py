@@ -1,11 +1,17 @@
 """Reading params.yaml; what is wrong inside a section is tried in tests/stages/test_stages_door.py."""
 
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+import yaml
 
 from drivegen.errors import MissingTool, UnusableInput
-from drivegen.settings import read_section
+from drivegen.generators.base import Settings as GeneratorSettings
+from drivegen.initialise import Settings as InitialSettings
+from drivegen.selection import Settings as SelectionSettings
+from drivegen.settings import Count, Index, NotNegative, Positive, Share, read_params, read_section
+from drivegen.sumo.corpus import CorpusSettings
 
 
 def test_a_dotted_section_is_what_stands_there(tmp_path: Path):
@@ -28,3 +34,63 @@ def test_a_file_that_holds_no_such_section_is_refused(tmp_path: Path, content: b
 def test_without_the_file_it_is_said_where_to_be(tmp_path: Path):
     with pytest.raises(MissingTool, match="the project's folder"):
         read_section("a", tmp_path / "p.yaml")
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """One of each kind of bounds."""
+
+    count: Count = 1
+    index: Index = 0
+    positive: Positive | None = 1.0
+    not_negative: NotNegative = 0.0
+    share: Share = 1.0
+    pairs: dict[str, list[float]] = field(default_factory=dict)
+
+
+def read(tmp_path: Path, **change: object) -> Numbers:
+    """The section `a` of a file in which some numbers are other ones."""
+    values = {"count": 1, "index": 0, "positive": None, "not_negative": 0, "share": 1, "pairs": {"x": [1.0]}, **change}
+    (tmp_path / "p.yaml").write_text(yaml.safe_dump({"run": {"seed": 7}, "a": values}))
+    return read_params("a", Numbers, tmp_path / "p.yaml")
+
+
+def test_numbers_at_their_bounds_are_taken_and_none_where_it_is_allowed(tmp_path: Path):
+    assert read(tmp_path) == Numbers(positive=None, pairs={"x": [1.0]})
+    assert read(tmp_path, positive=1e-9).positive == 1e-9
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"count": 0}, "a.count must be at least 1, not 0"),
+        ({"index": -1}, "a.index must be at least 0, not -1"),
+        ({"positive": 0}, "a.positive must be above 0, not 0.0"),
+        ({"not_negative": -0.5}, "a.not_negative must be at least 0, not -0.5"),
+        ({"share": 1.5}, "a.share must be between 0 and 1, not 1.5"),
+        ({"share": float("nan")}, "a.share must be a finite number, not nan"),
+        ({"positive": float("inf")}, "a.positive must be a finite number, not inf"),
+        ({"count": True}, "a.count must be int, not True"),
+        ({"pairs": [1]}, r"a.pairs must be names and values, not \[1\]"),
+        ({"pairs": {"x": "y"}}, "a.pairs.x must be a list, not 'y'"),
+        ({"pairs": {"x": [1, "y"]}}, r"a.pairs.x\[1\] must be float, not 'y'"),
+    ],
+)
+def test_what_cannot_be_is_named_with_its_place_before_anything_is_computed(tmp_path: Path, change: dict, sentence: str):
+    with pytest.raises(UnusableInput, match=sentence):
+        read(tmp_path, **change)
+
+
+@pytest.mark.parametrize("section", ["[]", "7", "a word"])
+def test_a_section_that_is_no_mapping_is_refused(tmp_path: Path, section: str):
+    (tmp_path / "p.yaml").write_text(f"run: {section}\na: {section}\n")
+    with pytest.raises(UnusableInput, match="must have names and values"):
+        read_params("a", Numbers, tmp_path / "p.yaml")
+
+
+def test_the_numbers_of_this_project_keep_their_bounds():
+    params = Path(__file__).parents[1] / "params.yaml"
+    assert read_params("place.initial", InitialSettings, params).horizon == 100
+    assert read_params("ship.generation", GeneratorSettings, params).temperature > 0
+    assert read_params("ingest.selection", SelectionSettings, params).map_radius is None
+    assert read_params("corpus.settings", CorpusSettings, params).window.moving_share <= 1

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from drivegen.corner_cases.encounters import Encounters
 from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.scenario import DT
+from drivegen.settings import NotNegative, Positive
 
 
 @dataclass(frozen=True)
@@ -26,10 +27,10 @@ class PressureSettings:
         reaction_time: encounters earlier than this [s] gain nothing: the driver could not react.
     """
 
-    strength: float
-    reach: float
-    max_ratio: float
-    reaction_time: float
+    strength: NotNegative
+    reach: Positive
+    max_ratio: Positive
+    reaction_time: NotNegative
 
 
 def risk(met: Encounters, knowledge: Knowledge, settings: PressureSettings) -> NDArray[np.float64]:

@@ -14,6 +14,7 @@ import torch
 from torch import Tensor
 
 from drivegen.drivers.base import Action, Observation
+from drivegen.settings import NotNegative, Positive
 
 _NO_GAP = 0.001
 _LIMIT_DISTANCES = torch.arange(2.0, 120.0, 6.0)
@@ -31,15 +32,15 @@ class Settings:
         look_ahead: time for which crossing vehicles are extrapolated [s]; 0 sees only who is on the way already.
     """
 
-    desired_speed: float
-    headway: float
-    min_gap: float
-    acceleration: float
-    braking: float
-    emergency_braking: float
-    exponent: float
-    side_margin: float
-    look_ahead: float
+    desired_speed: Positive
+    headway: NotNegative
+    min_gap: NotNegative
+    acceleration: Positive
+    braking: Positive
+    emergency_braking: Positive
+    exponent: Positive
+    side_margin: NotNegative
+    look_ahead: NotNegative
 
 
 class Plugin:

@@ -13,6 +13,7 @@ from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.rollout import Choices, RolloutSettings
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
+from drivegen.settings import Positive
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Settings:
 
     planner: str
     candidates: CandidateSettings
-    temperature: float
+    temperature: Positive
     rollout: RolloutSettings
 
 

@@ -23,6 +23,7 @@ from drivegen.lanes.line import SPACING, Route
 from drivegen.lanes.routes import feasible_routes
 from drivegen.roadmap import NO_LANE
 from drivegen.scenario import DT, Scenario
+from drivegen.settings import Count, Positive
 
 NO_ROUTE = -1
 
@@ -89,9 +90,9 @@ class Settings:
         dynamics: bounds on acceleration.
     """
 
-    most: int
-    most_routes: int
-    spacing: float
+    most: Count
+    most_routes: Count
+    spacing: Positive
     dynamics: Dynamics
 
 

@@ -13,6 +13,7 @@ from drivegen import seeds
 from drivegen.crop import Cropper
 from drivegen.errors import UnusableInput
 from drivegen.scenario import DT, Scenario
+from drivegen.settings import Count, NotNegative, Positive
 from drivegen.sumo.bends import with_human_speeds
 from drivegen.sumo.demand import Demand, draw_demand, vehicles_at_begin
 from drivegen.sumo.netconvert import convert
@@ -43,11 +44,11 @@ class CorpusSettings:
         window: which windows make scenarios. sensing: how they are measured.
     """
 
-    most_vehicles: int
-    warm_up: float
-    most_windows_per_run: int
-    lateral_resolution: float
-    time_limit: float
+    most_vehicles: Count
+    warm_up: NotNegative
+    most_windows_per_run: Count
+    lateral_resolution: Positive
+    time_limit: Positive
     window: WindowSettings
     sensing: SensingSettings
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from drivegen.crop import Cropper
 from drivegen.geometry import boxes_overlap, wrap_angle
 from drivegen.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
+from drivegen.settings import Count, NotNegative, Positive, Share
 from drivegen.sumo.network import Network
 from drivegen.sumo.traffic import Traffic
 
@@ -40,12 +41,12 @@ class WindowSettings:
         moving_share: at least this share of the vehicles moves.
     """
 
-    steps: int
-    radius: float
-    apart: float
-    focal_travel: float
-    fewest: int
-    moving_share: float
+    steps: Count
+    radius: Positive
+    apart: NotNegative
+    focal_travel: NotNegative
+    fewest: Count
+    moving_share: Share
 
 
 @dataclass(frozen=True)

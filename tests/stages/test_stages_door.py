@@ -52,7 +52,7 @@ def test_a_dotted_section_is_a_section_inside_a_section(tmp_path):
         (("  rate: 1\n", ""), r"work: 'rate' is missing"),
         (("rate: 1", "rate: fast"), r"work\.rate must be float, not 'fast'"),
         (("width: 3", "width: true"), r"work\.inner\.width must be int, not True"),
-        (("[a, b]", "[a, 1]"), r"work\.inner\.names must be str, not 1"),
+        (("[a, b]", "[a, 1]"), r"work\.inner\.names\[1\] must be str, not 1"),
         (("work:", "play:"), r"no section 'work'"),
     ],
 )
