@@ -40,9 +40,15 @@ def layout(centre: NDArray[np.floating], extent: float, *, image: bool, verdicts
         columns = rrb.TextLogColumns(timeline_columns=["time"], text_log_columns=["loglevel", "body"])
         side.append(rrb.TextLogView(origin="/verdicts", name="Checker's verdicts", columns=columns))
     shares = [3.0] * image + [2.0, 2.0] + [2.0] * verdicts
+    return playing(rrb.Horizontal(scene, rrb.Vertical(*side, row_shares=shares), column_shares=[5, 2]))
+
+
+def playing(views: rrb.Container) -> rrb.Blueprint:
+    """`views` alone, panels folded, time running again and again from the start."""
+    parts = rr.blueprint.components
     return rrb.Blueprint(
-        rrb.Horizontal(scene, rrb.Vertical(*side, row_shares=shares), column_shares=[5, 2]),
-        rrb.TimePanel(timeline="time", state="collapsed", play_state=rr.blueprint.components.PlayState.Playing),
+        views,
+        rrb.TimePanel(timeline="time", state="collapsed", play_state=parts.PlayState.Playing, loop_mode=parts.LoopMode.All),
         rrb.SelectionPanel(state="collapsed"),
         rrb.BlueprintPanel(state="collapsed"),
         auto_views=False,

@@ -15,7 +15,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from drivegen.recording import colours
-from drivegen.recording.blueprint import from_above
+from drivegen.recording.blueprint import from_above, playing
 from drivegen.recording.lines import flat, thinned
 from drivegen.recording.record import recording_of, view_of
 from drivegen.recording.roads import log_roads, log_signals, surroundings
@@ -37,13 +37,7 @@ def record_comparison(path: Path, scenario: Scenario, methods: Mapping[str, Samp
     views = [
         from_above(centre, extent, name, ["/world/roads/**", "/world/signals", f"/world/methods/{name}/**"]) for name in moving
     ]
-    show = rrb.Blueprint(
-        rrb.Grid(*views),
-        rrb.TimePanel(timeline="time", state="collapsed", play_state=rr.blueprint.components.PlayState.Playing),
-        rrb.SelectionPanel(state="collapsed"),
-        rrb.BlueprintPanel(state="collapsed"),
-        auto_views=False,
-    )
+    show = playing(rrb.Grid(*views))
     roads, signals = surroundings(scenario, list(moving.values()))
     with recording_of(path, f"{scenario.scenario_id}: methods side by side", show) as recording:
         log_roads(recording, roads)
