@@ -1,13 +1,14 @@
 """Language models as the command line finds them: params.yaml, and `--lm` and `--max-usd` over it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 from uuid import uuid4
 
 from pydantic import BaseModel, Field
+from rich.console import Console
 from typer import Option
 
 from drivegen.lm.ledger import FOLDER
@@ -51,6 +52,12 @@ def calling(command: str, name: str, words: str | None, max_usd: float | None) -
     asked = model(name, words, max_usd)
     with asked.ledger.kept(calls_of(command)):
         yield asked
+
+
+def announce(asked: LanguageModel, questions: Sequence[Prompt[Any]], answer_tokens: int) -> None:
+    """One line on stderr before the first call: calls, tokens and dollars of the questions known, and where the run stops."""
+    told = asked.forecast(questions, answer_tokens)
+    Console(stderr=True, soft_wrap=True, highlight=False, markup=False).print(f"estimate    {told}")
 
 
 def calls_of(command: str) -> Path:

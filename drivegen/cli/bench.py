@@ -10,8 +10,9 @@ from typer import Context, Exit, Option, Typer
 
 from drivegen import plugins
 from drivegen.bench import measure, unmeasured
-from drivegen.cli._lm import MaxUsd, Words, calling
+from drivegen.cli._lm import MaxUsd, Words, announce, calling
 from drivegen.cli._maps import MapMode, Mode, writer_of
+from drivegen.lm.prices import MAP_TOKENS
 from drivegen.maps.suite.cases import Case, first_try, outside_cases, own_cases
 from drivegen.maps.suite.table import STEPS, not_measured, published, seconds
 from drivegen.maps.suite.trials import tried
@@ -70,7 +71,9 @@ def maps(
         found.append(not_measured("language model"))
     else:
         with calling("bench-maps", "maps", lm, max_usd) as model:
-            found.append(_tried(plugins.load("maps.writers", writer_of(map_mode))(model), cases, seed))
+            writer = plugins.load("maps.writers", writer_of(map_mode))(model)
+            announce(model, writer.first_questions(case.text for case in cases), MAP_TOKENS)
+            found.append(_tried(writer, cases, seed))
     for one in found:
         _print(one)
     if json is not None:

@@ -10,16 +10,18 @@ from rich.console import Console
 from rich.progress import Progress
 from typer import BadParameter, Option
 
+from drivegen import plugins, seeds
 from drivegen.asked import language_model
 from drivegen.asked.reading import Reading
 from drivegen.av2.folder import read_folder
 from drivegen.cli import _project
-from drivegen.cli._lm import MaxUsd, Words, calling
+from drivegen.cli._lm import MaxUsd, Words, announce, calling
 from drivegen.equipment import Equipment
 from drivegen.errors import UnusableInput
 from drivegen.generators.base import Settings
 from drivegen.initialise import Initialiser
 from drivegen.lm.model import LanguageModel
+from drivegen.lm.prices import MAP_TOKENS, TRAFFIC_TOKENS
 from drivegen.make import Start, from_log, from_network, from_words, make, row, write_sample
 from drivegen.maps.build import NETWORK, build_map
 from drivegen.store.files import write_json
@@ -28,6 +30,9 @@ from drivegen.sumo.network import Network
 
 METRICS, MAP, TRAFFIC = "metrics.json", "map", "traffic.json"
 """Of a folder of generated scenarios: a row per sample, the road that was drawn from words, the traffic that they asked for."""
+
+_WRITER = "language_model"
+"""The file in drivegen/maps/writers that asks a language model for the road."""
 
 LARGEST = 128
 """Vehicles in a scenario at most."""
@@ -92,6 +97,8 @@ def _new(wanted: _Wanted, folder: Path, tools: Equipment, settings: Settings, co
     initial, seed = _project.initial(wanted.vehicles), wanted.seed
     table, gaps = _project.assets(), _project.gaps(initial)
     if words is None or not words.request:
+    if wanted.reader is not None:
+        _announce(wanted.reader, str(wanted.text), road=wanted.net is None)
         start = from_network(network, _as_id(name), source, table, initial, seed, gaps)
     else:
         initialiser = Initialiser(network, _as_id(name), source, table, initial, gaps)
@@ -111,6 +118,12 @@ def _road(wanted: _Wanted, words: Reading | None, folder: Path, console: Console
     net = wanted.net
     if net is not None:
         if not net.is_file():
+def _announce(reader: LanguageModel, text: str, *, road: bool) -> None:
+    """What the questions will cost: of the traffic, and of the road where the words describe that too."""
+    questions = [language_model.prompt(text), *(plugins.load("maps.writers", _WRITER)(reader).first_questions([text] * road))]
+    announce(reader, questions, (TRAFFIC_TOKENS + MAP_TOKENS * road) // len(questions))
+
+
             raise UnusableInput(f"{net} is no file: give a SUMO network (.net.xml, also gzipped)")
         if words is not None and not words.request:
             raise UnusableInput(f"no traffic that I know is described in {wanted.text!r}", reason="not-understood")
@@ -118,7 +131,7 @@ def _road(wanted: _Wanted, words: Reading | None, folder: Path, console: Console
             console.print(f"ignored: {words.rest}")
         return Network.read(net.read_bytes(), str(net)), net.name.split(".")[0], f"DriveGen ({net.name})"
     assert words is not None
-    writer = "offline" if wanted.reader is None else "language_model"
+    writer = "offline" if wanted.reader is None else _WRITER
     built = build_map(words.rest, wanted.seed, writer, folder=folder / MAP, model=wanted.reader)
     if ignored := built.account["ignored"]:
         console.print(f"ignored: {'; '.join(ignored)}")

@@ -8,9 +8,11 @@ from rich.console import Console
 from typer import Argument, BadParameter, Option, Typer
 from typer.core import TyperGroup
 
-from drivegen.cli._lm import MaxUsd, Words, calling
+from drivegen import plugins
+from drivegen.cli._lm import MaxUsd, Words, announce, calling
 from drivegen.cli._maps import MapMode, Mode, writer_of
 from drivegen.errors import UnusableInput
+from drivegen.lm.prices import MAP_TOKENS
 from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
 from drivegen.maps.imports import Window, import_map
 from drivegen.maps.opendrive import Extent, export_opendrive, read_back
@@ -131,6 +133,7 @@ def _drawn(text: str, seed: int, out: Path, lm: str | None, mode: Mode, max_usd:
         return build_map(text, seed, writer_of(mode), folder=out, model=model)
 
 
+        announce(model, plugins.load("maps.writers", writer_of(mode))(model).first_questions([text]), MAP_TOKENS)
 def _window(around: str | None, radius: float | None, junction: str | None) -> Window | None:
     if around is not None and junction is not None:
         raise BadParameter("give one of --around and --junction")

@@ -252,7 +252,9 @@ def test_a_full_disk_exits_1_and_leaves_nothing(run, small_disk, tmp_path, room)
 def test_what_a_model_was_asked_for_words_is_a_row_of_its_calls(run: Run, project: Path, tmp_path: Path) -> None:
     words = ("--map", "town centre.net.xml", "--text", "three cars", "--samples", "1", "--out", str(tmp_path / "asked"))
     with serving([Says("six lorries, or so")]) as server:
-        code, _ = run(*words, "--lm", f"openai:little-model@{server.url}")
+        code, said = run(*words, "--lm", f"openai:little-model@{server.url}")
         assert (code, len(server.requests)) == (0, 3)
+    assert "about 1 calls" in said
+    assert "dollars unknown" in said
     [file] = (project / FOLDER).glob("generate-*.parquet")
     assert pq.read_table(file)["outcome"].to_pylist() == ["asked again", "asked again", "invalid-answer"]

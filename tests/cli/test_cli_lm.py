@@ -1,6 +1,7 @@
 """Language models from the command line: estimates, the doctor's tiny call, a map by a model's hand."""
 
 import json
+import re
 from pathlib import Path
 
 import pyarrow.parquet as pq
@@ -12,6 +13,7 @@ from drivegen import cli
 from drivegen.cli import doctor
 from drivegen.errors import UnusableInput
 from drivegen.lm.ledger import FOLDER
+from drivegen.lm.prompt import OverBudget
 from drivegen.store.scenarios import write_shard
 from tests.lm.asking import settings
 from tests.lm.chat_server import Says, serving
@@ -105,6 +107,10 @@ def test_a_map_by_a_model_is_kept_and_drawn_again_without_it(project, tmp_path):
         assert len(server.requests) == 1
     assert sorted(row["replayed"] for row in calls_of("map")) == [False, True]  # a table for each run of the command
     assert (tmp_path / "a" / "map.net.xml").read_bytes() == (tmp_path / "b" / "map.net.xml").read_bytes()
+            [estimate] = [line for line in told.stderr.splitlines() if line.startswith("estimate")]
+            assert "about 1 calls" in estimate
+            assert "dollars unknown" in estimate
+            assert "stops at 1 dollars" in estimate
     with pytest.raises(UnusableInput, match="no backend"):
         drivegen("map", "a crossing", "--out", "c", "--lm", "nobody:x")
 
@@ -112,6 +118,18 @@ def test_a_map_by_a_model_is_kept_and_drawn_again_without_it(project, tmp_path):
 def test_a_model_may_write_the_xml_itself_and_is_measured_beside_the_offline_rules(project, tmp_path, monkeypatch):
     monkeypatch.delenv("DRIVEGEN_REAL_DATA", raising=False)
     nodes = '<nodes><node id="a" x="0" y="0"/><node id="b" x="300" y="0"/></nodes>'
+def test_the_estimate_stands_before_a_call_that_would_cost_too_much_and_is_not_made(project, tmp_path, monkeypatch):
+    monkeypatch.setenv("OPENAI_API_KEY", "sk-very-secret")
+    refused = CliRunner().invoke(
+        cli.build(["map"]), ["map", "a crossing", "--out", "a", "--lm", "openai:gpt-4o", "--max-usd", "1e-9"]
+    )
+    assert isinstance(refused.exception, OverBudget)
+    [estimate] = [line for line in refused.stderr.splitlines() if line.startswith("estimate")]
+    assert re.search(r"about 1 calls, \d+ tokens in, 500 out, dollars 0\.\d+.*stops at 1e-09 dollars", estimate)
+    assert not (tmp_path / "a").exists()
+    assert calls_of("map") == []
+
+
     edges = '<edges><edge id="ab" from="a" to="b" numLanes="2" speed="13.9"/></edges>'
     with serving([Says(json.dumps({"nodes": nodes, "edges": edges, "asked": {"lanes": 2}}))]) as server:
         model = f"openai:little-model@{server.url}"
