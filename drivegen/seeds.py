@@ -8,6 +8,9 @@ import hashlib
 
 import numpy as np
 
+LARGEST = 2**63 - 1
+"""Of a seed: larger ones do not fit the rows of tables."""
+
 
 def derive(seed: int, *words: str | int) -> int:
     """A 63-bit seed for the stream named by `words`; independent of PYTHONHASHSEED."""

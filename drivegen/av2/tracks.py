@@ -131,8 +131,10 @@ def _dense(
     place: str,
 ) -> Trajectories:
     columns = {name: tracks[name].to_numpy() for name in NUMBERS}
-    if not all(np.isfinite(values).all() for values in columns.values()):
-        raise UnusableInput(f"{place} has positions that are not numbers", reason="not-a-number")
+    for name, values in columns.items():
+        if len(bad := np.flatnonzero(~np.isfinite(values))):
+            where = f"column {name}, row {bad[0]}: {values[bad[0]]} is no number, nor are {len(bad) - 1} others"
+            raise UnusableInput(f"{place}, {where}", reason="not-a-number")
     motion = Trajectories.empty(*shape)
     cell = track * shape[1] + step
     valid, heading = motion.valid.reshape(-1), motion.heading.reshape(-1)

@@ -4,8 +4,10 @@ Only the command that is asked for is imported: the others' libraries cost secon
 when one of them is broken.
 """
 
+import errno
 import importlib
 import os
+import signal
 import sys
 
 import typer
@@ -14,10 +16,20 @@ from drivegen.errors import DriveGenError
 
 COMMANDS = ("map", "generate", "view", "estimate", "doctor", "bench")
 
+_REMEDIES = {
+    errno.ENOSPC: ": make room, or name another disk",
+    errno.EROFS: ": name a folder that can be written to",
+    errno.EACCES: ": name a place that you may use",
+    errno.ENAMETOOLONG: ": choose a shorter name",
+}
+
 
 def main() -> None:
     """The console script: whatever goes wrong is one sentence on stderr and an exit code, never a traceback."""
     os.environ.setdefault("RUST_LOG", "off")  # what fails in Rerun is told below, once
+    for stop in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(stop) == signal.SIG_DFL:  # who ignores one, as nohup does, goes on ignoring it
+            signal.signal(stop, _stopped)
     try:
         build(sys.argv[1:])()
     except DriveGenError as error:
@@ -26,7 +38,10 @@ def main() -> None:
         _leave(f"{error.name or 'a package'} cannot be imported: `drivegen doctor` says what to do", 1)
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
-        _leave(f"{where}{error.strerror or error}; nothing half-written was kept", 1)
+        what = (error.strerror or str(error)).splitlines()[0]
+        _leave(f"{where}{what}; nothing half-written was kept{_REMEDIES.get(error.errno or 0, '')}", 1)
+    except KeyboardInterrupt:
+        _leave("stopped; nothing half-written was kept", 128 + signal.SIGINT)
 
 
 def build(words: list[str]) -> typer.Typer:
@@ -46,8 +61,13 @@ def drivegen() -> None:
     """Traffic scenarios for autonomous driving: roads from words, traffic from goals, corner cases for a driver.
 
     Exit codes: 0 done; 1 failed (a missing tool or weights, a full disk); 2 the request was not understood or the
-    input is unusable.
+    input is unusable; 128 and a signal's number: stopped by it.
     """
+
+
+def _stopped(number: int, _: object) -> None:
+    """Leave as after Ctrl-C, so that what is half-written is removed."""
+    _leave("stopped; nothing half-written was kept", 128 + number)
 
 
 def _leave(sentence: str, code: int) -> None:

@@ -17,6 +17,7 @@ from drivegen.maps.suite.cases import Case, first_try, outside_cases, own_cases
 from drivegen.maps.suite.table import STEPS, not_measured, published, seconds
 from drivegen.maps.suite.trials import tried
 from drivegen.maps.writers.base import MapWriter
+from drivegen.seeds import LARGEST
 from drivegen.store.files import write_json
 
 command = Typer(rich_markup_mode=None)
@@ -60,7 +61,7 @@ def maps(
     outside: Annotated[
         Path | None, Option(metavar="DIR", help="A folder with map_prompts.jsonl and its judge check_map.py.")
     ] = None,
-    seed: Annotated[int, Option(help="What descriptions leave open is drawn from it.")] = 7,
+    seed: Annotated[int, Option(min=0, max=LARGEST, help="What descriptions leave open is drawn from it.")] = 7,
     every: Annotated[int, Option(min=1, help="Only every n-th description.")] = 1,
 ) -> None:
     """How often a map from words is the map that was asked for, by suite and by kind, for the offline rules and for --lm."""

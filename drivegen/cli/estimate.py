@@ -6,7 +6,6 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
-import pyarrow.parquet as pq
 from rich.console import Console
 
 from drivegen.asked import language_model
@@ -30,7 +29,7 @@ from drivegen.selectors._vlm_question import LIKELIEST, Case, Wording, about_sce
 from drivegen.selectors.vlm import LAYOUTS
 from drivegen.selectors.vlm import Settings as AskingSettings
 from drivegen.settings import build, read_section
-from drivegen.store.scenarios import read_shard, shards
+from drivegen.store.scenarios import count, read_shard, shards
 
 _SCENES = 3
 """Scenes whose questions about goals are really made; the others are taken to be like them."""
@@ -69,8 +68,8 @@ def _maps(settings: RoleSettings, asking: LanguageModel) -> list[str]:
 
 
 def _goals(settings: RoleSettings, asking: LanguageModel) -> list[str]:
-    if not _TEST.exists():
-        return [f"goals       no {_TEST} here: `make run` makes the scenes that would be asked about"]
+    if not shards(_TEST):
+        return [f"goals       no scenes in {_TEST}: `make run` makes the scenes that would be asked about"]
     asked = build(AskingSettings, read_section("goals.vlm"), "params.yaml: goals.vlm")
     scenes, total = _first_scenes()
     share = (total / len(scenes)) if scenes else 0.0
@@ -108,8 +107,8 @@ def _questions(
 
 
 def _corner_cases(settings: RoleSettings, asking: LanguageModel) -> list[str]:
-    if not _TEST.exists():
-        return [f"corner_cases  no {_TEST} here: `make run` makes the scenes that would be asked about"]
+    if not shards(_TEST):
+        return [f"corner_cases  no scenes in {_TEST}: `make run` makes the scenes that would be asked about"]
     corner, rounds = read_section("corner"), read_section("run")["rounds"]
     asked = build(AskingSettings, corner["vlm"], "params.yaml: corner.vlm")
     wording = replace(CORNER, instructions=CORNER.instructions + "\n" + _KNOWN)
@@ -125,7 +124,7 @@ def _corner_cases(settings: RoleSettings, asking: LanguageModel) -> list[str]:
 def _first_scenes() -> tuple[list[Scenario], int]:
     """A few test scenes, and how many there are."""
     found = shards(_TEST)
-    total = sum(pq.read_metadata(shard).num_rows for shard in found)  # a row is a scenario
+    total = sum(count(shard) for shard in found)
     return list(islice((scenario for shard in found for scenario in read_shard(shard)), _SCENES)), total
 
 

@@ -45,7 +45,7 @@ def command(
     text: Annotated[str | None, Option(help="A road and its traffic in words; with --map, the traffic alone.")] = None,
     samples: Annotated[int, Option(min=1, max=1000, help="Futures of the scenario.")] = 10,
     vehicles: Annotated[int, Option(min=1, max=LARGEST, help="Target and social vehicles together.")] = 16,
-    seed: Annotated[int, Option(min=0, help="Same seed, same bytes.")] = 7,
+    seed: Annotated[int, Option(min=0, max=seeds.LARGEST, help="Same seed, same bytes.")] = 7,
     lm: Words = None,
     max_usd: MaxUsd = None,
 ) -> None:
@@ -56,7 +56,7 @@ def command(
         raise BadParameter("--lm reads words: give --text")
     console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
     model = calling("generate", "maps", lm, max_usd) if lm is not None else nullcontext()
-    with whole_folder(out) as folder, model as reader, Progress(console=console, transient=True) as progress:
+    with whole_folder(out) as folder, model as reader, _progress(console) as progress:
         task = progress.add_task("reading", total=None)
         settings = _project.generation(scored=scenario is not None)
         tools = _project.equipment(settings)
@@ -69,6 +69,11 @@ def command(
         rows = [{**row(traffic, k), "seed": seed} for k in range(samples)]
         write_json(folder / METRICS, rows)
     console.print(f"{out}: {_summary(rows)}")
+
+
+def _progress(console: Console) -> Progress:
+    """Moves on a terminal; in a file it would be an empty line."""
+    return Progress(console=console, transient=True, disable=not console.is_terminal)
 
 
 def _logged(folder: Path, vehicles: int) -> Start:
@@ -92,13 +97,13 @@ class _Wanted:
 
 def _new(wanted: _Wanted, folder: Path, tools: Equipment, settings: Settings, console: Console) -> Start:
     """Vehicles on a network: as the words ask for, on the road that they describe where no network is given."""
+    if wanted.reader is not None:
+        _announce(wanted.reader, str(wanted.text), road=wanted.net is None)
     words = language_model.read(wanted.text, wanted.reader, wanted.seed) if wanted.text is not None else None
     network, name, source = _road(wanted, words, folder, console)
     initial, seed = _project.initial(wanted.vehicles), wanted.seed
     table, gaps = _project.assets(), _project.gaps(initial)
     if words is None or not words.request:
-    if wanted.reader is not None:
-        _announce(wanted.reader, str(wanted.text), road=wanted.net is None)
         start = from_network(network, _as_id(name), source, table, initial, seed, gaps)
     else:
         initialiser = Initialiser(network, _as_id(name), source, table, initial, gaps)
@@ -113,17 +118,17 @@ def _new(wanted: _Wanted, folder: Path, tools: Equipment, settings: Settings, co
     return start
 
 
-def _road(wanted: _Wanted, words: Reading | None, folder: Path, console: Console) -> tuple[Network, str, str]:
-    """The network, its name and where it is from; a road that was drawn from words is kept in `folder`."""
-    net = wanted.net
-    if net is not None:
-        if not net.is_file():
 def _announce(reader: LanguageModel, text: str, *, road: bool) -> None:
     """What the questions will cost: of the traffic, and of the road where the words describe that too."""
     questions = [language_model.prompt(text), *(plugins.load("maps.writers", _WRITER)(reader).first_questions([text] * road))]
     announce(reader, questions, (TRAFFIC_TOKENS + MAP_TOKENS * road) // len(questions))
 
 
+def _road(wanted: _Wanted, words: Reading | None, folder: Path, console: Console) -> tuple[Network, str, str]:
+    """The network, its name and where it is from; a road that was drawn from words is kept in `folder`."""
+    net = wanted.net
+    if net is not None:
+        if not net.is_file():
             raise UnusableInput(f"{net} is no file: give a SUMO network (.net.xml, also gzipped)")
         if words is not None and not words.request:
             raise UnusableInput(f"no traffic that I know is described in {wanted.text!r}", reason="not-understood")

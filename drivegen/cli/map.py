@@ -17,6 +17,7 @@ from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
 from drivegen.maps.imports import Window, import_map
 from drivegen.maps.opendrive import Extent, export_opendrive, read_back
 from drivegen.maps.refine import refine_map
+from drivegen.seeds import LARGEST
 from drivegen.store.files import whole
 from drivegen.sumo.network import read_network
 
@@ -53,7 +54,7 @@ def about() -> None:
 def words(
     text: Annotated[str, Argument(help='The road in words, e.g. "four-way crossing with signals, two lanes each way, 50 km/h".')],
     out: Annotated[Path, Option(help=f"Folder for {_FILES}.")],
-    seed: Annotated[int, Option(help="What the words leave open is drawn from it.")] = 7,
+    seed: Annotated[int, Option(min=0, max=LARGEST, help="What the words leave open is drawn from it.")] = 7,
     lm: Words = None,
     map_mode: MapMode = Mode.SPECIFICATION,
     max_usd: MaxUsd = None,
@@ -72,7 +73,7 @@ def words(
 
 @command.command("import")
 def bring(
-    file: Annotated[Path, Argument(help="A SUMO network (also gzipped), OpenStreetMap, OpenDRIVE or an Argoverse 2 map.")],
+    file: Annotated[Path, Argument(help="A SUMO network (also gzipped), OpenStreetMap, OpenDRIVE, an Argoverse 2 map or log.")],
     out: Annotated[Path, Option(help=f"Folder for {_FILES}.")],
     around: Annotated[str | None, Option(metavar="X,Y", help="Cut a window around this place [m, the network's frame].")] = None,
     radius: Annotated[
@@ -83,6 +84,7 @@ def bring(
 ) -> None:
     """Take a road network from a file, whole or a window of it."""
     window = _window(around, radius, junction)
+    file = _map_of(file) if file.is_dir() else file
     if not file.is_file():
         raise UnusableInput(f"{file} is no file: give a SUMO network, OpenStreetMap, OpenDRIVE or Argoverse 2 map")
     built = import_map(file.read_bytes(), str(file), window)
@@ -115,11 +117,12 @@ def export(
     if not source.is_file():
         raise UnusableInput(f"{source} is not there: make the map first")
     network = source.read_bytes()
+    there = Extent.of(read_network(network, str(source)))
     written = network if to is Form.SUMO else export_opendrive(network)
     with whole(out) as temporary:
         temporary.write_bytes(written)
     if to is Form.OPENDRIVE:
-        there, back = Extent.of(read_network(network, str(source))), read_back(written, str(out))
+        back = read_back(written, str(out))
         _tell("written", f"{out}: {there}")
         _tell("read back", f"{'the same lanes and ways' if back.holds(there) else 'not the same'}: {back}")
     else:
@@ -130,10 +133,18 @@ def _drawn(text: str, seed: int, out: Path, lm: str | None, mode: Mode, max_usd:
     if lm is None:
         return build_map(text, seed, folder=out)
     with calling("map", "maps", lm, max_usd) as model:
+        announce(model, plugins.load("maps.writers", writer_of(mode))(model).first_questions([text]), MAP_TOKENS)
         return build_map(text, seed, writer_of(mode), folder=out, model=model)
 
 
-        announce(model, plugins.load("maps.writers", writer_of(mode))(model).first_questions([text]), MAP_TOKENS)
+def _map_of(folder: Path) -> Path:
+    """The map of an Argoverse 2 log: beside the tracks of a scenario, in `map/` of a sensor log."""
+    found = [*folder.glob("log_map_archive_*.json"), *folder.glob("map/log_map_archive_*.json")]
+    if len(found) != 1:
+        raise UnusableInput(f"{folder} holds {len(found)} files log_map_archive_<id>.json: give a map's file, or a log's folder")
+    return found[0]
+
+
 def _window(around: str | None, radius: float | None, junction: str | None) -> Window | None:
     if around is not None and junction is not None:
         raise BadParameter("give one of --around and --junction")

@@ -22,7 +22,7 @@ EVERYTHING = Settings(target="focal", max_vehicles=128, first_step=0, horizon=10
 
 def command(
     scenario: Annotated[Path, Argument(help="A scenario folder in Argoverse 2's layout, or the folder of a sensor log.")],
-    out: Annotated[Path | None, Option(help="Write the recording here; else <id>.rrd in the current folder.")] = None,
+    out: Annotated[Path | None, Option(help="Write the recording here; else <folder>.rrd in the current folder.")] = None,
     show: Annotated[bool, Option(help="Open the viewer; without a screen only the file is written.")] = True,
 ) -> None:
     """Open the recording of SCENARIO; one that `drivegen generate` left there is taken, else it is made from the log."""
@@ -45,7 +45,7 @@ def _recorded(scenario: Path, out: Path | None) -> Path | None:
 def _record(scenario: Path, out: Path | None) -> Path:
     sensor = any(scenario.glob("annotations*.feather"))
     log = read_whole_log(scenario) if sensor else read_folder(scenario, f"log in {scenario.name}")
-    path = out or Path(f"{log.scenario_id}.rrd")
+    path = out or Path(f"{scenario.resolve().name}.rrd")  # not the id in the file, which may be anything
     record_scenario(path, select(log, EVERYTHING))
     return path
 

@@ -14,7 +14,7 @@ from drivegen.maps.structure import Structure
 from drivegen.maps.writers.base import MapWriter, Understanding
 from drivegen.render.map_picture import draw_map, encode_png
 from drivegen.roadmap import RoadMap
-from drivegen.store.files import whole, write_json
+from drivegen.store.files import as_json, write_together
 from drivegen.sumo.network import read_network
 
 if TYPE_CHECKING:
@@ -46,10 +46,9 @@ class BuiltMap:
         return all(c.passed for c in self.checks)
 
     def save(self, folder: Path) -> None:
-        """Write the three files into `folder`."""
-        _write(folder / NETWORK, self.network)
-        _write(folder / PICTURE, encode_png(draw_map(self.road_map, str(self.account.get("text", "")))))
-        write_json(folder / ACCOUNT, self.account)
+        """Write the three files into `folder`, all or none: those of an older map stay where they cannot be written."""
+        picture = encode_png(draw_map(self.road_map, str(self.account.get("text", ""))))
+        write_together(folder, {NETWORK: self.network, PICTURE: picture, ACCOUNT: as_json(self.account)})
 
 
 def build_map(
@@ -92,8 +91,3 @@ def _told(understanding: Understanding) -> dict[str, Any]:
         "ignored": list(understanding.ignored),
         "repairs": understanding.repairs,
     }
-
-
-def _write(path: Path, content: bytes) -> None:
-    with whole(path) as temporary:
-        temporary.write_bytes(content)

@@ -59,7 +59,7 @@ def import_map(raw: bytes, place: str, window: Window | None = None) -> BuiltMap
             raise UnusableInput(
                 f"{place} is no map: it holds <{root.tag}>; known are {known} and Argoverse 2", reason="not-a-map"
             )
-        network = data if root.tag == "net" else _converted(data, root.tag)
+        network = data if root.tag == "net" else _converted(data, root.tag, place)
     if window is not None:
         network = cut(network, place, window)
     road_map = read_network(network, place)
@@ -87,10 +87,13 @@ def cut(network: bytes, place: str, window: Window) -> bytes:
     return made
 
 
-def _converted(data: bytes, root: str) -> bytes:
-    if root == "OpenDRIVE":
-        return read_opendrive(data)
-    return convert({"in.xml": data}, ["--osm-files", "in.xml", *_OSM, "-o", "out.net.xml"], "out.net.xml", _TIMEOUT)
+def _converted(data: bytes, root: str, place: str) -> bytes:
+    try:
+        if root == "OpenDRIVE":
+            return read_opendrive(data)
+        return convert({"in.xml": data}, ["--osm-files", "in.xml", *_OSM, "-o", "out.net.xml"], "out.net.xml", _TIMEOUT)
+    except NetconvertRefused as refusal:
+        raise UnusableInput(f"{place}: {refusal}", reason=refusal.reason) from None
 
 
 def _centre(root: Element, place: str, window: Window) -> tuple[float, float]:

@@ -73,7 +73,8 @@ def refine(spec: MapSpec, text: str) -> tuple[MapSpec, tuple[tuple[str, str], ..
         return MapSpec.model_validate(fields), tuple(reading.notes)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        message = first["msg"].removeprefix("Value error, ")
+        field = str(first["loc"][-1]) if first["loc"] else ""
+        message = first["msg"].removeprefix("Value error, ").replace("Input should be", f"{field} must be")
         raise UnusableInput(f"after this edit the road cannot be drawn: {message}", reason="impossible-map") from None
 
 

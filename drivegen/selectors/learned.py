@@ -200,7 +200,8 @@ class Plugin(FirstFrameSelector):
             net.load_state_dict(load_file(folder / WEIGHTS))
             return cls(net, float(about.get("floor", 0.0)), known, str(about["described"]))
         except (ValueError, KeyError, TypeError, RuntimeError, SafetensorError) as error:
-            raise UnusableInput(f"{folder} holds no weights of a goal selector: {str(error).splitlines()[0]}") from None
+            what = str(error).splitlines()[0]
+            raise UnusableInput(f"{folder} holds damaged weights of a goal selector ({what}): train it again") from None
 
 
 class _Listwise:

@@ -1,9 +1,8 @@
 """Files are written whole or not at all, with the same bytes for the same content."""
 
-import errno
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -11,26 +10,58 @@ import orjson
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from drivegen.errors import UnusableInput
+
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """A temporary path beside `path` that takes its place when the block ends well, and is removed when it does not."""
-    if path.exists() and not path.is_file():
-        raise FileExistsError(errno.EEXIST, "is there and no plain file", str(path))  # never replace a device
-    path.parent.mkdir(parents=True, exist_ok=True)
+    """A temporary path beside `path` that takes its place when the block ends well, and is removed when it does not.
+
+    Raises UnusableInput where something else than a plain file is there, or `path` would lie in a file. An OSError, as from
+    a full disk, names `path`.
+    """
+    if path.exists() and not path.is_file():  # never replace a device
+        raise UnusableInput(f"{path} is there and no plain file: name another one", reason="not-a-file")
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    with naming(path, temporary):
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except (FileExistsError, NotADirectoryError):
+            raise UnusableInput(f"{path.parent} is there and no folder: name another one", reason="not-a-folder") from None
+        try:
+            yield temporary
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def naming(path: Path, temporary: Path) -> Iterator[None]:
+    """An OSError of the block names the file or folder that was asked for, not the temporary one, and never nothing."""
     try:
-        yield temporary
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+        yield
+    except OSError as error:
+        error.filename = str(error.filename or path).replace(str(temporary), str(path))
+        raise
+
+
+def write_together(folder: Path, contents: Mapping[str, bytes]) -> None:
+    """Files of one folder that belong together: none is replaced before all are written."""
+    with ExitStack() as stack:
+        for name, content in contents.items():
+            stack.enter_context(whole(folder / name)).write_bytes(content)
+
+
+def as_json(value: Any) -> bytes:
+    """Sorted, indented JSON; NumPy scalars and arrays are welcome, NaN becomes null."""
+    options = orjson.OPT_SORT_KEYS | orjson.OPT_INDENT_2 | orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_APPEND_NEWLINE
+    return orjson.dumps(value, option=options)
 
 
 def write_json(path: Path, value: Any) -> None:
-    """Sorted, indented JSON; NumPy scalars and arrays are welcome, NaN becomes null."""
-    options = orjson.OPT_SORT_KEYS | orjson.OPT_INDENT_2 | orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_APPEND_NEWLINE
+    """A file of `as_json`."""
     with whole(path) as temporary:
-        temporary.write_bytes(orjson.dumps(value, option=options))
+        temporary.write_bytes(as_json(value))
 
 
 def write_table(path: Path, table: pa.Table) -> None:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from drivegen.errors import UnusableInput
+from drivegen.store.files import naming
 
 
 @contextmanager
@@ -21,9 +22,13 @@ def whole_folder(path: Path) -> Iterator[Path]:
     if path.is_dir() and any(path.iterdir()):
         raise UnusableInput(f"{path} is not empty: name a new folder, or remove it first", reason="not-empty")
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    temporary.mkdir(parents=True)
-    try:
-        yield temporary
-        temporary.replace(path)
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+    with naming(path, temporary):
+        try:
+            temporary.mkdir(parents=True)
+        except (FileExistsError, NotADirectoryError):
+            raise UnusableInput(f"{path} would lie in a file: name another folder", reason="not-a-folder") from None
+        try:
+            yield temporary
+            temporary.replace(path)
+        finally:
+            shutil.rmtree(temporary, ignore_errors=True)

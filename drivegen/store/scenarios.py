@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 import orjson
 import pyarrow as pa
+import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from drivegen.errors import UnusableInput
 from drivegen.geometry import Polylines
 from drivegen.roadmap import RoadMap
 from drivegen.scenario import Actors, Scenario, Signals, Trajectories, Vehicles
@@ -99,6 +101,15 @@ def read_shard(path: Path) -> list[Scenario]:
     """
     shard = read_shard_table(path, KIND, VERSION)
     return [_scenario(shard, row) for row in range(shard.count)]
+
+
+def count(path: Path) -> int:
+    """Scenarios of a shard, by its footer alone. Raises UnusableInput, naming the file, if it is not whole."""
+    try:
+        return int(pq.read_metadata(path).num_rows)
+    except (pa.ArrowException, OSError) as error:
+        what = str(error).splitlines()[0]
+        raise UnusableInput(f"{path} is no whole shard ({what}): make it again", reason="truncated") from None
 
 
 def _scenario(shard: Shard, row: int) -> Scenario:

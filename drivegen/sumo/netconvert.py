@@ -100,5 +100,6 @@ def _run(command: list[str], folder: Path, home: Path, timeout: float) -> tuple[
 def _refusal(code: int, messages: list[str]) -> NetconvertRefused:
     if code < 0 or code >= 128:
         return NetconvertRefused("netconvert crashed on this network", messages, reason="netconvert-crashed")
-    first = messages[0].removeprefix("Error: ") if messages else "it gives no reason"
+    errors = [message.removeprefix("Error: ") for message in messages if message.startswith("Error: ")]
+    first = next(iter([*errors, *messages]), "it gives no reason")
     return NetconvertRefused(f"netconvert refuses this network: {first}", messages)

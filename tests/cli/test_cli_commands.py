@@ -3,10 +3,13 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 import rerun as rr
 
@@ -62,6 +65,18 @@ def test_view_takes_the_recording_that_lies_in_the_folder(folder, tmp_path):
     assert "made.rrd" in done.stdout
 
 
+def test_a_recording_lies_in_the_current_folder_whatever_the_log_calls_itself(folder, tmp_path):
+    tracks = folder / "scenario_scene-0.parquet"
+    table = pq.read_table(tracks)
+    names = pa.array(["../elsewhere/scene"] * len(table))
+    pq.write_table(table.set_column(table.column_names.index("scenario_id"), "scenario_id", names), tracks)
+    (tmp_path / "here").mkdir()
+    done = run("view", str(folder), "--no-show", cwd=tmp_path / "here")
+    assert done.returncode == 0, done.stderr
+    assert [p.name for p in (tmp_path / "here").iterdir()] == ["scene-0.rrd"]
+    assert not (tmp_path / "elsewhere").exists()
+
+
 def test_without_models_generate_says_who_makes_them(tmp_path):
     shutil.copy(Path(__file__).parents[2] / "params.yaml", tmp_path)
     done = run("generate", "--out", "o", "--text", "roundabout with four arms", cwd=tmp_path)
@@ -81,6 +96,9 @@ def test_without_models_generate_says_who_makes_them(tmp_path):
         (["generate", "--out", "o", "--map", "x", "--scenario", "y"], 2, "give exactly one of"),
         (["generate", "--out", "o", "--text", "roundabout with four arms"], 1, "change into the project's folder"),
         (["bench", "--only", "nothing"], 2, "no benchmark is called 'nothing'"),
+        (["generate", "--out", "o", "--text", "x", "--seed", str(2**63)], 2, "'--seed'"),
+        (["map", "roundabout with four arms", "--out", "o", "--seed", str(2**63)], 2, "'--seed'"),
+        (["map", "roundabout with four arms", "--out", "/dev/null"], 2, "/dev/null is there and no folder: name another one"),
     ],
 )
 def test_what_cannot_be_done_is_one_sentence_and_exit_code(tmp_path, words, code, sentence):
@@ -105,7 +123,31 @@ def test_a_full_disk_exits_1_and_leaves_nothing_half_written(tmp_path):
     assert done.returncode == 1, done.stderr
     assert done.stderr.startswith("drivegen: ")
     assert "nothing half-written was kept" in done.stderr
-    assert {file.name for file in (tmp_path / "m").iterdir()} <= {"map.net.xml", "map.json"}
+    assert "m/map.png" in done.stderr
+    assert not list((tmp_path / "m").iterdir())
+
+
+STOPPED = """
+import os, sys, time
+from pathlib import Path
+from drivegen.cli import generate, main
+number = int(sys.argv.pop())
+def stop(**_):
+    assert list(Path().glob(".o.*.part"))
+    os.kill(os.getpid(), number)
+    time.sleep(60)
+generate._project.generation = stop
+main()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+def test_a_command_that_is_stopped_leaves_nothing_half_written(tmp_path, number):
+    command = [sys.executable, "-c", STOPPED, "generate", "--text", "roundabout with four arms", "--out", "o", str(int(number))]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 128 + number
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())
 
 
 def test_map_writes_three_files_and_says_what_it_ignored(tmp_path):

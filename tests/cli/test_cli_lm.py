@@ -61,14 +61,17 @@ def test_estimate_prints_calls_tokens_and_dollars_and_asks_nobody(project):
 
 def test_estimate_covers_every_role_and_both_layouts_of_goals(project, tmp_path):
     told = drivegen("estimate", "--lm", "openai:gpt-4o").output
-    assert "no data/scenarios/test here" in told
-    assert "corner_cases  no data/scenarios/test here" in told
+    assert "no scenes in data/scenarios/test" in told
+    assert "corner_cases  no scenes in data/scenarios/test" in told
     own = yaml.safe_load((tmp_path / "params.yaml").read_text())
     whole = yaml.safe_load(PARAMS.read_text())
     (tmp_path / "params.yaml").write_text(yaml.safe_dump(own | {name: whole[name] for name in ("goals", "corner", "run")}))
     scenes = [busy_crossing(101, f"crossing-{i}") for i in range(4)]
     write_shard(tmp_path / "data" / "scenarios" / "test" / "shard-00000.parquet", scenes)
     told = drivegen("estimate", "--lm", "openai:gpt-4o").output
+    (tmp_path / "data" / "scenarios" / "test" / "shard-00001.parquet").write_bytes(b"PAR1")
+    with pytest.raises(UnusableInput, match=r"shard-00001\.parquet is no whole shard"):
+        drivegen("estimate", "--lm", "openai:gpt-4o")
     vehicles, scenario = (told.split(f"for goals, {layout}")[1].split() for layout in ("per_vehicle", "per_scenario"))
     assert 4 < int(vehicles[1]) <= 32  # a call a vehicle
     assert int(scenario[1]) == 4  # a call a scene
@@ -104,20 +107,17 @@ def test_a_map_by_a_model_is_kept_and_drawn_again_without_it(project, tmp_path):
         for folder in "ab":
             told = drivegen("map", "a crossing", "--out", folder, "--lm", model)
             assert "written by  language model little-model" in told.output
-        assert len(server.requests) == 1
-    assert sorted(row["replayed"] for row in calls_of("map")) == [False, True]  # a table for each run of the command
-    assert (tmp_path / "a" / "map.net.xml").read_bytes() == (tmp_path / "b" / "map.net.xml").read_bytes()
             [estimate] = [line for line in told.stderr.splitlines() if line.startswith("estimate")]
             assert "about 1 calls" in estimate
             assert "dollars unknown" in estimate
             assert "stops at 1 dollars" in estimate
+        assert len(server.requests) == 1
+    assert sorted(row["replayed"] for row in calls_of("map")) == [False, True]  # a table for each run of the command
+    assert (tmp_path / "a" / "map.net.xml").read_bytes() == (tmp_path / "b" / "map.net.xml").read_bytes()
     with pytest.raises(UnusableInput, match="no backend"):
         drivegen("map", "a crossing", "--out", "c", "--lm", "nobody:x")
 
 
-def test_a_model_may_write_the_xml_itself_and_is_measured_beside_the_offline_rules(project, tmp_path, monkeypatch):
-    monkeypatch.delenv("DRIVEGEN_REAL_DATA", raising=False)
-    nodes = '<nodes><node id="a" x="0" y="0"/><node id="b" x="300" y="0"/></nodes>'
 def test_the_estimate_stands_before_a_call_that_would_cost_too_much_and_is_not_made(project, tmp_path, monkeypatch):
     monkeypatch.setenv("OPENAI_API_KEY", "sk-very-secret")
     refused = CliRunner().invoke(
@@ -130,6 +130,9 @@ def test_the_estimate_stands_before_a_call_that_would_cost_too_much_and_is_not_m
     assert calls_of("map") == []
 
 
+def test_a_model_may_write_the_xml_itself_and_is_measured_beside_the_offline_rules(project, tmp_path, monkeypatch):
+    monkeypatch.delenv("DRIVEGEN_REAL_DATA", raising=False)
+    nodes = '<nodes><node id="a" x="0" y="0"/><node id="b" x="300" y="0"/></nodes>'
     edges = '<edges><edge id="ab" from="a" to="b" numLanes="2" speed="13.9"/></edges>'
     with serving([Says(json.dumps({"nodes": nodes, "edges": edges, "asked": {"lanes": 2}}))]) as server:
         model = f"openai:little-model@{server.url}"

@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from drivegen.av2.export import export_scenario
 from drivegen.cli import build, main
+from tests import scenes
 
 ROUND = "roundabout with four arms"
 
@@ -87,6 +89,8 @@ def test_opendrive_is_written_and_read(folder, tmp_path):
         (["refine", "nowhere", "add a lane"], "make the map first"),
         (["refine", "FOLDER", "sing me a song"], "no edit that I know"),
         (["export", "nowhere", "--to", "sumo", "--out", "x"], "make the map first"),
+        (["refine", "FOLDER", "limit 9999 km/h"], "speed must be less than or equal to"),
+        (["import", "FOLDER", "--out", "o"], "holds 0 files log_map_archive_<id>.json"),
         (["export", "FOLDER", "--to", "lanelet", "--out", "x"], "'lanelet'"),
     ],
 )
@@ -100,3 +104,32 @@ def test_what_cannot_be_done_is_one_sentence_and_exit_code_2(folder, tmp_path, m
     assert sentence in " ".join(capsys.readouterr().err.split())
     assert files(folder) == before
     assert not list(tmp_path.iterdir())
+
+
+def refused(monkeypatch, capsys, *words: str) -> str:
+    """What `drivegen map WORDS` says where it exits with 2."""
+    monkeypatch.setattr("sys.argv", ["drivegen", "map", *words])
+    with pytest.raises(SystemExit) as left:
+        main()
+    assert left.value.code == 2
+    return " ".join(capsys.readouterr().err.split())
+
+
+def test_what_netconvert_refuses_names_the_file(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "empty.osm").write_text("<osm></osm>")
+    assert "empty.osm: netconvert refuses" in refused(monkeypatch, capsys, "import", "empty.osm", "--out", "o")
+    (tmp_path / "m").mkdir()
+    (tmp_path / "m" / "map.net.xml").write_text("a town")
+    for form in ("sumo", "opendrive"):
+        assert "m/map.net.xml is not XML" in refused(monkeypatch, capsys, "export", "m", "--to", form, "--out", "o")
+    assert not (tmp_path / "o").exists()
+
+
+def test_an_argoverse_2_log_is_imported_by_its_folder(tmp_path):
+    road = scenes.straight_road()
+    log = scenes.stack([scenes.drive(road.centreline[0], 20.0, 8.0, 101)])
+    scene = export_scenario(scenes.scenario(road, log), log, tmp_path, "scene-0")
+    assert "Argoverse 2" in run("import", scene, "--out", tmp_path / "of-log")
+    run("import", scene / "log_map_archive_scene-0.json", "--out", tmp_path / "of-file")
+    assert files(tmp_path / "of-log")["map.net.xml"] == files(tmp_path / "of-file")["map.net.xml"]

@@ -1,5 +1,6 @@
 """Files are there whole or not at all, whatever happens while they are written."""
 
+import errno
 import os
 import signal
 import subprocess
@@ -11,7 +12,8 @@ import orjson
 import pyarrow as pa
 import pytest
 
-from drivegen.store.files import whole, write_json, write_table
+from drivegen.errors import UnusableInput
+from drivegen.store.files import whole, write_json, write_table, write_together
 
 TABLE = pa.table({"x": np.arange(50_000, dtype=np.float64)})
 
@@ -47,6 +49,7 @@ def test_an_error_in_the_middle_keeps_the_old_file_and_leaves_no_other(tmp_path)
 
 HANG_IN_THE_MIDDLE = """
 import pathlib, sys, time
+from drivegen.errors import UnusableInput
 from drivegen.store.files import whole
 with whole(pathlib.Path(sys.argv[1])) as part:
     part.write_bytes(b"half")
@@ -70,6 +73,7 @@ def test_a_killed_writer_leaves_nothing_that_is_taken_as_done(tmp_path):
 WRITE_TOO_MUCH = """
 import pathlib, resource, signal, sys
 import numpy as np, pyarrow as pa
+from drivegen.errors import UnusableInput
 from drivegen.store.files import write_table
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))  # stands in for a full disk
@@ -100,6 +104,37 @@ def test_readers_never_see_a_file_in_the_making(tmp_path):
 
 def test_what_is_no_plain_file_is_never_replaced(tmp_path):
     os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(FileExistsError, match="no plain file"):
+    with pytest.raises(UnusableInput, match="no plain file"):
         write_json(tmp_path / "pipe", 1)
     assert (tmp_path / "pipe").is_fifo()
+
+
+def test_a_path_through_a_file_is_told_as_such(tmp_path):
+    (tmp_path / "file").write_text("mine")
+    with pytest.raises(UnusableInput, match="file is there and no folder"):
+        write_json(tmp_path / "file" / "x.json", 1)
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_what_the_disk_says_names_the_file_that_was_asked_for(tmp_path):
+    def full() -> None:
+        with whole(tmp_path / "x.json"):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    with pytest.raises(OSError, match="No space left") as fault:
+        full()
+    assert fault.value.filename == str(tmp_path / "x.json")
+    with pytest.raises(OSError, match="too long") as fault, whole(tmp_path / ("x" * 300)) as temporary:
+        temporary.write_bytes(b"")
+    assert fault.value.filename == str(tmp_path / ("x" * 300))
+
+
+def test_of_files_that_belong_together_all_are_replaced_or_none(tmp_path):
+    write_together(tmp_path, {"a": b"1", "b": b"1"})
+    (tmp_path / "c").mkdir()
+    with pytest.raises(UnusableInput, match="no plain file"):
+        write_together(tmp_path, {"a": b"2", "b": b"2", "c": b"2"})
+    assert {name: (tmp_path / name).read_bytes() for name in "ab"} == {"a": b"1", "b": b"1"}
+    write_together(tmp_path, {"a": b"3", "b": b"3"})
+    assert (tmp_path / "b").read_bytes() == b"3"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "b", "c"]

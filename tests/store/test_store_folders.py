@@ -43,3 +43,17 @@ def test_what_is_there_is_neither_replaced_nor_mixed_with(tmp_path: Path):
         with pytest.raises(UnusableInput, match="name "), whole_folder(path):
             raise AssertionError("it must not come to this")
     assert [p.name for p in tmp_path.rglob("*")] == ["out", "mine"]
+
+
+def test_a_folder_in_a_file_is_refused_and_a_fault_names_the_folder_that_was_asked_for(tmp_path: Path):
+    (tmp_path / "file").write_text("mine")
+    with pytest.raises(UnusableInput, match="would lie in a file"), whole_folder(tmp_path / "file" / "out"):
+        raise AssertionError("it must not come to this")
+
+    def fill() -> None:
+        with whole_folder(tmp_path / "out") as folder:
+            raise OSError(28, "No space left on device", str(folder / "a"))
+
+    with pytest.raises(OSError, match="No space left") as fault:
+        fill()
+    assert fault.value.filename == str(tmp_path / "out" / "a")
