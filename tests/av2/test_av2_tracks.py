@@ -1,6 +1,5 @@
 """Argoverse 2 folders: what is exported is read back, and what is broken is refused."""
 
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,10 +15,11 @@ from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder, read_table
 from drivegen.av2.schema import COLUMNS, OBSERVED_STEPS, TrackCategory
 from drivegen.av2.signals import read_signals
-from drivegen.av2.tracks import read_log, track_table
+from drivegen.av2.tracks import FARTHEST, read_log, track_table
 from drivegen.errors import UnusableInput
 from drivegen.recorded import NO_TRACK
 from drivegen.scenario import Scenario, VehicleKind
+from tests.refusals import assert_one_sentence
 from tests.scenes import any_scenario, busy_crossing
 
 FIRST = ["observed", "track_id", "object_type", "object_category", "timestep"]
@@ -156,17 +156,25 @@ def test_tracks_of_static_objects_only_are_refused() -> None:
 
 @given(st.data())
 @settings(max_examples=40, deadline=None)
-def test_a_damaged_file_is_read_or_refused_but_never_crashes(
+def test_a_damaged_file_is_refused_by_its_name_or_is_a_log_within_bounds(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
+    scene = busy_crossing(4)
     path = tmp_path_factory.mktemp("damaged") / "scenario_x.parquet"
-    pq.write_table(table(busy_crossing(4)), path)
+    pq.write_table(table(scene), path)
     raw = bytearray(path.read_bytes())
     for place, value in data.draw(st.lists(st.tuples(st.integers(0, len(raw) - 1), st.integers(0, 255)), max_size=4)):
         raw[place] = value
     path.write_bytes(raw[: data.draw(st.integers(0, len(raw)))])
-    with suppress(UnusableInput):
-        read_log(read_table(path), busy_crossing(4).map, "test", str(path))
+    try:
+        log = read_log(read_table(path), scene.map, "test", str(path))
+    except UnusableInput as refusal:
+        assert_one_sentence(refusal, str(path))
+    else:
+        assert log.motion.valid.any()
+        assert np.abs(log.motion.position[log.motion.valid]).max() <= FARTHEST
+        assert np.abs(log.motion.heading).max() <= np.float32(np.pi)
+        assert len(log.track_id) == len(log.kind) == len(log.size) == len(log.motion.valid)
 
 
 def test_a_folder_without_its_files_says_what_is_missing(tmp_path: Path) -> None:

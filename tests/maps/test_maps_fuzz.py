@@ -11,7 +11,7 @@ import pytest
 from pydantic import ValidationError
 
 from drivegen import seeds
-from drivegen.errors import DriveGenError
+from drivegen.errors import DriveGenError, UnusableInput
 from drivegen.maps.build import build_spec
 from drivegen.maps.imports import import_map
 from drivegen.maps.refine import refine
@@ -20,6 +20,7 @@ from drivegen.maps.suite.cases import own_cases
 from drivegen.maps.writers._likeness import nearest
 from drivegen.maps.writers.offline import Plugin
 from tests.maps.mutants import COUNT, WATCH, at_most, mutated_bytes, mutated_spec, mutated_text
+from tests.refusals import assert_one_sentence
 
 SUITE = [case.text for case in own_cases()]
 
@@ -88,15 +89,29 @@ def test_mutated_edits_are_applied_or_refused(strayed: list[str]) -> None:
     rng = seeds.rng(7, "fuzz", "edits")
     edits = ["add a lane", "remove the signals", "make it a roundabout", "move the ramp 100 m downstream", "limit 30 km/h"]
     bases = [MapSpec.model_validate(fields) for fields in specs()]
+    applied = 0
     for i in range(5 * COUNT):
         edit = mutated_text(rng, edits[i % len(edits)])
         with at_most(), contextlib.suppress(DriveGenError):
-            assert isinstance(refine(bases[i % len(bases)], edit)[0], MapSpec)
+            after, understood = refine(bases[i % len(bases)], edit)
+            assert MapSpec.model_validate(after.model_dump()) == after
+            assert understood
+            applied += 1
+    assert 0 < applied < 5 * COUNT
 
 
 def test_mutated_files_are_imported_or_refused_and_leave_nothing_behind(strayed: list[str]) -> None:
     rng = seeds.rng(7, "fuzz", "files")
     network = build_spec(MapSpec.model_validate(specs()[0]), {}).network
+    whole, read = len(import_map(network, "whole.net.xml").road_map), 0
     for _ in range(2 * COUNT):
-        with at_most(), contextlib.suppress(DriveGenError):
-            import_map(mutated_bytes(rng, network), "mutant.net.xml").road_map.validate()
+        try:
+            with at_most():
+                found = import_map(mutated_bytes(rng, network), "mutant.net.xml")
+        except UnusableInput as refusal:
+            assert_one_sentence(refusal, "mutant.net.xml")
+            continue
+        found.road_map.validate()
+        assert 0 < len(found.road_map) <= whole
+        read += 1
+    assert 0 < read < 2 * COUNT

@@ -1,4 +1,3 @@
-import contextlib
 import gzip
 import importlib.util
 import os
@@ -14,6 +13,7 @@ from drivegen.errors import UnusableInput
 from drivegen.roadmap import NO_LANE, LaneControl, LaneKind
 from drivegen.scenario import SignalState
 from drivegen.sumo.network import Network, read_network
+from tests.refusals import assert_one_sentence
 from tests.sumo.nets import CROSS
 
 RAW = CROSS.encode()
@@ -151,9 +151,15 @@ def test_what_is_no_network_is_refused_with_file_and_reason(raw, reason):
 
 @settings(max_examples=50, deadline=None)
 @given(st.integers(0, len(RAW) - 1), st.integers(1, 40), st.binary(max_size=20))
-def test_a_damaged_network_is_read_or_refused_but_never_crashes(at, cut, put):
-    with contextlib.suppress(UnusableInput):
-        read_network(RAW[:at] + put + RAW[at + cut :], "damaged").validate()
+def test_a_damaged_network_is_refused_by_its_name_or_is_a_whole_map(at, cut, put):
+    try:
+        found = Network.read(RAW[:at] + put + RAW[at + cut :], "damaged")
+    except UnusableInput as refusal:
+        assert_one_sentence(refusal, "damaged")
+    else:
+        found.map.validate()
+        assert 0 < len(found.map) <= len(read_network(RAW, "whole"))
+        assert found.signals(np.arange(3.0)).state.shape == (len(found.signal_lane), 3)
 
 
 @pytest.mark.parametrize("path", ["game/A10KW/osm.net.xml", "game/fkk_in/ingolstadt.net.xml.gz", "game/square/square.net.xml"])
