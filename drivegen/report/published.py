@@ -35,6 +35,9 @@ _FLOOR = "constant_velocity"
 _OF_SETS = {"diversity_ratio": "diversity", "auc": "auc"}
 """Names in the details of an evaluation, and here: what only a whole set of scenes has. `distance.*` keep their names."""
 
+_COUNTS = ("agent_steps", "vehicles", "bandwidth.", "manoeuvre.", "label.")
+"""What evaluation counts on the way to its metrics: says how much was measured, not how well anybody did."""
+
 
 @dataclass(frozen=True)
 class Results:
@@ -94,15 +97,20 @@ def pool(data: DataSet, draws: int, rng: np.random.Generator) -> dict[str, dict[
 
 
 def rows(data: DataSet, pooled: Pooled) -> list[dict[str, Any]]:
-    """{data, method, metric, value, low, high, n, seeds, selector}: one number each; NaN is left out, not written."""
+    """{data, method, metric, value, low, high, n, seeds, selector}: one number each; neither NaN nor counts."""
     return [
         {
             "data": data.name, "method": method, "metric": metric, "value": found.value, "low": _finite(found.low),
             "high": _finite(found.high), "n": len(data.methods[method].scenarios), "seeds": len(data.seeds),
             "selector": data.methods[method].chosen_by,
         }
-        for method, metrics in pooled.items() for metric, found in metrics.items() if np.isfinite(found.value)
+        for method, metrics in pooled.items() for metric, found in metrics.items() if np.isfinite(found.value) and is_metric(metric)
     ]  # fmt: skip
+
+
+def is_metric(name: str) -> bool:
+    """Whether a row of an evaluation measures a method; false for what is only counted on the way."""
+    return not name.startswith(_COUNTS)
 
 
 def resampling_of(data: DataSet, draws: int, rng: np.random.Generator) -> Resampling:

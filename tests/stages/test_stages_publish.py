@@ -36,6 +36,7 @@ def run(place: Path, errors: dict[str, list[float]], scenes: list[str] = SCENES)
             name: np.array(error) * factor
             for name, factor in zip(("min_sade", "min_sfde", "mean_sade", "mean_sfde"), (1, 2, 3, 4), strict=True)
         }
+        values |= dict.fromkeys(("agent_steps", "vehicles", "bandwidth.nll_1s", "manoeuvre.left"), np.array(error))
         rows = result_rows(Run("x", "evaluate", method, "", 7, ""), scenes, values)
         write_results(metrics / f"quality/{method}.parquet", [rows])
         details = {"diversity_ratio": 0.9, "diversity_ratio.low": 0.8, "diversity_ratio.high": 1.0, "distance.speed": 0.5}
@@ -65,6 +66,7 @@ def test_every_figure_is_a_row_with_its_interval_and_who_chose(runs, tmp_path):
     assert mine["low"] < mine["value"] < mine["high"]
     assert (mine["n"], mine["seeds"], mine["selector"]) == (3, 2, "learned selector (imitates logs)")
     assert found["here", "drivegen", "diversity"]["low"] == 0.8
+    assert {metric for _, _, metric in found} == {"min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity", "distance.speed"}
 
 
 def test_tables_mark_the_under_trained_and_what_nobody_measured(runs, tmp_path):
