@@ -10,7 +10,7 @@ from pathlib import Path
 
 from drivegen.asked.offline import READER
 from drivegen.asked.start import Settings as AskedSettings
-from drivegen.asked.suite import Bench, offers, suite, summary
+from drivegen.asked.suite import Bench, held_out, offers, suite, summary
 from drivegen.assets.table import Table
 from drivegen.equipment import Equipment
 from drivegen.errors import MissingTool
@@ -59,7 +59,8 @@ def main(params: Params, maps: Path, assets: Path, models: Path, out: Path) -> d
         chosen = [fit[(number + i) % len(fit)] for i in range(min(params.per_request, len(fit)))]
         rows += [bench.row(request, name, initialisers[name]) for name in chosen]
     told = summary(rows)
-    write_json(out, {"requests": len(requests), "maps": there, "reader": READER, **told, "rows": rows})
+    of_suite = {"requests": len(requests), "maps": there, "reader": READER, "held_out": held_out()}
+    write_json(out, {**of_suite, **told, "rows": rows})
     read = f"{told['read_as_meant']} of {told['scenes']} read as meant"
     print(f"asked: {read}; {told['got']:.0%} of what was asked for was got")
     return {"scenes": float(len(rows))}

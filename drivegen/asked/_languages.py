@@ -7,7 +7,8 @@ _GERMAN_NUMBERS = {
     "acht": 8, "neun": 9, "zehn": 10, "elf": 11, "zwölf": 12, "fünfzehn": 15, "zwanzig": 20,
 }  # fmt: skip
 _GERMAN = {
-    r"(?:personenwagen|autos?|pkws?|wagen)": "cars", r"(?:lastwagen|lkws?|laster)": "trucks", r"bus(?:se|sen)?": "buses",
+    r"auto": "car", r"(?:personenwagen|autos|pkws?|wagen)": "cars", r"(?:lastwagen|lkws?|laster)": "trucks",
+    r"bus(?:se|sen)?": "buses",
     r"fahrzeuge?n?": "vehicles", r"(?:um|rund um) das (?:ziel|ego)fahrzeug(?: herum)?": "around the target",
     r"das (?:ziel|ego)fahrzeug": "the target",
     r"dichte[rmsn]? verkehr|dicht": "dense traffic", r"wenig verkehr|dünner verkehr": "sparse traffic",
@@ -27,10 +28,11 @@ _GERMAN_SIGN = re.compile(
 _GERMAN_SIDES = (
     (r"schert (?:von )?rechts ein", "cuts in from the right"),
     (r"schert (?:von )?links ein", "cuts in from the left"),
+    (r"biegt vor (?:uns|mir|dem (?:ziel|ego)fahrzeug) links ab", "turns left across our path"),
 )
 _GERMAN_PLACES = (
-    (r"vor dem (?:ziel|ego)fahrzeug", "ahead of the target"),
-    (r"hinter dem (?:ziel|ego)fahrzeug", "behind the target"),
+    (r"vor (?:uns|mir|dem (?:ziel|ego)fahrzeug)", "ahead of the target"),
+    (r"hinter (?:uns|mir|dem (?:ziel|ego)fahrzeug)", "behind the target"),
 )
 
 _CHINESE_SIGN = re.compile(r"[一-鿿]")
@@ -39,7 +41,9 @@ _CHINESE = {
     "目标车辆": " the target ", "目标车": " the target ", "本车": " the target ", "周围": " around ",
     "小汽车": " cars ", "轿车": " cars ",
     "汽车": " cars ", "卡车": " trucks ", "货车": " trucks ", "公交车": " buses ", "巴士": " buses ", "大客车": " buses ",
-    "车辆": " vehicles ", "前车": " the leading car ", "对向": " oncoming ", "左转": " turns left ", "右转": " turns right ",
+    "车辆": " vehicles ", "前车": " the leading car ", "前方车辆": " the leading vehicle ", "车流": " traffic ",
+    "车流密集": " dense traffic ", "车流稀疏": " sparse traffic ", "对向": " oncoming ",
+    "左转": " turns left ", "右转": " turns right ",
     "从右侧": " from the right ", "从左侧": " from the left ", "从右边": " from the right ", "从左边": " from the left ",
     "切入": " cuts in ", "加塞": " cuts in ", "急刹车": " brakes hard ", "急刹": " brakes hard ", "超车": " overtakes ",
     "停在前方": " stopped ahead ", "停着": " stopped ", "向左变道": " changes to the left lane ",

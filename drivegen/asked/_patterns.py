@@ -5,13 +5,14 @@ from drivegen.assets.where import Relation
 
 TARGET = (
     r"(?:(?:the|our|my|a) )?(?:(?:target|ego|subject|hero|tested)(?: (?:vehicle|car|truck|bus))?|self driving (?:vehicle|car)|"
-    r"own (?:vehicle|car))|us|me"
+    r"own (?:vehicle|car)|(?<=our )(?:car|vehicle)|(?<=my )(?:car|vehicle))|us|me"
 )
 KINDS = {
     Kind.CAR: r"(?:passenger )?cars?|sedans?|suvs?|taxis?|automobiles?|hatchbacks?|vans?|minivans?|pickups?",
     Kind.TRUCK: r"(?:semi ?|heavy |delivery )?trucks?|lorr(?:y|ies)|hgvs?|semis?|articulated lorr(?:y|ies)|trailers?",
     Kind.BUS: r"bus(?:es)?|coach(?:es)?|city bus(?:es)?",
-    Kind.VEHICLE: r"vehicles?|leaders?|followers?|tailgaters?|others?|1 of (?:them|these|the \w+)|one of (?:them|these|the \w+)",
+    Kind.VEHICLE: r"vehicles?|leaders?|followers?|tailgaters?|others?|somebody|someone"
+    r"|1(?= (?:on|to) (?:the|our|its) (?:left|right))|1 of (?:them|these|the \w+)|one of (?:them|these|the \w+)",
 }
 NOT_VEHICLES = r"(?! ?(?:lanes?|stops?|stations?|parks?|parking|wash|bays?|depots?|dealers?|ferr\w+|only|traffic))"
 """A noun before these is part of a road: "bus lane", "car park"."""
@@ -24,12 +25,13 @@ ADJECTIVES = (
     r"oncoming|opposing|stopped|stationary|parked|standing|stalled|broken down|immobile|slow(?:er)?(?: moving)?|fast(?:er)?|"
     r"lead|leading|front|preceding|rear|following|trailing|overtaking|passing|merging|big|large|small|heavy|other|more|"
     r"additional|further|social|background|surrounding|neighbou?ring|crossing|queued|queueing|waiting|left turning|"
-    r"right turning|cutting in|braking|moving|single|aggressive|double parked"
+    r"sports|right turning|cutting in|braking|moving|single|aggressive|double parked"
 )
 QUEUE_OF = r"(?:a |an |1 |the )?(?:queue|line|column|row|convoy|platoon|string|file)(?: of| with)"
 
 _OF_TARGET = rf"(?: (?:of|to|from|by|with)? ?(?:{TARGET}))?"
 _BY = r"(?:(?:in|on|to|of|at|into) )?(?:the |its |our )?"
+_AT_SIDE = r"(?:in|on|to|from) (?:the |its |our |my )?(?:lane (?:to|on) the )?"
 
 # The more special come first: what matches takes its words.
 PLACES = (
@@ -47,8 +49,13 @@ PLACES = (
     ),
     (Relation.FROM_LEFT, r"(?:coming|approaching|crossing|arriving|entering)(?: in)? from (?:the |its )?left(?: side)?"),
     (Relation.FROM_RIGHT, r"(?:coming|approaching|crossing|arriving|entering)(?: in)? from (?:the |its )?right(?: side)?"),
-    (Relation.LEFT, rf"(?:in|on|to|from) (?:the |its )?(?:lane (?:to|on) the )?left(?: hand)?(?: lane| side)?{_OF_TARGET}"),
-    (Relation.RIGHT, rf"(?:in|on|to|from) (?:the |its )?(?:lane (?:to|on) the )?right(?: hand)?(?: lane| side)?{_OF_TARGET}"),
+    (Relation.LEFT, rf"{_AT_SIDE}left(?: hand)?(?: lane| side)?{_OF_TARGET}"),
+    (Relation.RIGHT, rf"{_AT_SIDE}right(?: hand)?(?: lane| side)?{_OF_TARGET}"),
+    (
+        Relation.AHEAD,
+        rf"(?:that |which )?(?:we are|(?:{TARGET}) is) (?:following|behind|tailing)"
+        rf"|(?:in|on|blocking|obstructing) (?:our|my|the (?:target|ego)(?: vehicle)?s?) (?:lane|way|path)",
+    ),
     (Relation.AHEAD, rf"(?:directly |straight |right |just )?(?:ahead|in front|before(?= {TARGET}))(?: of)?(?: (?:{TARGET}))?"),
     (Relation.BEHIND, rf"(?:directly |right |just |close )?(?:behind|tailgating|following)(?: (?:{TARGET}))?"),
     (Relation.LEFT, rf"(?:alongside|beside|next to|abreast(?: of)?)(?: (?:{TARGET}))?"),
@@ -68,19 +75,22 @@ NOUN_PLACES = {"leader": Relation.AHEAD, "follower": Relation.BEHIND, "tailgater
 
 _SIDE = r"(?:in ?to |to |towards? )?(?:the |its |our )?"
 _J = r"the (?:crossing|junction|intersection)"
+_GOES = r"(?:turn(?:s|ing)?|go(?:es|ing)?|(?:mak|tak)(?:es?|ing) an?)(?: off)?(?: to the)?"
+_CHANGES = r"(?:chang|switch|mov|merg|drift|shift|slid|steer)\w*(?: (?:1 |a )?lanes?)?(?: over)?"
 MANOEUVRES = (
     (
         Manoeuvre.CUT_IN,
-        rf"cut(?:s|ting)?(?: \w+ly)? (?:in(?:to (?:the|our|its) lane)?|off)(?: (?:in front of|before|ahead of))?"
-        rf"(?: (?:{TARGET}))?"
+        rf"cut(?:s|ting)?(?: \w+ly)?(?: (?:{TARGET}))? (?:in(?:to (?:the|our|its) lane)?|off)"
+        rf"(?: (?:in front of|before|ahead of))?(?: (?:{TARGET}))?"
         rf"|(?:merg|pull|swerv|squeez|mov|chang|switch|veer)\w*(?: \w+ly)?(?: lanes?)?(?: in| over| out)?"
-        rf" (?:(?:in|right in|directly in) front of|ahead of|before|in ?to the lane of)(?: (?:{TARGET}))",
+        rf"(?: just| right| directly)? (?:in front of|ahead of|before|in ?to the lane of)(?: (?:{TARGET}))",
     ),
     (
         Manoeuvre.HARD_BRAKING,
         r"brak(?:es?|ing)(?: (?:very|extremely|so))? (?:hard|sharply|suddenly|heavily|abruptly|violently)(?: to a (?:stop|halt))?"
         r"|(?:suddenly|sharply|abruptly|hard) brak(?:es?|ing)|(?:hard|sudden|sharp|heavy|emergency|full|panic|abrupt) brak\w+"
-        r"|(?:emergency|panic|sudden|abrupt) stops?|slam\w* (?:on )?(?:the |its )?brakes?(?: on)?"
+        r"|(?:emergency|panic|sudden|abrupt) stops?"
+        r"|(?:slam|stamp|stomp|jump|step)\w* (?:hard )?(?:on )?(?:the |its )?brakes?(?: on)?"
         r"|(?:suddenly|abruptly) stop(?:s|ping)|stop(?:s|ping) (?:suddenly|abruptly)",
     ),
     (
@@ -91,28 +101,29 @@ MANOEUVRES = (
     (
         Manoeuvre.OVERTAKE,
         rf"(?:overtak(?:es?|ing)|pass(?:es|ing))(?: (?:{TARGET}))?(?: (?:on|from) the (?:left|right))?"
+        rf"|(?:speed|rac|driv|zoom|shoot|rush|sweep|go)\w* past(?: (?:{TARGET}))?(?: (?:on|from) the (?:left|right))?"
         rf"|undertak(?:es?|ing)(?: (?:{TARGET}))?",
     ),
     (
         Manoeuvre.TURN_LEFT_ACROSS,
-        rf"turn(?:s|ing)? left (?:across|in front of|through)(?: \w+){{0,3}}? (?:path|way|lane|target|ego|us)(?: at {_J})?",
+        rf"{_GOES} left(?: turn)? (?:across|in front of|through)(?: \w+){{0,3}}? (?:path|way|lane|target|ego|us)(?: at {_J})?",
     ),
     (
         Manoeuvre.TURN_LEFT,
-        rf"turn(?:s|ing)? (?:off )?(?:to the )?left(?: at {_J})?|left turning",
+        rf"{_GOES} left(?: turn)?(?! lane)(?: at {_J})?|left turning",
     ),
     (
         Manoeuvre.TURN_RIGHT,
-        rf"turn(?:s|ing)? (?:off )?(?:to the )?right(?: at {_J})?|right turning",
+        rf"{_GOES} right(?: turn)?(?! lane)(?: at {_J})?|right turning",
     ),
     (
         Manoeuvre.CHANGE_LEFT,
-        rf"(?:chang\w*|switch\w*|mov\w*|merg\w*)(?: lanes?)?(?: over)? {_SIDE}left(?: lane)?|(?:makes? )?(?:a )?left lane change"
+        rf"{_CHANGES} {_SIDE}left(?: lane)?|(?:makes? )?(?:a )?left lane change"
         r"|(?:makes? )?(?:a )?lane change to the left",
     ),
     (
         Manoeuvre.CHANGE_RIGHT,
-        rf"(?:chang\w*|switch\w*|mov\w*|merg\w*)(?: lanes?)?(?: over)? {_SIDE}right(?: lane)?"
+        rf"{_CHANGES} {_SIDE}right(?: lane)?"
         r"|(?:makes? )?(?:a )?right lane change|(?:makes? )?(?:a )?lane change to the right",
     ),
 )
@@ -124,11 +135,12 @@ EVENTS = (
 
 QUEUED = (
     r"(?:running |driving |moving |standing |waiting )?in (?:a |single )?(?:queue|line|file|convoy|column|platoon|row)"
-    r"|queue(?:d|ing)?(?: up)?|bumper to bumper|one behind (?:another|the other)|1 behind (?:another|the other)"
+    r"|queue(?:d|ing)?(?: up)?|lined up|bumper[ -]to[ -]bumper(?! traffic)"
+    r"|one behind (?:another|the other)|1 behind (?:another|the other)"
 )
 AROUND = rf"(?:all )?(?:around|near|nearby|close to|surrounding|in the vicinity of|about)(?: (?:{TARGET}))|nearby|surrounding"
 SECONDS = (
-    r"(?:(?:with)?in|after|during|at|no later than|before)(?: (?:the|less|than|about|around|first|next|only|just))*"
+    r"(?:(?:with)?in|after|during|at|no later than|before)(?: (?:the|less|than|about|around|first|next|only|just|under|at|most))*"
     r" (\d+(?:\.\d+)?) ?(?:s|secs?|seconds?)(?: from now| later)?"
 )
 DISTANCE = r"(?:(?:about|around|roughly|only|some|at|by|of) )*(\d+(?:\.\d+)?) ?(m|ft|yd)(?: away| long)?"
@@ -149,13 +161,14 @@ DENSITIES = (
         Density.DENSE,
         r"(?:with |in |very )*(?:dense|heavy|busy|congested|rush hour|crowded|thick|packed)(?: road)? traffic"
         r"|traffic (?:is |being )?(?:very )?(?:dense|heavy|busy|congested)|(?:very )?dense(?:ly packed)?|traffic jam|jammed"
+        r"|bumper[ -]to[ -]bumper traffic"
         r"|closely packed|tightly packed",
     ),
     (Density.MEDIUM, r"(?:with |in )*(?:medium|moderate|normal|average|ordinary)(?: density)?(?: of)? traffic|medium density"),
     (
         Density.SPARSE,
         r"(?:with |in |very )*(?:sparse|light|thin|little|low)(?: density)?(?: of)? traffic|traffic (?:is |being )?(?:very )?"
-        r"(?:sparse|light|thin)|(?:very )?sparse(?:ly)?",
+        r"(?:sparse|light|thin)|(?:very )?sparse(?:ly)?|(?:hardly any|barely any|scarcely any|almost no|next to no) traffic",
     ),
 )
 FILLERS = r"sharply|suddenly|slowly|moving|driving|travell?ing|going|approaching|coming|waiting|same|lane|there|traffic"

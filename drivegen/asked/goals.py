@@ -4,29 +4,33 @@ What the selector itself gives to those goals is kept beside it (`Choices.natura
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.asked.offered import HARD, HARDEST, offered
 from drivegen.asked.request import Manoeuvre
 from drivegen.asked.wishes import TARGET
 from drivegen.geometry import to_vehicle_frame, wrap_angle
-from drivegen.goals.candidates import NO_ROUTE, Candidates, manoeuvres
+from drivegen.goals.candidates import NO_ROUTE, Candidates
 from drivegen.goals.candidates import Manoeuvre as Way
-from drivegen.lanes.frenet import from_frenet, to_frenet
+from drivegen.lanes.frenet import to_frenet
 from drivegen.lanes.graph import LaneGraph
 from drivegen.lanes.line import SPACING, Route
 from drivegen.rollout import Choices
 from drivegen.scenario import DT, Scenario, SignalState
 from drivegen.selectors.base import Selector
 
-HARD = 3.0
-"""Who stops within its speed's square over twice this [m/s2] has to brake hard."""
+SETTLED, ROOM = 0.5, 20.0
+"""Who has changed lanes is so near [m] to the middle of the new one, and took at least so far [m] to get there."""
 
-HARDEST = 4.5
-"""Nobody is asked to brake harder than this [m/s2] on average."""
+BEHIND = 2.0
+"""Who follows somebody that brakes hard stops so far [m] behind it, bumper to bumper."""
+
+ABREAST = 3.0
+"""Who is to change lanes has nobody so near [m], bumper to bumper, in the lane that it changes to."""
 
 IN_LANE = 1.6
 """Who is within this of a route's line [m] is in its lane."""
@@ -74,7 +78,7 @@ class Ordered:
 
     Attributes:
         choices: `used` is zero for goals that do not realise a vehicle's duty. feasible: of each duty, whether a goal does so
-            without haste.
+            without haste, nobody is in the way at the first frame, and the target has a goal that lets it happen.
         natural: of each duty, the probability that the selector itself gives to the goals that do.
     """
 
@@ -85,31 +89,36 @@ class Ordered:
 
 def ordered(graph: LaneGraph, choices: Choices, selector: Selector, duties: Sequence[Duty]) -> Ordered:
     """The choices with each duty's vehicle bound to goals that realise it; a duty that no goal realises changes nothing."""
-    offered = list(choices.candidates)
+    there = list(choices.candidates)
     for duty in duties:
-        if duty.manoeuvre is Manoeuvre.HARD_BRAKING:
-            offered[duty.vehicle] = _with_stop(choices.scenario, duty.vehicle, offered[duty.vehicle])
+        there[duty.vehicle] = offered(choices.scenario, duty.vehicle, duty.manoeuvre, there[duty.vehicle])
     natural, used = list(choices.natural), list(choices.used)
-    if any(len(a) != len(b) for a, b in zip(offered, choices.candidates, strict=True)):
-        natural = selector.rank(graph, choices.scenario, offered)
+    if any(len(a) != len(b) for a, b in zip(there, choices.candidates, strict=True)):
+        natural = selector.rank(graph, choices.scenario, there)
         used = [_fitted(u, n) for u, n in zip(used, natural, strict=True)]
     feasible, mass = [], []
     for duty in duties:
-        calmly = realising(choices.scenario, offered, duty)
-        realises = calmly if calmly.any() else realising(choices.scenario, offered, duty, hastily=True)
-        feasible.append(bool(calmly.any()))
+        calmly = realising(choices.scenario, there, duty)
+        realises = calmly if calmly.any() else realising(choices.scenario, there, duty, hastily=True)
+        feasible.append(bool(calmly.any()) and _has_room(choices.scenario, duty))
         mass.append(float(natural[duty.vehicle][realises].sum()))
         used[duty.vehicle] = _bound(used[duty.vehicle], realises)
         if duty.vehicle != TARGET and not any(other.vehicle == TARGET for other in duties):
-            used[TARGET] = _bound(used[TARGET], _target_lets(offered[TARGET], choices.scenario, duty))
-    return Ordered(Choices(choices.scenario, offered, natural, used), tuple(feasible), tuple(mass))
+            lets = _target_lets(there[TARGET], choices.scenario, duty)
+            feasible[-1] = feasible[-1] and bool(lets.any())
+            used[TARGET] = _bound(used[TARGET], lets)
+    return Ordered(Choices(choices.scenario, there, natural, used), tuple(feasible), tuple(mass))
 
 
 def realising(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty, *, hastily: bool = False) -> NDArray[np.bool_]:
-    """(C,) which candidates of the duty's vehicle realise it; `hastily`, turns for which it would have to brake late, too."""
+    """(C,) which candidates of the duty's vehicle realise it.
+
+    `hastily`: also turns for which it would have to brake late, and changes of lane that are not finished.
+    """
     own = candidates[duty.vehicle]
     if duty.manoeuvre in _DIRECT:
-        return np.asarray(own.manoeuvre == _DIRECT[duty.manoeuvre])
+        changed = hastily | (duty.manoeuvre is Manoeuvre.STOPPED) | ((np.abs(own.d) < SETTLED) & (own.s > ROOM))
+        return np.asarray((own.manoeuvre == _DIRECT[duty.manoeuvre]) & changed)
     if duty.manoeuvre in TURNS:
         return _turning(scenario, candidates, duty, hastily)
     speed = float(scenario.vehicles.speed[duty.vehicle])
@@ -174,6 +183,17 @@ def keeping(candidates: Candidates) -> Route | None:
     return next((route for route in candidates.routes if route.lane_changes == 0), None)
 
 
+def _has_room(scenario: Scenario, duty: Duty) -> bool:
+    """Whether nobody drives beside a vehicle that is to change lanes, on the side that it changes to."""
+    if duty.manoeuvre not in (Manoeuvre.CHANGE_LEFT, Manoeuvre.CHANGE_RIGHT):
+        return True
+    vehicles, own = scenario.vehicles, duty.vehicle
+    x, y = to_vehicle_frame(vehicles.position, vehicles.position[own], vehicles.heading[own]).T
+    side = 1.0 if duty.manoeuvre is Manoeuvre.CHANGE_LEFT else -1.0
+    least = (vehicles.size[:, 0] + vehicles.size[own, 0]) / 2 + ABREAST
+    return not ((side * y > IN_LANE) & (side * y < 3 * IN_LANE) & (np.abs(x) < least)).any()
+
+
 def _pose(scenario: Scenario) -> tuple[Any, Any]:
     return scenario.vehicles.position[TARGET], scenario.vehicles.heading[TARGET]
 
@@ -181,6 +201,12 @@ def _pose(scenario: Scenario) -> tuple[Any, Any]:
 def _target_lets(own: Candidates, scenario: Scenario, duty: Duty) -> NDArray[np.bool_]:
     """(C,) goals of the target with which the other vehicle's manoeuvre means something: it drives on in its lane."""
     on = np.isin(own.manoeuvre, (Way.KEEP, Way.STOP))
+    way = keeping(own)
+    if duty.manoeuvre is Manoeuvre.HARD_BRAKING and way is not None:
+        ahead, beside = to_frenet(way, scenario.vehicles.position[duty.vehicle][None])[0]
+        stop = float(scenario.vehicles.speed[duty.vehicle]) ** 2 / (2 * HARDEST)
+        lengths = float(scenario.vehicles.size[[TARGET, duty.vehicle], 0].sum()) / 2
+        return np.asarray(on & ((own.s <= ahead + stop - lengths - BEHIND) | (abs(beside) > IN_LANE)))
     if duty.manoeuvre is Manoeuvre.OVERTAKE:
         pace = float(scenario.vehicles.speed[TARGET])
         return np.asarray(on & (own.s <= 1.05 * pace * scenario.horizon * DT))
@@ -202,34 +228,3 @@ def _fitted(used: NDArray[np.float32], natural: NDArray[np.float32]) -> NDArray[
         return used
     longer = np.concatenate([used, natural[len(used) :]]).astype(np.float64)
     return np.asarray(longer / longer.sum(), np.float32)
-
-
-def _with_stop(scenario: Scenario, vehicle: int, given: Candidates) -> Candidates:
-    """The candidates with one more at the end: a halt on the vehicle's own route after braking as hard as anybody is asked to."""
-    number = next((i for i, route in enumerate(given.routes) if route.lane_changes == 0), None)
-    speed = float(scenario.vehicles.speed[vehicle])
-    if number is None or speed < 1.0:
-        return given
-    route = given.routes[number]
-    s = min(speed**2 / (HARD + HARDEST), route.length)
-    d = float(given.offset[number])
-    position, heading = from_frenet(route, np.array([s]), np.array([d]))
-    row = {
-        "position": position[0],
-        "heading": heading[0],
-        "speed": 0.0,
-        "route": number,
-        "s": s,
-        "d": d,
-        "step": scenario.horizon,
-        "manoeuvre": manoeuvres(route, s, 0.0),
-        "lane": route.lane[min(int(s / SPACING), len(route.lane) - 1)],
-        "leaves_map": s > route.exit_s,
-        "prior": 0.0,
-    }
-    columns: dict[str, Any] = {name: _appended(getattr(given, name), value) for name, value in row.items()}
-    return replace(given, **columns)
-
-
-def _appended(column: NDArray[np.generic], value: object) -> NDArray[np.generic]:
-    return np.concatenate([column, np.asarray(value, column.dtype)[None]])

@@ -4,6 +4,7 @@ A description is cut at its vehicles: each noun with its number begins a phrase 
 the phrase is said of that vehicle. What no rule takes stays in the rest, for whoever reads the road.
 """
 
+import itertools
 import re
 from dataclasses import dataclass, field
 from typing import Any
@@ -70,6 +71,9 @@ class _Reader:
         phrases = self._phrases()
         for phrase in phrases:
             self._describe(phrase)
+        for before, phrase in itertools.pairwise(phrases):
+            if self.text.text[phrase.begin : phrase.end] == "1" and not before.target:  # "a car on our left, one on our right"
+                phrase.fields["kind"] = before.fields["kind"]
         self._density()
         self._speed_of_all(bool(phrases))
         target = {name: value for p in reversed(phrases) if p.target for name, value in p.fields.items()}
@@ -92,7 +96,7 @@ class _Reader:
 
     def _phrases(self) -> list[_Phrase]:
         """Vehicles in the order of the text; each one's phrase ends where the next begins, or with its sentence."""
-        targets = list(self.text.all(rf"(?:{words.TARGET})(?= (?:is|turn|chang|driv|brak|mov|mak|stop))"))
+        targets = list(self.text.all(rf"(?:{words.TARGET})(?= (?:is|turn|chang|driv|brak|mov|mak|tak|go|stop|switch|merg))"))
         found = [phrase for m in targets if (phrase := self._target_phrase(m)) is not None]
         for pattern in (_VEHICLES, _LEADER):
             found += [phrase for m in list(self.text.all(pattern)) if (phrase := self._vehicle_phrase(m)) is not None]

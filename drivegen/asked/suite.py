@@ -19,6 +19,7 @@ from drivegen.asked.account import Item, first_frame, manoeuvres
 from drivegen.asked.request import TrafficRequest
 from drivegen.asked.start import AskedStart, Settings, start
 from drivegen.assets.gaps import gaps_of
+from drivegen.assets.ways import Ways, turns
 from drivegen.equipment import Equipment
 from drivegen.errors import UnusableInput
 from drivegen.generate import roll_out
@@ -34,17 +35,40 @@ LEFT_TURN = np.deg2rad(35)
 
 @dataclass(frozen=True)
 class Request:
-    """One request: its words, what they mean, and what the road must offer for it: "any", "lanes" side by side, a "junction"."""
+    """One request.
+
+    Attributes:
+        text, means: its words, and what they mean. road: what it must offer: "any", "lanes" side by side, a "junction" with ways
+            that bend to the left, or a "crossing", where one turns left before those who come the other way (a ring has none).
+        held_out: written by somebody who had not read the rules, who then mended them.
+        first_try: of those held out, whether the rules understood it before they were mended.
+    """
 
     text: str
     means: TrafficRequest
     road: str
+    held_out: bool = False
+    first_try: bool | None = None
 
 
 def suite() -> list[Request]:
     """All requests."""
     rows = orjson.loads(files("drivegen.asked").joinpath("suite.json").read_bytes())
-    return [Request(row["text"], TrafficRequest.model_validate(row["means"]), row["road"]) for row in rows]
+    return [Request(**{**row, "means": TrafficRequest.model_validate(row["means"])}) for row in rows]
+
+
+def held_out() -> dict[str, int]:
+    """How many requests are held out, how many of them the rules understood at the first try, and how many now."""
+    rows = [request for request in suite() if request.held_out]
+    now = sum(_understood(request) for request in rows)
+    return {"requests": len(rows), "first_try": sum(bool(request.first_try) for request in rows), "now": now}
+
+
+def _understood(request: Request) -> bool:
+    try:
+        return as_meant(offline.read(request.text).request, request.means)
+    except UnusableInput:
+        return False
 
 
 def offers(road_map: RoadMap) -> set[str]:
@@ -54,6 +78,8 @@ def offers(road_map: RoadMap) -> set[str]:
         found.add("lanes")
     if any(_turn(road_map.centreline[lane]) > LEFT_TURN for lane in np.flatnonzero(road_map.in_junction).tolist()):
         found.add("junction")
+    if turns(road_map, Ways(road_map))[:, 0].any():
+        found.add("crossing")
     return found
 
 

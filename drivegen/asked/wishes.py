@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivegen.asked.request import MOST, Density, Group, Kind, Manoeuvre, TrafficRequest
-from drivegen.assets.where import FARTHEST, Relation, Wish
+from drivegen.assets.where import FARTHEST, Relation, Side, Wish
 from drivegen.errors import UnusableInput
 
 TARGET = 0
@@ -33,7 +33,7 @@ FASTER = 1.35
 TURNING = 5.5
 """Who turns begins no faster [m/s], unless a speed is asked for: a turn has to be braked for."""
 
-_TURNS = (Manoeuvre.TURN_LEFT, Manoeuvre.TURN_RIGHT, Manoeuvre.TURN_LEFT_ACROSS)
+_TURNS = {Manoeuvre.TURN_LEFT: Side.LEFT, Manoeuvre.TURN_RIGHT: Side.RIGHT, Manoeuvre.TURN_LEFT_ACROSS: Side.LEFT}
 
 _CALM_BRAKING, _STANDING_ROOM = 1.5, 10.0
 """The target could stop [m/s2] so far [m] before what stands ahead of it, centre to centre."""
@@ -82,7 +82,8 @@ def cast(request: TrafficRequest, densities: Mapping[str, Fill], vehicles: int, 
     Those with a wish come before those without, so that they find their places. Raises UnusableInput for an unknown density.
     """
     fill = _fill(request.density, densities)
-    kinds, wishes, group = [request.target_kind or Kind.CAR], [Wish(speed=_approach(request))], [-1]
+    own = Wish(speed=_approach(request), turn=_TURNS.get(request.target_does) if request.target_does else None)
+    kinds, wishes, group = [request.target_kind or Kind.CAR], [own], [-1]
     orders = [Order(TARGET, request.target_does, None)] if request.target_does else []
     ordered = sorted(range(len(request.groups)), key=lambda i: not _wished(request.groups[i]))
     for number in ordered:
@@ -122,8 +123,9 @@ def _wish(group: Group, which: int, number: int, speed: float | None, random: np
     own = group.speed if group.speed is not None else _about(speed, random)
     if group.queue and which > 0:  # the first of a queue ahead is its last vehicle, so that the target keeps its gap
         return Wish(beside=number - 1, ahead=group.place in (None, Relation.AHEAD), speed=group.speed)
-    place = group.place
+    place, turn = group.place, None
     if which == 0 and group.manoeuvre is not None:
+        turn = _TURNS.get(group.manoeuvre)
         place = _place(group.manoeuvre, place, random)
         if group.manoeuvre is Manoeuvre.STOPPED:
             own = 0.0
@@ -131,7 +133,7 @@ def _wish(group: Group, which: int, number: int, speed: float | None, random: np
             own = FASTER * speed
         if group.manoeuvre in _TURNS and own is None:
             own = TURNING
-    return Wish(relation=place or (Relation.AHEAD if group.queue else None), distance=group.distance, speed=own)
+    return Wish(relation=place or (Relation.AHEAD if group.queue else None), distance=group.distance, speed=own, turn=turn)
 
 
 def _approach(request: TrafficRequest) -> float | None:

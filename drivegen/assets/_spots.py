@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from drivegen.assets._scene import Scene
 from drivegen.assets.gaps import Draws
 from drivegen.assets.slots import SPACING
-from drivegen.assets.where import Wish, standing
+from drivegen.assets.where import Wish, standing, standing_to_turn
 
 QUEUE_GAP = (2.0, 8.0)
 """Gap [m], bumper to bumper, to the next in a standing queue ..."""
@@ -91,7 +91,8 @@ def wished_spots(
     slots = scene.slots
     if wish.beside is None:
         assert wish.relation is not None
-        stands = standing(slots, scene.slot[0], wish.relation, wish.distance)
+        turns = standing_to_turn(slots, scene.slot[0], wish) & fits
+        stands = turns if turns.any() else standing(slots, scene.slot[0], wish.relation, wish.distance)
         pace, spread = scene.speed[0], SIMILAR
     elif wish.beside in scene.number:
         next_to = scene.number.index(wish.beside)

@@ -18,7 +18,7 @@ from drivegen.assets._spots import Spots, any_spots, drawn_spots, wished_spots
 from drivegen.assets.gaps import Draws
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Provenance, Table
-from drivegen.assets.where import Wish, standing
+from drivegen.assets.where import Wish, before_turn, standing, standing_to_turn
 from drivegen.errors import UnusableInput
 from drivegen.roadmap import LaneKind
 from drivegen.scenario import SizeSource, VehicleKind, Vehicles
@@ -152,16 +152,21 @@ def _target(
     if speed is not None and (limit[feasible] >= speed).any():
         feasible = feasible[limit[feasible] >= speed]
     wanted = [wish for wish in wishes[1:] if wish.relation is not None]
+    if wishes[0].turn is not None and (turning := feasible[before_turn(slots, wishes[0].turn)[feasible]]).size:
+        feasible = turning
     if not wanted:
         return int(random.choice(feasible))
     tried = random.choice(feasible, min(_TARGETS, len(feasible)), replace=False)
-    met = [sum(bool(_places(slots, int(slot), wish).any()) for wish in wanted) for slot in tried]
+    met = [sum(_met(slots, int(slot), wish) for wish in wanted) for slot in tried]
     return int(tried[int(np.argmax(met))])
 
 
-def _places(slots: Slots, target: int, wish: Wish) -> NDArray[np.bool_]:
+def _met(slots: Slots, target: int, wish: Wish) -> int:
+    """How much of a wish has a place: 2 where it is met in full, 1 where only its turn is missing."""
     assert wish.relation is not None
-    return standing(slots, target, wish.relation, wish.distance)
+    if wish.turn is not None and standing_to_turn(slots, target, wish).any():
+        return 2
+    return int(standing(slots, target, wish.relation, wish.distance).any()) * (1 if wish.turn is not None else 2)
 
 
 def _with_road(slots: Slots, fits: NDArray[np.intp], wanted: float) -> NDArray[np.intp]:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.assets.ways import Ways
+from drivegen.assets.ways import Ways, turns
 from drivegen.geometry import arc_length, interpolate, line_heading
 from drivegen.roadmap import LaneControl, LaneKind, RoadMap
 
@@ -47,6 +47,7 @@ class Slots:
         lane: (Q,) int32. along: (Q,) float32 [m] from the lane's start. position: (Q, 2). heading: (Q,).
         limit: (Q,) float32 [m/s] speed from which one can still keep the limits, bends and stop lines ahead.
         road_ahead: (Q,) float64 [m] of lanes that can be driven from here without changing lanes, FAR at most.
+        to_turn: (Q, 2) [m] to the junction at which the lane leads into a turn to the left, right; inf where it does not.
         ways: driving distances between lanes. length: (L,) [m] of each lane. width: (L,) [m] the narrowest of each lane.
     """
 
@@ -65,6 +66,8 @@ class Slots:
         self.heading = np.concatenate([_headings(lines[lane], at) for lane, at in places] or [np.zeros(0)])
         self.limit = np.concatenate([profiles.speed(lane, at) for lane, at in places] or [np.zeros(0)])
         self.road_ahead = np.minimum((_road_from_start(road_map.links, self.length))[self.lane] - self.along, FAR)
+
+        self.to_turn = np.where(turns(road_map, self.ways)[self.lane], (self.length[self.lane] - self.along)[:, None], np.inf)
 
     def __len__(self) -> int:
         return len(self.lane)

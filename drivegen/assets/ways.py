@@ -7,11 +7,15 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import Floats, arc_length
+from drivegen.geometry import Floats, arc_length, line_heading, wrap_angle
 from drivegen.roadmap import RoadMap
 
 REACH = 120.0
 """How far ahead vehicles matter to each other [m]."""
+
+
+TURN = (np.deg2rad(50), np.deg2rad(130))
+"""A way across a junction that changes direction by as much is a turn [rad]; more is a U-turn."""
 
 
 class Ways:
@@ -57,3 +61,31 @@ class Ways:
             for after in following.get(here, []):
                 heapq.heappush(heap, (so_far + float(self.length[here]), after))
         return found
+
+
+def turns(road_map: RoadMap, ways: Ways) -> NDArray[np.bool_]:
+    """(L, 2) whether the junction at each lane's end can be left by a turn to the left, right.
+
+    A way round a ring is several junctions, none of them turned at: what leads round it is no turn.
+    """
+    found = np.zeros((len(road_map), 2), np.bool_)
+    low, high = TURN
+    for lane in np.flatnonzero(~road_map.in_junction).tolist():
+        arrives = line_heading(road_map.centreline[lane][-2:].astype(np.float64))[-1]
+        leaves = [line_heading(road_map.centreline[after][:2].astype(np.float64))[0] for after in _beyond(road_map, ways, lane)]
+        change = wrap_angle(np.array(leaves) - arrives)
+        found[lane] = ((change > low) & (change < high)).any(), ((-change > low) & (-change < high)).any()
+    return found
+
+
+def _beyond(road_map: RoadMap, ways: Ways, lane: int) -> list[int]:
+    """Lanes that a junction at the lane's end leads to."""
+    inside, seen, found = [i for i in ways.onward.get(lane, []) if road_map.in_junction[i]], set[int](), []
+    while inside:
+        here = inside.pop()
+        if not road_map.in_junction[here]:
+            found.append(here)
+        elif here not in seen:
+            seen.add(here)
+            inside += ways.onward.get(here, [])
+    return found

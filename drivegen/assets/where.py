@@ -30,6 +30,20 @@ _OPPOSITE_SIDE = 40.0
 """Oncoming vehicles are at most this far to the side of the target's heading [m]."""
 
 
+TURN_BEGINS = (6.0, 28.0)
+"""Who is to turn stands so far [m] before the junction: near enough to be round it within the scenario."""
+
+_BETWEEN = 8.0
+"""An oncoming vehicle that turns across the target's way does so this far [m] before the target at least."""
+
+
+class Side(StrEnum):
+    """To which side a vehicle turns at a junction."""
+
+    LEFT = "left"
+    RIGHT = "right"
+
+
 class Relation(StrEnum):
     """Where a vehicle stands, as seen from the target.
 
@@ -59,6 +73,7 @@ class Wish:
         relation: where it stands as seen from the target. distance: how far along the road, centre to centre [m].
         beside: it stands next in a queue to the vehicle of this number: behind it, or `ahead` of it; then it has no relation.
         speed: at the first frame [m/s], as far as the road allows.
+        turn: it stands where its lane soon leads into a turn to that side, if any of the places wished for is such.
     """
 
     relation: Relation | None = None
@@ -66,11 +81,34 @@ class Wish:
     beside: int | None = None
     ahead: bool = False
     speed: float | None = None
+    turn: Side | None = None
 
     @property
     def stands(self) -> bool:
         """Whether it is wished where the vehicle stands."""
         return self.relation is not None or self.beside is not None
+
+
+def before_turn(slots: Slots, side: Side) -> NDArray[np.bool_]:
+    """(Q,) which slots lie just before a junction at which their lane leads into a turn to `side`."""
+    away = slots.to_turn[:, 0 if side is Side.LEFT else 1]
+    return np.asarray((away >= TURN_BEGINS[0]) & (away <= TURN_BEGINS[1]))
+
+
+def standing_to_turn(slots: Slots, target: int, wish: Wish) -> NDArray[np.bool_]:
+    """(Q,) which slots stand as wished in relation to the slot `target` and just before the wished turn, if any.
+
+    Who comes towards the target and turns left does so at a junction between the two.
+    """
+    assert wish.relation is not None
+    stands = standing(slots, target, wish.relation, wish.distance)
+    if wish.turn is None:
+        return stands
+    stands = stands & before_turn(slots, wish.turn)
+    if wish.relation is Relation.ONCOMING and wish.turn is Side.LEFT:
+        x = to_vehicle_frame(slots.position, slots.position[target], slots.heading[target])[:, 0]
+        stands = stands & (x > slots.to_turn[:, 0] + _BETWEEN)
+    return np.asarray(stands)
 
 
 def standing(slots: Slots, target: int, relation: Relation, distance: float | None) -> NDArray[np.bool_]:

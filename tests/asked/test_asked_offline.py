@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from drivegen.asked import language_model, offline
 from drivegen.asked.request import Density, Group, Kind, Manoeuvre, TrafficRequest
-from drivegen.asked.suite import as_meant, suite
+from drivegen.asked.suite import as_meant, held_out, suite
 from drivegen.assets.where import Relation
 from drivegen.errors import UnusableInput
 from drivegen.maps.build import build_map
@@ -122,3 +122,10 @@ def test_a_language_model_answers_with_the_same_type_and_the_rules_stand_in_for_
     assert read.request.vehicles == 3
     assert read.reader == f"{offline.READER}, for the language model little-model failed: invalid-answer"
     assert asked.ledger.outcomes == {"asked again": 2, "invalid-answer": 1}
+
+
+def test_held_out_requests_say_how_they_fared_before_the_rules_were_mended():
+    told = held_out()
+    assert told["first_try"] < told["requests"]  # a suite that was passed at once would hold nothing out
+    assert told["now"] >= told["first_try"]
+    assert all((request.first_try is None) != request.held_out for request in suite())

@@ -8,16 +8,18 @@ import pytest
 from drivegen.asked import offline
 from drivegen.asked.account import first_frame, manoeuvres
 from drivegen.asked.achieved import BRAKING, does
-from drivegen.asked.goals import ACROSS, ROUND, Duty, keeping, realising
+from drivegen.asked.goals import ACROSS, ROOM, ROUND, SETTLED, Duty, keeping, ordered, realising
+from drivegen.asked.offered import HARDEST
 from drivegen.asked.request import Manoeuvre
 from drivegen.asked.start import Settings, start
 from drivegen.asked.suite import Bench, offers, suite, summary
 from drivegen.asked.wishes import TURNING, Fill, cast
 from drivegen.assets.table import build_table
+from drivegen.assets.where import TURN_BEGINS
 from drivegen.equipment import Equipment
 from drivegen.errors import UnusableInput
 from drivegen.generators.base import Settings as GeneratorSettings
-from drivegen.geometry import wrap_angle
+from drivegen.geometry import rotate, wrap_angle
 from drivegen.initialise import Initialiser
 from drivegen.initialise import Settings as InitialSettings
 from drivegen.lanes.frenet import to_frenet
@@ -49,10 +51,10 @@ def tools(models) -> tuple[Equipment, GeneratorSettings]:
     return Equipment.open(models, generation.planner, "learned"), generation
 
 
-def begun(initialiser, tools, words, seed=3):
+def begun(initialiser, tools, words, seed=3, settings=SETTINGS):
     equipment, generation = tools
     request = offline.read(words).request
-    return request, start(initialiser, "asked", request, SETTINGS, 4, equipment.selector, generation, seed)
+    return request, start(initialiser, "asked", request, settings, 4, equipment.selector, generation, seed)
 
 
 def test_everybody_stands_as_asked_and_what_was_got_is_told(initialiser, tools):
@@ -209,3 +211,53 @@ def test_a_goal_in_the_middle_of_a_turn_across_the_targets_way_does_not_realise_
     bound = made.ordered.choices.used[duty.vehicle] > 0
     assert (np.sign(ends[bound]) == -np.sign(began)).all()
     assert (np.abs(ends[bound]) > ACROSS).all()
+
+
+@pytest.mark.parametrize(("words", "side"), [("the target turns left", 0), ("a car ahead turns right", 1)])
+def test_who_turns_stands_just_before_a_turn(junction, words, side):
+    made = turning_start(junction, words)
+    [duty] = made.duties
+    own = made.ordered.choices.candidates[duty.vehicle]
+    [turns] = [r for r in own.routes if (r.turned[-1] > 0.9, r.turned[-1] < -0.9)[side]][:1]
+    begins = int(np.argmax(np.abs(turns.turned) > 0.05))  # a point every metre
+    assert TURN_BEGINS[0] - 2 <= begins <= TURN_BEGINS[1] + 8
+
+
+def test_a_ring_is_no_crossing():
+    ring = MapSpec.model_validate({"road": {"kind": "roundabout", "arms": [{"angle": angle} for angle in (0, 90, 180, 270)]}})
+    assert "crossing" not in offers(Network.read(compile_map(ring), "ring").map)
+
+
+def test_who_is_to_change_lanes_is_offered_places_that_it_has_settled_at(initialiser, tools):
+    _, made = begun(initialiser, tools, "a car in the left lane changes to the right lane")
+    [duty] = made.duties
+    own, used = made.ordered.choices.candidates[duty.vehicle], made.ordered.choices.used[duty.vehicle]
+    assert len(own) > len(made.free.candidates[duty.vehicle])
+    assert len(made.ordered.choices.natural[duty.vehicle]) == len(used) == len(own)
+    assert (np.abs(own.d[used > 0]) < SETTLED).all()
+    assert (own.s[used > 0] > ROOM).all()
+
+
+def test_nobody_drives_beside_who_is_to_change_lanes(initialiser, tools):
+    words = "a car in the left lane changes to the right lane"
+    _, made = begun(initialiser, tools, words, settings=replace(SETTINGS, starts=12))
+    assert made.ordered.feasible == (True,)
+    [duty] = made.duties
+    vehicles = made.scenario.vehicles
+    at = vehicles.position[duty.vehicle] + rotate(np.array([0.0, -3.7]), vehicles.heading[duty.vehicle])
+    beside = replace(made.scenario, vehicles=replace(vehicles, position=np.concatenate([at[None], vehicles.position[1:]])))
+    choices = replace(made.free, scenario=beside)
+    bound = ordered(LaneGraph.of(beside.map), choices, tools[0].selector, made.duties)
+    assert bound.feasible == (False,)
+
+
+def test_the_target_stops_behind_who_brakes_hard(initialiser, tools):
+    _, made = begun(initialiser, tools, "the lead vehicle brakes hard")
+    assert made.ordered.feasible == (True,)
+    [duty] = made.duties
+    target, vehicles = made.ordered.choices.candidates[0], made.scenario.vehicles
+    ahead = float(to_frenet(keeping(target), vehicles.position[duty.vehicle][None])[0, 0])
+    halt = ahead + float(vehicles.speed[duty.vehicle]) ** 2 / (2 * HARDEST)
+    lets = made.ordered.choices.used[0] > 0
+    assert lets.sum() < len(target)
+    assert (target.s[lets] < halt - vehicles.size[[0, duty.vehicle], 0].mean()).all()

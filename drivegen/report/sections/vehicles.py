@@ -38,7 +38,14 @@ def _kinds(asked: Mapping[str, Any]) -> Table:
     rows = [_kind(name, reader, values) for name, values in asked["kinds"].items() if name != "misread"]
     read = f"{asked['read_as_meant']} of {asked['scenes']} readings of {asked['requests']} requests were as meant; "
     placed = f"{asked['vehicles_placed']} of {asked['vehicles_asked']} vehicles were placed."
-    return Table("asked", "Traffic in words", _HEADS, tuple(rows), (read + placed, *_NOTES))
+    held = asked.get("held_out")
+    unseen = (
+        f"Of {held['requests']} held out, written before the rules were read, {held['first_try']} were read as meant at the "
+        f"first try and {held['now']} after the rules were mended."
+        if isinstance(held, Mapping)
+        else ""
+    )
+    return Table("asked", "Traffic in words", _HEADS, tuple(rows), (read + placed, *filter(None, [unseen]), *_NOTES))
 
 
 def _kind(name: str, reader: str, values: Mapping[str, Any]) -> Any:
