@@ -104,7 +104,8 @@ def rows(data: DataSet, pooled: Pooled) -> list[dict[str, Any]]:
             "high": _finite(found.high), "n": len(data.methods[method].scenarios), "seeds": len(data.seeds),
             "selector": data.methods[method].chosen_by,
         }
-        for method, metrics in pooled.items() for metric, found in metrics.items() if np.isfinite(found.value) and is_metric(metric)
+        for method, metrics in pooled.items() for metric, found in metrics.items()
+        if is_metric(metric) and np.isfinite(found.value)
     ]  # fmt: skip
 
 
