@@ -58,6 +58,11 @@ class SceneCounts:
     manoeuvres: Floats
     close_call: Floats
 
+    @property
+    def encounters(self) -> Floats:
+        """(2,) number of pairs that have a post-encroachment time."""
+        return np.asarray(self.numbers[list(RANGES).index("post_encroachment")].sum(axis=1))
+
 
 def scene_counts(features: Features) -> SceneCounts:
     """Counts of one scene; `features` are K samples and, last, the log."""
@@ -65,7 +70,7 @@ def scene_counts(features: Features) -> SceneCounts:
     weights = (1.0, 1.0 / (len(features.edge) - 1))
     numbers = np.stack(
         [
-            np.stack([w * _counts(v[name], low, high) for v, w in zip(values, weights, strict=True)])
+            np.stack([w * binned(v[name], low, high) for v, w in zip(values, weights, strict=True)])
             for name, (low, high) in RANGES.items()
         ]
     )
@@ -96,7 +101,8 @@ def _values(features: Features) -> dict[str, NDArray[np.float32]]:
     }
 
 
-def _counts(values: NDArray[np.float32], low: float, high: float) -> Floats:
+def binned(values: NDArray[np.floating], low: float, high: float) -> Floats:
+    """Counts (BINS,) of values over [low, high]; those beyond go to the end bins."""
     number = np.clip(((values - low) * (BINS / (high - low))).astype(np.int64), 0, BINS - 1)
     return np.bincount(number, minlength=BINS).astype(np.float64)
 
@@ -123,13 +129,23 @@ def _shares(counts: Floats) -> Floats:
 
 def distances(scenes: Sequence[SceneCounts], draws: int, rng: np.random.Generator) -> dict[str, Interval]:
     """Distances over all scenes, by name, with bootstrap intervals that resample scenes."""
-    times = rng.multinomial(len(scenes), np.full(len(scenes), 1 / len(scenes)), size=draws).astype(np.float64)
-    out = {}
-    for q, (name, (low, high)) in enumerate(RANGES.items()):
-        counts = np.stack([scene.numbers[q] for scene in scenes])
-        out[name] = _interval(*(wasserstein(drawn, low, high) for drawn in _resampled(counts, times)))
+    times = resamplings(len(scenes), draws, rng)
+    out = {
+        name: distance(np.stack([scene.numbers[q] for scene in scenes]), low, high, times)
+        for q, (name, (low, high)) in enumerate(RANGES.items())
+    }
     counts = np.stack([scene.manoeuvres for scene in scenes])
     return out | {"manoeuvres": _interval(*(jensen_shannon(drawn) for drawn in _resampled(counts, times)))}
+
+
+def resamplings(scenes: int, draws: int, rng: np.random.Generator) -> Floats:
+    """How often each scene (D, S) comes in each bootstrap draw."""
+    return rng.multinomial(scenes, np.full(scenes, 1 / scenes), size=draws).astype(np.float64)
+
+
+def distance(counts: Floats, low: float, high: float, times: Floats) -> Interval:
+    """Wasserstein-1 distance of histograms (S, 2, BINS) over [low, high] added up over scenes, with its interval."""
+    return _interval(*(wasserstein(drawn, low, high) for drawn in _resampled(counts, times)))
 
 
 def _resampled(counts: Floats, times: Floats) -> tuple[Floats, Floats]:

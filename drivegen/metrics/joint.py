@@ -67,6 +67,7 @@ def scene_joint(scenario: Scenario, log: Trajectories, features: Features, boxes
         "joint.collision": _collisions(boxes, count),
         "shuffled.collision": _collisions(apart_boxes, count),
         "shuffled.close_call": float(counts.close_call[1]),
+        "shuffled.encounters": float(counts.encounters[1]),
         "shuffled.energy_joint": energy[1],
         "joint.energy_gain": energy[1] - energy[0],
     }

@@ -75,6 +75,8 @@ def score(
         **joint.metrics,
         "close_call": float(counts.close_call[1]),
         "close_call_log": float(counts.close_call[0]),
+        "encounters": float(counts.encounters[1]),
+        "encounters_log": float(counts.encounters[0]),
         "attempts": float(samples.attempts.mean()),
         "rejected": float(1 - samples.attempts.size / max(int(samples.attempts.sum()), samples.attempts.size)),
         "agent_steps": float(scored_steps(log).sum()),

@@ -83,4 +83,5 @@ def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:
     text = f"{value:.{digits}f}" if abs(value) >= 10**-digits or value == 0 else f"{value:.2g}"
     if low is None or high is None:
         return Cell(text)
-    return Cell(text, f"{low:.{digits}f}\u2013{high:.{digits}f}")
+    between = " to " if low < 0 else "\u2013"
+    return Cell(text, f"{low:.{digits}f}{between}{high:.{digits}f}")

@@ -18,7 +18,9 @@ from drivegen.metrics.distributions import (
     scene_counts,
     wasserstein,
 )
+from drivegen.metrics.encroachment import post_encroachment
 from drivegen.metrics.features import scene_features
+from drivegen.scenario import Trajectories
 from drivegen.seeds import rng
 from tests.scenes import busy_crossing, noisy_samples
 
@@ -116,3 +118,14 @@ def test_intervals_hold_their_values():
     scenes = [counted(noisy_samples(SCENE, 3, seed=i).motion) for i in range(5)]
     for interval in distances(scenes, 50, rng(0, "test")).values():
         assert np.isnan(interval.value) or interval.low <= interval.value <= interval.high
+
+
+def test_encounters_are_pairs_of_the_log_and_on_average_of_a_sample():
+    log = SCENE.log
+    features = scene_features(SCENE, log[np.newaxis], log, None)[0]
+    pairs = len(post_encroachment(log[np.newaxis], features.known[1])[0])
+    apart = replace(log, position=log.position + 1000 * np.arange(len(log.valid), dtype=np.float32)[:, None, None])
+    names = ("position", "heading", "velocity", "valid")
+    samples = Trajectories(*(np.stack([getattr(one, name) for one in (log, apart)]) for name in names))
+    assert pairs > 0
+    np.testing.assert_allclose(counted(samples).encounters, [pairs, pairs / 2])

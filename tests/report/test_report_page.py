@@ -20,6 +20,7 @@ def quality(error: float, diversity: float) -> dict[str, float]:
     values |= {f"diversity_ratio{end}": diversity for end in ("", "_plain", "_any_sample", "_any_sample_plain")}
     values |= {f"{what}_per_{of}": 0.0125 for what in ("collision", "off_road", "illegal") for of in ("vehicle", "scene")}
     values |= {"violation.red_light": 0.02, "realism": 0.8, "nll_3s": 2.5, "nll_joint_3s": 2.9, "boxes_90_collision": 0.01}
+    values |= {"joint.order": 0.97, "shuffled.order": 0.95, "joint.energy_gain": 0.125}
     values |= {f"{name}.{end}": value for name, value in values.items() for end in ("low", "high")}
     return values | {"diversity_pairs": 1200, "label.road.junction": 3.0, "manoeuvre.left": 12.0}
 
@@ -163,6 +164,16 @@ def test_trust_measures_stand_beside_one_another():
     assert by_name["BITS"].cells[1].text == NOT_MEASURED
     assert boxes.columns[1:4] == ("boxes x 0.9", "boxes x 1.0", "boxes x 1.1")
     assert any("divided by 0.95" in note for note in realism.notes)
+
+
+def test_samples_stand_beside_themselves_shuffled():
+    table = TABLES["joint"]
+    by_name = {row.cells[0].text: [cell.text for cell in row.cells] for row in table.rows}
+    order = table.columns.index("in the log's order \u2191")
+    assert table.columns[order + 1] == "shuffled"
+    assert by_name["DriveGen"][order : order + 2] == ["0.970", "0.950"]
+    assert by_name["DriveGen"][table.columns.index("shuffled: more by")] == "0.125"
+    assert set(by_name["BITS"][1:]) == {NOT_MEASURED}
 
 
 def test_markup_in_names_and_texts_is_text():

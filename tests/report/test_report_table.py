@@ -30,6 +30,10 @@ def test_a_measured_number_carries_its_interval():
     assert measured({}, "x") == Cell(NOT_MEASURED)
 
 
+def test_an_interval_that_begins_below_zero_has_no_two_dashes():
+    assert measured({"x": 0.5, "x.low": -0.25, "x.high": 1.0}, "x").note == "-0.25 to 1.00"
+
+
 def test_markdown_has_a_header_aligned_rows_and_notes():
     table = Table("t", "Title", ("", "a|b"), (row("x", Cell("1", "0\u20132", best=True)),), ("A note.",))
     assert table.markdown().splitlines() == [

@@ -58,9 +58,9 @@ JOINT = {
     "shuffled.headway": "shuffled",
     "distance.post_encroachment": "post-encroachment [s] \u2193",
     "shuffled.post_encroachment": "shuffled",
-    "close_call": "close calls",
-    "shuffled.close_call": "shuffled",
-    "close_call_log": "in the log",
+    "encounters": "encounters per scene",
+    "shuffled.encounters": "shuffled",
+    "encounters_log": "in the log",
 }
 REALISM_NOTE = (
     "Likelihood of the log under histograms of the samples, with features, bins and weights of the 2025 challenge; its "
@@ -85,7 +85,7 @@ JOINT_NOTE = (
     "Shuffled: the same samples, but each vehicle's trajectories dealt out anew among them, so that every marginal stays and "
     "nobody has to do with anybody; a method whose figures do not differ from its shuffles' knows no more than marginals. Order: "
     "share of the pairs that cross or join each other's way in a sample (within 10 s) who do so in the log's order, "
-    "where the log tells it. Close calls: share of steps with a time to collision under 1.5 s."
+    "where the log tells it. Encounters: all such pairs."
 )
 
 
