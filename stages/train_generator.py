@@ -20,7 +20,7 @@ from drivegen.generators._learned import Learned
 from drivegen.metrics.displacement import scene_errors, summarise
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
-from drivegen.training.curve import write_curve
+from drivegen.training.curve import kept, write_curve
 from stages._door import build, enter, require, spread
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
@@ -53,7 +53,8 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     generator.save(model)
     write_curve(curve, rows)
     counts = {"train_examples": len(train), "validation_examples": len(validation), "steps": rows[-1].step}
-    learnt = {"parameters": generator.parameters, "validation_loss": min(row.validation for row in rows)}
+    best = kept(rows)
+    learnt = {"parameters": generator.parameters, "kept_step": best.step, "validation_loss": best.validation}
     scores = _scores(generator, scenarios / "val", params)
     for bound, told in generator.bounds().items():
         scores |= {f"{bound}.{key}": value for key, value in _scores(told, scenarios / "val", params).items()}

@@ -109,12 +109,23 @@ class Tracks:
         """(X,) the scene of each box."""
         return np.repeat(np.arange(len(self.start) - 1), np.diff(self.start))
 
-    def at(self, scene: NDArray[np.integer], step: NDArray[np.integer]) -> Crowd:
-        """The boxes of each of `scene` (G,) at its `step` (G,)."""
+    def boxes(self, scene: NDArray[np.integer]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The boxes of each of `scene` (G,) one after the other (X,), and the first of each (G + 1,), X at the end."""
         count = np.diff(self.start)[scene]
         start = np.concatenate([[0], np.cumsum(count)])
-        box = np.arange(start[-1]) + np.repeat(self.start[scene] - start[:-1], count)
-        when = np.repeat(step, count)
+        return start, np.arange(start[-1]) + np.repeat(self.start[scene] - start[:-1], count)
+
+    def beginnings(self, scene: NDArray[np.integer], copies: int) -> "Tracks":
+        """`copies` copies of each of `scene` (S,) side by side; of the vehicles there is the first frame, nothing else."""
+        start, box = self.boxes(np.repeat(scene, copies))
+        values = {field: getattr(self, field)[box] for field in ("planned", "size", "kind", *_MOVING)}
+        values["valid"][values["planned"], 1:] = False
+        return Tracks(start=start, **values)
+
+    def at(self, scene: NDArray[np.integer], step: NDArray[np.integer]) -> Crowd:
+        """The boxes of each of `scene` (G,) at its `step` (G,)."""
+        start, box = self.boxes(scene)
+        when = np.repeat(step, np.diff(start))
         columns = (self.position[box, when], self.heading[box, when, None], self.velocity[box, when])
         return Crowd(start, np.concatenate(columns, axis=1), self.valid[box, when], self.planned[box], self.size[box])
 

@@ -85,6 +85,12 @@ class Learned(ABC):
     def objective(cls, settings: Any, net: Any, train: Any, validation: Any, seed: int) -> loop.Objective:
         """What is minimised; may set buffers of `net` (already on its device) from the train examples."""
 
+    @classmethod
+    def probe(cls, settings: Any, validation: Any, seed: int) -> Callable[[Any], float] | None:
+        """What tells how good a network is in metres, on the validation examples; None: the validation loss does."""
+        del settings, validation, seed
+        return None
+
     @abstractmethod
     def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         """See `generators.base.Generator`."""
@@ -99,7 +105,7 @@ class Learned(ABC):
         checkpoints: Path | None,
         report: Callable[[str], None],
     ) -> tuple[Self, list[LossRow]]:
-        """The trained generator and its loss curve; the weights of the lowest validation loss are kept.
+        """The trained generator and its loss curve; the weights of `curve.kept` are kept: of the least error by `probe`.
 
         Same arguments, same weights, also when killed and started again: `checkpoints` is a folder for interrupted
         work, named by the caller after all inputs; `report` takes progress lines. Raises UnusableInput where there is
@@ -109,7 +115,8 @@ class Learned(ABC):
         net = cls.network(settings).to(loop.device())
         path = None if checkpoints is None else checkpoints / f"{cls.name}.safetensors"
         objective = cls.objective(settings, net, train, validation, seed)
-        best, curve = loop.train(net, objective, settings.training, seed, path, report, keep_best=True)
+        probe = cls.probe(settings, validation, seed)
+        best, curve = loop.train(net, objective, settings.training, seed, path, report, keep_best=True, probe=probe)
         made = cls.__new__(cls)
         made.settings, made.net = settings, best.cpu()
         made._ready()

@@ -8,36 +8,37 @@ a scene is driven on by a part of what was predicted, then encoded again. Vehicl
 What is reduced: width and number of gates, vectors per vehicle and the horizon (paper: 9 s); knots every half second
 instead of every step; one head for position and velocity (the integral of the other) instead of two; only the present
 state of others, since only the first frame is given. What is added: distances near the vehicle are told on a finer scale
-as well, and gates are residual with normalisation, without which so small a network learnt next to nothing in minutes.
+as well, and gates are residual with normalisation, without which so small a network learnt next to nothing in minutes; what
+is driven is what a vehicle can do, so modes say how hard to accelerate and to steer; half of the examples begin somewhat
+beside the logged way, as roll-outs soon are; and weights are chosen by the error of roll-outs, not by the loss of one step.
 
 The initialisation of the paper, its other half, is `Plugin.place`, see `_trafficgen.placement`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from drivegen import seeds
-from drivegen.generators._closed_loop import Crowd, Tracks
+from drivegen.generators._closed_loop import Tracks
 from drivegen.generators._learned import Learned
-from drivegen.generators._trafficgen.learning import HELD_OUT, Logs, MotionExamples, TrafficGenObjective
+from drivegen.generators._trafficgen.driving import Driver, rolled_error
+from drivegen.generators._trafficgen.learning import HELD_OUT, Disturbance, Logs, MotionExamples, TrafficGenObjective
 from drivegen.generators._trafficgen.net import KNOT, Modes, MotionNet
 from drivegen.generators._trafficgen.placement import PlacementExamples, PlacementNet, Regions, place
-from drivegen.generators._trafficgen.vectors import LaneVectors, Surroundings
-from drivegen.geometry import rotate
+from drivegen.generators._trafficgen.vectors import LaneVectors
 from drivegen.samples import Samples
-from drivegen.scenario import DT, Scenario, Trajectories, Vehicles
+from drivegen.scenario import DT, Scenario, Vehicles
 from drivegen.training import loop
-
-CHUNK = 256
-"""Vehicles that go through the network at once, always: sums differ between batch sizes."""
 
 SCENES = 16
 """Scenarios that are driven on together; bounds memory."""
+
+PROBED = 4
+"""Futures of each scene behind the choice of the weights."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,7 @@ class TrafficGenSettings:
         width, layers: of the gates. modes: per vehicle.
         horizon: steps that are predicted. commit: steps of them that are driven before the next prediction; multiples of 5.
         temperature: modes are drawn from `p ** (1 / temperature)`, normalised.
+        disturbance: of the training examples.
         placement_width: of the gates of the initialisation. placement_lanes: regions around the target, the nearest.
         training: see `training.loop.Settings`.
     """
@@ -62,6 +64,7 @@ class TrafficGenSettings:
     horizon: int
     commit: int
     temperature: float
+    disturbance: Disturbance
     placement_width: int
     placement_lanes: int
     training: loop.Settings
@@ -109,7 +112,17 @@ class Plugin(Learned):
         del net, seed
         shape = settings.horizon // KNOT, (settings.lanes, settings.boxes), _look(settings)
         motion = MotionExamples(train, *shape), MotionExamples(validation, *shape, most=HELD_OUT)
-        return TrafficGenObjective(*motion, PlacementExamples(train.tracks, train.vectors, _around_target(settings)))
+        placement = PlacementExamples(train.tracks, train.vectors, _around_target(settings))
+        return TrafficGenObjective(*motion, placement, settings.disturbance)
+
+    @classmethod
+    def probe(cls, settings: TrafficGenSettings, validation: Logs, seed: int) -> Callable[[TrafficGenNet], float]:
+        """Its error when rolled out: the validation loss is no guide to that, it is low before anything is learnt."""
+
+        def rolled(net: TrafficGenNet) -> float:
+            return rolled_error(driver(settings, net), validation.vectors, validation.tracks, PROBED, seed)
+
+        return rolled
 
     def place(self, scenario: Scenario, count: int, seed: int) -> Vehicles:
         """TrafficGen's initialisation: the scenario's target, and others drawn around it, `count` in all if there is room.
@@ -130,83 +143,14 @@ class Plugin(Learned):
     def _driven(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         vectors = LaneVectors.of(scenarios, self.settings.piece)
         tracks = Tracks.of_beginnings(scenarios, samples)
-        box = np.flatnonzero(tracks.planned)
-        group = tracks.scene[box]
         chances = [seeds.rng(seed, self.name, s.scenario_id) for s in scenarios]
-        for step in range(0, tracks.valid.shape[1] - 1, self.settings.commit):
-            chance = [c.random(samples * len(s.vehicles)) for c, s in zip(chances, scenarios, strict=True)]
-            groups = np.arange(len(tracks.start) - 1)
-            crowd = tracks.at(groups, np.full(len(groups), step))
-            logit, velocity, turn = self._predicted(vectors, crowd, group, box, group // samples, step, samples)
-            tracks.drive(box, step, self._drawn(crowd.state[box], logit, velocity, turn, np.concatenate(chance)))
+        driver(self.settings, self.net).drive(vectors, np.arange(len(scenarios)), tracks, samples, chances)
         return tracks.samples(scenarios, samples, self.name)
 
-    def _predicted(
-        self,
-        vectors: LaneVectors,
-        crowd: Crowd,
-        group: NDArray[np.integer],
-        box: NDArray[np.integer],
-        scene: NDArray[np.integer],
-        step: int,
-        samples: int,
-    ) -> list[NDArray[np.float32]]:
-        """Logits (R, P), velocities (R, P, Q, 2) and turns (R, P, Q) of all vehicles.
 
-        At step 0 the samples of a scenario are the same, so the first stands for all.
-        """
-        first = np.flatnonzero(group % samples == 0) if step == 0 else np.arange(len(box))
-        parts = []
-        for low in range(0, len(first), CHUNK):
-            count = min(CHUNK, len(first) - low)
-            rows = np.resize(first[low : low + count], CHUNK)
-            around = Surroundings.of(
-                vectors, crowd, group[rows], box[rows], scene[rows], np.full(CHUNK, step),
-                (self.settings.lanes, self.settings.boxes), _look(self.settings),
-            )  # fmt: skip
-            modes = self.net.motion(
-                *(torch.from_numpy(a) for a in (around.lanes, around.lane_there, around.boxes, around.box_there))
-            )
-            parts.append([m[:count].numpy() for m in (modes.logit, modes.velocity, modes.turn)])
-        found = [np.concatenate(part) for part in zip(*parts, strict=True)]
-        if step:
-            return found
-        within = box - crowd.start[group]  # number of each vehicle in its scenario
-        row_of = {key: row for row, key in enumerate(zip(scene[first].tolist(), within[first].tolist(), strict=True))}
-        same = np.array([row_of[key] for key in zip(scene.tolist(), within.tolist(), strict=True)])
-        return [values[same] for values in found]
-
-    def _drawn(
-        self,
-        state: NDArray[np.float32],
-        logit: NDArray[np.float32],
-        velocity: NDArray[np.float32],
-        turn: NDArray[np.float32],
-        chance: NDArray[np.float64],
-    ) -> Trajectories:
-        """Motion (R, commit) of one mode per vehicle, drawn with `chance` (R,) in [0, 1)."""
-        share = (logit - logit.max(axis=1, keepdims=True)).astype(np.float64) / self.settings.temperature
-        odds = np.exp(share).cumsum(axis=1)
-        mode = (odds <= (chance * odds[:, -1])[:, None]).sum(axis=1)
-        rows = np.arange(len(state))
-        return between_knots(state, velocity[rows, mode], turn[rows, mode], self.settings.commit)
-
-
-def between_knots(
-    state: NDArray[np.float32], velocity: NDArray[np.float32], turn: NDArray[np.float32], steps: int
-) -> Trajectories:
-    """Motion (R, steps) on the map from states (R, 5), velocities (R, Q, 2) in their frames and turns (R, Q) at knots."""
-    heading = state[:, 2:3]
-    velocity = np.concatenate([state[:, None, 3:5], rotate(velocity, heading)], axis=1)
-    turn = np.concatenate([np.zeros((len(turn), 1), np.float32), turn], axis=1)
-    at = np.arange(1, steps + 1) / KNOT
-    left = np.minimum(at.astype(np.intp), velocity.shape[1] - 2)
-    part = (at - left).astype(np.float32)
-    now = velocity[:, left] + (velocity[:, left + 1] - velocity[:, left]) * part[:, None]
-    before = np.concatenate([velocity[:, :1], now[:, :-1]], axis=1)
-    place = state[:, None, :2] + ((before + now) * np.float32(DT / 2)).cumsum(axis=1)
-    angle = heading + turn[:, left] + (turn[:, left + 1] - turn[:, left]) * part
-    return Trajectories(place, angle, now, np.ones(angle.shape, np.bool_))
+def driver(settings: TrafficGenSettings, net: TrafficGenNet) -> Driver:
+    """The motion half of a network, as the settings say to drive."""
+    return Driver(net.motion, (settings.lanes, settings.boxes), _look(settings), settings.commit, settings.temperature)
 
 
 def _look(settings: TrafficGenSettings) -> float:

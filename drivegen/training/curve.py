@@ -1,5 +1,6 @@
 """A loss curve and its file, apart from the loop so that reading it needs no torch."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,15 @@ class LossRow:
     train: float
     validation: float
     error: float = float("nan")
+
+
+def kept(rows: Sequence[LossRow]) -> LossRow:
+    """Whose weights are kept where the best are: of the least error, of the least validation loss where nobody asked for it.
+
+    The last row where there was nothing to validate on.
+    """
+    told = [row.validation if math.isnan(row.error) else row.error for row in rows]
+    return rows[-1] if any(math.isnan(figure) for figure in told) else rows[told.index(min(told))]
 
 
 def write_curve(path: Path, rows: Sequence[LossRow]) -> None:

@@ -23,7 +23,7 @@ from torch.nn.parallel import DistributedDataParallel
 from drivegen import seeds
 from drivegen.errors import UnusableInput
 from drivegen.training import checkpoint
-from drivegen.training.curve import LossRow
+from drivegen.training.curve import LossRow, kept
 
 Net = TypeVar("Net", bound=nn.Module)
 
@@ -87,7 +87,7 @@ def train(
 ) -> tuple[Net, list[LossRow]]:
     """Train `model`, already on its device; returns the averaged copy and the loss curve.
 
-    With `keep_best` the copy is that of the row with the lowest validation loss, the last one if there is no validation.
+    With `keep_best` the copy is that of the row `curve.kept`, else the last one.
     `probe` is asked for each row's `error` of the averaged network, in evaluation mode.
 
     With `path`, progress is kept there every `checkpoint_every` steps and taken up from there; the file of a training
@@ -161,9 +161,9 @@ class _Run(Generic[Net]):
             validation = self.objective.validation(self.averaged)
         error = float("nan") if probe is None else probe(self.averaged)
         row = LossRow(progress.step, progress.loss_since / progress.since, validation, error)
-        if self.best is not None and not any(validation >= earlier.validation for earlier in progress.curve):
-            self.best.load_state_dict(self.averaged.state_dict())
         progress.curve.append(row)
+        if self.best is not None and kept(progress.curve) is row:
+            self.best.load_state_dict(self.averaged.state_dict())
         progress.since, progress.loss_since = 0, 0.0
         return row
 

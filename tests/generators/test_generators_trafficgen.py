@@ -8,13 +8,16 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivegen import seeds
 from drivegen.generators._closed_loop import Tracks
-from drivegen.generators._trafficgen.learning import motion_loss
-from drivegen.generators._trafficgen.net import Gates, Modes
+from drivegen.generators._trafficgen.driving import between_knots, rolled_error
+from drivegen.generators._trafficgen.learning import RECOVERY, Disturbance, MotionExamples, motion_loss
+from drivegen.generators._trafficgen.net import ACCELERATION, BRAKING, CURVATURE, DT_KNOT, LATERAL, Gates, Modes, driven
 from drivegen.generators._trafficgen.placement import PlacementExamples
 from drivegen.generators._trafficgen.vectors import REACH, LaneVectors, Surroundings
-from drivegen.generators.trafficgen import between_knots
+from drivegen.generators.trafficgen import driver
 from drivegen.geometry import boxes_overlap, rotate
+from drivegen.metrics.displacement import scene_errors
 from drivegen.scenario import Scenario, Signals, SignalState
 from tests.generators.rivals import same, scenes, trained
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
@@ -112,6 +115,87 @@ def test_a_mode_is_driven_from_the_state_through_its_knots():
     np.testing.assert_allclose(motion.velocity[0, :, 1], 6 + 0.4 * np.arange(1, 11), atol=1e-5)
     np.testing.assert_allclose(motion.position[0, -1], [3, 4 + 6 + 0.5 * 4], atol=1e-4)
     np.testing.assert_allclose(motion.heading, np.pi / 2, atol=1e-6)
+
+
+@settings(max_examples=50, deadline=None)
+@given(speed=st.floats(0, 50), seed=st.integers(0, 1000), force=st.floats(0.1, 100))
+def test_whatever_the_network_says_a_vehicle_could_do_it(speed, seed, force):
+    pedals = force * torch.randn(1, 3, 10, 2, generator=torch.Generator().manual_seed(seed))
+    velocity, place, turn = (part.numpy() for part in driven(torch.tensor([speed]), pedals))
+    pace = np.concatenate([np.full((1, 3, 1), speed), np.linalg.norm(velocity, axis=-1)], axis=-1)
+    gain = np.diff(pace, axis=-1) / DT_KNOT
+    assert (gain <= ACCELERATION + 1e-3).all()
+    assert (gain >= -BRAKING - 1e-3).all()
+    ahead = np.stack([np.cos(turn), np.sin(turn)], axis=-1) * pace[..., 1:, None]
+    np.testing.assert_allclose(velocity, ahead, atol=1e-3)  # it never slides sideways
+    middle = (pace[..., 1:] + pace[..., :-1]) / 2
+    turning = np.abs(np.diff(turn, axis=-1, prepend=0.0)) / DT_KNOT
+    assert (turning <= CURVATURE * middle + 1e-3).all()
+    assert (turning * np.maximum(middle, 1.0) <= LATERAL + 1e-2).all()
+    assert (np.linalg.norm(np.diff(place, axis=-2), axis=-1) <= (middle * DT_KNOT)[..., 1:] + 1e-3).all()
+
+
+def test_who_stands_learns_to_go_on():
+    pedals = torch.full((1, 1, 4, 2), -1.0, requires_grad=True)
+    velocity, _, _ = driven(torch.tensor([0.0]), pedals)
+    assert (velocity == 0).all()
+    velocity[..., 0].sum().backward()
+    assert (pedals.grad[..., 0] > 0).all()
+
+
+def test_of_the_examples_a_share_is_disturbed_and_who_stands_is_left_alone():
+    logged = np.array([[1.0, 2.0, 0.5, 8 * np.cos(0.5), 8 * np.sin(0.5)], [3.0, 4.0, 0.0, 0.0, 0.0]], np.float32).repeat(
+        200, axis=0
+    )
+    chance = np.random.default_rng(0).random((400, 3)).astype(np.float32)
+    off = Disturbance(0.5, 0.8, 0.1).of(logged, chance) - logged
+    np.testing.assert_allclose(off[200:], 0, atol=1e-6)
+    left = off[:200, :2] @ np.array([-np.sin(0.5), np.cos(0.5)])
+    np.testing.assert_allclose(off[:200, :2] @ np.array([np.cos(0.5), np.sin(0.5)]), 0, atol=1e-5)  # aside, not ahead
+    assert 70 < (np.abs(off[:200, 2]) > 1e-6).sum() < 130
+    assert 0.5 < np.abs(left).max() <= 0.8
+    assert 0.05 < np.abs(off[:200, 2]).max() <= 0.1
+    np.testing.assert_array_equal(Disturbance(0.0, 0.8, 0.1).of(logged, chance), logged)
+
+
+def test_who_was_disturbed_gets_back_to_the_logged_way():
+    lane = np.stack([np.arange(0, 301, 10.0), np.zeros(31)], axis=1)
+    scene = scenario(straight_road(300.0, 1), stack([drive(lane, 20.0, 10.0, 61)]))
+    examples = MotionExamples(logs_of([scene]), 10, COUNTS, 1.0)
+    rows = np.array([0])
+    state = examples.logged(rows)
+    place, velocity, turn, seen = (part.numpy() for part in examples.future(rows, state))
+    np.testing.assert_allclose(place[0], np.stack([5.0 * np.arange(1, 11), np.zeros(10)], axis=1), atol=1e-3)
+    np.testing.assert_allclose(velocity[0], [[10.0, 0.0]] * 10, atol=1e-3)
+    assert seen.all()
+    disturbed = state + np.array([[0.0, 0.8, 0.1, 0.0, 1.0]], np.float32)
+    place, velocity, turn, _ = (part.numpy() for part in examples.future(rows, disturbed))
+    on_map = disturbed[0, :2] + rotate(place[0], np.float32(0.1))
+    back = round(RECOVERY / DT_KNOT)
+    np.testing.assert_allclose(on_map[back - 1 :, 1], 0.0, atol=1e-3)
+    assert (np.diff(on_map[:back, 1]) < 0.6).all()
+    assert 0.5 < on_map[0, 1] < 1.3
+    np.testing.assert_allclose(turn[0, back - 1 :] + 0.1, 0.0, atol=1e-3)
+    slant = np.arctan2(velocity[0, 1, 1], velocity[0, 1, 0])
+    assert turn[0, 1] == pytest.approx(slant, abs=1e-3)  # it heads where it goes
+
+
+def logs_of(logged: list[Scenario]):
+    generator, _, _ = trained("trafficgen")
+    return generator.examples(generator.settings, logged)
+
+
+def test_weights_are_chosen_by_the_least_error_of_what_they_drive():
+    generator, _, _ = trained("trafficgen")
+    logs = logs_of(scenes())
+    found = rolled_error(driver(generator.settings, generator.net), logs.vectors, logs.tracks, 3, 5)
+    tracks = logs.tracks.beginnings(np.arange(3), 3)
+    with torch.inference_mode():
+        chances = [seeds.rng(5, "rolled", n) for n in range(3)]
+        driver(generator.settings, generator.net).drive(logs.vectors, np.arange(3), tracks, 3, chances)
+    made = tracks.samples(scenes(), 3, "trafficgen")
+    least = [scene_errors(m.motion, s.log)[0].min() for m, s in zip(made, scenes(), strict=True)]
+    assert found == pytest.approx(np.mean(least), rel=1e-4)
 
 
 def test_the_mode_that_ends_nearest_wins_and_the_others_are_left_alone():

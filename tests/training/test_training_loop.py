@@ -17,6 +17,7 @@ from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 
 from drivegen.errors import UnusableInput
+from drivegen.training.curve import LossRow, kept
 from drivegen.training.loop import Settings, batch_rows, train
 
 ROOT = Path(__file__).parents[2]
@@ -132,6 +133,20 @@ def test_the_best_weights_are_kept_also_across_a_resumption(tmp_path: Path) -> N
     assert [row.validation for row in curve] == [1.0, -1.0, 3.0]
     for model in (best, again):
         assert all(torch.equal(a, b) for a, b in zip(model.state_dict().values(), wanted.state_dict().values(), strict=True))
+
+
+def test_where_an_error_is_asked_for_it_chooses_the_weights_and_not_the_loss() -> None:
+    errors = iter([3.0, 1.0, 2.0, 1.0])
+    constant = replace(SETTINGS, steps=80, decay=False)
+    best, curve = train(net(), NoisyCosine(), constant, 5, None, lambda line: None, keep_best=True, probe=lambda _: next(errors))
+    wanted, _ = train(net(), NoisyCosine(), replace(constant, steps=40), 5, None, lambda line: None)
+    assert kept(curve) is curve[1]
+    assert all(torch.equal(a, b) for a, b in zip(best.state_dict().values(), wanted.state_dict().values(), strict=True))
+
+
+def test_the_last_weights_are_kept_where_nothing_tells_which_are_best() -> None:
+    rows = [LossRow(10, 1.0, float("nan")), LossRow(20, 1.0, float("nan"))]
+    assert kept(rows) is rows[-1]
 
 
 def test_two_processes_get_equal_weights_that_agree_with_one(tmp_path: Path) -> None:

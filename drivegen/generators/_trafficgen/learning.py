@@ -1,4 +1,8 @@
-"""What TrafficGen learns from: every vehicle of every log at many steps, and the loss of its motion modes."""
+"""What TrafficGen learns from: every vehicle of every log at many steps, and the loss of its motion modes.
+
+Driven on by what it predicted, a vehicle is soon somewhat beside its lane or turned against it, as no log is. So some
+examples are begun like that, and end where the log went.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,16 +17,44 @@ from drivegen.generators._closed_loop import Tracks
 from drivegen.generators._trafficgen.net import KNOT, Modes
 from drivegen.generators._trafficgen.placement import PlacementExamples, Regions, placement_loss
 from drivegen.generators._trafficgen.vectors import LaneVectors, Surroundings
-from drivegen.geometry import rotate, wrap_angle
+from drivegen.geometry import rotate, unit, wrap_angle
+from drivegen.scenario import DT
 
-HELD_OUT, HELD_OUT_CHUNK = 2048, 256
+HELD_OUT, HELD_OUT_CHUNK = 1024, 256
 """Validation examples that the loss is taken over, drawn once, and how many go through the network at once."""
+
+RECOVERY = 3.0
+"""[s] in which who was disturbed is to be back on the logged way."""
+
+MOVING, BRISK = 2.0, 5.0
+"""[m/s] Slower than the one, a velocity says nothing of a heading; slower than the other, a vehicle is disturbed less."""
 
 TURN_WEIGHT = 5.0
 """Of a radian against a metre and a metre per second."""
 
 PLACEMENT_EVERY, PLACEMENT_WEIGHT = 16, 0.1
 """One row in so many of a batch is one of placement as well; its loss is large but shares no weights with the motion's."""
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """How examples are begun that are not begun as logged.
+
+    Attributes:
+        share: of the examples. beside: [m] at most from the logged place, left or right. turned: [rad] at most.
+    """
+
+    share: float
+    beside: float
+    turned: float
+
+    def of(self, logged: NDArray[np.float32], chance: NDArray[np.float32]) -> NDArray[np.float32]:
+        """States (b, 5) moved aside and turned by uniform `chance` (b, 3) in [0, 1); who stands stays."""
+        heading, velocity = logged[:, 2], logged[:, 3:5]
+        strength = (chance[:, 0] < self.share) * np.minimum(np.hypot(*velocity.T) / BRISK, 1.0)
+        beside, turned = (strength[:, None] * (2 * chance[:, 1:] - 1) * (self.beside, self.turned)).T
+        place = logged[:, :2] + unit(heading + np.pi / 2) * beside[:, None]
+        return np.column_stack([place, heading + turned, rotate(velocity, turned)]).astype(np.float32)
 
 
 @dataclass(frozen=True)
@@ -56,25 +88,45 @@ class MotionExamples:
             kept = np.linspace(0, len(self.box) - 1, most).astype(np.intp)
             self.box, self.step = self.box[kept], self.step[kept]
 
-    def surroundings(self, rows: NDArray[np.integer]) -> tuple[Tensor, ...]:
-        """Inputs of the network for examples `rows` (b,)."""
+    def logged(self, rows: NDArray[np.integer]) -> NDArray[np.float32]:
+        """States (b, 5) of examples `rows` (b,): place, heading, velocity."""
+        tracks, box, step = self.logs.tracks, self.box[rows], self.step[rows]
+        return np.column_stack([tracks.position[box, step], tracks.heading[box, step], tracks.velocity[box, step]])
+
+    def surroundings(self, rows: NDArray[np.integer], state: NDArray[np.float32]) -> tuple[Tensor, ...]:
+        """Inputs of the network for examples `rows` (b,) that are in `state` (b, 5), the others where the log has them."""
         tracks, scene, step = self.logs.tracks, self.scene[self.box[rows]], self.step[rows]
         crowd = tracks.at(scene, step)
         box = crowd.start[:-1] + self.box[rows] - tracks.start[scene]
+        crowd.state[box] = state
         group = np.arange(len(rows))
         around = Surroundings.of(self.logs.vectors, crowd, group, box, scene, step, self.counts, self.look)
         return tuple(torch.from_numpy(a) for a in (around.lanes, around.lane_there, around.boxes, around.box_there))
 
-    def future(self, rows: NDArray[np.integer]) -> tuple[Tensor, ...]:
-        """Place (b, Q, 2), velocity (b, Q, 2) and turn (b, Q) at the knots, in each vehicle's frame, and whether it was seen."""
+    def future(self, rows: NDArray[np.integer], state: NDArray[np.float32]) -> tuple[Tensor, ...]:
+        """Place (b, Q, 2), velocity (b, Q, 2) and turn (b, Q) at the knots, in the frames of `state`, and whether it was seen.
+
+        From another state than the logged one, a cubic leads back to the logged way within RECOVERY.
+        """
         tracks, box, step = self.logs.tracks, self.box[rows, None], self.step[rows, None]
-        wanted = step + KNOT * np.arange(1, self.knots + 1)
-        at = np.minimum(wanted, tracks.valid.shape[1] - 1)
-        heading = tracks.heading[box, step]
-        place = rotate(tracks.position[box, at] - tracks.position[box, step], -heading)
-        velocity = rotate(tracks.velocity[box, at], -heading)
-        turn = wrap_angle(tracks.heading[box, at] - heading).astype(np.float32)
-        return tuple(torch.from_numpy(a) for a in (place, velocity, turn, tracks.valid[box, at] & (wanted == at)))
+        ahead = KNOT * np.arange(1, self.knots + 1)
+        at = np.minimum(step + ahead, tracks.valid.shape[1] - 1)
+        off = (state - self.logged(rows))[:, None]
+        u = np.minimum(ahead * DT / RECOVERY, 1.0).astype(np.float32)[:, None]
+        back = off[..., :2] * (2 * u**3 - 3 * u**2 + 1) + off[..., 3:] * RECOVERY * (u**3 - 2 * u**2 + u)
+        backing = off[..., :2] / RECOVERY * (6 * u**2 - 6 * u) + off[..., 3:] * (3 * u**2 - 4 * u + 1)
+        logged, heading = tracks.velocity[box, at], state[:, 2:3]
+        velocity = logged + backing
+        moving = np.minimum(np.linalg.norm(velocity, axis=-1), np.linalg.norm(logged, axis=-1)) > MOVING
+        slant = np.where(moving, _direction(velocity) - _direction(logged), 0.0)
+        turn = wrap_angle(tracks.heading[box, at] + slant - heading).astype(np.float32)
+        place = rotate(tracks.position[box, at] + back - state[:, None, :2], -heading)
+        told = place, rotate(velocity, -heading), turn, tracks.valid[box, at] & (step + ahead == at)
+        return tuple(torch.from_numpy(a) for a in told)
+
+
+def _direction(velocity: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.asarray(np.arctan2(velocity[..., 1], velocity[..., 0]))
 
 
 def motion_loss(modes: Modes, place: Tensor, velocity: Tensor, turn: Tensor, seen: Tensor) -> Tensor:
@@ -97,30 +149,41 @@ def motion_loss(modes: Modes, place: Tensor, velocity: Tensor, turn: Tensor, see
 class TrafficGenObjective:
     """See `training.loop.Objective`: the loss of the motion, and beside it that of the placement, which shares no weights."""
 
-    def __init__(self, train: MotionExamples, validation: MotionExamples, placement: PlacementExamples) -> None:
-        self.train, self.held_out, self.placement = train, validation, placement
+    def __init__(
+        self, train: MotionExamples, validation: MotionExamples, placement: PlacementExamples, disturbance: Disturbance
+    ) -> None:
+        self.train, self.held_out, self.placement, self.disturbance = train, validation, placement, disturbance
         self.size = len(train.box)
 
     def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:
-        """One number in [0, 1) for which scene a row places vehicles in, one for what share of them is given."""
-        return (torch.rand(rows, 2, generator=generator),)
+        """In [0, 1): how a row is disturbed (3), which scene it places vehicles in and what share of them is given (2)."""
+        return torch.rand(rows, 3, generator=generator), torch.rand(rows, 2, generator=generator)
 
     def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:
         """Mean over the examples; every PLACEMENT_EVERY-th row is one of placement, too."""
-        chance = drawn[0][::PLACEMENT_EVERY].cpu().numpy()
-        placed = self._placed(model, chance, rows.device)
-        return self._loss(model, self.train, rows.cpu().numpy(), rows.device) + PLACEMENT_WEIGHT * placed
+        disturbed, chance = (part.cpu().numpy() for part in drawn)
+        numbers = rows.cpu().numpy()
+        state = self.disturbance.of(self.train.logged(numbers), disturbed)
+        placed = self._placed(model, chance[::PLACEMENT_EVERY], rows.device)
+        return self._loss(model, self.train, numbers, state, rows.device) + PLACEMENT_WEIGHT * placed
 
     def validation(self, model: nn.Module) -> float:
-        """That of the motion alone, over examples spread evenly over the validation logs: the figure that chooses the weights."""
+        """That of the motion alone, over examples spread evenly over the validation logs, begun as logged."""
         count, device = len(self.held_out.box), next(model.parameters()).device
         parts = [np.arange(low, min(low + HELD_OUT_CHUNK, count)) for low in range(0, count, HELD_OUT_CHUNK)]
-        total = sum(len(rows) * float(self._loss(model, self.held_out, rows, device)) for rows in parts)
-        return total / count if count else float("nan")
+        each = [(rows, self._loss(model, self.held_out, rows, self.held_out.logged(rows), device)) for rows in parts]
+        return sum(len(rows) * float(loss) for rows, loss in each) / count if count else float("nan")
 
-    def _loss(self, model: nn.Module, examples: MotionExamples, rows: NDArray[np.integer], device: torch.device) -> Tensor:
-        modes = model("motion", *(t.to(device) for t in examples.surroundings(rows)))
-        return motion_loss(Modes(*modes), *(t.to(device) for t in examples.future(rows)))
+    def _loss(
+        self,
+        model: nn.Module,
+        examples: MotionExamples,
+        rows: NDArray[np.integer],
+        state: NDArray[np.float32],
+        device: torch.device,
+    ) -> Tensor:
+        modes = model("motion", *(t.to(device) for t in examples.surroundings(rows, state)))
+        return motion_loss(Modes(*modes), *(t.to(device) for t in examples.future(rows, state)))
 
     def _placed(self, model: nn.Module, chance: NDArray[np.floating], device: torch.device) -> Tensor:
         """Loss of the placement for examples and shares drawn by `chance` (b, 2)."""

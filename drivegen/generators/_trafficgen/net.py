@@ -14,6 +14,12 @@ DT_KNOT = 0.1 * KNOT
 
 LARGEST = 3.0
 
+ACCELERATION, BRAKING = 3.0, 6.0
+"""[m/s2] that no mode exceeds."""
+
+CURVATURE, LATERAL = 0.25, 5.0
+"""[1/m] and [m/s2] that no mode exceeds: the tightest turn, and how fast it may be driven."""
+
 
 class Gates(nn.Module):
     """`layers` context gates (MultiPath++, Varadarajan et al. 2022): s' = MLP(s) * MLP(c), c' = max over the set.
@@ -75,19 +81,32 @@ class MotionNet(nn.Module):
         self.anchors = nn.Parameter(torch.randn(modes, 2 * width))
         self.gates = Gates(layers, 2 * width)
         self.odds = nn.Sequential(nn.Linear(2 * width, width), nn.ReLU(), nn.Linear(width, 1))
-        self.motion = nn.Sequential(nn.Linear(2 * width, 2 * width), nn.ReLU(), nn.Linear(2 * width, 3 * knots))
+        self.motion = nn.Sequential(nn.Linear(2 * width, 2 * width), nn.ReLU(), nn.Linear(2 * width, 2 * knots))
 
     def forward(self, lanes: Tensor, lane_there: Tensor, boxes: Tensor, box_there: Tensor) -> Modes:
         """Modes of R vehicles from their `Surroundings`."""
         _, of_boxes, of_lanes = self.encoder(lanes, lane_there, boxes, box_there)
         context = torch.cat([of_boxes, of_lanes], dim=-1)
         code, _ = self.gates(self.anchors.expand(len(context), -1, -1), context, None)
-        change = self.motion(code).unflatten(-1, (self.knots, 3)).cumsum(dim=-2)  # knot by knot, as TrafficGen does
-        now = boxes[:, None, None, 0, 2:4] * PACE
-        velocity = now + change[..., :2]
-        before = torch.cat([now.expand(-1, velocity.shape[1], -1, -1), velocity[:, :, :-1]], dim=2)
-        place = ((before + velocity) * (DT_KNOT / 2)).cumsum(dim=2)
-        return Modes(self.odds(code)[..., 0], velocity, place, 0.1 * change[..., 2])
+        return Modes(self.odds(code)[..., 0], *driven(boxes[:, 0, 2] * PACE, self.motion(code).unflatten(-1, (self.knots, 2))))
+
+
+def driven(speed: Tensor, pedals: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+    """Velocities, places and turns at the knots from speeds (R,) and how hard is accelerated and steered (R, P, Q, 2).
+
+    Any numbers give a motion within ACCELERATION, BRAKING, CURVATURE and LATERAL, along the heading.
+    """
+    now = speed[:, None, None].clamp(min=0.0).expand(*pedals.shape[:2], 1)
+    gain = torch.where(pedals[..., 0] > 0, ACCELERATION, BRAKING)
+    run = torch.cat([now, now + DT_KNOT * (gain * torch.tanh(pedals[..., 0] / gain)).cumsum(dim=-1)], dim=-1)
+    run = run + (run.clamp(min=0.0) - run).detach()  # who stands still learns to go on
+    between = (run[..., :-1] + run[..., 1:]) / 2
+    tightest = (LATERAL / between.detach().square().clamp(min=1.0)).clamp(max=CURVATURE)
+    turn = (DT_KNOT * between * tightest * torch.tanh(pedals[..., 1])).cumsum(dim=-1)
+    velocity = run[..., 1:, None] * torch.stack([turn.cos(), turn.sin()], dim=-1)
+    before = torch.cat([now[..., None] * torch.tensor([1.0, 0.0], device=run.device), velocity[:, :, :-1]], dim=2)
+    place = ((before + velocity) * (DT_KNOT / 2)).cumsum(dim=2)
+    return velocity, place, turn
 
 
 def squashed(numbers: Tensor) -> Tensor:
@@ -96,5 +115,5 @@ def squashed(numbers: Tensor) -> Tensor:
 
 
 def embed(features: int, width: int) -> nn.Sequential:
-    """An MLP of two layers ."""
+    """An MLP of two layers."""
     return nn.Sequential(nn.Linear(features, width), nn.LayerNorm(width), nn.ReLU(), nn.Linear(width, width))

@@ -16,8 +16,9 @@ _SCORES = ("min_sade", "min_sfde", "mean_sade", "mean_sfde")
 _BOUNDS = {"log_code": "code from the log (a bound, no method)"}
 
 _NOTES = (
-    "Trained on the same logs as DriveGen; the weights of the lowest validation loss are kept. Errors [m] are those of the "
-    "validation scenes, on which every choice was made, not of the test scenes. Losses of different generators don't compare.",
+    "Trained on the same logs as DriveGen; the weights of the lowest validation loss are kept, TrafficGen's of the lowest error "
+    "when rolled out on some validation scenes. Errors [m] are those of the validation scenes, on which every choice was made, "
+    "not of the test scenes. Losses of different generators don't compare.",
     f"Flat: the last quarter of the steps gained at most {_FLAT:.0%} of all that was gained.",
 )
 
