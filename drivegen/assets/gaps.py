@@ -98,7 +98,7 @@ def measure_gaps(scenarios: Iterable[Scenario]) -> Gaps:
 
 
 def gaps_of(scenario: Scenario) -> list[dict[str, Any]]:
-    """One row for each car, truck and bus of the scenario that is on a lane, as in `Gaps`."""
+    """One row for each car, truck and bus of the scenario that is on a lane, as in `Gaps`, and its number, `vehicle`."""
     vehicles = scenario.vehicles
     graph, ways = LaneGraph.of(scenario.map), Ways(scenario.map)
     lane, found = graph.nearest(vehicles.position, vehicles.heading, ON_LANE, ALONG_LANE)
@@ -115,6 +115,7 @@ def gaps_of(scenario: Scenario) -> list[dict[str, Any]]:
         led = away[leader] <= REACH and gap > 0.0
         rows.append(
             {
+                "vehicle": vehicle,
                 "kind": vehicles.kind[vehicle],
                 "speed": vehicles.speed[vehicle],
                 "limit": limit[at] if np.isfinite(limit[at]) else UNKNOWN_LIMIT,

@@ -1,4 +1,4 @@
-"""Vehicles from words and from data: what was asked against what was got, its price, and headways beside those of logs."""
+"""Vehicles from words and from data: what was asked against what was got, its price, and first frames beside those of logs."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from drivegen.report import plots
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Figure, Section, not_measured
-from drivegen.report.table import Cell, Table, number, row
+from drivegen.report.table import Cell, Row, Table, measured, number, row
 
 _HEADS = ("asked for", "read by", "times", "got", "by chance", "natural", "illegal", "illegal unasked", "least time gap [s]")
 _NOTES = (
@@ -15,6 +15,21 @@ _NOTES = (
     "illegal: share of vehicles that broke a rule or were left out because nothing legal was found, under the words and with the "
     "selector's own goals. The suite and the rules that read it were written by the same hand.",
 )
+
+_PLACED = {
+    "held-out logs": "held-out logs",
+    "drivegen, mode paper": "DriveGen, mode paper",
+    "drivegen, mode data": "DriveGen, mode data",
+    "trafficgen": "TrafficGen",
+    "lctgen": "LCTGen, code of a training log",
+    "lctgen_log_code": "LCTGen, code from the log (a bound, no method)",
+}
+_MEASURES = {
+    "speed": "speed [m/s]",
+    "gap": "gap to the leader [m]",
+    "heading": "heading [deg]",
+    "offset": "from the lane's middle [m]",
+}
 
 
 def section(evidence: Evidence) -> Section:
@@ -29,6 +44,9 @@ def section(evidence: Evidence) -> Section:
     figures: list[Figure] = []
     if isinstance(headways, Mapping):
         figures, tables = _headways(headways), [*tables, _headway_table(headways)]
+    started = evidence.results.get("initial_states")
+    if isinstance(started, Mapping):
+        tables = [*tables, _first_frames(started)]
     missing = "" if tables else not_measured("asked")
     return Section("vehicles", "Vehicles from words", lead, tuple(tables), tuple(figures), missing=missing)
 
@@ -86,3 +104,28 @@ def _headway_table(headways: Mapping[str, Any]) -> Table:
     ]
     note = "distance: Wasserstein-1 distance between the time gaps of moving vehicles with a leader, up to 10 s."
     return Table("headways", "Headways of placed vehicles and of held-out logs", heads, tuple(rows), (note,))
+
+
+def _first_frames(started: Mapping[str, Any]) -> Table:
+    heads = ("", "placed", *_MEASURES.values(), "overlapping", "on no lane")
+    methods = started["methods"]
+    rows = [_first_frame(text, methods[name]) for name, text in _PLACED.items() if name in methods]
+    notes = (
+        f"As many vehicles as the log has, on the maps of {started['scenes']} test scenes. Speed to the lane's middle: "
+        "Wasserstein-1 distances to the logs', of all vehicles but the target, with 95 % bootstrap intervals over scenes; "
+        "heading is against the lane's. The last two are shares of vehicles. All methods draw anew where vehicles would overlap.",
+        "TrafficGen and LCTGen are given the log's target; DriveGen draws its own, and in mode paper takes nothing but sizes "
+        "from logs. The bound's code says roughly where every logged vehicle stands and how fast it is.",
+    )
+    return Table("first_frames", "First frames on the maps of held-out logs", heads, tuple(rows), notes)
+
+
+def _first_frame(text: str, values: Mapping[str, Any]) -> Row:
+    distances = [measured(dict(values), name, 2) if name in values else Cell("–") for name in _MEASURES]
+    shares = [_share(values, name) for name in ("overlap", "off_lane")]
+    return row(text, f"{values['placed']} of {values['asked']}", *distances, *shares, origin="ours")
+
+
+def _share(values: Mapping[str, Any], name: str) -> Cell:
+    value, low, high = (values[f"{name}{end}"] for end in ("", ".low", ".high"))
+    return Cell(f"{100 * value:.1f} %", f"{100 * low:.1f}\u2013{100 * high:.1f}") if value is not None else Cell("–")

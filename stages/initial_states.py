@@ -1,0 +1,154 @@
+"""Stage `initial_states`: how vehicles stand in the first frames of held-out logs, and in those generated on the same maps.
+
+argv: scenarios (folder with train and test), assets, gaps, models, table (JSON). Ours draws its own target in both modes; the
+others are given the log's. LCTGen places by a code: one of a training log, as nobody knows the right one, and, as a bound, the
+log's own, which says roughly where everybody stands and how fast.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from drivegen import plugins, seeds
+from drivegen.assets.beginnings import Beginning, compared, rates
+from drivegen.assets.gaps import Draws, Gaps
+from drivegen.assets.place import MODES, place_vehicles
+from drivegen.assets.retrieve import draw_kinds, retrieve
+from drivegen.assets.slots import Slots
+from drivegen.assets.table import Table
+from drivegen.errors import UnusableInput
+from drivegen.generators._lctgen.codes import Action, logged_actions, state_code
+from drivegen.generators._vectors import Scenes
+from drivegen.initialise import CLOSED, Settings, kind_named
+from drivegen.lanes.graph import LaneGraph
+from drivegen.metrics.intervals import Interval
+from drivegen.scenario import Scenario, Vehicles
+from drivegen.store.assets import read_assets
+from drivegen.store.files import write_json
+from drivegen.store.scenarios import read_shard, shards
+from stages._door import enter, read_params, require
+
+Places = dict[str, Callable[[Scenario], Vehicles]]
+"""What each method places on a scenario's map, by its name."""
+
+
+@dataclass(frozen=True)
+class Params:
+    """Section `initial_states`: so many held-out `scenes`, spread over the split; bootstrap `draws`."""
+
+    seed: int
+    scenes: int
+    draws: int
+
+
+def main(params: Params, scenarios: Path, assets: Path, gaps: Path, models: Path, out: Path) -> dict[str, float]:
+    """Distances of each method's first frames to the logs'; a map without room for one method counts for none."""
+    table = Table.from_arrow(read_assets(require(assets, "run the assets stage")), str(assets))
+    seen = Gaps.from_arrow(read_assets(require(gaps, "run the assets stage")), str(gaps))
+    initial = read_params("place.initial", Settings)
+    logs = _spread(_logged(scenarios / "test"), params.scenes)
+    own, rivals = _Own(table, Draws(seen), initial, params.seed), _rivals(models, scenarios / "train", params.seed)
+    names = [*(f"drivegen, mode {mode}" for mode in MODES), *rivals]
+    truth: list[Beginning] = []
+    made: dict[str, list[Beginning]] = {name: [] for name in names}
+    asked = 0
+    for scenario in logs:
+        try:
+            placed = own.places(scenario) | {name: place(scenario) for name, place in rivals.items()}
+        except UnusableInput as error:
+            if error.reason != "no-place":
+                raise
+            continue
+        graph = LaneGraph.of(scenario.map)
+        truth.append(Beginning.of(scenario, scenario.vehicles, graph))
+        for name in names:
+            made[name].append(Beginning.of(scenario, placed[name], graph))
+        asked += len(scenario.vehicles)
+    rng = seeds.rng(params.seed, "initial_states", "bootstrap")
+    told = {"held-out logs": _told(truth, asked, rates(truth, params.draws, rng))}
+    told |= {name: _told(made[name], asked, compared(truth, made[name], params.draws, rng)) for name in names}
+    write_json(out, {"scenes": len(truth), "left_out": len(logs) - len(truth), "methods": told})
+    print(f"initial_states: {len(names)} methods on {len(truth)} maps")
+    return {"scenes": float(len(truth))}
+
+
+def _told(made: list[Beginning], asked: int, found: dict[str, Interval]) -> dict[str, Any]:
+    ends = {"": "value", ".low": "low", ".high": "high"}
+    numbers = {f"{name}{end}": getattr(value, part) for name, value in found.items() for end, part in ends.items()}
+    return {"placed": sum(one.vehicles for one in made), "asked": asked, **numbers}
+
+
+@dataclass(frozen=True)
+class _Own:
+    """Our placement on the maps of logs."""
+
+    table: Table
+    draws: Draws
+    initial: Settings
+    seed: int
+
+    def places(self, scenario: Scenario) -> dict[str, Vehicles]:
+        """By mode, as many vehicles as the log has, of the same kinds in both."""
+        random = seeds.rng(self.seed, "initial_states", scenario.scenario_id)
+        shares = {kind_named(word): share for word, share in self.initial.shares.items()}
+        kinds = draw_kinds(shares, len(scenario.vehicles), random)
+        rows = [int(retrieve(self.table, kind, 1, random)[0]) for kind in kinds]
+        closed = scenario.signals.lane[np.isin(scenario.signals.state[:, 0], CLOSED)]
+        slots, made = Slots(scenario.map), {}
+        for mode in MODES:
+            placing = replace(self.initial.placement, mode=mode)
+            drawn = seeds.rng(self.seed, "initial_states", mode, scenario.scenario_id)
+            placement = place_vehicles(slots, self.table, rows, placing, drawn, closed, draws=self.draws)
+            made[f"drivegen, mode {mode}"] = placement.vehicles
+        return made
+
+
+def _rivals(models: Path, train: Path, seed: int) -> Places:
+    """The placement of those that were trained."""
+    torch.set_num_threads(1)  # sums depend on the number of threads
+    found: Places = {}
+    if (models / "generators" / "trafficgen").exists():
+        trafficgen = plugins.load("generators", "trafficgen")(models, None)
+        found["trafficgen"] = lambda s: trafficgen.place(s, len(s.vehicles), seed)
+    if (models / "generators" / "lctgen").exists():
+        lctgen = plugins.load("generators", "lctgen")(models, None)
+        library = [_code(s) for s in _logged(train, shards_read=1)]
+
+        def placed(scenario: Scenario, own: bool) -> Vehicles:
+            rng = seeds.rng(seed, "lctgen", "place", own, scenario.scenario_id)
+            count = len(scenario.vehicles)
+            fit = [code for code in library if len(code) >= count] or library
+            code = _code(scenario) if own else fit[int(rng.integers(len(fit)))]
+            made: Vehicles = lctgen.place(scenario, code[:count], rng)
+            return made
+
+        found["lctgen"] = lambda s: placed(s, False)
+        found["lctgen_log_code"] = lambda s: placed(s, True)
+    return found
+
+
+def _code(scenario: Scenario) -> NDArray[np.int64]:
+    """LCTGen's code (N, 8) of a log."""
+    scenes = Scenes.with_logs([scenario])
+    actions, known = logged_actions(scenes)
+    code = np.concatenate([state_code(scenes), np.where(known, actions, Action.KEEP_SPEED)], axis=-1)
+    return np.asarray(code[0, : len(scenario.vehicles)])
+
+
+def _logged(split: Path, shards_read: int | None = None) -> list[Scenario]:
+    files = shards(require(split, "run the ingest stage"))[:shards_read]
+    return [scenario for file in files for scenario in read_shard(file) if scenario.log is not None]
+
+
+def _spread(scenarios: list[Scenario], most: int) -> list[Scenario]:
+    rows = np.linspace(0, len(scenarios), min(most, len(scenarios)), endpoint=False).astype(int)
+    return [scenarios[row] for row in rows]
+
+
+if __name__ == "__main__":
+    enter("initial_states", Params, main)

@@ -1,0 +1,29 @@
+"""The section on vehicles: first frames beside those of logs, bounds said to be bounds."""
+
+from drivegen.report.evidence import Evidence
+from drivegen.report.sections.vehicles import section
+
+
+def told(value: float) -> dict[str, float]:
+    names = ("speed", "gap", "heading", "offset", "overlap", "off_lane")
+    ends = {"": value, ".low": value / 2, ".high": 2 * value}
+    return {"placed": 9, "asked": 10, **{f"{name}{end}": number for name in names for end, number in ends.items()}}
+
+
+def test_first_frames_stand_in_a_table_of_their_own():
+    truth = {key: value for key, value in told(0.0).items() if key.split(".")[0] in ("placed", "asked", "overlap", "off_lane")}
+    methods = {"lctgen_log_code": told(0.2), "trafficgen": told(0.25), "held-out logs": truth}
+    found = section(Evidence(results={"initial_states": {"scenes": 3, "methods": methods}}))
+    (table,) = found.tables
+    assert [line.cells[0].text for line in table.rows] == [
+        "held-out logs", "TrafficGen", "LCTGen, code from the log (a bound, no method)",
+    ]  # fmt: skip
+    assert [cell.text for cell in table.rows[0].cells[1:]] == ["9 of 10", "–", "–", "–", "–", "0.0 %", "0.0 %"]
+    assert (table.rows[1].cells[2].text, table.rows[1].cells[2].note) == ("0.25", "0.12–0.50")
+    assert table.rows[1].cells[-1].text == "25.0 %"
+    assert not any(cell.best for line in table.rows for cell in line.cells)
+    assert not found.missing
+
+
+def test_nothing_measured_is_said():
+    assert section(Evidence()).missing

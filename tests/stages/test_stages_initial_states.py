@@ -1,0 +1,67 @@
+"""Stage initial_states: where generators place vehicles on the maps of held-out logs."""
+
+from pathlib import Path
+
+import orjson
+import pytest
+
+from drivegen.errors import MissingTool
+from drivegen.store.scenarios import write_shard
+from stages import assets, initial_states
+from tests.generators.rivals import trained
+from tests.scenes import busy_crossing
+
+PARAMS = initial_states.Params(seed=7, scenes=2, draws=50)
+FILES = ("scenarios", "assets.parquet", "gaps.parquet", "models")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("initial_states")
+    for split in ("train", "test"):
+        scenes = [busy_crossing(101, f"{split}-{n}") for n in range(3)]
+        write_shard(path / "scenarios" / split / "shard-00000.parquet", scenes)
+    assets.main(assets.Params(gap_scenarios=3), path / "scenarios", path / "assets.parquet", path / "gaps.parquet")
+    for name in ("trafficgen", "lctgen"):
+        trained(name)[0].save(path / "models" / "generators" / name)
+    return path
+
+
+def run(folder: Path, out: Path) -> dict:
+    initial_states.main(PARAMS, *(folder / name for name in FILES), out)
+    return orjson.loads(out.read_bytes())
+
+
+def test_every_method_places_as_many_as_the_logs_have(folder, tmp_path):
+    found = run(folder, tmp_path / "a.json")
+    assert found["scenes"] == 2
+    methods = found["methods"]
+    assert set(methods) == {
+        "held-out logs", "drivegen, mode paper", "drivegen, mode data", "trafficgen", "lctgen", "lctgen_log_code",
+    }  # fmt: skip
+    count = 2 * len(busy_crossing().vehicles)
+    for name, values in methods.items():
+        assert values["asked"] == count
+        assert 2 <= values["placed"] <= count
+        assert 0 <= values["off_lane.low"] <= values["off_lane"] <= values["off_lane.high"] <= 1
+        if name != "held-out logs":
+            assert values["overlap"] == 0
+            assert 0 < values["speed.low"] <= values["speed"] <= values["speed.high"]
+
+
+def test_the_same_seed_writes_the_same_bytes(folder, tmp_path):
+    run(folder, tmp_path / "a.json")
+    run(folder, tmp_path / "b.json")
+    assert (tmp_path / "a.json").read_bytes() == (tmp_path / "b.json").read_bytes()
+
+
+def test_who_was_not_trained_has_no_row(folder, tmp_path):
+    alone = [folder / name for name in FILES[:3]]
+    initial_states.main(PARAMS, *alone, tmp_path / "nothing", tmp_path / "a.json")
+    methods = orjson.loads((tmp_path / "a.json").read_bytes())["methods"]
+    assert set(methods) == {"held-out logs", "drivegen, mode paper", "drivegen, mode data"}
+
+
+def test_missing_logs_are_named(folder, tmp_path):
+    with pytest.raises(MissingTool, match="run the ingest stage"):
+        initial_states.main(PARAMS, tmp_path, *(folder / name for name in FILES[1:]), tmp_path / "a.json")
