@@ -5,12 +5,11 @@ What the selector itself gives to those goals is kept beside it (`Choices.natura
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.asked.offered import HARD, HARDEST, offered
+from drivegen.asked.offered import HARD, HARDEST, offered, side_of
 from drivegen.asked.request import Manoeuvre
 from drivegen.asked.wishes import TARGET
 from drivegen.geometry import to_vehicle_frame, wrap_angle
@@ -130,8 +129,7 @@ def realising(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty, 
         return np.zeros(len(own), np.bool_)
     s, d = to_frenet(ahead, own.position).T
     if duty.manoeuvre is Manoeuvre.CUT_IN:
-        y = to_vehicle_frame(scenario.vehicles.position[duty.vehicle][None], *_pose(scenario))[0, 1]
-        way = Way.CHANGE_RIGHT if y > 0 else Way.CHANGE_LEFT
+        way = Way.CHANGE_LEFT if side_of(scenario, duty.vehicle, duty.manoeuvre) == 1 else Way.CHANGE_RIGHT
         return np.asarray((own.manoeuvre == way) & (np.abs(d) < IN_LANE))
     expected = float(scenario.vehicles.speed[TARGET]) * scenario.horizon * DT
     return np.asarray((s > expected + PAST) & (own.manoeuvre != Way.STAY))  # OVERTAKE
@@ -185,28 +183,25 @@ def keeping(candidates: Candidates) -> Route | None:
 
 def _has_room(scenario: Scenario, duty: Duty) -> bool:
     """Whether nobody drives beside a vehicle that is to change lanes, on the side that it changes to."""
-    if duty.manoeuvre not in (Manoeuvre.CHANGE_LEFT, Manoeuvre.CHANGE_RIGHT):
+    side = side_of(scenario, duty.vehicle, duty.manoeuvre)
+    if side is None:
         return True
     vehicles, own = scenario.vehicles, duty.vehicle
     x, y = to_vehicle_frame(vehicles.position, vehicles.position[own], vehicles.heading[own]).T
-    side = 1.0 if duty.manoeuvre is Manoeuvre.CHANGE_LEFT else -1.0
     least = (vehicles.size[:, 0] + vehicles.size[own, 0]) / 2 + ABREAST
     return not ((side * y > IN_LANE) & (side * y < 3 * IN_LANE) & (np.abs(x) < least)).any()
-
-
-def _pose(scenario: Scenario) -> tuple[Any, Any]:
-    return scenario.vehicles.position[TARGET], scenario.vehicles.heading[TARGET]
 
 
 def _target_lets(own: Candidates, scenario: Scenario, duty: Duty) -> NDArray[np.bool_]:
     """(C,) goals of the target with which the other vehicle's manoeuvre means something: it drives on in its lane."""
     on = np.isin(own.manoeuvre, (Way.KEEP, Way.STOP))
-    way = keeping(own)
-    if duty.manoeuvre is Manoeuvre.HARD_BRAKING and way is not None:
-        ahead, beside = to_frenet(way, scenario.vehicles.position[duty.vehicle][None])[0]
+    if duty.manoeuvre is Manoeuvre.HARD_BRAKING:
+        ways = [route for route in own.routes if route.lane_changes == 0]
+        places = [to_frenet(way, scenario.vehicles.position[duty.vehicle][None])[0] for way in ways]
+        ahead = max((s for s, d in places if abs(d) < IN_LANE), default=-np.inf)
         stop = float(scenario.vehicles.speed[duty.vehicle]) ** 2 / (2 * HARDEST)
         lengths = float(scenario.vehicles.size[[TARGET, duty.vehicle], 0].sum()) / 2
-        return np.asarray(on & ((own.s <= ahead + stop - lengths - BEHIND) | (abs(beside) > IN_LANE)))
+        return np.asarray(on & (own.s <= ahead + stop - lengths - BEHIND))
     if duty.manoeuvre is Manoeuvre.OVERTAKE:
         pace = float(scenario.vehicles.speed[TARGET])
         return np.asarray(on & (own.s <= 1.05 * pace * scenario.horizon * DT))

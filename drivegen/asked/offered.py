@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.asked.request import Manoeuvre
+from drivegen.geometry import to_vehicle_frame
 from drivegen.goals.candidates import SETTLE, Candidates, manoeuvres
 from drivegen.goals.reach import end_speed
 from drivegen.lanes.frenet import from_frenet
 from drivegen.lanes.line import SPACING
-from drivegen.scenario import DT, Scenario
+from drivegen.scenario import DT, TARGET, Scenario
 
 HARD, HARDEST = 3.0, 4.5
 """Who stops within its speed's square over twice the first [m/s2] has to brake hard; nobody is asked for more than the second."""
@@ -22,16 +23,22 @@ HARD, HARDEST = 3.0, 4.5
 PACES = (0.7, 0.85, 1.0, 1.15)
 """Who changes lanes may go on at these shares of its speed, so that a gap beside it can be met."""
 
-_CHANGES = {Manoeuvre.CHANGE_LEFT: 1, Manoeuvre.CHANGE_RIGHT: -1}
+
+def side_of(scenario: Scenario, vehicle: int, manoeuvre: Manoeuvre) -> int | None:
+    """To which side the vehicle changes lanes for its manoeuvre: 1 left, -1 right; None where it stays in its lane."""
+    if manoeuvre is Manoeuvre.CUT_IN:
+        seen = scenario.vehicles
+        y = to_vehicle_frame(seen.position[vehicle][None], seen.position[TARGET], seen.heading[TARGET])[0, 1]
+        return -1 if y > 0 else 1
+    return {Manoeuvre.CHANGE_LEFT: 1, Manoeuvre.CHANGE_RIGHT: -1}.get(manoeuvre)
 
 
 def offered(scenario: Scenario, vehicle: int, manoeuvre: Manoeuvre, given: Candidates) -> Candidates:
     """The candidates of `vehicle`, with more that serve its manoeuvre where that has any of its own."""
     if manoeuvre is Manoeuvre.HARD_BRAKING:
         return _with_stop(scenario, vehicle, given)
-    if manoeuvre in _CHANGES:
-        return _with_changes(scenario, vehicle, given, _CHANGES[manoeuvre])
-    return given
+    side = side_of(scenario, vehicle, manoeuvre)
+    return given if side is None else _with_changes(scenario, vehicle, given, side)
 
 
 def _with_stop(scenario: Scenario, vehicle: int, given: Candidates) -> Candidates:
