@@ -14,7 +14,7 @@ import typer
 
 from drivegen.errors import DriveGenError
 
-COMMANDS = ("map", "generate", "view", "estimate", "doctor", "bench")
+COMMANDS = ("map", "generate", "export", "view", "estimate", "doctor", "bench")
 
 _REMEDIES = {
     errno.ENOSPC: ": make room, or name another disk",

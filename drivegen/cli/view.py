@@ -31,7 +31,7 @@ def command(
     if show and _has_screen():
         _open(path)
     else:
-        console.print(f"{path}: look at it with `rerun {path}`", soft_wrap=True)
+        console.print(f"{path}: look at it with `{_viewer() or 'rerun'} {path}`", soft_wrap=True)
 
 
 def _recorded(scenario: Path, out: Path | None) -> Path | None:
@@ -54,11 +54,16 @@ def _has_screen() -> bool:
     return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
+def _viewer() -> str | None:
+    """Where Rerun's viewer is: beside this Python, or on the path."""
+    return shutil.which("rerun", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
+
+
 def _open(path: Path) -> None:
-    viewer = shutil.which("rerun", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
+    viewer = _viewer()
     if viewer is None:
         raise MissingTool(f"{path} is written but the viewer is not installed: pip install rerun-sdk==0.41.0")
     if subprocess.run([viewer, str(path)], check=False).returncode:
         raise MissingTool(
-            f"{path} is written but the viewer cannot open a window: try `rerun --serve-web --bind 127.0.0.1 {path}`"
+            f"{path} is written but the viewer cannot open a window: try `{viewer} --serve-web --bind 127.0.0.1 {path}`"
         )

@@ -6,8 +6,10 @@ import shutil
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -15,7 +17,9 @@ import rerun as rr
 
 from drivegen import cli
 from drivegen.av2.export import export_scenario
+from drivegen.av2.folder import read_folder
 from drivegen.cli import doctor
+from drivegen.store.scenarios import write_shard
 from tests import scenes
 from tests.small_datasets import sensor_log
 
@@ -65,6 +69,30 @@ def test_view_takes_the_recording_that_lies_in_the_folder(folder, tmp_path):
     assert "made.rrd" in done.stdout
 
 
+def test_what_the_pipeline_ships_is_exported_in_the_official_layout(tmp_path):
+    scene = scenes.busy_crossing(20, "crossing-0000-s00")
+    write_shard(tmp_path / "shipped" / "shard-00000.parquet", [scene, replace(scene, scenario_id="recording:3")])
+    done = run("export", "shipped", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "2 scenarios" in done.stdout
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["crossing-0000-s00", "recording-3"]
+    made = read_folder(tmp_path / "out" / "crossing-0000-s00", "made")
+    assert made.track_id[made.focal] == scene.vehicles.track_id[0]
+    there = scene.log.valid[0]
+    at = made.motion.position[made.focal][there] + made.map.origin
+    assert np.allclose(at, scene.log.position[0][there] + scene.map.origin, atol=0.01)
+    assert run("export", "shipped/shard-00000.parquet", "--out", "one", "--most", "1", cwd=tmp_path).returncode == 0
+    assert len(list((tmp_path / "one").iterdir())) == 1
+
+
+def test_what_never_drove_is_not_exported(tmp_path):
+    write_shard(tmp_path / "new" / "shard-00000.parquet", [replace(scenes.busy_crossing(20), log=None)])
+    done = run("export", "new", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "has no motion yet" in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_recording_lies_in_the_current_folder_whatever_the_log_calls_itself(folder, tmp_path):
     tracks = folder / "scenario_scene-0.parquet"
     table = pq.read_table(tracks)
@@ -96,6 +124,8 @@ def test_without_models_generate_says_who_makes_them(tmp_path):
         (["generate", "--out", "o", "--map", "x", "--scenario", "y"], 2, "give exactly one of"),
         (["generate", "--out", "o", "--text", "roundabout with four arms"], 1, "change into the project's folder"),
         (["bench", "--only", "nothing"], 2, "no benchmark is called 'nothing'"),
+        (["export", "nowhere", "--out", "o"], 2, "nowhere holds no shard-*.parquet"),
+        (["export", __file__, "--out", "o"], 2, "is no whole shard"),
         (["generate", "--out", "o", "--text", "x", "--seed", str(2**63)], 2, "'--seed'"),
         (["map", "roundabout with four arms", "--out", "o", "--seed", str(2**63)], 2, "'--seed'"),
         (["map", "roundabout with four arms", "--out", "/dev/null"], 2, "/dev/null is there and no folder: name another one"),
