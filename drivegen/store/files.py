@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -46,10 +46,17 @@ def naming(path: Path, temporary: Path) -> Iterator[None]:
 
 
 def write_together(folder: Path, contents: Mapping[str, bytes]) -> None:
-    """Files of one folder that belong together: none is replaced before all are written."""
-    with ExitStack() as stack:
-        for name, content in contents.items():
-            stack.enter_context(whole(folder / name)).write_bytes(content)
+    """Files of one folder that belong together: none is replaced before all are written, and a new folder goes with them."""
+    new = not folder.exists()
+    try:
+        with ExitStack() as stack:
+            for name, content in contents.items():
+                stack.enter_context(whole(folder / name)).write_bytes(content)
+    except BaseException:
+        if new:
+            with suppress(OSError):
+                folder.rmdir()
+        raise
 
 
 def as_json(value: Any) -> bytes:
