@@ -166,6 +166,7 @@ def test_the_log_row_is_the_log(models: Path, settings: Settings, scenes: list[S
 def test_what_was_saved_and_opened_generates_the_same(name: str, rivals: Callable[[str], Path], settings: Settings) -> None:
     made = trained(name)[0].generate(three_scenes(), SAMPLES, 7)
     opened = plugins.load("generators", name)(rivals(name), settings)
+    assert opened.settings == trained(name)[0].settings
     for one, other in zip(made, opened.generate(three_scenes(), SAMPLES, 7), strict=True):
         assert_same(one, other)
 
