@@ -84,7 +84,8 @@ def _run(command: list[str], folder: Path, home: Path, timeout: float) -> tuple[
             most = most if given == resource.RLIM_INFINITY else min(most, given)
             resource.setrlimit(what, (most, most))
 
-    environment = {"SUMO_HOME": str(home), "PATH": "/nonexistent", "LANG": "C.UTF-8", "HOME": str(folder)}
+    environment = {"SUMO_HOME": str(home), "PROJ_LIB": str(home / "data" / "proj"), "PATH": "/nonexistent"}
+    environment |= {"LANG": "C.UTF-8", "HOME": str(folder)}
     try:
         done = subprocess.run(
             command, cwd=folder, env=environment, timeout=timeout, capture_output=True, check=False, preexec_fn=limit

@@ -42,3 +42,12 @@ def test_missing_netconvert_is_said_with_its_remedy(monkeypatch: pytest.MonkeyPa
     with pytest.raises(MissingTool, match="pip install eclipse-sumo"):
         netconvert.plain_to_net(road())
     netconvert._installed.cache_clear()
+
+
+def test_what_it_says_of_a_map_in_degrees_is_about_the_map() -> None:
+    nodes = "".join(f"<node id='{i}' lat='{52 + i / 1000}' lon='9'/>" for i in (1, 2))
+    path = "<way id='3'><nd ref='1'/><nd ref='2'/><tag k='highway' v='footway'/></way>"
+    osm = f"<osm version='0.6'>{nodes}{path}</osm>".encode()
+    with pytest.raises(netconvert.NetconvertRefused) as refused:
+        netconvert.convert({"a.osm": osm}, ["--osm-files", "a.osm", "--proj.utm", "-o", "out.net.xml"], "another.xml")
+    assert not any("proj.db" in message for message in refused.value.messages)
