@@ -122,7 +122,7 @@ def test_weights_that_are_missing_or_broken_are_named(trained, tmp_path):
     folder = trained[0]
     (tmp_path / "ranker.json").write_bytes((folder / "ranker.json").read_bytes())
     (tmp_path / "ranker.safetensors").write_bytes((folder / "ranker.safetensors").read_bytes()[:200])
-    with pytest.raises(UnusableInput, match="no weights"):
+    with pytest.raises(UnusableInput, match="damaged weights"):
         Plugin.load(tmp_path)
 
 
