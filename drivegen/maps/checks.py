@@ -113,8 +113,7 @@ def _corridor(road: Corridor) -> dict[str, Any]:
 
 
 def _turn(road: Corridor | Highway) -> float | None:
-    bends = {"straight": 0, "curve": 1, "hairpin": 1, "s_curve": 2}[road.alignment.shape]
-    return float(bends * abs(road.alignment.angle)) if bends else None
+    return sum(map(abs, road.alignment.turns)) or None
 
 
 def _line_length(road: Corridor | Highway) -> float | None:

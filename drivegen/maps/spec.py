@@ -31,13 +31,21 @@ class _Part(BaseModel):
 class Alignment(_Part):
     """The line of a road seen from above, from its start heading east.
 
-    `angle` is the turn of each bend, positive to the left; a hairpin is a curve of about 180 degrees.
+    `angle` is the turn of each bend, positive to the left; a hairpin is a curve of about 180 degrees, the loop of a ramp one
+    of about 270. `bends` is how many follow one another, to the left and right in turn; None: two in an S-curve, else one.
     """
 
     shape: Literal["straight", "curve", "s_curve", "hairpin"] = "straight"
     length: Length = 600.0
-    angle: Annotated[float, Field(ge=-200.0, le=200.0, allow_inf_nan=False)] = 90.0
+    angle: Annotated[float, Field(ge=-280.0, le=280.0, allow_inf_nan=False)] = 90.0
     radius: Annotated[float, Field(ge=12.0, le=3000.0, allow_inf_nan=False)] = 60.0
+    bends: Annotated[int, Field(ge=1, le=8)] | None = None
+
+    @property
+    def turns(self) -> tuple[float, ...]:
+        """The turn of every bend [degrees], in order."""
+        count = self.bends or {"straight": 0, "s_curve": 2}.get(self.shape, 1)
+        return tuple(self.angle * (-1) ** i for i in range(count if self.shape != "straight" else 0))
 
 
 class Arm(_Part):
@@ -152,6 +160,8 @@ class HighwayEvent(_Part):
         kind: a ramp joins (on the outer side, over an acceleration lane `length` long) or leaves; lanes end or begin;
             or a ramp joins and another leaves with an auxiliary lane between them (weaving section).
         lanes: of the ramp, or by how many the carriageway changes.
+        keeps: the ramp's lanes are the carriageway's outer ones: an off-ramp takes them along (exit only), an on-ramp brings
+            them to stay. Else they are added and end beside it.
         side: of lanes that end or begin; ramps are always on the outer side.
     """
 
@@ -161,6 +171,14 @@ class HighwayEvent(_Part):
     length: Annotated[float, Field(ge=50.0, le=1500.0, allow_inf_nan=False)] = 200.0
     ramp_speed: Speed = 60 / 3.6
     side: Side = "right"
+    keeps: bool = False
+
+    @property
+    def change(self) -> int:
+        """By how many lanes the carriageway is wider behind it."""
+        if self.kind in ("lane_gain", "lane_drop") or (self.keeps and self.kind != "weaving"):
+            return self.lanes if self.kind in ("lane_gain", "on_ramp") else -self.lanes
+        return 0
 
 
 class Highway(_Part):
@@ -186,7 +204,7 @@ class Highway(_Part):
             if event.position < here + 40:
                 raise ValueError(f"the {event.kind} at {event.position:.0f} m starts before what comes ahead of it has ended")
             here = event.position + (event.length if event.kind in ("on_ramp", "off_ramp", "weaving") else 0.0)
-            lanes += {"lane_drop": -event.lanes, "lane_gain": event.lanes}.get(event.kind, 0)
+            lanes += event.change
             if not 1 <= lanes <= 8:
                 raise ValueError(f"{lanes} lanes would be left after the {event.kind} at {event.position:.0f} m")
         if self.events and here + 40 > self.alignment.length:

@@ -129,6 +129,9 @@ def _event(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent, ramp: st
         _draw_to(plain, way, start, widest, left_too=event.side == "left")
         _change_lanes(plain, way, event)
         return
+    if event.change:
+        _change_at_ramp(plain, way, event, ramp, start)
+        return
     main, extra = way.lanes, event.lanes
     _draw_to(plain, way, start, main + extra)
     entered, way.lanes = way.last_edge, main + extra
@@ -146,6 +149,20 @@ def _event(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent, ramp: st
     if event.kind in ("off_ramp", "weaving"):
         _add_ramp(plain, way, f"{ramp}_out", event, start + event.length, main, joins=False)
         plain.connections += [Connection(auxiliary, f"{ramp}_out", lane, lane) for lane in range(extra)]
+
+
+def _change_at_ramp(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent, ramp: str, start: float) -> None:
+    """A ramp whose lanes are the carriageway's outer ones, before it leaves or after it has joined."""
+    joins, main = event.kind == "on_ramp", way.lanes + min(0, event.change)
+    at = start if joins else start + event.length
+    _draw_to(plain, way, at, main + event.lanes)
+    before, way.lanes = way.last_edge, way.lanes + event.change
+    name, after = f"{ramp}_in" if joins else f"{ramp}_out", f"{way.name}{way.cuts + 1}"
+    _add_ramp(plain, way, name, event, at, main, joins)
+    shift = event.lanes if joins else 0
+    plain.connections += [Connection(before, after, lane + event.lanes - shift, lane + shift) for lane in range(main)]
+    pair = (name, after) if joins else (before, name)
+    plain.connections += [Connection(*pair, lane, lane) for lane in range(event.lanes)]
 
 
 def _change_lanes(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent) -> None:

@@ -1,4 +1,4 @@
-"""Roads that narrow, widen or split, and how many lanes there are before and after."""
+"""Roads that narrow or widen, and how many lanes there are before and after."""
 
 from drivegen.maps.spec import Side
 from drivegen.maps.writers._facts import EventWords, Facts
@@ -20,7 +20,7 @@ def read_changes(s: Sentence, facts: Facts) -> None:
         _read_extra(s, facts, phrase.head)
 
 
-def _number(s: Sentence, start: int, end: int) -> int | None:
+def lane_count(s: Sentence, start: int, end: int) -> int | None:
     """The first number of lanes from token `start` on, over small words."""
     for i in range(start, end):
         token = s.tokens[i]
@@ -31,12 +31,13 @@ def _number(s: Sentence, start: int, end: int) -> int | None:
     return None
 
 
-def _after_number(s: Sentence, i: int) -> int:
+def last_of_count(s: Sentence, i: int) -> int:
     """The last token of "three lanes" from its number on."""
     return next((item.last for item in s.lanes if item.first == i), i)
 
 
-def _lane_number(s: Sentence, i: int) -> bool:
+def is_lane_count(s: Sentence, i: int) -> bool:
+    """Whether the number at i may be one of lanes: small, and not of something else that follows."""
     following = s.tokens[i + 1 : i + 2]
     bound = following and following[0].kind in ("road", "arm", "place", "ramp", "length", "spacing", "shape", "unknown")
     return 0 <= s.tokens[i].amount[0] <= 12 and not bound
@@ -45,44 +46,51 @@ def _lane_number(s: Sentence, i: int) -> bool:
 def _read_from_to(s: Sentence, facts: Facts) -> None:
     """From four to three lanes; 2 lanes to 3."""
     for i in s.of_kind("prep", "to"):
-        after = _number(s, i + 1, min(len(s.tokens), i + 4))
+        after = lane_count(s, i + 1, min(len(s.tokens), i + 4))
         before = next((j for j in range(i - 1, max(-1, i - 4), -1) if s.tokens[j].kind == "number"), None)
-        if after is None or before is None or not (_lane_number(s, after) and s.tokens[before].number <= 12):
+        if after is None or before is None or not (is_lane_count(s, after) and s.tokens[before].number <= 12):
             continue
         between = s.tokens[before + 1 : i]
         beside = (*between, *s.tokens[after + 1 : after + 3], *s.tokens[max(0, before - 2) : before])
-        lanes_said = any(t.kind in ("lane", "extra") for t in beside)
+        lanes_said = any(t.kind in ("lane", "extra") for t in beside) or _lane_follows(s, after)
         verbs = {t.value for t in between if t.kind == "verb"}
         joined = (verbs & {"merge", "join"} and _adjectival(s, after)) or "split" in verbs
         if all(t.kind in ("lane", "each", "verb", "but", "road") for t in between) and lanes_said and not joined:
-            _change(s, facts, s.tokens[before].number, s.tokens[after].number, before, _after_number(s, after))
+            _change(s, facts, s.tokens[before].number, s.tokens[after].number, before, last_of_count(s, after))
             return
+
+
+def _lane_follows(s: Sentence, i: int) -> bool:
+    """Whether "lanes" is said at the end of several numbers: "from four to three and then to two lanes"."""
+    rest = s.tokens[i + 1 : i + 7]
+    end = next((j for j, t in enumerate(rest) if t.kind not in ("and", "seq", "prep", "number", "comma")), len(rest))
+    return end < len(rest) and rest[end].kind == "lane"
 
 
 def _read_verb(s: Sentence, facts: Facts, i: int) -> None:
     """It narrows to two; three lanes become four; 4 lanes merge into 3; gains a fourth lane."""
     verb = s.tokens[i].value
-    after = _number(s, i + 1, min(len(s.tokens), i + 5))
+    after = lane_count(s, i + 1, min(len(s.tokens), i + 5))
     if verb == "gain" and (third := _ordinal_lane(s, i)) is not None:
         _change(s, facts, third - 1, third, i, i + 3)
         return
     if verb in ("lose", "gain") and not s.between(i, (after or i) + 1, "prep"):
         return
-    if after is None or not _lane_number(s, after) or (verb in ("lose", "gain", "merge") and _adjectival(s, after)):
+    if after is None or not is_lane_count(s, after) or (verb in ("lose", "gain", "merge") and _adjectival(s, after)):
         return
     if verb == "merge" and not (s.between(i, after, "prep") and _lane_or_end(s, after)):
         return
     earlier = [item for item in s.lanes if item.last < i and item.first not in s.used]
-    bare = next((j for j in range(i - 1, max(-1, i - 4), -1) if s.tokens[j].kind == "number" and _lane_number(s, j)), None)
+    bare = next((j for j in range(i - 1, max(-1, i - 4), -1) if s.tokens[j].kind == "number" and is_lane_count(s, j)), None)
     to = s.tokens[after].number
     if earlier:
-        _change(s, facts, earlier[-1].count, to, earlier[-1].first, _after_number(s, after))
+        _change(s, facts, earlier[-1].count, to, earlier[-1].first, last_of_count(s, after))
     elif bare is not None:
-        _change(s, facts, s.tokens[bare].number, to, bare, _after_number(s, after))
+        _change(s, facts, s.tokens[bare].number, to, bare, last_of_count(s, after))
     elif verb != "merge":
         facts.to_lanes = to
         facts.features["lane_change"] = i
-        s.use(i, _after_number(s, after), f"becomes {to} lane{'s' if to > 1 else ''}")
+        s.use(i, last_of_count(s, after), f"becomes {to} lane{'s' if to > 1 else ''}")
 
 
 def _adjectival(s: Sentence, i: int) -> bool:
@@ -114,6 +122,10 @@ def _change(s: Sentence, facts: Facts, before: int, after: int, first: int, last
 def _read_lane_verb(s: Sentence, facts: Facts, i: int) -> None:
     """The left lane ends; it loses a lane; a lane is added; it narrows."""
     verb = s.tokens[i].value
+    added = next((p for p in s.phrases if p.first > i and p.head <= i + 5), None)
+    if verb == "gain" and added is not None and added.kind in ("pocket", "noise", "auxiliary"):
+        s.use(i, i, "")
+        return
     lane = _lane_beside(s, i)
     own = [item for item in s.lanes if lane is not None and item.first <= lane <= item.last and item.last - item.first >= 1]
     counted = own[0].count if own else 1
@@ -125,7 +137,7 @@ def _read_lane_verb(s: Sentence, facts: Facts, i: int) -> None:
         counted = 1
     kind = "lane_gain" if verb in ("widen", "gain") else "lane_drop"
     facts.features[kind] = i
-    facts.events.append(EventWords(kind, i, counted if verb in ("lose", "gain") and counted <= 3 else 1, _side(s, i)))
+    facts.events.append(EventWords(kind, i, counted if verb in ("lose", "gain") and counted <= 3 else 1, side_near(s, i)))
     first, last = (min(i, lane), max(i, lane)) if lane is not None else (i, i)
     for item in own:
         s.used.update(range(item.first, item.last + 1))
@@ -134,7 +146,9 @@ def _read_lane_verb(s: Sentence, facts: Facts, i: int) -> None:
 
 def _lane_beside(s: Sentence, i: int) -> int | None:
     """The lane that ends or begins: beside the verb, or before it with its road between ("the right lane of the road ends")."""
+    counted = {j for item in s.lanes if item.per for j in range(item.first, item.last + 1)}  # "one lane each way"
     near = (*range(i - 1, max(-1, i - 5), -1), *range(i + 1, min(len(s.tokens), i + 5)))
+    near = tuple(j for j in near if j not in counted)
     beside: int | None = next((j for j in near if s.tokens[j].text in ("lane", "lanes") and not _of_a_road(s, j)), None)
     if beside is not None:
         return beside
@@ -166,7 +180,8 @@ def _one_of_them(s: Sentence, lane: int, verb: int) -> bool:
     )
 
 
-def _side(s: Sentence, i: int) -> Side:
+def side_near(s: Sentence, i: int) -> Side:
+    """The side that is said within a few words of token i."""
     near = s.tokens[max(0, i - 5) : i + 5]
     return "left" if any(t.kind == "turn" and t.value == "left" for t in near) else "right"
 
@@ -175,7 +190,7 @@ def _read_extra(s: Sentence, facts: Facts, i: int) -> None:
     if not facts.has("lane_drop", "lane_gain", "lane_change"):
         kind = "lane_drop" if s.tokens[i].value == "drop" or _ends(s, i) else "lane_gain"
         facts.features[kind] = i
-        facts.events.append(EventWords(kind, i, 1, _side(s, i)))
+        facts.events.append(EventWords(kind, i, 1, side_near(s, i)))
         s.use(i, i, kind.replace("_", " "))
     else:
         s.use(i, i, "")
@@ -183,81 +198,3 @@ def _read_extra(s: Sentence, facts: Facts, i: int) -> None:
 
 def _ends(s: Sentence, i: int) -> bool:
     return any(t.kind == "verb" and t.value in ("end", "lose") for t in s.tokens[i + 1 : i + 4])
-
-
-def read_branches(s: Sentence, facts: Facts) -> None:
-    """Roads that split, with the lanes of their branches: "two go left and one right"."""
-    for i in s.verbs("split"):
-        if s.negated_at(i):
-            s.use(i, i, "no fork")
-            continue
-        facts.features.setdefault("fork", i)
-        s.use(i, i, "road that splits into two")
-        _read_branch_lanes(s, facts, i)
-        for j in range(i + 1, min(len(s.tokens), i + 4)):
-            if s.tokens[j].kind == "number" and s.tokens[j].number == 2:
-                s.use(j, j, "")
-
-
-def _read_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
-    """Lanes of the branches after the verb at i: "two left, one right", "two lanes each", "into two and two"."""
-    turns = {t.value: j for j, t in enumerate(s.tokens) if t.kind == "turn"}
-    if set(turns) == {"left", "right"}:
-        counts = {side: _count_beside(s, j) for side, j in turns.items()}
-        if counts["left"] and counts["right"]:
-            facts.branches = (counts["left"], counts["right"])
-    each = [item for item in s.lanes if item.first > i and item.per == "each"]
-    if facts.branches is None and set(turns) == {"left", "right"} and each:
-        facts.branches = (each[0].count, each[0].count)
-        s.use(each[0].first, each[0].last, f"{each[0].count} lanes on each branch")
-    both = [j for j in range(i + 1, min(len(s.tokens), i + 8)) if s.tokens[j].kind == "number"]
-    if facts.branches is None and len(both) == 2 and s.between(both[0], both[1], "and"):
-        facts.branches = (s.tokens[both[0]].number, s.tokens[both[1]].number)
-        s.use(both[0], both[1], f"{facts.branches[0]} lanes to the left, {facts.branches[1]} to the right")
-        for item in s.lanes:
-            if item.first in both:
-                s.used.update(range(item.first, item.last + 1))
-
-
-def read_joining_roads(s: Sentence, facts: Facts) -> None:
-    """Two roads that become one: "two motorways merge into one"."""
-    if any(s.said("place")):
-        return
-    for phrase in (*s.said("road"), *s.said("ramp")):
-        after = s.tokens[phrase.head + 1 : phrase.head + 3]
-        merges = any(t.kind == "verb" and t.value in ("merge", "become") for t in after)
-        merges |= any(t.kind == "verb" and t.value == "merge" for t in s.tokens[max(0, phrase.first - 2) : phrase.first])
-        if phrase.number != 2 or not merges or phrase.role:
-            continue
-        facts.features.update({"fork": phrase.first, "joining": phrase.first})
-        one = next((p for p in s.said("road") if p.first > phrase.head), None)
-        each = phrase.lanes or 2
-        facts.branches = (each, each)
-        facts.lanes["main"] = one.lanes if one is not None and one.lanes else 2 * each
-        last = one.head if one is not None else phrase.head
-        for i in range(phrase.head + 1, min(phrase.head + 5, len(s.tokens))):
-            last = max(last, i) if s.tokens[i].kind == "number" else last
-        s.use(phrase.first, last, "2 roads become 1")
-        return
-
-
-def _is_named_first(s: Sentence) -> bool:
-    """Whether branches are named before their lanes: "left branch one lane, right branch two"."""
-    turn = next(s.of_kind("turn"))
-    return all(item.first > turn for item in s.lanes) and s.word(turn + 1, "role")
-
-
-def _count_beside(s: Sentence, turn: int) -> int:
-    following = [j for j in range(turn + 1, min(len(s.tokens), turn + 4)) if s.tokens[j].kind == "number"]
-    backwards = range(turn, max(-1, turn - 6), -1)
-    for j in following[:1] if following and _is_named_first(s) else backwards:
-        token = s.tokens[j]
-        if token.kind in ("stop", "verb") and j != turn and token.value == "split":
-            return 0
-        if token.kind == "number" and token.number <= 4:
-            s.use(j, turn, f"{token.number} to the {s.tokens[turn].value}")
-            for item in s.lanes:
-                if item.first <= j <= item.last:
-                    s.used.update(range(item.first, item.last + 1))
-            return token.number
-    return 0

@@ -1,6 +1,7 @@
 """Streets from facts: plain and curved ones, several junctions in a row, side streets, staggered junctions."""
 
 import math
+from itertools import pairwise
 from typing import Any
 
 from drivegen.errors import UnusableInput
@@ -47,13 +48,27 @@ def side_streets(facts: Facts, choices: Choices) -> Road:
     if facts.surroundings == "residential" and facts.control is None and not facts.has("main_road"):
         control = "uncontrolled"
         choices.assume("right before left")
-    sides = [["left"], ["right"]]
-    common = {"side_lanes": side, "control": control, "side_speed": facts.speeds.get("side", choices.speed(facts))}
-    one_side = [[facts.turn]] * 2 if facts.turn else sides
-    junctions = [{**common, "sides": one_side[i % 2], "dead_end": facts.has("cul_de_sac")} for i in range(count)]
+    common: Road = {"side_lanes": side, "control": control, "side_speed": facts.speeds.get("side", choices.speed(facts))}
+    if "side" in facts.lengths:
+        common["side_length"] = facts.lengths["side"]
+    junctions = [{**common, "sides": sides, "dead_end": facts.has("cul_de_sac")} for sides in _sides(facts, count)]
+    main = choices.lanes(facts, 1, "main")
+    places = [at for _, at in facts.side_places if at is not None]
+    if places and len(places) == count and places == sorted(places):
+        return _corridor(facts, choices, main, junctions, [b - a for a, b in pairwise(places)], places[0])
+    return _corridor(facts, choices, main, junctions, [spacing] * (count - 1))
+
+
+def _sides(facts: Facts, count: int) -> list[list[str]]:
+    """The sides on which side streets join: as told, both for streets that cross, one, or left and right in turn."""
+    told = [turn for turn, _ in facts.side_places]
+    if told and all(told):
+        return [[turn] for turn in told]
     if facts.has("cross_streets"):
-        junctions = [{**junction, "sides": ["left", "right"]} for junction in junctions]
-    return _corridor(facts, choices, choices.lanes(facts, 1, "main"), junctions, [spacing] * (count - 1))
+        return [["left", "right"]] * count
+    if facts.turn or facts.has("same_side"):
+        return [[facts.turn or "right"]] * count
+    return [["left" if i % 2 == 0 else "right"] for i in range(count)]
 
 
 def staggered(facts: Facts, choices: Choices) -> Road:
@@ -66,21 +81,24 @@ def staggered(facts: Facts, choices: Choices) -> Road:
     return _corridor(facts, choices, main, junctions, [offset])
 
 
-def _corridor(facts: Facts, choices: Choices, main: int, junctions: list[Road], gaps: list[float]) -> Road:
-    """A straight road with junctions `gaps` [m] apart."""
+def _corridor(
+    facts: Facts, choices: Choices, main: int, junctions: list[Road], gaps: list[float], start: float | None = None
+) -> Road:
+    """A straight road with junctions `gaps` [m] apart, the first one `start` [m] from its beginning if that is known."""
     if len(junctions) > _MOST_IN_A_ROW:
         raise UnusableInput(f"a road can have at most {_MOST_IN_A_ROW} junctions along it", reason="impossible-map")
     between = sum(gaps)
     ends = choices.length("road before the first and after the last junction", 120, 160)
     if "length" in facts.lengths:
         ends = max(60.0, (facts.lengths["length"] - between) / 2)
-    placed = [{**junction, "position": ends + sum(gaps[:i])} for i, junction in enumerate(junctions)]
+    first = ends if start is None else max(start, 30.0)
+    placed = [{**junction, "position": first + sum(gaps[:i])} for i, junction in enumerate(junctions)]
     one_way = bool(facts.one_way) and not facts.two_way
     return {
         "kind": "corridor",
-        "alignment": {"shape": "straight", "length": 2 * ends + between},
+        "alignment": {"shape": "straight", "length": first + between + ends},
         "lanes": main,
-        "lanes_back": 0 if one_way else main,
+        "lanes_back": 0 if one_way else facts.lanes.get("back", main),
         "speed": choices.speed(facts),
         "junctions": placed,
     }
@@ -95,7 +113,7 @@ def street(facts: Facts, choices: Choices) -> Road:
         "kind": "corridor",
         "alignment": alignment(facts, choices, (120, 180) if dead_end else (400, 600)),
         "lanes": lanes,
-        "lanes_back": 0 if one_way else lanes,
+        "lanes_back": 0 if one_way else facts.lanes.get("back", lanes),
         "speed": choices.speed(facts),
         "dead_end": dead_end,
     }
@@ -105,13 +123,18 @@ def alignment(facts: Facts, choices: Choices, usual: tuple[int, int], radius: fl
     """The line of a road without crossings."""
     shape = next((name for name in ("hairpin", "s_curve", "curve") if facts.has(name)), "straight")
     if shape == "straight":
-        return {"shape": shape, "length": facts.lengths.get("length") or choices.length("length", *usual, step=50)}
-    angle = facts.angle or {"hairpin": 180.0, "s_curve": 60.0, "curve": 90.0}[shape]
+        told = facts.lengths.get("length") or facts.lengths.get("side")
+        return {"shape": shape, "length": told or choices.length("length", *usual, step=50)}
+    loop = facts.has("loop") and shape == "curve"
+    angle = facts.angle or {"hairpin": 180.0, "s_curve": 60.0, "curve": 270.0 if loop else 90.0}[shape]
     angle = 180.0 if shape == "hairpin" else angle
-    bend = facts.lengths.get("radius") or (20.0 if shape == "hairpin" else radius * _bend(facts))
-    arcs = math.radians(angle) * bend * (2 if shape == "s_curve" else 1)
-    length = facts.lengths.get("length") or arcs + choices.length("straight roads beside the bend", 200, 300, step=20)
-    return {"shape": shape, "length": length, "angle": -angle if facts.turn == "right" else angle, "radius": bend}
+    bend = facts.lengths.get("radius") or (20.0 if shape == "hairpin" else 45.0 if angle > 180.0 else radius * _bend(facts))
+    bends = facts.bends or (2 if shape == "s_curve" else 1)
+    arcs = math.radians(angle) * bend * bends
+    rest = 60.0 if angle > 180.0 else choices.length("straight roads beside the bend", 200, 300, step=20) * (bends + 1) / 2
+    length = facts.lengths.get("length") or arcs + rest
+    line: Road = {"shape": shape, "length": length, "angle": -angle if facts.turn == "right" else angle, "radius": bend}
+    return line | {"bends": facts.bends} if facts.bends else line
 
 
 def _bend(facts: Facts) -> float:

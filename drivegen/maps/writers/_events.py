@@ -23,7 +23,28 @@ def read_ramps(s: Sentence, facts: Facts) -> None:
         _read_auxiliary(s, facts, phrase)
     if not facts.interchange:
         _read_verbs(s, facts)
+    _read_kept_lanes(s, facts)
     facts.events.sort(key=lambda event: event.at)
+
+
+def _read_kept_lanes(s: Sentence, facts: Facts) -> None:
+    """Ramps whose lanes are the road's own: "exit only", "the ramp's lane goes on as a third lane"."""
+    for i in s.of_kind("keeps"):
+        kind = f"{s.tokens[i].value}_ramp"
+        ramps = [event for event in facts.events if event.kind == kind]
+        if not ramps:
+            ramps = [EventWords(kind, i)]
+            facts.events += ramps
+        ramps[-1].keeps = True
+        s.use(i, i, f"{_NAMES[kind]} with a lane of the road")
+    before = facts.from_lanes or facts.lanes.get("main") or 0
+    kept = [event for event in facts.events if event.keeps]
+    if len(kept) == 1 and facts.to_lanes is not None and before:  # "and goes on with two"
+        change = before - facts.to_lanes if kept[0].kind == "off_ramp" else facts.to_lanes - before
+        if change == (kept[0].lanes or facts.lanes.get("ramp") or 1):
+            facts.lanes["main"], facts.from_lanes, facts.to_lanes = before, None, None
+            for name in ("lane_drop", "lane_gain", "lane_change"):
+                facts.features.pop(name, None)
 
 
 def _is_fast(s: Sentence, facts: Facts) -> bool:
@@ -50,14 +71,36 @@ def _read_ramp(s: Sentence, facts: Facts, phrase: Phrase) -> None:
     copies = min(phrase.number or 1, _MOST)
     if phrase.number:
         s.use(phrase.first, phrase.head, f"{copies} {_NAMES[kind]}{'s' if copies > 1 else ''}")
+    _add_ramps(s, facts, phrase, kind, copies)
+
+
+def _add_ramps(s: Sentence, facts: Facts, phrase: Phrase, kind: str, copies: int) -> None:
+    """New ramps: one of each kind for plain "ramps", one per place that is told, else as many as counted."""
     if phrase.text.endswith("ramps") and phrase.value == "" and not phrase.number:
-        for j, both in enumerate(("on_ramp", "off_ramp")):
-            facts.events.append(EventWords(both, phrase.first + j))
+        facts.events += [EventWords(both, phrase.first + j) for j, both in enumerate(("on_ramp", "off_ramp"))]
+        return
+    places = _places(s, phrase)
+    if len(places) > 1 and copies == 1:
+        facts.events += [EventWords(kind, phrase.first, phrase.lanes, position=metres, speed=phrase.speed) for metres in places]
+        if facts.lengths.get("length") in places:
+            del facts.lengths["length"]
         return
     event = EventWords(kind, phrase.first, phrase.lanes, position=phrase.position, gap=phrase.gap, speed=phrase.speed)
     facts.events += [replace(event) for _ in range(copies)]
     if _both_kinds(s, phrase):
         facts.events.append(EventWords("off_ramp" if kind == "on_ramp" else "on_ramp", phrase.first - 1))
+
+
+def _places(s: Sentence, phrase: Phrase) -> list[float]:
+    """Positions [m] of several ramps: "off-ramps at 400 m and 1200 m"."""
+    found: list[float] = []
+    if s.tokens[phrase.head].text.endswith("s") and phrase.number is None and s.word(phrase.head + 1, "prep"):
+        for token in s.tokens[phrase.head + 2 :]:
+            if token.kind == "length":
+                found.append(token.amount[0])
+            elif token.kind not in ("and", "comma") and token.text != "at":
+                break
+    return found
 
 
 def _named_otherwise(s: Sentence, phrase: Phrase) -> bool:
@@ -76,6 +119,9 @@ def _refers_back(s: Sentence, phrase: Phrase) -> bool:
     near = s.tokens[max(0, phrase.first - 1) : phrase.head + 1]
     if phrase.text == "ramp" and (s.word(phrase.head + 1, "speed_word") or s.word(phrase.head + 1, "speed")):
         return True  # "ramp speed 60 km/h"
+    bare = phrase.value == "" and phrase.det == "" and phrase.number in (None, 1) and s.tokens[phrase.head].text == "ramp"
+    if bare and not any(t.kind in ("verb", "that") for t in s.tokens[phrase.head + 1 : phrase.head + 3]):
+        return True  # "exit: ramp one lane"
     return any(t.text in ("the", "this", "that", "its", "which") for t in near)
 
 

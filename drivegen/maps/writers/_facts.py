@@ -30,6 +30,7 @@ class EventWords:
     """A ramp or a change of lanes along a highway, in the order of the text; lengths [m], speed [m/s], None unsaid.
 
     Attributes:
+        keeps: as in `spec.HighwayEvent`.
         position: from the start of the road. gap: from what comes before it. length: of the lane beside the road.
     """
 
@@ -41,6 +42,7 @@ class EventWords:
     gap: float | None = None
     length: float | None = None
     speed: float | None = None
+    keeps: bool = False
 
 
 @dataclass
@@ -49,12 +51,14 @@ class Facts:
 
     Attributes:
         features: words that decide the kind ("highway", "grid", "curve", ...) and where in the text they stand.
-        lanes: per direction by role: "main", "side", "ring", "ramp", "arms"; `other_lanes` are those without one, in order.
+        lanes: per direction by role: "main", "side", "ring", "ramp", "arms", "back" (of the main road);
+            `other_lanes` are those without one, in order.
         from_lanes, to_lanes: of a road that narrows or widens. branches: lanes of the left and right branch of a fork.
         speeds: [m/s] by role "main", "side", "ramp", "ring". lengths: [m] by role "length", "spacing", "radius",
-            "diameter", "auxiliary", "offset", "position", "side", "median". angle: [degrees].
+            "diameter", "auxiliary", "offset", "position", "side", "median". angle: [degrees]. bends: how many, None unsaid.
         one_way: places in the text of roads that are said to be one-way. two_way: a road is said to run both ways.
-        interchange: its form, "" none.
+        side_places: side ("left", "right" or "") and position along the road [m] of side streets told one by one.
+        pocket_role: of the road that has the turn lanes, "" all. interchange: its form, "" none.
     """
 
     features: dict[str, int] = field(default_factory=dict)
@@ -62,6 +66,7 @@ class Facts:
     events: list[EventWords] = field(default_factory=list)
     grid: tuple[int, int] | None = None
     side_streets: int = 0
+    side_places: list[tuple[str, float | None]] = field(default_factory=list)
     lanes: dict[str, int] = field(default_factory=dict)
     other_lanes: list[tuple[int, int]] = field(default_factory=list)
     from_lanes: int | None = None
@@ -71,6 +76,7 @@ class Facts:
     lengths: dict[str, float] = field(default_factory=dict)
     angle: float | None = None
     turn: Side | None = None
+    bends: int | None = None
     control: Control | None = None
     unsignalled: bool = False
     one_way: list[int] = field(default_factory=list)
@@ -78,6 +84,7 @@ class Facts:
     left_hand: bool = False
     left_pocket: bool = False
     right_pocket: bool = False
+    pocket_role: str = ""
     surroundings: str = ""
     interchange: str = ""
 

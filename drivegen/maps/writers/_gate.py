@@ -17,6 +17,7 @@ from drivegen.maps.writers._small_words import NARRATIVE, SMALL_WORDS
 LEAST_TAKEN = 0.5
 """Share of the words that speak of something below which the described examples are asked."""
 
+_MOST_COUNTED = 8
 _JOINING = ("join", "cross", "meet", "split", "end_at")
 _COUNTED = frozenset(("lane", "arm", "road", "place", "ramp", "ring", "extra", "shape", "weaving", "control"))
 _MEASURES = frozenset(("length", "angle", "size"))
@@ -63,6 +64,9 @@ def refuse_contradictions(s: Sentence, facts: Facts, road: Mapping[str, Any]) ->
     for phrase in s.denied("road"):
         if not phrase.words and s.tokens[phrase.head].text in ("road", "roads", "street", "streets"):
             raise UnusableInput(f"a map needs roads, and {phrase.text!r} are denied", reason="impossible-map")
+    for phrase in s.denied("arm"):
+        if s.tokens[phrase.head].text in ("arms", "legs", "approaches", "branches") and not phrase.words:
+            raise UnusableInput(f"a junction needs roads, and {phrase.text!r} are denied", reason="impossible-map")
     if road["kind"] not in ("corridor", "highway", "fork") or road.get("junctions"):
         return
     sides = [p.head for p in s.said("road") if p.role == "side" and s.tokens[p.head].text != "side"]  # "on one side"
@@ -81,7 +85,9 @@ def refuse_contradictions(s: Sentence, facts: Facts, road: Mapping[str, Any]) ->
 
 
 def _is_counted(s: Sentence, i: int) -> bool:
-    """Whether the "1" at i stands right before "arm": "a roundabout with one arm"."""
+    """Whether the "1" at i counts what meets: "a roundabout with one arm", "a crossing of one road"."""
+    if s.word(i + 1, "road") and s.word(i - 1, "prep") and s.tokens[i - 1].value == "of" and s.word(i - 2, "place"):
+        return True
     return s.word(i + 1, "arm") and s.tokens[i + 1].text in ("arm", "leg", "branch", "spoke")
 
 
@@ -96,7 +102,9 @@ def _counts_roads(s: Sentence, i: int) -> bool:
 
 
 def _is_bare(s: Sentence, i: int) -> bool:
-    """Whether the number names nothing: in "unit 2" or "question 12" it does."""
+    """Whether the number names nothing: in "unit 2", "question 12" or "exit 14" it does."""
+    if i and s.tokens[i].number > _MOST_COUNTED and s.tokens[i - 1].kind in ("ramp", "place", "road"):
+        return s.tokens[i - 1].text.endswith("s")
     return i == 0 or s.tokens[i - 1].kind != "unknown" or not re.fullmatch(r"[a-z]+", s.tokens[i - 1].text)
 
 

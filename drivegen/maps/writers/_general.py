@@ -2,8 +2,10 @@
 
 from drivegen.maps.spec import Side
 from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._rows import one_of_a_row, others_of_a_row
 from drivegen.maps.writers._sentence import Sentence
 
+_MOST_BENDS = 8
 _CONTROLS = {
     "signals": "traffic lights",
     "unsignalled": "no traffic lights",
@@ -86,6 +88,9 @@ def read_shapes(s: Sentence, facts: Facts) -> None:
     for phrase in s.said("shape"):
         facts.features.setdefault(phrase.value, phrase.first)
         s.use(phrase.head, phrase.head, phrase.value.replace("_", "-"))
+        if "loop" in phrase.text.split() and phrase.value == "curve":
+            facts.features.setdefault("loop", phrase.first)
+            facts.one_way.append(phrase.head)
     for phrase in s.said("dead_end"):
         facts.features.setdefault("cul_de_sac", phrase.first)
         s.use(phrase.head, phrase.head, "dead end")
@@ -97,7 +102,21 @@ def read_shapes(s: Sentence, facts: Facts) -> None:
         if i not in s.used:
             facts.turn = facts.turn or (_side(s.tokens[i].value))
             s.use(i, i, f"to the {s.tokens[i].value}")
+    _count_bends(s, facts)
     _read_double_bend(s, facts, turns)
+
+
+def _count_bends(s: Sentence, facts: Facts) -> None:
+    """Several bends one after another: hairpins, S-curves, or bends to either side in turn."""
+    for phrase in s.said("shape", "hairpin", "s_curve", "curve"):
+        times = s.word(phrase.head + 1, "number") and s.tokens[phrase.head + 2 : phrase.head + 3]
+        count = s.tokens[phrase.head + 1].number if times and times[0].text == "times" else phrase.number
+        if count is not None and 1 <= count <= _MOST_BENDS:
+            each = 2 if phrase.value == "s_curve" and phrase.text.endswith("s") else 1
+            if phrase.value == "hairpin" or count > 2 or each == 2:
+                facts.bends = count * each
+            last = phrase.head + 2 if times else phrase.head
+            s.use(phrase.first, last, f"{count} bends" if count > 1 else phrase.value.replace("_", "-"))
 
 
 def _side(value: str) -> Side:
@@ -122,6 +141,8 @@ def read_pockets(s: Sentence, facts: Facts) -> None:
         before = s.tokens[phrase.first - 2 : phrase.first] if phrase.first >= 2 else []
         if phrase.words.get("turn") or (before and before[0].kind == "turn" and before[1].kind in ("and", "or")):
             sides = "left right"
+        where = s.governed(phrase.head)
+        facts.pocket_role = where.role if where is not None and where.kind == "road" else ""
         facts.left_pocket |= "left" in sides
         facts.right_pocket |= "right" in sides
         s.use(phrase.first, phrase.head, f"turn lanes ({sides.replace(' ', ' and ')})")
@@ -131,7 +152,10 @@ def read_control(s: Sentence, facts: Facts) -> None:
     """Who goes first. Who denies both lights and signs wants neither."""
     denied = {phrase.value for phrase in s.denied("control")}
     for phrase in s.denied("control"):
-        if phrase.value == "signals":
+        one = one_of_a_row(s, facts, phrase) if len(facts.junctions) > 1 or any(j.count > 1 for j in facts.junctions) else None
+        if one is not None:
+            one.control = "unsignalled" if phrase.value == "signals" else one.control
+        elif phrase.value == "signals":
             facts.unsignalled = True
         s.use(phrase.first, phrase.head, f"no {_CONTROLS.get(phrase.value, 'signs')}")
     found: list[str] = []
@@ -141,7 +165,11 @@ def read_control(s: Sentence, facts: Facts) -> None:
         if phrase.value == "signs":
             s.use(phrase.head, phrase.head, "")
             continue
-        if not _for_ordinal(s, facts, phrase.head, phrase.value):
+        one = one_of_a_row(s, facts, phrase)
+        if one is not None:
+            for each in (one, *others_of_a_row(s, facts, phrase)):
+                each.control = phrase.value
+        else:
             found.append(phrase.value)
         s.use(phrase.first if phrase.value == "all_way_stop" else phrase.head, phrase.head, _CONTROLS[phrase.value])
     found += [i.control for i in facts.junctions if i.control and len(facts.junctions) == 1]
@@ -158,19 +186,3 @@ def _decide(facts: Facts, found: list[str], denied: set[str]) -> None:
             facts.control = value
     if denied & {"signs", "stop"} and "signals" in denied and facts.control is None:
         facts.control = "uncontrolled"
-
-
-def _for_ordinal(s: Sentence, facts: Facts, i: int, control: str) -> bool:
-    """ "The first with lights, the second with a stop sign": control of one junction of a row."""
-    ordinal = s.last_before(i, "ordinal")
-    if ordinal is None or i - ordinal.head > 5 or not facts.junctions:
-        return False
-    if len(facts.junctions) == 1 and facts.junctions[0].count > 1:
-        one = facts.junctions[0]
-        facts.junctions[:] = [type(one)(one.form, one.at, one.arms, one.shape, 1, one.control) for _ in range(min(one.count, 13))]
-    index = int(ordinal.value) - 1
-    if index >= len(facts.junctions):
-        return False
-    facts.junctions[index].control = control
-    s.use(ordinal.first, ordinal.head, f"junction {index + 1}")
-    return True

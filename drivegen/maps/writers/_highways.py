@@ -31,7 +31,9 @@ def highway(facts: Facts, choices: Choices, alignment: Callable[..., Road]) -> R
             )
         line["length"] = needed
     one_way = bool(facts.one_way) and not facts.two_way
+    median = {"median": facts.lengths["median"]} if "median" in facts.lengths and not one_way else {}
     return {
+        **median,
         "kind": "highway",
         "alignment": line,
         "lanes": lanes,
@@ -104,6 +106,7 @@ def _place(facts: Facts, events: list[EventWords], speed: float) -> tuple[list[R
             placed[-1]["length"] = max(50.0, here - _LEAST_BETWEEN - placed[-1]["position"])  # what was said leaves less room
         road: Road = {"kind": event.kind, "position": here, "lanes": lanes, "side": event.side}
         road["ramp_speed"] = event.speed or ramp_speed
+        road |= {"keeps": True} if event.keeps else {}
         placed.append({**road, "length": length} if event.kind in _AUXILIARY else road)
         end = here + length
     return placed, end + _LAST

@@ -1,8 +1,11 @@
 """Junctions: roundabouts, T and Y junctions, crossings, and how many roads meet at them."""
 
+import re
+
 from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._layouts import read_grid
 from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._rows import one_of_a_row, read_arms_of_a_row
 from drivegen.maps.writers._sentence import Sentence
 
 _NAMES = {"t": "T-junction", "y": "Y-junction", "crossing": "crossing", "roundabout": "roundabout"}
@@ -24,6 +27,8 @@ def read_junctions(s: Sentence, facts: Facts) -> None:
     elif (ring := next(s.said("ring"), None)) and _stands_for_roundabout(s, ring):
         facts.junctions.append(JunctionWords("roundabout", ring.first, ring.arms))
         s.use(ring.head, ring.head, "roundabout")
+    _read_ways_that_stop(s, facts)
+    read_arms_of_a_row(s, facts)
     _read_arms(s, facts)
     _read_counted_signals(s, facts)
 
@@ -45,6 +50,8 @@ def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:
         return
     _use_words(s, phrase)
     arms = phrase.arms or _ways(s, phrase)
+    if _is_of_a_row(s, facts, phrase, arms):
+        return
     same = _meant(s, facts, phrase)
     if same is not None:
         same.arms = same.arms or arms
@@ -66,6 +73,32 @@ def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:
         junction.side = "left" if following[0].value == "left" else "right"
     facts.junctions.append(junction)
     s.use(phrase.first if phrase.number else phrase.head, phrase.head, name if count == 1 else f"{count} {name}s")
+
+
+def _read_ways_that_stop(s: Sentence, facts: Facts) -> None:
+    """Five roads meet at "a five-way stop"."""
+    for phrase in s.said("control", "all_way_stop"):
+        ways = re.match(r"(?:an? )?(\d) way", phrase.text)
+        if ways and not facts.junctions:
+            facts.junctions.append(JunctionWords("crossing", phrase.first, int(ways[1]), control="all_way_stop"))
+        elif ways and len(facts.junctions) == 1 and facts.junctions[0].arms is None:
+            facts.junctions[0].arms = int(ways[1])
+
+
+def _is_of_a_row(s: Sentence, facts: Facts, phrase: Phrase, arms: int | None) -> bool:
+    """Say of a junction of a row what it is, if the phrase does: "the first is a T, the second a roundabout"."""
+    row = any(junction.count > 1 for junction in facts.junctions) or (len(facts.junctions) > 1 and phrase.det == "the")
+    if not row or (phrase.number or 1) > 1:
+        return False
+    one = one_of_a_row(s, facts, phrase)
+    if one is None:
+        return False
+    one.form = "roundabout" if phrase.value == "roundabout" else one.form
+    one.shape = phrase.value if phrase.value in ("t", "y") else one.shape
+    one.arms = arms or (_FEWEST if one.shape else one.arms)
+    one.control = _own_control(phrase) or one.control
+    s.use(phrase.head, phrase.head, _NAMES.get(phrase.value, phrase.value))
+    return True
 
 
 def _use_words(s: Sentence, phrase: Phrase) -> None:

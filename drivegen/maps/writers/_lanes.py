@@ -1,5 +1,6 @@
 """How many lanes, of which road. Lanes count per direction unless the description says they are the total."""
 
+from drivegen.errors import UnusableInput
 from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._owners import is_close, owner, role
 from drivegen.maps.writers._phrases import Phrase
@@ -17,6 +18,7 @@ def read_lanes(s: Sentence, facts: Facts) -> None:
     for item in said:
         phrase = owner(s, item.first, item.last, *_OWNERS)
         count = item.count
+        _refuse_other_number(s, item, phrase, said)
         if item.per == "total" or _runs_both_ways(s, item, phrase):
             count = max(1, count // 2) if count else 0
         elif item.per == "" and count not in explicit and count % 2 == 0 and count // 2 in explicit and _same_road(s, item, said):
@@ -24,6 +26,23 @@ def read_lanes(s: Sentence, facts: Facts) -> None:
             continue
         _give(s, facts, item, phrase, count)
     _read_elliptic(s, facts)
+
+
+def _refuse_other_number(s: Sentence, item: Lanes, phrase: Phrase | None, said: list[Lanes]) -> None:
+    """Raise UnusableInput at "a one-lane motorway with five lanes in each direction"."""
+    if not item.inside or item.per or item.value or phrase is None or phrase.kind != "road":
+        return
+    for other in said:
+        same = (
+            other.per == "each"
+            and not other.value
+            and other.first > item.last
+            and owner(s, other.first, other.last, "road") is phrase
+        )
+        if same and not s.between(phrase.head, other.first, "verb") and item.count not in (other.count, 2 * other.count):
+            raise UnusableInput(
+                f"a road of {_count(item.count)} cannot have {_count(other.count)} per direction", reason="impossible-map"
+            )
 
 
 def _runs_both_ways(s: Sentence, item: Lanes, phrase: Phrase | None) -> bool:
@@ -59,12 +78,15 @@ def _give(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None, count: 
 def _role(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None) -> str:
     if item.value:
         return item.value
+    if item.per == "back":
+        return "back"
     if phrase is None:
         return ""
     if item.per in ("arms", "all") and phrase.kind in ("place", "ring", "arm"):
         return "arms"
     if phrase.kind == "arm":
-        return "arms"
+        loose = item.per == "" and item.first > phrase.head and s.word(item.first - 1, "comma")
+        return "" if loose and any(s.said("place", "roundabout")) else "arms"
     if phrase.kind == "place":
         governed = s.governed(item.last) is phrase
         return "ring" if phrase.value == "roundabout" and (governed or phrase.first <= item.first <= phrase.head) else ""

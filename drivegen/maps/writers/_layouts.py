@@ -11,7 +11,7 @@ def read_grid(s: Sentence, facts: Facts) -> None:
     """A grid, its size by "3 x 4" or by counted streets in two directions, and its crossings, which are no others."""
     for phrase in s.denied("place", "grid"):
         s.use(phrase.first, phrase.head, "no grid")
-    grids = list(s.said("place", "grid"))
+    grids = [p for p in s.said("place", "grid") if not _measures_a_row(s, p)]
     for i in s.of_kind("size"):
         if grids or any(t.kind in ("road", "place") and t.text.endswith("s") for t in s.tokens[i + 1 : i + 3]):
             _take_size(s, facts, i)
@@ -29,6 +29,11 @@ def read_grid(s: Sentence, facts: Facts) -> None:
         if control and control != "unsignalled" and facts.control is None:
             facts.control = control  # type: ignore[assignment]
         s.use(phrase.first, phrase.head, "")
+
+
+def _measures_a_row(s: Sentence, phrase: Phrase) -> bool:
+    """Whether the "blocks" are those between streets that cross a road: "crossed by three streets, 150 m blocks"."""
+    return phrase.text == "blocks" and s.word(phrase.head - 1, "length") and any(True for _ in s.verbs("cross"))
 
 
 def _read_two_directions(s: Sentence, facts: Facts) -> None:
@@ -70,10 +75,19 @@ def read_interchange(s: Sentence, facts: Facts) -> None:
         facts.interchange = "diamond"
     elif fast and ramps and _ramp_ends_at_crossing(s, ramps):
         facts.interchange = "terminal"
+    if facts.interchange == "half_diamond" and _on_one_carriageway(s, ramps):
+        facts.interchange = "side"
     for phrase in said:
         s.use(phrase.first, phrase.head, f"{facts.interchange.replace('_', ' ')} interchange")
     for i in over if facts.interchange else ():
         s.use(i, i, "over or under another road, without a crossing")
+
+
+def _on_one_carriageway(s: Sentence, ramps: list[Phrase]) -> bool:
+    """Whether both ramps of half a diamond are said of one carriageway: an exit and, beyond the bridge, an entry to "it"."""
+    kinds = {p.value.split("_")[0] for p in ramps}
+    sides = {t.text for t in s.tokens if t.kind == "bound"}
+    return kinds >= {"on", "off"} and len(sides) == 1
 
 
 def _ramp_ends_at_crossing(s: Sentence, ramps: list[Phrase]) -> bool:

@@ -8,6 +8,7 @@ from drivegen.maps.writers._sentence import Sentence
 _KMH = 1 / 3.6
 _LEAST_BARE_SPEED = 10
 _MOST_BARE_SPEED = 130
+_WIDEST_MEDIAN = 100.0
 _CUES = ("radius", "diameter", "spacing", "offset", "later", "before", "start", "long", "auxiliary", "weaving", "median")
 _EVENTS = ("ramp", "weaving", "extra")
 
@@ -93,7 +94,7 @@ def _speed_role(s: Sentence, facts: Facts, i: int) -> str:
     if phrase is not None:
         return role(s, phrase)
     before = s.last_before(i, "road", "ramp", "ring", "place")
-    if before is None or before.kind == "place":
+    if before is None or before.kind == "place" or (before.value.endswith("_or_arm") and any(s.said("place"))):
         return "main"
     who = role(s, before)
     if who in ("ramp", "side", "ring") and not is_close(s, before, i) and "main" not in facts.speeds:
@@ -118,7 +119,8 @@ def read_lengths(s: Sentence, facts: Facts) -> None:
         if name in ("gap", "position") and _give_to_part(s, i, name, metres, cue):
             pass
         elif name == "gap":
-            facts.lengths.setdefault("spacing", metres)
+            changes = facts.has("lane_drop", "lane_gain", "lane_change") and not facts.junctions
+            facts.lengths.setdefault("position" if changes else "spacing", metres)
         else:
             facts.lengths.setdefault(name, metres)
         shown = {"auxiliary": "auxiliary lane", "gap": "distance"}.get(name, name)
@@ -163,6 +165,8 @@ def _has_length(s: Sentence, j: int, i: int) -> bool:
 
 def _named(s: Sentence, i: int, cue: int | None) -> str:
     kind = s.tokens[cue].kind if cue is not None else ""
+    if kind in ("", "diameter", "median") and s.tokens[i].amount[0] <= _WIDEST_MEDIAN and _is_of_median(s, i):
+        return "median"
     if kind == "spacing" and s.tokens[cue or 0].text in ("away", "distance"):
         kind = "later" if s.tokens[cue or 0].text == "away" else "spacing"
     if kind == "long":
@@ -177,6 +181,13 @@ def _named(s: Sentence, i: int, cue: int | None) -> str:
     return _what_is_long(s, i)
 
 
+def _is_of_median(s: Sentence, i: int) -> bool:
+    """Whether the length is the width of what divides the carriageways: "10 m median", "a median of 12 m", "12 m wide strip"."""
+    near = [j for j in range(max(0, i - 4), min(len(s.tokens), i + 4)) if s.tokens[j].kind in ("divided", "median")]
+    between = [t for j in near for t in s.tokens[min(i, j) + 1 : max(i, j)]]
+    return bool(near) and all(t.kind in ("diameter", "is", "det", "small", "unknown", "prep", "with") for t in between)
+
+
 def _is_inside(s: Sentence, i: int, *kinds: str) -> bool:
     return any(p.kind in kinds and p.first <= i < p.head for p in s.phrases) or (
         i + 1 < len(s.tokens) and s.tokens[i + 1].kind in kinds
@@ -188,7 +199,7 @@ def _what_is_long(s: Sentence, i: int) -> str:
     road = next((p for p in s.phrases if p.kind == "road" and p.first <= i < p.head), None)
     if road is not None and any(t.value == "meet" for t in s.tokens[max(0, road.first - 2) : road.first]):
         return "spacing"  # "linked by a 120 m road"
-    before = s.last_before(i, "auxiliary", "weaving", "road", "arm", "ramp", "place", "shape")
+    before = s.last_before(i, "auxiliary", "weaving", "road", "arm", "ramp", "place", "shape", "dead_end", "divided")
     near = s.tokens[i - 1].text if i else ""
     if any(s.said("weaving")) and (near in ("within", "over") or not any(s.said("road"))):
         return "auxiliary"  # "weaving between two ramps over 350 m"
@@ -198,7 +209,7 @@ def _what_is_long(s: Sentence, i: int) -> str:
         return "length"
     if before.kind in ("auxiliary", "weaving") and len(s.tokens[before.head + 1 : i]) <= 3:
         return "auxiliary"
-    if (before.kind == "road" and before.role == "side") or before.kind == "arm":
+    if (before.kind == "road" and before.role == "side") or before.kind in ("arm", "dead_end"):
         return "side" if is_close(s, before, i) else "length"
     return "length"
 
@@ -213,6 +224,9 @@ def _give_to_part(s: Sentence, i: int, name: str, metres: float, cue: int | None
     )
     if name == "position":
         part = before or s.last_before(i, *kinds) or after
+        side = s.last_before(i, "road")
+        if side is not None and side.role == "side" and side.det != "the" and side.head >= start:
+            part = side
         if part is not None:
             part.position = metres
         return part is not None

@@ -97,7 +97,10 @@ def _is_modifier(tokens: list[Token], i: int) -> bool:
     if nouns is None:
         return False
     j = i + 1
-    while j < len(tokens) and tokens[j].kind in ("control", "small", "role", "surroundings", "arm", "unknown", "divided"):
+    while j < len(tokens) and (
+        tokens[j].kind in ("control", "small", "role", "surroundings", "arm", "unknown", "divided")
+        or (tokens[j].kind == "number" and tokens[j + 1 : j + 2] and tokens[j + 1].kind == "arm")  # "signalised 4-way crossings"
+    ):
         if tokens[j].kind == "unknown" and token.kind != "arm":
             return False
         j += 1
@@ -185,13 +188,19 @@ def _headless(tokens: list[Token], start: int, end: int, before: list[Phrase]) -
         token = tokens[i]
         if token.kind in ("role", "label") and found is None:
             found = Phrase("road", "", i, i, token.text, words={token.kind: token.value})
-        elif token.kind == "det" and token.value == "another" and found is None:
+        elif token.kind == "det" and token.value == "another" and found is None and not _of_a_lane(tokens, i):
             found = Phrase("road", "", i, i, token.text, det="another")
         elif token.kind == "ordinal" and found is None and before:
             found = Phrase("ordinal", token.value, i, i, token.text)
         elif token.kind == "one_way" and found is not None:
             found.words["one_way"] = "one_way"
     return found
+
+
+def _of_a_lane(tokens: list[Token], i: int) -> bool:
+    """Whether "another" ends what is said, or a lane follows: "and 400 m later another"."""
+    following = tokens[i + 1].kind if i + 1 < len(tokens) else "stop"
+    return tokens[i].text.startswith("another") and following in ("comma", "stop", "lane", "length", "later")
 
 
 def _negate(tokens: list[Token], found: list[Phrase]) -> None:

@@ -4,10 +4,13 @@ from dataclasses import dataclass
 
 from drivegen.maps.writers._tokens import Token
 
+_WAYS = {"": "each", "forth": "each", "back": "back"}
+
 
 @dataclass
 class Lanes:
-    """A number of lanes: how many, of which kind of lane, per direction ("each"), for every arm ("arms"), in all ("total")."""
+    """A number of lanes: how many, of which kind of lane, per direction ("each"), on the way back
+    ("back"), for every arm ("arms"), in all ("total")."""
 
     count: int
     first: int
@@ -35,9 +38,21 @@ def lanes_in(tokens: list[Token]) -> list[Lanes]:
                 found.append(_with_per(tokens, Lanes(1, i - 1, i, token.value)))
             elif number_after := _number_after(tokens, i):
                 found.append(_with_per(tokens, Lanes(tokens[number_after].number, i, number_after, token.value)))
-        elif token.kind == "each" and token.value == "" and i and tokens[i - 1].kind == "number" and token.text != "each":
-            found.append(Lanes(tokens[i - 1].number, i - 1, i, "", "each"))
+        elif token.kind == "each" and token.value in _WAYS and i and tokens[i - 1].kind == "number" and token.text != "each":
+            found.append(Lanes(tokens[i - 1].number, i - 1, i, "", _WAYS[token.value]))
+    _tell_bounds_apart(tokens, found)
     return found
+
+
+def _tell_bounds_apart(tokens: list[Token], found: list[Lanes]) -> None:
+    """ "Two lanes northbound, one southbound": the second number is that of the way back."""
+    bound = [(item, near[-1]) for item in found if (near := _bound(tokens, item))]
+    if len(bound) == 2 and bound[0][1] != bound[1][1]:
+        bound[1][0].per = "back"
+
+
+def _bound(tokens: list[Token], item: Lanes) -> list[str]:
+    return [t.text for t in tokens[max(0, item.first - 1) : item.last + 2] if t.kind == "bound"]
 
 
 def _number_before(tokens: list[Token], i: int) -> int | None:
@@ -66,7 +81,7 @@ def _with_per(tokens: list[Token], lanes: Lanes) -> Lanes:
     while j < len(tokens) and tokens[j].text in ("wide", "going", "in"):
         j += 1
     if j < len(tokens) and tokens[j].kind in ("each", "total"):
-        lanes.per = "total" if tokens[j].kind == "total" else tokens[j].value or "each"
+        lanes.per = "total" if tokens[j].kind == "total" else _WAYS.get(tokens[j].value, tokens[j].value)
         lanes.last = j
     elif (
         (lanes.first and tokens[lanes.first - 1].kind in ("each", "bound"))

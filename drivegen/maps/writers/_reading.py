@@ -7,6 +7,8 @@ commas and full stops, because clauses matter.
 import re
 from collections.abc import Iterator
 
+from drivegen.maps.writers._key_values import in_prose
+
 _UNITS = (
     (r"(?<=limit )(\d+) ?km\b(?! ?/| per)|(?<=limit of )(\d+) ?km\b(?! ?/| per)", lambda m: f"{m[1] or m[2]} kmh "),
     (r"k\.?m\.? ?/ ?h\b|\bkm ?h\b|kph|kmph|(?:km|kilomet(?:re|er)s?) (?:per|an|a|every) hour|\bkmhr?\b|\bk/h\b", " kmh "),
@@ -27,6 +29,8 @@ _TENS = {word: 10 * i for i, word in enumerate(_DECADES, 2)}
 _OTHER_NUMBERS = (
     (r"\b(?:a )?pair of\b|\ba couple of\b|\btwin\b|\bdouble(?= lane)|\bdual(?= lane)", "2"),
     (r"\btriple(?= lane)", "3"),
+    (r"\btwice\b", "2 times"),
+    (r"\bthrice\b", "3 times"),
     (r"\bdouble(?= (?:mini )?(?:roundabout|junction))", "2"),
     (r"\bround about(?! \d+ ?(?:m|km|ft|yd)\b)", "roundabout"),
     (r"\bsingle(?= (?:\w+ )?lane)", "1"),
@@ -34,8 +38,11 @@ _OTHER_NUMBERS = (
     (r"\b(?:a |one |1 )?quarter (?:of a |of an )?(?=km|mile)", "0.25 "),
     (r"\ba (?=km|mile)", "1 "),
     (r"\b(?:a |one |1 )?dozen\b", "12"),
-    (r"\ba (?=hundred|thousand)", "1 "),
+    (r"\ba (?=hundred|thousand|million|billion|trillion)", "1 "),
+    (r"\b(?:an )?(?:infinite(?:ly many)?|endless|countless|unlimited)(?: numbers? of)?(?= \w)", "999999"),
 )
+_ROAD = "(road|street|highway|layout|section)"
+_LARGE = {"thousand": 10**3, "million": 10**6, "billion": 10**9, "trillion": 10**12}
 _NUMBER_WORD = "|".join([*_SMALL, *_TENS])
 _NEGATOR = re.compile(
     r"\b(?:no|without|not|non|never|lacks|lacking|nor|neither|isn t|aren t|instead of|rather than|free of|any|zero|0)"
@@ -108,15 +115,20 @@ class Reading:
 
 def normalise(text: str) -> str:
     """The description in the one form that all patterns are written for."""
-    text = text.lower().translate({0x2019: "'", 0x2018: "'", 0xD7: " x ", 0x2010: "-", 0x2011: "-", 0x2013: "-", 0x2014: ","})
+    text = in_prose(text).translate({0x2019: "'", 0x2018: "'", 0xD7: " x ", 0x2010: "-", 0x2011: "-", 0x2013: "-", 0x2014: ","})
     text = re.sub(r"(\d)[.,](\d{3})(?!\d)", r"\1\2", text)
     text = re.sub(r"(\d)(?=[a-z°])", r"\1 ", text)
     text = re.sub(r"(?<=\d) x ?(?=\d)", " x ", text)
+    text = re.sub(r"\b(\d|one|two|three|four) (?:lanes? )?in(?:,| and|/)? \1 (?:lanes? )?out\b", r"\1 lanes each way", text)
+    text = re.sub(r"\b2 ?x ?(\d) ?(?:-?lanes?)\b", r"\1 lanes per direction", text)
     for pattern, unit in _UNITS:
         text = re.sub(pattern, unit, text)
     text = re.sub(r"(?<!\d)\.(?=\d)", "0.", text)
     text = re.sub(r" ?(?:-+>|=+>|→) ?", " to ", text)
     text = re.sub(r"\b(\d) ?\+ ?\1\b(?: ?lanes?)?", r"\1 lanes per direction", text)
+    text = re.sub(
+        rf"\b([234]) ?\+ ?1(?: lane)? {_ROAD}\b", r"\2 with \1 lanes in 1 direction and 1 lane in the other direction , ", text
+    )
     text = re.sub(r"(?<![\w.])-(?=\d)", "minus ", text)
     text = re.sub(r"['\"`*_/\\-]", " ", text)
     text = re.sub(r"[([{]", " ( ", re.sub(r"[)\]}]", " ) ", text))
@@ -134,7 +146,8 @@ def _digits(text: str) -> str:
     text = re.sub(rf"\b({_NUMBER_WORD})\b(?! ?way (?:street|road|traffic|system|lane|carriage))(?! by one)", _word, text)
     text = re.sub(r"\b1 way\b", "one way", text)
     text = re.sub(r"\b(\d+) hundred(?: and)?(?: (\d{1,2})\b)?", lambda m: str(int(m[1]) * 100 + int(m[2] or 0)), text)
-    text = re.sub(r"\b(\d+) thousand\b", lambda m: str(int(m[1]) * 1000), text)
+    for word, value in _LARGE.items():
+        text = re.sub(rf"\b(\d+) {word}s?\b", lambda m, v=value: str(int(m[1]) * v), text)  # type: ignore[misc]
     text = re.sub(r"\b(\d+) and 0\.5 |\b(\d+) and a half ", lambda m: f"{m[1] or m[2]}.5 ", text)
     return re.sub(r"\s+", " ", text)
 

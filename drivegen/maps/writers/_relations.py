@@ -13,8 +13,9 @@ def read_relations(s: Sentence, facts: Facts) -> None:
         if not s.negated_at(i):
             _read_crossing_verb(s, facts, i)
     for i in s.verbs("meet", "join", "end_at"):
-        if not s.negated_at(i):
+        if not s.negated_at(i) and i not in s.used:
             _read_joining_verb(s, facts, i)
+    _read_dead_ends(s, facts)
     if not _read_opposite_sides(s, facts):
         _read_side_roads(s, facts)
 
@@ -58,7 +59,7 @@ def _common_control(facts: Facts) -> str | None:
 
 def _read_joining_verb(s: Sentence, facts: Facts, i: int) -> None:
     """ "A meets B": a T where their roles differ or A ends there, else a crossing."""
-    subject, target = s.last_before(i, "road", "ramp", "place", "dead_end"), s.next_after(i, "road", "place")
+    subject, target = s.last_before(i, "road", "ramp", "place", "dead_end"), s.next_after(i, "road", "place", "dead_end")
     verb = s.tokens[i].value
     if facts.has("grid", "staggered") or target is None or subject is None or subject.kind in ("ramp", "place"):
         return
@@ -68,9 +69,15 @@ def _read_joining_verb(s: Sentence, facts: Facts, i: int) -> None:
             facts.features.setdefault("side_streets", i)
             s.use(i, i, "side street")
         return
+    if target.kind == "dead_end":
+        facts.side_streets = target.number or 1
+        facts.features.setdefault("side_streets", i)
+        s.use(i, i, "side street")
+        return
     if target.kind == "place" or (subject.number or 1) > 2:
         return
-    if "highway" in (target.words.get("class"), subject.words.get("class")) and target.words.get("class") == "highway":
+    at_grade = s.tokens[i].text.startswith(("t ", "tee")) or any(s.said("control", "signals", "stop", "yield"))
+    if target.words.get("class") == "highway" and not at_grade:
         return
     s.use(i, i, "")
     tee = verb in ("join", "end_at") or subject.role == "side" or target.role == "main" or target.words.get("class") == "arterial"
@@ -82,6 +89,22 @@ def _read_joining_verb(s: Sentence, facts: Facts, i: int) -> None:
     facts.junctions.append(JunctionWords("crossing", i, _FEWEST if tee else 4, "t" if tee else ""))
     s.use(i, i, "T-junction" if tee else "crossing")
     facts.features.setdefault("meets", i)
+
+
+def _read_dead_ends(s: Sentence, facts: Facts) -> None:
+    """Dead ends along a road: "a street with two culs-de-sac"."""
+    for phrase in s.said("dead_end"):
+        road = s.last_before(phrase.first, "road") or s.next_after(phrase.head, "road")
+        along = road is not None and (
+            s.between(road.head, phrase.first, "with") or s.between(phrase.head, road.first, "prep", "verb")
+        )
+        named = phrase.text.split()[-1] not in ("circle", "head", "loop", "place", "bulb", "area", "end")  # no turning places
+        if not named or road is None or facts.junctions or facts.has("staggered", "grid") or not along:
+            continue
+        if (phrase.number or 0) >= 2 or (phrase.det == "a" and s.word(road.head + 1, "with") and road.head + 2 == phrase.first):
+            facts.side_streets = phrase.number or 1
+            facts.features.setdefault("side_streets", phrase.first)
+            s.use(phrase.first, phrase.head, f"{facts.side_streets} dead ends along a road")
 
 
 def _drawn_as(s: Sentence, facts: Facts, at: int, another: bool) -> str:
@@ -98,9 +121,12 @@ def _drawn_as(s: Sentence, facts: Facts, at: int, another: bool) -> str:
 
 def _read_side_roads(s: Sentence, facts: Facts) -> None:
     """Side streets along a road."""
+    if any(t.text.endswith("same side") for t in s.tokens):
+        facts.features.setdefault("same_side", 0)
     for phrase in s.denied("road"):
         if phrase.role == "side":
             s.use(phrase.first, phrase.head, "no side streets")
+    _read_single_side_roads(s, facts)
     counts = [p for p in s.said("road") if p.role == "side" and p.number and p.head not in s.used]
     for phrase in counts:
         count = phrase.number or 0
@@ -113,3 +139,18 @@ def _read_side_roads(s: Sentence, facts: Facts) -> None:
             facts.side_streets = 1
             facts.features.setdefault("side_streets", phrase.first)
         s.use(phrase.first, phrase.head, f"{count} side street{'s' if count > 1 else ''}")
+
+
+def _read_single_side_roads(s: Sentence, facts: Facts) -> None:
+    """Side streets told one by one: "a side street on the left at 100 m and another on the right at 150 m"."""
+    own = [p for p in s.said("road") if p.role == "side" and p.number in (None, 1) and p.det != "the" and p.head not in s.used]
+    own = [p for p in own if s.tokens[p.head].kind == "road"]
+    rest = any(not p.role or p.role == "main" for p in s.said("road"))
+    if len(own) < 2 or not rest or facts.junctions or facts.has("staggered", "grid") or any(s.verbs("meet", "cross")):
+        return
+    facts.side_streets = len(own)
+    facts.features.setdefault("side_streets", own[0].first)
+    for phrase, end in zip(own, [*(p.first for p in own[1:]), len(s.tokens)], strict=True):
+        turn = next((s.tokens[i].value for i in range(phrase.first, end) if s.tokens[i].kind == "turn"), "")
+        facts.side_places.append((turn, phrase.position))
+        s.use(phrase.first, phrase.head, "side street")

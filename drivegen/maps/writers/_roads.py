@@ -22,7 +22,10 @@ def road(facts: Facts, choices: Choices) -> Road | None:
     _refuse_contradictions(facts)
     for applies, make in _KINDS:
         if applies(facts):
-            return make(facts, choices)
+            found = make(facts, choices)
+            if "back" in facts.lanes and found["kind"] != "corridor" and facts.lanes["back"] != choices.lanes(facts, 1, "main"):
+                raise UnusableInput("I can draw other lanes on the way back on a street only, not here", reason="not-understood")
+            return found
     return None
 
 
@@ -70,7 +73,8 @@ def _crossing(facts: Facts, choices: Choices) -> Road:
         lanes = main if is_main else side
         arm: Road = {"angle": angle, "lanes_in": lanes, "lanes_out": lanes, "length": length}
         arm |= {"speed": speed if is_main else side_speed, "main": is_main or not unequal}
-        arm |= {"left_turn_lane": facts.left_pocket, "right_turn_lane": facts.right_pocket}
+        pockets = facts.pocket_role in ("", "main" if is_main else "side")
+        arm |= {"left_turn_lane": facts.left_pocket and pockets, "right_turn_lane": facts.right_pocket and pockets}
         arms.append(arm)
     _make_one_way(facts, arms, count)
     return {"kind": "crossing", "arms": arms, "control": control_at(facts, words, equal_roads=not unequal)}
@@ -196,4 +200,8 @@ _KINDS: tuple[tuple[Callable[[Facts], bool], Callable[[Facts, Choices], Road]], 
     (_is_highway, lambda facts, choices: highway(facts, choices, alignment)),
     (_is_crossing, _crossing),
     (lambda facts: facts.has("road", "straight", "curve", "s_curve", "hairpin", "cul_de_sac", "arterial", "main_road"), street),
+    (
+        lambda facts: bool(facts.lanes or facts.one_way) and "length" in facts.lengths,
+        street,
+    ),  # "two lanes one way, one back, 900 m"
 )

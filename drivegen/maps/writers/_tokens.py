@@ -76,8 +76,8 @@ def _number(text: str, at: int) -> Token | None:
             groups = match.groups()
             unit = {**SPEED_UNITS, **LENGTH_UNITS}[groups[1]] if kind in ("speed", "length") else 1.0
             amount = tuple(float(g) * unit for g in (groups if kind == "size" else groups[:1]))
-            if kind == "number" and (term := _term(text, at)):
-                return term if len(term.text) > len(match.group()) else Token(kind, "", match.group(), amount)
+            if kind in ("number", "angle") and (term := _term(text, at)) and len(term.text) > len(match.group()):
+                return term
             return Token(kind, groups[1] if kind in ("speed", "length") else "", match.group(), amount)
     return None
 

@@ -13,12 +13,14 @@ from pydantic import ValidationError
 
 from drivegen.errors import UnusableInput
 from drivegen.maps.spec import MapSpec
-from drivegen.maps.writers._changes import read_branches, read_changes, read_joining_roads
+from drivegen.maps.writers._changes import read_changes
 from drivegen.maps.writers._choices import Choices
 from drivegen.maps.writers._events import read_ramps
 from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._forks import read_branches, read_joining_roads
 from drivegen.maps.writers._gate import refuse_contradictions, refuse_lost_numbers, refuse_misread
 from drivegen.maps.writers._general import note_roads, read_control, read_hand, read_pockets, read_roads, read_shapes
+from drivegen.maps.writers._impossible import refuse_impossible
 from drivegen.maps.writers._junctions import read_junctions
 from drivegen.maps.writers._lanes import read_lanes
 from drivegen.maps.writers._languages import in_english
@@ -30,6 +32,7 @@ from drivegen.maps.writers._relations import read_relations
 from drivegen.maps.writers._roads import Road, road
 from drivegen.maps.writers._sentence import Sentence
 from drivegen.maps.writers._small_words import NARRATIVE, SMALL_WORDS
+from drivegen.maps.writers._steps import read_steps
 from drivegen.maps.writers.base import Understanding
 
 if TYPE_CHECKING:
@@ -44,7 +47,7 @@ CAN_DRAW = (
 
 _LONGEST = 2000
 _CANNOT = (
-    r"clover ?leaf|(?:stack|spaghetti|trumpet|spui|ddi|turbine|windmill)(?: interchanges?)?|diverging diamond|"
+    r"clover ?leaf(?! loop)|(?:stack|spaghetti|trumpet|spui|ddi|turbine|windmill)(?: interchanges?)?|diverging diamond|"
     r"single point(?: urban)? interchange|tunnels?|viaducts?|"
     r"(?:rail(?:way|road)?|level|train|tram)(?: level)? crossings?|railways?|railroads?|parking (?:lots?|garages?|decks?)|"
     r"car parks?|toll (?:plazas?|booths?|stations?|gates?)|race ?tracks?|runways?|spiral\w*|helix|multi ?(?:storey|level)|"
@@ -58,6 +61,7 @@ _RULES = (
         read_branches,
         read_joining_roads,
         read_changes,
+        read_steps,
         read_lanes,
         read_speeds,
         read_lengths,
@@ -135,8 +139,7 @@ def _read(text: str) -> Sentence:
     for match in re.finditer(rf"(?<!\w)(?:{_CANNOT})(?!\w)", plain):
         if not re.search(r"\b(?:no|not|without|never)(?: an?| any)? $", plain[: match.start()]):
             raise UnusableInput(f"I cannot draw {match.group()!r}; I can draw {CAN_DRAW}", reason="not-understood")
-    if negative := re.search(r"minus \d+", plain):
-        raise UnusableInput(f"{negative.group()!r} makes no road: numbers must be positive", reason="impossible-map")
+    refuse_impossible(plain)
     return Sentence(plain)
 
 

@@ -1,0 +1,119 @@
+"""Roads that split into two or become one, and the lanes of their branches."""
+
+from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._quantities import Lanes
+from drivegen.maps.writers._sentence import Sentence
+
+
+def read_branches(s: Sentence, facts: Facts) -> None:
+    """Roads that split, with the lanes of their branches: "two go left and one right"."""
+    one_way = [i for i in s.of_kind("one_way") if not s.negated_at(i)]
+    branching = [i for i in s.verbs("join") if len(one_way) > 1 and s.tokens[i].text.startswith(("branch", "peel"))]
+    for i in (*s.verbs("split"), *branching):
+        if s.negated_at(i):
+            s.use(i, i, "no fork")
+            continue
+        facts.features.setdefault("fork", i)
+        s.use(i, i, "road that splits into two")
+        _read_branch_lanes(s, facts, i)
+        for j in range(i + 1, min(len(s.tokens), i + 4)):
+            if s.tokens[j].kind == "number" and s.tokens[j].number == 2:
+                s.use(j, j, "")
+
+
+def _read_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
+    """Lanes of the branches after the verb at i: "two left, one right", "two lanes each", "into two and two"."""
+    turns = {t.value: j for j, t in enumerate(s.tokens) if t.kind == "turn"}
+    if set(turns) == {"left", "right"}:
+        counts = {side: _count_beside(s, j) for side, j in turns.items()}
+        if counts["left"] and counts["right"]:
+            facts.branches = (counts["left"], counts["right"])
+    each = [item for item in s.lanes if item.first > i and (item.per == "each" or _of_two_roads(s, i, item))]
+    told = set(turns) == {"left", "right"} or any(item.last < i and item.count >= each[0].count for item in s.lanes if each)
+    if facts.branches is None and each and (told or _of_two_roads(s, i, each[0])):
+        facts.branches = (each[0].count, each[0].count)
+        s.use(each[0].first, each[0].last, f"{each[0].count} lanes on each branch")
+    both = [j for j in range(i + 1, min(len(s.tokens), i + 8)) if s.tokens[j].kind == "number"]
+    if len(both) == 3 and s.tokens[both[0]].number == sum(s.tokens[j].number for j in both[1:]):
+        both = both[1:]  # "four lanes become two and two"
+    if facts.branches is None and len(both) == 2 and s.between(both[0], both[1], "and"):
+        facts.branches = (s.tokens[both[0]].number, s.tokens[both[1]].number)
+        s.use(both[0], both[1], f"{facts.branches[0]} lanes to the left, {facts.branches[1]} to the right")
+        for item in s.lanes:
+            if item.first in both:
+                s.used.update(range(item.first, item.last + 1))
+
+
+def _of_two_roads(s: Sentence, i: int, item: Lanes) -> bool:
+    """Whether the lanes are those of the two roads that the verb at i leads to: "splits into two three-lane carriageways"."""
+    two = next((p for p in s.said("road") if p.first > i and p.number == 2), None)
+    if two is None:
+        return False
+    return two.first <= item.first < two.head or (s.governed(two.head) is None and two.head + 2 == item.first)
+
+
+def read_joining_roads(s: Sentence, facts: Facts) -> None:
+    """Two roads that become one: "two motorways merge into one"."""
+    if any(s.said("place")):
+        return
+    for phrase in (*s.said("road"), *s.said("ramp")):
+        verb = _becomes_one(s, phrase)
+        merges = verb is not None or any(
+            t.kind == "verb" and t.value == "merge" for t in s.tokens[max(0, phrase.first - 2) : phrase.first]
+        )
+        if phrase.number != 2 or not merges or phrase.role:
+            continue
+        facts.features.update({"fork": phrase.first, "joining": phrase.first})
+        one = next((p for p in s.said("road") if p.first > phrase.head), None)
+        end = verb if verb is not None else one.first if one is not None else len(s.tokens)
+        inner = [item for item in s.lanes if phrase.head < item.first and item.last < end]
+        later = [item for item in s.lanes if item.first >= end and item.per != "each"]
+        told = phrase.lanes or (inner[0].count if inner else later[0].count if len(later) > 1 else None)
+        each = told or 2
+        for item in (*inner[:1], *later):
+            s.use(item.first, item.last, f"{item.count} lanes")
+        facts.branches = (each, each)
+        facts.lanes["main"] = one.lanes if one is not None and one.lanes else later[-1].count if later else 2 * each
+        last = one.head if one is not None else phrase.head
+        for i in range(phrase.head + 1, min(phrase.head + 5, len(s.tokens))):
+            last = max(last, i) if s.tokens[i].kind == "number" else last
+        s.use(phrase.first, last, "2 roads become 1")
+        return
+
+
+def _becomes_one(s: Sentence, phrase: Phrase) -> int | None:
+    """The verb by which the roads merge, or come together "into one", "to form a single road"."""
+    i = next((i for i in s.verbs() if i > phrase.head), None)
+    if i is None or i > phrase.head + 8 or s.between(phrase.head, i, "stop", "place", "road"):
+        return None
+    if s.tokens[i].value in ("merge", "become"):
+        return i if not s.between(phrase.head, i, "comma", "with") or i <= phrase.head + 2 else None
+    after = s.tokens[i + 1 : i + 5]
+    into = any(t.kind == "prep" and t.value == "to" for t in after)
+    one = any((t.kind == "number" and t.number == 1) or t.text in ("single", "common") for t in after)
+    if any(t.kind == "verb" and t.value == "become" for t in after):
+        return i if s.tokens[i].value in ("meet", "join", "merge") else None
+    return i if s.tokens[i].value in ("meet", "join") and one and (into or s.tokens[i].text.endswith("into")) else None
+
+
+def _is_named_first(s: Sentence) -> bool:
+    """Whether branches are named before their lanes: "left branch one lane, right branch two"."""
+    turn = next(s.of_kind("turn"))
+    return all(item.first > turn for item in s.lanes) and s.word(turn + 1, "role")
+
+
+def _count_beside(s: Sentence, turn: int) -> int:
+    following = [j for j in range(turn + 1, min(len(s.tokens), turn + 4)) if s.tokens[j].kind == "number"]
+    backwards = range(turn, max(-1, turn - 6), -1)
+    for j in following[:1] if following and _is_named_first(s) else backwards:
+        token = s.tokens[j]
+        if token.kind in ("stop", "verb") and j != turn and token.value == "split":
+            return 0
+        if token.kind == "number" and token.number <= 4:
+            s.use(j, turn, f"{token.number} to the {s.tokens[turn].value}")
+            for item in s.lanes:
+                if item.first <= j <= item.last:
+                    s.used.update(range(item.first, item.last + 1))
+            return token.number
+    return 0

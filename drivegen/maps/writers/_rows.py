@@ -1,0 +1,74 @@
+"""Which junction of a row is meant: "the first has lights, the second a stop sign", "the western one has four arms"."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+from drivegen.maps.writers._facts import Facts, JunctionWords
+from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._sentence import Sentence
+
+_NEAR = 5
+_MOST = 13
+_FEWEST_ARMS = 3
+
+
+def one_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
+    """The junction that an ordinal in the phrase, or shortly before it, names; counted ones are told apart from then on."""
+    if not facts.junctions:
+        return None
+    if "ordinal" in phrase.words:
+        at = next(i for i in range(phrase.first, phrase.head) if s.word(i, "ordinal"))
+        return _numbered(s, facts, at, int(phrase.words["ordinal"]))
+    ordinal = s.last_before(phrase.head, "ordinal")
+    if ordinal is None or phrase.head - ordinal.head > _NEAR:
+        return None
+    return _numbered(s, facts, ordinal.first, int(ordinal.value))
+
+
+def others_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> list[JunctionWords]:
+    """The junctions named before the one of `one_of_a_row` and joined to it: "the first and the last with lights"."""
+    ordinals = [p for p in s.said("ordinal") if p.head < phrase.head and phrase.head - p.head <= 2 * _NEAR]
+    named = []
+    for before, after in pairwise(ordinals):
+        joined = s.tokens[before.head + 1 : after.first]
+        if joined and all(t.kind in ("and", "det", "comma") for t in joined):
+            named.append(_numbered(s, facts, before.first, int(before.value)))
+    return [one for one in named if one is not None]
+
+
+def read_arms_of_a_row(s: Sentence, facts: Facts) -> None:
+    """Arms of single junctions of a row; "the eastern one three" leaves the word out."""
+    if not any(junction.count > 1 for junction in facts.junctions) and len(facts.junctions) < 2:
+        return
+    places = [i for i in s.of_kind("ordinal") if not s.word(i + 1, "lane")]
+    for i, end in pairwise([*places, len(s.tokens)]):
+        number = next(
+            (j for j in range(i + 1, min(end, i + 6)) if s.word(j, "number") and s.tokens[j].number >= _FEWEST_ARMS), None
+        )
+        if number is None or number in s.used or not (_counts_arms(s, number) or _left_out(s, number, places)):
+            continue
+        one = _numbered(s, facts, i, int(s.tokens[i].value))
+        if one is not None:
+            one.arms = s.tokens[number].number
+            s.use(number, number + 1 if _counts_arms(s, number) else number, f"{one.arms} roads meet")
+
+
+def _counts_arms(s: Sentence, number: int) -> bool:
+    return s.word(number + 1, "arm") or (s.word(number + 1, "ramp") and s.tokens[number + 1].value.endswith("_or_arm"))
+
+
+def _left_out(s: Sentence, number: int, places: list[int]) -> bool:
+    """Whether the number stands alone, after arms that were counted for another junction."""
+    ends = number + 1 >= len(s.tokens) or s.tokens[number + 1].kind in ("stop", "comma", "and")
+    return ends and any(s.word(j, "number") and _counts_arms(s, j) and j > places[0] for j in range(number))
+
+
+def _numbered(s: Sentence, facts: Facts, at: int, number: int) -> JunctionWords | None:
+    if len(facts.junctions) == 1 and facts.junctions[0].count > 1:
+        one = facts.junctions[0]
+        facts.junctions[:] = [replace(one, count=1) for _ in range(min(one.count, _MOST))]
+    number = number or len(facts.junctions)  # the last one
+    if number > len(facts.junctions):
+        return None
+    s.use(at, at, f"junction {number}")
+    return facts.junctions[number - 1]
