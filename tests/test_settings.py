@@ -9,6 +9,7 @@ import yaml
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.generators.base import Settings as GeneratorSettings
 from drivegen.initialise import Settings as InitialSettings
+from drivegen.planners.route_fm import RouteFmSettings
 from drivegen.selection import Settings as SelectionSettings
 from drivegen.settings import Count, Index, NotNegative, Positive, Share, read_params, read_section
 from drivegen.sumo.corpus import CorpusSettings
@@ -93,4 +94,26 @@ def test_the_numbers_of_this_project_keep_their_bounds():
     assert read_params("place.initial", InitialSettings, params).horizon == 100
     assert read_params("ship.generation", GeneratorSettings, params).temperature > 0
     assert read_params("ingest.selection", SelectionSettings, params).map_radius is None
+    training = read_params("train_planner.planners.route_fm", RouteFmSettings, params).training
+    assert training.warmup < training.steps
     assert read_params("corpus.settings", CorpusSettings, params).window.moving_share <= 1
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "sentence"),
+    [
+        ("candidates.dynamics.braking", 0, "dynamics.braking must be above 0"),
+        ("candidates.spacing", 0, "candidates.spacing must be above 0"),
+        ("temperature", -1, "generation.temperature must be above 0"),
+    ],
+)
+def test_nested_numbers_are_told_with_their_whole_place(tmp_path: Path, place: str, value: float, sentence: str):
+    whole = yaml.safe_load((Path(__file__).parents[1] / "params.yaml").read_text())
+    *way, name = place.split(".")
+    section = whole["ship"]["generation"]
+    for word in way:
+        section = section[word]
+    section[name] = value
+    (tmp_path / "p.yaml").write_text(yaml.safe_dump(whole))
+    with pytest.raises(UnusableInput, match=sentence):
+        read_params("ship.generation", GeneratorSettings, tmp_path / "p.yaml")

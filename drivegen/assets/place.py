@@ -22,6 +22,7 @@ from drivegen.assets.where import Wish, before_turn, standing, standing_to_turn
 from drivegen.errors import UnusableInput
 from drivegen.roadmap import LaneKind
 from drivegen.scenario import SizeSource, VehicleKind, Vehicles
+from drivegen.settings import Count, NotNegative, Positive
 
 MODES = ("paper", "data")
 
@@ -48,12 +49,12 @@ class PlaceSettings:
     """
 
     mode: str
-    road_ahead: float
-    radius: float
-    speed_spread: float
-    least_time_gap: float
-    standstill_gap: float
-    attempts: int
+    road_ahead: NotNegative
+    radius: Positive
+    speed_spread: NotNegative
+    least_time_gap: NotNegative
+    standstill_gap: NotNegative
+    attempts: Count
 
     def __post_init__(self) -> None:
         if self.mode not in MODES:

@@ -12,6 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.lanes.line import SPACING, Route
+from drivegen.settings import Positive
 
 UNLIMITED = 25.0
 """Where a map has no speed limits, nobody is expected to want more than this [m/s] or than he already drives."""
@@ -26,10 +27,10 @@ class Dynamics:
         limit_factor: how far above the speed limit it drives at most.
     """
 
-    acceleration: float
-    braking: float
-    lateral: float
-    limit_factor: float
+    acceleration: Positive
+    braking: Positive
+    lateral: Positive
+    limit_factor: Positive
 
 
 def speed_caps(route: Route, speed: float, dynamics: Dynamics) -> NDArray[np.float32]:

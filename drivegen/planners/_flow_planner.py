@@ -22,6 +22,7 @@ from drivegen.planners._noise import normals
 from drivegen.planners._scores import drawn_tracks, probe
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.scenario import Scenario, Trajectories
+from drivegen.settings import Count, Share
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
 from drivegen.training.weights import read_weights, write_weights
@@ -43,11 +44,11 @@ class FlowSettings:
         training: see `training.loop.Settings`.
     """
 
-    width: int
-    blocks: int
-    dropout: float
-    draws: int
-    euler_steps: int
+    width: Count
+    blocks: Count
+    dropout: Share
+    draws: Count
+    euler_steps: Count
     training: loop.Settings
 
 

@@ -23,6 +23,7 @@ from drivegen.planners._polylines import surroundings
 from drivegen.planners._profile import spline
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.scenario import Scenario, Trajectories
+from drivegen.settings import Count
 
 GROUPS = ("along", "bend_x", "bend_y")
 
@@ -36,10 +37,10 @@ class PolyFmSettings(FlowSettings):
         tokens, heads: of the attention over pieces of lane.
     """
 
-    along: int
-    bend: int
-    tokens: int
-    heads: int
+    along: Count
+    bend: Count
+    tokens: Count
+    heads: Count
 
 
 class Plugin(FlowPlanner[PolyFmSettings]):

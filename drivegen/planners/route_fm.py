@@ -22,6 +22,7 @@ from drivegen.planners._paths import Frames
 from drivegen.planners._profile import spline
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.scenario import Scenario, Trajectories
+from drivegen.settings import Count
 
 
 @dataclass(frozen=True)
@@ -32,8 +33,8 @@ class RouteFmSettings(FlowSettings):
         along, across: principal components kept along and across the route; their sum is even.
     """
 
-    along: int
-    across: int
+    along: Count
+    across: Count
 
 
 class Plugin(FlowPlanner[RouteFmSettings]):

@@ -22,6 +22,7 @@ from torch.nn.parallel import DistributedDataParallel
 
 from drivegen import seeds
 from drivegen.errors import UnusableInput
+from drivegen.settings import Count, Index, NotNegative, Positive, Share
 from drivegen.training import checkpoint
 from drivegen.training.curve import LossRow, kept
 
@@ -40,17 +41,17 @@ class Settings:
         report_every: steps between rows of the loss curve. checkpoint_every: steps between checkpoints.
     """
 
-    steps: int
-    batch: int
-    learning_rate: float
-    warmup: int
+    steps: Count
+    batch: Count
+    learning_rate: Positive
+    warmup: Index
     decay: bool
-    weight_decay: float
-    average: float
-    clip: float
+    weight_decay: NotNegative
+    average: Share
+    clip: Positive
     bf16: bool
-    report_every: int
-    checkpoint_every: int
+    report_every: Count
+    checkpoint_every: Count
 
 
 class Objective(Protocol):
