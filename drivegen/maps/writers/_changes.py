@@ -52,7 +52,9 @@ def _read_from_to(s: Sentence, facts: Facts) -> None:
             continue
         between = s.tokens[before + 1 : i]
         beside = (*between, *s.tokens[after + 1 : after + 3], *s.tokens[max(0, before - 2) : before])
-        lanes_said = any(t.kind in ("lane", "extra") for t in beside) or _lane_follows(s, after)
+        lanes_said = any(t.kind in ("lane", "extra") or t.text.startswith("lane ") for t in beside) or _lane_follows(s, after)
+        if s.tokens[before - 1].text.endswith("from"):  # "drops a lane on the right, going from five to four"
+            lanes_said |= any(t.kind == "lane" for t in s.tokens[max(0, before - 10) : before])
         verbs = {t.value for t in between if t.kind == "verb"}
         joined = (verbs & {"merge", "join"} and _adjectival(s, after)) or "split" in verbs
         if all(t.kind in ("lane", "each", "verb", "but", "road") for t in between) and lanes_said and not joined:

@@ -48,7 +48,8 @@ def _read_kept_lanes(s: Sentence, facts: Facts) -> None:
 
 
 def _is_fast(s: Sentence, facts: Facts) -> bool:
-    return facts.has("highway", "divided") or any(p.value in ("on", "off", "") for p in s.said("ramp"))
+    beside = any(s.said("auxiliary")) or any(True for _ in s.of_kind("lane", "main"))
+    return beside or facts.has("highway", "divided") or any(p.value in ("on", "off", "") for p in s.said("ramp"))
 
 
 def _read_ramp(s: Sentence, facts: Facts, phrase: Phrase) -> None:

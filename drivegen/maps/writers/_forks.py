@@ -59,8 +59,10 @@ def read_joining_roads(s: Sentence, facts: Facts) -> None:
         return
     for phrase in (*s.said("road"), *s.said("ramp")):
         verb = _becomes_one(s, phrase)
-        merges = verb is not None or any(
-            t.kind == "verb" and t.value == "merge" for t in s.tokens[max(0, phrase.first - 2) : phrase.first]
+        merges = (
+            verb is not None
+            or _ramps_become_one(s, phrase)
+            or any(t.kind == "verb" and t.value == "merge" for t in s.tokens[max(0, phrase.first - 2) : phrase.first])
         )
         if phrase.number != 2 or not merges or phrase.role:
             continue
@@ -80,6 +82,12 @@ def read_joining_roads(s: Sentence, facts: Facts) -> None:
             last = max(last, i) if s.tokens[i].kind == "number" else last
         s.use(phrase.first, last, "2 roads become 1")
         return
+
+
+def _ramps_become_one(s: Sentence, phrase: Phrase) -> bool:
+    """ "Two ramps merge into one road": the verb is part of the ramps' name."""
+    after = s.tokens[phrase.head + 1 : phrase.head + 3]
+    return phrase.kind == "ramp" and "merg" in s.tokens[phrase.head].text and [t.kind for t in after] == ["prep", "number"]
 
 
 def _becomes_one(s: Sentence, phrase: Phrase) -> int | None:

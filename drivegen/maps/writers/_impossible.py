@@ -9,8 +9,9 @@ _FEW = r"(?:(?!(?:no|not|without|zero|then|later|before|after|never)\b)\w+ ){0,3
 _PERFECTLY = r"(?:perfectly|completely|totally|absolutely|entirely|dead|arrow|strictly|exactly|100 %) straight"
 _NO_BENDS = rf"(?:without|no|not) (?:a single |any )?{_BENDS}(?: at all)?"
 _IMPOSSIBLE = {
-    r"minus \d+": "numbers must be positive",
+    r"minus \d+|(?<![\d.] )(?<![\d.])0 (?:m|km|ft|yd|mile)\b": "numbers must be positive",
     r"same (?:bearing|heading|angle|compass direction)": "roads that meet must lie apart",
+    rf"(?:{_PERFECTLY}|straight) (?:hairpin|curve|bend)s?\b": "what is straight has no bends",
     r"(?:arms|legs|roads|approaches|branches) (?:\w+ ){0,5}same direction": "roads that meet must lie apart",
     rf"{_PERFECTLY} {_FEW}(?:that|which|with|and it|but it|yet) {_FEW}{_BENDS}": "what is straight has no bends",
     rf"straight (?:\w+ )?(?:road|street|highway|motorway) (?:that|which) {_FEW}{_BENDS}": "what is straight has no bends",

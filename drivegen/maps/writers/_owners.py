@@ -32,6 +32,8 @@ def _known(s: Sentence, groups: list[list[Phrase]], phrase: Phrase) -> list[Phra
     previous = groups[-1][-1]
     new = phrase.det == "another" or (phrase.det == "a" and s.between(previous.head, phrase.first, *_APART))
     new = new or (phrase.det == "" and phrase.lanes is not None and s.between(previous.head, phrase.first, "verb", "and"))
+    if previous.text.endswith("carriageway") and [t.value for t in s.tokens[previous.head + 1 : phrase.first]] == ["of"]:
+        new = False  # "one carriageway of a motorway"
     return None if new else groups[0] if groups[0][0].role != "side" else groups[-1]
 
 

@@ -1,6 +1,7 @@
 """Roads that cross, meet, join or end at one another, and side streets along a road."""
 
 from drivegen.maps.writers._facts import Facts, JunctionWords
+from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
 
 _FEWEST = 3
@@ -9,6 +10,8 @@ _OPPOSITE = ("both sides", "opposite sides", "either side", "each side")
 
 def read_relations(s: Sentence, facts: Facts) -> None:
     """Roads that cross, meet, join or end at one another make junctions where none was named."""
+    if any(t.text.endswith("same side") for t in s.tokens):
+        facts.features.setdefault("same_side", 0)
     for i in s.verbs("cross"):
         if not s.negated_at(i):
             _read_crossing_verb(s, facts, i)
@@ -69,10 +72,7 @@ def _read_joining_verb(s: Sentence, facts: Facts, i: int) -> None:
             facts.features.setdefault("side_streets", i)
             s.use(i, i, "side street")
         return
-    if target.kind == "dead_end":
-        facts.side_streets = target.number or 1
-        facts.features.setdefault("side_streets", i)
-        s.use(i, i, "side street")
+    if _joins_as_side_street(s, facts, i, subject, target):
         return
     if target.kind == "place" or (subject.number or 1) > 2:
         return
@@ -89,6 +89,18 @@ def _read_joining_verb(s: Sentence, facts: Facts, i: int) -> None:
     facts.junctions.append(JunctionWords("crossing", i, _FEWEST if tee else 4, "t" if tee else ""))
     s.use(i, i, "T-junction" if tee else "crossing")
     facts.features.setdefault("meets", i)
+
+
+def _joins_as_side_street(s: Sentence, facts: Facts, i: int, subject: Phrase, target: Phrase) -> bool:
+    """Dead ends that a road is joined by, or streets that join it from one side; a road that ends in a dead end is one itself."""
+    several = (subject.number or 1) > 1 and facts.has("same_side") and target.kind == "road"
+    if target.kind != "dead_end" and not several:
+        return False
+    if several or s.tokens[i].value == "join":
+        facts.side_streets = (subject.number if several else target.number) or 1
+        facts.features.setdefault("side_streets", i)
+        s.use(subject.first if several else i, i, "side streets" if several else "side street")
+    return True
 
 
 def _read_dead_ends(s: Sentence, facts: Facts) -> None:
@@ -121,8 +133,6 @@ def _drawn_as(s: Sentence, facts: Facts, at: int, another: bool) -> str:
 
 def _read_side_roads(s: Sentence, facts: Facts) -> None:
     """Side streets along a road."""
-    if any(t.text.endswith("same side") for t in s.tokens):
-        facts.features.setdefault("same_side", 0)
     for phrase in s.denied("road"):
         if phrase.role == "side":
             s.use(phrase.first, phrase.head, "no side streets")

@@ -91,7 +91,7 @@ class Plugin:
         if fields is not None:
             refuse_lost_numbers(sentence)
         if fields is None or _unsure(facts, understood, ignored):
-            fields, like = _like_an_example(text, fields, facts, choices)
+            fields, like = _like_an_example(text, fields, facts, choices, bool(sentence.phrases or sentence.lanes))
             understood, written_by = (*understood, like), f"{self.description}, by likeness to a described example"
         else:
             refuse_contradictions(sentence, facts, fields)
@@ -110,13 +110,16 @@ def _understood(sentence: Sentence) -> tuple[Sentence, Facts]:
     return sentence, facts
 
 
-def _like_an_example(text: str, fields: Road | None, facts: Facts, choices: Choices) -> tuple[Road, tuple[str, str]]:
+def _like_an_example(
+    text: str, fields: Road | None, facts: Facts, choices: Choices, spoken: bool
+) -> tuple[Road, tuple[str, str]]:
     """The road where the rules have none or are not sure: of the kind of the nearest described example, with the numbers that
-    the rules did read. Raises UnusableInput where no kind is nearest by the measured margin, or it is not the one of the rules.
+    the rules did read. Raises UnusableInput where nothing of roads was `spoken`, no kind is nearest by the
+    measured margin, or it is not the one of the rules.
     """
     near = nearest(text)
     agreed = fields is None or kind_of(fields) == near.kind
-    if near.kind == NONE or near.margin < MARGIN or near.kind not in TYPICAL or not agreed:
+    if not spoken or near.kind == NONE or near.margin < MARGIN or near.kind not in TYPICAL or not agreed:
         raise UnusableInput(
             f"no road that I know is described in {_quoted(text)}; I can draw {CAN_DRAW}", reason="not-understood"
         )
