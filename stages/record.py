@@ -43,7 +43,8 @@ def main(params: Params, scenarios: Path, generated: Path, goals: Path, out: Pat
     for drawn, methods in zip(compared, by_method(compared, generated), strict=True):
         scenario = drawn.scenario
         file = out / f"{scenario.scenario_id}-methods.rrd"
-        record_comparison(file, scenario, {name: samples for name, samples in methods.items() if name != LOG})
+        ours_first = sorted(methods.keys() - {LOG}, key=lambda name: (not name.startswith(METHOD), name))
+        record_comparison(file, scenario, {name: methods[name] for name in ours_first})
         text = f"{scenario.scenario_id}, {scenario.city}: {len(methods)} methods side by side"
         links.append({"text": text, "href": f"{out.name}/{file.name}"})
     write_json(listing, links)
