@@ -11,12 +11,16 @@ def read_changes(s: Sentence, facts: Facts) -> None:
     """Lane drops and gains, by numbers or in words."""
     _read_from_to(s, facts)
     for i in s.verbs("narrow", "widen", "become", "lose", "gain", "merge"):
-        if facts.from_lanes is None and not s.negated_at(i):
+        if facts.from_lanes is None and not s.negated_at(i) and i not in s.used:
             _read_verb(s, facts, i)
     for i in s.verbs("narrow", "widen", "lose", "gain", "end"):
-        if not facts.has("lane_drop", "lane_gain", "lane_change") and not s.negated_at(i):
+        if s.negated_at(i) or i in s.used:
+            continue
+        if not facts.has("lane_drop", "lane_gain", "lane_change"):
             _read_lane_verb(s, facts, i)
-    for phrase in s.said("extra"):
+        else:
+            _read_next_lane_verb(s, facts, i)
+    for phrase in (p for p in s.said("extra") if p.head not in s.used):
         _read_extra(s, facts, phrase.head)
 
 
@@ -40,6 +44,7 @@ def is_lane_count(s: Sentence, i: int) -> bool:
     """Whether the number at i may be one of lanes: small, and not of something else that follows."""
     following = s.tokens[i + 1 : i + 2]
     bound = following and following[0].kind in ("road", "arm", "place", "ramp", "length", "spacing", "shape", "unknown")
+    bound = bound and following[0].text not in ("over", "within", "about", "here", "there", "soon")
     return 0 <= s.tokens[i].amount[0] <= 12 and not bound
 
 
@@ -77,6 +82,8 @@ def _read_verb(s: Sentence, facts: Facts, i: int) -> None:
         _change(s, facts, third - 1, third, i, i + 3)
         return
     if verb in ("lose", "gain") and not s.between(i, (after or i) + 1, "prep"):
+        return
+    if after is not None and any(t.kind == "prep" and t.value == "from" for t in s.tokens[i:after]):
         return
     if after is None or not is_lane_count(s, after) or (verb in ("lose", "gain", "merge") and _adjectival(s, after)):
         return
@@ -146,8 +153,49 @@ def _read_lane_verb(s: Sentence, facts: Facts, i: int) -> None:
     s.use(first, last, kind.replace("_", " "))
 
 
+def _read_next_lane_verb(s: Sentence, facts: Facts, i: int) -> None:
+    """A second change: "the left lane ends 300 m later", "and is lost again after 400 m", "and then drops it"."""
+    kind = "lane_gain" if s.tokens[i].value in ("widen", "gain") else "lane_drop"
+    numbered = facts.from_lanes is not None or facts.to_lanes is not None
+    if numbered and facts.has("lane_gain") and s.tokens[i].value == "lose" and facts.features["lane_gain"] < i:
+        last = EventWords("lane_gain", facts.features["lane_gain"])  # "widens to three lanes for 500 m and then drops one"
+    elif numbered or not facts.events:
+        return
+    else:
+        last = facts.events[-1]
+    apart = s.between(last.at, i + 4, "length", "later", "seq") or last.kind != kind
+    lane = _lane_beside(s, i)
+    if i in s.used or last.at > i or not apart or not last.kind.startswith("lane") or (lane in s.used and last.kind == kind):
+        return
+    its = lane is not None and _one_of_them(s, lane, i)
+    back = last.kind == "lane_gain" and kind == "lane_drop" and s.tokens[i].value in ("lose", "end") and lane is None
+    if not its and not back:
+        return
+    facts.features.setdefault(kind, i)
+    at = _distance_between(s, last.at, i)
+    facts.events.append(EventWords(kind, i, 1, side_near(s, i) if its else last.side, gap=s.tokens[at].amount[0] if at else None))
+    s.use(i, i, kind.replace("_", " "))
+    if lane is not None:
+        s.use(lane, lane, "")
+    if at is not None:
+        s.use(at, at, f"{s.tokens[at].text} later")
+
+
+def _distance_between(s: Sentence, since: int, i: int) -> int | None:
+    """The length from one change to the next at i: "300 m later", "for 500 m", but not where the first one lies."""
+    near = [j for j in range(since, min(len(s.tokens), i + 5)) if s.tokens[j].kind == "length" and j not in s.used]
+    near = [j for j in near if j > i or not (s.tokens[j - 1].kind == "prep" and s.tokens[j - 1].text in ("after", "at"))]
+    return next((j for j in near if s.word(j + 1, "later")), next(iter(near), None))
+
+
 def _lane_beside(s: Sentence, i: int) -> int | None:
     """The lane that ends or begins: beside the verb, or before it with its road between ("the right lane of the road ends")."""
+    if s.tokens[i].value in ("lose", "gain"):  # "with four lanes, loses one lane"
+        for j in range(i + 1, min(len(s.tokens), i + 4)):
+            if s.tokens[j].text in ("lane", "lanes"):
+                return j
+            if s.tokens[j].kind not in ("det", "number", "turn", "small", "ordinal"):
+                break
     counted = {j for item in s.lanes if item.per for j in range(item.first, item.last + 1)}  # "one lane each way"
     near = (*range(i - 1, max(-1, i - 5), -1), *range(i + 1, min(len(s.tokens), i + 5)))
     near = tuple(j for j in near if j not in counted)
@@ -189,11 +237,23 @@ def side_near(s: Sentence, i: int) -> Side:
 
 
 def _read_extra(s: Sentence, facts: Facts, i: int) -> None:
-    if not facts.has("lane_drop", "lane_gain", "lane_change"):
+    kinds = {p.value.split("_")[0] for p in s.said("ramp")}
+    if {"on", "off"} <= kinds and s.tokens[i].value == "":  # one lane from the entrance to the exit
+        facts.features.setdefault("weaving", i)
+        s.use(i, i, "lane from the on-ramp to the off-ramp")
+        if s.word(i - 1, "number") or s.word(i - 1, "det"):
+            s.use(i - 1, i - 1, "")
+    elif not facts.has("lane_drop", "lane_gain", "lane_change"):
         kind = "lane_drop" if s.tokens[i].value == "drop" or _ends(s, i) else "lane_gain"
         facts.features[kind] = i
         facts.events.append(EventWords(kind, i, 1, side_near(s, i)))
         s.use(i, i, kind.replace("_", " "))
+    elif s.tokens[i].value == "drop" and facts.from_lanes is None and facts.to_lanes is None and facts.events:
+        at = _distance_between(s, facts.events[-1].at, i)
+        if at is not None and facts.events[-1].kind == "lane_drop" and facts.events[-1].at < i:
+            facts.events.append(EventWords("lane_drop", i, 1, side_near(s, i), gap=s.tokens[at].amount[0]))
+            s.use(at, at, f"{s.tokens[at].text} later")
+        s.use(i, i, "lane drop")
     else:
         s.use(i, i, "")
 

@@ -149,7 +149,7 @@ def _read_auxiliary(s: Sentence, facts: Facts, phrase: Phrase) -> None:
         return
     kind = "off_ramp" if phrase.value == "off" else "on_ramp"
     if not any(event.kind == kind for event in facts.events) and not facts.has("weaving"):
-        if facts.events and kind == "on_ramp":
+        if any(e.kind.endswith("ramp") for e in facts.events) and kind == "on_ramp":
             s.use(phrase.head, phrase.head, "auxiliary lane")
             return
         facts.events.append(EventWords(kind, phrase.first))

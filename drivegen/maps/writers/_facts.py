@@ -54,6 +54,7 @@ class Facts:
         lanes: per direction by role: "main", "side", "ring", "ramp", "arms", "back" (of the main road);
             `other_lanes` are those without one, in order.
         from_lanes, to_lanes: of a road that narrows or widens. branches: lanes of the left and right branch of a fork.
+        steps: in how many steps it does so. whole: the length said is that of the whole road.
         speeds: [m/s] by role "main", "side", "ramp", "ring". lengths: [m] by role "length", "spacing", "radius",
             "diameter", "auxiliary", "offset", "position", "side", "median". angle: [degrees]. bends: how many, None unsaid.
         one_way: places in the text of roads that are said to be one-way. two_way: a road is said to run both ways.
@@ -72,6 +73,8 @@ class Facts:
     from_lanes: int | None = None
     to_lanes: int | None = None
     branches: tuple[int, int] | None = None
+    steps: int = 1
+    whole: bool = False
     speeds: dict[str, float] = field(default_factory=dict)
     lengths: dict[str, float] = field(default_factory=dict)
     angle: float | None = None

@@ -1,5 +1,8 @@
 """Roads that split into two or become one, and the lanes of their branches."""
 
+from itertools import combinations
+
+from drivegen.maps.writers._changes import last_of_count
 from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._quantities import Lanes
@@ -57,6 +60,8 @@ def read_joining_roads(s: Sentence, facts: Facts) -> None:
     """Two roads that become one: "two motorways merge into one"."""
     if any(s.said("place")):
         return
+    if _read_sum(s, facts):
+        return
     for phrase in (*s.said("road"), *s.said("ramp")):
         verb = _becomes_one(s, phrase)
         merges = (
@@ -84,6 +89,39 @@ def read_joining_roads(s: Sentence, facts: Facts) -> None:
         return
 
 
+def _read_sum(s: Sentence, facts: Facts) -> bool:
+    """Lanes of two roads that add up to those of one: "a two-lane and a three-lane freeway merge into a five-lane one"."""
+    verbs = [i for i in s.verbs("merge", "join", "become", "meet") if not s.negated_at(i)]
+    if not any(s.tokens[i].value in ("merge", "join") for i in verbs) or any(s.said("ramp")):
+        return False
+    places = [i for i in s.of_kind("number") if _may_be_lanes(s, i)]
+    for a, b, one in combinations(places, 3):
+        left, right, both = (s.tokens[i].number for i in (a, b, one))
+        if (
+            left + right != both
+            or s.between(a, b, "verb")
+            or not (s.between(b, one, "verb", "prep") or s.tokens[one - 1].text == "=")
+        ):
+            continue
+        facts.features.update({"fork": a, "joining": a})
+        facts.branches = (left, right)
+        facts.lanes["main"] = both
+        s.use(a, last_of_count(s, one), f"2 roads of {left} and {right} lanes become 1 of {both}")
+        for phrase in s.said("road"):
+            if phrase.number == 2:
+                s.use(phrase.first, phrase.head, "")
+        for i in verbs:
+            s.use(i, i, "")
+        return True
+    return False
+
+
+def _may_be_lanes(s: Sentence, i: int) -> bool:
+    if not 1 <= s.tokens[i].amount[0] <= 8 or s.tokens[i].amount[0] % 1:
+        return False
+    return any(item.first == i for item in s.lanes) or not (s.word(i + 1, "road") or s.word(i + 1, "with"))
+
+
 def _ramps_become_one(s: Sentence, phrase: Phrase) -> bool:
     """ "Two ramps merge into one road": the verb is part of the ramps' name."""
     after = s.tokens[phrase.head + 1 : phrase.head + 3]
@@ -95,6 +133,8 @@ def _becomes_one(s: Sentence, phrase: Phrase) -> int | None:
     i = next((i for i in s.verbs() if i > phrase.head), None)
     if i is None or i > phrase.head + 8 or s.between(phrase.head, i, "stop", "place", "road"):
         return None
+    if phrase.kind == "ramp" and phrase.value != "" and not _into_one(s, i):
+        return None  # "two on-ramps merge onto a freeway"
     if s.tokens[i].value in ("merge", "become"):
         return i if not s.between(phrase.head, i, "comma", "with") or i <= phrase.head + 2 else None
     after = s.tokens[i + 1 : i + 5]
@@ -103,6 +143,11 @@ def _becomes_one(s: Sentence, phrase: Phrase) -> int | None:
     if any(t.kind == "verb" and t.value == "become" for t in after):
         return i if s.tokens[i].value in ("meet", "join", "merge") else None
     return i if s.tokens[i].value in ("meet", "join") and one and (into or s.tokens[i].text.endswith("into")) else None
+
+
+def _into_one(s: Sentence, i: int) -> bool:
+    after = s.tokens[i + 1 : i + 4]
+    return any((t.kind == "number" and t.number == 1) or t.text in ("single", "common") for t in after)
 
 
 def _is_named_first(s: Sentence) -> bool:

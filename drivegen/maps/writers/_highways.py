@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from drivegen.errors import UnusableInput
+from drivegen.maps.spec import Side
 from drivegen.maps.writers._choices import KMH, Choices
 from drivegen.maps.writers._facts import EventWords, Facts
 
@@ -13,6 +14,7 @@ _FIRST, _BETWEEN, _LAST = 250.0, 120.0, 250.0
 _LEAST_BETWEEN = 45.0
 _AUXILIARY = {"on_ramp": 200.0, "off_ramp": 150.0, "weaving": 300.0}
 _BEND_RADIUS = 250.0
+_SHARES = (0.8, 0.6, 0.45)
 
 
 def highway(facts: Facts, choices: Choices, alignment: Callable[..., Road]) -> Road:
@@ -21,15 +23,8 @@ def highway(facts: Facts, choices: Choices, alignment: Callable[..., Road]) -> R
     speed = choices.speed(facts, highway=fast)
     events = _events(facts)
     lanes = _lanes(facts, choices, 3 if fast and not facts.has("divided") else 2, events)
-    placed, needed = _place(facts, events, speed)
     line = alignment(facts, choices, (800, 1200), radius=_BEND_RADIUS)
-    if events and line["length"] < needed:
-        if "length" in facts.lengths:
-            raise UnusableInput(
-                f"a road of {line['length']:.0f} m is too short for what happens along it: it needs {needed:.0f} m",
-                reason="impossible-map",
-            )
-        line["length"] = needed
+    placed = _fit(facts, choices, events, speed, line)
     one_way = bool(facts.one_way) and not facts.two_way
     median = {"median": facts.lengths["median"]} if "median" in facts.lengths and not one_way else {}
     return {
@@ -41,6 +36,29 @@ def highway(facts: Facts, choices: Choices, alignment: Callable[..., Road]) -> R
         "carriageways": 1 if one_way else 2,
         "events": placed,
     }
+
+
+def _fit(facts: Facts, choices: Choices, events: list[EventWords], speed: float, line: Road) -> list[Road]:
+    """The events along a road that is long enough for them: where its length is said, what is unsaid between them is shortened.
+
+    Raises UnusableInput where the whole road is said to be shorter than its events need at least.
+    """
+    placed, needed = _place(facts, events, speed)
+    if not events or line["length"] >= needed:
+        return placed
+    if "length" in facts.lengths:
+        for share in _SHARES:
+            closer, least = _place(facts, events, speed, share)
+            if line["length"] >= least:
+                return closer
+        if facts.whole:
+            raise UnusableInput(
+                f"a road of {line['length']:.0f} m is too short for what happens along it: it needs {least:.0f} m",
+                reason="impossible-map",
+            )
+        choices.assume(f"length {needed:.0f} m, because {line['length']:.0f} m are too short for what happens along the road")
+    line["length"] = needed
+    return placed
 
 
 def fork(facts: Facts, choices: Choices) -> Road:
@@ -72,11 +90,14 @@ def _events(facts: Facts) -> list[EventWords]:
     if facts.to_lanes is not None and facts.from_lanes is not None and change:
         kind = "lane_gain" if change > 0 else "lane_drop"
         at = facts.features.get(kind, 0)
-        events.append(EventWords(kind, at, abs(change), "left" if facts.turn == "left" else "right"))
+        side: Side = "left" if facts.turn == "left" else "right"
+        least, more = divmod(abs(change), facts.steps)
+        events += [EventWords(kind, at, least + (i < more), side) for i in range(facts.steps)]
     if facts.has("weaving"):
         # The weaving section is made of the ramps that the description may also name.
+        gap = next((e.gap for e in events if e.kind in ("on_ramp", "off_ramp") and e.gap), None)
         events = [e for e in events if e.kind not in ("on_ramp", "off_ramp")]
-        events.append(EventWords("weaving", facts.features["weaving"]))
+        events.append(EventWords("weaving", facts.features["weaving"], length=gap or facts.lengths.get("spacing")))
     return sorted(events, key=lambda event: event.at)
 
 
@@ -93,15 +114,15 @@ def _lanes(facts: Facts, choices: Choices, usual: int, events: list[EventWords])
     return lanes
 
 
-def _place(facts: Facts, events: list[EventWords], speed: float) -> tuple[list[Road], float]:
-    """Positions along the carriageway; returns the events and the length of road that they need."""
+def _place(facts: Facts, events: list[EventWords], speed: float, share: float = 1.0) -> tuple[list[Road], float]:
+    """Positions along the carriageway, usual distances times `share`; returns the events and the length of road they need."""
     ramp_speed = facts.speeds.get("ramp", max(30 * KMH, min(speed, 60 * KMH)))
     placed: list[Road] = []
     end = 0.0
     for event in events:
         lanes = event.lanes or (facts.lanes.get("ramp", 1) if event.kind in _AUXILIARY else 1)
-        length = facts.lengths.get("auxiliary", _AUXILIARY.get(event.kind, 0.0))
-        here = _position(facts, event, placed, end)
+        length = facts.lengths.get("auxiliary", event.length or _AUXILIARY.get(event.kind, 0.0) * share)
+        here = _position(facts, event, placed, end, share)
         if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in _AUXILIARY and "auxiliary" not in facts.lengths:
             placed[-1]["length"] = max(50.0, here - _LEAST_BETWEEN - placed[-1]["position"])  # what was said leaves less room
         road: Road = {"kind": event.kind, "position": here, "lanes": lanes, "side": event.side}
@@ -109,14 +130,14 @@ def _place(facts: Facts, events: list[EventWords], speed: float) -> tuple[list[R
         road |= {"keeps": True} if event.keeps else {}
         placed.append({**road, "length": length} if event.kind in _AUXILIARY else road)
         end = here + length
-    return placed, end + _LAST
+    return placed, end + _LAST * share
 
 
-def _position(facts: Facts, event: EventWords, placed: list[Road], end: float) -> float:
+def _position(facts: Facts, event: EventWords, placed: list[Road], end: float, share: float) -> float:
     """Where an event lies: where the description says, or a usual distance from what comes before it."""
     if event.position is not None:
         return event.position
     if not placed:
-        return facts.lengths.get("position", _FIRST)
+        return facts.lengths.get("position", _FIRST * share)
     gap = event.gap or facts.lengths.get("spacing")
-    return max(placed[-1]["position"] + gap, placed[-1]["position"] + 100.0) if gap else end + _BETWEEN
+    return max(placed[-1]["position"] + gap, placed[-1]["position"] + 100.0) if gap else end + _BETWEEN * share

@@ -21,6 +21,8 @@ _GERMAN_WORDS = {
     "versetzte kreuzung": "staggered junction", "t kreuzung": "t junction", "t einmündung": "t junction",
     "einmündung": "t junction", "kreuzungen": "intersections", "straßenkreuzung": "intersection", "kreuzung": "intersection",
     "kreisverkehre": "roundabouts", "kreisverkehr": "roundabout", "kreisel": "roundabout", "schnellstraße": "expressway",
+    "autobahnabschnitt": "motorway", "autobahnstrecke": "motorway", "autobahnteilstück": "motorway", "geradeaus": "straight",
+    "autobahnstück": "motorway",
     "autobahnauffahrt": "highway on ramp", "autobahnausfahrt": "highway off ramp", "auffahrt": "on ramp", "einfahrt": "on ramp",
     "ausfahrt": "off ramp", "abfahrt": "off ramp", "lichtsignalanlage": "traffic lights", "ampelanlage": "traffic lights",
     "ampeln": "traffic lights", "ampel": "traffic lights", "ampelgeregelte": "signalised", "signalisierte": "signalised",
@@ -85,6 +87,12 @@ _GERMAN_WORDS = {
     "entfernt": "apart", "voneinander": "", "entfernung": "distance", "meilen": "miles", "stundenkilometer": "kmh", "mal": "by",
     "rasternetz": "grid", "straßennetz": "street grid", "schachbrettmuster": "grid", "im": "in the", "ring": "ring",
     "breite": "wide", "breiter": "wide", "breiten": "wide", "jeweils": "each", "für": "for", "an": "at", "zu": "to",
+    "keine davon": "none of them", "keiner davon": "none of them", "keines davon": "none of them", "davon": "of them",
+    "zeilen": "rows", "reihen": "rows", "spalten": "columns", "gitternetz": "grid", "blocklänge": "block length",
+    "linksabbiegestreifen": "left turn lanes", "rechtsabbiegespur": "right turn lanes", "versatz": "offset",
+    "rechtsabbiegespuren": "right turn lanes", "rechtsabbiegestreifen": "right turn lanes", "abbiegestreifen": "turn lanes",
+    "unbeampelte": "unsignalised", "ampellose": "unsignalised", "ampelfreie": "unsignalised", "seitliche": "side",
+    "häuserblocks": "blocks", "häuserblöcke": "blocks", "minikreisverkehr": "mini roundabout",
     "des": "the", "dem": "the", "den": "the", "durch": "through", "ländliche": "rural", "städtische": "urban",
 }  # fmt: skip
 
@@ -97,7 +105,10 @@ _CHINESE_WORDS = {
     "交叉口": "intersection", "路口": "intersection", "高速公路": "highway", "高速路": "highway", "快速路": "expressway",
     "入口匝道": "on ramp", "上匝道": "on ramp", "出口匝道": "off ramp", "下匝道": "off ramp", "匝道": "ramp",
     "红绿灯": "traffic lights", "信号灯": "traffic lights", "交通灯": "traffic lights", "信号控制": "signalised",
-    "没有": "without", "不带": "without", "无": "without", "带有": "with", "带": "with", "有": "with",
+    "没有": "without", "不要": "without", "不设": "without", "最高时速": "speed limit", "时速": "speed limit", "全长": "long",
+    "总长": "long", "单向道路": "one way road", "单向公路": "one way road", "单向行驶": "one way", "单向交通": "one way",
+    "单向街道": "one way street", "单向街": "one way street", "单向路": "one way road",
+    "不带": "without", "无": "without", "带有": "with", "带": "with", "有": "with",
     "每个方向": "in each direction with", "每方向": "in each direction with", "单向": "in each direction with",
     "条车道": " lanes", "个车道": " lanes", "车道": " lanes", "限速": "speed limit", "公里每小时": "kmh", "千米每小时": "kmh",
     "公里/小时": "kmh", "千米/小时": "kmh", "公里": "km", "千米": "km", "米": "m", "直线道路": "straight road",
@@ -122,7 +133,11 @@ _CHINESE_WORDS = {
     "靠左行驶": "left hand traffic", "左行": "left hand traffic", "直径": "diameter", "相距": "spaced", "度": "degrees",
     "向左": "to the left", "向右": "to the right", "分叉": "fork", "左转车道": "left turn lanes",
     "右转车道": "right turn lanes", "和": "and", "，": ",", "。": ".", "、": ",", "的": ",", "一个": "a ", "一条": "a ",
-    "长": "long",
+    "长": "long", "每个": "each", "连成一排": "in a row", "一排": "in a row", "棋盘式路网": "grid", "路网": "grid",
+    "左转专用车道": "left turn lanes", "右转专用车道": "right turn lanes", "各进口": "on every approach",
+    "各进口道": "on every approach", "每个进口道": "on every approach", "均": "all", "都": "all", "设有": "with",
+    "设置": "with", "设": "with", "相交": "cross", "无灯控": "unsignalised", "让行标志": "yield signs",
+    "停车标志控制": "stop signs", "全向停车": "all way stop", "环形路口": "roundabout",
 }  # fmt: skip
 
 
@@ -171,12 +186,15 @@ def _from_chinese(text: str) -> str:
     digit = f"[{''.join(_CHINESE_DIGITS)}]"
     text = re.sub(rf"双向({digit})(?:条)?车道", lambda m: f" {_CHINESE_DIGITS[m[1]]} lanes in total ", text)
     text = re.sub("[一二三四五六七八九]?[十百][一二三四五六七八九十]*", _chinese_number, text)
-    text = re.sub(r"限速(每小时)?(\d+)(?:公里|千米)(?!每|/)", r"限速\2公里每小时", text)
-    text = re.sub(rf"({digit}|\d)个?(?:路口|岔口|出口|入口)的(环岛|转盘|环形交叉口)", _ring_with_arms, text)
+    limit = r"(?:最高|最大)?(?:限速|时速|车速|速度)(?:限制)?(?:为|是|每小时)?"
+    text = re.sub(limit + r"(\d+)(?:公里|千米)(?!每|/)", r"限速\1公里每小时", text)
+    text = re.sub(rf"单向({digit})(?:条)?车道(?=的?(?:道路|公路|街道|马路|路))", r"单向行驶 \1条车道", text)
+    text = re.sub(rf"({digit}|\d)个?(?:路口|岔口|出口|入口|出入口|岔路)的(环岛|转盘|环形交叉口)", _ring_with_arms, text)
     text = re.sub(rf"({digit}|\d)条道?路(?:交叉|相交|交汇|汇合|相遇)的?(?:路口|交叉口)?", _crossing_of_roads, text)
     text = re.sub(rf"(?<![十百千])({digit})(?=公里|千米|米)", lambda m: f" {_CHINESE_DIGITS[m[1]]}", text)
+    text = re.sub(rf"({digit}|\d)[行横排][×x乘]?({digit}|\d)[列纵]", _rows_and_columns, text)
     if re.search("环岛|转盘|环形交叉口", text):
-        text = re.sub(rf"({digit}|\d)个?(?:入口|出口|进口|岔口)", lambda m: f" {_CHINESE_DIGITS.get(m[1], m[1])} arms ", text)
+        text = re.sub(rf"({digit}|\d)个?(?:出入口|入口|出口|进口|岔口|岔路|岔道)", _arms, text)
     text = re.sub("一个|一条", " ", text)
     text = re.sub(rf"({digit})(?=岔|路交|条|个(?!方向)|车道|臂|路)", lambda m: f" {_CHINESE_DIGITS[m[1]]}", text)
     text = re.sub(r"(?<=\d)[个条]", "", re.sub(r"(\d)条?路(?!交|口)", r"\1 roads ", text))
@@ -196,6 +214,15 @@ def _chinese_number(match: re.Match[str]) -> str:
     if ones:
         value += _CHINESE_DIGITS[ones] * (10 if "百" in words and not ten else 1)
     return str(value)
+
+
+def _rows_and_columns(match: re.Match[str]) -> str:
+    rows, columns = (_CHINESE_DIGITS.get(number, number) for number in match.groups())
+    return f" {rows} x {columns} "
+
+
+def _arms(match: re.Match[str]) -> str:
+    return f" {_CHINESE_DIGITS.get(match[1], match[1])} arms "
 
 
 def _crossing_of_roads(match: re.Match[str]) -> str:

@@ -1,7 +1,7 @@
 """Speeds, lengths, angles and what each belongs to."""
 
 from drivegen.maps.writers._facts import Facts
-from drivegen.maps.writers._owners import is_close, owner, role
+from drivegen.maps.writers._owners import holds_for_all_of_a_ring, is_close, owner, role
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
 
@@ -59,7 +59,7 @@ def _stands_alone(s: Sentence, i: int) -> bool:
 
 
 def _give_speed(s: Sentence, facts: Facts, i: int, speed: float, shown: str) -> None:
-    who = _speed_role(s, facts, i)
+    who = "main" if holds_for_all_of_a_ring(s, i) else _speed_role(s, facts, i)
     phrase = owner(s, i, i, "ramp")
     if who == "ramp" and phrase is not None and phrase.speed is None:
         phrase.speed = speed
@@ -67,6 +67,8 @@ def _give_speed(s: Sentence, facts: Facts, i: int, speed: float, shown: str) -> 
         facts.speeds["ramp"] = facts.speeds.pop("main")  # the earlier one was said of the ramp
         s.notes[:] = [(at, words, f"{m} on the ramp" if m.startswith("speed limit") else m) for at, words, m in s.notes]
     facts.speeds.setdefault(who or "main", speed)
+    if holds_for_all_of_a_ring(s, i):
+        facts.speeds.setdefault("ring", speed)
     first = i
     while (first > 0 and s.tokens[first - 1].kind in ("speed_word", "is")) or (
         first > 0 and s.tokens[first - 1].text in ("of", "at", "to")
@@ -122,6 +124,7 @@ def read_lengths(s: Sentence, facts: Facts) -> None:
             changes = facts.has("lane_drop", "lane_gain", "lane_change") and not facts.junctions
             facts.lengths.setdefault("position" if changes else "spacing", metres)
         else:
+            facts.whole |= name == "length" and "length" not in facts.lengths and _is_of_the_whole(s, i, cue)
             facts.lengths.setdefault(name, metres)
         shown = {"auxiliary": "auxiliary lane", "gap": "distance"}.get(name, name)
         s.use(i, i, f"{shown} {s.tokens[i].text}")
@@ -130,6 +133,12 @@ def read_lengths(s: Sentence, facts: Facts) -> None:
         name = s.tokens[alone - 1 if s.tokens[alone - 1].kind in _CUES else alone - 2].kind
         facts.lengths.setdefault(name, s.tokens[alone].amount[0])
         s.use(alone, alone, f"{name} {s.tokens[alone].text} m")
+
+
+def _is_of_the_whole(s: Sentence, i: int, cue: int | None) -> bool:
+    """Whether the words say that the whole road is so long: "a 300 m highway", "300 m long", "300 m in total"."""
+    inside = any(p.kind == "road" and p.first <= i < p.head for p in s.phrases)
+    return inside or cue is not None or any(s.word(j, "total") or s.word(j, "long") for j in (i - 1, i + 1))
 
 
 def _cue_word(s: Sentence, i: int) -> bool:

@@ -125,6 +125,7 @@ def normalise(text: str) -> str:
         text = re.sub(pattern, unit, text)
     text = re.sub(r"(?<!\d)\.(?=\d)", "0.", text)
     text = re.sub(r" ?(?:-+>|=+>|→) ?", " to ", text)
+    text = re.sub(r"\b(\d) ?\+ ?(\d)(?= ?(?:lanes? )?(?:=|become|merge|into|to |form|join))", r"\1 lanes and \2", text)
     text = re.sub(r"\b(\d) ?\+ ?\1\b(?: ?lanes?)?", r"\1 lanes per direction", text)
     text = re.sub(
         rf"\b([234]) ?\+ ?1(?: lane)? {_ROAD}\b", r"\2 with \1 lanes in 1 direction and 1 lane in the other direction , ", text

@@ -18,6 +18,7 @@ def read_steps(s: Sentence, facts: Facts) -> None:
         if rest and not (
             rest[0].kind in ("lane", "extra", "stop", "comma", "length", "later", "prep", "and")
             or rest[0].value in ("end", "lose", "gain")
+            or (s.word(i - 1, "verb") and s.tokens[i - 1].value in ("lose", "gain"))
         ):
             continue
         _add_step(s, facts, kind, i, 1)
@@ -47,14 +48,23 @@ def _read_further_numbers(s: Sentence, facts: Facts, kind: str) -> None:
     if facts.to_lanes is None or facts.from_lanes is None:
         return
     sign = 1 if kind == "lane_gain" else -1
-    for i in sorted([*s.of_kind("prep", "to"), *s.of_kind("seq"), *s.of_kind("later")]):
-        after = lane_count(s, i + 1, min(len(s.tokens), i + 3))
+    for i in sorted([*s.of_kind("prep", "to"), *s.of_kind("seq"), *s.of_kind("later"), *s.verbs("become", "narrow", "widen")]):
+        after = lane_count(s, i + 1, min(len(s.tokens), i + 4))
         if after is None or after in s.used or i < facts.features[kind] or not is_lane_count(s, after):
             continue
-        step = (s.tokens[after].number - facts.to_lanes) * sign - sum(e.lanes or 1 for e in facts.events)
+        done = sum(e.lanes or 1 for e in facts.events)
+        step = (s.tokens[after].number - facts.to_lanes) * sign - done
         if step > 0:
+            _use_again(s, max(j for j in s.used if j < i), i, facts.to_lanes + sign * done)
             _add_step(s, facts, kind, i, step)
             s.use(i, last_of_count(s, after), f"becomes {s.tokens[after].number} lanes")
+
+
+def _use_again(s: Sentence, since: int, i: int, lanes: int) -> None:
+    """Take the lanes that are named again before a step at i: "and then, 300 m on, from three to two"."""
+    for j in range(since + 1, i):
+        if s.tokens[j].kind == "number" and s.tokens[j].number == lanes:
+            s.use(j, last_of_count(s, j), "")
 
 
 def _the_other_one(s: Sentence, i: int) -> bool:
@@ -70,6 +80,8 @@ def _the_other_one(s: Sentence, i: int) -> bool:
 def _length_near(s: Sentence, i: int) -> int | None:
     before, after = range(i - 1, max(-1, i - 5), -1), range(i + 1, min(len(s.tokens), i + 4))
     near = (*after, *before) if s.word(i + 1, "prep") else (*before, *after)
+    if s.tokens[i].kind == "prep" or s.tokens[i].value == "become":  # "and then, 300 m on, from three to two"
+        near = (*range(i - 1, max(-1, i - 9), -1), *after)
     return next((j for j in near if s.tokens[j].kind == "length" and j not in s.used), None)
 
 

@@ -31,6 +31,7 @@ from drivegen.maps.writers._reading import normalise
 from drivegen.maps.writers._relations import read_relations
 from drivegen.maps.writers._roads import Road, road
 from drivegen.maps.writers._sentence import Sentence
+from drivegen.maps.writers._series import read_how_often, read_upstream
 from drivegen.maps.writers._small_words import NARRATIVE, SMALL_WORDS
 from drivegen.maps.writers._steps import read_steps
 from drivegen.maps.writers.base import Understanding
@@ -60,7 +61,9 @@ _RULES = (
         read_hand,
         read_branches,
         read_joining_roads,
+        read_upstream,
         read_changes,
+        read_how_often,
         read_steps,
         read_lanes,
         read_speeds,
