@@ -2,7 +2,7 @@
 
 from drivegen.maps.spec import Side
 from drivegen.maps.writers._facts import Facts
-from drivegen.maps.writers._rows import one_of_a_row, others_of_a_row
+from drivegen.maps.writers._rows import are_excepted, one_of_a_row, others_of_a_row, read_control_of_each
 from drivegen.maps.writers._sentence import Sentence
 
 _MOST_BENDS = 8
@@ -151,13 +151,8 @@ def read_pockets(s: Sentence, facts: Facts) -> None:
 def read_control(s: Sentence, facts: Facts) -> None:
     """Who goes first. Who denies both lights and signs wants neither."""
     denied = {phrase.value for phrase in s.denied("control")}
-    for phrase in s.denied("control"):
-        one = one_of_a_row(s, facts, phrase) if len(facts.junctions) > 1 or any(j.count > 1 for j in facts.junctions) else None
-        if one is not None:
-            one.control = "unsignalled" if phrase.value == "signals" else one.control
-        elif phrase.value == "signals":
-            facts.unsignalled = True
-        s.use(phrase.first, phrase.head, f"no {_CONTROLS.get(phrase.value, 'signs')}")
+    read_control_of_each(s, facts)
+    _read_denied_control(s, facts)
     found: list[str] = []
     for phrase in s.said("control"):
         if phrase.head in s.used:
@@ -167,7 +162,10 @@ def read_control(s: Sentence, facts: Facts) -> None:
             continue
         one = one_of_a_row(s, facts, phrase)
         if one is not None:
-            for each in (one, *others_of_a_row(s, facts, phrase)):
+            named = [one, *others_of_a_row(s, facts, phrase)]
+            if are_excepted(s, phrase):
+                named = [junction for junction in facts.junctions if all(junction is not each for each in named)]
+            for each in named:
                 each.control = phrase.value
         else:
             found.append(phrase.value)
@@ -176,6 +174,19 @@ def read_control(s: Sentence, facts: Facts) -> None:
     _decide(facts, found, denied)
     for i in s.of_kind("control"):
         s.use(i, i, "")
+
+
+def _read_denied_control(s: Sentence, facts: Facts) -> None:
+    several = len(facts.junctions) > 1 or any(j.count > 1 for j in facts.junctions)
+    for phrase in s.denied("control"):
+        if phrase.head in s.used:
+            continue
+        one = one_of_a_row(s, facts, phrase) if several else None
+        if one is not None:
+            one.control = "unsignalled" if phrase.value == "signals" else one.control
+        elif phrase.value == "signals":
+            facts.unsignalled = True
+        s.use(phrase.first, phrase.head, f"no {_CONTROLS.get(phrase.value, 'signs')}")
 
 
 def _decide(facts: Facts, found: list[str], denied: set[str]) -> None:

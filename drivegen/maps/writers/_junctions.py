@@ -1,7 +1,9 @@
 """Junctions: roundabouts, T and Y junctions, crossings, and how many roads meet at them."""
 
 import re
+from typing import get_args
 
+from drivegen.maps.spec import Control
 from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._layouts import read_grid
 from drivegen.maps.writers._phrases import Phrase
@@ -46,6 +48,7 @@ def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:
         facts.features.setdefault("staggered", phrase.first)
         first = phrase.text.split()[0]
         facts.turn = "right" if first == "right" else "left" if first == "left" else facts.turn
+        facts.control = facts.control or _one_for_all(phrase)
         s.use(phrase.first, phrase.head, "staggered junction")
         return
     _use_words(s, phrase)
@@ -122,11 +125,17 @@ def _own_control(phrase: Phrase) -> str | None:
     return phrase.words.get("control")
 
 
+def _one_for_all(phrase: Phrase) -> Control | None:
+    """The control that the words of a staggered junction, or of its halves, ask for."""
+    return next((name for name in get_args(Control) if name == phrase.words.get("control")), None)
+
+
 def _meant(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
     """The junction that was mentioned before, where these words mean it again."""
     form = "roundabout" if phrase.value == "roundabout" else "crossing"
     known = [j for j in facts.junctions if j.form == form]
     if facts.has("staggered") and form == "crossing":
+        facts.control = facts.control or _one_for_all(phrase)
         return JunctionWords("crossing", phrase.first)
     if not known:
         return facts.junctions[-1] if facts.junctions and form == "crossing" and _refers_back(s, phrase) else None
@@ -136,17 +145,27 @@ def _meant(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
         return None
     if _refers_back(s, phrase):
         return known[-1]
-    if phrase.value in ("t", "y") and known[-1].shape in ("", phrase.value) and known[-1].arms in (None, _FEWEST):
-        close = not s.between(known[-1].at, phrase.first, "and")
-        return known[-1] if close else None
-    if any(t.text in ("mean", "called", "namely", "aka", "ie") for t in s.tokens[known[-1].at : phrase.first]):
-        return known[-1]
-    if phrase.value == "roundabout" and s.between(known[-1].at + 1, phrase.first, "det", "comma", "stop"):
-        return None
-    same = phrase.value in ("crossing", "roundabout")
-    if same and _is_explained(s, known[-1].at, phrase):
-        return known[-1]
-    return known[-1] if same and not s.between(known[-1].at, phrase.first, "and", "number") else None
+    return known[-1] if not _is_listed(s, facts, known[-1].at, phrase) and _says_again(s, known[-1], phrase) else None
+
+
+def _says_again(s: Sentence, known: JunctionWords, phrase: Phrase) -> bool:
+    """Whether a phrase without "the" means the junction that was mentioned right before it."""
+    if phrase.value in ("t", "y") and known.shape in ("", phrase.value) and known.arms in (None, _FEWEST):
+        return not s.between(known.at, phrase.first, "and")
+    if any(t.text in ("mean", "called", "namely", "aka", "ie") for t in s.tokens[known.at : phrase.first]):
+        return True
+    if phrase.value == "roundabout" and s.between(known.at + 1, phrase.first, "det", "comma", "stop"):
+        return False
+    same = phrase.value in ("crossing", "roundabout") and (phrase.det != "a" or phrase.arms in (None, known.arms or phrase.arms))
+    return same and (_is_explained(s, known.at, phrase) or not s.between(known.at, phrase.first, "and", "number"))
+
+
+def _is_listed(s: Sentence, facts: Facts, at: int, phrase: Phrase) -> bool:
+    """Whether the phrase is the next of a list along one road: "T-junction, crossroads, T-junction, 120 m apart"."""
+    row = "spacing" in facts.lengths or any(s.of_kind("row"))
+    before = next((p for p in s.said("place") if p.first == at), None)
+    between = [t.kind for t in s.tokens[before.head + 1 : phrase.first]] if before is not None else []
+    return row and bool(between) and phrase.det != "the" and all(kind in ("comma", "and") for kind in between)
 
 
 def _is_explained(s: Sentence, at: int, phrase: Phrase) -> bool:

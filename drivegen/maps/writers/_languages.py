@@ -21,7 +21,9 @@ _GERMAN_WORDS = {
     "versetzte kreuzung": "staggered junction", "t kreuzung": "t junction", "t einmündung": "t junction",
     "einmündung": "t junction", "kreuzungen": "intersections", "straßenkreuzung": "intersection", "kreuzung": "intersection",
     "kreisverkehre": "roundabouts", "kreisverkehr": "roundabout", "kreisel": "roundabout", "schnellstraße": "expressway",
-    "autobahnabschnitt": "motorway", "autobahnstrecke": "motorway", "autobahnteilstück": "motorway", "geradeaus": "straight",
+    "vereinigen": "merge", "vereinigt": "merges", "vereinen": "merge", "zu einer": "into one", "zu": "to", "je": " ",
+    "zusätzlicher": "extra", "zusätzliche": "extra", "zusätzlichen": "extra", "hauptfahrstreifen": "mainline lanes",
+    "dazwischen": "between them", "autobahnabschnitt": "motorway", "autobahnstrecke": "motorway", "autobahnteilstück": "motorway", "geradeaus": "straight",
     "autobahnstück": "motorway",
     "autobahnauffahrt": "highway on ramp", "autobahnausfahrt": "highway off ramp", "auffahrt": "on ramp", "einfahrt": "on ramp",
     "ausfahrt": "off ramp", "abfahrt": "off ramp", "lichtsignalanlage": "traffic lights", "ampelanlage": "traffic lights",
@@ -105,7 +107,7 @@ _CHINESE_WORDS = {
     "交叉口": "intersection", "路口": "intersection", "高速公路": "highway", "高速路": "highway", "快速路": "expressway",
     "入口匝道": "on ramp", "上匝道": "on ramp", "出口匝道": "off ramp", "下匝道": "off ramp", "匝道": "ramp",
     "红绿灯": "traffic lights", "信号灯": "traffic lights", "交通灯": "traffic lights", "信号控制": "signalised",
-    "没有": "without", "不要": "without", "不设": "without", "最高时速": "speed limit", "时速": "speed limit", "全长": "long",
+    "没有": "without", "减到": "to", "先减到": "to", "先减为": "to", "先增加到": "to", "再": ", then", "由": "from", "不要": "without", "不设": "without", "最高时速": "speed limit", "时速": "speed limit", "全长": "long",
     "总长": "long", "单向道路": "one way road", "单向公路": "one way road", "单向行驶": "one way", "单向交通": "one way",
     "单向街道": "one way street", "单向街": "one way street", "单向路": "one way road",
     "不带": "without", "无": "without", "带有": "with", "带": "with", "有": "with",
@@ -195,6 +197,7 @@ def _from_chinese(text: str) -> str:
     text = re.sub(rf"({digit}|\d)[行横排][×x乘]?({digit}|\d)[列纵]", _rows_and_columns, text)
     if re.search("环岛|转盘|环形交叉口", text):
         text = re.sub(rf"({digit}|\d)个?(?:出入口|入口|出口|进口|岔口|岔路|岔道)", _arms, text)
+    text = re.sub("一条车道", " 1 lane ", text)
     text = re.sub("一个|一条", " ", text)
     text = re.sub(rf"({digit})(?=岔|路交|条|个(?!方向)|车道|臂|路)", lambda m: f" {_CHINESE_DIGITS[m[1]]}", text)
     text = re.sub(r"(?<=\d)[个条]", "", re.sub(r"(\d)条?路(?!交|口)", r"\1 roads ", text))

@@ -38,11 +38,19 @@ def _measures_a_row(s: Sentence, phrase: Phrase) -> bool:
 
 def _read_two_directions(s: Sentence, facts: Facts) -> None:
     """Streets counted by direction: "four north-south by four east-west streets"."""
-    labels = [i for i in s.of_kind("label") if i and s.word(i - 1, "number") and s.tokens[i - 1].number >= _LEAST_STREETS]
-    if facts.grid is None and len(labels) == 2 and s.tokens[labels[0]].value != s.tokens[labels[1]].value:
-        facts.grid = (s.tokens[labels[0] - 1].number, s.tokens[labels[1] - 1].number)
-        last = labels[1] + 1 if s.word(labels[1] + 1, "road") else labels[1]
-        s.use(labels[0] - 1, last, f"grid of {facts.grid[0]} x {facts.grid[1]} streets")
+    counted = [(number, i) for i in s.of_kind("label") if (number := _count_of(s, i)) is not None]
+    if facts.grid is None and len(counted) == 2 and s.tokens[counted[0][1]].value != s.tokens[counted[1][1]].value:
+        facts.grid = (s.tokens[counted[0][0]].number, s.tokens[counted[1][0]].number)
+        last = counted[1][1] + 1 if s.word(counted[1][1] + 1, "road") else counted[1][1]
+        s.use(counted[0][0], last, f"grid of {facts.grid[0]} x {facts.grid[1]} streets")
+
+
+def _count_of(s: Sentence, label: int) -> int | None:
+    """Where the number of the streets of a direction stands: "four north-south", "4 streets running north-south"."""
+    i = label - 1
+    while i > label - 4 and i > 0 and s.tokens[i].kind in ("road", "that", "unknown", "is", "prep"):
+        i -= 1
+    return i if s.word(i, "number") and s.tokens[i].number >= _LEAST_STREETS else None
 
 
 def _take_size(s: Sentence, facts: Facts, i: int) -> None:

@@ -3,6 +3,7 @@
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
 
+_NEAR = 7
 _APART = ("verb", "and", "prep", "comma", "seq", "with")
 
 
@@ -84,3 +85,16 @@ def is_close(s: Sentence, phrase: Phrase, first: int) -> bool:
     """Whether a number right after a phrase is said of it: no comma or other matter stands between, a bracket may."""
     between = s.tokens[phrase.head + 1 : first]
     return len(between) <= 4 and not any(t.text in (",", ".") or t.kind in ("verb", "and", "seq") for t in between)
+
+
+def holds_for_all_of_a_ring(s: Sentence, i: int) -> bool:
+    """Whether the speed is said of ring and arms together: "40 km/h on ring and legs", "ring and arms both 30 km/h"."""
+    rings = [p.head for p in s.said("ring") if abs(p.head - i) <= _NEAR]
+    arms = [p.head for p in (*s.said("arm"), *s.said("road")) if abs(p.head - i) <= _NEAR]
+    joined = [sorted((ring, arm)) for ring in rings for arm in arms if (ring < i) == (arm < i)]
+    return any(_are_joined(s, first, last) for first, last in joined)
+
+
+def _are_joined(s: Sentence, first: int, last: int) -> bool:
+    between = [t.kind for t in s.tokens[first + 1 : last]]
+    return "and" in between and all(kind in ("and", "prep", "det", "role", "each", "total", "unknown") for kind in between)

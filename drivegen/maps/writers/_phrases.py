@@ -208,12 +208,14 @@ def _negate(tokens: list[Token], found: list[Phrase]) -> None:
     for i, token in enumerate(tokens):
         if token.kind != "neg":
             continue
-        reach = i + 1
+        # "none of them with lights": what stands right behind the negation does not end it.
+        reach = i + 2 if i + 1 < len(tokens) and tokens[i + 1].kind == "with" else i + 1
+        begin = reach
         for phrase in (p for p in found if p.head > i):
             between = tokens[reach : phrase.head]
             if any(t.kind in _ENDS_NEGATION for t in between):
                 break
-            if reach > i + 1 and not _goes_on(tokens, reach, phrase.head):
+            if reach > begin and not _goes_on(tokens, reach, phrase.head):
                 break
             if len(between) > 5:
                 break

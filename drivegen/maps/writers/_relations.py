@@ -5,6 +5,8 @@ from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
 
 _FEWEST = 3
+_NEAR = 6
+_SEVERAL = 2
 _OPPOSITE = ("both sides", "opposite sides", "either side", "each side")
 
 
@@ -18,6 +20,7 @@ def read_relations(s: Sentence, facts: Facts) -> None:
     for i in s.verbs("meet", "join", "end_at"):
         if not s.negated_at(i) and i not in s.used:
             _read_joining_verb(s, facts, i)
+    _read_leaving_dead_ends(s, facts)
     _read_dead_ends(s, facts)
     if not _read_opposite_sides(s, facts):
         _read_side_roads(s, facts)
@@ -45,6 +48,8 @@ def _read_opposite_sides(s: Sentence, facts: Facts) -> bool:
 def _read_crossing_verb(s: Sentence, facts: Facts, i: int) -> None:
     crossing = s.next_after(i, "road")
     many = crossing.number if crossing is not None and not s.between(i, crossing.first, "verb", "comma") else None
+    if crossing is not None and many in (None, 1) and (several := _several_cross(s, i, crossing)) is not None:
+        crossing, many = several, several.number
     s.use(i, i, "")
     if many and many >= 2 and crossing is not None and not facts.has("grid"):
         rest = [j for j in facts.junctions if j.count > 1 or j.form == "roundabout" or j.arms not in (None, 4)]
@@ -54,6 +59,15 @@ def _read_crossing_verb(s: Sentence, facts: Facts, i: int) -> None:
         facts.junctions.append(JunctionWords("crossing", i, 4))
         s.use(i, i, "crossing")
     facts.features.setdefault("verb_cross", i)
+
+
+def _several_cross(s: Sentence, i: int, crossed: Phrase) -> Phrase | None:
+    """The streets of "two parallel streets that cross a main road"."""
+    streets = s.last_before(i, "road")
+    if streets is None or (streets.number or 1) < _SEVERAL or s.tokens[i].text.endswith("ed") or crossed.det == "another":
+        return None
+    near = crossed.first - i == 1 and not s.between(streets.head, i, "comma", "and")
+    return streets if near and not crossed.text.endswith("s") else None
 
 
 def _common_control(facts: Facts) -> str | None:
@@ -101,6 +115,33 @@ def _joins_as_side_street(s: Sentence, facts: Facts, i: int, subject: Phrase, ta
         facts.features.setdefault("side_streets", i)
         s.use(subject.first if several else i, i, "side streets" if several else "side street")
     return True
+
+
+def _read_leaving_dead_ends(s: Sentence, facts: Facts) -> None:
+    """Dead ends beside a road: "a cul-de-sac leaving a residential road", "a road from which a dead end leaves"."""
+    for phrase in s.said("dead_end"):
+        after, before = s.next_after(phrase.head + 1, "road"), s.last_before(phrase.first, "road")
+        leaves = after is not None and after.first - phrase.head <= _NEAR and _leads_off(s, phrase.head + 1, after.first)
+        is_left = before is not None and any(
+            t.kind == "that" or t.kind == "prep" for t in s.tokens[before.head + 1 : phrase.first]
+        )
+        end = next((i for i in range(phrase.head + 1, len(s.tokens)) if s.tokens[i].kind in ("comma", "stop")), len(s.tokens))
+        is_left = is_left and _leads_off(s, phrase.head + 1, end)
+        if (leaves or is_left) and not (facts.junctions or facts.side_streets or facts.has("staggered", "grid")):
+            facts.side_streets = phrase.number or 1
+            facts.features.setdefault("side_streets", phrase.first)
+            s.use(phrase.head, phrase.head, "dead end beside a road")
+
+
+def _leads_off(s: Sentence, first: int, last: int) -> bool:
+    """Whether tokens first to last lead from a dead end to the road it leaves."""
+    words = s.tokens[first:last]
+    return any(
+        t.value in ("leave", "join")
+        or t.text in ("turning", "turns", "beside", "side", "attached", "accessed", "reached", "reachable")
+        for t in words
+        if t.kind in ("verb", "unknown", "small", "role", "ramp", "shape") or t.text.endswith("side")
+    )
 
 
 def _read_dead_ends(s: Sentence, facts: Facts) -> None:

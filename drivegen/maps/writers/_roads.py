@@ -13,6 +13,8 @@ from drivegen.maps.writers._highways import fork, highway
 
 Road = dict[str, Any]
 
+_ROUNDED = 0.9
+
 
 def road(facts: Facts, choices: Choices) -> Road | None:
     """The road as fields of `spec.Road`, or None where the facts describe none.
@@ -129,6 +131,8 @@ def _roundabout(facts: Facts, choices: Choices) -> Road:
 
 
 def _diameter(facts: Facts, choices: Choices, arms: int, ring: int) -> float:
+    if facts.lengths.get("diameter", math.inf) < 2 * _ROUNDED * facts.lengths.get("radius", 0.0):
+        raise UnusableInput("the diameter of a roundabout is twice its radius or more", reason="impossible-map")
     if "diameter" in facts.lengths:
         return facts.lengths["diameter"]
     if "radius" in facts.lengths:

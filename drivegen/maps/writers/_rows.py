@@ -10,6 +10,7 @@ from drivegen.maps.writers._sentence import Sentence
 _NEAR = 5
 _MOST = 13
 _FEWEST_ARMS = 3
+_JOINS_CONTROL = frozenset(("with", "neg", "det", "number", "role", "control", "prep", "each"))
 
 
 def one_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
@@ -36,6 +37,14 @@ def others_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> list[JunctionW
     return [one for one in named if one is not None]
 
 
+def are_excepted(s: Sentence, phrase: Phrase) -> bool:
+    """Whether the phrase is said of all but the junction of `one_of_a_row`: "all except the last one have lights"."""
+    ordinal = max((i for i in s.of_kind("ordinal") if i < phrase.head), default=0)
+    before = s.tokens[max(0, ordinal - _NEAR) : ordinal]
+    whole = [t.kind == "total" or t.text in ("all", "every", "each") or t.kind == "each" for t in before]
+    return any(whole) and any(t.kind == "but" and t.text not in ("just", "only") for t in before[whole.index(True) :])
+
+
 def read_arms_of_a_row(s: Sentence, facts: Facts) -> None:
     """Arms of single junctions of a row; "the eastern one three" leaves the word out."""
     if not any(junction.count > 1 for junction in facts.junctions) and len(facts.junctions) < 2:
@@ -53,6 +62,33 @@ def read_arms_of_a_row(s: Sentence, facts: Facts) -> None:
             s.use(number, number + 1 if _counts_arms(s, number) else number, f"{one.arms} roads meet")
 
 
+def read_control_of_each(s: Sentence, facts: Facts) -> None:
+    """Control said right behind each junction: "a crossing with lights, 150 m later a T without lights".
+
+    Said behind one junction only, it is left to hold for all, unless another one has its own.
+    """
+    behind = [(junction, phrase) for junction in facts.junctions if (phrase := _said_behind(s, junction)) is not None]
+    told = {"no " * phrase.negated + phrase.value for _, phrase in behind}
+    own = any(junction.control for junction in facts.junctions)
+    if len(facts.junctions) < 2 or not behind or not (own or len(told) > 1):
+        return
+    for junction, phrase in behind:
+        if phrase.negated and phrase.value != "signals":
+            continue
+        junction.control = "unsignalled" if phrase.negated else phrase.value
+        s.use(phrase.first, phrase.head, f"{'no ' * phrase.negated}{phrase.value.replace('_', ' ')} at this junction")
+
+
+def _said_behind(s: Sentence, junction: JunctionWords) -> Phrase | None:
+    place = next((p for p in s.phrases if p.first == junction.at and p.kind == "place"), None)
+    if place is None or junction.control or junction.form == "roundabout":
+        return None
+    control = next((p for p in s.phrases if p.head > place.head and p.kind == "control" and p.value != "signs"), None)
+    between = s.tokens[place.head + 1 : control.head] if control is not None else []
+    joined = bool(between) and between[0].kind in ("with", "neg", "prep") and len(between) <= _NEAR
+    return control if joined and all(t.kind in _JOINS_CONTROL for t in between) else None
+
+
 def _counts_arms(s: Sentence, number: int) -> bool:
     return s.word(number + 1, "arm") or (s.word(number + 1, "ramp") and s.tokens[number + 1].value.endswith("_or_arm"))
 
@@ -67,7 +103,7 @@ def _numbered(s: Sentence, facts: Facts, at: int, number: int) -> JunctionWords 
     if len(facts.junctions) == 1 and facts.junctions[0].count > 1:
         one = facts.junctions[0]
         facts.junctions[:] = [replace(one, count=1) for _ in range(min(one.count, _MOST))]
-    number = number or len(facts.junctions)  # the last one
+    number = {0: len(facts.junctions), -1: (len(facts.junctions) + 1) // 2}.get(number, number)  # the last, the middle one
     if number > len(facts.junctions):
         return None
     s.use(at, at, f"junction {number}")

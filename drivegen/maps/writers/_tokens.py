@@ -13,7 +13,7 @@ LENGTH_UNITS = {"m": 1.0, "km": 1000.0, "ft": 0.3048, "yd": 0.9144, "mile": 1609
 _N = r"(\d+(?:\.\d+)?)"
 _NUMBERS = (
     ("size", re.compile(r"(\d+) ?(?:x|by|times) ?(\d+)(?! ?(?:m|km|ft|yd)\b)")),
-    ("size", re.compile(r"(\d+) rows?(?: and| by|,| ,)? ?(\d+) (?:columns?|cols?)")),
+    ("size", re.compile(r"(\d+) rows?(?: and| by|,| ,| x| times| of)? ?(\d+) (?:columns?|cols?)\b")),
     ("speed", re.compile(rf"{_N} ?(kmh|mph|mps)\b")),
     ("length", re.compile(rf"{_N} ?(m|km|ft|yd|mile)\b")),
     ("angle", re.compile(rf"{_N} ?degrees\b")),
@@ -31,6 +31,7 @@ _KEY_WORDS = (
     *("weaving", "boulevard", "arterial", "controlled", "unsignalised", "entrance", "exits", "ramps"),
     *("branches", "downtown", "priority", "circulating"),
 )
+_RIGHT_AS_THEY_ARE = frozenset(("interaction", "interactions"))  # near a key word, but another word
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,7 @@ def _spelled(text: str) -> str:
 @cache
 def _mended(word: str) -> str:
     known = _term(word, 0)
-    if known is not None and known.text == word:
+    if word in _RIGHT_AS_THEY_ARE or (known is not None and known.text == word):
         return word
     single = re.sub(r"(.)\1", r"\1", word)
     if single in _KEY_WORDS:
