@@ -114,6 +114,10 @@ def _ordinal_lane(s: Sentence, i: int) -> int | None:
     for token, following in zip(s.tokens[i + 1 : i + 4], s.tokens[i + 2 : i + 5], strict=False):
         if token.kind == "ordinal" and following.kind == "lane":
             return int(token.value)
+    following_kinds = ("prep", "and", "comma", "later", "length", "stop")
+    if s.word(i + 1, "det") and s.word(i + 2, "ordinal") and int(s.tokens[i + 2].value) > 1:  # "gains a third after 400 m"
+        if i + 3 >= len(s.tokens) or s.tokens[i + 3].kind in following_kinds:
+            return int(s.tokens[i + 2].value)
     return None
 
 
@@ -122,7 +126,9 @@ def _change(s: Sentence, facts: Facts, before: int, after: int, first: int, last
         return
     facts.from_lanes, facts.to_lanes = before, after
     facts.features["lane_drop" if after < before else "lane_gain"] = first
+    read_later = {i for i in range(first, last) if s.tokens[i].kind in ("length", "speed") and i not in s.used}
     s.use(first, min(last, len(s.tokens) - 1), f"{before} lanes become {after}")
+    s.used -= read_later  # "a three-lane road, 2 km long, narrowing to two"
     for item in s.lanes:
         if first <= item.first <= last:
             s.used.update(range(item.first, item.last + 1))
@@ -148,9 +154,11 @@ def _read_lane_verb(s: Sentence, facts: Facts, i: int) -> None:
     facts.features[kind] = i
     facts.events.append(EventWords(kind, i, counted if verb in ("lose", "gain") and counted <= 3 else 1, side_near(s, i)))
     first, last = (min(i, lane), max(i, lane)) if lane is not None else (i, i)
+    between = {j for item in s.lanes if first < item.first < last for j in range(item.first, item.last + 1)} - s.used
+    s.use(first, last, kind.replace("_", " "))
+    s.used -= between  # "the left lane of a two-lane road ends"
     for item in own:
         s.used.update(range(item.first, item.last + 1))
-    s.use(first, last, kind.replace("_", " "))
 
 
 def _read_next_lane_verb(s: Sentence, facts: Facts, i: int) -> None:

@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 
+from drivegen.errors import UnusableInput
 from drivegen.maps.writers._facts import EventWords, Facts
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
 
 _MOST = 9
+_ORDINALS = {"second": 2, "third": 3, "fourth": 4, "fifth": 5}
 _NAMES = {"on_ramp": "on-ramp", "off_ramp": "off-ramp"}
 
 
@@ -36,6 +38,9 @@ def _read_kept_lanes(s: Sentence, facts: Facts) -> None:
             ramps = [EventWords(kind, i)]
             facts.events += ramps
         ramps[-1].keeps = True
+        nth = next((n for word, n in _ORDINALS.items() if word in s.tokens[i].text.split()), None)
+        if kind == "on_ramp" and nth and not facts.lanes.get("main") and not facts.other_lanes:
+            facts.lanes["main"] = nth - 1  # "goes on as the third lane of the motorway"
         s.use(i, i, f"{_NAMES[kind]} with a lane of the road")
     before = facts.from_lanes or facts.lanes.get("main") or 0
     kept = [event for event in facts.events if event.keeps]
@@ -70,6 +75,8 @@ def _read_ramp(s: Sentence, facts: Facts, phrase: Phrase) -> None:
         known[-1].position = known[-1].position or phrase.position
         return
     copies = min(phrase.number or 1, _MOST)
+    if copies > 1 and s.word(phrase.first - 1, "prep") and s.tokens[phrase.first - 1].text in ("into", "in to"):
+        raise UnusableInput("I cannot draw ramps that split into several", reason="not-understood")
     if phrase.number:
         s.use(phrase.first, phrase.head, f"{copies} {_NAMES[kind]}{'s' if copies > 1 else ''}")
     _add_ramps(s, facts, phrase, kind, copies)
@@ -148,6 +155,9 @@ def _read_auxiliary(s: Sentence, facts: Facts, phrase: Phrase) -> None:
         s.use(phrase.head, phrase.head, "auxiliary lane")
         return
     kind = "off_ramp" if phrase.value == "off" else "on_ramp"
+    if "merg" in phrase.text and not any(s.said("ramp")) and facts.has("lane_drop", "lane_change", "fork"):
+        s.use(phrase.head, phrase.head, "")  # "a merging zone where four lanes become two"
+        return
     if not any(event.kind == kind for event in facts.events) and not facts.has("weaving"):
         if any(e.kind.endswith("ramp") for e in facts.events) and kind == "on_ramp":
             s.use(phrase.head, phrase.head, "auxiliary lane")

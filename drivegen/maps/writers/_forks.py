@@ -38,6 +38,9 @@ def _read_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
         facts.branches = (each[0].count, each[0].count)
         s.use(each[0].first, each[0].last, f"{each[0].count} lanes on each branch")
     both = [j for j in range(i + 1, min(len(s.tokens), i + 8)) if s.tokens[j].kind == "number"]
+    further = [j for j in range(i + 1, min(len(s.tokens), i + 13)) if s.tokens[j].kind == "number"][:3]
+    if len(further) == 3 and s.between(further[1], further[2], "and") and not s.between(further[0], further[2], "stop"):
+        both = further
     if len(both) == 3 and s.tokens[both[0]].number == sum(s.tokens[j].number for j in both[1:]):
         both = both[1:]  # "four lanes become two and two"
     if facts.branches is None and len(both) == 2 and s.between(both[0], both[1], "and"):
@@ -92,7 +95,7 @@ def read_joining_roads(s: Sentence, facts: Facts) -> None:
 def _read_sum(s: Sentence, facts: Facts) -> bool:
     """Lanes of two roads that add up to those of one: "a two-lane and a three-lane freeway merge into a five-lane one"."""
     verbs = [i for i in s.verbs("merge", "join", "become", "meet") if not s.negated_at(i)]
-    if not any(s.tokens[i].value in ("merge", "join") for i in verbs) or any(s.said("ramp")):
+    if not any(s.tokens[i].value in ("merge", "join", "meet") for i in verbs) or any(s.said("ramp")):
         return False
     places = [i for i in s.of_kind("number") if _may_be_lanes(s, i)]
     for a, b, one in combinations(places, 3):
@@ -136,7 +139,8 @@ def _becomes_one(s: Sentence, phrase: Phrase) -> int | None:
     if phrase.kind == "ramp" and phrase.value != "" and not _into_one(s, i):
         return None  # "two on-ramps merge onto a freeway"
     if s.tokens[i].value in ("merge", "become"):
-        return i if not s.between(phrase.head, i, "comma", "with") or i <= phrase.head + 2 else None
+        apart = any(t.kind not in ("with", "number", "lane", "each", "of") for t in s.tokens[phrase.head + 1 : i])
+        return i if not (apart and s.between(phrase.head, i, "comma", "with")) or i <= phrase.head + 2 else None
     after = s.tokens[i + 1 : i + 5]
     into = any(t.kind == "prep" and t.value == "to" for t in after)
     one = any((t.kind == "number" and t.number == 1) or t.text in ("single", "common") for t in after)
@@ -153,7 +157,7 @@ def _into_one(s: Sentence, i: int) -> bool:
 def _is_named_first(s: Sentence) -> bool:
     """Whether branches are named before their lanes: "left branch one lane, right branch two"."""
     turn = next(s.of_kind("turn"))
-    return all(item.first > turn for item in s.lanes) and s.word(turn + 1, "role")
+    return all(item.first > turn for item in s.lanes) and (s.word(turn + 1, "role") or s.word(turn + 1, "with"))
 
 
 def _count_beside(s: Sentence, turn: int) -> int:

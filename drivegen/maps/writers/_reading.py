@@ -125,6 +125,8 @@ def normalise(text: str) -> str:
         text = re.sub(pattern, unit, text)
     text = re.sub(r"(?<!\d)\.(?=\d)", "0.", text)
     text = re.sub(r" ?(?:-+>|=+>|→) ?", " to ", text)
+    text = re.sub(r"\b(at|after|from) (?:the )?km (\d+(?:\.\d+)?)(?! ?\w)", r"\1 \2 km", text)
+    text = re.sub(r"\b(into|in to|splits?|=) (\d) ?\+ ?(\d)\b(?: lanes)?", r"\1 \2 and \3", text)
     text = re.sub(r"\b(\d) ?\+ ?(\d)(?= ?(?:lanes? )?(?:=|become|merge|into|to |form|join))", r"\1 lanes and \2", text)
     text = re.sub(r"\b(\d) ?\+ ?\1\b(?: ?lanes?)?", r"\1 lanes per direction", text)
     text = re.sub(

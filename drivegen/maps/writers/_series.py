@@ -1,5 +1,6 @@
 """Numbers of lanes along a road: before and behind a place, and in how many steps they change."""
 
+from drivegen.maps.writers._changes import is_lane_count
 from drivegen.maps.writers._facts import EventWords, Facts
 from drivegen.maps.writers._quantities import Lanes
 from drivegen.maps.writers._sentence import Sentence
@@ -9,6 +10,10 @@ _MOST_AT_A_RAMP = 3
 
 def read_upstream(s: Sentence, facts: Facts) -> None:
     """ "Three lanes upstream, four downstream", "two before the ramp, three after it": a change, at a ramp if one is named."""
+    for i in s.of_kind("remain"):  # "two lanes carry on": what is left of more that were named
+        left = next((item for item in s.lanes if item.last == i - 1 and item.first not in s.used), None)
+        if left is not None and any(item.count > left.count for item in s.lanes):
+            s.use(left.first, i, f"{left.count} lanes remain")
     if _read_weaving(s, facts):
         return
     before, after = (_count_at(s, next(s.of_kind(kind), None)) for kind in ("before", "later"))
@@ -48,6 +53,8 @@ def _one_then_another(s: Sentence, facts: Facts) -> tuple[Lanes | None, Lanes | 
     for i in sorted([*s.of_kind("seq"), *s.of_kind("later")]):
         at = next((j for j in range(i + 1, min(i + 4, len(s.tokens))) if s.tokens[j].kind not in ("but", "with", "is")), i)
         after = next((item for item in s.lanes if item.first == at and not item.inside), None)
+        if after is None and s.word(at, "number") and is_lane_count(s, at) and _alone(s, at):
+            after = Lanes(s.tokens[at].number, at, at)
         before = next((item for item in reversed(s.lanes) if item.last < i), None)
         if after is None or before is None or s.between(before.last, i, "verb", "road"):
             continue
@@ -57,6 +64,10 @@ def _one_then_another(s: Sentence, facts: Facts) -> tuple[Lanes | None, Lanes | 
                 s.use(j - 1, j, f"position {s.tokens[j].text}")
         return before, after
     return None, None
+
+
+def _alone(s: Sentence, i: int) -> bool:
+    return i + 1 == len(s.tokens) or s.tokens[i + 1].kind in ("comma", "stop", "and", "seq")
 
 
 def _read_weaving(s: Sentence, facts: Facts) -> bool:

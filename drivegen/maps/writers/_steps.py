@@ -25,6 +25,10 @@ def read_steps(s: Sentence, facts: Facts) -> None:
     for i in s.of_kind("turn"):
         if i > first and _the_other_one(s, i):
             _add_step(s, facts, kind, i, 1)
+    for i in s.of_kind("ordinal"):  # "gains a third lane and, 400 m later, a fourth"
+        to = (facts.to_lanes or 9) + sum(e.lanes or 1 for e in facts.events)
+        if kind == "lane_gain" and i > first and i not in s.used and int(s.tokens[i].value) == to + 1:
+            _add_step(s, facts, kind, i, 1)
     _read_first_and_then(s, facts, kind)
     _read_further_numbers(s, facts, kind)
 
@@ -52,11 +56,13 @@ def _read_further_numbers(s: Sentence, facts: Facts, kind: str) -> None:
         after = lane_count(s, i + 1, min(len(s.tokens), i + 4))
         if after is None or after in s.used or i < facts.features[kind] or not is_lane_count(s, after):
             continue
-        done = sum(e.lanes or 1 for e in facts.events)
-        step = (s.tokens[after].number - facts.to_lanes) * sign - done
-        if step > 0:
-            _use_again(s, max(j for j in s.used if j < i), i, facts.to_lanes + sign * done)
-            _add_step(s, facts, kind, i, step)
+        signs = {"lane_gain": 1, "lane_drop": -1}
+        here = facts.to_lanes + sum(signs.get(e.kind, 0) * (e.lanes or 1) for e in facts.events)
+        step = (s.tokens[after].number - here) * sign
+        if step > 0 or (step < 0 and s.tokens[i].value in ("narrow", "widen")):  # "and 400 m later narrows back to two"
+            _use_again(s, max((j for j in s.used if j < i), default=0), i, here)
+            facts.features.setdefault("lane_gain" if step * sign > 0 else "lane_drop", i)
+            _add_step(s, facts, "lane_gain" if step * sign > 0 else "lane_drop", i, abs(step))
             s.use(i, last_of_count(s, after), f"becomes {s.tokens[after].number} lanes")
 
 
@@ -79,7 +85,7 @@ def _the_other_one(s: Sentence, i: int) -> bool:
 
 def _length_near(s: Sentence, i: int) -> int | None:
     before, after = range(i - 1, max(-1, i - 5), -1), range(i + 1, min(len(s.tokens), i + 4))
-    near = (*after, *before) if s.word(i + 1, "prep") else (*before, *after)
+    near = (*after, *before) if s.word(i + 1, "prep") or s.word(i + 1, "later") else (*before, *after)
     if s.tokens[i].kind == "prep" or s.tokens[i].value == "become":  # "and then, 300 m on, from three to two"
         near = (*range(i - 1, max(-1, i - 9), -1), *after)
     return next((j for j in near if s.tokens[j].kind == "length" and j not in s.used), None)
