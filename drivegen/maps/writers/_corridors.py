@@ -12,6 +12,7 @@ from drivegen.maps.writers._facts import Facts, JunctionWords
 Road = dict[str, Any]
 
 _MOST_IN_A_ROW = 12
+_SMALLEST_RING, _BETWEEN_RINGS = 28.0, 25.0  # [m]
 
 
 def row(facts: Facts, choices: Choices) -> Road:
@@ -21,14 +22,15 @@ def row(facts: Facts, choices: Choices) -> Road:
     spacing = facts.lengths.get("spacing") or (gaps[0] if gaps else choices.length("spacing", 150, 250))
     main = choices.lanes(facts, 1, "main", "arms")
     side = facts.lanes.get("side", main if "main" not in facts.lanes else 1)
-    junctions = [_along(facts, junction, side, choices.speed(facts)) for junction in words]
+    nearest = min([spacing, *gaps])
+    junctions = [_along(facts, junction, side, choices.speed(facts), nearest) for junction in words]
     if len({junction.side for junction in words if junction.arms == 3}) > 1:
         for junction, word in zip(junctions, words, strict=True):
             junction["sides"] = [word.side] if word.side and word.arms == 3 else junction["sides"]
     return _corridor(facts, choices, main, junctions, [junction.gap or spacing for junction in words[1:]])
 
 
-def _along(facts: Facts, words: JunctionWords, side: int, speed: float) -> Road:
+def _along(facts: Facts, words: JunctionWords, side: int, speed: float, nearest: float) -> Road:
     control = control_at(facts, words, equal_roads=False)
     sides = ["left", "right"]
     if words.arms == 3:
@@ -36,7 +38,8 @@ def _along(facts: Facts, words: JunctionWords, side: int, speed: float) -> Road:
     if words.arms not in (None, 3, 4):
         raise UnusableInput("junctions in a row can have three or four arms", reason="impossible-map")
     ring = facts.lanes.get("ring", 1)
-    form: Road = {"form": words.form, "sides": sides, "side_lanes": side, "ring_lanes": ring, "diameter": 36.0 + 8 * ring}
+    diameter = max(_SMALLEST_RING, min(36.0 + 8 * ring, nearest - _BETWEEN_RINGS))
+    form: Road = {"form": words.form, "sides": sides, "side_lanes": side, "ring_lanes": ring, "diameter": diameter}
     return {**form, "control": control, "side_speed": facts.speeds.get("side", speed)}
 
 

@@ -2,6 +2,7 @@
 
 from drivegen.maps.spec import Side
 from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._rows import are_excepted, one_of_a_row, others_of_a_row, read_control_of_each
 from drivegen.maps.writers._sentence import Sentence
 
@@ -141,7 +142,7 @@ def read_pockets(s: Sentence, facts: Facts) -> None:
         before = s.tokens[phrase.first - 2 : phrase.first] if phrase.first >= 2 else []
         if phrase.words.get("turn") or (before and before[0].kind == "turn" and before[1].kind in ("and", "or")):
             sides = "left right"
-        where = s.governed(phrase.head)
+        where = s.governed(phrase.head) or _told_before(s, phrase.first)
         facts.pocket_role = where.role if where is not None and where.kind == "road" else ""
         facts.left_pocket |= "left" in sides
         facts.right_pocket |= "right" in sides
@@ -174,6 +175,15 @@ def read_control(s: Sentence, facts: Facts) -> None:
     _decide(facts, found, denied)
     for i in s.of_kind("control"):
         s.use(i, i, "")
+
+
+def _told_before(s: Sentence, i: int) -> Phrase | None:
+    """The road of "on the main road there are left-turn lanes", "the main road has left-turn lanes"."""
+    road = s.last_before(i, "road")
+    between = [t.kind for t in s.tokens[road.head + 1 : i]] if road is not None else []
+    if road is None or not road.role or any(kind in ("comma", "verb", "and", "control", "prep") for kind in between):
+        return None
+    return road if "with" in between or (road.first and s.word(road.first - 1, "prep")) else None
 
 
 def _read_denied_control(s: Sentence, facts: Facts) -> None:

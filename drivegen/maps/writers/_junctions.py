@@ -165,6 +165,8 @@ def _is_listed(s: Sentence, facts: Facts, at: int, phrase: Phrase) -> bool:
     row = "spacing" in facts.lengths or any(s.of_kind("row"))
     before = next((p for p in s.said("place") if p.first == at), None)
     between = [t.kind for t in s.tokens[before.head + 1 : phrase.first]] if before is not None else []
+    if between[-2:] == ["length", "spacing"]:
+        return True  # "a crossroads 200 m from a T-junction"
     return row and bool(between) and phrase.det != "the" and all(kind in ("comma", "and") for kind in between)
 
 

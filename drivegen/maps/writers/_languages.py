@@ -23,7 +23,8 @@ _GERMAN_WORDS = {
     "kreisverkehre": "roundabouts", "kreisverkehr": "roundabout", "kreisel": "roundabout", "schnellstraße": "expressway",
     "vereinigen": "merge", "vereinigt": "merges", "vereinen": "merge", "zu einer": "into one", "zu": "to", "je": " ",
     "zusätzlicher": "extra", "zusätzliche": "extra", "zusätzlichen": "extra", "hauptfahrstreifen": "mainline lanes",
-    "dazwischen": "between them", "autobahnabschnitt": "motorway", "autobahnstrecke": "motorway", "autobahnteilstück": "motorway", "geradeaus": "straight",
+    "dazwischen": "between them", "autobahnabschnitt": "motorway", "autobahnstrecke": "motorway", "autobahnteilstück": "motorway",
+    "geradeaus": "straight",
     "autobahnstück": "motorway",
     "autobahnauffahrt": "highway on ramp", "autobahnausfahrt": "highway off ramp", "auffahrt": "on ramp", "einfahrt": "on ramp",
     "ausfahrt": "off ramp", "abfahrt": "off ramp", "lichtsignalanlage": "traffic lights", "ampelanlage": "traffic lights",
@@ -88,8 +89,10 @@ _GERMAN_WORDS = {
     "nacheinander": "in a row", "aufeinander folgende": "consecutive", "aufeinanderfolgende": "consecutive",
     "entfernt": "apart", "voneinander": "", "entfernung": "distance", "meilen": "miles", "stundenkilometer": "kmh", "mal": "by",
     "rasternetz": "grid", "straßennetz": "street grid", "schachbrettmuster": "grid", "im": "in the", "ring": "ring",
-    "breite": "wide", "breiter": "wide", "breiten": "wide", "jeweils": "each", "für": "for", "an": "at", "zu": "to",
+    "breite": "wide", "breiter": "wide", "breiten": "wide", "jeweils": "each", "für": "for", "an": "at",
     "keine davon": "none of them", "keiner davon": "none of them", "keines davon": "none of them", "davon": "of them",
+    "rechten": "right", "linken": "left", "seite": "side", "seiten": "sides", "auseinander": "apart", "feldweg": "farm track",
+    "verschiedenen": "opposite", "gegenüberliegenden": "opposite", "entlang": "along", "einbahnregelung": "one way traffic",
     "zeilen": "rows", "reihen": "rows", "spalten": "columns", "gitternetz": "grid", "blocklänge": "block length",
     "linksabbiegestreifen": "left turn lanes", "rechtsabbiegespur": "right turn lanes", "versatz": "offset",
     "rechtsabbiegespuren": "right turn lanes", "rechtsabbiegestreifen": "right turn lanes", "abbiegestreifen": "turn lanes",
@@ -99,6 +102,8 @@ _GERMAN_WORDS = {
 }  # fmt: skip
 
 _CHINESE_DIGITS = dict(zip("一二两三四五六七八九", (1, 2, 2, 3, 4, 5, 6, 7, 8, 9), strict=True))
+_ENDS = {"前": "first", "后": "last"}
+_ORDINALS = ("", "first", "second", "third", "fourth", "fifth")
 _CHINESE_WORDS = {
     "米后": "m later", "公里后": "km later", "错位交叉口": "staggered junction", "十字路口": "4 way intersection",
     "十字交叉口": "4 way intersection", "丁字路口": "t junction", "T型路口": "t junction", "T形路口": "t junction",
@@ -107,7 +112,8 @@ _CHINESE_WORDS = {
     "交叉口": "intersection", "路口": "intersection", "高速公路": "highway", "高速路": "highway", "快速路": "expressway",
     "入口匝道": "on ramp", "上匝道": "on ramp", "出口匝道": "off ramp", "下匝道": "off ramp", "匝道": "ramp",
     "红绿灯": "traffic lights", "信号灯": "traffic lights", "交通灯": "traffic lights", "信号控制": "signalised",
-    "没有": "without", "减到": "to", "先减到": "to", "先减为": "to", "先增加到": "to", "再": ", then", "由": "from", "不要": "without", "不设": "without", "最高时速": "speed limit", "时速": "speed limit", "全长": "long",
+    "没有": "without", "减到": "to", "先减到": "to", "先减为": "to", "先增加到": "to", "再": ", then", "由": "from",
+    "不要": "without", "不设": "without", "最高时速": "speed limit", "时速": "speed limit", "全长": "long",
     "总长": "long", "单向道路": "one way road", "单向公路": "one way road", "单向行驶": "one way", "单向交通": "one way",
     "单向街道": "one way street", "单向街": "one way street", "单向路": "one way road",
     "不带": "without", "无": "without", "带有": "with", "带": "with", "有": "with",
@@ -135,6 +141,9 @@ _CHINESE_WORDS = {
     "靠左行驶": "left hand traffic", "左行": "left hand traffic", "直径": "diameter", "相距": "spaced", "度": "degrees",
     "向左": "to the left", "向右": "to the right", "分叉": "fork", "左转车道": "left turn lanes",
     "右转车道": "right turn lanes", "和": "and", "，": ",", "。": ".", "、": ",", "的": ",", "一个": "a ", "一条": "a ",
+    "双向道路": "2 way road", "与": "and", "住宅小区": "residential", "小区": "residential", "十字交叉": "cross",
+    "左侧通行": "left hand traffic", "右侧通行": "right hand traffic", "依次": "in a row", "四个方向": "on all arms",
+    "最后一个": "the last",
     "长": "long", "每个": "each", "连成一排": "in a row", "一排": "in a row", "棋盘式路网": "grid", "路网": "grid",
     "左转专用车道": "left turn lanes", "右转专用车道": "right turn lanes", "各进口": "on every approach",
     "各进口道": "on every approach", "每个进口道": "on every approach", "均": "all", "都": "all", "设有": "with",
@@ -187,6 +196,8 @@ def _german_counted(match: re.Match[str]) -> str:
 def _from_chinese(text: str) -> str:
     digit = f"[{''.join(_CHINESE_DIGITS)}]"
     text = re.sub(rf"双向({digit})(?:条)?车道", lambda m: f" {_CHINESE_DIGITS[m[1]]} lanes in total ", text)
+    text = re.sub(rf"(前|后)({digit})个(?:路口)?", lambda m: f" the {_ENDS[m[1]]} {_CHINESE_DIGITS[m[2]]} ", text)
+    text = re.sub("第([一二三四五])个(?:路口)?", lambda m: f" the {_ORDINALS[_CHINESE_DIGITS[m[1]]]} ", text)
     text = re.sub("[一二三四五六七八九]?[十百][一二三四五六七八九十]*", _chinese_number, text)
     limit = r"(?:最高|最大)?(?:限速|时速|车速|速度)(?:限制)?(?:为|是|每小时)?"
     text = re.sub(limit + r"(\d+)(?:公里|千米)(?!每|/)", r"限速\1公里每小时", text)

@@ -57,7 +57,7 @@ def _take_size(s: Sentence, facts: Facts, i: int) -> None:
     facts.grid = (int(s.tokens[i].amount[0]), int(s.tokens[i].amount[1]))
     s.use(i, i, f"grid of {facts.grid[0]} x {facts.grid[1]} streets")
     for j in range(i + 1, min(i + 3, len(s.tokens))):
-        if s.tokens[j].kind in ("road", "place"):
+        if s.tokens[j].kind in ("road", "place") and s.tokens[j].value != "roundabout":
             s.use(j, j, "")
 
 

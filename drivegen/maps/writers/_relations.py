@@ -154,10 +154,16 @@ def _read_dead_ends(s: Sentence, facts: Facts) -> None:
         named = phrase.text.split()[-1] not in ("circle", "head", "loop", "place", "bulb", "area", "end")  # no turning places
         if not named or road is None or facts.junctions or facts.has("staggered", "grid") or not along:
             continue
-        if (phrase.number or 0) >= 2 or (phrase.det == "a" and s.word(road.head + 1, "with") and road.head + 2 == phrase.first):
+        if (phrase.number or 0) >= 2 or _is_beside(s, road, phrase):
             facts.side_streets = phrase.number or 1
             facts.features.setdefault("side_streets", phrase.first)
             s.use(phrase.first, phrase.head, f"{facts.side_streets} dead ends along a road")
+
+
+def _is_beside(s: Sentence, road: Phrase, dead_end: Phrase) -> bool:
+    """Whether the road has the dead end: "a street with a cul-de-sac", "street with cul-de-sac on the left"."""
+    told = dead_end.det == "a" or s.word(dead_end.head + 1, "turn")
+    return told and s.word(road.head + 1, "with") and road.head + 2 == dead_end.first
 
 
 def _drawn_as(s: Sentence, facts: Facts, at: int, another: bool) -> str:

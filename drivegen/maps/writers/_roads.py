@@ -142,6 +142,8 @@ def _diameter(facts: Facts, choices: Choices, arms: int, ring: int) -> float:
 
 
 def _grid(facts: Facts, choices: Choices) -> Road:
+    if any(junction.form == "roundabout" for junction in facts.junctions):
+        raise UnusableInput("I can draw grids of crossings, without roundabouts", reason="not-understood")
     rows, columns = facts.grid or (3, 3)
     if facts.grid is None:
         choices.assume("three by three streets")

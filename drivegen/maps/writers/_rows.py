@@ -17,6 +17,8 @@ def one_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | N
     """The junction that an ordinal in the phrase, or shortly before it, names; counted ones are told apart from then on."""
     if not facts.junctions:
         return None
+    if (after := _ordinal_behind(s, phrase)) is not None:
+        return _numbered(s, facts, after, int(s.tokens[after].value))
     if "ordinal" in phrase.words:
         at = next(i for i in range(phrase.first, phrase.head) if s.word(i, "ordinal"))
         return _numbered(s, facts, at, int(phrase.words["ordinal"]))
@@ -26,15 +28,42 @@ def one_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | N
     return _numbered(s, facts, ordinal.first, int(ordinal.value))
 
 
+def _ordinal_behind(s: Sentence, phrase: Phrase) -> int | None:
+    """The ordinal of "lights at the first one only", if the phrase is a control."""
+    i = phrase.head + 1
+    if phrase.kind != "control" or not (s.word(i, "but") or s.word(i, "prep")):
+        return None
+    while i < len(s.tokens) and s.tokens[i].kind in ("prep", "det", "but"):
+        i += 1
+    follows = s.tokens[i + 1].kind if i + 1 < len(s.tokens) else "stop"
+    return i if s.word(i, "ordinal") and follows in ("comma", "stop", "but", "place", "number") else None
+
+
 def others_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> list[JunctionWords]:
     """The junctions named before the one of `one_of_a_row` and joined to it: "the first and the last with lights"."""
     ordinals = [p for p in s.said("ordinal") if p.head < phrase.head and phrase.head - p.head <= 2 * _NEAR]
-    named = []
+    named = [_counted_from(s, facts, phrase, i) for i in range(1, _last_of_several(s, phrase) + 1)]
     for before, after in pairwise(ordinals):
         joined = s.tokens[before.head + 1 : after.first]
         if joined and all(t.kind in ("and", "det", "comma") for t in joined):
             named.append(_numbered(s, facts, before.first, int(before.value)))
     return [one for one in named if one is not None]
+
+
+def _last_of_several(s: Sentence, phrase: Phrase) -> int:
+    """Two in "the first two have lights", "the last 2 are signalised"; 0 where a single one is named."""
+    at = max((i for i in s.of_kind("ordinal", "0", "1") if i < phrase.head), default=None)
+    if at is None or not s.word(at + 1, "number") or s.tokens[at + 1].number < 2 or phrase.head - at > _NEAR:
+        return 0
+    s.use(at, at + 1, f"junctions: {s.tokens[at].text} {s.tokens[at + 1].number}")
+    return s.tokens[at + 1].number
+
+
+def _counted_from(s: Sentence, facts: Facts, phrase: Phrase, i: int) -> JunctionWords | None:
+    """The i-th junction from the start, or from the end where "the last two" are named."""
+    at = max(j for j in s.of_kind("ordinal", "0", "1") if j < phrase.head)
+    number = i if s.tokens[at].value == "1" else len(facts.junctions) + 1 - i
+    return facts.junctions[number - 1] if 1 <= number <= len(facts.junctions) else None
 
 
 def are_excepted(s: Sentence, phrase: Phrase) -> bool:

@@ -7,6 +7,8 @@ from drivegen.maps.writers._quantities import Lanes, lanes_in
 from drivegen.maps.writers._tokens import Token, tokens
 
 _BETWEEN = frozenset(["det", "each", "role", "small", "unknown", "one_way", "two_way", "surroundings", "number"])
+_IN_ALL = ("in all", "in total", "altogether", "all told", "overall", "in sum")
+_FAR = 7
 
 
 class Sentence:
@@ -19,6 +21,19 @@ class Sentence:
         self.phrases: list[Phrase] = phrases(self.tokens, self.lanes)
         self.used: set[int] = set()
         self.notes: list[tuple[int, str, str]] = []
+        self._count_behind()
+
+    def _count_behind(self) -> None:
+        """Numbers behind what they count: "T-junctions every 100 m, four of them", "crossings, five in all"."""
+        for i in self.of_kind("number"):
+            behind = [t.text for t in self.tokens[i + 1 : i + 3]]
+            of_them = behind in (["of", "them"], ["of", "these"]) or (self.word(i + 1, "total") and behind[0] in _IN_ALL)
+            counted = next((p for p in reversed(self.phrases) if p.head < i and p.number is None), None)
+            if not of_them or counted is None or counted.kind not in ("place", "road") or i - counted.head > _FAR:
+                continue
+            if counted.text.endswith("s") or self.between(counted.head, i, "length"):
+                counted.number = self.tokens[i].number
+                self.used.update(range(i, i + 1 + (behind[0] == "of")))
 
     def said(self, kind: str, *values: str) -> Iterator[Phrase]:
         """Phrases of a kind, and of one of the values if any are given, that are not denied."""
