@@ -115,9 +115,9 @@ def _ordinal_lane(s: Sentence, i: int) -> int | None:
         if token.kind == "ordinal" and following.kind == "lane":
             return int(token.value)
     following_kinds = ("prep", "and", "comma", "later", "length", "stop")
-    if s.word(i + 1, "det") and s.word(i + 2, "ordinal") and int(s.tokens[i + 2].value) > 1:  # "gains a third after 400 m"
-        if i + 3 >= len(s.tokens) or s.tokens[i + 3].kind in following_kinds:
-            return int(s.tokens[i + 2].value)
+    alone = i + 3 >= len(s.tokens) or s.tokens[i + 3].kind in following_kinds
+    if alone and s.word(i + 1, "det") and s.word(i + 2, "ordinal") and int(s.tokens[i + 2].value) > 1:
+        return int(s.tokens[i + 2].value)  # "gains a third after 400 m"
     return None
 
 
@@ -173,6 +173,8 @@ def _read_next_lane_verb(s: Sentence, facts: Facts, i: int) -> None:
         last = facts.events[-1]
     apart = s.between(last.at, i + 4, "length", "later", "seq") or last.kind != kind
     lane = _lane_beside(s, i)
+    if any(t.value == "another" for t in s.tokens[max(0, i - 3) : i + 3]):
+        return  # read as a step
     if i in s.used or last.at > i or not apart or not last.kind.startswith("lane") or (lane in s.used and last.kind == kind):
         return
     its = lane is not None and _one_of_them(s, lane, i)
@@ -258,7 +260,8 @@ def _read_extra(s: Sentence, facts: Facts, i: int) -> None:
         s.use(i, i, kind.replace("_", " "))
     elif s.tokens[i].value == "drop" and facts.from_lanes is None and facts.to_lanes is None and facts.events:
         at = _distance_between(s, facts.events[-1].at, i)
-        if at is not None and facts.events[-1].kind == "lane_drop" and facts.events[-1].at < i:
+        another = s.word(i - 1, "det") and s.tokens[i - 1].value == "another"  # read as a step
+        if at is not None and not another and facts.events[-1].kind == "lane_drop" and facts.events[-1].at < i:
             facts.events.append(EventWords("lane_drop", i, 1, side_near(s, i), gap=s.tokens[at].amount[0]))
             s.use(at, at, f"{s.tokens[at].text} later")
         s.use(i, i, "lane drop")

@@ -85,6 +85,8 @@ def _read_ramp(s: Sentence, facts: Facts, phrase: Phrase) -> None:
 def _add_ramps(s: Sentence, facts: Facts, phrase: Phrase, kind: str, copies: int) -> None:
     """New ramps: one of each kind for plain "ramps", one per place that is told, else as many as counted."""
     if phrase.text.endswith("ramps") and phrase.value == "" and not phrase.number:
+        if any(p.value and p.head > phrase.head for p in s.said("ramp")):
+            return  # "successive ramps: an entry, then another entry"
         facts.events += [EventWords(both, phrase.first + j) for j, both in enumerate(("on_ramp", "off_ramp"))]
         return
     places = _places(s, phrase)

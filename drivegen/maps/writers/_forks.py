@@ -102,7 +102,7 @@ def _read_sum(s: Sentence, facts: Facts) -> bool:
         left, right, both = (s.tokens[i].number for i in (a, b, one))
         if (
             left + right != both
-            or s.between(a, b, "verb")
+            or _another_verb(s, a, b)
             or not (s.between(b, one, "verb", "prep") or s.tokens[one - 1].text == "=")
         ):
             continue
@@ -117,6 +117,13 @@ def _read_sum(s: Sentence, facts: Facts) -> bool:
             s.use(i, i, "")
         return True
     return False
+
+
+def _another_verb(s: Sentence, a: int, b: int) -> bool:
+    """Whether the lanes at a and b are not those of two roads beside each other, or of one that merges with the other."""
+    if s.between(a, b, "prep") and any(t.kind == "prep" and t.value == "to" for t in s.tokens[a:b]):
+        return s.between(a, b, "verb")
+    return any(t.kind == "verb" and t.value not in ("merge", "join", "meet") for t in s.tokens[a:b])
 
 
 def _may_be_lanes(s: Sentence, i: int) -> bool:

@@ -94,7 +94,8 @@ def _role(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None) -> str:
         return "ring" if phrase.value == "roundabout" and (governed or phrase.first <= item.first <= phrase.head) else ""
     who = role(s, phrase)
     inside = phrase.first <= item.first < phrase.head or s.governed(item.last) is phrase
-    if who in ("ramp", "ring") and not inside and not is_close(s, phrase, item.first) and "main" not in facts.lanes:
+    told = who == "ramp" and any(other.value == "main" for other in s.lanes)
+    if who in ("ramp", "ring") and not (inside or told or is_close(s, phrase, item.first) or "main" in facts.lanes):
         return "main" if who == "ramp" else "arms" if item.per else ""
     return who
 

@@ -39,7 +39,7 @@ _OTHER_NUMBERS = (
     (r"\ba (?=km|mile)", "1 "),
     (r"\b(?:a |one |1 )?dozen\b", "12"),
     (r"\ba (?=hundred|thousand|million|billion|trillion)", "1 "),
-    (r"\b(?:an )?(?:infinite(?:ly many)?|endless|countless|unlimited)(?: numbers? of)?(?= \w)", "999999"),
+    (r"\b(?:an )?(?:infinite(?:ly many)?|endless|countless|unlimited(?! speed))(?: numbers? of)?(?= \w)", "999999"),
 )
 _ROAD = "(road|street|highway|layout|section)"
 _LARGE = {"thousand": 10**3, "million": 10**6, "billion": 10**9, "trillion": 10**12}

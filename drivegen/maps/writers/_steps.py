@@ -76,10 +76,10 @@ def _use_again(s: Sentence, since: int, i: int, lanes: int) -> None:
 def _the_other_one(s: Sentence, i: int) -> bool:
     """Whether the turn at i is of a second lane: "and later the right one too"."""
     before = s.tokens[max(0, i - 3) : i]
-    return (
-        s.word(i + 1, "number")
-        and s.tokens[i + 1].number == 1
-        and any(t.kind in ("and", "seq", "later", "length") for t in before)
+    goes_on = i + 2 < len(s.tokens) and s.tokens[i + 2].kind not in ("length", "later", "comma", "stop")
+    lane = s.word(i + 1, "lane") and not goes_on and i not in s.used  # "and then its right lane 350 m further"
+    return (lane or (s.word(i + 1, "number") and s.tokens[i + 1].number == 1)) and any(
+        t.kind in ("and", "seq", "later", "length") for t in before
     )
 
 
