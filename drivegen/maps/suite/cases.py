@@ -4,7 +4,8 @@ Part A of those held out was given to the rules' author after the first try, par
 engineers, police reports, forums, patents and children, written before their failures were looked at; E to J are
 by authors who had not seen the rules, and were mended after the first try; two of I's repeat other parts' and are left out.
 A line of the files is {"kind", "text"} with either "expect", names of `Structure` (or `speed_kmh`; with `_min` behind: at
-least) and values, or "refused", words that the refusal must hold. Names of vehicles that a map writer must list as ignored stand in "ignored".
+least) and values, or "refused", words that the refusal must hold. Names of vehicles that a map writer must list as ignored
+stand in "ignored".
 """
 
 import json
