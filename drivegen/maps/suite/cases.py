@@ -1,8 +1,9 @@
 """The descriptions: our own, those written by somebody who had not seen the rules, and a folder's from outside.
 
 Part A of those held out was given to the rules' author after the first try, part B was not; C and D are in the words of
-engineers, police reports, forums, patents and children, written before their failures were looked at; E to J are
-by authors who had not seen the rules, and were mended after the first try; two of I's repeat other parts' and are left out.
+engineers, police reports, forums, patents and children, written before their failures were looked at; E to L are
+by authors who had not seen the rules: E to J were mended after the first try (two of I's repeat others and are left out),
+K and L were not, and show what to expect of words not seen before.
 A line of the files is {"kind", "text"} with either "expect", names of `Structure` (or `speed_kmh`; with `_min` behind: at
 least) and values, or "refused", words that the refusal must hold. Names of vehicles that a map writer must list as ignored
 stand in "ignored".
