@@ -158,10 +158,11 @@ def test_a_full_disk_exits_1_and_leaves_nothing_half_written(tmp_path):
 
 
 STOPPED = """
-import os, sys, time
+import os, signal, sys, time
 from pathlib import Path
-from drivegen.cli import generate, main
 number = int(sys.argv.pop())
+signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)  # nohup ignores them
+from drivegen.cli import generate, main
 def stop(**_):
     assert list(Path().glob(".o.*.part"))
     os.kill(os.getpid(), number)
