@@ -1,18 +1,16 @@
 """Stage `initial_states`: how vehicles stand in the first frames of held-out logs, and in those generated on the same maps.
 
-argv: scenarios (folder with train and test), assets, gaps, models, table (JSON). Ours draws its own target in both modes; the
-others are given the log's. LCTGen places by a code: one of a training log, as nobody knows the right one, and, as a bound, the
-log's own, which says roughly where everybody stands and how fast.
+argv: scenarios (folder with train and test), assets, gaps, models, table (JSON). Ours draws its own target in both modes; every
+trained generator that places vehicles (`Learned.placements`) is given the log's.
 """
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
 from drivegen import plugins, seeds
 from drivegen.assets.beginnings import Beginning, compared, rates
@@ -22,8 +20,7 @@ from drivegen.assets.retrieve import draw_kinds, retrieve
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Table
 from drivegen.errors import UnusableInput
-from drivegen.generators._lctgen.codes import Action, logged_actions, state_code
-from drivegen.generators._vectors import Scenes
+from drivegen.generators._learned import Placement
 from drivegen.initialise import CLOSED, Settings, kind_named
 from drivegen.lanes.graph import LaneGraph
 from drivegen.metrics.intervals import Interval
@@ -32,9 +29,6 @@ from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, read_params, require
-
-Places = dict[str, Callable[[Scenario], Vehicles]]
-"""What each method places on a scenario's map, by its name."""
 
 
 @dataclass(frozen=True)
@@ -108,36 +102,15 @@ class _Own:
         return made
 
 
-def _rivals(models: Path, train: Path, seed: int) -> Places:
-    """The placement of those that were trained."""
+def _rivals(models: Path, train: Path, seed: int) -> Mapping[str, Placement]:
+    """The placements of all generators that were trained."""
     torch.set_num_threads(1)  # sums depend on the number of threads
-    found: Places = {}
-    if (models / "generators" / "trafficgen").exists():
-        trafficgen = plugins.load("generators", "trafficgen")(models, None)
-        found["trafficgen"] = lambda s: trafficgen.place(s, len(s.vehicles), seed)
-    if (models / "generators" / "lctgen").exists():
-        lctgen = plugins.load("generators", "lctgen")(models, None)
-        library = [_code(s) for s in _logged(train, shards_read=1)]
-
-        def placed(scenario: Scenario, own: bool) -> Vehicles:
-            rng = seeds.rng(seed, "lctgen", "place", own, scenario.scenario_id)
-            count = len(scenario.vehicles)
-            fit = [code for code in library if len(code) >= count] or library
-            code = _code(scenario) if own else fit[int(rng.integers(len(fit)))]
-            made: Vehicles = lctgen.place(scenario, code[:count], rng)
-            return made
-
-        found["lctgen"] = lambda s: placed(s, False)
-        found["lctgen_log_code"] = lambda s: placed(s, True)
+    logs = _logged(train, shards_read=1)
+    found: dict[str, Placement] = {}
+    for folder in sorted((models / "generators").glob("*/")):
+        generator = plugins.load("generators", folder.name)(models, None)
+        found |= generator.placements(logs, seed)
     return found
-
-
-def _code(scenario: Scenario) -> NDArray[np.int64]:
-    """LCTGen's code (N, 8) of a log."""
-    scenes = Scenes.with_logs([scenario])
-    actions, known = logged_actions(scenes)
-    code = np.concatenate([state_code(scenes), np.where(known, actions, Action.KEEP_SPEED)], axis=-1)
-    return np.asarray(code[0, : len(scenario.vehicles)])
 
 
 def _logged(split: Path, shards_read: int | None = None) -> list[Scenario]:

@@ -17,11 +17,14 @@ from torch import nn
 from drivegen import seeds
 from drivegen.errors import UnusableInput
 from drivegen.samples import Samples
-from drivegen.scenario import Scenario
+from drivegen.scenario import Scenario, Vehicles
 from drivegen.settings import build
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
 from drivegen.training.weights import read_weights, write_weights
+
+Placement = Callable[[Scenario], Vehicles]
+"""Vehicles on a scenario's map around its target, as many as it has where there is room; the target comes first."""
 
 
 class Examples(Protocol):
@@ -124,6 +127,11 @@ class Learned(ABC):
 
     def bounds(self) -> "dict[str, Learned]":
         """By name, generators with these very weights that are told some of what happened: no methods, but what bounds one."""
+        return {}
+
+    def placements(self, logs: Sequence[Scenario], seed: int) -> dict[str, Placement]:
+        """By name, its ways to place vehicles, a bound's among them; `logs` of the train split may be drawn from. None here."""
+        del logs, seed
         return {}
 
     def save(self, folder: Path) -> None:

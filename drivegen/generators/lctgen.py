@@ -28,11 +28,11 @@ from torch import Tensor, nn
 
 from drivegen import seeds
 from drivegen.errors import UnusableInput
-from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, state_code
+from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, logged_code, state_code
 from drivegen.generators._lctgen.learning import LctgenObjective, Taught, Trainable
 from drivegen.generators._lctgen.net import LctgenNet
 from drivegen.generators._lctgen.place import place
-from drivegen.generators._learned import Learned
+from drivegen.generators._learned import Learned, Placement
 from drivegen.generators._motion import filled_in, trajectories
 from drivegen.generators._vectors import AGENTS, Scenes
 from drivegen.samples import Samples
@@ -121,6 +121,19 @@ class Plugin(Learned):
     def place(self, scenario: Scenario, code: NDArray[np.int64], rng: np.random.Generator) -> Vehicles:
         """The scenario's target and vehicles drawn for the further rows of a code (N, 8); see `_lctgen.place`."""
         return place(self.net.net, scenario, code, rng)
+
+    def placements(self, logs: Sequence[Scenario], seed: int) -> dict[str, Placement]:
+        """By the code of one of `logs`, as nobody knows the right one; and, a bound, by that of the scenario's own log."""
+        library = [logged_code(log) for log in logs]
+
+        def placed(scenario: Scenario, own: bool) -> Vehicles:
+            rng, count = seeds.rng(seed, self.name, "place", own, scenario.scenario_id), len(scenario.vehicles)
+            fit = [code for code in library if len(code) >= count] or library
+            code = logged_code(scenario) if own else fit[int(rng.integers(len(fit)))]
+            return self.place(scenario, code[:count], rng)
+
+        bound = {f"{self.name}_log_code": lambda scenario: placed(scenario, True)}
+        return ({self.name: lambda scenario: placed(scenario, False)} if library else {}) | bound
 
     def bounds(self) -> dict[str, Learned]:
         """Told the log's actions."""

@@ -24,7 +24,7 @@ from torch import Tensor, nn
 
 from drivegen import seeds
 from drivegen.generators._closed_loop import Tracks
-from drivegen.generators._learned import Learned
+from drivegen.generators._learned import Learned, Placement
 from drivegen.generators._trafficgen.driving import Driver, rolled_error
 from drivegen.generators._trafficgen.learning import HELD_OUT, Disturbance, Logs, MotionExamples, TrafficGenObjective
 from drivegen.generators._trafficgen.net import KNOT, Modes, MotionNet
@@ -131,6 +131,11 @@ class Plugin(Learned):
         """
         counts, random = _around_target(self.settings), seeds.rng(seed, self.name, "place", scenario.scenario_id)
         return place(self.net.placement, scenario, counts, self.settings.piece, count, random)
+
+    def placements(self, logs: Sequence[Scenario], seed: int) -> dict[str, Placement]:
+        """See `Learned`."""
+        del logs
+        return {self.name: lambda scenario: self.place(scenario, len(scenario.vehicles), seed)}
 
     def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         """K = `samples` futures of each scenario, driven in closed loop."""

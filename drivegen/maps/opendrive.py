@@ -118,10 +118,8 @@ def _with_plain_permissions(network: bytes) -> bytes:
             lane.attrib.pop("allow", None)
             lane.attrib.pop("disallow", None)
             lane.set(attribute, classes)
-    for connection in root.iter("connection"):
-        connection.attrib.pop(
-            "linkIndex2", None
-        )  # of a light for a second stop on the way: netconvert refuses its own in windows
+    for connection in root.iter("connection"):  # a light for a second stop on the way: netconvert refuses its own in windows
+        connection.attrib.pop("linkIndex2", None)
     return bytes(tostring(root))
 
 

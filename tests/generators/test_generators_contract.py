@@ -12,8 +12,9 @@ from drivegen import plugins
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.generators._learned import Learned
 from drivegen.generators.base import Generator, Settings
+from drivegen.geometry import boxes_overlap
 from drivegen.samples import NO_GOAL, Samples
-from drivegen.scenario import Scenario
+from drivegen.scenario import TARGET, Scenario
 from stages import rollout
 from stages._door import read_params
 from tests.generators.rivals import scenes as three_scenes
@@ -196,3 +197,28 @@ def test_damaged_and_foreign_weights_are_named(
     (folder / "settings.json").write_text('{"generator": "another", "settings": {}}')
     with pytest.raises(UnusableInput, match="another"):
         plugin(tmp_path, settings)
+
+
+def test_who_places_vehicles_keeps_the_target_and_overlaps_nobody(generator: Generator, scenes: list[Scenario]) -> None:
+    if not isinstance(generator, Learned):
+        pytest.skip("places none")
+    for placement in generator.placements(scenes, 7).values():
+        for scene in scenes:
+            found = placement(scene)
+            assert 1 <= len(found) <= len(scene.vehicles)
+            np.testing.assert_array_equal(found.position[TARGET], scene.vehicles.position[TARGET])
+            size = found.size[:, :2]
+            hit = boxes_overlap(
+                found.position[:, None], found.heading[:, None], size[:, None], found.position, found.heading, size
+            )
+            assert (hit == np.eye(len(found), dtype=bool)).all()
+            np.testing.assert_array_equal(placement(scene).position, found.position)
+
+
+def test_two_rivals_place_vehicles() -> None:
+    logs = three_scenes()
+    found = {name: set(trained(name)[0].placements(logs, 7)) for name in NAMES if learns(name) and name != "lctgen_log_code"}
+    assert {name: ways for name, ways in found.items() if ways} == {
+        "trafficgen": {"trafficgen"},
+        "lctgen": {"lctgen", "lctgen_log_code"},
+    }

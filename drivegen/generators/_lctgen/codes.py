@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drivegen.generators._vectors import STEPS, Scenes
 from drivegen.geometry import rotate, wrap_angle
-from drivegen.scenario import DT
+from drivegen.scenario import DT, Scenario
 
 
 class Action(IntEnum):
@@ -119,3 +119,11 @@ def _speeds(
     speed = np.hypot(way[..., 0], way[..., 1]) / (5 * DT)
     speed[:, :, 0] = scenes.speed
     return speed.astype(np.float32), known[:, :, edges] & known[:, :, before]
+
+
+def logged_code(scenario: Scenario) -> NDArray[np.int64]:
+    """The code (N, 8) of a scenario by its log; who is not seen is said to keep its speed."""
+    scenes = Scenes.with_logs([scenario])
+    actions, known = logged_actions(scenes)
+    code = np.concatenate([state_code(scenes), np.where(known, actions, Action.KEEP_SPEED)], axis=-1)
+    return np.asarray(code[0, : len(scenario.vehicles)])
