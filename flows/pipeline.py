@@ -2,7 +2,8 @@
 
 DVC owns whether a stage runs (hashes, cache, lock), Prefect owns when: Prefect's own task cache stays off. A stage runs
 in a process of its own, so its lines can be streamed and its crash hurts nobody. DVC lets independent stages run at
-once but refuses, without waiting, a stage whose files another one holds: `reproduce` waits and asks again.
+once but refuses, without waiting, a stage whose files another one holds: `reproduce` waits and asks again. For the
+workspace's own lock, held for moments only, DVC itself is told to wait: who is refused it after a stage's work does it twice.
 """
 
 import json
@@ -73,7 +74,7 @@ def reproduce(stage: str, say: Callable[[str], None], root: Path = Path(), force
 
     Raises StageFailed when it ends with an error.
     """
-    command = [sys.executable, "-m", "dvc", "repro", "--single-item", *(["--force"] if force else []), stage]
+    command = [sys.executable, "-m", "dvc", "--wait-for-lock", "repro", "--single-item", *(["--force"] if force else []), stage]
     for tried in range(_TRIES):
         code, lines = _run(command, root, say)
         text = "\n".join(lines)

@@ -43,9 +43,11 @@ class Room:
 def tables(real: Path) -> Any:
     """Run every room and pool them into reports/published; `real` is the folder of real recordings."""
     values = yaml.safe_load(Path("params.yaml").read_text())
-    rows = []
+    rows: list[dict[str, str]] = []
+    done: list[Room] = []
     for room in rooms(values["publish"], real.resolve()):
-        rows.append({"run": room.name, "why": _bring_up(room)})
+        rows.append({"run": room.name, "why": _bring_up(room, nearest(room, done))})
+        done.append(room)
         if rows[-1]["why"]:
             break
     create_table_artifact(rows, key="tables", description="Runs behind the published tables")
@@ -78,11 +80,22 @@ def _placed(value: Any, folder: str) -> Any:
     return folder if value == "FOLDER" else value
 
 
-def _bring_up(room: Room) -> str:
-    """Run what the room's tables need; "" if it went well, else what failed. Its workspace is made anew, its cache is not."""
+def nearest(room: Room, done: list[Room]) -> Room | None:
+    """Of the rooms that are done the last one with the same training seed, else the last one."""
+    alike = [other for other in done if other.params["run.training_seed"] == room.params["run.training_seed"]]
+    return next(reversed(alike or done), None)
+
+
+def _bring_up(room: Room, like: Room | None) -> str:
+    """Run what the room's tables need; "" if it went well, else what failed. Its workspace is made anew, its cache is not.
+
+    It begins with what the room `like` it made, so that stages which both share need not even be asked for.
+    """
     root = ROOMS / room.name
     shutil.rmtree(root, ignore_errors=True)
     workspace.duplicate(Path(), root, room.params)
+    if like is not None:
+        shutil.copy2(ROOMS / like.name / "dvc.lock", root / "dvc.lock")
     pipeline.restore(root)
     plan = pipeline.read(root)
     wanted = [stage for stage in plan.needs if stage.partition("@")[0] in room.measured]

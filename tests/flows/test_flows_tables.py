@@ -4,7 +4,7 @@ from pathlib import Path
 
 import yaml
 
-from flows.tables import FRONT, MEASURED, rooms
+from flows.tables import FRONT, MEASURED, nearest, rooms
 
 PUBLISH = {
     "seeds": [7, 8],
@@ -32,6 +32,13 @@ def test_every_data_set_is_run_with_every_seed_and_its_front_with_the_first(tmp_
     }  # fmt: skip
     assert (found["real/8"].measured, found["corpus/t0.5"].measured) == (MEASURED, FRONT)
     assert found["corpus/t0.5"].params["run.methods"] == ["drivegen"]
+
+
+def test_a_run_begins_with_what_one_of_the_same_training_seed_made(tmp_path: Path) -> None:
+    (tmp_path / "recordings").mkdir()
+    asked = list(rooms(PUBLISH, tmp_path))
+    found = [nearest(room, asked[:n]) for n, room in enumerate(asked)]
+    assert [room and room.name for room in found] == [None, "corpus/7", "corpus/7", "corpus/t0.5", "corpus/8"]
 
 
 def test_recordings_that_are_not_there_are_left_out(tmp_path: Path) -> None:
