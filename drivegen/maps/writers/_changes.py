@@ -1,5 +1,6 @@
 """Roads that narrow or widen, and how many lanes there are before and after."""
 
+from drivegen.errors import UnusableInput
 from drivegen.maps.spec import Side
 from drivegen.maps.writers._facts import EventWords, Facts
 from drivegen.maps.writers._sentence import Sentence
@@ -123,7 +124,7 @@ def _ordinal_lane(s: Sentence, i: int) -> int | None:
 
 def _change(s: Sentence, facts: Facts, before: int, after: int, first: int, last: int) -> None:
     if before == after:
-        return
+        raise UnusableInput(f"a road of {before} lanes cannot change to {after} lanes", reason="impossible-map")
     facts.from_lanes, facts.to_lanes = before, after
     facts.features["lane_drop" if after < before else "lane_gain"] = first
     read_later = {i for i in range(first, last) if s.tokens[i].kind in ("length", "speed") and i not in s.used}

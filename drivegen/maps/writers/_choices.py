@@ -16,6 +16,7 @@ class Choices:
     def __init__(self, text: str, seed: int) -> None:
         self._text, self._seed = text, seed
         self.assumed: list[str] = []
+        self.waived: list[float] = []  # lengths [m] that were said and could not be kept, which `assumed` tells
 
     def length(self, what: str, low: int, high: int, step: int = 10) -> float:
         """A length [m] between `low` and `high`, a multiple of `step`."""

@@ -12,6 +12,8 @@ from drivegen.maps.writers._facts import Facts, JunctionWords
 Road = dict[str, Any]
 
 _MOST_IN_A_ROW = 12
+_SHORTEST_END = 60.0  # [m]
+_LEAST_HAIRPIN = 135.0  # [degrees]
 _SMALLEST_RING, _BETWEEN_RINGS = 28.0, 25.0  # [m]
 
 
@@ -45,13 +47,15 @@ def _along(facts: Facts, words: JunctionWords, side: int, speed: float, nearest:
 
 def side_streets(facts: Facts, choices: Choices) -> Road:
     count = facts.side_streets or 3
-    spacing = facts.lengths.get("spacing") or choices.length("spacing", 70, 110)
+    spacing = facts.lengths.get("spacing") or facts.lengths.get("offset") or choices.length("spacing", 70, 110)
     side = facts.lanes.get("side", 1)
     control = control_of(facts, equal_roads=False)
     if facts.surroundings == "residential" and facts.control is None and not facts.has("main_road"):
         control = "uncontrolled"
         choices.assume("right before left")
     common: Road = {"side_lanes": side, "control": control, "side_speed": facts.speeds.get("side", choices.speed(facts))}
+    if "side" not in facts.lengths and facts.lengths.get("length", math.inf) < spacing * (count - 1) + 2 * _SHORTEST_END:
+        facts.lengths["side"] = facts.lengths.pop("length")  # too short for the road, so it is theirs
     if "side" in facts.lengths:
         common["side_length"] = facts.lengths["side"]
     junctions = [{**common, "sides": sides, "dead_end": facts.has("cul_de_sac")} for sides in _sides(facts, count)]
@@ -75,7 +79,8 @@ def _sides(facts: Facts, count: int) -> list[list[str]]:
 
 
 def staggered(facts: Facts, choices: Choices) -> Road:
-    offset = facts.lengths.get("offset") or facts.lengths.get("spacing") or choices.length("offset", 40, 60)
+    told = facts.lengths.get("offset") or facts.lengths.get("spacing") or next((j.gap for j in facts.junctions if j.gap), None)
+    offset = told or choices.length("offset", 40, 60)
     main = choices.lanes(facts, 1, "main")
     control = control_of(facts, equal_roads=False)
     first = facts.turn or "right"
@@ -93,7 +98,7 @@ def _corridor(
     between = sum(gaps)
     ends = choices.length("road before the first and after the last junction", 120, 160)
     if "length" in facts.lengths:
-        ends = max(60.0, (facts.lengths["length"] - between) / 2)
+        ends = max(_SHORTEST_END, (facts.lengths["length"] - between) / 2)
     first = ends if start is None else max(start, 30.0)
     placed = [{**junction, "position": first + sum(gaps[:i])} for i, junction in enumerate(junctions)]
     one_way = bool(facts.one_way) and not facts.two_way
@@ -127,10 +132,12 @@ def alignment(facts: Facts, choices: Choices, usual: tuple[int, int], radius: fl
     shape = next((name for name in ("hairpin", "s_curve", "curve") if facts.has(name)), "straight")
     if shape == "straight":
         told = facts.lengths.get("length") or facts.lengths.get("side")
+        if facts.has("cul_de_sac"):
+            told = told or facts.lengths.get("spacing") or facts.lengths.get("position")  # "ends after 120 m"
         return {"shape": shape, "length": told or choices.length("length", *usual, step=50)}
     loop = facts.has("loop") and shape == "curve"
     angle = facts.angle or {"hairpin": 180.0, "s_curve": 60.0, "curve": 270.0 if loop else 90.0}[shape]
-    angle = 180.0 if shape == "hairpin" else angle
+    angle = 180.0 if shape == "hairpin" and angle < _LEAST_HAIRPIN else angle
     bend = facts.lengths.get("radius") or (20.0 if shape == "hairpin" else 45.0 if angle > 180.0 else radius * _bend(facts))
     bends = facts.bends or (2 if shape == "s_curve" else 1)
     arcs = math.radians(angle) * bend * bends

@@ -41,6 +41,8 @@ def _read_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
     further = [j for j in range(i + 1, min(len(s.tokens), i + 13)) if s.tokens[j].kind == "number"][:3]
     if len(further) == 3 and s.between(further[1], further[2], "and") and not s.between(further[0], further[2], "stop"):
         both = further
+    if len(further) == 2 and s.between(further[0], further[1], "and") and all(_is_lanes(s, j) for j in further):
+        both = further
     if len(both) == 3 and s.tokens[both[0]].number == sum(s.tokens[j].number for j in both[1:]):
         both = both[1:]  # "four lanes become two and two"
     if facts.branches is None and len(both) == 2 and s.between(both[0], both[1], "and"):
@@ -49,6 +51,10 @@ def _read_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
         for item in s.lanes:
             if item.first in both:
                 s.used.update(range(item.first, item.last + 1))
+
+
+def _is_lanes(s: Sentence, j: int) -> bool:
+    return any(item.first == j for item in s.lanes)
 
 
 def _of_two_roads(s: Sentence, i: int, item: Lanes) -> bool:

@@ -93,6 +93,8 @@ def _is_counted(s: Sentence, i: int) -> bool:
 
 def _counts_roads(s: Sentence, i: int) -> bool:
     """Whether the number at i counts what roads are made of, or stands where a number of them was asked for."""
+    if [t.text for t in s.tokens[i + 1 : i + 3]] in (["of", "them"], ["of", "these"]) and s.word(i + 3, "verb"):
+        return True
     for j in range(i + 1, min(i + 4, len(s.tokens))):
         if s.tokens[j].kind in _COUNTED:
             return True

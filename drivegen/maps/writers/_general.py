@@ -76,6 +76,7 @@ def _read_ways(s: Sentence, facts: Facts) -> None:
         if phrase.head not in facts.one_way:
             facts.one_way.append(phrase.head)
             s.use(phrase.head, phrase.head, "one-way")
+    facts.two_way |= any("both" in s.tokens[i].text.split() for i in s.of_kind("each", ""))
     for i in s.of_kind("two_way"):
         facts.two_way = True
         s.use(i, i, "two-way")

@@ -57,6 +57,7 @@ def _fit(facts: Facts, choices: Choices, events: list[EventWords], speed: float,
                 reason="impossible-map",
             )
         choices.assume(f"length {needed:.0f} m, because {line['length']:.0f} m are too short for what happens along the road")
+        choices.waived.append(line["length"])
     line["length"] = needed
     return placed
 

@@ -136,6 +136,8 @@ def _meant(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
     known = [j for j in facts.junctions if j.form == form]
     if facts.has("staggered") and form == "crossing":
         facts.control = facts.control or _one_for_all(phrase)
+        if phrase.gap:
+            facts.lengths.setdefault("offset", phrase.gap)
         return JunctionWords("crossing", phrase.first)
     if not known:
         return facts.junctions[-1] if facts.junctions and form == "crossing" and _refers_back(s, phrase) else None

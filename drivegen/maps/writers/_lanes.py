@@ -84,7 +84,7 @@ def _role(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None) -> str:
         return ""
     if item.per in ("arms", "all") and phrase.kind in ("place", "ring", "arm"):
         return "arms"
-    if phrase.kind == "arm" and phrase.number is None and s.tokens[phrase.head].text.startswith(("direction", "way")):
+    if phrase.kind == "arm" and phrase.number in (None, 1) and s.tokens[phrase.head].text.startswith(("direction", "way")):
         return ""
     if phrase.kind == "arm":
         loose = item.per == "" and item.first > phrase.head and (s.word(item.first - 1, "comma") or s.word(item.first - 1, "and"))

@@ -9,6 +9,7 @@ _KMH = 1 / 3.6
 _LEAST_BARE_SPEED = 10
 _MOST_BARE_SPEED = 130
 _WIDEST_MEDIAN = 100.0
+_NEAR_ISLAND = 5
 _CUES = ("radius", "diameter", "spacing", "offset", "later", "before", "start", "long", "auxiliary", "weaving", "median")
 _EVENTS = ("ramp", "weaving", "extra")
 
@@ -92,7 +93,8 @@ def _speed_role(s: Sentence, facts: Facts, i: int) -> str:
         governed = s.governed(i + 1)
     if governed is not None and ((governed.det == "" and (governed.number or 0) > 1) or _all(s, governed)):
         return "main"
-    phrase = inside or governed
+    beside = next((p for p in s.said("road") if p.first == p.head == i + 1 and p.role), None)  # "60 km/h main, 40 minor"
+    phrase = inside or governed or beside
     if phrase is not None:
         return role(s, phrase)
     before = s.last_before(i, "road", "ramp", "ring", "place")
@@ -116,9 +118,12 @@ def read_lengths(s: Sentence, facts: Facts) -> None:
     for i in s.of_kind("length"):
         if i in s.used:
             continue
+        if _goes_on_a_list(s, i):
+            s.use(i, i, f"position {s.tokens[i].text}")
+            continue
         metres, cue = s.tokens[i].amount[0], _cue(s, i)
         name = _named(s, i, cue)
-        if name in ("gap", "position") and _give_to_part(s, i, name, metres, cue):
+        if name in ("gap", "position") and _give_to_part(s, facts, i, name, metres, cue):
             pass
         elif name == "gap":
             changes = facts.has("lane_drop", "lane_gain", "lane_change") and not facts.junctions
@@ -135,9 +140,19 @@ def read_lengths(s: Sentence, facts: Facts) -> None:
         s.use(alone, alone, f"{name} {s.tokens[alone].text} m")
 
 
+def _goes_on_a_list(s: Sentence, i: int) -> bool:
+    """Whether the length at i is one more place: "at 300 m, 900 m and 1500 m"."""
+    j = i
+    while j >= 2 and s.tokens[j - 1].kind in ("and", "comma") and s.tokens[j - 2].kind == "length":
+        j -= 2
+    return j < i and s.tokens[j - 1].text == "at" and s.word(j - 2, "ramp")
+
+
 def _is_of_the_whole(s: Sentence, i: int, cue: int | None) -> bool:
     """Whether the words say that the whole road is so long: "a 300 m highway", "300 m long", "300 m in total"."""
-    inside = any(p.kind == "road" and p.first <= i < p.head for p in s.phrases)
+    inside = any(
+        p.kind == "road" and (p.first <= i < p.head or (p.head == i - 2 and s.tokens[i - 1].text == "of")) for p in s.phrases
+    )
     return inside or cue is not None or any(s.word(j, "total") or s.word(j, "long") for j in (i - 1, i + 1))
 
 
@@ -174,6 +189,11 @@ def _has_length(s: Sentence, j: int, i: int) -> bool:
 
 def _named(s: Sentence, i: int, cue: int | None) -> str:
     kind = s.tokens[cue].kind if cue is not None else ""
+    near = s.last_before(i, "central", "ring", "road", "arm", "place")
+    if kind in ("", "diameter") and near is not None and near.kind == "central" and i - near.head <= _NEAR_ISLAND:
+        return "island"
+    if s.word(i + 1, "place") and s.tokens[i + 1].text == "blocks":
+        return "spacing"
     if kind in ("", "diameter", "median") and s.tokens[i].amount[0] <= _WIDEST_MEDIAN and _is_of_median(s, i):
         return "median"
     if kind == "spacing" and s.tokens[cue or 0].text in ("away", "distance"):
@@ -223,10 +243,12 @@ def _what_is_long(s: Sentence, i: int) -> str:
     return "length"
 
 
-def _give_to_part(s: Sentence, i: int, name: str, metres: float, cue: int | None) -> bool:
+def _give_to_part(s: Sentence, facts: Facts, i: int, name: str, metres: float, cue: int | None) -> bool:
     """Note where a ramp or junction lies, or how far from the one before it; whether there is one."""
     kinds = (*_EVENTS, "place")
     start = _clause(s, i)
+    if _give_to_change(facts, i, start, metres):
+        return True
     before = next((p for p in reversed(s.phrases) if start <= p.head < i and p.kind in kinds and not p.negated), None)
     after = next(
         (p for p in s.phrases if p.first > i and p.kind in kinds and not p.negated and not s.between(i, p.first, "stop")), None
@@ -236,7 +258,9 @@ def _give_to_part(s: Sentence, i: int, name: str, metres: float, cue: int | None
         side = s.last_before(i, "road")
         if side is not None and side.role == "side" and side.det != "the" and side.head >= start:
             part = side
-        if part is not None:
+        if part is not None and part.kind == "extra":
+            _place_change(facts, part.head, metres)
+        elif part is not None:
             part.position = metres
         return part is not None
     parts = [p for p in s.phrases if p.kind in kinds and not p.negated]
@@ -250,6 +274,28 @@ def _give_to_part(s: Sentence, i: int, name: str, metres: float, cue: int | None
     else:
         part.gap = metres
     return True
+
+
+def _give_to_change(facts: Facts, i: int, start: int, metres: float) -> bool:
+    """Note where lanes end or begin, if that is said before the length in its clause; whether it is."""
+    changes = [event for event in facts.events if start <= event.at < i and event.kind.startswith("lane")]
+    numbered = facts.from_lanes is not None and any(start <= facts.features.get(k, -1) < i for k in ("lane_drop", "lane_gain"))
+    if not changes and not numbered:
+        return False
+    if any(changes[-1:]) and changes[-1] is not facts.events[0] and changes[-1].gap is None and changes[-1].position is None:
+        changes[-1].gap = metres
+    else:
+        _place_change(facts, changes[0].at if changes else -1, metres)
+    return True
+
+
+def _place_change(facts: Facts, at: int, metres: float) -> None:
+    """The first change of lanes, or the one at a token, lies so far from the start of the road."""
+    event = next((event for event in facts.events if event.at == at and event.position is None), None)
+    if event is not None and event.gap is None:
+        event.position = metres
+    elif event is None:
+        facts.lengths.setdefault("position", metres)
 
 
 def read_angles(s: Sentence, facts: Facts) -> None:

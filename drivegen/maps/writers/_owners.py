@@ -57,7 +57,8 @@ def role(s: Sentence, phrase: Phrase) -> str:
         return said
     named = {p.role for g in groups for p in g if p.role}
     if "main" in named:
-        return "side" if "side" not in named and phrase.det in ("a", "another") else "main"
+        other = "side" not in named and phrase.det in ("a", "another") and phrase.words.get("class") != "highway"
+        return "side" if other else "main"
     rest = [g for g in groups if not any(p.role for p in g)]
     return "main" if here is rest[0] else "side" if here is rest[1] and "side" not in named else ""
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from drivegen.errors import UnusableInput
+from drivegen.maps.writers._built import ISLAND
 from drivegen.maps.writers._choices import Choices
 from drivegen.maps.writers._control import control_at, control_of
 from drivegen.maps.writers._corridors import alignment, row, side_streets, staggered, street
@@ -14,6 +15,8 @@ from drivegen.maps.writers._highways import fork, highway
 Road = dict[str, Any]
 
 _ROUNDED = 0.9
+_NEARLY = 15.0  # roads that meet at about 120 degrees make a Y, not a T
+_LEAST_Y, _MOST_Y = 20.0, 160.0  # between the branches of a Y [degrees]
 
 
 def road(facts: Facts, choices: Choices) -> Road | None:
@@ -47,8 +50,9 @@ def _refuse_contradictions(facts: Facts) -> None:
 
 def _arms_at(count: int, shape: str, facts: Facts) -> list[float]:
     """Directions of the arms [degrees]; a T has its stem to one side, a skew crossing crosses at the angle said."""
-    if shape == "y":
-        return [180.0, 35.0, -35.0]
+    if shape == "y" or (count == 3 and shape == "t" and facts.angle is not None and abs(facts.angle - 120.0) <= _NEARLY):
+        half = facts.angle / 2 if facts.angle is not None and _LEAST_Y <= facts.angle <= _MOST_Y else 35.0
+        return [180.0, half, -half]
     if count == 3 and shape != "even":
         return [180.0, 0.0, 90.0 if facts.turn == "left" else 270.0]
     if count == 4 and facts.angle is not None and 20 <= facts.angle <= 160:
@@ -137,6 +141,8 @@ def _diameter(facts: Facts, choices: Choices, arms: int, ring: int) -> float:
         return facts.lengths["diameter"]
     if "radius" in facts.lengths:
         return 2 * facts.lengths["radius"]
+    if "island" in facts.lengths:
+        return facts.lengths["island"] + ISLAND * ring
     least = 10 * math.ceil((2 * 9.0 / (2 * math.pi / arms) + 8 * ring + 6) / 10)
     return choices.length("diameter of the roundabout", max(30, least), max(30, least) + 20)
 

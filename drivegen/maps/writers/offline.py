@@ -22,6 +22,7 @@ from drivegen.maps.writers._gate import refuse_contradictions, refuse_lost_numbe
 from drivegen.maps.writers._general import note_roads, read_control, read_hand, read_pockets, read_roads, read_shapes
 from drivegen.maps.writers._impossible import refuse_impossible
 from drivegen.maps.writers._junctions import read_junctions
+from drivegen.maps.writers._kept import refuse_unkept
 from drivegen.maps.writers._lanes import read_lanes
 from drivegen.maps.writers._languages import in_english
 from drivegen.maps.writers._layouts import read_interchange
@@ -103,6 +104,7 @@ class Plugin:
             spec = MapSpec.model_validate({"road": fields, "left_hand": facts.left_hand})
         except ValidationError as error:
             raise UnusableInput(f"this road cannot be drawn: {_first(error)}", reason="impossible-map") from None
+        refuse_unkept(sentence, spec, choices.waived)
         return Understanding(spec, understood, tuple(choices.assumed), tuple(dict.fromkeys(ignored)), written_by)
 
 

@@ -1,0 +1,197 @@
+"""What a specification has, in the terms in which descriptions speak of roads: what is said can be looked up in it."""
+
+import math
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from itertools import combinations
+
+from drivegen.maps.spec import (
+    Alignment,
+    Arm,
+    Corridor,
+    Crossing,
+    Fork,
+    Grid,
+    Highway,
+    Interchange,
+    Junction,
+    MapSpec,
+    Roundabout,
+)
+
+_BESIDE = ("on_ramp", "off_ramp", "weaving")
+ISLAND = 8.0
+"""By how much the island in the middle of a roundabout is smaller than its outer edge, per lane of the ring [m]."""
+
+
+@dataclass
+class Built:
+    """A specification as sets of what occurs in it, wherever that is.
+
+    Attributes:
+        lanes: numbers of lanes in one direction of any road, ring, ramp or part of one. totals: of both directions together.
+        changes: by how many lanes a road becomes wider or narrower, and how many a turn lane adds.
+        speeds: [m/s]. lengths: [m] of roads, distances, radii and diameters. angles: [degrees].
+        arms: roads that meet at each junction. counts: how many there are of each thing, by its name.
+        controls: how junctions are controlled.
+    """
+
+    lanes: set[int] = field(default_factory=set)
+    totals: set[int] = field(default_factory=set)
+    changes: set[int] = field(default_factory=lambda: {1})
+    speeds: set[float] = field(default_factory=set)
+    lengths: set[float] = field(default_factory=set)
+    angles: set[float] = field(default_factory=lambda: {90.0, 180.0})
+    arms: list[int] = field(default_factory=list)
+    counts: Counter[str] = field(default_factory=Counter)
+    controls: Counter[str] = field(default_factory=Counter)
+
+    def road(self, forward: int, back: int, speed: float) -> None:
+        """Note one road's lanes and limit."""
+        self.lanes |= {forward, back} - {0}
+        self.totals.add(forward + back)
+        self.speeds.add(speed)
+        self.counts["two_way" if forward and back else "one_way"] += 1
+
+
+def built(spec: MapSpec) -> Built:
+    """What occurs in the specification; nothing for a free graph, of which descriptions do not speak in these terms."""
+    found, road = Built(), spec.road
+    if isinstance(road, Crossing):
+        _arms(found, road.arms)
+        _place(found, len(road.arms), road.control)
+    elif isinstance(road, Roundabout):
+        _arms(found, road.arms)
+        _ring(found, len(road.arms), road.diameter)
+        found.lanes.add(road.ring_lanes)
+        found.speeds.add(road.ring_speed)
+        found.lengths |= {road.diameter - ISLAND * road.ring_lanes, (road.diameter - ISLAND * road.ring_lanes) / 2}
+    elif isinstance(road, Corridor):
+        _corridor(found, road)
+    elif isinstance(road, Grid):
+        _grid(found, road)
+    elif isinstance(road, Highway):
+        _highway(found, road)
+    elif isinstance(road, Fork):
+        _fork(found, road)
+    elif isinstance(road, Interchange):
+        _interchange(found, road)
+    found.counts["left_hand"] = int(spec.left_hand)
+    return found
+
+
+def _place(found: Built, arms: int, control: str) -> None:
+    found.arms.append(arms)
+    found.counts["crossing"] += 1
+    found.controls[control] += 1
+
+
+def _ring(found: Built, arms: int, diameter: float) -> None:
+    found.arms.append(arms)
+    found.counts["roundabout"] += 1
+    found.controls["yield"] += 1
+    found.lengths |= {diameter, diameter / 2}
+
+
+def _arms(found: Built, arms: Iterable[Arm]) -> None:
+    arms = tuple(arms)
+    for arm in arms:
+        found.road(arm.lanes_in, arm.lanes_out, arm.speed)
+        found.lengths |= {arm.length, 2 * arm.length}
+        pockets = arm.left_turn_lane + arm.right_turn_lane
+        found.lanes.add(arm.lanes_in + pockets)
+        found.totals.add(arm.lanes_in + arm.lanes_out + pockets)
+        found.counts["pocket"] += pockets
+    found.angles |= {abs(a.angle - b.angle) % 360.0 for a, b in combinations(arms, 2)}
+
+
+def _line(found: Built, line: Alignment, straight: float) -> None:
+    found.lengths |= {line.length, straight}
+    found.counts["bend"] = len(line.turns)
+    if line.turns:
+        found.lengths |= {line.radius, 2 * line.radius, math.radians(abs(line.angle)) * line.radius}
+        found.angles |= {abs(line.angle), sum(map(abs, line.turns))}
+        found.counts["hairpin"] = len(line.turns) * (line.shape == "hairpin")
+
+
+def _along(found: Built, places: list[float], end: float) -> None:
+    """Distances along a road between what lies at `places` and the road's ends."""
+    marks = [0.0, *places, end]
+    found.lengths |= {b - a for a, b in combinations(marks, 2)}
+
+
+def _corridor(found: Built, road: Corridor) -> None:
+    found.road(road.lanes, road.lanes_back, road.speed)
+    _line(found, road.alignment, road.alignment.length)
+    _along(found, [j.position for j in road.junctions], road.alignment.length)
+    found.counts["dead_end"] += road.dead_end
+    for junction in road.junctions:
+        _joined(found, junction)
+
+
+def _joined(found: Built, junction: Junction) -> None:
+    found.road(junction.side_lanes, junction.side_lanes, junction.side_speed)
+    found.lengths.add(junction.side_length)
+    found.counts["side"] += len(junction.sides)
+    found.counts["dead_end"] += junction.dead_end * len(junction.sides)
+    if junction.form == "roundabout":
+        _ring(found, 2 + len(junction.sides), junction.diameter)
+        found.lanes.add(junction.ring_lanes)
+    else:
+        _place(found, 2 + len(junction.sides), junction.control)
+
+
+def _grid(found: Built, road: Grid) -> None:
+    found.road(road.lanes, 0 if road.one_way else road.lanes, road.speed)
+    found.counts.update({"grid": 1, "rows": road.rows, "columns": road.columns, "streets": road.rows + road.columns})
+    found.lengths |= {road.spacing * k for k in range(1, max(road.rows, road.columns) + 2)}
+    for _ in range(road.rows * road.columns):
+        _place(found, 4, road.control)
+
+
+def _highway(found: Built, road: Highway) -> None:
+    _line(found, road.alignment, road.alignment.length)
+    lanes, marks = road.lanes, list[float]()
+    found.road(lanes, lanes if road.carriageways == 2 else 0, road.speed)
+    found.counts["median"] = road.carriageways - 1
+    found.lengths |= {road.median} if road.carriageways == 2 else set()
+    for event in road.events:
+        ramp = event.kind in _BESIDE
+        marks.append(event.position)
+        found.counts[event.kind] += 1
+        found.lengths |= {event.length} if ramp else set()
+        found.speeds |= {event.ramp_speed} if ramp else set()
+        found.changes.add(event.lanes)
+        found.lanes |= {lanes + event.lanes, event.lanes} if ramp else set()
+        lanes += event.change
+        found.lanes.add(lanes)
+        found.totals.add(lanes + road.lanes * (road.carriageways - 1))
+    for kind in ("on_ramp", "off_ramp"):
+        found.counts[kind] += found.counts["weaving"]
+    found.changes |= {abs(lanes - road.lanes)} - {0}
+    _along(found, marks, road.alignment.length)
+    ends = [event.position + (event.length if event.kind in _BESIDE else 0.0) for event in road.events]
+    following = [*marks[1:], road.alignment.length]
+    found.lengths |= {after - before for before, after in zip(ends, following, strict=False)}
+
+
+def _fork(found: Built, road: Fork) -> None:
+    for lanes in (road.lanes, road.left_lanes, road.right_lanes):
+        found.road(lanes, 0, road.speed)
+    found.totals.add(road.left_lanes + road.right_lanes)
+    found.lengths |= {road.length, 2 * road.length}
+    found.angles |= {road.angle, road.angle / 2}
+    found.counts["fork"] = 1
+
+
+def _interchange(found: Built, road: Interchange) -> None:
+    found.road(road.lanes, 0, road.speed)
+    found.totals.add(2 * road.lanes)
+    found.road(road.road_lanes, road.road_lanes, road.road_speed)
+    found.road(road.ramp_lanes, 0, road.ramp_speed)
+    found.lengths.add(road.road_length)
+    pairs = {"diamond": 2, "terminal": 1}.get(road.form, 1)
+    found.counts.update({"interchange": 1, "off_ramp": pairs, "on_ramp": 0 if road.form == "terminal" else pairs})
+    for arms in {"diamond": (4, 4), "half_diamond": (3, 3), "side": (4,), "terminal": (3,)}[road.form]:
+        _place(found, arms, road.control)
