@@ -6,20 +6,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drivegen import seeds
-from drivegen.assets.gaps import Draws, Gaps
+from drivegen.assets.draws import Draws
+from drivegen.assets.gaps import Gaps
 from drivegen.assets.place import Placement, PlaceSettings, place_vehicles
 from drivegen.assets.retrieve import draw_kinds, retrieve
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Table
+from drivegen.assets.ways import closed_lanes
 from drivegen.assets.where import Wish
 from drivegen.crop import Cropper
 from drivegen.errors import UnusableInput
-from drivegen.scenario import DT, TARGET, Actors, Scenario, SignalState, VehicleKind
+from drivegen.scenario import DT, TARGET, Actors, Scenario, VehicleKind
 from drivegen.settings import Count, Positive
 from drivegen.sumo.network import Network
-
-CLOSED = (SignalState.RED, SignalState.YELLOW)
-"""Nobody starts moving just before a signal that shows one of these."""
 
 
 @dataclass(frozen=True)
@@ -96,9 +95,10 @@ class Initialiser:
         settings, network = self._settings, self._network
         time = signal_time + DT * np.arange(settings.horizon + 1)
         signals = network.signals(time.astype(np.float64))
-        closed = signals.lane[np.isin(signals.state[:, 0], CLOSED)]
-        placing = settings.placement if radius is None else replace(settings.placement, radius=radius)
-        placement = place_vehicles(self._slots, self._table, rows, placing, random, closed, wishes, self._draws)
+        closed = closed_lanes(signals)
+        placement = place_vehicles(
+            self._slots, self._table, rows, settings.placement, random, closed, wishes, self._draws, radius=radius
+        )
         origin = np.round(network.map.origin + placement.vehicles.position[TARGET])
         cut, lanes = self._cropper.around(placement.vehicles.position[:1], settings.map_radius)
         shift = (network.map.origin - origin).astype(np.float32)

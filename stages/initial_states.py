@@ -1,7 +1,7 @@
 """Stage `initial_states`: how vehicles stand in the first frames of held-out logs, and in those generated on the same maps.
 
-argv: scenarios (folder with train and test), assets, gaps, models, table (JSON). Ours draws its own target in both modes; every
-trained generator that places vehicles (`Learned.placements`) is given the log's.
+argv: scenarios (folder with train and test), assets, gaps, models, table (JSON). Ours, in both modes, draws its own target in one
+row and is given the log's in another; every trained generator that places vehicles (`Learned.placements`) is given the log's.
 """
 
 from collections.abc import Mapping
@@ -14,21 +14,26 @@ import torch
 
 from drivegen import plugins, seeds
 from drivegen.assets.beginnings import Beginning, compared, rates
-from drivegen.assets.gaps import Draws, Gaps
+from drivegen.assets.draws import Draws
+from drivegen.assets.gaps import Gaps
 from drivegen.assets.place import MODES, place_vehicles
 from drivegen.assets.retrieve import draw_kinds, retrieve
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Table
+from drivegen.assets.ways import closed_lanes
 from drivegen.errors import UnusableInput
 from drivegen.generators._learned import Placement
-from drivegen.initialise import CLOSED, Settings, kind_named
+from drivegen.initialise import Settings, kind_named
 from drivegen.lanes.graph import LaneGraph
 from drivegen.metrics.intervals import Interval
-from drivegen.scenario import Scenario, Vehicles
+from drivegen.scenario import TARGET, Scenario, Vehicles
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, read_params, require
+
+GIVEN = ", the log's target"
+"""What our rows are called in which the target is given, as it is to the rivals."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +52,7 @@ def main(params: Params, scenarios: Path, assets: Path, gaps: Path, models: Path
     initial = read_params("place.initial", Settings)
     logs = _spread(_logged(scenarios / "test"), params.scenes)
     own, rivals = _Own(table, Draws(seen), initial, params.seed), _rivals(models, scenarios / "train", params.seed)
-    names = [*(f"drivegen, mode {mode}" for mode in MODES), *rivals]
+    names = [*own.names, *rivals]
     truth: list[Beginning] = []
     made: dict[str, list[Beginning]] = {name: [] for name in names}
     asked = 0
@@ -86,19 +91,25 @@ class _Own:
     initial: Settings
     seed: int
 
+    @property
+    def names(self) -> list[str]:
+        """Of what `places` makes."""
+        return [f"drivegen, mode {mode}{around}" for mode in MODES for around in ("", GIVEN)]
+
     def places(self, scenario: Scenario) -> dict[str, Vehicles]:
-        """By mode, as many vehicles as the log has, of the same kinds in both."""
+        """By name, as many vehicles as the log has, of the same kinds in all, around a target of our own or the log's."""
         random = seeds.rng(self.seed, "initial_states", scenario.scenario_id)
         shares = {kind_named(word): share for word, share in self.initial.shares.items()}
         kinds = draw_kinds(shares, len(scenario.vehicles), random)
         rows = [int(retrieve(self.table, kind, 1, random)[0]) for kind in kinds]
-        closed = scenario.signals.lane[np.isin(scenario.signals.state[:, 0], CLOSED)]
-        slots, made = Slots(scenario.map), {}
+        closed, slots = closed_lanes(scenario.signals), Slots(scenario.map)
+        made = {}
         for mode in MODES:
             placing = replace(self.initial.placement, mode=mode)
-            drawn = seeds.rng(self.seed, "initial_states", mode, scenario.scenario_id)
-            placement = place_vehicles(slots, self.table, rows, placing, drawn, closed, draws=self.draws)
-            made[f"drivegen, mode {mode}"] = placement.vehicles
+            for around, target in (("", None), (GIVEN, scenario.vehicles[[TARGET]])):
+                drawn = seeds.rng(self.seed, "initial_states", mode, scenario.scenario_id)
+                placed = place_vehicles(slots, self.table, rows, placing, drawn, closed, draws=self.draws, target=target)
+                made[f"drivegen, mode {mode}{around}"] = placed.vehicles
         return made
 
 

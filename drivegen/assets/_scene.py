@@ -5,9 +5,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.assets.gaps import ALONG_LANE
 from drivegen.assets.slots import Slots
-from drivegen.assets.table import Table
-from drivegen.geometry import boxes_overlap
+from drivegen.assets.table import Provenance, Table
+from drivegen.errors import UnusableInput
+from drivegen.geometry import boxes_overlap, wrap_angle
+from drivegen.lanes.graph import LaneGraph
+from drivegen.roadmap import NO_LANE
+from drivegen.scenario import TARGET, SizeSource, Vehicles
 
 BRAKING = 3.0
 """Deceleration [m/s2] with which a faster follower can still slow down to its leader's speed."""
@@ -31,45 +36,113 @@ class Bounds:
 
 @dataclass
 class Scene:
-    """Placed vehicles as growing lists of equal length: slot, speed [m/s], row of the table, number in what was asked."""
+    """Placed vehicles as growing lists of equal length.
+
+    Attributes:
+        slot: where each stands, or the nearest slot. lane, along: its lane and how far along it [m].
+        position: (2,) [m]. heading: [rad]. size: (3,) [m]. speed: [m/s].
+        row: of the table, NO_ROW for a target that was given. number: in what was asked. given: that target (1,), if any.
+    """
+
+    NO_ROW = -1
 
     slots: Slots
     table: Table
     bounds: Bounds
     slot: list[int] = field(default_factory=list)
+    lane: list[int] = field(default_factory=list)
+    along: list[float] = field(default_factory=list)
+    position: list[NDArray[np.float64]] = field(default_factory=list)
+    heading: list[float] = field(default_factory=list)
+    size: list[NDArray[np.float64]] = field(default_factory=list)
     speed: list[float] = field(default_factory=list)
     row: list[int] = field(default_factory=list)
     number: list[int] = field(default_factory=list)
+    given: Vehicles | None = None
 
-    def add(self, slot: int, speed: float, row: int, number: int) -> None:
-        """Place a vehicle."""
+    def add(self, slot: int, speed: float, row: int, number: int, offset: float = 0.0) -> None:
+        """Place a vehicle, `offset` [m] to the left of the middle of its lane."""
+        at = np.array([slot], np.intp)
+        place = self.places(at, np.array([offset]))[0]
+        size = self.table.size[row].astype(np.float64)
+        self._append(slot, int(self.slots.lane[slot]), float(self.slots.along[slot]), place, size, speed, row, number)
+        self.heading.append(float(self.slots.heading[slot]))
+
+    def add_given(self, target: Vehicles) -> None:
+        """Take a target (1,) that stands there already as number 0. Raises UnusableInput, reason `no-place`, off all lanes."""
+        self.given = target
+        place, heading = target.position[TARGET].astype(np.float64), float(target.heading[TARGET])
+        lane, found = LaneGraph.of(self.slots.map).nearest(place[None], target.heading[:1], max_angle=np.pi / 2)
+        away = np.hypot(*(self.slots.position - place).T)
+        away[np.abs(wrap_angle(self.slots.heading - heading)) > ALONG_LANE] += 1e3
+        if lane[0] == NO_LANE or not len(away):
+            raise UnusableInput("the given target is on no lane", reason="no-place")
+        size, speed = target.size[TARGET].astype(np.float64), float(target.speed[TARGET])
+        self._append(int(np.argmin(away)), int(lane[0]), float(found[0, 0]), place, size, speed, self.NO_ROW, 0)
+        self.heading.append(heading)
+
+    def _append(
+        self,
+        slot: int,
+        lane: int,
+        along: float,
+        place: NDArray[np.float64],
+        size: NDArray[np.float64],
+        speed: float,
+        row: int,
+        number: int,
+    ) -> None:
         self.slot.append(slot)
+        self.lane.append(lane)
+        self.along.append(along)
+        self.position.append(place)
+        self.size.append(size)
         self.speed.append(speed)
         self.row.append(row)
         self.number.append(number)
 
-    def overlaps(self, tried: NDArray[np.intp], row: int) -> NDArray[np.bool_]:
-        """(K,) whether a vehicle of `row` would overlap anyone at each slot tried."""
-        slots = self.slots
+    def places(self, tried: NDArray[np.intp], offset: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(K, 2) [m] `offset` (K,) to the left of the slots `tried` (K,)."""
+        heading = self.slots.heading[tried]
+        return np.asarray(self.slots.position[tried] + offset[:, None] * np.column_stack([-np.sin(heading), np.cos(heading)]))
+
+    def overlaps(self, tried: NDArray[np.intp], offset: NDArray[np.float64], row: int) -> NDArray[np.bool_]:
+        """(K,) whether a vehicle of `row` would overlap anyone at each slot tried, `offset` (K,) [m] to its left."""
         hit = boxes_overlap(
-            slots.position[tried][:, None],
-            slots.heading[tried][:, None],
+            self.places(tried, offset)[:, None],
+            self.slots.heading[tried][:, None],
             self.table.size[row, :2].astype(np.float64) + CLEARANCE,
-            slots.position[self.slot],
-            slots.heading[self.slot],
-            self.table.size[self.row, :2].astype(np.float64),
+            np.stack(self.position),
+            np.array(self.heading),
+            np.stack(self.size)[:, :2],
         )
         return np.asarray(hit.any(-1))
 
     def keeps_gaps(self, slot: int, speed: float, row: int) -> bool:
         """Whether the gaps to all leaders and followers along the lanes are plausible."""
         lane, along = int(self.slots.lane[slot]), float(self.slots.along[slot])
-        placed = np.array(self.slot)
-        lanes, alongs, speeds = self.slots.lane[placed], self.slots.along[placed], np.array(self.speed)
+        lanes, alongs, speeds = np.array(self.lane, np.int32), np.array(self.along), np.array(self.speed)
         own = np.full(len(speeds), speed)
-        length = (self.table.size[self.row, 0] + self.table.size[row, 0]).astype(np.float64) / 2
+        length = (np.stack(self.size)[:, 0] + float(self.table.size[row, 0])) / 2
         ahead = self.slots.ways.ahead(lane, along, lanes, alongs) - length
         if (ahead < self.bounds.needed(own, speeds)).any():
             return False
         behind = self.slots.ways.behind(lane, along, lanes, alongs) - length
         return not (behind < self.bounds.needed(speeds, own)).any()
+
+    def vehicles(self) -> Vehicles:
+        """All that were placed, in this order."""
+        row = np.array(self.row)
+        measured = self.table.provenance[row] != Provenance.DOCUMENTED
+        made = Vehicles(
+            track_id=np.array([str(i) for i in range(len(row))], np.str_),
+            kind=self.table.kind[row],
+            size=np.stack(self.size).astype(np.float32),
+            size_source=np.where(measured, SizeSource.MEASURED, SizeSource.ASSUMED).astype(np.uint8),
+            position=np.stack(self.position).astype(np.float32),
+            heading=np.array(self.heading, np.float32),
+            speed=np.array(self.speed, np.float32),
+        )
+        if self.given is not None:
+            made.kind[TARGET], made.size_source[TARGET] = self.given.kind[TARGET], self.given.size_source[TARGET]
+        return made

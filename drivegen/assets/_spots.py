@@ -1,4 +1,4 @@
-"""Where the next vehicle may stand and how fast it may drive there: anywhere near, as in logs, or as was wished."""
+"""Where the next vehicle may stand and how fast it may drive there: anywhere near, or as was wished."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.assets._scene import Scene
-from drivegen.assets.gaps import Draws
 from drivegen.assets.slots import SPACING
 from drivegen.assets.where import Wish, standing, standing_to_turn
 
@@ -41,47 +40,11 @@ def any_spots(
     """As in the paper: anywhere that fits, nearer places likelier, at speeds that scatter about the target's."""
     among = np.flatnonzero(fits)
     slots = scene.slots
-    distance = np.hypot(*(slots.position[among] - slots.position[scene.slot[0]]).T)
+    distance = np.hypot(*(slots.position[among] - scene.position[0]).T)
     keys = random.gumbel(size=len(among)) - 2 * distance / radius
     tried = among[np.argsort(-keys, kind="stable")[:attempts]]
     wish = scene.speed[0] * (1 + spread * random.standard_normal(len(tried)))
     return Spots(tried, np.clip(wish, 0.0, limit[tried]), limit[tried])
-
-
-def drawn_spots(
-    scene: Scene, fits: NDArray[np.bool_], limit: NDArray[np.float64], draws: Draws, attempts: int, random: np.random.Generator
-) -> Spots:
-    """As in logs: behind or ahead of somebody who is there already, at a gap and speed seen in logs, or on a free stretch."""
-    slot, speed = [], []
-    among = np.flatnonzero(fits)
-    for _ in range(attempts if len(among) else 0):
-        if random.random() >= draws.share_led:
-            at = int(random.choice(among))
-            slot.append(at)
-            speed.append(draws.pace(random) * float(limit[at]))
-            continue
-        found = _beside_somebody(scene, fits, draws, random)
-        if found is not None:
-            slot.append(found[0])
-            speed.append(found[1])
-    tried = np.array(slot, np.intp)
-    return Spots(tried, np.minimum(np.array(speed, np.float64), limit[tried]), limit[tried])
-
-
-def _beside_somebody(
-    scene: Scene, fits: NDArray[np.bool_], draws: Draws, random: np.random.Generator
-) -> tuple[int, float] | None:
-    """A slot behind or ahead of a vehicle that was placed, and a speed; None where the road does not reach so far."""
-    slots, length = scene.slots, float(np.mean(scene.table.size[scene.row, 0]))
-    other = int(random.integers(len(scene.slot)))
-    lane, along = int(slots.lane[scene.slot[other]]), float(slots.along[scene.slot[other]])
-    behind = random.random() < 0.5
-    speed, gap = (draws.follower if behind else draws.leader)(scene.speed[other], random)
-    measure = slots.ways.behind if behind else slots.ways.ahead
-    away = np.abs(measure(lane, along, slots.lane, slots.along) - gap - length)
-    away[~fits] = np.inf
-    best = int(np.argmin(away))
-    return (best, speed) if away[best] <= SPACING else None
 
 
 def wished_spots(
@@ -107,9 +70,8 @@ def wished_spots(
 def _queued(scene: Scene, other: int, wish: Wish) -> NDArray[np.bool_]:
     """(Q,) slots next in a queue to the vehicle `other` of the scene."""
     slots = scene.slots
-    lane, along = int(slots.lane[scene.slot[other]]), float(slots.along[scene.slot[other]])
     measure = slots.ways.ahead if wish.ahead else slots.ways.behind
-    away = measure(lane, along, slots.lane, slots.along) - float(scene.table.size[scene.row[other], 0])
+    away = measure(scene.lane[other], scene.along[other], slots.lane, slots.along) - float(scene.size[other][0])
     speed = scene.speed[other] if wish.speed is None else wish.speed
     low, high = (gap + seconds * speed for gap, seconds in zip(QUEUE_GAP, QUEUE_TIME_GAP, strict=True))
     return np.asarray((away >= low) & (away <= high + 2 * SPACING))

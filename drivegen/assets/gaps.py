@@ -1,4 +1,4 @@
-"""Headways and gaps of logged traffic: who follows whom, how closely and how fast. What placement from data draws from.
+"""Where vehicles of logged traffic stand, how fast they are and how closely they follow. What placement from data draws from.
 
 One row for each vehicle at the first frame of a training log, with its provenance. The leader is the nearest vehicle ahead
 in the same lane or in one that it leads to, among those of the scenario: gaps to vehicles that the scenario does not hold
@@ -14,16 +14,13 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from drivegen.assets.table import Provenance, provenance_of_log
-from drivegen.assets.ways import REACH, Ways
+from drivegen.assets.ways import REACH, Ways, blocked, closed_lanes, limits, to_junction
 from drivegen.errors import UnusableInput
 from drivegen.lanes.graph import LaneGraph
-from drivegen.scenario import Scenario, VehicleKind
+from drivegen.scenario import TARGET, Scenario, VehicleKind
 
 ON_LANE, ALONG_LANE = 2.0, np.deg2rad(45)
 """A vehicle is on a lane up to this far from its centreline [m] if it heads along it within this angle [rad]."""
-
-UNKNOWN_LIMIT = 13.9
-"""Speed limit [m/s] taken where the map has none: 50 km/h."""
 
 _SCHEMA = pa.schema(
     [
@@ -32,6 +29,10 @@ _SCHEMA = pa.schema(
         ("limit", pa.float32()),
         ("gap", pa.float32()),
         ("leader_speed", pa.float32()),
+        ("to_junction", pa.float32()),
+        ("closed", pa.bool_()),
+        ("away", pa.float32()),
+        ("offset", pa.float32()),
         ("provenance", pa.uint8()),
         ("source", pa.string()),
         ("scenario_id", pa.string()),
@@ -47,6 +48,10 @@ class Gaps:
         kind: (G,) uint8 VehicleKind. speed: (G,) float32 [m/s]. limit: (G,) float32 [m/s] of its lane.
         gap: (G,) float32 [m] bumper to bumper to the leader, inf without one within REACH.
         leader_speed: (G,) float32 [m/s], NaN without a leader.
+        to_junction: (G,) float32 [m] along its lanes to where a junction begins, inf where none does within REACH, 0 inside.
+        closed: (G,) bool whether its lane leads only into lanes that must not be entered, as before a red light.
+        away: (G,) float32 [m] from the scenario's target, 0 of the target itself.
+        offset: (G,) float32 [m] to the left of the middle of its lane.
         provenance: (G,) uint8. source: (G,) str data set in words. scenario_id: (G,) str the log that it was seen in.
     """
 
@@ -55,6 +60,10 @@ class Gaps:
     limit: NDArray[np.float32]
     gap: NDArray[np.float32]
     leader_speed: NDArray[np.float32]
+    to_junction: NDArray[np.float32]
+    closed: NDArray[np.bool_]
+    away: NDArray[np.float32]
+    offset: NDArray[np.float32]
     provenance: NDArray[np.uint8]
     source: NDArray[np.str_]
     scenario_id: NDArray[np.str_]
@@ -66,6 +75,11 @@ class Gaps:
     def led(self) -> NDArray[np.bool_]:
         """(G,) who has a leader."""
         return np.isfinite(self.gap)
+
+    @property
+    def pace(self) -> NDArray[np.float64]:
+        """(G,) speed as a share of the limit."""
+        return np.asarray(self.speed / np.maximum(self.limit, 1.0), np.float64)
 
     def __getitem__(self, index: Any) -> "Gaps":
         return Gaps(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
@@ -81,7 +95,8 @@ class Gaps:
         try:
             columns = {field.name: table[field.name].cast(field.type).to_numpy() for field in _SCHEMA}
         except (KeyError, pa.ArrowException) as error:
-            raise UnusableInput(f"{place} is no table of gaps: {error}", reason="bad-gaps") from None
+            told = f"{place} is no table of gaps of this version, run the assets stage: {error}"
+            raise UnusableInput(told, reason="bad-gaps") from None
         texts = {name: columns[name].astype(np.str_) for name in ("source", "scenario_id")}
         gaps = cls(**{**columns, **texts})
         if not gaps.led.any():
@@ -93,7 +108,13 @@ def measure_gaps(scenarios: Iterable[Scenario]) -> Gaps:
     """The rows of all vehicles of `scenarios` that stand on lanes at the first frame."""
     rows = [row for scenario in scenarios for row in gaps_of(scenario)]
     columns: dict[str, Any] = {name: [row[name] for row in rows] for name in _SCHEMA.names}
-    types: Mapping[str, Any] = {"kind": np.uint8, "provenance": np.uint8, "source": np.str_, "scenario_id": np.str_}
+    types: Mapping[str, Any] = {
+        "kind": np.uint8,
+        "provenance": np.uint8,
+        "closed": np.bool_,
+        "source": np.str_,
+        "scenario_id": np.str_,
+    }
     return Gaps(**{name: np.array(values, types.get(name, np.float32)) for name, values in columns.items()})
 
 
@@ -105,7 +126,11 @@ def gaps_of(scenario: Scenario) -> list[dict[str, Any]]:
     planned = np.isin(vehicles.kind, (VehicleKind.CAR, VehicleKind.TRUCK, VehicleKind.BUS))
     known = np.flatnonzero((lane >= 0) & planned)
     lanes, alongs, length = lane[known], found[known, 0].astype(np.float64), vehicles.size[known, 0]
-    limit = scenario.map.speed_limit[lanes]
+    limit = limits(scenario.map)[lanes]
+    shut = blocked(ways, closed_lanes(scenario.signals))[lanes]
+    ahead = to_junction(scenario.map, ways)[lanes] + np.maximum(ways.length[lanes] - alongs, 0.0)
+    junction = np.where(scenario.map.in_junction[lanes], 0.0, ahead)
+    from_target = np.hypot(*(vehicles.position[known] - vehicles.position[TARGET]).T)
     rows = []
     for at, vehicle in enumerate(known.tolist()):
         away = ways.ahead(int(lanes[at]), float(alongs[at]), lanes, alongs)
@@ -118,9 +143,13 @@ def gaps_of(scenario: Scenario) -> list[dict[str, Any]]:
                 "vehicle": vehicle,
                 "kind": vehicles.kind[vehicle],
                 "speed": vehicles.speed[vehicle],
-                "limit": limit[at] if np.isfinite(limit[at]) else UNKNOWN_LIMIT,
+                "limit": limit[at],
                 "gap": gap if led else np.inf,
                 "leader_speed": vehicles.speed[known[leader]] if led else np.nan,
+                "to_junction": junction[at],
+                "closed": shut[at],
+                "away": from_target[at],
+                "offset": found[vehicle, 1],
                 "provenance": Provenance.GENERATED if scenario.log is None else provenance_of_log(scenario.source),
                 "source": scenario.source,
                 "scenario_id": scenario.scenario_id,
@@ -162,52 +191,3 @@ def _time_gaps(gaps: Gaps) -> NDArray[np.float64]:
     led = gaps[gaps.led & (gaps.speed > 1.0)]
     found = (led.gap / led.speed).astype(np.float64)
     return np.asarray(found[found <= LONGEST])
-
-
-class Draws:
-    """Draws from the rows, conditioned on one vehicle's speed: the NEAREST rows with a like speed are equally likely.
-
-    Attributes:
-        share_led: of vehicles with a leader. least_gap: [m] that hardly anybody falls short of in a standing queue.
-        least_time_gap: [s] that comes on top of it while moving, for all but one in a hundred.
-    """
-
-    NEAREST = 40
-
-    def __init__(self, gaps: Gaps) -> None:
-        led = gaps[gaps.led]
-        self.share_led = float(gaps.led.mean())
-        self._pace = np.clip(gaps.speed / np.maximum(gaps.limit, 1.0), 0.0, 1.2)
-        self._by_leader, self._by_follower = _sorted_by(led, led.leader_speed), _sorted_by(led, led.speed)
-        slow = led.speed <= SLOW
-        self.least_gap = float(np.quantile(led.gap[slow], 0.01)) if slow.any() else STANDSTILL
-        headway = (led.gap[~slow] - self.least_gap) / led.speed[~slow]
-        self.least_time_gap = max(float(np.quantile(headway, 0.01)), 0.0) if len(headway) else 0.0
-
-    def pace(self, random: np.random.Generator) -> float:
-        """Speed as a share of the limit."""
-        return float(random.choice(self._pace))
-
-    def follower(self, leader_speed: float, random: np.random.Generator) -> tuple[float, float]:
-        """Speed [m/s] of a follower and its gap [m], behind a leader of this speed."""
-        keys, led = self._by_leader
-        row = self._near(keys, leader_speed, random)
-        return float(led.speed[row]), float(led.gap[row])
-
-    def leader(self, speed: float, random: np.random.Generator) -> tuple[float, float]:
-        """Speed [m/s] of a leader and the gap [m] to it, ahead of a follower of this speed."""
-        keys, led = self._by_follower
-        row = self._near(keys, speed, random)
-        return float(led.leader_speed[row]), float(led.gap[row])
-
-    def _near(self, keys: NDArray[np.float32], value: float, random: np.random.Generator) -> int:
-        """One of the rows whose key is the value, and of as many on either side as make up NEAREST."""
-        first, last = (int(np.searchsorted(keys, value, side)) for side in ("left", "right"))
-        spare = max(self.NEAREST - (last - first), 0)
-        low = min(max(first - spare // 2, 0), max(len(keys) - self.NEAREST, 0))
-        return int(random.integers(low, min(max(last, low + self.NEAREST), len(keys))))
-
-
-def _sorted_by(gaps: Gaps, keys: NDArray[np.float32]) -> tuple[NDArray[np.float32], Gaps]:
-    order = np.argsort(keys, kind="stable")
-    return keys[order], gaps[order]

@@ -1,7 +1,8 @@
 """Place vehicles on a map (paper, vehicle assets generation).
 
 The target first, at random in a feasible place, with the lane's heading and a sensible speed; then social vehicles around
-it. In mode `paper` they stand anywhere near it and drive about as fast; in mode `data` gaps and speeds are drawn from logs.
+it. In mode `paper` they stand anywhere near it and drive about as fast; in mode `data` distances, gaps, speeds and offsets to
+the middle of the lane are drawn from logs.
 Either way nobody overlaps, faces the wrong way or follows at an implausible time gap: what does not fit anywhere is
 rejected with a reason, so asked = placed + rejected.
 """
@@ -14,24 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.assets._scene import Bounds, Scene
-from drivegen.assets._spots import Spots, any_spots, drawn_spots, wished_spots
-from drivegen.assets.gaps import Draws
+from drivegen.assets._spots import Spots, any_spots, wished_spots
+from drivegen.assets._traffic import Traffic
+from drivegen.assets.draws import Draws
 from drivegen.assets.slots import Slots
-from drivegen.assets.table import Provenance, Table
+from drivegen.assets.table import Table
 from drivegen.assets.where import Wish, before_turn, standing, standing_to_turn
 from drivegen.errors import UnusableInput
 from drivegen.roadmap import LaneKind
-from drivegen.scenario import SizeSource, VehicleKind, Vehicles
+from drivegen.scenario import TARGET, VehicleKind, Vehicles
 from drivegen.settings import Count, NotNegative, Positive
 
 MODES = ("paper", "data")
 
 _TARGETS = 16
 """Places for the target that are looked at for one from which every wish can be met."""
-
-
-_FEW = 4
-"""Spots drawn from logs at first."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +39,7 @@ class PlaceSettings:
     Attributes:
         mode: `paper`, or `data`: gaps and speeds as in logs.
         road_ahead: the target starts with at least so much road before it [m], or where the map has most.
-        radius: social vehicles stand within this distance of the target [m].
+        radius: social vehicles stand within this distance of the target [m] (mode `paper`; in mode `data` as far as in logs).
         speed_spread: standard deviation of a social vehicle's speed over the target's, as a share of it (mode `paper`).
         least_time_gap: [s] between a vehicle and its leader, standstill_gap [m] comes on top (mode `paper`; in mode `data`
             both are the smallest hundredth of what was seen).
@@ -69,7 +67,8 @@ class Placement:
         vehicles: Vehicles (N,), the target first. lane: (N,) int32 the lane of each.
         number: (N,) which of those asked for each vehicle is.
         rejected: how many vehicles were not placed, by the most frequent reason of their attempts: `does-not-fit`
-            (no lane that was asked for is long and wide enough), `overlap`, `time-gap`.
+            (no lane that was asked for is long and wide enough, or none is like those where logs have anybody), `overlap`,
+            `time-gap`.
     """
 
     vehicles: Vehicles
@@ -87,41 +86,52 @@ def place_vehicles(
     closed: NDArray[np.int32] | None = None,
     wishes: Sequence[Wish] = (),
     draws: Draws | None = None,
+    target: Vehicles | None = None,
+    radius: float | None = None,
 ) -> Placement:
     """Place the assets `rows` of the table on the map of `slots`; the first one is the target.
 
     `closed` names lanes that must not be entered at the first frame (red lights): nobody is too fast to stop there.
     `wishes`, if given, are one for each row: the target's says how fast it drives, the others' where they stand as well.
-    `draws` is needed in mode `data`. Raises UnusableInput, reason `no-place`, where the map has no room for the target.
+    `draws` is needed in mode `data`. `target` (1,), if given, stands there already, and the first row is not looked at.
+    `radius` [m], if given, is how far from the target the others without a wish stand at most, in either mode.
+    Raises UnusableInput, reason `no-place`, where the map has no room for the target.
     """
     rows = [int(row) for row in rows]
     wishes = wishes or [Wish()] * len(rows)
     if settings.mode == "data" and draws is None:
         raise UnusableInput("placement in mode data needs the gaps of logs: run the assets stage")
     following = draws if settings.mode == "data" else None
-    limit = slots.limit if closed is None or not len(closed) else slots.limit_before(closed)
+    shut = np.zeros(0, np.int32) if closed is None else closed
+    limit = slots.limit_before(shut) if len(shut) else slots.limit
     bounds = Bounds(settings.least_time_gap, settings.standstill_gap)
     if following is not None:
         bounds = Bounds(following.least_time_gap, following.least_gap)
     scene = Scene(slots, table, bounds)
-    target = _target(slots, table, rows[0], settings, wishes, limit, random)
-    scene.add(target, _pace(float(limit[target]), wishes[0], following, random), rows[0], 0)
-    near = ((slots.position - slots.position[target]) ** 2).sum(-1) <= settings.radius**2
+    if target is not None:
+        scene.add_given(target)
+    else:
+        slot = _target(slots, table, rows[0], settings, wishes, limit, random)
+        offset = _offsets(scene, np.array([slot]), rows[0], following, random)
+        scene.add(slot, _pace(scene, slot, limit, wishes[0], following, random), rows[0], 0, float(offset[0]))
+    traffic = None if following is None else Traffic(scene, limit, shut, following, len(rows), random, radius)
+    within = settings.radius if radius is None else radius
+    near = ((slots.position - scene.position[TARGET]) ** 2).sum(-1) <= within**2
     rejected: Counter[str] = Counter()
     for number, (row, wish) in enumerate(zip(rows[1:], wishes[1:], strict=True), 1):
         fits = fitting(slots, table, row)
         spots: Iterable[Spots]
         if wish.stands:
             spots = [wished_spots(scene, fits, wish, limit, settings.attempts, random)]
-        elif following is not None:  # few at first: each is drawn on its own, and most are free
-            few = (min(_FEW, settings.attempts), max(settings.attempts - _FEW, 0))
-            spots = (drawn_spots(scene, fits & near, limit, following, some, random) for some in few)
+        elif traffic is not None:
+            spots = traffic.spots(fits, row, settings.attempts)
         else:
-            spots = [any_spots(scene, fits & near, limit, settings.speed_spread, settings.radius, settings.attempts, random)]
-        reason = _place_one(scene, spots, wish, row, number)
+            spots = [any_spots(scene, fits & near, limit, settings.speed_spread, within, settings.attempts, random)]
+        reason = _place_one(scene, spots, wish, row, number, following, random)
         if reason is not None:
             rejected[reason] += 1
-    return Placement(_vehicles(scene), slots.lane[scene.slot], np.array(scene.number), dict(sorted(rejected.items())))
+    lanes = np.array(scene.lane, np.int32)
+    return Placement(scene.vehicles(), lanes, np.array(scene.number), dict(sorted(rejected.items())))
 
 
 def fitting(slots: Slots, table: Table, row: int) -> NDArray[np.bool_]:
@@ -176,36 +186,46 @@ def _with_road(slots: Slots, fits: NDArray[np.intp], wanted: float) -> NDArray[n
     return np.asarray(fits[road >= min(wanted, float(np.quantile(road, 0.9)))])
 
 
-def _pace(limit: float, wish: Wish, draws: Draws | None, random: np.random.Generator) -> float:
+def _pace(
+    scene: Scene, slot: int, limit: NDArray[np.float64], wish: Wish, draws: Draws | None, random: np.random.Generator
+) -> float:
     """The target's speed [m/s]."""
+    most = float(limit[slot])
     if wish.speed is not None:
-        return min(limit, wish.speed)
-    return limit * (random.uniform(0.6, 1.0) if draws is None else min(draws.pace(random), 1.0))
+        return min(most, wish.speed)
+    if draws is None:
+        return most * random.uniform(0.6, 1.0)
+    return min(most, draws.target_speed(float(scene.slots.lane_limit[slot]), random))
 
 
-def _place_one(scene: Scene, groups: Iterable[Spots], wish: Wish, row: int, number: int) -> str | None:
+def _offsets(
+    scene: Scene, tried: NDArray[np.intp], row: int, draws: Draws | None, random: np.random.Generator
+) -> NDArray[np.float64]:
+    """(K,) [m] to the left of the middle of the lane, wholly on it: none without logs to draw it from."""
+    if draws is None:
+        return np.zeros(len(tried))
+    room = (scene.slots.width[scene.slots.lane[tried]] - float(scene.table.size[row, 1])) / 2
+    return draws.offsets(room, random)
+
+
+def _place_one(
+    scene: Scene,
+    groups: Iterable[Spots],
+    wish: Wish,
+    row: int,
+    number: int,
+    draws: Draws | None,
+    random: np.random.Generator,
+) -> str | None:
     """Add one social vehicle at the first spot that is free and keeps its gaps, or say why none is."""
     reasons: Counter[str] = Counter()
     for spots in groups:
         speed = spots.speed if wish.speed is None else np.minimum(spots.limit, wish.speed)
-        free = ~scene.overlaps(spots.slot, row)
-        for slot, pace, is_free in zip(spots.slot.tolist(), speed.tolist(), free.tolist(), strict=True):
-            if is_free and scene.keeps_gaps(slot, pace, row):
-                scene.add(slot, pace, row, number)
+        offset = _offsets(scene, spots.slot, row, draws, random)
+        free = ~scene.overlaps(spots.slot, offset, row)
+        for k, slot in enumerate(spots.slot.tolist()):
+            if free[k] and scene.keeps_gaps(slot, float(speed[k]), row):
+                scene.add(slot, float(speed[k]), row, number, float(offset[k]))
                 return None
-            reasons["time-gap" if is_free else "overlap"] += 1
+            reasons["time-gap" if free[k] else "overlap"] += 1
     return reasons.most_common(1)[0][0] if reasons else "does-not-fit"
-
-
-def _vehicles(scene: Scene) -> Vehicles:
-    slots, table = scene.slots, scene.table
-    measured = table.provenance[scene.row] != Provenance.DOCUMENTED
-    return Vehicles(
-        track_id=np.array([str(i) for i in range(len(scene.slot))], np.str_),
-        kind=table.kind[scene.row],
-        size=table.size[scene.row],
-        size_source=np.where(measured, SizeSource.MEASURED, SizeSource.ASSUMED).astype(np.uint8),
-        position=slots.position[scene.slot].astype(np.float32),
-        heading=slots.heading[scene.slot].astype(np.float32),
-        speed=np.array(scene.speed, np.float32),
-    )

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.assets.ways import Ways, turns
+from drivegen.assets.ways import Ways, blocked, limits, to_junction, turns
 from drivegen.geometry import arc_length, interpolate, line_heading
 from drivegen.roadmap import LaneControl, LaneKind, RoadMap
 
@@ -21,9 +21,6 @@ _LATERAL = 2.5
 
 _YIELD_SPEED = 5.0
 """Speed [m/s] at which one can still give way."""
-
-_UNKNOWN_LIMIT = 13.9
-"""Speed limit [m/s] assumed where the map has none: 50 km/h."""
 
 
 def _road_from_start(links: NDArray[np.int32], length: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -47,7 +44,9 @@ class Slots:
         lane: (Q,) int32. along: (Q,) float32 [m] from the lane's start. position: (Q, 2). heading: (Q,).
         limit: (Q,) float32 [m/s] speed from which one can still keep the limits, bends and stop lines ahead.
         road_ahead: (Q,) float64 [m] of lanes that can be driven from here without changing lanes, FAR at most.
+        to_junction: (Q,) [m] along the lanes to where a junction begins; inf where none does near.
         to_turn: (Q, 2) [m] to the junction at which the lane leads into a turn to the left, right; inf where it does not.
+        lane_limit: (Q,) [m/s] the lane's speed limit.
         ways: driving distances between lanes. length: (L,) [m] of each lane. width: (L,) [m] the narrowest of each lane.
     """
 
@@ -66,7 +65,8 @@ class Slots:
         self.heading = np.concatenate([_headings(lines[lane], at) for lane, at in places] or [np.zeros(0)])
         self.limit = np.concatenate([profiles.speed(lane, at) for lane, at in places] or [np.zeros(0)])
         self.road_ahead = np.minimum((_road_from_start(road_map.links, self.length))[self.lane] - self.along, FAR)
-
+        self.lane_limit = limits(road_map)[self.lane]
+        self.to_junction = to_junction(road_map, self.ways)[self.lane] + self.length[self.lane] - self.along
         self.to_turn = np.where(turns(road_map, self.ways)[self.lane], (self.length[self.lane] - self.along)[:, None], np.inf)
 
     def __len__(self) -> int:
@@ -74,13 +74,8 @@ class Slots:
 
     def limit_before(self, closed: NDArray[np.int32]) -> NDArray[np.float64]:
         """`limit` (Q,) where the lanes `closed` (C,) must not be entered now, as behind a red light."""
-        shut = np.zeros(len(self.map), np.bool_)
-        shut[closed] = True
-        blocked = np.array(
-            [bool(after) and bool(shut[after].all()) for after in (self.ways.onward.get(i, []) for i in range(len(shut)))]
-        )
         stopping = np.sqrt(2 * _BRAKING * (self.length[self.lane] - self.along))
-        return np.where(blocked[self.lane], np.minimum(self.limit, stopping), self.limit)
+        return np.where(blocked(self.ways, closed)[self.lane], np.minimum(self.limit, stopping), self.limit)
 
 
 def _width(road_map: RoadMap, lane: int) -> float:
@@ -99,9 +94,7 @@ class _Profiles:
     def __init__(
         self, road_map: RoadMap, lines: list[NDArray[np.float64]], length: NDArray[np.float64], onward: dict[int, list[int]]
     ) -> None:
-        known = np.isfinite(road_map.speed_limit)
-        limit = np.where(known, road_map.speed_limit, _UNKNOWN_LIMIT).astype(np.float64)
-        self._cap = np.minimum(limit, [_bend_speed(line) for line in lines])
+        self._cap = np.minimum(limits(road_map), [_bend_speed(line) for line in lines])
         self._length = length
         entry = np.where(road_map.control == LaneControl.YIELD, np.minimum(self._cap, _YIELD_SPEED), self._cap)
         entry = np.where(road_map.control == LaneControl.STOP, 0.0, entry)

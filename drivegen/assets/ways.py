@@ -1,4 +1,4 @@
-"""How far lanes lie apart for somebody who drives from one to another."""
+"""How far lanes lie apart for somebody who drives from one to another, and what waits at their ends."""
 
 import heapq
 from collections import defaultdict
@@ -9,6 +9,13 @@ from numpy.typing import NDArray
 
 from drivegen.geometry import Floats, arc_length, line_heading, wrap_angle
 from drivegen.roadmap import RoadMap
+from drivegen.scenario import Signals, SignalState
+
+CLOSED = (SignalState.RED, SignalState.YELLOW)
+"""Nobody starts moving just before a signal that shows one of these."""
+
+UNKNOWN_LIMIT = 13.9
+"""Speed limit [m/s] assumed where the map has none: 50 km/h."""
 
 REACH = 120.0
 """How far ahead vehicles matter to each other [m]."""
@@ -61,6 +68,40 @@ class Ways:
             for after in following.get(here, []):
                 heapq.heappush(heap, (so_far + float(self.length[here]), after))
         return found
+
+
+def limits(road_map: RoadMap) -> NDArray[np.float64]:
+    """(L,) [m/s] speed limits, UNKNOWN_LIMIT where the map has none."""
+    known = np.isfinite(road_map.speed_limit)
+    return np.where(known, road_map.speed_limit, UNKNOWN_LIMIT).astype(np.float64)
+
+
+def closed_lanes(signals: Signals) -> NDArray[np.int32]:
+    """Lanes that must not be entered at the first step."""
+    return np.asarray(signals.lane[np.isin(signals.state[:, 0], CLOSED)])
+
+
+def blocked(ways: Ways, closed: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """(L,) which lanes lead into none but `closed` ones (C,)."""
+    shut = np.zeros(len(ways.length), np.bool_)
+    shut[closed] = True
+    onward = (ways.onward.get(lane, []) for lane in range(len(shut)))
+    return np.array([bool(after) and bool(shut[after].all()) for after in onward], np.bool_)
+
+
+def to_junction(road_map: RoadMap, ways: Ways) -> NDArray[np.float64]:
+    """(L,) [m] from each lane's end to where a junction begins; inf where none does within REACH or so, and inside of one."""
+    inside, found = road_map.in_junction, np.full(len(road_map), np.inf)
+    heap = [(0.0, before) for before, after in road_map.links.tolist() if inside[after] and not inside[before]]
+    while heap:
+        away, lane = heapq.heappop(heap)
+        if away >= found[lane] or away > REACH:
+            continue
+        found[lane] = away
+        for before in ways.back.get(lane, []):
+            if not inside[before]:
+                heapq.heappush(heap, (away + float(ways.length[lane]), before))
+    return found
 
 
 def turns(road_map: RoadMap, ways: Ways) -> NDArray[np.bool_]:

@@ -1,15 +1,19 @@
 """Gaps of logged traffic, and placement that draws from them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from drivegen.assets.gaps import Draws, Gaps, headways, measure_gaps
+from drivegen.assets.draws import Draws
+from drivegen.assets.gaps import Gaps, headways, measure_gaps
 from drivegen.assets.place import PlaceSettings, place_vehicles
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Provenance, build_table
 from drivegen.assets.where import Relation, Wish, standing
 from drivegen.errors import UnusableInput
-from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
+from drivegen.scenario import Signals, SignalState
+from tests.scenes import busy_crossing, crossing, drive, scenario, stack, straight_road
 
 LANE = np.array([[0.0, 0.0], [800.0, 0.0]])
 SLOTS = Slots(straight_road(800, 3))
@@ -40,17 +44,30 @@ def test_gaps_are_measured_bumper_to_bumper_with_where_they_are_from():
 
 def test_a_table_without_followers_or_with_other_columns_is_refused():
     gaps = measure_gaps([queue(15.0, 10.0)])
-    for wrong in (gaps.to_arrow().drop_columns(["gap"]), gaps[~gaps.led].to_arrow()):
-        with pytest.raises(UnusableInput, match="there"):
+    older = gaps.to_arrow().drop_columns(["to_junction", "closed", "away", "offset"])
+    for wrong in (gaps.to_arrow().drop_columns(["gap"]), gaps[~gaps.led].to_arrow(), older):
+        with pytest.raises(UnusableInput, match=r"there.*run the assets stage"):
             Gaps.from_arrow(wrong, "there")
 
 
-def test_draws_follow_the_speed_they_are_asked_for():
-    gaps = measure_gaps([queue(8.0, 5.0)] * 20 + [queue(40.0, 20.0)] * 20)
-    draws, random = Draws(gaps), np.random.default_rng(0)
-    assert all(draws.follower(5.0, random)[1] == pytest.approx(8, abs=0.1) for _ in range(20))
-    assert all(draws.leader(20.0, random)[1] == pytest.approx(40, abs=0.1) for _ in range(20))
-    assert draws.share_led == pytest.approx(0.8)
+def test_rows_say_where_a_vehicle_stands():
+    """On the way into a crossing, 20 m before it, 0.5 m to the left of the middle of its lane; a light is red or is not."""
+    road = crossing()
+    line = road.centreline[0].astype(np.float64)
+    course = (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
+    left = np.array([-course[1], course[0]])
+    scene = scenario(road, stack([drive(line, 0.0, 5.0, 3), drive(line, 30.0, 5.0, 3)]))
+    place = np.stack([line[-1] - 20 * course + 0.5 * left, line[-1] - 50 * course]).astype(np.float32)
+    vehicles = replace(scene.vehicles, position=place, heading=np.full(2, np.arctan2(*course[::-1]), np.float32))
+    entered = np.unique(road.links[road.links[:, 0] == 0, 1]).astype(np.int32)
+    for state, closed in ((SignalState.RED, True), (SignalState.GREEN, False)):
+        signals = Signals(entered, np.full((len(entered), 4), state, np.uint8))
+        rows = measure_gaps([replace(scene, vehicles=vehicles, signals=signals)])
+        assert rows.to_junction == pytest.approx([20, 50], abs=0.1)
+        assert rows.away == pytest.approx([0, np.hypot(30, 0.5)], abs=0.1)
+        assert rows.offset == pytest.approx([0.5, 0], abs=0.02)
+        assert rows.closed.tolist() == [closed, closed]
+    assert np.isinf(measure_gaps([queue(10.0, 5.0)]).to_junction).all()
 
 
 def test_placement_from_data_has_the_gaps_of_the_data_where_the_papers_has_not():

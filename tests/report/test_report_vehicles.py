@@ -13,14 +13,16 @@ def told(value: float) -> dict[str, float]:
 def test_first_frames_stand_in_a_table_of_their_own():
     truth = {key: value for key, value in told(0.0).items() if key.split(".")[0] in ("placed", "asked", "overlap", "off_lane")}
     methods = {"lctgen_log_code": told(0.2), "trafficgen": told(0.25), "held-out logs": truth}
+    methods |= {"drivegen, mode data": told(0.3), "drivegen, mode data, the log's target": told(0.3)}
     found = section(Evidence(results={"initial_states": {"scenes": 3, "methods": methods}}))
     (table,) = found.tables
     assert [line.cells[0].text for line in table.rows] == [
-        "held-out logs", "TrafficGen", "LCTGen, code from the log (a bound, no method)",
+        "held-out logs", "DriveGen, mode data, a target of its own", "DriveGen, mode data", "TrafficGen",
+        "LCTGen, code from the log (a bound, no method)",
     ]  # fmt: skip
     assert [cell.text for cell in table.rows[0].cells[1:]] == ["9 of 10", "–", "–", "–", "–", "0.0 %", "0.0 %"]
-    assert (table.rows[1].cells[2].text, table.rows[1].cells[2].note) == ("0.25", "0.12–0.50")
-    assert table.rows[1].cells[-1].text == "25.0 %"
+    assert (table.rows[3].cells[2].text, table.rows[3].cells[2].note) == ("0.25", "0.12–0.50")
+    assert table.rows[3].cells[-1].text == "25.0 %"
     assert not any(cell.best for line in table.rows for cell in line.cells)
     assert not found.missing
 

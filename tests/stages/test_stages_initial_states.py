@@ -14,6 +14,8 @@ from tests.scenes import busy_crossing
 PARAMS = initial_states.Params(seed=7, scenes=2, draws=50)
 FILES = ("scenarios", "assets.parquet", "gaps.parquet", "models")
 
+OURS = {"held-out logs"} | {f"drivegen, mode {mode}{own}" for mode in ("paper", "data") for own in ("", ", the log's target")}
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -36,9 +38,7 @@ def test_every_method_places_as_many_as_the_logs_have(folder, tmp_path):
     found = run(folder, tmp_path / "a.json")
     assert found["scenes"] == 2
     methods = found["methods"]
-    assert set(methods) == {
-        "held-out logs", "drivegen, mode paper", "drivegen, mode data", "trafficgen", "lctgen", "lctgen_log_code",
-    }  # fmt: skip
+    assert set(methods) == {*OURS, "trafficgen", "lctgen", "lctgen_log_code"}
     count = 2 * len(busy_crossing().vehicles)
     for name, values in methods.items():
         assert values["asked"] == count
@@ -59,7 +59,7 @@ def test_who_was_not_trained_has_no_row(folder, tmp_path):
     alone = [folder / name for name in FILES[:3]]
     initial_states.main(PARAMS, *alone, tmp_path / "nothing", tmp_path / "a.json")
     methods = orjson.loads((tmp_path / "a.json").read_bytes())["methods"]
-    assert set(methods) == {"held-out logs", "drivegen, mode paper", "drivegen, mode data"}
+    assert set(methods) == OURS
 
 
 def test_missing_logs_are_named(folder, tmp_path):

@@ -18,8 +18,10 @@ _NOTES = (
 
 _PLACED = {
     "held-out logs": "held-out logs",
-    "drivegen, mode paper": "DriveGen, mode paper",
-    "drivegen, mode data": "DriveGen, mode data",
+    "drivegen, mode paper": "DriveGen, mode paper, a target of its own",
+    "drivegen, mode paper, the log's target": "DriveGen, mode paper",
+    "drivegen, mode data": "DriveGen, mode data, a target of its own",
+    "drivegen, mode data, the log's target": "DriveGen, mode data",
     "trafficgen": "TrafficGen",
     "lctgen": "LCTGen, code of a training log",
     "lctgen_log_code": "LCTGen, code from the log (a bound, no method)",
@@ -114,7 +116,7 @@ def _first_frames(started: Mapping[str, Any]) -> Table:
         f"As many vehicles as the log has, on the maps of {started['scenes']} test scenes. Speed to the lane's middle: "
         "Wasserstein-1 distances to the logs', of all vehicles but the target, with 95 % bootstrap intervals over scenes; "
         "heading is against the lane's. The last two are shares of vehicles. All methods draw anew where vehicles would overlap.",
-        "TrafficGen and LCTGen are given the log's target; DriveGen draws its own, and in mode paper takes nothing but sizes "
+        "All are given the log's target, but in the two rows that say otherwise; in mode paper DriveGen takes nothing but sizes "
         "from logs. The bound's code says roughly where every logged vehicle stands and how fast it is.",
     )
     return Table("first_frames", "First frames on the maps of held-out logs", heads, tuple(rows), notes)
