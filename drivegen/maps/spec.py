@@ -49,7 +49,7 @@ class Alignment(_Part):
 
 
 class Arm(_Part):
-    """One road that meets a crossing or a roundabout, seen from there."""
+    """One road that meets a crossing or a roundabout, seen from there; its turn lanes are `pocket` long, half the arm at most."""
 
     angle: Angle
     lanes_in: NoOrMoreLanes = 1
@@ -58,6 +58,7 @@ class Arm(_Part):
     length: Length = 150.0
     left_turn_lane: bool = False
     right_turn_lane: bool = False
+    pocket: Annotated[float, Field(ge=15.0, le=500.0, allow_inf_nan=False)] = 60.0
     main: bool = True
 
     @model_validator(mode="after")
@@ -141,12 +142,16 @@ class Corridor(_Part):
 
 
 class Grid(_Part):
-    """Streets in both directions that cross at `rows` x `columns` places and go on beyond them."""
+    """Streets in both directions that cross at `rows` x `columns` places and go on beyond them.
+
+    `beyond` is how far [m]; None: as far as the streets are apart.
+    """
 
     kind: Literal["grid"] = "grid"
     rows: Annotated[int, Field(ge=1, le=8)] = 3
     columns: Annotated[int, Field(ge=1, le=8)] = 3
     spacing: Annotated[float, Field(ge=40.0, le=1000.0, allow_inf_nan=False)] = 120.0
+    beyond: Annotated[float, Field(ge=20.0, le=1000.0, allow_inf_nan=False)] | None = None
     lanes: Annotated[int, Field(ge=1, le=4)] = 1
     speed: Speed = 50 / 3.6
     control: Control = "yield"

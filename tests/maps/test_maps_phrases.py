@@ -36,7 +36,7 @@ def pair(road: Crossing) -> tuple[int, int]:
     [
         ("A signalised T-junction, three lanes on the main road, two on the side road", (3, 2)),
         ("crossroads: the north-south road has two lanes each way and the east-west road one, lights", (2, 1)),
-        ("intersection of a 4 lane avenue and a 2 lane street, signalized", (4, 2)),
+        ("intersection of a 4 lane avenue and a 2 lane street, signalized", (2, 1)),
         ("minor street meets major street, minor is stop-controlled, major has two lanes each way, minor one", (2, 1)),
         ("A T. The road that goes straight has 3 lanes per direction, the one that ends has a single lane", (3, 1)),
         ("丁字路口，有红绿灯，主路三车道，支路一车道", (3, 1)),

@@ -13,12 +13,15 @@ Place = tuple[str, Point]
 
 _RING_SPEED = 30 / 3.6
 _TURNING_RADIUS = 9.0
+_TURNING_PLACE = 2.6 * _TURNING_RADIUS
 _TURNING_SPEED = 15 / 3.6
 
 
 def compile_corridor(spec: Corridor, plain: PlainNetwork) -> None:
     """Draw the corridor from (0, 0) to the east."""
     line = lines.draw(spec.alignment)
+    if spec.dead_end and lines.length(line) > 3 * _TURNING_PLACE:  # the turning place is a part of the road
+        line = lines.part(line, 0.0, lines.length(line) - _TURNING_PLACE)
     start, end = _corner(line[0]), _corner(line[-1])
     plain.nodes.append(Node("w", *start))
     plain.nodes.append(Node("e", *end))

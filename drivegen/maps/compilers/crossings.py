@@ -9,9 +9,6 @@ from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
 LANE_WIDTH = 3.2
 """Width of a lane of a street [m], SUMO's own."""
 
-POCKET = 60.0
-"""Length of a turn lane [m]."""
-
 NODE_TYPES: dict[Control, str] = {
     "signals": "traffic_light",
     "all_way_stop": "allway_stop",
@@ -54,7 +51,7 @@ def add_arm(plain: PlainNetwork, name: str, arm: Arm, node: str, at: Point, turn
         if arm.lanes_in:
             plain.edges.append(Edge(f"{name}_in", name, node, arm.lanes_in, arm.speed, priority))
         return f"{name}_in" if arm.lanes_in else None
-    middle = start + min(POCKET, arm.length / 2) * direction
+    middle = start + min(arm.pocket, arm.length / 2) * direction
     plain.nodes.append(Node(f"{name}_p", float(middle[0]), float(middle[1])))
     if arm.lanes_out:
         plain.edges.append(Edge(f"{name}_out", node, f"{name}_p", arm.lanes_out, arm.speed, priority))

@@ -18,7 +18,8 @@ def compile_grid(spec: Grid, plain: PlainNetwork) -> None:
             crossing = 0 <= row < spec.rows and 0 <= column < spec.columns
             if crossing or 0 <= row < spec.rows or 0 <= column < spec.columns:
                 kind = NODE_TYPES[spec.control] if crossing else "priority"
-                plain.nodes.append(Node(_place(row, column), column * spec.spacing, row * spec.spacing, kind))
+                at = (_along(spec, column, spec.columns), _along(spec, row, spec.rows))
+                plain.nodes.append(Node(_place(row, column), *at, kind))
 
 
 def _street(spec: Grid, plain: PlainNetwork, stops: list[str], odd: bool) -> None:
@@ -27,6 +28,12 @@ def _street(spec: Grid, plain: PlainNetwork, stops: list[str], odd: bool) -> Non
             plain.edges.append(Edge(f"{a}_{b}", a, b, spec.lanes, spec.speed, MAIN))
         if not spec.one_way or odd:
             plain.edges.append(Edge(f"{b}_{a}", b, a, spec.lanes, spec.speed, MAIN))
+
+
+def _along(spec: Grid, index: int, count: int) -> float:
+    """Where the street `index` of `count` lies, or the end beyond the outermost ones [m]."""
+    beyond = spec.spacing if spec.beyond is None else spec.beyond
+    return -beyond if index < 0 else index * spec.spacing if index < count else (count - 1) * spec.spacing + beyond
 
 
 def _place(row: int, column: int) -> str:

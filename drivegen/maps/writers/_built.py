@@ -32,7 +32,8 @@ class Built:
     Attributes:
         lanes: numbers of lanes in one direction of any road, ring, ramp or part of one. totals: of both directions together.
         changes: by how many lanes a road becomes wider or narrower, and how many a turn lane adds.
-        speeds: [m/s]. lengths: [m] of roads, distances, radii and diameters. angles: [degrees].
+        speeds: [m/s]. lengths: [m] of roads, distances, radii and diameters. angles: [degrees]; gaps: those between
+            neighbouring arms of a crossing.
         arms: roads that meet at each junction. counts: how many there are of each thing, by its name.
         controls: how junctions are controlled.
     """
@@ -43,6 +44,7 @@ class Built:
     speeds: set[float] = field(default_factory=set)
     lengths: set[float] = field(default_factory=set)
     angles: set[float] = field(default_factory=lambda: {90.0, 180.0})
+    gaps: list[float] = field(default_factory=list)
     arms: list[int] = field(default_factory=list)
     counts: Counter[str] = field(default_factory=Counter)
     controls: Counter[str] = field(default_factory=Counter)
@@ -103,6 +105,10 @@ def _arms(found: Built, arms: Iterable[Arm]) -> None:
         found.lanes.add(arm.lanes_in + pockets)
         found.totals.add(arm.lanes_in + arm.lanes_out + pockets)
         found.counts["pocket"] += pockets
+        found.lengths |= {min(arm.pocket, arm.length / 2)} if pockets else set()
+    around = sorted(arm.angle % 360.0 for arm in arms)
+    found.gaps = [b - a for a, b in zip(around, [*around[1:], around[0] + 360.0], strict=True)]
+    found.lengths |= {a.length + b.length for a, b in combinations(arms, 2)}
     found.angles |= {abs(a.angle - b.angle) % 360.0 for a, b in combinations(arms, 2)}
 
 
@@ -110,8 +116,11 @@ def _line(found: Built, line: Alignment, straight: float) -> None:
     found.lengths |= {line.length, straight}
     found.counts["bend"] = len(line.turns)
     if line.turns:
-        found.lengths |= {line.radius, 2 * line.radius, math.radians(abs(line.angle)) * line.radius}
+        found.lengths |= {line.radius, 2 * line.radius}
         found.angles |= {abs(line.angle), sum(map(abs, line.turns))}
+        legs = len(line.turns) + 1 if line.shape == "hairpin" else 2
+        arcs = math.radians(abs(line.angle)) * line.radius * len(line.turns)
+        found.lengths |= {line.length - arcs, (line.length - arcs) / legs, math.radians(abs(line.angle)) * line.radius}
         found.counts["hairpin"] = len(line.turns) * (line.shape == "hairpin")
 
 
@@ -145,7 +154,7 @@ def _joined(found: Built, junction: Junction) -> None:
 def _grid(found: Built, road: Grid) -> None:
     found.road(road.lanes, 0 if road.one_way else road.lanes, road.speed)
     found.counts.update({"grid": 1, "rows": road.rows, "columns": road.columns, "streets": road.rows + road.columns})
-    found.lengths |= {road.spacing * k for k in range(1, max(road.rows, road.columns) + 2)}
+    found.lengths |= {road.spacing * k for k in range(1, max(road.rows, road.columns) + 2)} | {road.beyond or road.spacing}
     for _ in range(road.rows * road.columns):
         _place(found, 4, road.control)
 

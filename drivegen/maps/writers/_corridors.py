@@ -40,7 +40,8 @@ def _along(facts: Facts, words: JunctionWords, side: int, speed: float, nearest:
     if words.arms not in (None, 3, 4):
         raise UnusableInput("junctions in a row can have three or four arms", reason="impossible-map")
     ring = facts.lanes.get("ring", 1)
-    diameter = max(_SMALLEST_RING, min(36.0 + 8 * ring, nearest - _BETWEEN_RINGS))
+    told = facts.lengths.get("diameter") or 2.0 * facts.lengths.get("radius", 0.0)
+    diameter = told or max(_SMALLEST_RING, min(36.0 + 8 * ring, nearest - _BETWEEN_RINGS))
     form: Road = {"form": words.form, "sides": sides, "side_lanes": side, "ring_lanes": ring, "diameter": diameter}
     return {**form, "control": control, "side_speed": facts.speeds.get("side", speed)}
 
@@ -73,6 +74,8 @@ def _sides(facts: Facts, count: int) -> list[list[str]]:
         return [[turn] for turn in told]
     if facts.has("cross_streets"):
         return [["left", "right"]] * count
+    if facts.has("alternate") and not facts.has("same_side"):
+        return [["left" if (i % 2 == 0) != (facts.turn == "right") else "right"] for i in range(count)]
     if facts.turn or facts.has("same_side"):
         return [[facts.turn or "right"]] * count
     return [["left" if i % 2 == 0 else "right"] for i in range(count)]
@@ -142,6 +145,8 @@ def alignment(facts: Facts, choices: Choices, usual: tuple[int, int], radius: fl
     bends = facts.bends or (2 if shape == "s_curve" else 1)
     arcs = math.radians(angle) * bend * bends
     rest = 60.0 if angle > 180.0 else choices.length("straight roads beside the bend", 200, 300, step=20) * (bends + 1) / 2
+    if "straights" in facts.lengths:
+        rest = facts.lengths["straights"] * (bends + 1 if shape == "hairpin" else 2)
     length = facts.lengths.get("length") or arcs + rest
     line: Road = {"shape": shape, "length": length, "angle": -angle if facts.turn == "right" else angle, "radius": bend}
     return line | {"bends": facts.bends} if facts.bends else line

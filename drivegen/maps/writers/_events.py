@@ -26,6 +26,10 @@ def read_ramps(s: Sentence, facts: Facts) -> None:
     if not facts.interchange:
         _read_verbs(s, facts)
     _read_kept_lanes(s, facts)
+    for phrase in s.said("ramp"):  # where a ramp lies that was read by its lane
+        own = [e for e in facts.events if e.kind == f"{phrase.value.split('_')[0]}_ramp"]
+        if len(own) == 1 and own[0].position is None and own[0].gap is None:
+            own[0].position, own[0].gap = phrase.position, phrase.gap
     facts.events.sort(key=lambda event: event.at)
 
 
@@ -96,7 +100,10 @@ def _add_ramps(s: Sentence, facts: Facts, phrase: Phrase, kind: str, copies: int
             del facts.lengths["length"]
         return
     event = EventWords(kind, phrase.first, phrase.lanes, position=phrase.position, gap=phrase.gap, speed=phrase.speed)
-    facts.events += [replace(event) for _ in range(copies)]
+    each = {int(p.value): p for p in s.said("ordinal") if p.position or p.gap}  # "the first after 400 m, the second ..."
+    for k in range(1, copies + 1):
+        own = each.get(k) if copies > 1 else None
+        facts.events.append(replace(event, position=own.position, gap=own.gap) if own is not None else replace(event))
     if _both_kinds(s, phrase):
         facts.events.append(EventWords("off_ramp" if kind == "on_ramp" else "on_ramp", phrase.first - 1))
 
@@ -132,7 +139,7 @@ def _refers_back(s: Sentence, phrase: Phrase) -> bool:
     bare = phrase.value == "" and phrase.det == "" and phrase.number in (None, 1) and s.tokens[phrase.head].text == "ramp"
     if bare and not any(t.kind in ("verb", "that") for t in s.tokens[phrase.head + 1 : phrase.head + 3]):
         return True  # "exit: ramp one lane"
-    return any(t.text in ("the", "this", "that", "its", "which") for t in near)
+    return any(t.text in ("the", "this", "that", "its", "which", "both", "all", "each", "these") for t in near)
 
 
 def _direction(s: Sentence, phrase: Phrase) -> str:

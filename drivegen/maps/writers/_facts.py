@@ -12,7 +12,7 @@ class JunctionWords:
     Attributes:
         form: "crossing" or "roundabout". at: place in the text. arms: roads that meet, None unsaid. shape: "t", "y" or "".
         count: how many of them. control: its own, as `Facts.control`, or "unsignalled". side: of its side road.
-        gap: from the junction before it [m].
+        gap: from the junction before it [m]. position: from the start of the road [m].
     """
 
     form: str
@@ -23,6 +23,7 @@ class JunctionWords:
     control: str | None = None
     side: Side | None = None
     gap: float | None = None
+    position: float | None = None
 
 
 @dataclass
@@ -56,8 +57,9 @@ class Facts:
         from_lanes, to_lanes: of a road that narrows or widens. branches: lanes of the left and right branch of a fork.
         steps: in how many steps it does so. whole: the length said is that of the whole road.
         speeds: [m/s] by role "main", "side", "ramp", "ring". lengths: [m] by role "length", "spacing", "radius",
-            "diameter", "auxiliary", "offset", "position", "side", "median", "island" (in the middle of a ring).
-            angle: [degrees]. bends: how many, None unsaid.
+            "diameter", "auxiliary", "offset", "position", "side", "median", "island" (in the middle of a ring), "pocket" (of
+            turn lanes), "straights" (beside bends), "rest" (of the road, behind its last change), "beyond" (streets of a
+            grid, past its crossings). angle: [degrees]. bends: how many, None unsaid.
         one_way: places in the text of roads that are said to be one-way. two_way: a road is said to run both ways.
         side_places: side ("left", "right" or "") and position along the road [m] of side streets told one by one.
         pocket_role: of the road that has the turn lanes, "" all. interchange: its form, "" none.

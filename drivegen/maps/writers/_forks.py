@@ -8,6 +8,8 @@ from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._quantities import Lanes
 from drivegen.maps.writers._sentence import Sentence
 
+_TWO = 2
+
 
 def read_branches(s: Sentence, facts: Facts) -> None:
     """Roads that split, with the lanes of their branches: "two go left and one right"."""
@@ -17,8 +19,14 @@ def read_branches(s: Sentence, facts: Facts) -> None:
         if s.negated_at(i):
             s.use(i, i, "no fork")
             continue
+        if facts.has("fork") and s.word(i - 1, "det"):
+            s.use(i, i, "")  # "before and after the split"
+            continue
         facts.features.setdefault("fork", i)
         s.use(i, i, "road that splits into two")
+        subject = s.last_before(i, "road")
+        if subject is not None and subject.text.endswith("carriageway"):
+            facts.features.setdefault("carriageway", i)
         _read_branch_lanes(s, facts, i)
         for j in range(i + 1, min(len(s.tokens), i + 4)):
             if s.tokens[j].kind == "number" and s.tokens[j].number == 2:
@@ -27,6 +35,16 @@ def read_branches(s: Sentence, facts: Facts) -> None:
 
 def _read_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
     """Lanes of the branches after the verb at i: "two left, one right", "two lanes each", "into two and two"."""
+    apiece = next((item for item in s.lanes if item.first > i and item.per == "each" and _of_branches(s, i, item)), None)
+    if apiece is not None:
+        facts.branches = (apiece.count, apiece.count)
+        s.use(apiece.first, apiece.last, f"{apiece.count} lanes on each branch")
+    else:
+        _read_other_branch_lanes(s, facts, i)
+
+
+def _read_other_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
+    """Lanes told by sides, "each", or as two numbers."""
     turns = {t.value: j for j, t in enumerate(s.tokens) if t.kind == "turn"}
     if set(turns) == {"left", "right"}:
         counts = {side: _count_beside(s, j) for side, j in turns.items()}
@@ -51,6 +69,12 @@ def _read_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
         for item in s.lanes:
             if item.first in both:
                 s.used.update(range(item.first, item.last + 1))
+
+
+def _of_branches(s: Sentence, i: int, item: Lanes) -> bool:
+    """Whether the lanes are said right behind the two branches: "splits into two branches with two lanes apiece"."""
+    before = s.last_before(item.first, "arm", "road")
+    return before is not None and before.first > i and before.number == _TWO and item.first - before.head <= _TWO
 
 
 def _is_lanes(s: Sentence, j: int) -> bool:

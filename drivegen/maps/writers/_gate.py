@@ -48,7 +48,7 @@ _SILENT = frozenset(
 def refuse_lost_numbers(s: Sentence) -> None:
     """Raise UnusableInput at a number that counts or measures roads and that no rule took."""
     for i, token in enumerate(s.tokens):
-        if i in s.used or (token.kind == "number" and token.number == 1 and not _is_counted(s, i)):
+        if i in s.used or i in s.aside or (token.kind == "number" and token.number == 1 and not _is_counted(s, i)):
             continue
         if token.kind in _MEASURES or (token.kind == "number" and _counts_roads(s, i)):
             last = min(i + 2, len(s.tokens))
@@ -95,6 +95,10 @@ def _counts_roads(s: Sentence, i: int) -> bool:
     """Whether the number at i counts what roads are made of, or stands where a number of them was asked for."""
     if [t.text for t in s.tokens[i + 1 : i + 3]] in (["of", "them"], ["of", "these"]) and s.word(i + 3, "verb"):
         return True
+    if s.word(i - 1, "det") and s.tokens[i - 1].value == "the" and not s.word(i + 1, "lane"):
+        following = s.tokens[i + 1].kind if i + 1 < len(s.tokens) else "stop"
+        if following in ("comma", "stop", "verb", "is", "and"):
+            return False  # "a lane that connects the two"
     for j in range(i + 1, min(i + 4, len(s.tokens))):
         if s.tokens[j].kind in _COUNTED:
             return True

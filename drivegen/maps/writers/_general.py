@@ -2,6 +2,7 @@
 
 from drivegen.maps.spec import Side
 from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._owners import role
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._rows import are_excepted, one_of_a_row, others_of_a_row, read_control_of_each
 from drivegen.maps.writers._sentence import Sentence
@@ -70,16 +71,23 @@ def _read_ways(s: Sentence, facts: Facts) -> None:
             continue
         phrase = next((p for p in s.phrases if p.first <= i <= p.head and p.kind == "road"), None)
         number = phrase.number if phrase is not None else None
+        if facts.one_way and phrase is not None and phrase.det == "the":
+            s.use(i, i, "")
+            continue
         facts.one_way += [i] * max(1, min(2, number or 1))
         s.use(i, i, "one-way")
     for phrase in s.said("road", "one_way"):
         if phrase.head not in facts.one_way:
             facts.one_way.append(phrase.head)
             s.use(phrase.head, phrase.head, "one-way")
-    facts.two_way |= any("both" in s.tokens[i].text.split() for i in s.of_kind("each", ""))
+    facts.two_way |= any(_is_both_ways(s.tokens[i].text.split()) for i in s.of_kind("each", ""))
     for i in s.of_kind("two_way"):
         facts.two_way = True
         s.use(i, i, "two-way")
+
+
+def _is_both_ways(words: list[str]) -> bool:
+    return "both" in words and words[-1] in ("directions", "ways")
 
 
 def read_shapes(s: Sentence, facts: Facts) -> None:
@@ -143,8 +151,11 @@ def read_pockets(s: Sentence, facts: Facts) -> None:
         before = s.tokens[phrase.first - 2 : phrase.first] if phrase.first >= 2 else []
         if phrase.words.get("turn") or (before and before[0].kind == "turn" and before[1].kind in ("and", "or")):
             sides = "left right"
-        where = s.governed(phrase.head) or _told_before(s, phrase.first)
-        facts.pocket_role = where.role if where is not None and where.kind == "road" else ""
+        last = phrase.head
+        while last + 1 < len(s.tokens) and (s.tokens[last + 1].kind in ("length", "long") or s.word(last + 2, "length")):
+            last += 1  # "turn lanes of 40 m on the main road"
+        where = s.governed(last) or _told_before(s, phrase.first)
+        facts.pocket_role = role(s, where) if where is not None and where.kind == "road" and where.det != "" else ""
         facts.left_pocket |= "left" in sides
         facts.right_pocket |= "right" in sides
         s.use(phrase.first, phrase.head, f"turn lanes ({sides.replace(' ', ' and ')})")

@@ -44,6 +44,8 @@ def _fit(facts: Facts, choices: Choices, events: list[EventWords], speed: float,
     Raises UnusableInput where the whole road is said to be shorter than its events need at least.
     """
     placed, needed = _place(facts, events, speed)
+    if "rest" in facts.lengths and "length" not in facts.lengths:
+        line["length"] = max(needed - _LAST + facts.lengths["rest"], 20.0)
     if not events or line["length"] >= needed:
         return placed
     if "length" in facts.lengths:
@@ -69,7 +71,7 @@ def fork(facts: Facts, choices: Choices) -> Road:
     length = facts.lengths.get("length") or choices.length("arms", 140, 200)
     fast = facts.has("highway")
     speed = choices.speed(facts, highway=fast)
-    if fast or facts.branches or (facts.one_way and not facts.two_way) or facts.events:
+    if fast or facts.branches or facts.has("carriageway") or (facts.one_way and not facts.two_way) or facts.events:
         left, right = facts.branches or ((lanes + 1) // 2, max(1, lanes - (lanes + 1) // 2))
         told = facts.branches and not (facts.lanes or facts.other_lanes)
         lanes = left + right if told else max(left, right, min(lanes, left + right))

@@ -10,6 +10,7 @@ from drivegen.errors import UnusableInput
 
 _ROAD = r"(?:road|street|highway|motorway|freeway|expressway|carriageway|avenue|lane)s?"
 _DEAD_END = r"(?:cul de sac|dead end(?: \w+)?|no through road|blind alley)s?"
+_PLACE = r"(?:crossings?|intersections?|junctions?|roundabouts?|arms|legs|streets|roads)"
 _THAT = r"(?:(?:that|which|but|and|yet|,) )*"
 _END = r"(?: ?[,.]| at all| whatsoever|$)"
 _IMPOSSIBLE = {
@@ -19,7 +20,8 @@ _IMPOSSIBLE = {
     r"(?:arms|legs|roads|approaches|branches) (?:\w+ ){0,5}same direction": "roads that meet must lie apart",
     rf"parallel {_ROAD} {_THAT}(?:cross|intersect|meet)(?= each| 1 another| one another| at| in|{_END})": "parallels never meet",
     rf"straight {_ROAD} (?:that|which) (?:is|forms|makes) an? (?:full )?(?:circle|ring|loop)": "what is straight has no bends",
-    rf"{_DEAD_END} {_THAT}(?:is |are |being )?(?:open|connected|joined|linked)(?: to \w+)? at (?:both|either) ends?": (
+    rf"{_DEAD_END}\b[^.]*? (?:open|connected|joined|linked)(?: to \w+)? at (?:both|either) ends?": "a dead end has one way out",
+    rf"{_DEAD_END}\b[^.]*? (?:both (?:its |of its )?ends (?:being |are )?(?:open|connected|joined)|through traffic)": (
         "a dead end has one way out"
     ),
     rf"{_DEAD_END} (?:that|which) (?:leads?|runs?|goes|continues) (?:straight |right |on )*(?:through|to)\b": (
@@ -44,7 +46,7 @@ def _different(a: str, unit_a: str, b: str, unit_b: str) -> bool:
 _COMPARED: tuple[tuple[str, Callable[..., bool], str], ...] = (
     (rf"{_LENGTH}(?: apart| long)? {_TOO}{_OF_IT} {_LENGTH}", _different, "lengths differ"),
     (
-        rf"{_N} (?:[a-z]+ ){{1,5}}?(?:, )?of (?:which|them|these) (?:only )?{_N}(?! (?:m|km|kmh|mph|lanes?|arms?)\b)",
+        rf"{_N} (?:\w+ )?{_PLACE}\b[^.]{{0,60}}? of (?:which|them|these) (?:only )?{_N}(?! (?:m|km|kmh|mph|lanes?|arms?)\b)",
         lambda all_of_them, some: float(some) > float(all_of_them),
         "some are no more than all",
     ),

@@ -4,6 +4,7 @@ import re
 from typing import get_args
 
 from drivegen.maps.spec import Control
+from drivegen.maps.writers._arms import read_arms
 from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._layouts import read_grid
 from drivegen.maps.writers._phrases import Phrase
@@ -31,7 +32,7 @@ def read_junctions(s: Sentence, facts: Facts) -> None:
         s.use(ring.head, ring.head, "roundabout")
     _read_ways_that_stop(s, facts)
     read_arms_of_a_row(s, facts)
-    _read_arms(s, facts)
+    read_arms(s, facts)
     _read_counted_signals(s, facts)
 
 
@@ -51,6 +52,9 @@ def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:
         facts.control = facts.control or _one_for_all(phrase)
         s.use(phrase.first, phrase.head, "staggered junction")
         return
+    of_lanes = {j for item in s.lanes for j in range(item.first, item.last + 1)}
+    if any(s.word(j, "number") and j in s.used and j not in of_lanes for j in range(phrase.first, phrase.head)):
+        phrase.number = None  # "splits in two like the letter Y"
     _use_words(s, phrase)
     arms = phrase.arms or _ways(s, phrase)
     if _is_of_a_row(s, facts, phrase, arms):
@@ -69,7 +73,14 @@ def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:
     if phrase.arms is None and arms is not None:
         count = 1
     junction = JunctionWords(
-        form, phrase.first, arms or (_FEWEST if shape else None), shape, count, _own_control(phrase), gap=phrase.gap
+        form,
+        phrase.first,
+        arms or (_FEWEST if shape else None),
+        shape,
+        count,
+        _own_control(phrase),
+        gap=phrase.gap,
+        position=phrase.position,
     )
     following = s.tokens[phrase.head + 1 : phrase.head + 2]
     if following and following[0].kind == "turn":
@@ -181,73 +192,6 @@ def _is_explained(s: Sentence, at: int, phrase: Phrase) -> bool:
 def _refers_back(s: Sentence, phrase: Phrase) -> bool:
     near = s.tokens[max(0, phrase.first - 1) : phrase.head + 1]
     return phrase.det == "the" or any(t.text in ("each", "every", "all", "both", "its") for t in near)
-
-
-def _read_arms(s: Sentence, facts: Facts) -> None:
-    """A number of roads or arms that meet: at the junction mentioned, or making one."""
-    for phrase in (*s.said("arm"), *s.said("road"), *s.said("ramp", "off_or_arm", "on_or_arm")):
-        number = phrase.number or _counted_before(s, phrase)
-        if phrase.head in s.used or number is None or number < 2 or phrase.role:
-            continue
-        if facts.has("grid") or (phrase.kind == "ramp" and not facts.junctions):
-            continue
-        if _crosses(s, phrase):
-            continue
-        _give_arms(s, facts, phrase, number)
-
-
-def _counted_before(s: Sentence, phrase: Phrase) -> int | None:
-    if phrase.first and s.word(phrase.first - 1, "number") and phrase.kind == "arm":
-        return s.tokens[phrase.first - 1].number
-    return None
-
-
-def _crosses(s: Sentence, phrase: Phrase) -> bool:
-    """Whether the streets cross another one after another: "crossed by four streets", "crosses three roads"."""
-    before = s.tokens[max(0, phrase.first - 3) : phrase.first]
-    return any(t.kind == "verb" and t.value == "cross" for t in before)
-
-
-def _give_arms(s: Sentence, facts: Facts, phrase: Phrase, number: int) -> None:
-    single = [j for j in facts.junctions if j.count == 1]
-    s_meet = _meets(s, phrase)
-    if phrase.kind != "arm" and not single and not s_meet:
-        return
-    if facts.has("staggered", "fork") or (not facts.junctions and _of_a_road(s, phrase)):
-        return
-    arms = 4 if number == 2 and phrase.kind == "road" else number
-    if not facts.junctions:
-        if phrase.kind == "road" and not s_meet:
-            return
-        facts.junctions.append(JunctionWords("crossing", phrase.first, arms))
-    else:
-        nearest = min(facts.junctions, key=lambda j: abs(j.at - phrase.first))
-        if phrase.kind == "road" and number == 2:
-            arms = nearest.arms or (4 if nearest.form == "crossing" else None) or 4
-            if nearest.form == "roundabout":
-                return
-        if nearest.arms not in (None, arms):
-            return  # a contradiction: the number stays over, and is refused
-        nearest.arms = arms
-    s.use(phrase.first, phrase.head, f"{number} roads meet")
-    if s.word(phrase.first - 1, "number"):
-        s.used.add(phrase.first - 1)
-
-
-def _of_a_road(s: Sentence, phrase: Phrase) -> bool:
-    """Whether the arms are said of a road: "a bypass with six arms"."""
-    before = s.last_before(phrase.first, "road")
-    return before is not None and phrase.first - before.head <= 2 and s.word(before.head + 1, "with")
-
-
-def _meets(s: Sentence, phrase: Phrase) -> bool:
-    near = s.tokens[max(0, phrase.first - 3) : phrase.first] + s.tokens[phrase.head + 1 : phrase.head + 6]
-    for token in near:
-        if token.kind == "stop":
-            break
-        if token.kind == "verb" and token.value in ("meet", "cross", "join"):
-            return True
-    return False
 
 
 def _read_counted_signals(s: Sentence, facts: Facts) -> None:

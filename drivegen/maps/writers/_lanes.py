@@ -9,23 +9,39 @@ from drivegen.maps.writers._sentence import Sentence
 
 _OWNERS = ("road", "ramp", "ring", "place", "arm")
 _MOST = 8
+_LEAST_TOTAL = 4
 
 
 def read_lanes(s: Sentence, facts: Facts) -> None:
     """Fill in the lane numbers."""
     said = [item for item in s.lanes if item.first not in s.used]
     explicit = {item.count for item in said if item.per == "each"}
+    doubled = {2 * count for count in explicit}
+    in_all = any(_is_total(s, facts, item, owner(s, item.first, item.last, *_OWNERS)) for item in said)
     for item in said:
         phrase = owner(s, item.first, item.last, *_OWNERS)
         count = item.count
+        if (
+            in_all
+            and item.inside
+            and not item.per
+            and count == _LEAST_TOTAL // 2
+            and phrase is not None
+            and phrase.kind == "road"
+        ):
+            item.per = "total"  # "a four-lane arterial and a two-lane street"
         _refuse_other_number(s, item, phrase, said)
-        if item.per == "total" or _runs_both_ways(s, item, phrase):
+        if item.per == "total" or _runs_both_ways(s, item, phrase) or _is_total(s, facts, item, phrase):
             count = max(1, count // 2) if count else 0
-        elif item.per == "" and count not in explicit and count % 2 == 0 and count // 2 in explicit and _same_road(s, item, said):
+        elif item.per == "" and count not in explicit and count in doubled and _same_road(s, item, said) and not _of_ring(phrase):
             s.use(item.first, item.last, f"{_count(count // 2)} per direction")
             continue
         _give(s, facts, item, phrase, count)
     _read_elliptic(s, facts)
+
+
+def _of_ring(phrase: Phrase | None) -> bool:
+    return phrase is not None and (phrase.kind == "ring" or phrase.value == "roundabout")
 
 
 def _refuse_other_number(s: Sentence, item: Lanes, phrase: Phrase | None, said: list[Lanes]) -> None:
@@ -53,6 +69,22 @@ def _runs_both_ways(s: Sentence, item: Lanes, phrase: Phrase | None) -> bool:
         return True
     after = [t.kind for t in s.tokens[item.last + 1 : item.last + 3]]
     return after[:1] == ["two_way"] or (after == ["comma", "two_way"])
+
+
+def _is_total(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None) -> bool:
+    """Whether "six-lane boulevard" counts both directions, as roads are named; not where lanes or ramps come and go, of which
+    one carriageway is spoken.
+    """
+    if item.per or item.value or not item.inside or item.count < _LEAST_TOTAL or item.count % 2 or phrase is None:
+        return False
+    halves = any(other.per == "each" and 2 * other.count == item.count for other in s.lanes)  # told apart by `read_lanes`
+    changes = facts.has("lane_drop", "lane_gain", "lane_change", "fork") or any(s.verbs("merge"))
+    along = any(s.said("ramp")) or any(s.said("weaving")) or any(s.said("extra")) or any(s.of_kind("keeps"))
+    one_way = any(s.of_kind("one_way")) or any(s.said("road", "one_way")) or s.tokens[phrase.head].text.endswith("carriageway")
+    halves = (
+        halves or s.word(phrase.head + 1, "each") or s.word(phrase.head + 2, "each")
+    )  # "a four-lane motorway (per direction)"
+    return phrase.kind == "road" and not (halves or changes or along or one_way)
 
 
 def _same_road(s: Sentence, item: Lanes, said: list[Lanes]) -> bool:

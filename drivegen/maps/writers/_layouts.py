@@ -54,7 +54,8 @@ def _count_of(s: Sentence, label: int) -> int | None:
 
 
 def _take_size(s: Sentence, facts: Facts, i: int) -> None:
-    facts.grid = (int(s.tokens[i].amount[0]), int(s.tokens[i].amount[1]))
+    more = int(s.word(i + 1, "place") and s.tokens[i + 1].text.startswith("block"))  # streets on every side of a block
+    facts.grid = (int(s.tokens[i].amount[0]) + more, int(s.tokens[i].amount[1]) + more)
     s.use(i, i, f"grid of {facts.grid[0]} x {facts.grid[1]} streets")
     for j in range(i + 1, min(i + 3, len(s.tokens))):
         if s.tokens[j].kind in ("road", "place") and s.tokens[j].value != "roundabout":

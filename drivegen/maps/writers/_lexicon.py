@@ -24,3 +24,8 @@ def terms() -> tuple[Term, ...]:
         else:
             found.append((kind, "" if value == "-" else value, re.compile(rf"(?:{pattern})(?!\w)")))
     return tuple(found)
+
+
+def longest(words: dict[str, str]) -> list[str]:
+    """Words, longest first, so that none is found inside another."""
+    return sorted(words, key=lambda word: (-len(word), word))

@@ -1,129 +1,28 @@
-"""Speeds, lengths, angles and what each belongs to."""
+"""Lengths and angles, and what each measures."""
 
 from drivegen.maps.writers._facts import Facts
-from drivegen.maps.writers._owners import holds_for_all_of_a_ring, is_close, owner, role
-from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._owners import is_close
+from drivegen.maps.writers._places_along import give_to_part
 from drivegen.maps.writers._sentence import Sentence
 
-_KMH = 1 / 3.6
-_LEAST_BARE_SPEED = 10
-_MOST_BARE_SPEED = 130
 _WIDEST_MEDIAN = 100.0
 _NEAR_ISLAND = 5
+_PAIR = 2
+_NEAR_THING = 7
 _CUES = ("radius", "diameter", "spacing", "offset", "later", "before", "start", "long", "auxiliary", "weaving", "median")
-_EVENTS = ("ramp", "weaving", "extra")
-
-
-def read_speeds(s: Sentence, facts: Facts) -> None:
-    """Speed limits, with or without a unit; the speeds of cars are left to whoever reads vehicles."""
-    for i, token in enumerate(s.tokens):
-        if i in s.used:
-            continue
-        if token.kind == "speed" and not _is_driven(s, i):
-            _give_speed(s, facts, i, token.amount[0], f"{_shown(token.text)}")
-        elif token.kind == "number" and token.amount[0] >= _LEAST_BARE_SPEED and _is_bare_speed(s, facts, i):
-            _give_speed(s, facts, i, token.amount[0] * _KMH, f"{token.amount[0]:g} km/h")
-
-
-def _shown(text: str) -> str:
-    return text.replace("kmh", "km/h").replace("mps", "m/s")
-
-
-def _clause(s: Sentence, i: int) -> int:
-    """Where the clause of token i begins."""
-    while i > 0 and s.tokens[i - 1].kind not in ("stop", "comma", "and", "but"):
-        i -= 1
-    return i
-
-
-def _is_driven(s: Sentence, i: int) -> bool:
-    clause = s.tokens[_clause(s, i) : i]
-    return any(t.kind == "driving" for t in clause) and not any(t.kind == "speed_word" for t in clause)
-
-
-def _is_bare_speed(s: Sentence, facts: Facts, i: int) -> bool:
-    following = s.tokens[i + 1] if i + 1 < len(s.tokens) else None
-    if following is not None and following.kind == "speed_word":
-        return True
-    if following is not None and following.kind in ("lane", "arm", "place", "road", "driving"):
-        return False
-    if any(t.kind == "speed_word" for t in s.tokens[_clause(s, i) : i]):
-        return True
-    return (bool(facts.speeds) and s.governed(i) is not None) or (not facts.speeds and _stands_alone(s, i))
-
-
-def _stands_alone(s: Sentence, i: int) -> bool:
-    """Whether a round number that is left by itself can only be a limit: "two lanes each way, 90"."""
-    ends = i + 1 == len(s.tokens) or s.tokens[i + 1].kind in ("comma", "stop")
-    begins = i > 0 and s.tokens[i - 1].kind in ("comma", "stop", "each")
-    return ends and begins and s.tokens[i].number % 10 == 0 and 20 <= s.tokens[i].number <= _MOST_BARE_SPEED
-
-
-def _give_speed(s: Sentence, facts: Facts, i: int, speed: float, shown: str) -> None:
-    who = "main" if holds_for_all_of_a_ring(s, i) else _speed_role(s, facts, i)
-    phrase = owner(s, i, i, "ramp")
-    if who == "ramp" and phrase is not None and phrase.speed is None:
-        phrase.speed = speed
-    if (who or "main") == "main" and "main" in facts.speeds and _names_the_road_again(s, facts, i):
-        facts.speeds["ramp"] = facts.speeds.pop("main")  # the earlier one was said of the ramp
-        s.notes[:] = [(at, words, f"{m} on the ramp" if m.startswith("speed limit") else m) for at, words, m in s.notes]
-    facts.speeds.setdefault(who or "main", speed)
-    if holds_for_all_of_a_ring(s, i):
-        facts.speeds.setdefault("ring", speed)
-    first = i
-    while (first > 0 and s.tokens[first - 1].kind in ("speed_word", "is")) or (
-        first > 0 and s.tokens[first - 1].text in ("of", "at", "to")
-    ):
-        first -= 1
-    last = i + 1 if s.word(i + 1, "speed_word") else i
-    s.use(first, last, f"speed limit {shown}" + (f" on the {who}" if who and who != "main" else ""))
-
-
-def _names_the_road_again(s: Sentence, facts: Facts, i: int) -> bool:
-    """Whether the speed at i stands right behind a highway, and one before it behind words on a ramp."""
-    highway = next((p for p in s.said("road") if p.head == i - 1 and p.words.get("class") == "highway"), None)
-    ramp = next((p for p in s.said("ramp") if p.head < i), None)
-    return highway is not None and ramp is not None and "ramp" not in facts.speeds
-
-
-def _speed_role(s: Sentence, facts: Facts, i: int) -> str:
-    inside = next((p for p in s.phrases if p.first <= i < p.head and p.kind in ("road", "ramp", "ring", "place")), None)
-    governed = s.governed(i)
-    if governed is None and s.word(i + 1, "speed_word"):
-        governed = s.governed(i + 1)
-    if governed is not None and ((governed.det == "" and (governed.number or 0) > 1) or _all(s, governed)):
-        return "main"
-    beside = next((p for p in s.said("road") if p.first == p.head == i + 1 and p.role), None)  # "60 km/h main, 40 minor"
-    phrase = inside or governed or beside
-    if phrase is not None:
-        return role(s, phrase)
-    before = s.last_before(i, "road", "ramp", "ring", "place")
-    if before is None or before.kind == "place" or (before.value.endswith("_or_arm") and any(s.said("place"))):
-        return "main"
-    who = role(s, before)
-    if who in ("ramp", "side", "ring") and not is_close(s, before, i) and "main" not in facts.speeds:
-        return "main"
-    if who == "side" and not before.role and not is_close(s, before, i):
-        return "main"
-    return who
-
-
-def _all(s: Sentence, phrase: Phrase) -> bool:
-    near = s.tokens[max(0, phrase.first - 1) : phrase.head + 1]
-    return any(t.text in ("all", "both", "each", "every") for t in near)
 
 
 def read_lengths(s: Sentence, facts: Facts) -> None:
     """Lengths by role; the words beside a number tell what it measures."""
     for i in s.of_kind("length"):
-        if i in s.used:
+        if i in s.used or i in s.aside:
             continue
         if _goes_on_a_list(s, i):
             s.use(i, i, f"position {s.tokens[i].text}")
             continue
         metres, cue = s.tokens[i].amount[0], _cue(s, i)
         name = _named(s, i, cue)
-        if name in ("gap", "position") and _give_to_part(s, facts, i, name, metres, cue):
+        if name in ("gap", "position") and give_to_part(s, facts, i, name, metres, cue):
             pass
         elif name == "gap":
             changes = facts.has("lane_drop", "lane_gain", "lane_change") and not facts.junctions
@@ -189,11 +88,8 @@ def _has_length(s: Sentence, j: int, i: int) -> bool:
 
 def _named(s: Sentence, i: int, cue: int | None) -> str:
     kind = s.tokens[cue].kind if cue is not None else ""
-    near = s.last_before(i, "central", "ring", "road", "arm", "place")
-    if kind in ("", "diameter") and near is not None and near.kind == "central" and i - near.head <= _NEAR_ISLAND:
-        return "island"
-    if s.word(i + 1, "place") and s.tokens[i + 1].text == "blocks":
-        return "spacing"
+    if (thing := _of_ring(s, i, kind) or _own_thing(s, i)) is not None:
+        return thing
     if kind in ("", "diameter", "median") and s.tokens[i].amount[0] <= _WIDEST_MEDIAN and _is_of_median(s, i):
         return "median"
     if kind == "spacing" and s.tokens[cue or 0].text in ("away", "distance"):
@@ -208,6 +104,34 @@ def _named(s: Sentence, i: int, cue: int | None) -> str:
     if _is_inside(s, i, "auxiliary", "weaving"):
         return "auxiliary"
     return _what_is_long(s, i)
+
+
+def _of_ring(s: Sentence, i: int, kind: str) -> str | None:
+    """Whether the length is that of a ring or of its island: "a roundabout of 26 m", "a central island of 20 m"."""
+    near = s.last_before(i, "central", "ring", "road", "arm", "place")
+    if near is None or kind not in ("", "diameter") or i - near.head > _NEAR_ISLAND:
+        return None
+    if near.kind == "central":
+        return "island"
+    one = near.value == "roundabout" and (near.number or 1) == 1
+    return "diameter" if one and near.head == i - 2 and s.tokens[i - 1].text == "of" and kind == "" else None
+
+
+def _own_thing(s: Sentence, i: int) -> str | None:
+    """What else the length belongs to: a turn lane, the straights beside a bend, the ends of a grid's streets."""
+    after = [t.text for t in s.tokens[i + 1 : i + 4]]
+    if s.word(i + 1, "place") and after[0] == "blocks":
+        return "spacing"
+    inside = next((p for p in s.phrases if p.first <= i < p.head), None)
+    before = s.last_before(i, "pocket", "road", "arm", "place", "ramp", "shape")
+    close = before is not None and i - before.head <= _NEAR_THING and not s.between(before.head, i, "stop", "place", "road")
+    if (inside is not None and inside.kind == "pocket") or (close and before is not None and before.kind == "pocket"):
+        return "pocket" if not any(t == "apart" for t in after) else None
+    if "more" in after[:1] and any(s.verbs("gain", "widen", "narrow", "lose")):
+        return "rest"
+    if any("straight" in text.split() for text in after[:3]) and any(s.said("shape", "curve", "s_curve", "hairpin")):
+        return "straights"
+    return "beyond" if any(text.startswith("beyond") for text in after[:2]) and any(s.said("place", "grid")) else None
 
 
 def _is_of_median(s: Sentence, i: int) -> bool:
@@ -228,6 +152,11 @@ def _what_is_long(s: Sentence, i: int) -> str:
     road = next((p for p in s.phrases if p.kind == "road" and p.first <= i < p.head), None)
     if road is not None and any(t.value == "meet" for t in s.tokens[max(0, road.first - 2) : road.first]):
         return "spacing"  # "linked by a 120 m road"
+    if s.word(i - 1, "total") or s.word(i + 1, "total"):
+        return "length"
+    after = next((p for p in s.phrases if i < p.head <= i + 4), None) if s.word(i + 1, "long") else None
+    if after is not None and after.kind in ("auxiliary", "weaving", "arm"):  # "a 250 m long deceleration lane"
+        return "side" if after.kind == "arm" else "auxiliary"
     before = s.last_before(i, "auxiliary", "weaving", "road", "arm", "ramp", "place", "shape", "dead_end", "divided")
     near = s.tokens[i - 1].text if i else ""
     if any(s.said("weaving")) and (near in ("within", "over") or not any(s.said("road"))):
@@ -243,64 +172,13 @@ def _what_is_long(s: Sentence, i: int) -> str:
     return "length"
 
 
-def _give_to_part(s: Sentence, facts: Facts, i: int, name: str, metres: float, cue: int | None) -> bool:
-    """Note where a ramp or junction lies, or how far from the one before it; whether there is one."""
-    kinds = (*_EVENTS, "place")
-    start = _clause(s, i)
-    if _give_to_change(facts, i, start, metres):
-        return True
-    before = next((p for p in reversed(s.phrases) if start <= p.head < i and p.kind in kinds and not p.negated), None)
-    after = next(
-        (p for p in s.phrases if p.first > i and p.kind in kinds and not p.negated and not s.between(i, p.first, "stop")), None
-    )
-    if name == "position":
-        part = before or s.last_before(i, *kinds) or after
-        side = s.last_before(i, "road")
-        if side is not None and side.role == "side" and side.det != "the" and side.head >= start:
-            part = side
-        if part is not None and part.kind == "extra":
-            _place_change(facts, part.head, metres)
-        elif part is not None:
-            part.position = metres
-        return part is not None
-    parts = [p for p in s.phrases if p.kind in kinds and not p.negated]
-    is_before = cue is not None and s.tokens[cue].kind == "before"
-    part = after if is_before or before is None or before is parts[0] else before
-    part = part or before
-    if part is None:
-        return False
-    if part is parts[0] and not is_before:
-        part.position = metres
-    else:
-        part.gap = metres
-    return True
-
-
-def _give_to_change(facts: Facts, i: int, start: int, metres: float) -> bool:
-    """Note where lanes end or begin, if that is said before the length in its clause; whether it is."""
-    changes = [event for event in facts.events if start <= event.at < i and event.kind.startswith("lane")]
-    numbered = facts.from_lanes is not None and any(start <= facts.features.get(k, -1) < i for k in ("lane_drop", "lane_gain"))
-    if not changes and not numbered:
-        return False
-    if any(changes[-1:]) and changes[-1] is not facts.events[0] and changes[-1].gap is None and changes[-1].position is None:
-        changes[-1].gap = metres
-    else:
-        _place_change(facts, changes[0].at if changes else -1, metres)
-    return True
-
-
-def _place_change(facts: Facts, at: int, metres: float) -> None:
-    """The first change of lanes, or the one at a token, lies so far from the start of the road."""
-    event = next((event for event in facts.events if event.at == at and event.position is None), None)
-    if event is not None and event.gap is None:
-        event.position = metres
-    elif event is None:
-        facts.lengths.setdefault("position", metres)
-
-
 def read_angles(s: Sentence, facts: Facts) -> None:
     """One angle: of a bend, a fork or a skew crossing."""
     for i in s.of_kind("angle"):
+        two = s.last_before(i, "arm", "road")  # "its two upper branches are 60 degrees apart"
+        if two is not None and any(t.text == "apart" for t in s.tokens[i : i + 2]) and two.head + 4 > i:
+            numbers = [j for j in range(two.first - 2, two.head) if s.word(j, "number") and s.tokens[j].number == _PAIR]
+            s.used.update(numbers)
         facts.angle = s.tokens[i].amount[0] if facts.angle is None else facts.angle
         s.use(i, i, f"angle {s.tokens[i].amount[0]:g} degrees")
     for i in s.of_kind("right_angle"):

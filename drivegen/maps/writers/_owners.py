@@ -11,6 +11,10 @@ def roads(s: Sentence) -> list[list[Phrase]]:
     """The roads that are spoken of, each with the phrases that mean it, in order; "the road" is one that was named before."""
     groups: list[list[Phrase]] = []
     for phrase in s.said("road"):
+        named = s.governed(phrase.head) if phrase.first == phrase.head and phrase.role == "main" else None
+        if named is not None and named.kind == "road" and not named.role:
+            named.words["role"] = phrase.role  # "priority for the north-south road"
+    for phrase in s.said("road"):
         if known := _known(s, groups, phrase):
             known.append(phrase)
         else:
@@ -26,10 +30,15 @@ def _known(s: Sentence, groups: list[list[Phrase]], phrase: Phrase) -> list[Phra
                 return group
     if phrase.role or not groups:
         return None
+    if phrase.words.get("label") and phrase.det == "a":
+        return None
     if phrase.words.get("label"):
         free = [g for g in groups if not any(p.words.get("label") or p.role for p in g) and (g[0].number or 1) == 1]
         labelled = any(p.words.get("label") for g in groups for p in g)
         return None if labelled or not free else free[0]
+    noun = phrase.text.split()[-1]
+    if phrase.det == "the" and (same := [g for g in groups if any(p.text.split()[-1] == noun for p in g)]):
+        return same[0]  # "the boulevard" is the six-lane boulevard
     previous = groups[-1][-1]
     new = phrase.det == "another" or (phrase.det == "a" and s.between(previous.head, phrase.first, *_APART))
     new = new or (phrase.det == "" and phrase.lanes is not None and s.between(previous.head, phrase.first, "verb", "and"))
@@ -55,12 +64,29 @@ def role(s: Sentence, phrase: Phrase) -> str:
     said = next((p.role for p in here if p.role), "")
     if said:
         return said
+    if (told := _by_its_end(s, here)) and len(groups) > 1:
+        return told
     named = {p.role for g in groups for p in g if p.role}
     if "main" in named:
-        other = "side" not in named and phrase.det in ("a", "another") and phrase.words.get("class") != "highway"
+        other = "side" not in named and (phrase.det in ("a", "another") or any(p.words.get("label") for p in here))
+        other = other and phrase.words.get("class") != "highway"
         return "side" if other else "main"
     rest = [g for g in groups if not any(p.role for p in g)]
+    rest.sort(key=lambda g: not any(p.words.get("class") in ("arterial", "highway") for p in g))
     return "main" if here is rest[0] else "side" if here is rest[1] and "side" not in named else ""
+
+
+def _by_its_end(s: Sentence, here: list[Phrase]) -> str:
+    """The side road ends at the main one: "a one-lane road ends at an east-west road with two lanes"."""
+    for i in s.verbs("end_at"):
+        subject, target = s.last_before(i, "road"), s.next_after(i, "road")
+        if subject is None or target is None or s.negated_at(i) or subject.role or target.role == "side":
+            continue
+        if any(p is subject for p in here):
+            return "side"
+        if any(p is target for p in here):
+            return "main"
+    return ""
 
 
 def owner(s: Sentence, first: int, last: int, *kinds: str) -> Phrase | None:
@@ -93,7 +119,8 @@ def holds_for_all_of_a_ring(s: Sentence, i: int) -> bool:
     rings = [p.head for p in s.said("ring") if abs(p.head - i) <= _NEAR]
     arms = [p.head for p in (*s.said("arm"), *s.said("road")) if abs(p.head - i) <= _NEAR]
     joined = [sorted((ring, arm)) for ring in rings for arm in arms if (ring < i) == (arm < i)]
-    return any(_are_joined(s, first, last) for first, last in joined)
+    near = [(a, b) for a, b in joined if not s.between(min(b, i), max(a, i), "comma")]
+    return any(_are_joined(s, first, last) for first, last in near)
 
 
 def _are_joined(s: Sentence, first: int, last: int) -> bool:

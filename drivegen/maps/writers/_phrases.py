@@ -136,6 +136,13 @@ def _first(tokens: list[Token], start: int, head: int, lane_at: dict[int, Lanes]
         plural = tokens[lanes.last].text.endswith("lanes") or tokens[lanes.last].kind in ("each", "total")
         if lanes.count > 1 and tokens[head].kind == "road" and any(t.text == "lane" for t in tokens[lanes.first : i + 1]):
             continue  # "a four-lane-per-direction expressway"
+        if (
+            lanes.last == head - 1
+            and tokens[head].kind == "road"
+            and tokens[lanes.last].kind == "each"
+            and tokens[lanes.first + 1].text == "lane"
+        ):
+            continue  # "a single-lane-per-direction road"
         if tokens[head].kind not in _HOLDS_LANES or (plural and (follows_a_head or tokens[lanes.last].kind != "lane")):
             first = i + 1
     while first < head and tokens[first].kind in ("unknown", "each", "total", "length", "speed", "long", "speed_word", "angle"):
@@ -210,17 +217,18 @@ def _negate(tokens: list[Token], found: list[Phrase]) -> None:
             continue
         # "none of them with lights": what stands right behind the negation does not end it.
         reach = i + 2 if i + 1 < len(tokens) and tokens[i + 1].kind == "with" else i + 1
-        begin = reach
+        begin, before_it = reach, ""
         for phrase in (p for p in found if p.head > i):
             between = tokens[reach : phrase.head]
-            if any(t.kind in _ENDS_NEGATION for t in between):
-                break
-            if reach > begin and not _goes_on(tokens, reach, phrase.head):
+            of_it = reach > begin and before_it == "place" and phrase.kind == "control" and [t.kind for t in between] == ["with"]
+            if any(t.kind in _ENDS_NEGATION for t in between) and not of_it:
+                break  # but "no junctions with lights" denies both
+            if reach > begin and not of_it and not _goes_on(tokens, reach, phrase.head):
                 break
             if len(between) > 5:
                 break
             phrase.negated = True
-            reach = phrase.head + 1
+            reach, before_it = phrase.head + 1, phrase.kind
 
 
 def _goes_on(tokens: list[Token], reach: int, head: int) -> bool:

@@ -14,6 +14,8 @@ def read_relations(s: Sentence, facts: Facts) -> None:
     """Roads that cross, meet, join or end at one another make junctions where none was named."""
     if any(t.text.endswith("same side") for t in s.tokens):
         facts.features.setdefault("same_side", 0)
+    if any(t.text.startswith("alternat") for t in s.tokens):
+        facts.features.setdefault("alternate", 0)
     for i in s.verbs("cross"):
         if not s.negated_at(i):
             _read_crossing_verb(s, facts, i)
@@ -32,6 +34,7 @@ def _read_opposite_sides(s: Sentence, facts: Facts) -> bool:
     two = any(p.number == 2 for p in sides)
     another = any(p.det == "another" for p in s.said("road") if sides and p.head > sides[0].head)
     turns = {t.value for t in s.tokens if t.kind == "turn"}
+    another = another or any(i > sides[0].head for i in s.of_kind("ordinal", "2")) if sides else False
     both = turns == {"left", "right"} or any(t.text in _OPPOSITE for t in s.tokens)
     if not both or not (two or another) or facts.has("staggered", "grid") or any(j.count > 1 for j in facts.junctions):
         return False
@@ -171,6 +174,9 @@ def _drawn_as(s: Sentence, facts: Facts, at: int, another: bool) -> str:
     if any(t.text in ("same", "opposite", "facing") for t in s.tokens) and "spacing" not in facts.lengths:
         facts.junctions[:] = [JunctionWords("crossing", at, 4)]
         return "crossing"
+    for place in s.said("place", "t", "crossing"):
+        if another and (apart := place.gap or place.position):
+            facts.lengths.setdefault("offset", apart)
     if another or any(name in facts.lengths for name in ("spacing", "offset")):
         facts.junctions.clear()
         facts.features["staggered"] = at

@@ -15,6 +15,7 @@ from drivegen.maps.writers._highways import fork, highway
 Road = dict[str, Any]
 
 _ROUNDED = 0.9
+_SHORTEST_ARM = 20.0
 _NEARLY = 15.0  # roads that meet at about 120 degrees make a Y, not a T
 _LEAST_Y, _MOST_Y = 20.0, 160.0  # between the branches of a Y [degrees]
 
@@ -80,10 +81,21 @@ def _crossing(facts: Facts, choices: Choices) -> Road:
         arm: Road = {"angle": angle, "lanes_in": lanes, "lanes_out": lanes, "length": length}
         arm |= {"speed": speed if is_main else side_speed, "main": is_main or not unequal}
         pockets = facts.pocket_role in ("", "main" if is_main else "side")
+        arm |= {"pocket": facts.lengths["pocket"]} if "pocket" in facts.lengths else {}
         arm |= {"left_turn_lane": facts.left_pocket and pockets, "right_turn_lane": facts.right_pocket and pockets}
         arms.append(arm)
+    if words.position is not None and count in (3, 4) and shape != "y":
+        _place_along(facts, words.position, arms)
     _make_one_way(facts, arms, count)
     return {"kind": "crossing", "arms": arms, "control": control_at(facts, words, equal_roads=not unequal)}
+
+
+def _place_along(facts: Facts, position: float, arms: list[Road]) -> None:
+    """Make the main road's arms as long as the junction's place along it asks for."""
+    before, after = sorted((arm for arm in arms if arm["angle"] in (0.0, 180.0)), key=lambda arm: -arm["angle"])
+    before["length"] = position
+    if facts.lengths.get("length", 0.0) > position + _SHORTEST_ARM:
+        after["length"] = facts.lengths["length"] - position
 
 
 def _side_lanes(facts: Facts, main: int) -> int:
@@ -158,6 +170,7 @@ def _grid(facts: Facts, choices: Choices) -> Road:
         "rows": rows,
         "columns": columns,
         "spacing": facts.lengths.get("spacing") or facts.lengths.get("length") or choices.length("spacing", 100, 150),
+        "beyond": facts.lengths.get("beyond"),
         "lanes": choices.lanes(facts, 1, "main", "side"),
         "speed": choices.speed(facts),
         "control": control_of(facts, equal_roads=True),

@@ -12,7 +12,10 @@ _FAR = 7
 
 
 class Sentence:
-    """The whole description; `used` are places of tokens that changed the road, `notes` what phrases were taken to mean."""
+    """The whole description; `used` are places of tokens that changed the road, `notes` what phrases were taken to mean.
+
+    `aside` are places of measures that are said of what is no road.
+    """
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -21,7 +24,24 @@ class Sentence:
         self.phrases: list[Phrase] = phrases(self.tokens, self.lanes)
         self.used: set[int] = set()
         self.notes: list[tuple[int, str, str]] = []
+        self.aside: set[int] = set(self._of_noise())
         self._count_behind()
+
+    def _of_noise(self) -> Iterator[int]:
+        """Measures of what is no part of the road: "speed humps every 50 m", "bus stops 300 m apart", "a 2 m bicycle lane"."""
+        for i in self.of_kind("length"):
+            near = self.tokens[max(0, i - 4) : i]
+            if near and near[-1].text in ("of", "every") and any(t.kind == "driving" for t in near):
+                yield i  # "lorries of 18 m", "buses stopping every 500 m"
+        for phrase in self.phrases:
+            if phrase.kind != "noise":
+                continue
+            yield from (i for i in range(phrase.first, phrase.head) if self.tokens[i].kind == "length")
+            for i in range(phrase.head + 1, min(phrase.head + 4, len(self.tokens))):
+                if self.tokens[i].kind == "length":
+                    yield i
+                elif self.tokens[i].kind not in ("prep", "spacing", "unknown", "each", "with", "verb"):
+                    break
 
     def _count_behind(self) -> None:
         """Numbers behind what they count: "T-junctions every 100 m, four of them", "crossings, five in all"."""
@@ -98,6 +118,12 @@ class Sentence:
                 return None
             j += 1
         return None
+
+    def clause(self, i: int) -> int:
+        """Where the clause of token i begins."""
+        while i > 0 and self.tokens[i - 1].kind not in ("stop", "comma", "and", "but"):
+            i -= 1
+        return i
 
     def word(self, i: int, kind: str) -> bool:
         """Whether token i is there and of the kind."""

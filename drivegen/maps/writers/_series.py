@@ -59,7 +59,7 @@ def _one_then_another(s: Sentence, facts: Facts) -> tuple[Lanes | None, Lanes | 
         if after is None or before is None or s.between(before.last, i, "verb", "road"):
             continue
         for j in range(before.last + 1, i):  # "for 500 m": where the change lies
-            if s.tokens[j].kind == "length" and s.tokens[j - 1].text in ("for", "over", "after"):
+            if s.tokens[j].kind == "length" and s.tokens[j - 1].text in ("for", "over", "after", "first"):
                 facts.lengths["position"] = s.tokens[j].amount[0]
                 s.use(j - 1, j, f"position {s.tokens[j].text}")
         return before, after

@@ -1,7 +1,8 @@
 """Lanes that end or begin one after another."""
 
-from drivegen.maps.writers._changes import is_lane_count, lane_count, last_of_count, side_near
+from drivegen.maps.writers._changes import is_lane_count, lane_count, last_of_count
 from drivegen.maps.writers._facts import EventWords, Facts
+from drivegen.maps.writers._lane_ends import side_near
 from drivegen.maps.writers._sentence import Sentence
 
 
@@ -87,8 +88,10 @@ def _length_near(s: Sentence, i: int) -> int | None:
     before, after = range(i - 1, max(-1, i - 5), -1), range(i + 1, min(len(s.tokens), i + 4))
     near = (*after, *before) if s.word(i + 1, "prep") or s.word(i + 1, "later") else (*before, *after)
     if s.tokens[i].kind == "prep" or s.tokens[i].value == "become":  # "and then, 300 m on, from three to two"
-        near = (*range(i - 1, max(-1, i - 9), -1), *after)
-    return next((j for j in near if s.tokens[j].kind == "length" and j not in s.used), None)
+        near = (*range(i - 1, max(-1, i - 9), -1), *range(i + 1, min(len(s.tokens), i + 6)))
+    said = [j for j in near if s.tokens[j].kind == "length" and j not in s.used]
+    behind = [j for j in said if j > i and s.tokens[j - 1].kind in ("prep", "later") and not s.between(i, j, "and", "comma")]
+    return next(iter(behind or said), None)
 
 
 def _add_step(s: Sentence, facts: Facts, kind: str, i: int, lanes: int) -> None:

@@ -27,13 +27,14 @@ from drivegen.maps.writers._lanes import read_lanes
 from drivegen.maps.writers._languages import in_english
 from drivegen.maps.writers._layouts import read_interchange
 from drivegen.maps.writers._likeness import MARGIN, NONE, TYPICAL, kind_of, nearest
-from drivegen.maps.writers._measures import read_angles, read_lengths, read_speeds
+from drivegen.maps.writers._measures import read_angles, read_lengths
 from drivegen.maps.writers._reading import normalise
 from drivegen.maps.writers._relations import read_relations
 from drivegen.maps.writers._roads import Road, road
 from drivegen.maps.writers._sentence import Sentence
 from drivegen.maps.writers._series import read_how_often, read_upstream
 from drivegen.maps.writers._small_words import NARRATIVE, SMALL_WORDS
+from drivegen.maps.writers._speeds import read_speeds
 from drivegen.maps.writers._steps import read_steps
 from drivegen.maps.writers.base import Understanding
 

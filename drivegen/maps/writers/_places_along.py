@@ -1,0 +1,69 @@
+"""Where along the road something lies, or how far from what comes before it."""
+
+from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._sentence import Sentence
+
+_EVENTS = ("ramp", "weaving", "extra")
+_CLOSE = 4
+
+
+def give_to_part(s: Sentence, facts: Facts, i: int, name: str, metres: float, cue: int | None) -> bool:
+    """Note where a ramp or junction lies, or how far from the one before it; whether there is one."""
+    kinds = (*_EVENTS, "place")
+    start = s.clause(i)
+    if _give_to_change(facts, i, start, metres):
+        return True
+    before = next((p for p in reversed(s.phrases) if start <= p.head < i and p.kind in kinds and not p.negated), None)
+    after = next(
+        (p for p in s.phrases if p.first > i and p.kind in kinds and not p.negated and not s.between(i, p.first, "stop")), None
+    )
+    if name == "position":
+        part = before or s.last_before(i, *kinds) or after
+        side = s.last_before(i, "road")
+        if side is not None and side.role == "side" and side.det != "the" and side.head >= start:
+            part = side
+        if part is not None and part.kind == "extra":
+            _place_change(facts, part.head, metres)
+        elif part is not None:
+            part.position = metres
+        return part is not None
+    ordinal = next((p for p in s.said("ordinal") if start <= p.head < i and i - p.head <= _CLOSE), None)
+    if ordinal is not None and before is None and any((p.number or 1) > 1 for p in s.said("ramp")):
+        ordinal.position, ordinal.gap = (metres, None) if ordinal.value == "1" else (None, metres)
+        return True
+    parts = [p for p in s.phrases if p.kind in kinds and not p.negated]
+    if parts and before is parts[0] and s.tokens[i - 1].text == "after" and not s.tokens[i - 2].text.startswith("followed"):
+        before.position = metres  # "an exit with one lane after 500 m"
+        return True
+    is_before = cue is not None and s.tokens[cue].kind == "before"
+    part = after if is_before or before is None or before is parts[0] else before
+    part = part or before
+    if part is None:
+        return False
+    if part is parts[0] and not is_before:
+        part.position = metres
+    else:
+        part.gap = metres
+    return True
+
+
+def _give_to_change(facts: Facts, i: int, start: int, metres: float) -> bool:
+    """Note where lanes end or begin, if that is said before the length in its clause; whether it is."""
+    changes = [event for event in facts.events if start <= event.at < i and event.kind.startswith("lane")]
+    numbered = facts.from_lanes is not None and any(start <= facts.features.get(k, -1) < i for k in ("lane_drop", "lane_gain"))
+    if not changes and not numbered:
+        return False
+    if any(changes[-1:]) and changes[-1] is not facts.events[0] and changes[-1].gap is None and changes[-1].position is None:
+        changes[-1].gap = metres
+    else:
+        _place_change(facts, changes[0].at if changes else -1, metres)
+    return True
+
+
+def _place_change(facts: Facts, at: int, metres: float) -> None:
+    """The first change of lanes, or the one at a token, lies so far from the start of the road."""
+    event = next((event for event in facts.events if event.at == at and event.position is None), None)
+    if event is not None and event.gap is None:
+        event.position = metres
+    elif event is None:
+        facts.lengths.setdefault("position", metres)
