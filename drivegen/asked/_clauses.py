@@ -100,7 +100,12 @@ def _carry(tags: Tags, clause: _Clause, things: Sequence[Said], last: Subject | 
     after_and = clause.opening == "COMMA" and tags.tag(clause.begin - 2) == "AND"
     moves = any(tags.tokens[i].tag == "DRIVE" for i in range(clause.begin, clause.end))
     for thing in sorted(things, key=lambda thing: thing.what is not What.MANOEUVRE):
-        if thing.what is What.SPEED and last is not None and clause.opening == "COMMA" and not (moves and apart(last)):
+        if (
+            thing.what is What.SPEED
+            and last is not None
+            and clause.opening == "COMMA"
+            and not (apart(last) and (moves or len(found) == 1))
+        ):
             _speed_of_all(thing, last, found)
         elif (
             thing.forward

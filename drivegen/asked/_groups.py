@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import takewhile
 from typing import Any
 
 from drivegen.asked._clauses import apart
@@ -17,13 +18,15 @@ def settled(subjects: Sequence[Subject]) -> list[Subject]:
     """The groups, members told apart from those that they belong to."""
     kept: list[Subject] = []
     parent: Subject | None = None
+    _lists(subjects)
     for subject in subjects:
         if subject.role is not Role.GROUP:
             continue
         named = next((other for other in reversed(kept) if subject.known and _same(subject, other)), None)
         if named is not None and all(named.accepts(said) for said in subject.heard):
             named.own = (*named.own, *subject.own)
-        elif not subject.member:
+        elif not subject.member or (parent is None and not subject.bare):
+            subject.member = 0
             kept.append(subject)
             parent = subject
             parent.named = parent.count
@@ -69,13 +72,23 @@ def _sides(subject: Subject) -> list[Subject]:
     return parts
 
 
+def _lists(subjects: Sequence[Subject]) -> None:
+    """Mark those that together are all of the group before them: "two cars ahead, one on the left, the other on the right"."""
+    groups = [subject for subject in subjects if subject.role is Role.GROUP]
+    for number, parent in enumerate(groups):
+        bare = list(takewhile(lambda subject: subject.bare, groups[number + 1 :]))
+        if parent.member == 0 and len(bare) > 1 and sum(abs(subject.member) for subject in bare) == parent.count:
+            for subject in bare:
+                subject.listed = True
+
+
 def _members(subject: Subject, parent: Subject) -> list[Subject]:
     """A member as a group of its own; none where its manoeuvre is the one that its group does, or where none are left."""
     subject.kind = parent.kind if subject.kind is Kind.VEHICLE else subject.kind
     does = bool(subject.heard) and all(said.what in (What.MANOEUVRE, What.WITHIN) for said in subject.heard)
     if (
         subject.bare
-        and (parent.named <= 1 or (apart(parent) and not does and parent.value(What.ABREAST) is None))
+        and (parent.named <= 1 or (apart(parent) and not does and not subject.listed and parent.value(What.ABREAST) is None))
         and subject.member > 0
     ):
         subject.count = subject.member  # "two cars ahead, one behind": others of the same kind
@@ -86,15 +99,17 @@ def _members(subject: Subject, parent: Subject) -> list[Subject]:
     side = subject.value(What.SIDE)
     same_side = side is None or str(side).removeprefix("from ") == parent.value(What.SIDE)
     only_does = same_side and all(said.what in (What.MANOEUVRE, What.WITHIN, What.SIDE) for said in subject.heard)
-    if only_does and wanted == 1 and parent.count > 1 and parent.value(What.MANOEUVRE) is None:
+    if only_does and subject.heard and wanted == 1 and parent.count > 1 and parent.value(What.MANOEUVRE) is None:
         parent.heard += [said for said in subject.heard if said.what is not What.SIDE]
         parent.own = (*parent.own, *subject.own)
         return []
     parent.count -= wanted
     subject.count = wanted
+    if parent.count == 0:
+        subject.own = (*parent.own, *subject.own)
     for said in parent.heard:
         if said.what is not What.ABREAST or side is None:
-            subject.accepts(Said(said.what, said.value, parent.begin, parent.begin))
+            subject.accepts(said if parent.count == 0 else Said(said.what, said.value, parent.begin, parent.begin))
     return [subject]
 
 

@@ -27,16 +27,16 @@ _SIDES = (
     "SIDE (?=AHEAD|BEHIND|BESIDE)",
     "SIDE (?=COMMA|DOT|AND|WITH|$)",
 )
-_INVERSE = {Relation.AHEAD: Relation.BEHIND, Relation.BEHIND: Relation.AHEAD}
+_ON = "(IN|TO)? (DET|OUR|ITS)? SIDE HAND? LANE?"
 _NEEDS_OBJECT = ("of", "before")
 
 
 def places(tags: Tags) -> list[Said]:
     """All places; those beside somebody else than the target are left alone."""
-    found = [*_of_target(tags), *_follows(tags), *_here(tags), *_aside(tags)]
+    found = [*_corners(tags), *_of_target(tags), *_follows(tags), *_here(tags), *_aside(tags)]
     for rule in _ONCOMING:
         found += [_said(tags, What.ALONG, Relation.ONCOMING, begin, end) for begin, end in tags.find(rule)]
-    return [*found, *_from(tags), *_corners(tags), *_abreast(tags), *_sides(tags), *_along(tags)]
+    return [*found, *_from(tags), *_abreast(tags), *_sides(tags), *_along(tags)]
 
 
 def _aside(tags: Tags) -> list[Said]:
@@ -58,7 +58,8 @@ def _from(tags: Tags) -> list[Said]:
 def _corners(tags: Tags) -> list[Said]:
     """ "Front left", "rear right"."""
     found = []
-    for begin, end in tags.find("(DRIVE|BE|ADV)* (AHEAD|BEHIND|LEADING) SIDE HAND?(?!LANE|TURN) (OF? TARGET)?"):
+    corners = "((AHEAD|BEHIND|LEADING) SIDE HAND?(?!LANE|TURN)|SIDE LEADING(?!KIND|WORD))"
+    for begin, end in tags.find(f"(DRIVE|BE|ADV)* (IN|TO)? DET? {corners} (OF? TARGET)?"):
         behind = tags.value(begin, end, "BEHIND") is not None or tags.value(begin, end, "LEADING") is Relation.BEHIND
         found.append(_said(tags, What.ALONG, Relation.BEHIND if behind else Relation.AHEAD, begin, end))
         found.append(Said(What.SIDE, tags.value(begin, end, "SIDE"), begin, end))
@@ -67,6 +68,11 @@ def _corners(tags: Tags) -> list[Said]:
 
 def _sides(tags: Tags) -> list[Said]:
     found = []
+    for begin, end in tags.find(f"(DRIVE|BE)* (EITHERSIDE|{_ON} AND {_ON}) (OF? TARGET)?"):
+        sides = {token.value for token in tags.tokens[begin:end] if token.tag == "SIDE"}
+        if sides == {"left"} or sides == {"right"}:
+            continue
+        found.append(_said(tags, What.SIDE, BOTH, begin, end))
     for begin, end in (span for rule in _SIDES for span in tags.find(rule)):
         after = tags.tag(end)
         if after in ("OF", "SIDEROAD", "TURN", "JUNCTION") or tags.value(begin, end, "NUM") not in (None, 1.0):
@@ -75,8 +81,6 @@ def _sides(tags: Tags) -> list[Said]:
         if alone and tags.tag(begin - 1) not in ("NP", USED):
             continue  # "one left, one right", but no other lone word
         found.append(_said(tags, What.SIDE, tags.value(begin, end, "SIDE"), begin, end))
-    for begin, end in tags.find("(DRIVE|BE)* EITHERSIDE (OF? TARGET)?"):
-        found.append(_said(tags, What.SIDE, BOTH, begin, end))
     return found
 
 

@@ -56,7 +56,8 @@ class Subject:
     """Who things are said of: tokens [begin, end), of which `own` are understood.
 
     `member`: 0, or how many of the group before it are meant; -1: all that are left of it. `bare`: only a number says so.
-    `named`: how many there were before members were told apart. `known`: with a definite article.
+    `listed`: all members of that group are. `named`: how many there were before members were told apart. `known`: with a
+    definite article.
     """
 
     role: Role
@@ -68,6 +69,7 @@ class Subject:
     bare: bool = False
     named: int = 0
     known: bool = False
+    listed: bool = False
     own: tuple[int, ...] = ()
     heard: list[Said] = field(default_factory=list)
 

@@ -43,6 +43,8 @@ def _is_a(tags: Tags, before: Subject, subject: Subject) -> bool:
     between = [tags.tag(i) for i in range(before.end, subject.begin)]
     if before.kind is not Kind.VEHICLE or subject.heard:
         return False
+    if not between and before.known and before.heard and subject.count == 1:
+        return True
     if before.member and between in ([], ["BE"]):
         return True
     return between[-1:] == ["BE"] and subject.count == 1 and not {"COMMA", "DOT", "AND", "WITH", "NOT"} & set(between)
@@ -60,7 +62,8 @@ def _target_kinds(tags: Tags) -> list[tuple[Kind, int, int]]:
         for begin, end in tags.find(rule):
             if number == 3 and tags.words(begin, end).split(" as ")[0] == tags.words(begin, end):
                 continue
-            if number == 0 and (tags.tag(begin - 1) in _OBJECT_OF or tags.tokens[begin].words in _OBJECTS):
+            at = next(i for i in range(begin, end) if tags.tag(i) == "TARGET")
+            if number != 3 and (tags.tag(at - 1) in _OBJECT_OF or tags.tokens[at].words in _OBJECTS):
                 continue
             kind, plural, _ = cast(tuple[Kind, bool, object], tags.value(begin, end, "KIND"))
             if kind is not Kind.VEHICLE and not plural:
@@ -105,6 +108,10 @@ def _speaks_of_it(tags: Tags, begin: int, end: int) -> bool:
         at_side = bool({"left", "right", "same"} & words) or tags.tag(begin) in ("OUR", "ITS", "NUM")
         if at_side or (tags.tag(begin), tags.tag(begin + 1)) == ("DET", "LANE"):
             return False
+    while (
+        end - begin == 1 and used & {"ROAD", "JUNCTION"} and tags.tag(begin - 1) in ("DET", "OUR", "ITS", "NUM", "ORD", UNKNOWN)
+    ):
+        begin, end = begin - 1, end - 1
     if not _KNOWN & used and tags.tag(begin - 1) not in _BEGINNINGS:
         return False
     return tags.tag(begin - 1) not in _NO_SUBJECT_AFTER or tags.tag(begin) == "NOT" or "NOBODY" in used

@@ -10,7 +10,7 @@ from drivegen.assets.where import Relation
 
 _COUNT = "(HALF? (NUM|SOME) X?|DET|OUR|ITS)"
 _VERB = "OVERTAKE|PASS|FOLLOW|BRAKE|TURN|MOVE|SLIP|DRIVE|COME|STOP|CUT IN"
-_MOD = f"(ONCOMING|STANDING|LEADING|HEAVY|LIGHT|ADV|QUEUED|SIDE TURN|HARD|ORD|FURTHER|APPROX|{_VERB}|{UNKNOWN}|DENSE)"
+_MOD = f"(ONCOMING|STANDING|LEADING|HEAVY|LIGHT|ADV|QUEUED|SIDE TURN|HARD|ORD|FURTHER|APPROX|{_VERB}|{UNKNOWN}|DENSE|SIDE HAND?)"
 _VEHICLES = f"(DET? {_MOD}? QUEUE (OF|WITH))? (APPROX|BE|BOUND)* {_COUNT}? {_MOD}{{0,3}} KIND (?!LANE|TRAFFIC|ROAD|CHANGE)"
 _MEMBERS = "(APPROX? (NUM|DET) (MEMBER|OF (DET|OUR) NUM? KIND)|REL? (NUM|DET) MEMBER|MEMBER NUM)"
 _BARE = "(DET? ORD NUM?|NUM|ORD|OTHERS|DET)"
@@ -60,6 +60,7 @@ def _group(tags: Tags, begin: int, end: int) -> Subject:
     if tags.words(begin, end).startswith("other ") or (" other " in tags.words(begin, end) and not {"NUM", "SOME", "DET"} & used):
         return Subject(Role.ALL, begin, end)
     subject = Subject(Role.GROUP, begin, end, kind, count)
+    subject.member = count if tags.tag(begin - 1) == "INCLUDING" else 0
     subject.known = tags.tokens[begin].tag == "DET" and tags.tokens[begin].value is None
     meant = [i for i in range(begin, end) if tags.tag(i) not in _ADDS_NOTHING]
     for i in range(begin, end):
@@ -86,6 +87,8 @@ def _adjective(subject: Subject, tags: Tags, i: int) -> list[int]:
         subject.accepts(Said(What.ALONG, value, i, i + 1))
     elif tag == "ONCOMING":
         subject.accepts(Said(What.ALONG, Relation.ONCOMING, i, i + 1))
+    elif tag == "SIDE" and tags.tag(i + 1) != "TURN":
+        subject.accepts(Said(What.SIDE, value, i, i + 1))
     elif tag == "SIDE":
         turn = Manoeuvre.TURN_LEFT if value == "left" else Manoeuvre.TURN_RIGHT
         subject.accepts(Said(What.MANOEUVRE, turn, i, i + 2))

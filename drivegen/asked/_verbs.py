@@ -70,7 +70,8 @@ def _inwards(span: _Span) -> bool:
 
 def _of_target(span: _Span) -> bool:
     """What is overtaken is the target, or not said."""
-    return span.following not in ("NP", "ROAD", "JUNCTION", "DET", "NOBODY", "NUM")
+    named = any(span.tags.tag(i) == "TARGET" for i in range(span.begin, span.end))
+    return named or span.following not in ("NP", "ROAD", "JUNCTION", "DET", "NOBODY", "NUM")
 
 
 def _is_cut_off(span: _Span) -> bool:
