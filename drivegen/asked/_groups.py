@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import takewhile
+from itertools import product, takewhile
 from typing import Any
 
 from drivegen.asked._clauses import apart
@@ -40,12 +40,10 @@ def _listed(groups: list[Subject]) -> list[Subject]:
     """Without vehicles that those after them are: "six vehicles: five cars and a bus"."""
     for number, group in enumerate(groups):
         after = groups[number + 1 :]
-        if (
-            group.kind is Kind.VEHICLE
-            and not group.heard
-            and group.count > 1
-            and sum(other.count for other in after) == group.count
-        ):
+        as_many = group.count > 1 and sum(other.count for other in after) == group.count
+        if group.kind is Kind.VEHICLE and as_many and (group.known or not group.heard):
+            for other, said in product(after, group.heard):
+                other.accepts(said)
             after[0].own = (*group.own, *after[0].own)
             return groups[:number] + after
     return groups
@@ -77,7 +75,9 @@ def _lists(subjects: Sequence[Subject]) -> None:
     groups = [subject for subject in subjects if subject.role is Role.GROUP]
     for number, parent in enumerate(groups):
         bare = list(takewhile(lambda subject: subject.bare, groups[number + 1 :]))
-        if parent.member == 0 and len(bare) > 1 and sum(abs(subject.member) for subject in bare) == parent.count:
+        named = sum(abs(subject.member) for subject in bare)
+        if parent.member == 0 and len(bare) > 1 and (named == parent.count or parent.vague):
+            parent.count = named
             for subject in bare:
                 subject.listed = True
 

@@ -30,8 +30,8 @@ _PLAIN: dict[str, dict[object, str]] = {
         with, neck and neck with, flanking"""},
     "AHEAD": {"": """ahead, ahead of, in front, in front of, right in front of, right in front, right ahead, right ahead of,
         at the front, to the front, to the front of, directly ahead, just ahead, just ahead of, up ahead, up front, before,
-        right before, just before, further ahead, down the road, dead ahead, straight ahead, straight ahead of, directly in
-        front of, just in front of, immediately ahead of, immediately in front of, further up, further on, further along""",
+        right before, just before, down the road, dead ahead, straight ahead, straight ahead of, directly in
+        front of, just in front of, immediately ahead of, immediately in front of""",
               "bare": "ahead 0"},
     "BEHIND": {"": """behind, in back of, in the rear, at the rear, to the rear, at the rear of, to the rear of, in the
         back, right behind, directly behind, just behind, close behind, immediately behind, closely behind, in our rear, to

@@ -6,7 +6,7 @@ from drivegen.asked._said import Role, Said, Subject, What
 from drivegen.asked._tokens import Tags
 from drivegen.asked.request import Density
 
-_NO_DISTANCES = ("long", "wide", "tall", "high", "apart", "radius", "diameter", "between")
+_NO_DISTANCES = ("long", "wide", "tall", "high", "apart", "radius", "diameter", "between", "further", "farther", "beyond", "past")
 _BOUNDARIES = ("", "COMMA", "DOT", "AND", "WITH", "BE", "ADV", "IN", "WITHIN", "APPROX")
 _STRICT = (
     "dense",

@@ -153,9 +153,7 @@ def _along(tags: Tags) -> list[Said]:
         while tags.tag(begin) in ("IN", "DET", "AWAY", "COME") and tags.tag(begin + 1) not in ("AHEAD", "BEHIND"):
             begin += 1
         words, bare = tags.tokens[at].words, end == at + 1
-        if bare and (words.endswith(_NEEDS_OBJECT) or tags.tag(end) in ("IT", "NOBODY", "ROAD", "JUNCTION")):
-            continue
-        if bare and tags.tag(end) == "NP" and words == "behind" and _follows_subject(tags, begin):
+        if bare and _beside_others(tags, words, end):
             continue
         if words == "back" and tags.tag(at - 1) != "USED":
             continue  # "drops back"
@@ -164,10 +162,13 @@ def _along(tags: Tags) -> list[Said]:
     return found
 
 
-def _follows_subject(tags: Tags, at: int) -> bool:
-    """Whether a vehicle stands before in the clause, so that "behind" speaks of two vehicles: "a car behind a truck"."""
-    while at > 0 and tags.tag(at - 1) not in ("COMMA", "DOT", "AND", "WITH"):
-        at -= 1
-        if tags.tag(at) in ("NP", "EGO"):
-            return True
-    return False
+def _beside_others(tags: Tags, words: str, end: int) -> bool:
+    """Whether somebody else than the target is meant: "ahead of the bus", "behind a truck", "behind it", "behind that a car"."""
+    following = tags.tag(end)
+    if (
+        words.endswith(_NEEDS_OBJECT)
+        or following == "IT"
+        or (following == "REL" and tags.tag(end + 1) in ("NP", "COMMA", "BE", "DET"))
+    ):
+        return True
+    return words.startswith("behind") and following in ("NP", "NOBODY", "ROAD", "JUNCTION")

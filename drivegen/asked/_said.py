@@ -57,7 +57,7 @@ class Subject:
 
     `member`: 0, or how many of the group before it are meant; -1: all that are left of it. `bare`: only a number says so.
     `listed`: all members of that group are. `named`: how many there were before members were told apart. `known`: with a
-    definite article.
+    definite article. `vague`: a plural without a number.
     """
 
     role: Role
@@ -70,6 +70,7 @@ class Subject:
     named: int = 0
     known: bool = False
     listed: bool = False
+    vague: bool = False
     own: tuple[int, ...] = ()
     heard: list[Said] = field(default_factory=list)
 

@@ -41,7 +41,7 @@ def _predicates(tags: Tags, found: list[Subject]) -> list[Subject]:
 
 def _is_a(tags: Tags, before: Subject, subject: Subject) -> bool:
     between = [tags.tag(i) for i in range(before.end, subject.begin)]
-    if before.kind is not Kind.VEHICLE or subject.heard:
+    if before.kind not in (Kind.VEHICLE, subject.kind) or subject.heard:
         return False
     if not between and before.known and before.heard and subject.count == 1:
         return True
@@ -53,7 +53,7 @@ def _is_a(tags: Tags, before: Subject, subject: Subject) -> bool:
 def _target_kinds(tags: Tags) -> list[tuple[Kind, int, int]]:
     found: list[tuple[Kind, int, int]] = []
     rules = (
-        f"TARGET (BE|DRIVE|ADV)+ DET (HEAVY|{UNKNOWN}){{0,2}} KIND (?!LANE)",
+        f"TARGET (BE|DRIVE|ADV)+ (DET|NUM) (HEAVY|{UNKNOWN}){{0,2}} KIND (?!LANE)",
         f"MAKE TARGET (BE|INTO)? DET (HEAVY|{UNKNOWN}){{0,2}} KIND (?!LANE)",
         "TARGET COMMA DET KIND COMMA",
         "DET? KIND AND TARGET",
@@ -66,7 +66,8 @@ def _target_kinds(tags: Tags) -> list[tuple[Kind, int, int]]:
             if number != 3 and (tags.tag(at - 1) in _OBJECT_OF or tags.tokens[at].words in _OBJECTS):
                 continue
             kind, plural, _ = cast(tuple[Kind, bool, object], tags.value(begin, end, "KIND"))
-            if kind is not Kind.VEHICLE and not plural:
+            one = tags.value(at + 1, end, "NUM") in (None, 1.0)
+            if kind is not Kind.VEHICLE and not plural and one:
                 found.append((kind, begin, end))
                 tags.mark(begin, end, "EGO")
     return found

@@ -8,7 +8,7 @@ from drivegen.asked._tokens import UNKNOWN, USED, Tags
 from drivegen.asked.request import Kind, Manoeuvre
 from drivegen.assets.where import Relation
 
-_COUNT = "(HALF? (NUM|SOME) X?|DET|OUR|ITS)"
+_COUNT = "(DET? HALF? (NUM|SOME) X?|DET|OUR|ITS)"
 _VERB = "OVERTAKE|PASS|FOLLOW|BRAKE|TURN|MOVE|SLIP|DRIVE|COME|STOP|CUT IN"
 _MOD = f"(ONCOMING|STANDING|LEADING|HEAVY|LIGHT|ADV|QUEUED|SIDE TURN|HARD|ORD|FURTHER|APPROX|{_VERB}|{UNKNOWN}|DENSE|SIDE HAND?)"
 _VEHICLES = f"(DET? {_MOD}? QUEUE (OF|WITH))? (APPROX|BE|BOUND)* {_COUNT}? {_MOD}{{0,3}} KIND (?!LANE|TRAFFIC|ROAD|CHANGE)"
@@ -61,6 +61,7 @@ def _group(tags: Tags, begin: int, end: int) -> Subject:
         return Subject(Role.ALL, begin, end)
     subject = Subject(Role.GROUP, begin, end, kind, count)
     subject.member = count if tags.tag(begin - 1) == "INCLUDING" else 0
+    subject.vague = plural and {"NUM", "SOME"}.isdisjoint(used)
     subject.known = tags.tokens[begin].tag == "DET" and tags.tokens[begin].value is None
     meant = [i for i in range(begin, end) if tags.tag(i) not in _ADDS_NOTHING]
     for i in range(begin, end):

@@ -117,6 +117,7 @@ _RULES = (
     _Rule(f"PASS (ADV|HARD)* TARGET (ADV|HARD)* {_ON_SIDE}", Manoeuvre.OVERTAKE, _of_target),
     _Rule("PASS (ADV|HARD)* (IN|FROM) (DET|OUR|ITS)? SIDE HAND? LANE?", Manoeuvre.OVERTAKE, _of_target),
     _Rule(f"(DRIVE|GO|MOVE|COME|SLIP|CUT) (ADV|HARD)* PAST TARGET? (ADV|HARD)* {_ON_SIDE}", Manoeuvre.OVERTAKE, _of_target),
+    _Rule("BE (ADV|HARD)* PAST TARGET", Manoeuvre.OVERTAKE),
     _Rule(f"TURN (ADV|OFF|HARD)* {_CROSSING}", ACROSS),
     _Rule("(BE|REL|ADV)* STANDING", Manoeuvre.STOPPED, _named_standing),
 )  # fmt: skip
