@@ -121,6 +121,7 @@ def _line(found: Built, line: Alignment, straight: float) -> None:
         legs = len(line.turns) + 1 if line.shape == "hairpin" else 2
         arcs = math.radians(abs(line.angle)) * line.radius * len(line.turns)
         found.lengths |= {line.length - arcs, (line.length - arcs) / legs, math.radians(abs(line.angle)) * line.radius}
+        found.counts["left_bend"] = sum(turn > 0 for turn in line.turns)
         found.counts["hairpin"] = len(line.turns) * (line.shape == "hairpin")
 
 

@@ -10,7 +10,7 @@ from drivegen.errors import UnusableInput
 
 _ROAD = r"(?:road|street|highway|motorway|freeway|expressway|carriageway|avenue|lane)s?"
 _DEAD_END = r"(?:cul de sac|dead end(?: \w+)?|no through road|blind alley)s?"
-_PLACE = r"(?:crossings?|intersections?|junctions?|roundabouts?|arms|legs|streets|roads)"
+_PLACE = r"(?:crossings?|intersections?|junctions?|roundabouts?|arms|legs|streets|roads|lanes|ramps|exits)"
 _THAT = r"(?:(?:that|which|but|and|yet|,) )*"
 _END = r"(?: ?[,.]| at all| whatsoever|$)"
 _IMPOSSIBLE = {
@@ -21,9 +21,7 @@ _IMPOSSIBLE = {
     rf"parallel {_ROAD} {_THAT}(?:cross|intersect|meet)(?= each| 1 another| one another| at| in|{_END})": "parallels never meet",
     rf"straight {_ROAD} (?:that|which) (?:is|forms|makes) an? (?:full )?(?:circle|ring|loop)": "what is straight has no bends",
     rf"{_DEAD_END}\b[^.]*? (?:open|connected|joined|linked)(?: to \w+)? at (?:both|either) ends?": "a dead end has one way out",
-    rf"{_DEAD_END}\b[^.]*? (?:both (?:its |of its )?ends (?:being |are )?(?:open|connected|joined)|through traffic)": (
-        "a dead end has one way out"
-    ),
+    rf"{_DEAD_END}\b[^.]*? (?:both (?:its |of its )?ends\b|either end\b|through traffic)": ("a dead end has one way out"),
     rf"{_DEAD_END} (?:that|which) (?:leads?|runs?|goes|continues) (?:straight |right |on )*(?:through|to)\b": (
         "a dead end has one way out"
     ),

@@ -13,18 +13,21 @@ from drivegen.maps.writers._quantities import Lanes
 from drivegen.maps.writers._said import (
     OTHERS,
     Said,
+    said_branches,
     said_control,
     said_numbers,
     said_others,
     said_places,
     said_ramps,
     said_shapes,
+    said_turns,
     said_ways,
 )
 from drivegen.maps.writers._sentence import Sentence
 
 _NEAR = 0.03
 _SUBJECT = 3
+_AT_ALL = ("at", "whatsoever")
 _NEIGHBOURS = frozenset(("adjacent", "neighbour", "neighbours", "neighbor", "neighbors", "neighbouring", "neighboring"))
 
 
@@ -77,7 +80,7 @@ def _lanes(s: Sentence, found: Built) -> Iterator[Said]:
         if item.first in s.used:
             yield Said("lanes", item.first, item.last, item.count in _possible(item, found))
     for i in s.of_kind("lane", "", "ring"):
-        ends = i + 1 == len(s.tokens) or s.tokens[i + 1].kind in ("comma", "stop", "each")
+        ends = i + 1 == len(s.tokens) or s.tokens[i + 1].kind in ("comma", "stop", "each") or s.tokens[i + 1].text in _AT_ALL
         if ends and s.tokens[i].text.endswith("lanes") and any(s.word(j, "neg") for j in (i - 1, i - 2)):
             yield Said("lanes", i, i, s.negated_at(i) and s.word(i - 2, "neg") and s.tokens[i - 1].text in OTHERS)
 
@@ -100,10 +103,14 @@ def _changes(s: Sentence, found: Built) -> Iterator[Said]:
         of_lanes = of_road or any(t.kind == "lane" for t in s.tokens[i + 1 : i + 4])
         if of_lanes and not s.negated_at(i):
             yield Said("lanes", i, i, (less if s.tokens[i].value in ("narrow", "lose") else more) > 0)
+    for i in s.verbs("end"):
+        if s.word(i - 1, "lane") and i in s.used and not s.negated_at(i):
+            yield Said("lanes", i - 1, i, less > 0)
     for phrase in s.said("extra", "drop", "gain"):
         yield Said("lanes", phrase.first, phrase.head, (less if phrase.value == "drop" else more) > 0)
 
 
 _READERS: tuple[Callable[[Sentence, Built], Iterator[Said]], ...] = (
-    *(said_places, said_ramps, said_numbers, said_control, said_shapes, said_ways, _changes, _lanes, _measures, said_others),
+    *(said_places, said_ramps, said_numbers, said_control, said_shapes, said_turns, said_ways),
+    *(_changes, _lanes, _measures, said_others, said_branches),
 )

@@ -129,6 +129,18 @@ def _is_straight_throughout(s: Sentence, phrase: Phrase) -> bool:
     return (says_it and not part) or explained or bent or phrase.text.endswith("line")
 
 
+def said_turns(s: Sentence, found: Built) -> Iterator[Said]:
+    """To which side the only bend turns: "a curve to the left that bends to the right"."""
+    if found.counts["bend"] != 1:
+        return
+    for phrase in s.said("shape", "curve"):
+        i = phrase.head + 1
+        while i < len(s.tokens) and s.tokens[i].kind in ("but", "angle", "bend_size", "by"):
+            i += 1
+        if s.word(i, "turn"):
+            yield Said("side of the bend", i, i, (s.tokens[i].value == "left") == (found.counts["left_bend"] > 0))
+
+
 def said_ways(s: Sentence, found: Built) -> Iterator[Said]:
     both = found.counts["two_way"] > 0 or found.counts["median"] > 0
     for i, token in enumerate(s.tokens):
@@ -154,26 +166,34 @@ def _is_only(s: Sentence, phrase: Phrase) -> bool:
 
 
 def said_others(s: Sentence, found: Built) -> Iterator[Said]:
-    """Turn lanes, dead ends, medians, rings, branches."""
-    for i in s.of_kind("left_hand"):
-        yield Said("side", i, i, (s.tokens[i].value == "left") == bool(found.counts["left_hand"]))
-    divided = list(s.of_kind("divided"))
-    for i in divided:
-        yield Said("median", i, i, not s.negated_at(i) or all(map(s.negated_at, divided)))
-    splits = list(s.verbs("split"))
-    for i in splits:  # "fork where the road does not split"
-        yield Said("fork", i, i, not s.negated_at(i) or all(map(s.negated_at, splits)))
-    for phrase in s.denied("ring"):
-        yield Said("ring", phrase.first, phrase.head, not found.counts["roundabout"])
-    for phrase in (*s.said("road"), *s.said("arm")):
-        one = s.word(phrase.first - 1, "number") and s.tokens[phrase.first - 1].number == 1
-        if phrase.number == 1 or one or "single" in phrase.text.split():
-            several = bool(splits) if phrase.kind == "arm" or phrase.role == "side" else found.counts["grid"] > 0
-            pair = phrase.role == "side" and any(s.said("place", "staggered"))
-            yield Said("roads", phrase.first, phrase.head, not (_is_only(s, phrase) and (several or pair)))
+    """Turn lanes, dead ends, rings, medians, the side of traffic, roads that never meet."""
     for phrase in s.phrases:
         if phrase.kind == "pocket":
             yield Said("turn lanes", phrase.first, phrase.head, phrase.negated != bool(found.counts["pocket"]))
         elif phrase.kind == "dead_end":
             an_arm = not phrase.negated and found.counts["crossing"] == 1  # every arm of a crossing ends somewhere
             yield Said("dead end", phrase.first, phrase.head, phrase.negated != bool(found.counts["dead_end"]) or an_arm)
+        elif phrase.kind == "ring" and phrase.negated:
+            yield Said("ring", phrase.first, phrase.head, not found.counts["roundabout"])
+    for i in s.of_kind("left_hand"):
+        yield Said("side", i, i, (s.tokens[i].value == "left") == bool(found.counts["left_hand"]))
+    divided = list(s.of_kind("divided"))
+    for i in divided:
+        yield Said("median", i, i, not s.negated_at(i) or all(map(s.negated_at, divided)))
+    meeting = any(found.counts[name] for name in ("crossing", "roundabout", "on_ramp"))
+    for i in s.verbs("meet", "cross", "join", "merge"):
+        yield Said("meeting", i - 1, i, not (meeting and s.tokens[i - 1].text == "never"))
+
+
+def said_branches(s: Sentence, _: Built) -> Iterator[Said]:
+    """Forks that do not split, and single roads where there must be several."""
+    splits = list(s.verbs("split"))
+    for i in splits:  # "fork where the road does not split"
+        yield Said("fork", i, i, not s.negated_at(i) or all(map(s.negated_at, splits)))
+    for phrase in (*s.said("road"), *s.said("arm")):
+        one = s.word(phrase.first - 1, "number") and s.tokens[phrase.first - 1].number == 1
+        single = "single" in [t.text for t in s.tokens[max(0, phrase.first - 1) : phrase.head]]
+        if phrase.number == 1 or one or single:
+            several = bool(splits) if phrase.kind == "arm" or phrase.role == "side" else any(s.said("place", "grid"))
+            pair = phrase.role == "side" and any(s.said("place", "staggered"))
+            yield Said("roads", phrase.first, phrase.head, not (_is_only(s, phrase) and (several or pair)))
