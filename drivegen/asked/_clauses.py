@@ -98,7 +98,7 @@ def _carry(tags: Tags, clause: _Clause, things: Sequence[Said], last: Subject | 
     """A clause without a subject speaks of the last one; what does not fit that one waits for the next."""
     waits: list[Said] = []
     after_and = clause.opening == "COMMA" and tags.tag(clause.begin - 2) == "AND"
-    moves = any(tags.tokens[i].tag == "DRIVE" for i in range(clause.begin, clause.end))
+    moves = any(tags.tokens[i].tag in ("DRIVE", "GO", "MOVE", "COME") for i in range(clause.begin, clause.end))
     for thing in sorted(things, key=lambda thing: thing.what is not What.MANOEUVRE):
         if (
             thing.what is What.SPEED

@@ -57,6 +57,8 @@ _PHRASES = (
     (r"(?:macht )?(?:einen )?(?:spur|fahrstreifen)wechsel nach rechts|wechselt (?:die|den) (?:spur|fahrstreifen) nach rechts",
      "changes to the right lane"),
     (r"wird (.*?)von (.*?)überholt", r"\1 is overtaken by \2"),
+    (rf"überholt (?:{_WHO} )?(.*?)\blinks", r"\1 overtakes us"),
+    (rf"überholt (?:{_WHO} )?(.*?)\brechts", r"\1 overtakes us on the right"),
     (rf"überholt(?: {_WHO})?|fährt an {_WHO} vorbei|zieht an {_WHO} vorbei", "overtakes us"),
     (r"überholende[rsnm]?", "overtaking"),
     (rf"(?:{_WHO} )?entgegen ?komm(?:t|en)", "is oncoming"),

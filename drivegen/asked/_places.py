@@ -68,6 +68,10 @@ def _corners(tags: Tags) -> list[Said]:
 
 def _sides(tags: Tags) -> list[Said]:
     found = []
+    for begin, end in tags.find("(DRIVE|BE)* IN REL LANE"):
+        sides = [token.value for token in tags.tokens[:begin] if token.tag == "SIDE"]
+        if sides:
+            found.append(_said(tags, What.SIDE, sides[-1], begin, end))
     for begin, end in tags.find(f"(DRIVE|BE)* (EITHERSIDE|{_ON} AND {_ON}) (OF? TARGET)?"):
         sides = {token.value for token in tags.tokens[begin:end] if token.tag == "SIDE"}
         if sides == {"left"} or sides == {"right"}:

@@ -22,7 +22,18 @@ def subjects(tags: Tags) -> tuple[list[Subject], list[tuple[Kind, int, int]]]:
     kinds = _target_kinds(tags)
     found = [*members(tags), *vehicles(tags), *bare(tags), *_everybody(tags), *_nobody(tags), *_targets(tags)]
     found = sorted(found, key=lambda subject: subject.begin)
+    _counted_after(tags, found)
     return _predicates(tags, found), kinds
+
+
+def _counted_after(tags: Tags, found: list[Subject]) -> None:
+    """ "Cars: 5" and "trucks on the left: 2" name their number after a colon."""
+    for at, _ in tags.find("NUM (?=COMMA|DOT|$)"):
+        before = [subject for subject in found if subject.begin < at]
+        if before and before[-1].vague and tags.tag(at - 1) == "COMMA" and tags.tokens[at].value != 0:
+            before[-1].count, before[-1].vague = int(cast(float, tags.tokens[at].value)), False
+            before[-1].own = (*before[-1].own, at)
+            tags.mark(at, at + 1)
 
 
 def _predicates(tags: Tags, found: list[Subject]) -> list[Subject]:
@@ -57,6 +68,7 @@ def _target_kinds(tags: Tags) -> list[tuple[Kind, int, int]]:
         f"MAKE TARGET (BE|INTO)? DET (HEAVY|{UNKNOWN}){{0,2}} KIND (?!LANE)",
         "TARGET COMMA DET KIND COMMA",
         "DET? KIND AND TARGET",
+        "TARGET (BE|DRIVE|ADV)+ IN DET KIND (?!LANE)",
     )
     for number, rule in enumerate(rules):
         for begin, end in tags.find(rule):

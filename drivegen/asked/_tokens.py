@@ -57,6 +57,8 @@ def _in_context(found: Sequence[Token], at: int) -> Token:
     if token.words == "crossing" and after not in ("OUR", "TARGET"):
         noun = before in ("DET", "NUM", UNKNOWN, "ORD") and after not in ("KIND", "NUM")
         return replace(token, tag="JUNCTION" if noun else "COME")
+    if token.words == "1" and before == "SIDE":
+        return replace(token, tag="LANE")  # "the right one"
     if token.words == "have" and before == "TARGET":
         return replace(token, tag="BE")
     if token.tag == "SIDEROAD" and before in ("", "DET", "COMMA", "DOT", "NUM", UNKNOWN) and "side" not in token.words:

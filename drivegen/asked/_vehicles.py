@@ -129,6 +129,8 @@ def bare(tags: Tags) -> list[Subject]:
             continue
         if tag == "ORD" and token.words not in ("second", "third", "fourth"):
             continue
+        if tag == "NUM" and (tags.tag(begin - 1), tags.tag(end)) in (("COMMA", "COMMA"), ("COMMA", "DOT"), ("COMMA", "")):
+            continue  # a number of what was named before
         if tags.tag(begin - 1) in ("APPROX", "WITHIN", "OF", "METRE", UNKNOWN) or tags.tag(begin - 1) == "LANE":
             continue
         others = -1 if tag == "OTHERS" else int(cast(float, token.value)) if tag == "NUM" else 1

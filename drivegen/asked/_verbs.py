@@ -12,7 +12,7 @@ from drivegen.assets.where import Relation
 _X = "(ADV|HARD|GENTLY|FURTHER|APPROX|LANE|(DET|NUM) LANE|ITS LANE)*"
 """Words between a verb and where it leads."""
 
-_LANE = "(OUR (LANE|PATH)|DET (LANE|PATH) OF TARGET|TARGET (LANE|PATH)|INLANE AND TARGET)"
+_LANE = "(OUR (LANE|PATH)|DET (LANE|PATH) OF TARGET|TARGET (LANE|PATH)|INLANE (AND TARGET)?)"
 """The target's lane."""
 
 _SIDE = "(DET|OUR|ITS)? FURTHER? SIDE HAND? LANE?"
