@@ -90,6 +90,9 @@ def _give(thing: Said, here: Sequence[Subject], found: Sequence[Subject]) -> Non
         if following:
             min(following, key=lambda subject: subject.begin).accepts(thing)
         return
+    doers = [subject for subject in before if not subject.object]
+    if before[-1].object and doers and (thing.what in (What.MANOEUVRE, What.WITHIN) or str(thing.value).startswith("from ")):
+        before = doers  # "the truck that overtakes the bus brakes hard"
     if not before[-1].accepts(thing) and after and before[-1].role is Role.TARGET:
         after[0].accepts(thing)
 

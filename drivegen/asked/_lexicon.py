@@ -57,6 +57,7 @@ _PLAIN: dict[str, dict[object, str]] = {
     "INTO": {"": "into, in to, onto, on to"}, "TO": {"": "to"}, "FROM": {"": "from, out of"},
     "OVER": {"": "over, across to"}, "OUT": {"": "out"}, "PAST": {"": "past, by us"}, "DOWN": {"": "down"},
     "AND": {"": "and, while, whereas, whilst, but, plus, when, then, and then, as well as, as, as soon as, once, if"},
+    "OR": {"": "or, or else, or maybe"},
     "WITH": {"": "with, having"},
     "NOT": {"": """no, not, without, never, nobody, none, neither, nor, instead of, rather than, unlike, doesn t, don t, isn
         t, aren t, won t, nothing, without any, excluding, except, avoid, not a single, no other, no 1, refrains from,
@@ -161,6 +162,7 @@ _VERBS: dict[str, dict[object, str]] = {
         drone, storm, ease, amble, move along, keep, stay, occupy, do, average"""},
     "FOLLOW": {"": "follow, tailgate, tail, trail, chase, hug, shadow, hang on to, stick to, dog, pursue, stalk"},
     "PRECEDE": {"": "precede, lead"},
+    "LEAVE": {"": "leave, quit, vacate"},
     "COME": {"": "come, approach, arrive, enter, emerge, appear, come in, close in, come up, come along, join, exit"},
     "CROSSES": {"": "cross"},
     "BLOCK": {"": "block, obstruct, bar, blockade, impede"},

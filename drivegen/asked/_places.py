@@ -81,6 +81,8 @@ def _sides(tags: Tags) -> list[Said]:
         after = tags.tag(end)
         if after in ("OF", "SIDEROAD", "TURN", "JUNCTION") or tags.value(begin, end, "NUM") not in (None, 1.0):
             continue
+        if (tags.tag(begin - 2), tags.tag(begin - 1)) == ("NUM", "LANE"):
+            continue  # "two lanes to the left"
         alone = end == begin + 1 and after not in ("AHEAD", "BEHIND", "BESIDE")
         if alone and tags.tag(begin - 1) not in ("NP", USED):
             continue  # "one left, one right", but no other lone word
@@ -96,7 +98,7 @@ def _said(tags: Tags, what: What, value: object, begin: int, end: int, *, forwar
 def _of_target(tags: Tags) -> list[Said]:
     """ "The ego is behind a truck", "the truck that we are following"."""
     found = []
-    for begin, end in tags.find("(EGO|TARGET) (BE|DRIVE|ADV)* (FOLLOW|LEADING|BEHIND|AHEAD) BEHIND?(?= NP)"):
+    for begin, end in tags.find("(EGO|TARGET) (BE|DRIVE|ADV|USED)* (FOLLOW|LEADING|BEHIND|AHEAD) BEHIND?(?= NP)"):
         words = tags.words(begin, end)
         ahead = tags.tag(end - 1) == "AHEAD" or "lead" in words
         found.append(_said(tags, What.ALONG, Relation.BEHIND if ahead else Relation.AHEAD, begin, end, forward=True))

@@ -57,7 +57,8 @@ class Subject:
 
     `member`: 0, or how many of the group before it are meant; -1: all that are left of it. `bare`: only a number says so.
     `listed`: all members of that group are. `named`: how many there were before members were told apart. `known`: with a
-    definite article. `vague`: a plural without a number.
+    definite article. `vague`: a plural without a number. `object`: perhaps what another one overtakes
+    or stands behind.
     """
 
     role: Role
@@ -71,6 +72,7 @@ class Subject:
     known: bool = False
     listed: bool = False
     vague: bool = False
+    object: bool = False
     own: tuple[int, ...] = ()
     heard: list[Said] = field(default_factory=list)
 

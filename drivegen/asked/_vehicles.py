@@ -20,6 +20,7 @@ _ADDS_NOTHING = (UNKNOWN, "BOUND", "ADV", "HARD", "LIGHT", "DENSE", "HEAVY", *_V
 _MOST_BARE = 50
 _MANOEUVRES = {"STANDING": Manoeuvre.STOPPED, "OVERTAKE": Manoeuvre.OVERTAKE, "PASS": Manoeuvre.OVERTAKE, "CUT": Manoeuvre.CUT_IN}
 _TAGS = {Role.GROUP: "NP", Role.NOBODY: "NOBODY", Role.ALL: "ALL"}
+_OBJECT_OF = ("OVERTAKE", "PASS", "FOLLOW", "BEHIND", "BESIDE", "AHEAD")
 _HARDLY = ("hardly", "barely", "scarcely", "almost no", "next to no", "not much")
 
 
@@ -29,7 +30,11 @@ def vehicles(tags: Tags) -> list[Subject]:
     rules = (_VEHICLES, "SOMEBODY", f"DET LEADING(?!KIND|{UNKNOWN}|TARGET)")
     for begin, end in chain.from_iterable(map(tags.find, rules)):
         begin = _without_loose_words(tags, begin, end)
+        if tags.tag(begin - 1) == "OR":
+            tags.mark(begin, end)
+            continue  # "a bus or a truck": one of them will do
         subject = _group(tags, begin, end)
+        subject.object = tags.tag(begin - 1) in _OBJECT_OF
         found.append(subject)
         tags.mark(begin, end, _TAGS[subject.role])
     return found

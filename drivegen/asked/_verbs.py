@@ -63,7 +63,20 @@ def _in_front(span: _Span) -> bool:
 
 def _inwards(span: _Span) -> bool:
     """ "Squeezes in", but not "darts in the left lane"; who pulls in may well park."""
-    if span.following in ("DET", "OUR", "ITS", "SIDE", "NUM", "NP", "LANE", "INLANE", "GAP", "JUNCTION", "ROAD", "TARGET"):
+    if span.following in (
+        "DET",
+        "OUR",
+        "ITS",
+        "SIDE",
+        "NUM",
+        "NP",
+        "LANE",
+        "INLANE",
+        "GAP",
+        "JUNCTION",
+        "ROAD",
+        "TARGET",
+    ) or _beside_others(span):
         return False
     return span.words.split()[-1] == "in" and not span.verb.startswith(("pull", "mov", "chang"))
 
@@ -74,8 +87,15 @@ def _of_target(span: _Span) -> bool:
     return named or span.following not in ("NP", "ROAD", "JUNCTION", "DET", "NOBODY", "NUM")
 
 
+def _beside_others(span: _Span) -> bool:
+    """ "In front of a truck" follows: not the target's way."""
+    return span.tags.at("AHEAD (NP|NOBODY|IT)", span.end) is not None
+
+
 def _is_cut_off(span: _Span) -> bool:
     """ "Cuts in", but not "cuts in the left lane"."""
+    if span.following in ("NP", "NOBODY", "IT") or _beside_others(span):
+        return False
     return span.words.split()[-1] != "in" or span.following not in ("DET", "OUR", "NUM", "SIDE", "JUNCTION", "ROAD")
 
 
@@ -98,7 +118,7 @@ _BRAKE = "(BRAKE|SLAM) (DET|OUR|ITS)? BRAKE"
 _RULES = (
     _Rule(f"CUT ADV* TARGET (OFF|UP|IN) ({_GOAL})?", Manoeuvre.CUT_IN),
     _Rule(f"CUT ADV* (OFF|UP|IN)? {_X} ({_GOAL}|OFF TARGET|UP TARGET|IN TARGET)", Manoeuvre.CUT_IN),
-    _Rule("CUT ADV* (OFF|IN) AHEAD", Manoeuvre.CUT_IN),
+    _Rule("CUT ADV* (OFF|IN) AHEAD(?!NP|NOBODY|IT)", Manoeuvre.CUT_IN),
     _Rule("CUT ADV* (OFF|IN)", Manoeuvre.CUT_IN, _is_cut_off),
     _Rule(f"{_DOES} (SLIP|MOVE) {_X} {_INWARDS} {_X} (AHEAD TARGET|(IN|ACROSS) {_LANE})", Manoeuvre.CUT_IN, _no_place),
     _Rule(f"{_LEADS} {_X} (IN|OVER|OUT|ACROSS)? {_X} (TO? DET? SIDE)? (INTO|TO) {_LANE} (AHEAD TARGET?)?", Manoeuvre.CUT_IN),
@@ -132,6 +152,7 @@ _TURNS = (
 )
 _CHANGES = (
     f"(SLIP|MOVE) {_X} FROM DET SIDE HAND? LANE? {_X} (OVER|ACROSS)? (INTO|TO) {_SIDE}",
+    f"LEAVE ({_LANE}|(DET|OUR|ITS) LANE) (TO|IN) {_SIDE}",
     f"{_DOES} DET? (ADV|HARD|GENTLY)* CHANGE (INTO|TO|IN) {_SIDE}",
     f"{_DOES} DET? (ADV|HARD|GENTLY)* SIDE HAND? CHANGE",
     f"(SLIP|MOVE) {_X} (OVER|ACROSS|OUT)? {_X} (INTO|TO|TOWARDS)? {_SIDE}",
@@ -166,7 +187,9 @@ def _said(tags: Tags, value: Any, begin: int, end: int, *, forward: bool = False
 
 
 def _negated(tags: Tags, begin: int) -> bool:
-    """Whether the verb is denied: "does not brake hard"."""
+    """Whether the verb is denied: "does not brake hard", "almost cuts in"."""
+    if tags.words(begin - 1, begin) in ("almost", "nearly"):
+        return True
     return any(tags.tag(begin - k) == "NOT" for k in (1, 2) if tags.tag(begin - 1) in ("NOT", "ADV", "BE"))
 
 
