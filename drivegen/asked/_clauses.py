@@ -58,10 +58,15 @@ def attached(tags: Tags, subjects: Sequence[Subject], said: Sequence[Said]) -> l
 
 
 def _clauses(tags: Tags) -> list[_Clause]:
-    cuts = [i for i in range(len(tags.tokens)) if tags.tag(i) in _BOUNDARIES]
+    cuts = [i for i in range(len(tags.tokens)) if tags.tag(i) in _BOUNDARIES and not _joins(tags, i)]
     ends = [*cuts, len(tags.tokens)]
     opened = [(0, ""), *((cut + 1, tags.tag(cut)) for cut in cuts)]
     return [_Clause(begin, end, opening) for (begin, opening), end in zip(opened, ends, strict=True)]
+
+
+def _joins(tags: Tags, at: int) -> bool:
+    """The "and" of "between us and the car ahead"."""
+    return tags.tag(at) == "AND" and "between" in tags.words(max(at - 3, 0), at).split()
 
 
 def _event(tags: Tags, clause: _Clause, things: Sequence[Said], last: Subject | None) -> Subject | None:
@@ -93,6 +98,10 @@ def _give(thing: Said, here: Sequence[Subject], found: Sequence[Subject]) -> Non
     doers = [subject for subject in before if not subject.object]
     if before[-1].object and doers and (thing.what in (What.MANOEUVRE, What.WITHIN) or str(thing.value).startswith("from ")):
         before = doers  # "the truck that overtakes the bus brakes hard"
+    if thing.what is What.WITHIN:
+        before = [subject for subject in before if subject.value(What.MANOEUVRE) is not None] or before
+    if before[-1].known and before[-1].role is Role.ALL and thing.what is not What.SPEED:  # "all of them"
+        before = [subject for subject in found if subject.role is Role.GROUP and subject.begin < thing.begin] or before
     if not before[-1].accepts(thing) and after and before[-1].role is Role.TARGET:
         after[0].accepts(thing)
 

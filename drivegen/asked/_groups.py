@@ -93,6 +93,9 @@ def _members(subject: Subject, parent: Subject) -> list[Subject]:
     ):
         subject.count = subject.member  # "two cars ahead, one behind": others of the same kind
         return [subject]
+    if parent.vague and not subject.bare and not subject.heard:  # "vehicles, nine of them"
+        parent.count, parent.vague, parent.own = subject.member, False, (*parent.own, *subject.own)
+        return []
     wanted = parent.count if subject.member < 0 else subject.member
     if wanted > parent.count or (subject.member < 0 and not subject.heard):
         return []
@@ -167,6 +170,8 @@ def _place(subject: Subject) -> Relation | None:
         beside = side or subject.value(What.ABREAST)
         aside: Relation | None = subject.value(What.FROM)
         return aside or (_BESIDE[beside] if beside else None)
+    if side is None and does is Manoeuvre.CUT_IN and along is Relation.AHEAD:
+        return None  # in a lane beside, whichever
     if side is None:
         return Relation(along)
     if does is Manoeuvre.OVERTAKE and along is Relation.BEHIND and side == "left":

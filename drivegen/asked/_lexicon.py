@@ -108,7 +108,8 @@ _PLAIN: dict[str, dict[object, str]] = {
     "JAM": {Density.DENSE: "traffic jam, gridlock, congestion, rush hour, heavy congestion, a jam, jam packed road"},
     "DENSITY": {"": "density, traffic density, traffic volume, volume"},
     "TRAFFIC": {"": "traffic, road traffic"},
-    "ALL": {"": """everyone, everybody, all, all vehicles, all cars, all of them, all of us, everything, all traffic, all
+    "ALL": {"them": "all, all of them, all of these, both of them, each of them, they all",
+            "": """everyone, everybody, all vehicles, all cars, all of them, all of us, everything, all traffic, all
         other vehicles, all the vehicles, all the cars, all the traffic, all the others, surrounding traffic, the other
         vehicles, the other cars, the others all, each of them, everyone else, every vehicle, every car, all other cars, the
         rest of the traffic, the flow, surrounding vehicles, the surrounding vehicles, the traffic around us, the other

@@ -7,7 +7,8 @@ from drivegen.assets.where import Relation
 Entry = tuple[str, object]
 """A tag of the grammar, and the value that comes with it."""
 
-_CARS = """car, sedan, saloon, suv, taxi, cab, taxicab, automobile, auto, hatchback, van, minivan, pickup, pickup truck,
+_CARS = """car, motor car, motorcar, sedan, saloon, suv, taxi, cab, taxicab, automobile, auto, hatchback, van,
+    minivan, pickup, pickup truck,
         jeep, estate car, station wagon, coupe, convertible, limousine, limo, roadster, sports car, police car, patrol car,
         passenger car, crossover, people carrier, mpv, delivery van, hire car, rental car, camper van, compact car, race
         car, car driver, taxi driver, van driver, panel van, city car, electric car"""

@@ -90,7 +90,8 @@ def _everybody(tags: Tags) -> list[Subject]:
     for begin, end in [*tags.find("ALL"), *tags.find("DET? TRAFFIC")]:
         if tags.tag(begin) == "ALL" and tags.tokens[begin].tag != "ALL":
             continue  # a density, which is a subject already
-        found.append(Subject(Role.ALL, begin, end, own=tuple(range(begin, end))))
+        known = tags.tokens[begin].value == "them"
+        found.append(Subject(Role.ALL, begin, end, own=tuple(range(begin, end)), known=known))
         tags.mark(begin, end, "ALL")
     return found
 

@@ -12,7 +12,7 @@ _COUNT = "(DET? HALF? (NUM|SOME) X?|DET|OUR|ITS)"
 _VERB = "OVERTAKE|PASS|FOLLOW|BRAKE|TURN|MOVE|SLIP|DRIVE|COME|STOP|CUT IN"
 _MOD = f"(ONCOMING|STANDING|LEADING|HEAVY|LIGHT|ADV|QUEUED|SIDE TURN|HARD|ORD|FURTHER|APPROX|{_VERB}|{UNKNOWN}|DENSE|SIDE HAND?)"
 _VEHICLES = f"(DET? {_MOD}? QUEUE (OF|WITH))? (APPROX|BE|BOUND)* {_COUNT}? {_MOD}{{0,3}} KIND (?!LANE|TRAFFIC|ROAD|CHANGE)"
-_MEMBERS = "(APPROX? (NUM|DET) (MEMBER|OF (DET|OUR) NUM? KIND)|REL? (NUM|DET) MEMBER|MEMBER NUM)"
+_MEMBERS = "(APPROX? (NUM|DET) (MEMBER|OF (DET|OUR) NUM? KIND)|REL? (NUM|DET) MEMBER|MEMBER NUM|DET (ORD|WORD) MEMBER)"
 _BARE = "(DET? ORD NUM?|NUM|ORD|OTHERS|DET)"
 _AFTER_BARE = ("IN", "TO", "AHEAD", "BEHIND", "BESIDE", "FROM", "ONCOMING", "COMMA", "SIDE", USED, "CUT", "MOVE", "SLIP", "BRAKE",
                "OVERTAKE", "TURN", "SLAM", "BE", "PASS", "FOLLOW", "")  # fmt: skip
@@ -120,7 +120,8 @@ def members(tags: Tags) -> list[Subject]:
     found = []
     for begin, end in tags.find(_MEMBERS):
         number = tags.value(begin, begin + (3 if tags.tag(begin) == "MEMBER" else 2), "NUM")
-        found.append(Subject(Role.GROUP, begin, end, member=int(cast(float, number or 1)), own=tuple(range(begin, end))))
+        meant = tuple(i for i in range(begin, end) if tags.tag(i) not in ("ORD", UNKNOWN))
+        found.append(Subject(Role.GROUP, begin, end, member=int(cast(float, number or 1)), own=meant))
         tags.mark(begin, end, "NP")
     return found
 

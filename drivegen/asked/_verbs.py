@@ -20,6 +20,7 @@ _ON_SIDE = "((IN|FROM|TO) (DET|OUR|ITS)? SIDE HAND? LANE?)?"
 _DOES = "(TAKE|MAKE|BE)*"
 _GOAL = f"(AHEAD TARGET|INTO {_LANE}|ACROSS ({_LANE}|TARGET)|IN {_LANE})"
 _LEADS = "(SLIP|MOVE|COME|GO|TAKE|DRIVE|TURN|CUT)"
+_TO_SIDE = "(TO? DET? SIDE COMMA?)?"
 _INWARDS = "(IN|OVER|OUT|INTO)?"
 _OUR = "(DET|OUR|ITS)"
 _JUNCTION = "((IN|TO|AHEAD) DET? ADV? JUNCTION)?"
@@ -121,7 +122,7 @@ _RULES = (
     _Rule("CUT ADV* (OFF|IN) AHEAD(?!NP|NOBODY|IT)", Manoeuvre.CUT_IN),
     _Rule("CUT ADV* (OFF|IN)", Manoeuvre.CUT_IN, _is_cut_off),
     _Rule(f"{_DOES} (SLIP|MOVE) {_X} {_INWARDS} {_X} (AHEAD TARGET|(IN|ACROSS) {_LANE})", Manoeuvre.CUT_IN, _no_place),
-    _Rule(f"{_LEADS} {_X} (IN|OVER|OUT|ACROSS)? {_X} (TO? DET? SIDE)? (INTO|TO) {_LANE} (AHEAD TARGET?)?", Manoeuvre.CUT_IN),
+    _Rule(f"{_LEADS} {_X} (IN|OVER|OUT|ACROSS)? {_X} {_TO_SIDE} (INTO|TO) {_LANE} (AHEAD TARGET?)?", Manoeuvre.CUT_IN),
     _Rule(f"(COME|GO|DRIVE|CUT) {_X} (IN|OVER|OUT) {_X} AHEAD TARGET", Manoeuvre.CUT_IN),
     _Rule(f"(SLIP|MOVE|CUT|COME|GO|DRIVE) {_X} (IN|INTO|TO) GAP (AHEAD TARGET?)(?!NP)", Manoeuvre.CUT_IN),
     _Rule("DET? CHANGE AHEAD TARGET", Manoeuvre.CUT_IN),
