@@ -73,12 +73,11 @@ class Tags:
         self.tokens = list(found)
         self._tags = [token.tag for token in found]
 
-    def find(self, rule: str, begin: int = 0, end: int | None = None) -> Iterator[tuple[int, int]]:
+    def find(self, rule: str) -> Iterator[tuple[int, int]]:
         """Tokens [i, j) that match the rule, such as "DET? SIDE LANE"; later matches see the tags that are then left."""
-        at = begin
+        at = 0
         while True:
-            stop = len(self._tags) if end is None else end
-            string = "".join(f"{tag} " for tag in self._tags[at:stop])
+            string = "".join(f"{tag} " for tag in self._tags[at:])
             match = _compiled(rule).search(string)
             if match is None or match.end() == match.start():
                 return
