@@ -5,6 +5,9 @@ from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._lane_ends import read_extra, read_lane_verb, read_next_lane_verb
 from drivegen.maps.writers._sentence import Sentence
 
+_NO_NOUNS = frozenset(
+    ("over", "within", "about", "here", "there", "soon", "because", "as", "since", "due", "near", "behind", "ahead", "so")
+)
 _SKIPPED = ("prep", "but", "det", "is", "that", "role", "verb", "unknown", "with", "turn")
 
 
@@ -47,7 +50,7 @@ def is_lane_count(s: Sentence, i: int) -> bool:
     """Whether the number at i may be one of lanes: small, and not of something else that follows."""
     following = s.tokens[i + 1 : i + 2]
     bound = following and following[0].kind in ("road", "arm", "place", "ramp", "length", "spacing", "shape", "unknown")
-    bound = bound and following[0].text not in ("over", "within", "about", "here", "there", "soon")
+    bound = bound and following[0].text not in _NO_NOUNS
     return 0 <= s.tokens[i].amount[0] <= 12 and not bound
 
 
@@ -86,6 +89,11 @@ def _read_verb(s: Sentence, facts: Facts, i: int) -> None:
     after = lane_count(s, i + 1, min(len(s.tokens), i + 5))
     if verb == "gain" and (third := _ordinal_lane(s, i)) is not None:
         _change(s, facts, third - 1, third, i, i + 3)
+        return
+    if verb == "gain" and (at := _ordinal_before(s, i)) is not None:
+        third = int(s.tokens[at].value)
+        last = after if after is not None and s.tokens[after].number == third - 1 else i  # "a fourth lane is added to three"
+        _change(s, facts, third - 1, third, at, last)
         return
     if verb in ("lose", "gain") and not s.between(i, (after or i) + 1, "prep"):
         return
@@ -133,6 +141,13 @@ def _ordinal_lane(s: Sentence, i: int) -> int | None:
     if alone and s.word(i + 1, "det") and s.word(i + 2, "ordinal") and int(s.tokens[i + 2].value) > 1:
         return int(s.tokens[i + 2].value)  # "gains a third after 400 m"
     return None
+
+
+def _ordinal_before(s: Sentence, i: int) -> int | None:
+    """The ordinal of "a third lane is added", "a fourth lane begins"."""
+    places = (j for j in range(i - 1, max(0, i - 4), -1) if s.word(j, "lane") and s.word(j - 1, "ordinal"))
+    at = next(places, None)
+    return at - 1 if at is not None and int(s.tokens[at - 1].value) > 1 else None
 
 
 def _change(s: Sentence, facts: Facts, before: int, after: int, first: int, last: int) -> None:

@@ -46,7 +46,8 @@ _CHINESE_WORDS = {
     "靠左行驶": "left hand traffic", "左行": "left hand traffic", "直径": "diameter", "相距": "spaced", "度": "degrees",
     "向左": "to the left", "向右": "to the right", "分叉": "fork", "左转车道": "left turn lanes",
     "右转车道": "right turn lanes", "和": "and", "，": ",", "。": ".", "、": ",", "的": ",", "一个": "a ", "一条": "a ",
-    "双向道路": "2 way road", "双向通行": "2 way traffic", "单向高速公路": "one way highway", "单向快速路": "one way expressway",
+    "双向道路": "2 way road", "消失": "ends", "结束": "ends", "最右侧": "right", "最左侧": "left", "错开": "offset",
+    "入口": " entrances", "双向通行": "2 way traffic", "单向高速公路": "one way highway", "单向快速路": "one way expressway",
     "之后变为": ", then", "之后为": ", then", "然后变为": ", then",
     "分岔成": "splits into", "分岔": "splits", "之后": ", then", "两支": "2 branches", "转": "turns",
     "双向行驶": "2 way traffic", "弯": "bend", "与": "and", "住宅小区": "residential", "小区": "residential", "十字交叉": "cross",
@@ -65,6 +66,7 @@ def from_chinese(text: str) -> str:
     digit = f"[{''.join(_CHINESE_DIGITS)}]"
     text = re.sub(rf"双向({digit})(?:条)?车道", lambda m: f" {_CHINESE_DIGITS[m[1]]} lanes in total ", text)
     text = re.sub(rf"(前|后)({digit})个(?:路口)?", lambda m: f" the {_ENDS[m[1]]} {_CHINESE_DIGITS[m[2]]} ", text)
+    text = re.sub("两侧各有一条(?:支路|小路|街道)", " 2条支路 on opposite sides ", text)
     text = re.sub("[：；（）]", "，", text)
     text = re.sub("(?<=[，,、])单向(?=[，,。])", "单向行驶", text)
     text = re.sub(r"(?:在)?(\d+)(米|公里|千米)处(?:有|设有|设)?", r" , at \1\2 with ", text)

@@ -134,12 +134,20 @@ def _both_kinds(s: Sentence, phrase: Phrase) -> bool:
 
 def _refers_back(s: Sentence, phrase: Phrase) -> bool:
     near = s.tokens[max(0, phrase.first - 1) : phrase.head + 1]
+    if phrase.head in _heads_of_speeds(s):
+        return True  # "exit speed 60 km/h"
     if phrase.text == "ramp" and (s.word(phrase.head + 1, "speed_word") or s.word(phrase.head + 1, "speed")):
         return True  # "ramp speed 60 km/h"
     bare = phrase.value == "" and phrase.det == "" and phrase.number in (None, 1) and s.tokens[phrase.head].text == "ramp"
     if bare and not any(t.kind in ("verb", "that") for t in s.tokens[phrase.head + 1 : phrase.head + 3]):
         return True  # "exit: ramp one lane"
     return any(t.text in ("the", "this", "that", "its", "which", "both", "all", "each", "these") for t in near)
+
+
+def _heads_of_speeds(s: Sentence) -> set[int]:
+    """Ramps that are named for their speed alone, after they were spoken of."""
+    said = list(s.said("ramp"))
+    return {p.head for p in said[1:] if s.word(p.head + 1, "speed_word") and p.first == p.head}
 
 
 def _direction(s: Sentence, phrase: Phrase) -> str:

@@ -52,6 +52,7 @@ def read_next_lane_verb(s: Sentence, facts: Facts, i: int) -> None:
         last = facts.events[-1]
     apart = s.between(last.at, i + 4, "length", "later", "seq") or last.kind != kind
     lane = _lane_beside(s, i)
+    lane = None if numbered and lane in s.used else lane  # "from two to three lanes, and dropped again"
     if any(t.value == "another" for t in s.tokens[max(0, i - 3) : i + 3]):
         return  # read as a step
     if i in s.used or last.at > i or not apart or not last.kind.startswith("lane") or (lane in s.used and last.kind == kind):

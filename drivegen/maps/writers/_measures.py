@@ -161,7 +161,8 @@ def _what_is_long(s: Sentence, i: int) -> str:
     near = s.tokens[i - 1].text if i else ""
     if any(s.said("weaving")) and (near in ("within", "over") or not any(s.said("road"))):
         return "auxiliary"  # "weaving between two ramps over 350 m"
-    if _is_inside(s, i, "auxiliary", "weaving"):
+    merging = near in ("within", "over") and any("merge" in (t.value, *t.text.split()) for t in s.tokens[max(0, i - 4) : i])
+    if _is_inside(s, i, "auxiliary", "weaving") or (merging and any(s.said("ramp"))):
         return "auxiliary"
     if before is None or s.governed(i) is not None:
         return "length"

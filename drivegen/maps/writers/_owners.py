@@ -78,7 +78,7 @@ def role(s: Sentence, phrase: Phrase) -> str:
 
 def _by_its_end(s: Sentence, here: list[Phrase]) -> str:
     """The side road ends at the main one: "a one-lane road ends at an east-west road with two lanes"."""
-    for i in s.verbs("end_at"):
+    for i in s.verbs("end_at") if not any(s.said("ramp")) else ():
         subject, target = s.last_before(i, "road"), s.next_after(i, "road")
         if subject is None or target is None or s.negated_at(i) or subject.role or target.role == "side":
             continue

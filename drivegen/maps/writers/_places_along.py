@@ -1,6 +1,7 @@
 """Where along the road something lies, or how far from what comes before it."""
 
 from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
 
 _EVENTS = ("ramp", "weaving", "extra")
@@ -9,32 +10,43 @@ _CLOSE = 4
 
 def give_to_part(s: Sentence, facts: Facts, i: int, name: str, metres: float, cue: int | None) -> bool:
     """Note where a ramp or junction lies, or how far from the one before it; whether there is one."""
-    kinds = (*_EVENTS, "place")
     start = s.clause(i)
     if _give_to_change(facts, i, start, metres):
         return True
-    before = next((p for p in reversed(s.phrases) if start <= p.head < i and p.kind in kinds and not p.negated), None)
-    after = next(
-        (p for p in s.phrases if p.first > i and p.kind in kinds and not p.negated and not s.between(i, p.first, "stop")), None
-    )
+    parts = [p for p in s.phrases if p.kind in (*_EVENTS, "place") and not p.negated]
+    before = next((p for p in reversed(parts) if start <= p.head < i), None)
+    after = next((p for p in parts if p.first > i and not s.between(i, p.first, "stop")), None)
     if name == "position":
-        part = before or s.last_before(i, *kinds) or after
-        side = s.last_before(i, "road")
-        if side is not None and side.role == "side" and side.det != "the" and side.head >= start:
-            part = side
-        if part is not None and part.kind == "extra":
-            _place_change(facts, part.head, metres)
-        elif part is not None:
-            part.position = metres
-        return part is not None
+        return _give_position(s, facts, i, metres, before or s.last_before(i, *_EVENTS, "place") or after)
     ordinal = next((p for p in s.said("ordinal") if start <= p.head < i and i - p.head <= _CLOSE), None)
     if ordinal is not None and before is None and any((p.number or 1) > 1 for p in s.said("ramp")):
         ordinal.position, ordinal.gap = (metres, None) if ordinal.value == "1" else (None, metres)
         return True
-    parts = [p for p in s.phrases if p.kind in kinds and not p.negated]
-    if parts and before is parts[0] and s.tokens[i - 1].text == "after" and not s.tokens[i - 2].text.startswith("followed"):
-        before.position = metres  # "an exit with one lane after 500 m"
-        return True
+    is_behind = s.tokens[i - 1].text == "after" and not s.tokens[i - 2].text.startswith("followed")
+    if is_behind and (not parts or before is parts[0]):  # "an exit with one lane after 500 m"
+        return _give_position(s, facts, i, metres, before)
+    part = before or after
+    if is_behind and cue is None and part is not None and metres > (parts[0].position or metres):
+        return _give_position(s, facts, i, metres, part)  # "an on-ramp after 300 m and an off-ramp after 1 km"
+    return _give_gap(s, metres, before, after, parts, cue)
+
+
+def _give_position(s: Sentence, facts: Facts, i: int, metres: float, part: Phrase | None) -> bool:
+    """Note how far from the start of the road the part lies, or a side road that is spoken of after it."""
+    side = s.last_before(i, "road")
+    if side is not None and side.role == "side" and side.det != "the" and side.head >= s.clause(i):
+        part = side
+    if part is not None and part.kind == "extra":
+        _place_change(facts, part.head, metres)
+    elif part is not None:
+        part.position = metres
+    return part is not None
+
+
+def _give_gap(
+    s: Sentence, metres: float, before: Phrase | None, after: Phrase | None, parts: list[Phrase], cue: int | None
+) -> bool:
+    """Note how far a part lies from the one before it; the first one lies so far from the start of the road."""
     is_before = cue is not None and s.tokens[cue].kind == "before"
     part = after if is_before or before is None or before is parts[0] else before
     part = part or before

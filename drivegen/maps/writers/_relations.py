@@ -81,6 +81,12 @@ def _read_joining_verb(s: Sentence, facts: Facts, i: int) -> None:
     """ "A meets B": a T where their roles differ or A ends there, else a crossing."""
     subject, target = s.last_before(i, "road", "ramp", "place", "dead_end"), s.next_after(i, "road", "place", "dead_end")
     verb = s.tokens[i].value
+    its = subject is not None and target is None and s.last_before(subject.first, "road") is not None
+    if subject is not None and its and subject.role == "side" and verb == "join" and not facts.junctions:
+        facts.junctions.append(JunctionWords("crossing", i, _FEWEST, "t", position=subject.position))
+        s.use(i, i, "T-junction")  # "a road of 3 km with a side road joining from the right"
+        facts.features.setdefault("meets", i)
+        return
     if facts.has("grid", "staggered") or target is None or subject is None or subject.kind in ("ramp", "place"):
         return
     if subject.kind == "dead_end":

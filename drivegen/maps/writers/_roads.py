@@ -85,17 +85,19 @@ def _crossing(facts: Facts, choices: Choices) -> Road:
         arm |= {"left_turn_lane": facts.left_pocket and pockets, "right_turn_lane": facts.right_pocket and pockets}
         arms.append(arm)
     if words.position is not None and count in (3, 4) and shape != "y":
-        _place_along(facts, words.position, arms)
+        _place_along(facts, choices, words.position, arms)
     _make_one_way(facts, arms, count)
     return {"kind": "crossing", "arms": arms, "control": control_at(facts, words, equal_roads=not unequal)}
 
 
-def _place_along(facts: Facts, position: float, arms: list[Road]) -> None:
+def _place_along(facts: Facts, choices: Choices, position: float, arms: list[Road]) -> None:
     """Make the main road's arms as long as the junction's place along it asks for."""
-    before, after = sorted((arm for arm in arms if arm["angle"] in (0.0, 180.0)), key=lambda arm: -arm["angle"])
+    before, after, *others = sorted(arms, key=lambda arm: [180.0, 0.0].index(arm["angle"]) if arm["angle"] in (180.0, 0.0) else 2)
     before["length"] = position
     if facts.lengths.get("length", 0.0) > position + _SHORTEST_ARM:
         after["length"] = facts.lengths["length"] - position
+        for arm in others:
+            arm["length"] = facts.lengths.get("side") or choices.length("side roads", 140, 200)
 
 
 def _side_lanes(facts: Facts, main: int) -> int:
@@ -142,6 +144,8 @@ def _roundabout(facts: Facts, choices: Choices) -> Road:
     speed = choices.speed(facts)
     angles = [180.0, 0.0, 270.0] if count == 3 and facts.junctions[0].shape == "t" else [i * 360.0 / count for i in range(count)]
     arms = [{"angle": a, "lanes_in": lanes, "lanes_out": lanes, "length": length, "speed": speed} for a in angles]
+    if facts.junctions[0].position is not None and 180.0 in angles:
+        _place_along(facts, choices, facts.junctions[0].position, arms)
     ring_speed = facts.speeds.get("ring", min(speed, 30 / 3.6 if diameter < 60 else 40 / 3.6))
     return {"kind": "roundabout", "arms": arms, "ring_lanes": ring, "diameter": diameter, "ring_speed": ring_speed}
 

@@ -97,6 +97,8 @@ def _speed_role(s: Sentence, facts: Facts, i: int) -> str:
         return "main"
     beside = next((p for p in s.said("road") if p.first == p.head == i + 1 and p.role), None)  # "60 km/h main, 40 minor"
     phrase = inside or governed or beside
+    if phrase is not None and phrase.value == "roundabout" and phrase.det == "the" and phrase.text.endswith("circle"):
+        return "ring"
     if phrase is not None:
         return role(s, phrase)
     before = s.last_before(i, "road", "ramp", "ring", "place")

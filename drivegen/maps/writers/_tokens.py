@@ -14,6 +14,7 @@ _N = r"(\d+(?:\.\d+)?)"
 _NUMBERS = (
     ("size", re.compile(r"(\d+) ?(?:x|by|times) ?(\d+)(?! ?(?:m|km|ft|yd)\b)")),
     ("size", re.compile(r"(\d+) rows?(?: and| by|,| ,| x| times| of)? ?(\d+) (?:columns?|cols?)\b")),
+    ("size", re.compile(r"(\d+) rows? of (\d+)(?= (?:\w+ )?(?:crossings|intersections|junctions)\b)")),
     ("speed", re.compile(rf"{_N} ?(kmh|mph|mps)\b")),
     ("length", re.compile(rf"{_N} ?(m|km|ft|yd|mile)\b")),
     ("angle", re.compile(rf"{_N} ?degrees\b")),
