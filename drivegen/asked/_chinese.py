@@ -7,7 +7,9 @@ _EGO = "目标车辆|目标车|自动驾驶车辆|自车|主车|本车|我车|�
 
 SIGN = re.compile(r"[一-鿿]")
 VEHICLE = re.compile(rf"车(?!道)|巴士|{_EGO}")
-TRAFFIC = re.compile(rf"车(?!道)|巴士|大巴|密集|稀疏|拥堵|高峰|公里每小时|时速|千米|秒|急刹|切入|加塞|左转|右转|变道|{_EGO}|其中")
+TRAFFIC = re.compile(
+    rf"车(?!道)|巴士|大巴|密集|稀疏|拥堵|拥挤|高峰|公里每小时|时速|千米|秒|急刹|切入|加塞|左转|右转|变道|{_EGO}|其中"
+)
 
 _OF_US = f"(?:{_EGO})的?"
 _BY_US = f"在?(?:{_OF_US})?"
@@ -59,7 +61,7 @@ _WORDS = {
     "the following vehicle": "后车 后方车辆",
     "traffic": "车流 交通 交通流",
     "dense": "密集 拥堵 拥挤 繁忙 高峰",
-    "dense traffic": "交通拥堵 车流密集 车流量大 车多 交通密集 交通繁忙 车辆密集 密集车流",
+    "dense traffic": "交通拥堵 交通拥挤 车辆拥挤 车流密集 车流量大 车多 交通密集 交通繁忙 车辆密集 密集车流",
     "traffic jam": "堵车",
     "rush hour traffic": "早高峰 晚高峰 高峰期 高峰时段",
     "sparse traffic": "车少 车流量小 车流稀疏 交通稀疏 车流稀少 车辆稀少 车辆稀疏 稀疏车流",

@@ -36,6 +36,7 @@ def attached(tags: Tags, subjects: Sequence[Subject], said: Sequence[Said]) -> l
     found = list(subjects)
     last: Subject | None = None
     pending: list[Said] = []
+    too: list[Subject] = []  # the target of "we and the car ahead turn right"
     for clause in _clauses(tags):
         here, things = clause.of(found), clause.of(said)
         if not here and (event := _event(tags, clause, things, last)) is not None:
@@ -51,7 +52,10 @@ def attached(tags: Tags, subjects: Sequence[Subject], said: Sequence[Said]) -> l
             pending = []
             for thing in things:
                 _give(thing, here, found)
+                for target in too if clause.opening == "AND" and _of_several(tags, thing) else ():
+                    target.accepts(thing)
             last = here[-1]
+            too = [last] if last.role is Role.TARGET and not things else []
         else:
             pending = _carry(tags, clause, things, last, found)
     return sorted(found, key=lambda subject: subject.begin)
@@ -67,6 +71,12 @@ def _clauses(tags: Tags) -> list[_Clause]:
 def _joins(tags: Tags, at: int) -> bool:
     """The "and" of "between us and the car ahead"."""
     return tags.tag(at) == "AND" and "between" in tags.words(max(at - 3, 0), at).split()
+
+
+def _of_several(tags: Tags, thing: Said) -> bool:
+    """Whether a manoeuvre is that of several: "turn right", not "turns right" or "that turn right"."""
+    verb = tags.tokens[thing.begin].words.split()[0]
+    return thing.what is What.MANOEUVRE and not verb.endswith("s") and tags.tag(thing.begin - 1) != "REL"
 
 
 def _event(tags: Tags, clause: _Clause, things: Sequence[Said], last: Subject | None) -> Subject | None:

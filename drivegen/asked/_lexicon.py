@@ -75,7 +75,7 @@ _PLAIN: dict[str, dict[object, str]] = {
         of, a speed of, at a speed of, speed of, at a steady, at a constant, at a gap of, with a gap of, a gap of, gap of,
         doing, of about, by, at speeds of, speeds of, with a distance of, in a distance of, at speeds around, at speeds of
         about, at a speed of about, at speeds of around, speeds around, at only, at just, at an average of, at a distance of
-        about"""},
+        about, t"""},
     "AWAY": {"": """away, off, away from, distant, of distance, distance, of us, from us, from the ego, from the target,
         gap, out, of headway, clear of"""},
     "METRE": {1.0: "m", 0.3048: "ft", 0.9144: "yd"},

@@ -6,7 +6,7 @@ from drivegen.assets.where import Relation
 
 _LANE = "(OUR (LANE|PATH)|DET (LANE|PATH) OF TARGET|TARGET (LANE|PATH)|DET? INLANE (AND TARGET)?)"
 _ASIDE = (
-    "(COME|GO|DRIVE|BE|OUT|FROM|MOVE)* FROM DET ORD? SIDEROAD (IN|TO|FROM) (DET|OUR|ITS) SIDE HAND?",
+    "(COME|GO|DRIVE|BE|OUT|FROM|MOVE)* FROM DET ORD? (SIDEROAD|ROAD) (IN|TO|FROM) (DET|OUR|ITS) SIDE HAND?",
     "(COME|GO|DRIVE|BE|OUT|MOVE)* FROM (DET|OUR|ITS)? SIDE HAND? SIDEROAD",
     "(COME|GO|MOVE) (ADV|BE|IN|UP|JUNCTION|ACROSS|OUR|PATH|OUT|DET|OVER)* "
     "FROM (DET|OUR|ITS)? SIDE HAND?(?!LANE) (TO (DET|OUR)? SIDE)? (OF TARGET)?",
@@ -22,7 +22,7 @@ _SIDES = (
     "(DRIVE|BE)* (IN|TO|INTO|FROM)? DET LANE (IN|TO) (DET|OUR|ITS)? SIDE HAND? (OF TARGET)?",
     "(DRIVE|BE)* (NUM|DET) LANE TO (DET|OUR|ITS) SIDE HAND? (OF TARGET)?",
     "(DRIVE|BE)* (IN|TO|INTO) (DET|OUR|ITS)? SIDE HAND? LANE? (OF TARGET)?",
-    "SIDE (HAND|OF)* OF? TARGET",
+    "SIDE (HAND|OF)* (OF? TARGET|AWAY)",
     "DET? SIDE HAND? LANE",
     "SIDE (?=AHEAD|BEHIND|BESIDE)",
     "SIDE (?=COMMA|DOT|AND|WITH|$)",
@@ -69,9 +69,9 @@ def _corners(tags: Tags) -> list[Said]:
 def _sides(tags: Tags) -> list[Said]:
     found = []
     for begin, end in tags.find("(DRIVE|BE)* IN REL LANE"):
-        sides = [token.value for token in tags.tokens[:begin] if token.tag == "SIDE"]
-        if sides:
-            found.append(_said(tags, What.SIDE, sides[-1], begin, end))
+        before = [token.value for token in tags.tokens[:begin] if token.tag == "SIDE"]
+        if before:
+            found.append(_said(tags, What.SIDE, before[-1], begin, end))
     for begin, end in tags.find(f"(DRIVE|BE)* (EITHERSIDE|{_ON} AND {_ON}) (OF? TARGET)?"):
         sides = {token.value for token in tags.tokens[begin:end] if token.tag == "SIDE"}
         if sides == {"left"} or sides == {"right"}:

@@ -69,6 +69,7 @@ def _target_kinds(tags: Tags) -> list[tuple[Kind, int, int]]:
         "TARGET COMMA DET KIND COMMA",
         "DET? KIND AND TARGET",
         "TARGET (BE|DRIVE|ADV)+ IN DET KIND (?!LANE)",
+        "TARGET COMMA KIND (?=COMMA|DOT|$)",
     )
     for number, rule in enumerate(rules):
         for begin, end in tags.find(rule):

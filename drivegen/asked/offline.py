@@ -5,6 +5,8 @@ measures; clause by clause, each of these is given to the subject it is said of.
 was said before, stays in the rest, for whoever reads the road.
 """
 
+import re
+
 from drivegen.asked._clauses import attached
 from drivegen.asked._languages import vehicle_clauses
 from drivegen.asked._measures import densities, measures
@@ -22,6 +24,9 @@ from drivegen.maps.writers._reading import normalise
 
 READER = "offline rules (no language model)"
 
+_DASH = re.compile(r"(?<!\d)\s[-–]+\s|\s[-–]+\s(?!\d)")
+"""A dash between words parts clauses; one between numbers is a range."""
+
 
 def read(text: str) -> Reading:
     """The traffic that `text` asks for; a text that says nothing of traffic gives an empty request and itself as the rest.
@@ -29,7 +34,7 @@ def read(text: str) -> Reading:
     Raises UnusableInput, reason `impossible-traffic`, for what is understood and cannot be, such as 500 cars.
     """
     clauses, others = vehicle_clauses(text)
-    normal = normalise(clauses)
+    normal = normalise(_DASH.sub(", ", clauses))
     outcome = _read(normal)
     if not outcome.notes:
         return Reading(TrafficRequest(), (), text, READER)
