@@ -29,6 +29,9 @@ def row(facts: Facts, choices: Choices) -> Road:
     if len({junction.side for junction in words if junction.arms == 3}) > 1:
         for junction, word in zip(junctions, words, strict=True):
             junction["sides"] = [word.side] if word.side and word.arms == 3 else junction["sides"]
+    places = [junction.position for junction in words if junction.position is not None]
+    if len(places) == len(words) and places == sorted(set(places)):
+        return _corridor(facts, choices, main, junctions, [b - a for a, b in pairwise(places)], places[0])
     return _corridor(facts, choices, main, junctions, [junction.gap or spacing for junction in words[1:]])
 
 
@@ -103,6 +106,8 @@ def _corridor(
     if "length" in facts.lengths:
         ends = max(_SHORTEST_END, (facts.lengths["length"] - between) / 2)
     first = ends if start is None else max(start, 30.0)
+    if "length" in facts.lengths and start is not None:
+        ends = max(_SHORTEST_END, facts.lengths["length"] - between - first)
     placed = [{**junction, "position": first + sum(gaps[:i])} for i, junction in enumerate(junctions)]
     one_way = bool(facts.one_way) and not facts.two_way
     return {

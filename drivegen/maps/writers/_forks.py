@@ -35,6 +35,14 @@ def read_branches(s: Sentence, facts: Facts) -> None:
 
 def _read_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
     """Lanes of the branches after the verb at i: "two left, one right", "two lanes each", "into two and two"."""
+    sides = {
+        t.value: j for j, t in enumerate(s.tokens) if t.kind == "pocket" and t.text.startswith("lane") and s.word(j - 1, "number")
+    }
+    if set(sides) == {"left", "right"}:  # "two lanes to the left and one lane to the right"
+        facts.branches = (s.tokens[sides["left"] - 1].number, s.tokens[sides["right"] - 1].number)
+        for side, j in sides.items():
+            s.use(j - 1, j, f"{s.tokens[j - 1].number} to the {side}")
+        return
     apiece = next((item for item in s.lanes if item.first > i and item.per == "each" and _of_branches(s, i, item)), None)
     if apiece is not None:
         facts.branches = (apiece.count, apiece.count)

@@ -146,7 +146,7 @@ def read_pockets(s: Sentence, facts: Facts) -> None:
     """Turn lanes."""
     for phrase in s.denied("pocket"):
         s.use(phrase.first, phrase.head, "no turn lanes")
-    for phrase in s.said("pocket"):
+    for phrase in (p for p in s.said("pocket") if p.head not in s.used):
         sides = phrase.value
         before = s.tokens[phrase.first - 2 : phrase.first] if phrase.first >= 2 else []
         if phrase.words.get("turn") or (before and before[0].kind == "turn" and before[1].kind in ("and", "or")):

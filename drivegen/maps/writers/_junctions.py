@@ -8,7 +8,7 @@ from drivegen.maps.writers._arms import read_arms
 from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._layouts import read_grid
 from drivegen.maps.writers._phrases import Phrase
-from drivegen.maps.writers._rows import one_of_a_row, read_arms_of_a_row
+from drivegen.maps.writers._rows import one_of_a_row, read_arms_of_a_row, read_positions_of_a_row
 from drivegen.maps.writers._sentence import Sentence
 
 _NAMES = {"t": "T-junction", "y": "Y-junction", "crossing": "crossing", "roundabout": "roundabout"}
@@ -31,6 +31,7 @@ def read_junctions(s: Sentence, facts: Facts) -> None:
         facts.junctions.append(JunctionWords("roundabout", ring.first, ring.arms))
         s.use(ring.head, ring.head, "roundabout")
     _read_ways_that_stop(s, facts)
+    read_positions_of_a_row(s, facts)
     read_arms_of_a_row(s, facts)
     read_arms(s, facts)
     _read_counted_signals(s, facts)

@@ -87,7 +87,7 @@ def _lanes(s: Sentence, found: Built) -> Iterator[Said]:
 
 def _possible(item: Lanes, found: Built) -> set[int]:
     if item.per in ("each", "arms", "all"):
-        return found.lanes | found.changes
+        return found.lanes
     if item.per == "total":
         return found.totals
     return found.lanes | found.changes | found.totals

@@ -114,6 +114,8 @@ def _role(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None) -> str:
         return "back"
     if phrase is None:
         return ""
+    if phrase.kind == "arm" and phrase.role:
+        return phrase.role  # "the minor leg has one lane each way"
     if item.per in ("arms", "all") and phrase.kind in ("place", "ring", "arm"):
         return "arms"
     if phrase.kind == "arm" and phrase.number in (None, 1) and s.tokens[phrase.head].text.startswith(("direction", "way")):

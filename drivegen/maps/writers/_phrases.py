@@ -196,7 +196,9 @@ def _headless(tokens: list[Token], start: int, end: int, before: list[Phrase]) -
         if token.kind in ("role", "label") and found is None:
             found = Phrase("road", "", i, i, token.text, words={token.kind: token.value})
         elif token.kind == "det" and token.value == "another" and found is None and not _of_a_lane(tokens, i):
-            found = Phrase("road", "", i, i, token.text, det="another")
+            verb = tokens[i + 1].value if i + 1 < len(tokens) and tokens[i + 1].kind == "verb" else ""
+            ramp = {"leave": "off", "join": "on", "merge": "on"}.get(verb) if any(p.kind == "ramp" for p in before) else None
+            found = Phrase("ramp" if ramp else "road", ramp or "", i, i, token.text, det="another")  # "another one leaves"
         elif token.kind == "ordinal" and found is None and before:
             found = Phrase("ordinal", token.value, i, i, token.text)
         elif token.kind == "one_way" and found is not None:

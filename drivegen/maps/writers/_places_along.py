@@ -16,10 +16,14 @@ def give_to_part(s: Sentence, facts: Facts, i: int, name: str, metres: float, cu
     parts = [p for p in s.phrases if p.kind in (*_EVENTS, "place") and not p.negated]
     before = next((p for p in reversed(parts) if start <= p.head < i), None)
     after = next((p for p in parts if p.first > i and not s.between(i, p.first, "stop")), None)
+    ordinal = next((p for p in s.said("ordinal") if start <= p.head < i and i - p.head <= _CLOSE), None)
+    several = before is None and any((p.number or 1) > 1 for p in (*s.said("ramp"), *s.said("place")))
+    if name == "position" and ordinal is not None and several:
+        ordinal.position = metres  # "two crossings, the first 250 m after the start"
+        return True
     if name == "position":
         return _give_position(s, facts, i, metres, before or s.last_before(i, *_EVENTS, "place") or after)
-    ordinal = next((p for p in s.said("ordinal") if start <= p.head < i and i - p.head <= _CLOSE), None)
-    if ordinal is not None and before is None and any((p.number or 1) > 1 for p in s.said("ramp")):
+    if ordinal is not None and several and any((p.number or 1) > 1 for p in s.said("ramp")):
         ordinal.position, ordinal.gap = (metres, None) if ordinal.value == "1" else (None, metres)
         return True
     is_behind = s.tokens[i - 1].text == "after" and not s.tokens[i - 2].text.startswith("followed")

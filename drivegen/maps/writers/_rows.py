@@ -91,6 +91,16 @@ def read_arms_of_a_row(s: Sentence, facts: Facts) -> None:
             s.use(number, number + 1 if _counts_arms(s, number) else number, f"{one.arms} roads meet")
 
 
+def read_positions_of_a_row(s: Sentence, facts: Facts) -> None:
+    """Places of the junctions of a row along its road: "the first 250 m after the start, the second at 550 m"."""
+    if not any(junction.count > 1 for junction in facts.junctions):
+        return
+    for phrase in s.said("ordinal"):
+        one = _numbered(s, facts, phrase.head, int(phrase.value)) if phrase.position else None
+        if one is not None:
+            one.position = phrase.position
+
+
 def read_control_of_each(s: Sentence, facts: Facts) -> None:
     """Control said right behind each junction: "a crossing with lights, 150 m later a T without lights".
 

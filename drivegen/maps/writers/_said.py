@@ -168,7 +168,7 @@ def _is_only(s: Sentence, phrase: Phrase) -> bool:
 def said_others(s: Sentence, found: Built) -> Iterator[Said]:
     """Turn lanes, dead ends, rings, medians, the side of traffic, roads that never meet."""
     for phrase in s.phrases:
-        if phrase.kind == "pocket":
+        if phrase.kind == "pocket" and not found.counts["fork"]:
             yield Said("turn lanes", phrase.first, phrase.head, phrase.negated != bool(found.counts["pocket"]))
         elif phrase.kind == "dead_end":
             an_arm = not phrase.negated and found.counts["crossing"] == 1  # every arm of a crossing ends somewhere
