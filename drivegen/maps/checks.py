@@ -9,6 +9,9 @@ from drivegen.maps.structure import Structure
 
 _TOLERANCE = 0.15
 _LONG_ARM = 100.0
+_LONG_BRANCH = 180.0
+"""Shorter branches [m] may be longer than asked: they need their bend."""
+
 _TITLES = {"left_hand": "left-hand traffic"}
 
 _SHARP = 60.0
@@ -145,7 +148,10 @@ def _highway(road: Highway) -> dict[str, Any]:
 
 def _fork(road: Fork) -> dict[str, Any]:
     place = "merges" if road.joins else "diverges"
-    return {"arms": (), "signals": 0, place: 1, "one_way": True, "max_lanes": road.lanes, "speed": road.speed}
+    expected: dict[str, Any] = {"arms": (), "signals": 0, place: 1, "one_way": True, "max_lanes": road.lanes, "speed": road.speed}
+    if road.length < _LONG_BRANCH:
+        return expected
+    return {**expected, "length": road.stem_length + road.length}
 
 
 def _interchange(road: Interchange) -> dict[str, Any]:

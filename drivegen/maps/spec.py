@@ -218,7 +218,11 @@ class Highway(_Part):
 
 
 class Fork(_Part):
-    """A one-way road that splits into two branches, `angle` degrees apart; or, where `joins`, two that become one."""
+    """A one-way road that splits into two branches, `angle` degrees apart; or, where `joins`, two that become one.
+
+    `length` is that of each branch, `stem` that of the single road before the split, or behind it where `joins`; None: as
+    long as the branches.
+    """
 
     kind: Literal["fork"] = "fork"
     lanes: Lanes = 2
@@ -227,7 +231,13 @@ class Fork(_Part):
     angle: Annotated[float, Field(ge=10.0, le=120.0, allow_inf_nan=False)] = 40.0
     speed: Speed = 70 / 3.6
     length: Length = 200.0
+    stem: Length | None = None
     joins: bool = False
+
+    @property
+    def stem_length(self) -> float:
+        """Length of the single road [m]."""
+        return self.length if self.stem is None else self.stem
 
     @model_validator(mode="after")
     def _lanes_go_on(self) -> "Fork":

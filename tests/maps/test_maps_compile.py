@@ -2,6 +2,7 @@
 
 import math
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 from hypothesis import assume, given, settings
@@ -44,6 +45,8 @@ ROADS: dict[str, dict[str, Any]] = {
         "events": [{"kind": "lane_drop", "position": 300, "lanes": 2}, {"kind": "lane_gain", "position": 600, "side": "left"}],
     },
     "fork": {"kind": "fork", "lanes": 3, "left_lanes": 2, "right_lanes": 1},
+    "fork_with_a_stem": {"kind": "fork", "lanes": 3, "left_lanes": 2, "right_lanes": 1, "length": 400, "stem": 600},
+    "join_with_a_stem": {"kind": "fork", "joins": True, "length": 900, "stem": 40},
     "graph": {
         "kind": "graph",
         "nodes": [{"name": "a", "x": 0, "y": 0}, {"name": "b", "x": 200, "y": 0}, {"name": "c", "x": 300, "y": 150}],
@@ -70,6 +73,16 @@ def test_left_hand_traffic_keeps_the_arms_where_they_were_asked_for() -> None:
         nodes = draw(MapSpec.model_validate({"road": road, "left_hand": left_hand})).nodes
         ends.append(sorted(round(math.degrees(math.atan2(n.y, n.x)) % 360) for n in nodes if n.id != "c"))
     assert ends == [[10, 120, 250], [10, 120, 250]]
+
+
+@pytest.mark.parametrize("joins", [False, True], ids=["divides", "joins"])
+@pytest.mark.parametrize(("stem", "lengths"), [(600, [400, 400, 600]), (None, [400, 400, 400])])
+def test_the_road_of_a_fork_is_as_long_as_its_stem(stem: float | None, lengths: list[float], joins: bool) -> None:
+    road = {"kind": "fork", "length": 400, "stem": stem, "joins": joins}
+    network = ElementTree.fromstring(compile_map(MapSpec.model_validate({"road": road})))
+    edges = [edge for edge in network.iter("edge") if not edge.get("function")]
+    found = sorted(float(edge[0].get("length", "0")) for edge in edges)
+    assert found == pytest.approx(lengths, abs=15)  # less what the node takes of each
 
 
 @pytest.mark.parametrize(

@@ -78,10 +78,10 @@ def _add_backwards(split: PlainNetwork, plain: PlainNetwork) -> None:
 
 
 def _draw_split(spec: Fork, plain: PlainNetwork) -> None:
-    stem = np.array([[-spec.length, 0.0], [0.0, 0.0]])
+    stem = np.array([[-spec.stem_length, 0.0], [0.0, 0.0]])
     way = _Carriageway("h", stem, spec.speed, spec.lanes)
     _begin(plain, way)
-    _draw_to(plain, way, spec.length, spec.lanes)
+    _draw_to(plain, way, spec.stem_length, spec.lanes)
     for name, lanes, side in (("left", spec.left_lanes, 1.0), ("right", spec.right_lanes, -1.0)):
         first = spec.lanes - lanes if side > 0 else 0
         edge_line = _branch(side * np.radians(spec.angle / 2), spec.length)

@@ -190,7 +190,7 @@ def _fork(found: Built, road: Fork) -> None:
     for lanes in (road.lanes, road.left_lanes, road.right_lanes):
         found.road(lanes, 0, road.speed)
     found.totals.add(road.left_lanes + road.right_lanes)
-    found.lengths |= {road.length, 2 * road.length}
+    found.lengths |= {road.stem_length, road.length, road.stem_length + road.length}
     found.angles |= {road.angle, road.angle / 2}
     found.counts["fork"] = 1
 
