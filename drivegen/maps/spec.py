@@ -6,16 +6,24 @@ per second, degrees counter-clockwise from east; lanes are counted per direction
 specification may come from a model.
 """
 
+import math
+from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 Lanes = Annotated[int, Field(ge=1, le=8)]
 NoOrMoreLanes = Annotated[int, Field(ge=0, le=8)]
-Speed = Annotated[float, Field(ge=3.0, le=45.0, allow_inf_nan=False)]
-Length = Annotated[float, Field(ge=20.0, le=5000.0, allow_inf_nan=False)]
+SMALLEST_RING, SMALLEST_WIDE_RING = 14.0, 24.0
+"""Least outer diameter of a roundabout [m], a mini-roundabout's with one lane on its ring, and with more lanes."""
+
+MOST_LANE_KILOMETRES = 1000.0
+"""A free graph has so many kilometres of lanes at most: checking it for overlaps takes some seconds then."""
+
+Speed = Annotated[float, Field(ge=1.0, le=45.0, allow_inf_nan=False)]
+Length = Annotated[float, Field(ge=20.0, le=10000.0, allow_inf_nan=False)]
 Angle = Annotated[float, Field(ge=-360.0, le=360.0, allow_inf_nan=False)]
-Coordinate = Annotated[float, Field(ge=-5000.0, le=5000.0, allow_inf_nan=False)]
+Coordinate = Annotated[float, Field(ge=-10000.0, le=10000.0, allow_inf_nan=False)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,23}$")]
 
 Control = Literal["signals", "all_way_stop", "stop", "yield", "uncontrolled"]
@@ -90,18 +98,31 @@ class Crossing(_Arms):
 
 
 class Roundabout(_Arms):
-    """A ring that three to eight roads meet; `diameter` is that of its outer edge."""
+    """A ring that three to eight roads meet; `diameter` is that of its outer edge.
+
+    One with a single ring lane may be a mini-roundabout of 14 m, if its arms are not too near to one another for that.
+    """
 
     kind: Literal["roundabout"] = "roundabout"
     ring_lanes: Annotated[int, Field(ge=1, le=4)] = 1
-    diameter: Annotated[float, Field(ge=24.0, le=200.0, allow_inf_nan=False)] = 40.0
+    diameter: Annotated[float, Field(ge=SMALLEST_RING, le=200.0, allow_inf_nan=False)] = 40.0
     ring_speed: Speed = 30 / 3.6
+
+    @model_validator(mode="after")
+    def _lanes_fit_into_the_ring(self) -> "Roundabout":
+        _check_ring(self.ring_lanes, self.diameter)
+        return self
+
+
+def _check_ring(lanes: int, diameter: float) -> None:
+    if lanes > 1 and diameter < SMALLEST_WIDE_RING:
+        raise ValueError(f"a ring with {lanes} lanes must be at least {SMALLEST_WIDE_RING:.0f} m across, not {diameter:g} m")
 
 
 class Junction(_Part):
     """One place along a corridor where side roads join: at `position` along it, on the sides named."""
 
-    position: Annotated[float, Field(ge=30.0, le=5000.0, allow_inf_nan=False)]
+    position: Annotated[float, Field(ge=30.0, le=10000.0, allow_inf_nan=False)]
     sides: Annotated[tuple[Side, ...], Field(min_length=1, max_length=2)] = ("left", "right")
     form: Literal["crossing", "roundabout"] = "crossing"
     control: Control = "yield"
@@ -110,7 +131,13 @@ class Junction(_Part):
     side_length: Length = 120.0
     dead_end: bool = False
     ring_lanes: Annotated[int, Field(ge=1, le=3)] = 1
-    diameter: Annotated[float, Field(ge=24.0, le=120.0, allow_inf_nan=False)] = 40.0
+    diameter: Annotated[float, Field(ge=SMALLEST_RING, le=120.0, allow_inf_nan=False)] = 40.0
+
+    @model_validator(mode="after")
+    def _lanes_fit_into_the_ring(self) -> "Junction":
+        if self.form == "roundabout":
+            _check_ring(self.ring_lanes, self.diameter)
+        return self
 
 
 class Corridor(_Part):
@@ -171,7 +198,7 @@ class HighwayEvent(_Part):
     """
 
     kind: Literal["on_ramp", "off_ramp", "lane_drop", "lane_gain", "weaving"]
-    position: Annotated[float, Field(ge=50.0, le=5000.0, allow_inf_nan=False)]
+    position: Annotated[float, Field(ge=50.0, le=10000.0, allow_inf_nan=False)]
     lanes: Annotated[int, Field(ge=1, le=3)] = 1
     length: Annotated[float, Field(ge=50.0, le=1500.0, allow_inf_nan=False)] = 200.0
     ramp_speed: Speed = 60 / 3.6
@@ -316,10 +343,17 @@ class Graph(_Part):
                 raise ValueError(f"road {road.name} must join two different nodes that exist")
             if road.lanes + road.lanes_back == 0:
                 raise ValueError(f"road {road.name} has no lanes")
+        if (kilometres := self._lane_kilometres()) > MOST_LANE_KILOMETRES:
+            raise ValueError(f"the roads have {kilometres:.0f} km of lanes together, more than {MOST_LANE_KILOMETRES:.0f} km")
         for link in self.links:
             if link.from_road not in roads or link.to_road not in roads or link.at not in nodes:
                 raise ValueError(f"a lane link at {link.at} names a road or node that does not exist")
         return self
+
+    def _lane_kilometres(self) -> float:
+        places = {node.name: (node.x, node.y) for node in self.nodes}
+        lines = [((places[r.start], *r.shape, places[r.end]), r.lanes + r.lanes_back) for r in self.roads]
+        return sum(lanes * math.dist(a, b) for line, lanes in lines for a, b in pairwise(line)) / 1000
 
 
 Road = Annotated[Crossing | Roundabout | Corridor | Grid | Highway | Fork | Interchange | Graph, Field(discriminator="kind")]

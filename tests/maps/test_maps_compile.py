@@ -4,16 +4,21 @@ import math
 from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from drivegen import seeds
 from drivegen.errors import UnusableInput
 from drivegen.maps.build import build_spec
 from drivegen.maps.checks import failures
 from drivegen.maps.compile import compile_map, draw
 from drivegen.maps.spec import MapSpec
+from drivegen.sumo.demand import Demand, draw_demand
+from drivegen.sumo.network import Network
+from drivegen.sumo.traffic import Run, simulate
 
 FOUR = [{"angle": angle} for angle in (0, 90, 180, 270)]
 ROADS: dict[str, dict[str, Any]] = {
@@ -30,6 +35,20 @@ ROADS: dict[str, dict[str, Any]] = {
         "lanes_back": 2,
         "junctions": [{"position": 150}, {"position": 330, "form": "roundabout"}, {"position": 500, "sides": ["left"]}],
     },
+    "mini_roundabout": {"kind": "roundabout", "arms": FOUR, "diameter": 14},
+    "mini_roundabouts_in_a_row": {
+        "kind": "corridor",
+        "alignment": {"length": 300},
+        "junctions": [{"position": p, "form": "roundabout", "diameter": 14} for p in (100, 200)],
+    },
+    "walking_pace": {
+        "kind": "corridor",
+        "speed": 1.0,
+        "junctions": [{"position": 300, "side_speed": 7 / 3.6, "dead_end": True}],
+        "dead_end": True,
+    },
+    "long_street": {"kind": "corridor", "alignment": {"length": 10000}, "junctions": [{"position": 9900, "side_length": 10000}]},
+    "long_highway": {"kind": "highway", "alignment": {"length": 10000}, "events": [{"kind": "off_ramp", "position": 9700}]},
     "dead_end": {"kind": "corridor", "alignment": {"length": 150}, "dead_end": True},
     "s_curve": {"kind": "corridor", "alignment": {"shape": "s_curve", "angle": -50, "radius": 80}},
     "grid": {"kind": "grid", "rows": 2, "columns": 3, "one_way": True, "control": "uncontrolled"},
@@ -105,7 +124,40 @@ def test_specifications_out_of_bounds_are_refused(change: dict[str, Any]) -> Non
 def test_a_ring_too_small_for_its_roads_is_refused_with_the_size_it_needs() -> None:
     arms = [{"angle": 45 * i} for i in range(8)]
     with pytest.raises(UnusableInput, match="at least"):
-        compile_map(MapSpec.model_validate({"road": {"kind": "roundabout", "arms": arms, "diameter": 24}}))
+        compile_map(MapSpec.model_validate({"road": {"kind": "roundabout", "arms": arms, "diameter": 22}}))
+
+
+@pytest.mark.parametrize("lanes", [2, 3, 4])
+def test_a_ring_of_several_lanes_is_no_mini_roundabout(lanes: int) -> None:
+    ring = {"ring_lanes": lanes, "diameter": 23.9}
+    message = f"a ring with {lanes} lanes must be at least 24 m across"
+    with pytest.raises(ValidationError, match=message):
+        MapSpec.model_validate({"road": {"kind": "roundabout", "arms": FOUR, **ring}})
+    junction = {"position": 150, "form": "roundabout", "ring_lanes": min(lanes, 3), "diameter": 23.9}
+    with pytest.raises(ValidationError, match="must be at least 24 m across"):
+        MapSpec.model_validate({"road": {"kind": "corridor", "junctions": [junction]}})
+
+
+def test_a_free_graph_cannot_have_more_lanes_than_can_be_checked() -> None:
+    far = [{"name": "a", "x": -9000, "y": 0}, {"name": "b", "x": 9000, "y": 0}]
+    roads = [{"name": f"r{i}", "start": "a", "end": "b", "lanes": 8, "lanes_back": 8} for i in range(4)]
+    MapSpec.model_validate({"road": {"kind": "graph", "nodes": far, "roads": roads[:3]}})
+    with pytest.raises(ValidationError, match="1152 km of lanes together, more than 1000 km"):
+        MapSpec.model_validate({"road": {"kind": "graph", "nodes": far, "roads": roads}})
+
+
+@pytest.mark.parametrize("arms", [3, 4])
+def test_vehicles_drive_through_the_smallest_ring(arms: int) -> None:
+    road = {"kind": "roundabout", "diameter": 14, "arms": [{"angle": 360 / arms * i} for i in range(arms)]}
+    raw = compile_map(MapSpec.model_validate({"road": road}))
+    network = Network.read(raw, "mini-roundabout")
+    run = Run(seed=3, warm_up=30.0, seconds=30.0, lateral_resolution=0.8, time_limit=60.0)
+    motion = simulate(raw, draw_demand(network, Demand(20, 40.0), seeds.rng(3, "ring")), network.map.origin, run).motion
+    distance = np.hypot(*np.moveaxis(motion.position + network.map.origin, -1, 0))
+    inside = motion.valid & (distance < 7.0)
+    last = np.argmax(np.cumsum(motion.valid, axis=1), axis=1)
+    through = inside.any(axis=1) & (distance[np.arange(len(last)), last] > 20.0)
+    assert np.count_nonzero(through) >= 5
 
 
 @given(st.lists(st.integers(0, 17), min_size=3, max_size=8, unique=True), st.integers(1, 4), st.booleans())

@@ -34,13 +34,14 @@ def compile_corridor(spec: Corridor, plain: PlainNetwork) -> None:
     _stretch(plain, spec, last, leaving, ("e", end), line if not spec.junctions else None)
     if spec.dead_end:
         heading = float(np.arctan2(*(line[-1] - line[-2])[::-1]))
-        add_turning_place(plain, "e", end, heading, last, f"-{last}")
+        add_turning_place(plain, "e", end, heading, last, f"-{last}", spec.speed)
 
 
-def add_turning_place(plain: PlainNetwork, node: str, at: Point, heading: float, there: str, back: str) -> None:
+def add_turning_place(plain: PlainNetwork, node: str, at: Point, heading: float, there: str, back: str, speed: float) -> None:
     """Close a dead end at `node` with a loop that a bus can drive round, from edge `there` to edge `back`.
 
-    The loop is a drop: its tangents leave the node, its round end lies ahead of it along `heading` [radians].
+    Nobody may drive faster on it than on the road, `speed` [m/s]. The loop is a drop: its tangents leave the node, its round
+    end lies ahead of it along `heading` [radians].
     """
     distance = 1.6 * _TURNING_RADIUS
     opening = float(np.arcsin(_TURNING_RADIUS / distance))
@@ -50,8 +51,9 @@ def add_turning_place(plain: PlainNetwork, node: str, at: Point, heading: float,
     half = len(drop) // 2
     tip = f"{node}_turn"
     plain.nodes.append(Node(tip, *_corner(drop[half])))
+    limit = min(_TURNING_SPEED, speed)
     for name, a, b, shape in ((f"{tip}1", node, tip, drop[: half + 1]), (f"{tip}2", tip, node, drop[half:])):
-        plain.edges.append(Edge(name, a, b, 1, _TURNING_SPEED, MINOR, lines.points(shape), spread="center", width=4.5))
+        plain.edges.append(Edge(name, a, b, 1, limit, MINOR, lines.points(shape), spread="center", width=4.5))
     for source, target in ((there, f"{tip}1"), (f"{tip}1", f"{tip}2"), (f"{tip}2", back)):
         lanes = {edge.id: edge.lanes for edge in plain.edges}
         ways = range(max(lanes[source], lanes[target]))
@@ -88,7 +90,7 @@ def _side_road(plain: PlainNetwork, name: str, junction: Junction, angle: float,
     if junction.dead_end:
         heading = float(np.radians(angle))
         end = (at[0] + arm.length * np.cos(heading), at[1] + arm.length * np.sin(heading))
-        add_turning_place(plain, name, end, heading, f"{name}_out", f"{name}_in")
+        add_turning_place(plain, name, end, heading, f"{name}_out", f"{name}_in", arm.speed)
 
 
 def _corner(point: lines.Line) -> Point:

@@ -11,7 +11,8 @@ from drivegen.sumo.plain import Roundabout as Ring
 
 _WIDER = 0.8
 _STEP = np.radians(6.0)
-_LEAST_ARC = 9.0
+_LEAST_ARC, _LEAST_WIDE_ARC = 7.8, 9.0
+"""Least distance along the ring between two roads [m], on a ring with one lane (a mini-roundabout's) and with more."""
 
 
 def compile_roundabout(spec: Roundabout, plain: PlainNetwork) -> None:
@@ -27,7 +28,8 @@ def least_diameter(angles: list[float], lanes: int) -> float:
     """The smallest outer diameter [m] at which the ring's nodes are far enough apart."""
     ordered = sorted(angle % 360 for angle in angles)
     gaps = [b - a for a, b in zip(ordered, [*ordered[1:], ordered[0] + 360], strict=True)]
-    return 2 * _LEAST_ARC / float(np.radians(min(gaps))) + lanes * _ring_lane()
+    arc = _LEAST_ARC if lanes == 1 else _LEAST_WIDE_ARC
+    return 2 * arc / float(np.radians(min(gaps))) + lanes * _ring_lane()
 
 
 def add_ring(
