@@ -109,10 +109,19 @@ def _corridor(road: Corridor) -> dict[str, Any]:
         "roundabouts": tuple(rings),
         "one_way": road.lanes_back == 0 and not road.junctions,
     }
+    if widest := _widest_approach(road):
+        others = [j.ring_lanes if j.form == "roundabout" else 1 for j in road.junctions]
+        expected["max_lanes"] = max(widest, road.lanes, road.lanes_back, *others, *(j.side_lanes for j in road.junctions))
     if not road.junctions and not road.dead_end:
         expected |= {"lanes": road.lanes if road.lanes_back in (0, road.lanes) else None, "speed": road.speed}
         expected |= {"turn": _turn(road), "length": _line_length(road)}
     return {name: value for name, value in expected.items() if value is not None}
+
+
+def _widest_approach(road: Corridor) -> int:
+    """Most lanes of the main road ahead of a crossing with turn lanes, 0 where none has any."""
+    ways = [(road.turn_lanes(i, back), back) for i in range(len(road.junctions)) for back in (False, True)]
+    return max((t.left + t.right + (road.lanes_back if b else road.lanes) for t, b in ways if t.left + t.right), default=0)
 
 
 def _turn(road: Corridor | Highway) -> float | None:

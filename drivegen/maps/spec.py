@@ -8,7 +8,7 @@ specification may come from a model.
 
 import math
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -17,11 +17,15 @@ NoOrMoreLanes = Annotated[int, Field(ge=0, le=8)]
 SMALLEST_RING, SMALLEST_WIDE_RING = 14.0, 24.0
 """Least outer diameter of a roundabout [m], a mini-roundabout's with one lane on its ring, and with more lanes."""
 
+POCKET_SHARE = 0.4
+"""Turn lanes along a corridor take so much of the way between two junctions at most, for both may have some on it."""
+
 MOST_LANE_KILOMETRES = 1000.0
 """A free graph has so many kilometres of lanes at most: checking it for overlaps takes some seconds then."""
 
 Speed = Annotated[float, Field(ge=1.0, le=45.0, allow_inf_nan=False)]
 Length = Annotated[float, Field(ge=20.0, le=10000.0, allow_inf_nan=False)]
+Pocket = Annotated[float, Field(ge=15.0, le=500.0, allow_inf_nan=False)]
 Angle = Annotated[float, Field(ge=-360.0, le=360.0, allow_inf_nan=False)]
 Coordinate = Annotated[float, Field(ge=-10000.0, le=10000.0, allow_inf_nan=False)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,23}$")]
@@ -66,7 +70,7 @@ class Arm(_Part):
     length: Length = 150.0
     left_turn_lane: bool = False
     right_turn_lane: bool = False
-    pocket: Annotated[float, Field(ge=15.0, le=500.0, allow_inf_nan=False)] = 60.0
+    pocket: Pocket = 60.0
     main: bool = True
 
     @model_validator(mode="after")
@@ -120,7 +124,11 @@ def _check_ring(lanes: int, diameter: float) -> None:
 
 
 class Junction(_Part):
-    """One place along a corridor where side roads join: at `position` along it, on the sides named."""
+    """One place along a corridor where side roads join: at `position` along it, on the sides named.
+
+    At a crossing the main road may have turn lanes, in each direction that has a side road to turn to; they are `pocket`
+    long, at most `POCKET_SHARE` of the way from what lies before the crossing. A roundabout has none.
+    """
 
     position: Annotated[float, Field(ge=30.0, le=10000.0, allow_inf_nan=False)]
     sides: Annotated[tuple[Side, ...], Field(min_length=1, max_length=2)] = ("left", "right")
@@ -129,6 +137,9 @@ class Junction(_Part):
     side_lanes: Lanes = 1
     side_speed: Speed = 50 / 3.6
     side_length: Length = 120.0
+    left_turn_lane: bool = False
+    right_turn_lane: bool = False
+    pocket: Pocket = 60.0
     dead_end: bool = False
     ring_lanes: Annotated[int, Field(ge=1, le=3)] = 1
     diameter: Annotated[float, Field(ge=SMALLEST_RING, le=120.0, allow_inf_nan=False)] = 40.0
@@ -138,6 +149,17 @@ class Junction(_Part):
         if self.form == "roundabout":
             _check_ring(self.ring_lanes, self.diameter)
         return self
+
+
+class TurnLanes(NamedTuple):
+    """How many turn lanes an approach has on either side, and their length [m]."""
+
+    left: int
+    right: int
+    length: float
+
+
+NO_TURN_LANES = TurnLanes(0, 0, 0.0)
 
 
 class Corridor(_Part):
@@ -156,16 +178,29 @@ class Corridor(_Part):
 
     @model_validator(mode="after")
     def _junctions_fit(self) -> "Corridor":
-        places = [0.0, *(j.position for j in self.junctions), self.alignment.length]
-        rooms = [0.0, *(j.diameter / 2 if j.form == "roundabout" else 0.0 for j in self.junctions), 0.0]
-        for i in range(len(places) - 1):
-            if places[i + 1] - places[i] < 20 + rooms[i] + rooms[i + 1]:
-                raise ValueError("junctions must be in order, at least 20 m apart and that far from the road's ends")
+        if min(self._ways()) < 20:
+            raise ValueError("junctions must be in order, at least 20 m apart and that far from the road's ends")
         if self.junctions and self.alignment.shape != "straight":
             raise ValueError("a road with junctions must be straight")
         if self.lanes_back == 0 and (self.dead_end or any(j.form == "roundabout" for j in self.junctions)):
             raise ValueError("a one-way street can neither be a dead end nor lead through roundabouts here")
         return self
+
+    def _ways(self) -> list[float]:
+        """Metres between the road's start, its junctions and its end, the halves of rings left out."""
+        places = [0.0, *(j.position for j in self.junctions), self.alignment.length]
+        rooms = [0.0, *(j.diameter / 2 if j.form == "roundabout" else 0.0 for j in self.junctions), 0.0]
+        return [places[i + 1] - places[i] - (rooms[i] + rooms[i + 1]) for i in range(len(places) - 1)]
+
+    def turn_lanes(self, number: int, back: bool = False) -> TurnLanes:
+        """Those that the road gets ahead of junction `number` (from 0), or on the way `back`: towards sides with a road."""
+        junction, (left, right) = self.junctions[number], ("right", "left") if back else ("left", "right")
+        here = junction.form == "crossing" and (not back or self.lanes_back > 0)
+        return TurnLanes(
+            int(here and junction.left_turn_lane and left in junction.sides),
+            int(here and junction.right_turn_lane and right in junction.sides),
+            min(junction.pocket, POCKET_SHARE * self._ways()[number + back]),
+        )
 
 
 class Grid(_Part):

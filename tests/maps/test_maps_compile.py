@@ -15,7 +15,7 @@ from drivegen.errors import UnusableInput
 from drivegen.maps.build import build_spec
 from drivegen.maps.checks import failures
 from drivegen.maps.compile import compile_map, draw
-from drivegen.maps.spec import MapSpec
+from drivegen.maps.spec import Corridor, MapSpec
 from drivegen.sumo.demand import Demand, draw_demand
 from drivegen.sumo.network import Network
 from drivegen.sumo.traffic import Run, simulate
@@ -34,6 +34,28 @@ ROADS: dict[str, dict[str, Any]] = {
         "lanes": 2,
         "lanes_back": 2,
         "junctions": [{"position": 150}, {"position": 330, "form": "roundabout"}, {"position": 500, "sides": ["left"]}],
+    },
+    "turn_lanes_in_a_row": {
+        "kind": "corridor",
+        "lanes": 2,
+        "lanes_back": 2,
+        "alignment": {"length": 700},
+        "junctions": [{"position": p, "control": "signals", "left_turn_lane": True} for p in (150, 350, 550)],
+    },
+    "turn_lanes_of_all_sorts": {
+        "kind": "corridor",
+        "alignment": {"length": 600},
+        "junctions": [
+            {"position": 40, "sides": ["left"], "left_turn_lane": True, "right_turn_lane": True, "side_lanes": 2},
+            {"position": 200, "form": "roundabout", "left_turn_lane": True},
+            {"position": 450, "sides": ["right"], "control": "stop", "right_turn_lane": True, "pocket": 500},
+        ],
+        "dead_end": True,
+    },
+    "turn_lanes_one_way": {
+        "kind": "corridor",
+        "lanes_back": 0,
+        "junctions": [{"position": 300, "left_turn_lane": True, "right_turn_lane": True}],
     },
     "mini_roundabout": {"kind": "roundabout", "arms": FOUR, "diameter": 14},
     "mini_roundabouts_in_a_row": {
@@ -102,6 +124,27 @@ def test_the_road_of_a_fork_is_as_long_as_its_stem(stem: float | None, lengths: 
     edges = [edge for edge in network.iter("edge") if not edge.get("function")]
     found = sorted(float(edge[0].get("length", "0")) for edge in edges)
     assert found == pytest.approx(lengths, abs=15)  # less what the node takes of each
+
+
+def test_turn_lanes_in_a_row_open_ahead_of_each_crossing_and_lead_only_into_side_roads() -> None:
+    network = ElementTree.fromstring(compile_map(MapSpec.model_validate({"road": ROADS["turn_lanes_in_a_row"]})))
+    pockets = {e.get("id", ""): e.findall("lane") for e in network.iter("edge") if len(e.findall("lane")) == 3}
+    pockets = {name: lanes for name, lanes in pockets.items() if not name.startswith(":")}
+    assert sorted(pockets) == ["-m1_w", "-m2_w", "-m3_w", "m0_e", "m1_e", "m2_e"]
+    assert all(35 < float(lanes[0].get("length", "0")) < 60 for lanes in pockets.values())
+    for name, side in (("m1_e", "j1_left_out"), ("-m2_w", "j1_right_out")):
+        ways = [link for link in network.iter("connection") if link.get("from") == name]
+        assert [link.get("to") for link in ways if link.get("fromLane") == "2"] == [side]
+        assert [link.get("fromLane") for link in ways if link.get("to") == side] == ["2"]
+
+
+def test_there_are_turn_lanes_only_where_a_road_leaves_on_that_side() -> None:
+    road = {"kind": "corridor", "lanes_back": 2, "junctions": [{"position": 300, "sides": ["left"], "left_turn_lane": True}]}
+    spec = MapSpec.model_validate({"road": road}).road
+    assert isinstance(spec, Corridor)
+    assert spec.turn_lanes(0) == (1, 0, 60.0)
+    assert spec.turn_lanes(0, back=True)[:2] == (0, 0)
+    assert "max lanes" in {c.name for c in build_spec(MapSpec(road=spec), {}).checks}
 
 
 @pytest.mark.parametrize(

@@ -4,14 +4,15 @@ import numpy as np
 
 from drivegen.geometry import rotate
 from drivegen.maps.compilers import _lines as lines
-from drivegen.maps.compilers.crossings import MAIN, MINOR, NODE_TYPES, add_arm
+from drivegen.maps.compilers.crossings import LANE_WIDTH, MAIN, MINOR, NODE_TYPES, add_arm, open_pockets
 from drivegen.maps.compilers.roundabouts import add_ring
-from drivegen.maps.spec import Arm, Corridor, Junction
+from drivegen.maps.spec import NO_TURN_LANES, Arm, Corridor, Junction, TurnLanes
 from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
 
 Place = tuple[str, Point]
 
 _RING_SPEED = 30 / 3.6
+_TAPER = 30.0
 _TURNING_RADIUS = 9.0
 _TURNING_PLACE = 2.6 * _TURNING_RADIUS
 _TURNING_SPEED = 15 / 3.6
@@ -28,13 +29,16 @@ def compile_corridor(spec: Corridor, plain: PlainNetwork) -> None:
     leaving: Place = ("w", start)
     for i, junction in enumerate(spec.junctions):
         west, east = _junction(plain, f"j{i}", junction)
-        _stretch(plain, spec, f"m{i}", leaving, west, None)
+        _stretch(plain, spec, i, leaving, west, None)
         leaving = east
-    last = f"m{len(spec.junctions)}"
-    _stretch(plain, spec, last, leaving, ("e", end), line if not spec.junctions else None)
+    count = len(spec.junctions)
+    _stretch(plain, spec, count, leaving, ("e", end), line if not spec.junctions else None)
+    for i in range(count):
+        _assign_lanes(plain, spec, i, back=False)
+        _assign_lanes(plain, spec, i, back=True)
     if spec.dead_end:
         heading = float(np.arctan2(*(line[-1] - line[-2])[::-1]))
-        add_turning_place(plain, "e", end, heading, last, f"-{last}", spec.speed)
+        add_turning_place(plain, "e", end, heading, f"m{count}", f"-m{count}", spec.speed)
 
 
 def add_turning_place(plain: PlainNetwork, node: str, at: Point, heading: float, there: str, back: str, speed: float) -> None:
@@ -60,11 +64,76 @@ def add_turning_place(plain: PlainNetwork, node: str, at: Point, heading: float,
         plain.connections += [Connection(source, target, min(i, lanes[source] - 1), min(i, lanes[target] - 1)) for i in ways]
 
 
-def _stretch(plain: PlainNetwork, spec: Corridor, name: str, a: Place, b: Place, line: lines.Line | None) -> None:
-    shape = lines.points(line) if line is not None else ()
-    plain.edges.append(Edge(name, a[0], b[0], spec.lanes, spec.speed, MAIN, shape))
-    if spec.lanes_back:
-        plain.edges.append(Edge(f"-{name}", b[0], a[0], spec.lanes_back, spec.speed, MAIN, shape[::-1]))
+def _stretch(plain: PlainNetwork, spec: Corridor, number: int, a: Place, b: Place, line: lines.Line | None) -> None:
+    """Draw the main road between two junctions or ends, cut where turn lanes open at either of them."""
+    name, ways = f"m{number}", len(spec.junctions)
+    there = spec.turn_lanes(number) if number < ways else NO_TURN_LANES
+    back = spec.turn_lanes(number - 1, back=True) if number else NO_TURN_LANES
+    parts = [(name, a, b)]
+    if back.left + back.right:
+        cut = _cut(plain, f"{name}_wp", a[1][0] + back.length)
+        parts = [(f"{name}_w", a, cut), (name, cut, b)]
+    if there.left + there.right:
+        cut = _cut(plain, f"{name}_ep", b[1][0] - there.length)
+        parts = [*parts[:-1], (name, parts[-1][1], cut), (f"{name}_e", cut, b)]
+    for part, source, target in parts:
+        shape = lines.points(line) if line is not None else ()
+        more = there if part == f"{name}_e" else NO_TURN_LANES
+        forth = _beside(spec, source, target, more, back=False) or shape
+        plain.edges.append(Edge(part, source[0], target[0], spec.lanes + more.left + more.right, spec.speed, MAIN, forth))
+        if spec.lanes_back:
+            more = back if part == f"{name}_w" else NO_TURN_LANES
+            lanes = spec.lanes_back + more.left + more.right
+            away = _beside(spec, target, source, more, back=True) or shape[::-1]
+            plain.edges.append(Edge(f"-{part}", target[0], source[0], lanes, spec.speed, MAIN, away))
+    open_pockets(plain, name, f"{name}_e", spec.lanes, there.left, there.right)
+    open_pockets(plain, f"-{name}", f"-{name}_w", spec.lanes_back, back.left, back.right)
+
+
+def _cut(plain: PlainNetwork, name: str, x: float) -> Place:
+    plain.nodes.append(Node(name, x, 0.0))
+    return name, (x, 0.0)
+
+
+def _beside(spec: Corridor, source: Place, target: Place, more: TurnLanes, back: bool) -> tuple[Point, ...]:
+    """The left edge of a straight piece of the main road, empty where that is the middle of the road.
+
+    Where left-turn lanes open, the lanes that go on keep clear of the middle by one lane all along the road, so that nobody
+    swerves; only ahead of a ring and of a turning place they come back to the middle, and behind them they leave it.
+    """
+    if not any(spec.turn_lanes(i, back).left for i in range(len(spec.junctions))):
+        return ()
+    (start, _), (end, _) = source[1], target[1]
+    clear = (LANE_WIDTH - more.left * LANE_WIDTH) * (1.0 if back else -1.0)
+    taper = min(_TAPER, abs(end - start) / 3) * (1.0 if end > start else -1.0)
+    first = [(start, 0.0), (start + taper, clear)] if _is_narrow(spec, source) else [(start, clear)]
+    last = [(end - taper, clear), (end, 0.0)] if _is_narrow(spec, target) else [(end, clear)]
+    return (*first, *last)
+
+
+def _is_narrow(spec: Corridor, place: Place) -> bool:
+    """Whether the road has no room in its middle there: at rings and turning places."""
+    name = place[0]
+    return (name == "e" and spec.dead_end) or any(
+        name in (f"j{i}0", f"j{i}1") for i, junction in enumerate(spec.junctions) if junction.form == "roundabout"
+    )
+
+
+def _assign_lanes(plain: PlainNetwork, spec: Corridor, number: int, back: bool) -> None:
+    """Lane connections of an approach with turn lanes: those turn, the lanes between go on."""
+    more, junction = spec.turn_lanes(number, back), spec.junctions[number]
+    if not more.left + more.right:
+        return
+    entering = f"-m{number + 1}_w" if back else f"m{number}_e"
+    lanes = spec.lanes_back if back else spec.lanes
+    leaving = next(e.id for e in plain.edges if e.source == f"j{number}" and e.id.startswith("-m" if back else "m"))
+    plain.connections += [Connection(entering, leaving, lane + more.right, lane) for lane in range(lanes)]
+    left, right = ("right", "left") if back else ("left", "right")
+    if left in junction.sides:
+        last = more.right + lanes - 1 + more.left
+        plain.connections.append(Connection(entering, f"j{number}_{left}_out", last, junction.side_lanes - 1))
+    if right in junction.sides:
+        plain.connections.append(Connection(entering, f"j{number}_{right}_out", 0, 0))
 
 
 def _junction(plain: PlainNetwork, name: str, junction: Junction) -> tuple[Place, Place]:

@@ -62,14 +62,17 @@ def add_arm(plain: PlainNetwork, name: str, arm: Arm, node: str, at: Point, turn
         Edge(f"{name}_in", name, f"{name}_p", arm.lanes_in, arm.speed, priority, lines.points(approach)),
         Edge(f"{name}_pocket", f"{name}_p", node, arm.lanes_in + left + right, arm.speed, priority),
     ]
-    _open_pockets(plain, name, arm.lanes_in, left, right)
+    open_pockets(plain, f"{name}_in", f"{name}_pocket", arm.lanes_in, left, right)
     return f"{name}_pocket"
 
 
-def _open_pockets(plain: PlainNetwork, name: str, lanes: int, left: int, right: int) -> None:
+def open_pockets(plain: PlainNetwork, before: str, after: str, lanes: int, left: int, right: int) -> None:
+    """Connect edge `before` of so many lanes with `after`, which has `left` and `right` turn lanes more beside them, if any."""
+    if not left + right:
+        return
     ways = [(lane, lane + right) for lane in range(lanes)]
     ways += [(lanes - 1, lanes + right)] * left + [(0, 0)] * right
-    plain.connections += [Connection(f"{name}_in", f"{name}_pocket", a, b) for a, b in ways]
+    plain.connections += [Connection(before, after, a, b) for a, b in ways]
 
 
 def _turns(arms: tuple[Arm, ...], here: int) -> dict[int, float]:

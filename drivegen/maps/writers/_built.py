@@ -18,6 +18,7 @@ from drivegen.maps.spec import (
     Junction,
     MapSpec,
     Roundabout,
+    TurnLanes,
 )
 
 _BESIDE = ("on_ramp", "off_ramp", "weaving")
@@ -136,8 +137,18 @@ def _corridor(found: Built, road: Corridor) -> None:
     _line(found, road.alignment, road.alignment.length)
     _along(found, [j.position for j in road.junctions], road.alignment.length)
     found.counts["dead_end"] += road.dead_end
-    for junction in road.junctions:
+    for number, junction in enumerate(road.junctions):
         _joined(found, junction)
+        for back, lanes in ((False, road.lanes), (True, road.lanes_back)):
+            _turn_lanes(found, road.turn_lanes(number, back), lanes, road.lanes + road.lanes_back)
+
+
+def _turn_lanes(found: Built, turns: TurnLanes, lanes: int, both_ways: int) -> None:
+    if count := turns.left + turns.right:
+        found.lanes.add(lanes + count)
+        found.totals.add(both_ways + count)
+        found.counts["pocket"] += count
+        found.lengths.add(turns.length)
 
 
 def _joined(found: Built, junction: Junction) -> None:
