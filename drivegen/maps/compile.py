@@ -52,6 +52,8 @@ def _reflected(value: Any) -> Any:
         swapped = {_swapped_name(key): _reflected(item) for key, item in value.items()}
         if "arms" in swapped or "shape" in swapped or "lanes_in" in swapped:
             swapped = {key: -item if key == "angle" else item for key, item in swapped.items()}
+        if "arcs" in swapped:
+            swapped["arcs"] = [(-angle, radius) for angle, radius in swapped["arcs"]]
         if "y" in swapped:
             swapped["y"] = -swapped["y"]
         if "shape" in swapped and isinstance(swapped["shape"], tuple | list):

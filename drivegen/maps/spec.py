@@ -27,6 +27,8 @@ Speed = Annotated[float, Field(ge=1.0, le=45.0, allow_inf_nan=False)]
 Length = Annotated[float, Field(ge=20.0, le=10000.0, allow_inf_nan=False)]
 Pocket = Annotated[float, Field(ge=15.0, le=500.0, allow_inf_nan=False)]
 Angle = Annotated[float, Field(ge=-360.0, le=360.0, allow_inf_nan=False)]
+Turn = Annotated[float, Field(ge=-280.0, le=280.0, allow_inf_nan=False)]
+Radius = Annotated[float, Field(ge=12.0, le=3000.0, allow_inf_nan=False)]
 Coordinate = Annotated[float, Field(ge=-10000.0, le=10000.0, allow_inf_nan=False)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,23}$")]
 
@@ -45,19 +47,33 @@ class Alignment(_Part):
 
     `angle` is the turn of each bend, positive to the left; a hairpin is a curve of about 180 degrees, the loop of a ramp one
     of about 270. `bends` is how many follow one another, to the left and right in turn; None: two in an S-curve, else one.
+    Bends that differ are told one by one in `arcs`, each as (angle, radius); `angle`, `radius` and `bends` are left out then.
     """
 
     shape: Literal["straight", "curve", "s_curve", "hairpin"] = "straight"
     length: Length = 600.0
-    angle: Annotated[float, Field(ge=-280.0, le=280.0, allow_inf_nan=False)] = 90.0
-    radius: Annotated[float, Field(ge=12.0, le=3000.0, allow_inf_nan=False)] = 60.0
+    angle: Turn = 90.0
+    radius: Radius = 60.0
     bends: Annotated[int, Field(ge=1, le=8)] | None = None
+    arcs: Annotated[tuple[tuple[Turn, Radius], ...], Field(max_length=8)] = ()
+
+    @model_validator(mode="after")
+    def _bends_are_told_once(self) -> "Alignment":
+        if self.arcs and (self.shape == "straight" or (abs(self.angle), self.radius, self.bends) != (90.0, 60.0, None)):
+            raise ValueError("arcs stand for the angle, radius and number of bends of a road that is not straight")
+        return self
+
+    @property
+    def curves(self) -> tuple[tuple[float, float], ...]:
+        """The turn [degrees] and radius [m] of every bend, in order."""
+        count = self.bends or {"straight": 0, "s_curve": 2}.get(self.shape, 1)
+        alike = tuple((self.angle * (-1) ** i, self.radius) for i in range(count if self.shape != "straight" else 0))
+        return self.arcs or alike
 
     @property
     def turns(self) -> tuple[float, ...]:
         """The turn of every bend [degrees], in order."""
-        count = self.bends or {"straight": 0, "s_curve": 2}.get(self.shape, 1)
-        return tuple(self.angle * (-1) ** i for i in range(count if self.shape != "straight" else 0))
+        return tuple(angle for angle, _ in self.curves)
 
 
 class Arm(_Part):

@@ -73,6 +73,15 @@ ROADS: dict[str, dict[str, Any]] = {
     "long_highway": {"kind": "highway", "alignment": {"length": 10000}, "events": [{"kind": "off_ramp", "position": 9700}]},
     "dead_end": {"kind": "corridor", "alignment": {"length": 150}, "dead_end": True},
     "s_curve": {"kind": "corridor", "alignment": {"shape": "s_curve", "angle": -50, "radius": 80}},
+    "uneven_s_curve": {
+        "kind": "corridor",
+        "alignment": {"shape": "s_curve", "length": 400, "arcs": [[90, 50], [-70, 75]]},
+    },
+    "hairpins_of_two_sizes": {
+        "kind": "highway",
+        "carriageways": 1,
+        "alignment": {"shape": "hairpin", "length": 900, "arcs": [[180, 30], [-170, 60]]},
+    },
     "grid": {"kind": "grid", "rows": 2, "columns": 3, "one_way": True, "control": "uncontrolled"},
     "ramps": {
         "kind": "highway",
@@ -136,6 +145,24 @@ def test_turn_lanes_in_a_row_open_ahead_of_each_crossing_and_lead_only_into_side
         ways = [link for link in network.iter("connection") if link.get("from") == name]
         assert [link.get("to") for link in ways if link.get("fromLane") == "2"] == [side]
         assert [link.get("fromLane") for link in ways if link.get("to") == side] == ["2"]
+
+
+@pytest.mark.parametrize("left_hand", [False, True], ids=["right-hand", "left-hand"])
+def test_each_arc_turns_to_its_own_side_with_its_own_radius(left_hand: bool) -> None:
+    plain = draw(MapSpec.model_validate({"road": ROADS["uneven_s_curve"], "left_hand": left_hand}))
+    steps = np.diff(np.array(plain.edges[0].shape), axis=0)
+    heading = np.degrees(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0])))
+    assert (heading.max(), heading[-1]) == (pytest.approx(90, abs=3), pytest.approx(20, abs=3))
+    curvature = np.radians(np.diff(heading)) / np.hypot(*steps[1:].T)
+    assert 1 / np.median(curvature[curvature > 0]) == pytest.approx(50, rel=0.05)
+    assert 1 / np.median(curvature[curvature < 0]) == pytest.approx(-75, rel=0.05)
+
+
+@pytest.mark.parametrize("more", [{"angle": 60}, {"radius": 20}, {"bends": 2}, {"shape": "straight"}])
+def test_bends_are_told_one_by_one_or_all_alike(more: dict[str, Any]) -> None:
+    line = {"shape": "s_curve", "arcs": [[90, 50], [-70, 75]], **more}
+    with pytest.raises(ValidationError, match="arcs stand for the angle, radius and number of bends"):
+        MapSpec.model_validate({"road": {"kind": "corridor", "alignment": line}})
 
 
 def test_there_are_turn_lanes_only_where_a_road_leaves_on_that_side() -> None:

@@ -15,15 +15,15 @@ _SHORTEST_END = 30.0
 
 def draw(alignment: Alignment) -> Line:
     """The polyline (P, 2) of an alignment, from (0, 0) heading east; straights beside its bends and between hairpins."""
-    bends = alignment.turns
-    arcs = sum(abs(np.radians(angle)) * alignment.radius for angle in bends)
+    bends = alignment.curves
+    arcs = sum(abs(np.radians(angle)) * radius for angle, radius in bends)
     legs = len(bends) + 1 if alignment.shape == "hairpin" else 2
     ends = max(_SHORTEST_END, (alignment.length - arcs) / legs) if bends else alignment.length / 2
     pieces, heading = [np.zeros((1, 2)), np.array([[ends, 0.0]])], 0.0
-    for i, angle in enumerate(bends):
+    for i, (angle, radius) in enumerate(bends):
         if i and legs > 2:  # hairpins have a straight between them
             pieces.append(pieces[-1][-1:] + ends * np.array([[np.cos(heading), np.sin(heading)]]))
-        pieces.append(_arc(pieces[-1][-1], heading, np.radians(angle), alignment.radius))
+        pieces.append(_arc(pieces[-1][-1], heading, np.radians(angle), radius))
         heading += np.radians(angle)
     end = pieces[-1][-1] + ends * np.array([np.cos(heading), np.sin(heading)])
     return np.concatenate([*pieces, end[None]])

@@ -117,11 +117,11 @@ def _line(found: Built, line: Alignment, straight: float) -> None:
     found.lengths |= {line.length, straight}
     found.counts["bend"] = len(line.turns)
     if line.turns:
-        found.lengths |= {line.radius, 2 * line.radius}
-        found.angles |= {abs(line.angle), sum(map(abs, line.turns))}
+        found.lengths |= {size for _, radius in line.curves for size in (radius, 2 * radius)}
+        found.angles |= {abs(angle) for angle in line.turns} | {sum(map(abs, line.turns))}
         legs = len(line.turns) + 1 if line.shape == "hairpin" else 2
-        arcs = math.radians(abs(line.angle)) * line.radius * len(line.turns)
-        found.lengths |= {line.length - arcs, (line.length - arcs) / legs, math.radians(abs(line.angle)) * line.radius}
+        arcs = [math.radians(abs(angle)) * radius for angle, radius in line.curves]
+        found.lengths |= {line.length - sum(arcs), (line.length - sum(arcs)) / legs, *arcs}
         found.counts["left_bend"] = sum(turn > 0 for turn in line.turns)
         found.counts["hairpin"] = len(line.turns) * (line.shape == "hairpin")
 
