@@ -28,7 +28,12 @@ SUITE = [case.text for case in own_cases()]
 def specs() -> list[dict[str, Any]]:
     texts = ["a signalised crossroads with turn lanes", "a roundabout of five roads", "two T-junctions 100 m apart", "a hairpin"]
     texts += ["a motorway with an on-ramp and an exit", "a cul-de-sac", "a 2x2 grid", "a motorway that forks into two"]
-    return [Plugin().write(text, 7).spec.model_dump(mode="json") for text in texts]
+    fork = {"kind": "fork", "length": 400, "stem": 600}
+    pockets = {"kind": "corridor", "junctions": [{"position": 300, "left_turn_lane": True, "pocket": 40}]}
+    arcs = {"kind": "corridor", "alignment": {"shape": "s_curve", "arcs": [[90, 50], [-70, 75]]}}
+    understood = [Plugin().write(text, 7).spec for text in texts]
+    typed = [MapSpec.model_validate({"road": road}) for road in (fork, pockets, arcs)]
+    return [spec.model_dump(mode="json") for spec in (*understood, *typed)]
 
 
 @pytest.fixture

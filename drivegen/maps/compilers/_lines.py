@@ -11,6 +11,7 @@ Line = NDArray[np.float64]
 
 _BEND_STEP = np.radians(4.0)
 _SHORTEST_END = 30.0
+_SHORTEST_ARC = 0.1
 
 
 def draw(alignment: Alignment) -> Line:
@@ -23,7 +24,8 @@ def draw(alignment: Alignment) -> Line:
     for i, (angle, radius) in enumerate(bends):
         if i and legs > 2:  # hairpins have a straight between them
             pieces.append(pieces[-1][-1:] + ends * np.array([[np.cos(heading), np.sin(heading)]]))
-        pieces.append(_arc(pieces[-1][-1], heading, np.radians(angle), radius))
+        if abs(np.radians(angle)) * radius > _SHORTEST_ARC:
+            pieces.append(_arc(pieces[-1][-1], heading, np.radians(angle), radius))
         heading += np.radians(angle)
     end = pieces[-1][-1] + ends * np.array([np.cos(heading), np.sin(heading)])
     return np.concatenate([*pieces, end[None]])
