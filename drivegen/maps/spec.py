@@ -17,6 +17,12 @@ NoOrMoreLanes = Annotated[int, Field(ge=0, le=8)]
 SMALLEST_RING, SMALLEST_WIDE_RING = 14.0, 24.0
 """Least outer diameter of a roundabout [m], a mini-roundabout's with one lane on its ring, and with more lanes."""
 
+RING_LANE = 4.0
+"""Width of a lane of a ring [m]."""
+
+LEAST_ARC, LEAST_WIDE_ARC = 7.8, 9.0
+"""Least distance along the ring between two roads [m], on a ring with one lane (a mini-roundabout's) and with more."""
+
 POCKET_SHARE = 0.4
 """Turn lanes along a corridor take so much of the way between two junctions at most, for both may have some on it."""
 
@@ -131,7 +137,18 @@ class Roundabout(_Arms):
     @model_validator(mode="after")
     def _lanes_fit_into_the_ring(self) -> "Roundabout":
         _check_ring(self.ring_lanes, self.diameter)
+        least = _least_diameter([arm.angle for arm in self.arms], self.ring_lanes)
+        if self.diameter < least:
+            raise ValueError(f"{len(self.arms)} roads need a roundabout of at least {math.ceil(least)} m across")
         return self
+
+
+def _least_diameter(angles: list[float], lanes: int) -> float:
+    """The smallest outer diameter [m] at which the roads that meet a ring are far enough apart."""
+    ordered = sorted(angle % 360 for angle in angles)
+    gaps = [b - a for a, b in zip(ordered, [*ordered[1:], ordered[0] + 360], strict=True)]
+    arc = LEAST_ARC if lanes == 1 else LEAST_WIDE_ARC
+    return 2 * arc / math.radians(min(gaps)) + lanes * RING_LANE
 
 
 def _check_ring(lanes: int, diameter: float) -> None:

@@ -2,17 +2,13 @@
 
 import numpy as np
 
-from drivegen.errors import UnusableInput
 from drivegen.maps.compilers import _lines as lines
-from drivegen.maps.compilers.crossings import LANE_WIDTH, MAIN, add_arm
-from drivegen.maps.spec import Roundabout
+from drivegen.maps.compilers.crossings import MAIN, add_arm
+from drivegen.maps.spec import RING_LANE, Roundabout
 from drivegen.sumo.plain import Edge, Node, PlainNetwork, Point
 from drivegen.sumo.plain import Roundabout as Ring
 
-_WIDER = 0.8
 _STEP = np.radians(6.0)
-_LEAST_ARC, _LEAST_WIDE_ARC = 7.8, 9.0
-"""Least distance along the ring between two roads [m], on a ring with one lane (a mini-roundabout's) and with more."""
 
 
 def compile_roundabout(spec: Roundabout, plain: PlainNetwork) -> None:
@@ -24,24 +20,11 @@ def compile_roundabout(spec: Roundabout, plain: PlainNetwork) -> None:
         add_arm(plain, f"a{i}", arm, node, at, {})
 
 
-def least_diameter(angles: list[float], lanes: int) -> float:
-    """The smallest outer diameter [m] at which the ring's nodes are far enough apart."""
-    ordered = sorted(angle % 360 for angle in angles)
-    gaps = [b - a for a, b in zip(ordered, [*ordered[1:], ordered[0] + 360], strict=True)]
-    arc = _LEAST_ARC if lanes == 1 else _LEAST_WIDE_ARC
-    return 2 * arc / float(np.radians(min(gaps))) + lanes * _ring_lane()
-
-
 def add_ring(
     plain: PlainNetwork, name: str, centre: Point, angles: list[float], lanes: int, diameter: float, speed: float
 ) -> list[tuple[str, Point]]:
     """Draw a ring of outer `diameter` with a node at each of `angles` [degrees]; returns (node, its place) in that order."""
-    if diameter < least_diameter(angles, lanes):
-        raise UnusableInput(
-            f"{len(angles)} roads need a roundabout of at least {np.ceil(least_diameter(angles, lanes)):.0f} m across",
-            reason="impossible-map",
-        )
-    radius = (diameter - lanes * _ring_lane()) / 2
+    radius = (diameter - lanes * RING_LANE) / 2
     order = sorted(range(len(angles)), key=lambda i: angles[i] % 360)
     places = []
     for i, angle in enumerate(angles):
@@ -56,14 +39,10 @@ def add_ring(
         shape = lines.points(_on_circle(centre, radius, around))
         edges.append(f"{name}{i}_{name}{j}")
         target = f"{name}{j}"
-        edge = Edge(edges[-1], f"{name}{i}", target, lanes, speed, MAIN + 1, shape, spread="center", width=_ring_lane())
+        edge = Edge(edges[-1], f"{name}{i}", target, lanes, speed, MAIN + 1, shape, spread="center", width=RING_LANE)
         plain.edges.append(edge)
     plain.roundabouts.append(Ring(tuple(f"{name}{i}" for i in order), tuple(edges)))
     return places
-
-
-def _ring_lane() -> float:
-    return LANE_WIDTH + _WIDER
 
 
 def _on_circle(centre: Point, radius: float, angle: lines.Line) -> lines.Line:
