@@ -29,7 +29,7 @@ def structure_of(text: str) -> Structure:
         ("a street with two lanes per direction, exactly three lanes per direction", ["2 lanes per direction", "3 lanes per"]),
         ("a straight street, 300 m long, limit 50 km/h, limit 80 km/h", ["50 kmh", "80 kmh"]),
         ("a motorway without any exits and with two off-ramps", ["off ramps", "exits"]),
-        ("a row of two crossings, 150 m apart, left-turn lanes at both", ["left turn lanes"]),
+        ("a row of two crossings, 150 m apart, left-turn lanes at the first one only", ["left turn lanes"]),
         ("a highway that gains a lane, from four lanes to three", ["4 lanes", "gains"]),
         ("a one-way street with traffic in both directions", ["one way", "both directions"]),
     ],
@@ -82,3 +82,37 @@ def test_a_dead_end_holds_its_turning_place() -> None:
 def test_measures_of_what_is_no_road_change_nothing() -> None:
     with_humps = spec_of("a straight street, 350 m, speed humps every 50 m")
     assert with_humps.road == spec_of("a straight street, 350 m, speed humps").road
+
+
+def test_lengths_of_different_things_contradict_one_another_only_by_what_the_road_lacks() -> None:
+    with pytest.raises(UnusableInput, match="cannot both hold"):
+        Plugin().write("a curve with a radius of 40 m and a radius of 100 m", 7)
+    with pytest.raises(UnusableInput, match="does not keep '90 m'"):
+        Plugin().write("a row of two crossings, 150 m apart, each island 90 m in width", 7)
+
+
+def test_how_far_off_something_lies_is_ignored_aloud() -> None:
+    understanding = Plugin().write("a straight street of 600 m, one lane each way; the old school lies 120 m away", 7)
+    assert "120 m" in understanding.ignored
+    assert understanding.spec.road.alignment.length == 600.0  # type: ignore[union-attr]
+
+
+def test_bends_that_differ_are_drawn_one_by_one() -> None:
+    road = spec_of(
+        "an arc of 90 degrees to the left with radius 50 m, then an arc of 70 degrees to the right with radius 75 m"
+    ).road
+    assert road.alignment.curves == ((90.0, 50.0), (-70.0, 75.0))  # type: ignore[union-attr]
+
+
+def test_straights_before_and_behind_a_bend_make_the_road_longer_and_their_mean_is_told() -> None:
+    account = build_map(
+        "a road runs 200 m straight, turns left by 90 degrees on a radius of 50 m and runs another 300 m", 7
+    ).account
+    assert any("250 m before the bend" in what for what in account["assumed"])
+    found = structure_of("a road runs 200 m straight, turns left by 90 degrees on a radius of 50 m and runs another 300 m")
+    assert found.length == pytest.approx(500 + 50 * 3.1416 / 2, abs=3)
+
+
+def test_a_fork_has_the_lengths_of_its_parts() -> None:
+    road = spec_of("a one-way road of two lanes; after 500 m it splits into two branches, each 300 m long").road
+    assert (road.stem, road.length) == (500.0, 300.0)  # type: ignore[union-attr]

@@ -14,6 +14,7 @@ _SKIPPED = ("prep", "but", "det", "is", "that", "role", "verb", "unknown", "with
 def read_changes(s: Sentence, facts: Facts) -> None:
     """Lane drops and gains, by numbers or in words."""
     _read_from_to(s, facts)
+    _leave_out_lost(s)
     for i in s.verbs("narrow", "widen", "become", "lose", "gain", "merge"):
         if facts.from_lanes is None and not s.negated_at(i) and i not in s.used:
             _read_verb(s, facts, i)
@@ -114,6 +115,17 @@ def _read_verb(s: Sentence, facts: Facts, i: int) -> None:
         facts.to_lanes = to
         facts.features["lane_change"] = i
         s.use(i, last_of_count(s, after), f"becomes {to} lane{'s' if to > 1 else ''}")
+
+
+def _leave_out_lost(s: Sentence) -> None:
+    """Take the number of lanes that are lost or gained where those before and after are told: "five lanes, loses one lane and
+    carries on with four".
+    """
+    for i in s.verbs("become"):
+        counts = [item for item in s.lanes if item.last < i and item.first not in s.used]
+        verb = s.tokens[counts[-1].first - 1] if len(counts) > 1 else None
+        if verb is not None and verb.kind == "verb" and verb.value in ("lose", "gain"):
+            s.use(counts[-1].first - 1, counts[-1].last, "")
 
 
 def _of_ramp(s: Sentence, i: int, after: int) -> bool:

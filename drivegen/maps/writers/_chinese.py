@@ -6,6 +6,11 @@ from drivegen.maps.writers._lexicon import longest
 
 _CHINESE_DIGITS = dict(zip("一二两三四五六七八九", (1, 2, 2, 3, 4, 5, 6, 7, 8, 9), strict=True))
 _ENDS = {"前": "first", "后": "last"}
+_RING = "环岛|转盘|环形交叉口|环形路口"
+_MEET = (
+    "(?:相?交叉|相交|交汇|汇合|相遇|汇集|汇聚|汇入|相接|会合)(?:于|在|到|成|形成)?(?:此|这里|同?一个?|一处|一点)?的?(?:大型|大)?"
+    "(?:十字路口|十字交叉口|平面交叉口|路口|交叉口|处|点)?"
+)
 _ORDINALS = ("", "first", "second", "third", "fourth", "fifth")
 _CHINESE_WORDS = {
     "米后": "m later", "公里后": "km later", "错位交叉口": "staggered junction", "十字路口": "4 way intersection",
@@ -58,6 +63,7 @@ _CHINESE_WORDS = {
     "各进口道": "on every approach", "每个进口道": "on every approach", "均": "all", "都": "all", "设有": "with",
     "设置": "with", "设": "with", "相交": "cross", "无灯控": "unsignalised", "让行标志": "yield signs",
     "停车标志控制": "stop signs", "全向停车": "all way stop", "环形路口": "roundabout",
+    "为": "is", "起点": "start", "终点": "end", "距离": "distance", "之间": "between",
 }  # fmt: skip
 
 
@@ -67,6 +73,8 @@ def from_chinese(text: str) -> str:
     text = re.sub(rf"双向({digit})(?:条)?车道", lambda m: f" {_CHINESE_DIGITS[m[1]]} lanes in total ", text)
     text = re.sub(rf"(前|后)({digit})个(?:路口)?", lambda m: f" the {_ENDS[m[1]]} {_CHINESE_DIGITS[m[2]]} ", text)
     text = re.sub("两侧各有一条(?:支路|小路|街道)", " 2条支路 on opposite sides ", text)
+    straight = "(?:的|是|为|有|一段|长)*(?:直线|直路|直道|直段)(?:段|道路|路段)?(?:长)?"
+    text = re.sub(rf"前后(?:各|均|都)(?:{straight})?(\d+)米(?:{straight})?", r" ，\1米 straight on each side ", text)
     text = re.sub("[：；（）]", "，", text)
     text = re.sub("(?<=[，,、])单向(?=[，,。])", "单向行驶", text)
     text = re.sub(r"(?:在)?(\d+)(米|公里|千米)处(?:有|设有|设)?", r" , at \1\2 with ", text)
@@ -79,12 +87,17 @@ def from_chinese(text: str) -> str:
     text = re.sub(limit + r"(\d+)(?:公里|千米)(?!每|/)", r"限速\1公里每小时", text)
     text = re.sub(rf"单向({digit})(?:条)?车道(?=的?(?:道路|公路|街道|马路|路))", r"单向行驶 \1条车道", text)
     text = re.sub(rf"({digit}|\d)个?(?:路口|岔口|出口|入口|出入口|岔路)的(环岛|转盘|环形交叉口)", _ring_with_arms, text)
+    text = re.sub(rf"({digit}|\d)(?:岔路?|路|臂|条路)的?(?:口的?)?(环岛|转盘|环形交叉口)", _ring_with_arms, text)
+    meeting = _arms if re.search(_RING, text) else _crossing_of_roads
     text = re.sub(
-        rf"({digit}|\d)条道?路(?:交叉|相交|交汇|汇合|相遇)的?(?:十字路口|十字交叉口|路口|交叉口)?", _crossing_of_roads, text
+        rf"([三四五六七八九3-9])条(?:\w{{0,4}}?)(?:道路|路|街道|街|马路|公路)(?:在此|同时|都|均)?{_MEET}", meeting, text
     )
+    text = re.sub(rf"({digit}|\d)(?:岔|叉)(?:路)?口", _crossing_of_roads, text)
+    if re.search(_RING, text):
+        text = re.sub(rf"(?:连接|接入|接)(?:着|了)?({digit}|\d)条(?:道路|路|街道|马路|公路)", _arms, text)
     text = re.sub(rf"(?<![十百千])({digit})(?=公里|千米|米)", lambda m: f" {_CHINESE_DIGITS[m[1]]}", text)
     text = re.sub(rf"({digit}|\d)[行横排][×x乘]?({digit}|\d)[列纵]", _rows_and_columns, text)
-    if re.search("环岛|转盘|环形交叉口", text):
+    if re.search(_RING, text):
         text = re.sub(rf"({digit}|\d)个?(?:出入口|入口|出口|进口|岔口|岔路|岔道)", _arms, text)
     text = re.sub("一条车道", " 1 lane ", text)
     text = re.sub("一个|一条", " ", text)

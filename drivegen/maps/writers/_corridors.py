@@ -108,7 +108,10 @@ def _corridor(
     first = ends if start is None else max(start, 30.0)
     if "length" in facts.lengths and start is not None:
         ends = max(_SHORTEST_END, facts.lengths["length"] - between - first)
-    placed = [{**junction, "position": first + sum(gaps[:i])} for i, junction in enumerate(junctions)]
+    turning: Road = {"left_turn_lane": facts.left_pocket, "right_turn_lane": facts.right_pocket}
+    turning |= {"pocket": facts.lengths["pocket"]} if "pocket" in facts.lengths else {}
+    turning = turning if facts.pocket_role in ("", "main") else {}
+    placed = [{**junction, **turning, "position": first + sum(gaps[:i])} for i, junction in enumerate(junctions)]
     one_way = bool(facts.one_way) and not facts.two_way
     return {
         "kind": "corridor",
@@ -144,6 +147,8 @@ def alignment(facts: Facts, choices: Choices, usual: tuple[int, int], radius: fl
             told = told or facts.lengths.get("spacing") or facts.lengths.get("position")  # "ends after 120 m"
         return {"shape": shape, "length": told or choices.length("length", *usual, step=50)}
     loop = facts.has("loop") and shape == "curve"
+    if facts.arcs:
+        return _arcs(facts, choices, shape, radius)
     angle = facts.angle or {"hairpin": 180.0, "s_curve": 60.0, "curve": 270.0 if loop else 90.0}[shape]
     angle = 180.0 if shape == "hairpin" and angle < _LEAST_HAIRPIN else angle
     bend = facts.lengths.get("radius") or (20.0 if shape == "hairpin" else 45.0 if angle > 180.0 else radius * _bend(facts))
@@ -152,9 +157,31 @@ def alignment(facts: Facts, choices: Choices, usual: tuple[int, int], radius: fl
     rest = 60.0 if angle > 180.0 else choices.length("straight roads beside the bend", 200, 300, step=20) * (bends + 1) / 2
     if "straights" in facts.lengths:
         rest = facts.lengths["straights"] * (bends + 1 if shape == "hairpin" else 2)
+    if "behind" in facts.lengths:
+        rest = _two_straights(facts, choices)
     length = facts.lengths.get("length") or arcs + rest
     line: Road = {"shape": shape, "length": length, "angle": -angle if facts.turn == "right" else angle, "radius": bend}
     return line | {"bends": facts.bends} if facts.bends else line
+
+
+def _arcs(facts: Facts, choices: Choices, shape: str, radius: float) -> Road:
+    """The line of a road whose bends are told one by one."""
+    arcs = [(angle, told or radius * _bend(facts)) for angle, told in facts.arcs]
+    bent = sum(math.radians(abs(angle)) * size for angle, size in arcs)
+    beside = 2 * facts.lengths["straights"] if "straights" in facts.lengths else None
+    length = facts.lengths.get("length") or bent + (
+        beside or choices.length("straight roads beside the bends", 200, 300, step=20)
+    )
+    return {"shape": shape, "length": length, "arcs": arcs}
+
+
+def _two_straights(facts: Facts, choices: Choices) -> float:
+    """The straights before and behind a bend together [m]; those that differ are drawn equally long, which is told."""
+    before, behind = facts.lengths["before"], facts.lengths["behind"]
+    if before != behind:
+        choices.assume(f"{(before + behind) / 2:.0f} m before the bend and as much behind it")
+        choices.waived += [before, behind]
+    return before + behind
 
 
 def _bend(facts: Facts) -> float:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from drivegen.errors import UnusableInput
 from drivegen.maps.writers._facts import EventWords, Facts
 from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._places_along import listed_places
 from drivegen.maps.writers._sentence import Sentence
 
 _MOST = 9
@@ -93,7 +94,7 @@ def _add_ramps(s: Sentence, facts: Facts, phrase: Phrase, kind: str, copies: int
             return  # "successive ramps: an entry, then another entry"
         facts.events += [EventWords(both, phrase.first + j) for j, both in enumerate(("on_ramp", "off_ramp"))]
         return
-    places = _places(s, phrase)
+    places = listed_places(s, phrase) if phrase.number is None else []
     if len(places) > 1 and copies == 1:
         facts.events += [EventWords(kind, phrase.first, phrase.lanes, position=metres, speed=phrase.speed) for metres in places]
         if facts.lengths.get("length") in places:
@@ -106,18 +107,6 @@ def _add_ramps(s: Sentence, facts: Facts, phrase: Phrase, kind: str, copies: int
         facts.events.append(replace(event, position=own.position, gap=own.gap) if own is not None else replace(event))
     if _both_kinds(s, phrase):
         facts.events.append(EventWords("off_ramp" if kind == "on_ramp" else "on_ramp", phrase.first - 1))
-
-
-def _places(s: Sentence, phrase: Phrase) -> list[float]:
-    """Positions [m] of several ramps: "off-ramps at 400 m and 1200 m"."""
-    found: list[float] = []
-    if s.tokens[phrase.head].text.endswith("s") and phrase.number is None and s.word(phrase.head + 1, "prep"):
-        for token in s.tokens[phrase.head + 2 :]:
-            if token.kind == "length":
-                found.append(token.amount[0])
-            elif token.kind not in ("and", "comma") and token.text != "at":
-                break
-    return found
 
 
 def _named_otherwise(s: Sentence, phrase: Phrase) -> bool:

@@ -58,8 +58,10 @@ class Facts:
         steps: in how many steps it does so. whole: the length said is that of the whole road.
         speeds: [m/s] by role "main", "side", "ramp", "ring". lengths: [m] by role "length", "spacing", "radius",
             "diameter", "auxiliary", "offset", "position", "side", "median", "island" (in the middle of a ring), "pocket" (of
-            turn lanes), "straights" (beside bends), "rest" (of the road, behind its last change), "beyond" (streets of a
-            grid, past its crossings). angle: [degrees]. bends: how many, None unsaid.
+            turn lanes), "straights" (beside bends), "before" and "behind" (the one
+            bend), "branch" and "stem" (of a fork), "rest" (of the road, behind its last change), "beyond" (streets of a
+            grid, past its crossings). angle: [degrees]. bends: how many, None unsaid. arcs: turn
+            [degrees], positive to the left, and radius [m] of bends that differ.
         one_way: places in the text of roads that are said to be one-way. two_way: a road is said to run both ways.
         side_places: side ("left", "right" or "") and position along the road [m] of side streets told one by one.
         pocket_role: of the road that has the turn lanes, "" all. interchange: its form, "" none.
@@ -83,6 +85,7 @@ class Facts:
     angle: float | None = None
     turn: Side | None = None
     bends: int | None = None
+    arcs: list[tuple[float, float | None]] = field(default_factory=list)
     control: Control | None = None
     unsignalled: bool = False
     one_way: list[int] = field(default_factory=list)

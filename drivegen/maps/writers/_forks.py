@@ -28,6 +28,7 @@ def read_branches(s: Sentence, facts: Facts) -> None:
         if subject is not None and subject.text.endswith("carriageway"):
             facts.features.setdefault("carriageway", i)
         _read_branch_lanes(s, facts, i)
+        s.used |= {p.first for p in s.said("arm") if p.number == _TWO and p.head > i and p.text.endswith("branches")}
         for j in range(i + 1, min(len(s.tokens), i + 4)):
             if s.tokens[j].kind == "number" and s.tokens[j].number == 2:
                 s.use(j, j, "")

@@ -8,6 +8,7 @@ from drivegen.maps.writers._rows import are_excepted, one_of_a_row, others_of_a_
 from drivegen.maps.writers._sentence import Sentence
 
 _MOST_BENDS = 8
+_NEAR = 6
 _CONTROLS = {
     "signals": "traffic lights",
     "unsignalled": "no traffic lights",
@@ -156,9 +157,15 @@ def read_pockets(s: Sentence, facts: Facts) -> None:
             last += 1  # "turn lanes of 40 m on the main road"
         where = s.governed(last) or _told_before(s, phrase.first)
         facts.pocket_role = role(s, where) if where is not None and where.kind == "road" and where.det != "" else ""
+        if any(abs(i - phrase.head) <= _NEAR for i in s.of_kind("ordinal")) and _in_a_row(facts):
+            facts.pocket_role = "one"  # of the junctions of a row
         facts.left_pocket |= "left" in sides
         facts.right_pocket |= "right" in sides
         s.use(phrase.first, phrase.head, f"turn lanes ({sides.replace(' ', ' and ')})")
+
+
+def _in_a_row(facts: Facts) -> bool:
+    return len(facts.junctions) > 1 or any(junction.count > 1 for junction in facts.junctions)
 
 
 def read_control(s: Sentence, facts: Facts) -> None:

@@ -70,7 +70,8 @@ GERMAN_WORDS = {
     "querstraßen": "cross streets", "querstraße": "cross street", "stichstraße": "cul de sac", "sackgassen": "cul de sacs",
     "wendehammer": "turning head", "wendeplatz": "turning place", "wohngebiet": "residential area", "allee": "avenue",
     "bundesstraße": "rural road", "kreisstraße": "rural road", "dorfstraße": "village street", "gasse": "alley",
-    "autobahnen": "motorways", "bundesautobahn": "motorway", "richtungsfahrbahn": "carriageway", "fahrbahn": "carriageway",
+    "autobahnen": "motorways", "bundesautobahn": "motorway", "fahrbahn": "carriageway",
+    "richtungsfahrbahn": "one way carriageway",
     "mittelstreifen": "median", "grünstreifen": "median", "standstreifen": "shoulder", "getrennte": "separate",
     "beschleunigungsstreifen": "acceleration lane", "einfädelungsstreifen": "acceleration lane",
     "einfädelstreifen": "acceleration lane", "einfädelspur": "acceleration lane", "beschleunigungsspur": "acceleration lane",
@@ -107,6 +108,10 @@ GERMAN_WORDS = {
     "rechtsabbiegespuren": "right turn lanes", "rechtsabbiegestreifen": "right turn lanes", "abbiegestreifen": "turn lanes",
     "unbeampelte": "unsignalised", "ampellose": "unsignalised", "ampelfreie": "unsignalised", "seitliche": "side",
     "häuserblocks": "blocks", "häuserblöcke": "blocks", "minikreisverkehr": "mini roundabout",
+    "einbahnig": "one way", "laufen": "run", "am rand": "at the edge", "noch": "another", "abzweigungen": "junctions",
+    "wieder": "another", "nochmals": "another",
+    "fehlen": "are missing", "fehlt": "is missing", "gerade strecken": "straight sections", "schmaler": "narrow",
+    "schmale": "narrow", "rechtskurven": "curves to the right", "linkskurven": "curves to the left",
     "des": "the", "dem": "the", "den": "the", "durch": "through", "ländliche": "rural", "städtische": "urban",
 }  # fmt: skip
 
@@ -114,7 +119,9 @@ GERMAN_WORDS = {
 def from_german(text: str) -> str:
     """A lowercase German text with the words that are known replaced."""
     text = re.sub(r"(?<=\w)-(?=\w)", " ", re.sub(r"(?<=\d),(?=\d)", ".", text))
-    text = re.sub(rf"\b(\w+(?: (?:oder|und) \w+)*) gibt es {_THERE}(?:nicht|keine|keinen)\b", r"keine \1", text)
+    text = re.sub(rf"\b(\w+(?: (?:oder|und) \w+)*) (?:gibt es {_THERE}(?:nicht|keine|keinen)|fehlen|fehlt)\b", r"keine \1", text)
+    text = re.sub(r"\b(\w+) (?:auch|ebenfalls|ebenso) nicht\b", r"keine \1", text)
+    text = re.sub(r"\bfährt auf ([^,.]*?) auf\b", r"mündet auf \1", text)
     text = re.sub(rf"\b({_OF_WHICH}) (?:einer|eines) ", r"\1 of a ", text)
     text = re.sub(r"\b(\w+spurig) (wird|werden)\b", r"\2 \1", text)
     numbers = {"ein": 1, **GERMAN_NUMBERS}

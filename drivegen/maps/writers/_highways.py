@@ -14,6 +14,7 @@ _FIRST, _BETWEEN, _LAST = 250.0, 120.0, 250.0
 _LEAST_BETWEEN = 45.0
 _AUXILIARY = {"on_ramp": 200.0, "off_ramp": 150.0, "weaving": 300.0}
 _BEND_RADIUS = 250.0
+_STEM = 180.0
 _SHARES = (0.8, 0.6, 0.45)
 
 
@@ -68,7 +69,8 @@ def fork(facts: Facts, choices: Choices) -> Road:
     """A road that splits into two: one-way where it is a highway or said so, else a Y of two-way roads."""
     lanes = choices.lanes(facts, 2, "main")
     angle = facts.angle if facts.angle is not None and facts.angle <= 120 else 50.0
-    length = facts.lengths.get("length") or choices.length("arms", 140, 200)
+    length = facts.lengths.get("branch") or facts.lengths.get("length") or choices.length("arms", 140, 200)
+    stem = facts.lengths.get("stem", length)
     fast = facts.has("highway")
     speed = choices.speed(facts, highway=fast)
     if fast or facts.branches or facts.has("carriageway") or (facts.one_way and not facts.two_way) or facts.events:
@@ -76,15 +78,16 @@ def fork(facts: Facts, choices: Choices) -> Road:
         told = facts.branches and not (facts.lanes or facts.other_lanes)
         lanes = left + right if told else max(left, right, min(lanes, left + right))
         road = {"kind": "fork", "lanes": lanes, "left_lanes": left, "right_lanes": right, "length": length}
-        road["joins"] = facts.has("joining")
+        road |= {"joins": facts.has("joining"), **({"stem": stem} if stem != length else {})}
         return {**road, "angle": min(angle, 40.0) if fast else angle, "speed": speed}
-    arms = [{"angle": a, "lanes_in": lanes, "lanes_out": lanes, "length": length, "speed": speed} for a in _branches(angle)]
+    arm = {"lanes_in": lanes, "lanes_out": lanes, "speed": speed}
+    arms = [{**arm, "angle": a, "length": stem if a == _STEM else length} for a in _branches(angle)]
     return {"kind": "crossing", "arms": arms, "control": facts.control or "yield"}
 
 
 def _branches(angle: float) -> list[float]:
     half = max(angle, 30.0) / 2
-    return [180.0, half, -half]
+    return [_STEM, half, -half]
 
 
 def _events(facts: Facts) -> list[EventWords]:

@@ -1,6 +1,7 @@
 """Junctions: roundabouts, T and Y junctions, crossings, and how many roads meet at them."""
 
 import re
+from dataclasses import replace
 from typing import get_args
 
 from drivegen.maps.spec import Control
@@ -8,6 +9,7 @@ from drivegen.maps.writers._arms import read_arms
 from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._layouts import read_grid
 from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._places_along import listed_places
 from drivegen.maps.writers._rows import one_of_a_row, read_arms_of_a_row, read_positions_of_a_row
 from drivegen.maps.writers._sentence import Sentence
 
@@ -86,7 +88,8 @@ def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:
     following = s.tokens[phrase.head + 1 : phrase.head + 2]
     if following and following[0].kind == "turn":
         junction.side = "left" if following[0].value == "left" else "right"
-    facts.junctions.append(junction)
+    places = listed_places(s, phrase)
+    facts.junctions += [replace(junction, count=1, position=metres) for metres in places] or [junction]
     s.use(phrase.first if phrase.number else phrase.head, phrase.head, name if count == 1 else f"{count} {name}s")
 
 
@@ -176,7 +179,7 @@ def _says_again(s: Sentence, known: JunctionWords, phrase: Phrase) -> bool:
 
 def _is_listed(s: Sentence, facts: Facts, at: int, phrase: Phrase) -> bool:
     """Whether the phrase is the next of a list along one road: "T-junction, crossroads, T-junction, 120 m apart"."""
-    row = "spacing" in facts.lengths or any(s.of_kind("row"))
+    row = "spacing" in facts.lengths or any(True for _ in s.of_kind("row"))
     before = next((p for p in s.said("place") if p.first == at), None)
     between = [t.kind for t in s.tokens[before.head + 1 : phrase.first]] if before is not None else []
     if between[-2:] == ["length", "spacing"]:

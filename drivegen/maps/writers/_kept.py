@@ -9,6 +9,8 @@ from collections.abc import Callable, Collection, Iterator
 from drivegen.errors import UnusableInput
 from drivegen.maps.spec import MapSpec
 from drivegen.maps.writers._built import Built, built
+from drivegen.maps.writers._measures import cue_of
+from drivegen.maps.writers._owners import is_close
 from drivegen.maps.writers._quantities import Lanes
 from drivegen.maps.writers._said import (
     OTHERS,
@@ -24,20 +26,30 @@ from drivegen.maps.writers._said import (
     said_ways,
 )
 from drivegen.maps.writers._sentence import Sentence
+from drivegen.maps.writers._small_words import SMALL_WORDS
 
 _NEAR = 0.03
 _SUBJECT = 3
+_ENDS = ("comma", "stop", "and", "but")
+_ROAD_WORDS = ("verb", "lane", "total", "radius", "diameter", "offset", "median", "speed_word")
 _AT_ALL = ("at", "whatsoever")
 _NEIGHBOURS = frozenset(("adjacent", "neighbour", "neighbours", "neighbor", "neighbors", "neighbouring", "neighboring"))
 
 
-def refuse_unkept(s: Sentence, spec: MapSpec, waived: Collection[float] = ()) -> None:
-    """Raise UnusableInput at a fact that the road doesn't have; `waived` are lengths [m] that it needn't."""
+def refuse_unkept(s: Sentence, spec: MapSpec, waived: Collection[float] = ()) -> list[str]:
+    """Raise UnusableInput at a fact that the road doesn't have; `waived` are lengths [m] that it needn't.
+
+    Lengths of what hardly changes the road are returned instead, in the words of the description.
+    """
     found = built(spec)
     said = [fact for read in _READERS for fact in read(s, found)]
-    said = [fact for fact in said if not (fact.what == "length" and s.tokens[fact.first].amount[0] in waived)]
+    said = [fact for fact in said if not (fact.what.startswith("length") and s.tokens[fact.first].amount[0] in waived)]
+    dropped: list[str] = []
     for fact in said:
         if fact.kept:
+            continue
+        if fact.what.startswith("length") and _is_aside(s, fact.first):
+            dropped.append(_words(s, fact))
             continue
         rivals = [other for other in said if other.what == fact.what and other.kept and _words(s, other) != _words(s, fact)]
         if rivals:
@@ -47,6 +59,31 @@ def refuse_unkept(s: Sentence, spec: MapSpec, waived: Collection[float] = ()) ->
         raise UnusableInput(
             f"the road that I understand does not keep {_words(s, fact)!r}; please say it in other words", reason="not-understood"
         )
+    return dropped
+
+
+def _is_aside(s: Sentence, i: int) -> bool:
+    """Whether the length at i is that of a leg or side road, or how far off something is ("the school is 120 m away")."""
+    start, end = s.clause(i), next((j for j in range(i, len(s.tokens)) if s.tokens[j].kind in _ENDS), len(s.tokens))
+    of_roads = any(start <= p.head < end for p in s.phrases) or any(_says_of_road(s, j) for j in range(start, end))
+    remark = [t for t in s.tokens[start:end] if t.kind == "unknown" and t.text not in SMALL_WORDS]
+    if remark and not of_roads:
+        return True
+    before = s.last_before(i, "arm", "road", "place", "ramp", "shape", "auxiliary", "ring", "central")
+    leg = before is not None and (before.kind == "arm" or before.role == "side") and is_close(s, before, i)
+    cue = cue_of(s, i)
+    return leg and (cue is None or s.tokens[cue].kind == "long")
+
+
+def _says_of_road(s: Sentence, j: int) -> bool:
+    """Whether token j speaks of a road without naming it; "from its end" does not."""
+    return s.tokens[j].kind in _ROAD_WORDS and not (s.word(j, "verb") and s.word(j - 1, "det"))
+
+
+def _thing(s: Sentence, i: int) -> str:
+    """What the measure at i is said of, as far as that is needed to tell whether two measures are of the same."""
+    cue, before = cue_of(s, i), s.last_before(i, "road", "arm", "place", "ramp", "shape")
+    return f"{s.tokens[cue].kind if cue is not None else ''} {before.first if before is not None else ''}"
 
 
 def _words(s: Sentence, fact: Said) -> str:
@@ -67,12 +104,12 @@ def _measures(s: Sentence, found: Built) -> Iterator[Said]:
         if token.kind == "speed":
             yield Said("speed", i, i, _is_near(amount, found.speeds))
         elif token.kind == "length":
-            yield Said("length", i, i, _is_near(amount, found.lengths))
+            yield Said(f"length {_thing(s, i)}", i, i, _is_near(amount, found.lengths))
         elif token.kind == "angle":
             kept = _is_near(amount, {a for b in found.angles for a in (b, 180.0 - b, 360.0 - b)})
             if found.gaps and any(t.text in _NEIGHBOURS for t in s.tokens[max(0, i - 9) : i + 9]):
                 kept = all(_is_near(amount, (gap,)) for gap in found.gaps)
-            yield Said("angle", i, i, kept)
+            yield Said(f"angle {_thing(s, i)}", i, i, kept)
 
 
 def _lanes(s: Sentence, found: Built) -> Iterator[Said]:

@@ -63,12 +63,17 @@ def read_next_lane_verb(s: Sentence, facts: Facts, i: int) -> None:
         return
     facts.features.setdefault(kind, i)
     at = _distance_between(s, last.at, i)
-    facts.events.append(EventWords(kind, i, 1, side_near(s, i) if its else last.side, gap=s.tokens[at].amount[0] if at else None))
+    event = EventWords(kind, i, 1, side_near(s, i) if its else last.side)
+    if at is not None and at > i and s.tokens[at - 1].text == "at":
+        event.position = s.tokens[at].amount[0]  # "gets a third lane at 700 m, loses it again at 1400 m"
+    elif at is not None:
+        event.gap = s.tokens[at].amount[0]
+    facts.events.append(event)
     s.use(i, i, kind.replace("_", " "))
     if lane is not None:
         s.use(lane, lane, "")
     if at is not None:
-        s.use(at, at, f"{s.tokens[at].text} later")
+        s.use(at, at, f"{s.tokens[at].text} {'later' if event.gap else 'from the start'}")
 
 
 def _distance_between(s: Sentence, since: int, i: int) -> int | None:

@@ -80,7 +80,11 @@ def _is_total(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None) -> 
     halves = any(other.per == "each" and 2 * other.count == item.count for other in s.lanes)  # told apart by `read_lanes`
     changes = facts.has("lane_drop", "lane_gain", "lane_change", "fork") or any(s.verbs("merge"))
     along = any(s.said("ramp")) or any(s.said("weaving")) or any(s.said("extra")) or any(s.of_kind("keeps"))
-    one_way = any(s.of_kind("one_way")) or any(s.said("road", "one_way")) or s.tokens[phrase.head].text.endswith("carriageway")
+    one_way = (
+        any(True for _ in s.of_kind("one_way"))
+        or any(s.said("road", "one_way"))
+        or s.tokens[phrase.head].text.endswith("carriageway")
+    )
     halves = (
         halves or s.word(phrase.head + 1, "each") or s.word(phrase.head + 2, "each")
     )  # "a four-lane motorway (per direction)"

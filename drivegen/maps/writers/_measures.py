@@ -2,7 +2,7 @@
 
 from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._owners import is_close
-from drivegen.maps.writers._places_along import give_to_part
+from drivegen.maps.writers._places_along import give_to_part, lists_of_places
 from drivegen.maps.writers._sentence import Sentence
 
 _WIDEST_MEDIAN = 100.0
@@ -14,13 +14,14 @@ _CUES = ("radius", "diameter", "spacing", "offset", "later", "before", "start", 
 
 def read_lengths(s: Sentence, facts: Facts) -> None:
     """Lengths by role; the words beside a number tell what it measures."""
+    listed = {i for places in lists_of_places(s) for i in places[1:]}
     for i in s.of_kind("length"):
         if i in s.used or i in s.aside:
             continue
-        if _goes_on_a_list(s, i):
+        if i in listed:
             s.use(i, i, f"position {s.tokens[i].text}")
             continue
-        metres, cue = s.tokens[i].amount[0], _cue(s, i)
+        metres, cue = s.tokens[i].amount[0], cue_of(s, i)
         name = _named(s, i, cue)
         if name in ("gap", "position") and give_to_part(s, facts, i, name, metres, cue):
             pass
@@ -39,14 +40,6 @@ def read_lengths(s: Sentence, facts: Facts) -> None:
         s.use(alone, alone, f"{name} {s.tokens[alone].text} m")
 
 
-def _goes_on_a_list(s: Sentence, i: int) -> bool:
-    """Whether the length at i is one more place: "at 300 m, 900 m and 1500 m"."""
-    j = i
-    while j >= 2 and s.tokens[j - 1].kind in ("and", "comma") and s.tokens[j - 2].kind == "length":
-        j -= 2
-    return j < i and s.tokens[j - 1].text == "at" and s.word(j - 2, "ramp")
-
-
 def _is_of_the_whole(s: Sentence, i: int, cue: int | None) -> bool:
     """Whether the words say that the whole road is so long: "a 300 m highway", "300 m long", "300 m in total"."""
     inside = any(
@@ -60,7 +53,7 @@ def _cue_word(s: Sentence, i: int) -> bool:
     return any(kind in ("radius", "diameter", "spacing") for kind in before)
 
 
-def _cue(s: Sentence, i: int) -> int | None:
+def cue_of(s: Sentence, i: int) -> int | None:
     """The token that says what the length at i measures: right after it, else close before it."""
     for j in range(i + 1, min(len(s.tokens), i + 4)):
         token = s.tokens[j]
@@ -88,7 +81,7 @@ def _has_length(s: Sentence, j: int, i: int) -> bool:
 
 def _named(s: Sentence, i: int, cue: int | None) -> str:
     kind = s.tokens[cue].kind if cue is not None else ""
-    if (thing := _of_ring(s, i, kind) or _own_thing(s, i)) is not None:
+    if (thing := _of_ring(s, i, kind) or _own_thing(s, i, kind)) is not None:
         return thing
     if kind in ("", "diameter", "median") and s.tokens[i].amount[0] <= _WIDEST_MEDIAN and _is_of_median(s, i):
         return "median"
@@ -117,7 +110,7 @@ def _of_ring(s: Sentence, i: int, kind: str) -> str | None:
     return "diameter" if one and near.head == i - 2 and s.tokens[i - 1].text == "of" and kind == "" else None
 
 
-def _own_thing(s: Sentence, i: int) -> str | None:
+def _own_thing(s: Sentence, i: int, kind: str) -> str | None:
     """What else the length belongs to: a turn lane, the straights beside a bend, the ends of a grid's streets."""
     after = [t.text for t in s.tokens[i + 1 : i + 4]]
     if s.word(i + 1, "place") and after[0] == "blocks":
@@ -129,7 +122,8 @@ def _own_thing(s: Sentence, i: int) -> str | None:
         return "pocket" if not any(t == "apart" for t in after) else None
     if "more" in after[:1] and any(s.verbs("gain", "widen", "narrow", "lose")):
         return "rest"
-    if any("straight" in text.split() for text in after[:3]) and any(s.said("shape", "curve", "s_curve", "hairpin")):
+    straight = kind != "radius" and any("straight" in text.split() for text in after[:3])
+    if straight and any(s.said("shape", "curve", "s_curve", "hairpin")):
         return "straights"
     return "beyond" if any(text.startswith("beyond") for text in after[:2]) and any(s.said("place", "grid")) else None
 
@@ -176,6 +170,8 @@ def _what_is_long(s: Sentence, i: int) -> str:
 def read_angles(s: Sentence, facts: Facts) -> None:
     """One angle: of a bend, a fork or a skew crossing."""
     for i in s.of_kind("angle"):
+        if i in s.used:
+            continue
         two = s.last_before(i, "arm", "road")  # "its two upper branches are 60 degrees apart"
         if two is not None and any(t.text == "apart" for t in s.tokens[i : i + 2]) and two.head + 4 > i:
             numbers = [j for j in range(two.first - 2, two.head) if s.word(j, "number") and s.tokens[j].number == _PAIR]

@@ -6,11 +6,15 @@ from drivegen.maps.writers._sentence import Sentence
 
 _EVENTS = ("ramp", "weaving", "extra")
 _CLOSE = 4
+_NO_PLACE = ("long", "total", "radius", "diameter", "spacing", "later")
 
 
 def give_to_part(s: Sentence, facts: Facts, i: int, name: str, metres: float, cue: int | None) -> bool:
     """Note where a ramp or junction lies, or how far from the one before it; whether there is one."""
     start = s.clause(i)
+    if cue is not None and s.tokens[cue].kind == "later" and any(s.said("place", "staggered")):
+        facts.lengths.setdefault("offset", metres)
+        return True
     if _give_to_change(facts, i, start, metres):
         return True
     parts = [p for p in s.phrases if p.kind in (*_EVENTS, "place") and not p.negated]
@@ -33,6 +37,33 @@ def give_to_part(s: Sentence, facts: Facts, i: int, name: str, metres: float, cu
     if is_behind and cue is None and part is not None and metres > (parts[0].position or metres):
         return _give_position(s, facts, i, metres, part)  # "an on-ramp after 300 m and an off-ramp after 1 km"
     return _give_gap(s, metres, before, after, parts, cue)
+
+
+def lists_of_places(s: Sentence) -> list[list[int]]:
+    """Lengths that are told in a row behind "at": "at 300 m, 900 m and 1500 m", "at 200 m and at 400 m"."""
+    found: list[list[int]] = []
+    for i in s.of_kind("length"):
+        j = i - 1
+        while j > 0 and (s.tokens[j].kind in ("and", "comma") or s.tokens[j].text == "at"):
+            j -= 1
+        goes_on = found and found[-1][-1] == j and j < i - 1 and not any(s.word(i + 1, kind) for kind in _NO_PLACE)
+        if goes_on:
+            found[-1].append(i)
+        elif s.tokens[i - 1].text == "at":
+            found.append([i])
+    return [places for places in found if len(places) > 1 and s.between(places[0], places[-1], "and")]
+
+
+def listed_places(s: Sentence, phrase: Phrase) -> list[float]:
+    """Positions [m] that are listed for what is spoken of in the plural: right behind it, or as many as were counted."""
+    for places in lists_of_places(s):
+        right_behind = s.tokens[phrase.head].text.endswith("s") and places[0] == phrase.head + 2
+        near = places[0] > phrase.head and not s.between(phrase.head, places[0], "stop", "place")
+        counted = near and phrase.number == len(places)
+        amounts = [s.tokens[i].amount[0] for i in places]
+        if (right_behind and phrase.number in (None, len(places))) or counted:
+            return amounts if amounts == sorted(set(amounts)) else []
+    return []
 
 
 def _give_position(s: Sentence, facts: Facts, i: int, metres: float, part: Phrase | None) -> bool:

@@ -2,6 +2,7 @@
 
 from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._phrases import Phrase
+from drivegen.maps.writers._places_along import listed_places
 from drivegen.maps.writers._sentence import Sentence
 
 _FEWEST = 3
@@ -26,6 +27,14 @@ def read_relations(s: Sentence, facts: Facts) -> None:
     _read_dead_ends(s, facts)
     if not _read_opposite_sides(s, facts):
         _read_side_roads(s, facts)
+    for phrase in (*s.said("road"), *s.said("dead_end")):
+        if facts.side_streets > 1 and phrase.number == facts.side_streets and not facts.side_places:
+            facts.side_places = [(facts.turn or _turn_behind(s, phrase), metres) for metres in listed_places(s, phrase)]
+
+
+def _turn_behind(s: Sentence, phrase: Phrase) -> str:
+    """The side that is told behind side streets: "two side streets to the left"."""
+    return next((s.tokens[i].value for i in s.of_kind("turn") if phrase.head < i <= phrase.head + _NEAR), "")
 
 
 def _read_opposite_sides(s: Sentence, facts: Facts) -> bool:
@@ -103,7 +112,9 @@ def _read_joining_verb(s: Sentence, facts: Facts, i: int) -> None:
     if target.words.get("class") == "highway" and not at_grade:
         return
     s.use(i, i, "")
-    tee = verb in ("join", "end_at") or subject.role == "side" or target.role == "main" or target.words.get("class") == "arterial"
+    from_a_side = s.word(target.head + 1, "turn") and s.tokens[target.head + 1].text.startswith("from")
+    greater = target.role == "main" or target.words.get("class") == "arterial"
+    tee = verb in ("join", "end_at") or from_a_side or subject.role == "side" or greater
     if facts.junctions:
         junction = facts.junctions[-1]
         if tee and junction.form == "crossing" and junction.arms is None and junction.count == 1:

@@ -17,6 +17,7 @@ Road = dict[str, Any]
 _ROUNDED = 0.9
 _SHORTEST_ARM = 20.0
 _NEARLY = 15.0  # roads that meet at about 120 degrees make a Y, not a T
+_LEAST_SKEW = 20.0
 _LEAST_Y, _MOST_Y = 20.0, 160.0  # between the branches of a Y [degrees]
 
 
@@ -55,7 +56,8 @@ def _arms_at(count: int, shape: str, facts: Facts) -> list[float]:
         half = facts.angle / 2 if facts.angle is not None and _LEAST_Y <= facts.angle <= _MOST_Y else 35.0
         return [180.0, half, -half]
     if count == 3 and shape != "even":
-        return [180.0, 0.0, 90.0 if facts.turn == "left" else 270.0]
+        skew = facts.angle if facts.angle is not None and _LEAST_SKEW <= facts.angle <= 180.0 - _LEAST_SKEW else 90.0
+        return [180.0, 0.0, skew if facts.turn == "left" else 360.0 - skew]
     if count == 4 and facts.angle is not None and 20 <= facts.angle <= 160:
         return [0.0, facts.angle, 180.0, 180.0 + facts.angle]
     return [i * 360.0 / count for i in range(count)]

@@ -22,10 +22,20 @@ def one_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | N
     if "ordinal" in phrase.words:
         at = next(i for i in range(phrase.first, phrase.head) if s.word(i, "ordinal"))
         return _numbered(s, facts, at, int(phrase.words["ordinal"]))
+    place = s.last_before(phrase.head, "place") if phrase.kind == "control" else None
+    if place is not None and "ordinal" in place.words and _is_said_of(s, place, phrase):
+        at = next(i for i in range(place.first, place.head) if s.word(i, "ordinal"))
+        return _numbered(s, facts, at, int(place.words["ordinal"]))
     ordinal = s.last_before(phrase.head, "ordinal")
     if ordinal is None or phrase.head - ordinal.head > _NEAR:
         return None
     return _numbered(s, facts, ordinal.first, int(ordinal.value))
+
+
+def _is_said_of(s: Sentence, place: Phrase, control: Phrase) -> bool:
+    """Whether only "is" or "has" stands between: "the second crossing is signalised"."""
+    between = s.tokens[place.head + 1 : control.head]
+    return bool(between) and all(t.kind in ("is", "with", "det", "but") for t in between)
 
 
 def _ordinal_behind(s: Sentence, phrase: Phrase) -> int | None:
@@ -43,10 +53,11 @@ def others_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> list[JunctionW
     """The junctions named before the one of `one_of_a_row` and joined to it: "the first and the last with lights"."""
     ordinals = [p for p in s.said("ordinal") if p.head < phrase.head and phrase.head - p.head <= 2 * _NEAR]
     named = [_counted_from(s, facts, phrase, i) for i in range(1, _last_of_several(s, phrase) + 1)]
-    for before, after in pairwise(ordinals):
+    for before, after in reversed(list(pairwise(ordinals))):
         joined = s.tokens[before.head + 1 : after.first]
-        if joined and all(t.kind in ("and", "det", "comma") for t in joined):
-            named.append(_numbered(s, facts, before.first, int(before.value)))
+        if not joined or any(t.kind not in ("and", "det", "comma") for t in joined):
+            break
+        named.append(_numbered(s, facts, before.first, int(before.value)))
     return [one for one in named if one is not None]
 
 

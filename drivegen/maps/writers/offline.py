@@ -13,10 +13,12 @@ from pydantic import ValidationError
 
 from drivegen.errors import UnusableInput
 from drivegen.maps.spec import MapSpec
+from drivegen.maps.writers._bends import read_arcs, read_straights
 from drivegen.maps.writers._changes import read_changes
 from drivegen.maps.writers._choices import Choices
 from drivegen.maps.writers._events import read_ramps
 from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._fork_lengths import read_fork_lengths
 from drivegen.maps.writers._forks import read_branches, read_joining_roads
 from drivegen.maps.writers._gate import refuse_contradictions, refuse_lost_numbers, refuse_misread
 from drivegen.maps.writers._general import note_roads, read_control, read_hand, read_pockets, read_roads, read_shapes
@@ -30,6 +32,7 @@ from drivegen.maps.writers._likeness import MARGIN, NONE, TYPICAL, kind_of, near
 from drivegen.maps.writers._measures import read_angles, read_lengths
 from drivegen.maps.writers._reading import normalise
 from drivegen.maps.writers._relations import read_relations
+from drivegen.maps.writers._rewording import reworded, without_names
 from drivegen.maps.writers._roads import Road, road
 from drivegen.maps.writers._sentence import Sentence
 from drivegen.maps.writers._series import read_how_often, read_upstream
@@ -63,12 +66,15 @@ _RULES = (
         read_hand,
         read_branches,
         read_joining_roads,
+        read_fork_lengths,
         read_upstream,
         read_changes,
         read_how_often,
         read_steps,
         read_lanes,
         read_speeds,
+        read_arcs,
+        read_straights,
         read_lengths,
         read_angles,
         read_roads,
@@ -105,7 +111,7 @@ class Plugin:
             spec = MapSpec.model_validate({"road": fields, "left_hand": facts.left_hand})
         except ValidationError as error:
             raise UnusableInput(f"this road cannot be drawn: {_first(error)}", reason="impossible-map") from None
-        refuse_unkept(sentence, spec, choices.waived)
+        ignored += refuse_unkept(sentence, spec, choices.waived)
         return Understanding(spec, understood, tuple(choices.assumed), tuple(dict.fromkeys(ignored)), written_by)
 
 
@@ -144,7 +150,7 @@ def _read(text: str) -> Sentence:
         raise UnusableInput(f"the description is longer than {_LONGEST} characters", reason="too-long")
     if re.search(r"</?\w+[^<>]*>", text):
         raise UnusableInput(f"markup is no description of a road; I can draw {CAN_DRAW}", reason="not-understood")
-    plain = normalise(in_english(text))
+    plain = reworded(normalise(in_english(without_names(text))))
     for match in re.finditer(rf"(?<!\w)(?:{_CANNOT})(?!\w)", plain):
         if not re.search(r"\b(?:no|not|without|never)(?: an?| any)? $", plain[: match.start()]):
             raise UnusableInput(f"I cannot draw {match.group()!r}; I can draw {CAN_DRAW}", reason="not-understood")
