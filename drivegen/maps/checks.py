@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drivegen.maps.spec import Arm, Corridor, Crossing, Fork, Graph, Grid, Highway, Interchange, MapSpec, Roundabout
+from drivegen.maps.spec import Arm, Corridor, Crossing, Fork, Grid, Highway, Interchange, MapSpec, Roundabout
+from drivegen.maps.spec_graph import Graph
 from drivegen.maps.structure import Structure
 
 _TOLERANCE = 0.15

@@ -7,13 +7,13 @@ specification may come from a model.
 """
 
 import math
-from itertools import pairwise
 from typing import Annotated, Literal, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-Lanes = Annotated[int, Field(ge=1, le=8)]
-NoOrMoreLanes = Annotated[int, Field(ge=0, le=8)]
+from drivegen.maps.spec_graph import Graph
+from drivegen.maps.spec_values import Angle, Control, Lanes, Length, NoOrMoreLanes, Part, Pocket, Radius, Side, Speed, Turn
+
 SMALLEST_RING, SMALLEST_WIDE_RING = 14.0, 24.0
 """Least outer diameter of a roundabout [m], a mini-roundabout's with one lane on its ring, and with more lanes."""
 
@@ -26,29 +26,8 @@ LEAST_ARC, LEAST_WIDE_ARC = 7.8, 9.0
 POCKET_SHARE = 0.4
 """Turn lanes along a corridor take so much of the way between two junctions at most, for both may have some on it."""
 
-MOST_LANE_KILOMETRES = 1000.0
-"""A free graph has so many kilometres of lanes at most: checking it for overlaps takes some seconds then."""
 
-Speed = Annotated[float, Field(ge=1.0, le=45.0, allow_inf_nan=False)]
-Length = Annotated[float, Field(ge=20.0, le=10000.0, allow_inf_nan=False)]
-Pocket = Annotated[float, Field(ge=15.0, le=500.0, allow_inf_nan=False)]
-Angle = Annotated[float, Field(ge=-360.0, le=360.0, allow_inf_nan=False)]
-Turn = Annotated[float, Field(ge=-280.0, le=280.0, allow_inf_nan=False)]
-Radius = Annotated[float, Field(ge=12.0, le=3000.0, allow_inf_nan=False)]
-Coordinate = Annotated[float, Field(ge=-10000.0, le=10000.0, allow_inf_nan=False)]
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,23}$")]
-
-Control = Literal["signals", "all_way_stop", "stop", "yield", "uncontrolled"]
-"""Who goes first: signals; everybody stops; the side roads stop or yield; right before left."""
-
-Side = Literal["left", "right"]
-
-
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Alignment(_Part):
+class Alignment(Part):
     """The line of a road seen from above, from its start heading east.
 
     `angle` is the turn of each bend, positive to the left; a hairpin is a curve of about 180 degrees, the loop of a ramp one
@@ -82,7 +61,7 @@ class Alignment(_Part):
         return tuple(angle for angle, _ in self.curves)
 
 
-class Arm(_Part):
+class Arm(Part):
     """One road that meets a crossing or a roundabout, seen from there; its turn lanes are `pocket` long, half the arm at most."""
 
     angle: Angle
@@ -102,7 +81,7 @@ class Arm(_Part):
         return self
 
 
-class _Arms(_Part):
+class _Arms(Part):
     arms: Annotated[tuple[Arm, ...], Field(min_length=3, max_length=8)]
 
     @model_validator(mode="after")
@@ -156,7 +135,7 @@ def _check_ring(lanes: int, diameter: float) -> None:
         raise ValueError(f"a ring with {lanes} lanes must be at least {SMALLEST_WIDE_RING:.0f} m across, not {diameter:g} m")
 
 
-class Junction(_Part):
+class Junction(Part):
     """One place along a corridor where side roads join: at `position` along it, on the sides named.
 
     At a crossing the main road may have turn lanes, in each direction that has a side road to turn to; they are `pocket`
@@ -195,7 +174,7 @@ class TurnLanes(NamedTuple):
 NO_TURN_LANES = TurnLanes(0, 0, 0.0)
 
 
-class Corridor(_Part):
+class Corridor(Part):
     """A two-way road with junctions along it: crossings or roundabouts in a row, side streets, a staggered junction.
 
     Without junctions it is a plain street. `dead_end` closes its far end with a turning place (cul-de-sac).
@@ -236,7 +215,7 @@ class Corridor(_Part):
         )
 
 
-class Grid(_Part):
+class Grid(Part):
     """Streets in both directions that cross at `rows` x `columns` places and go on beyond them.
 
     `beyond` is how far [m]; None: as far as the streets are apart.
@@ -253,7 +232,7 @@ class Grid(_Part):
     one_way: bool = False
 
 
-class HighwayEvent(_Part):
+class HighwayEvent(Part):
     """What happens along a carriageway, `position` metres from its start.
 
     Attributes:
@@ -281,7 +260,7 @@ class HighwayEvent(_Part):
         return 0
 
 
-class Highway(_Part):
+class Highway(Part):
     """A road without crossings, one carriageway per direction with nodes of its own.
 
     `lanes` is the number at its start, per carriageway. Events happen on the first carriageway, and on the other one
@@ -312,7 +291,7 @@ class Highway(_Part):
         return self
 
 
-class Fork(_Part):
+class Fork(Part):
     """A one-way road that splits into two branches, `angle` degrees apart; or, where `joins`, two that become one.
 
     `length` is that of each branch, `stem` that of the single road before the split, or behind it where `joins`; None: as
@@ -341,7 +320,7 @@ class Fork(_Part):
         return self
 
 
-class Interchange(_Part):
+class Interchange(Part):
     """Where a highway and a road over it meet by ramps, which end at crossings on that road (ramp terminals).
 
     `form` says which of the four ramps there are: "diamond" all; "half_diamond" an off-ramp from the first carriageway and an
@@ -361,73 +340,10 @@ class Interchange(_Part):
     control: Control = "signals"
 
 
-class GraphNode(_Part):
-    """A place of a free graph."""
-
-    name: Name
-    x: Coordinate
-    y: Coordinate
-    control: Control = "yield"
-
-
-class GraphRoad(_Part):
-    """A road of a free graph, with lanes in each direction and a shape of points between its ends."""
-
-    name: Name
-    start: Name
-    end: Name
-    lanes: NoOrMoreLanes = 1
-    lanes_back: NoOrMoreLanes = 1
-    speed: Speed = 50 / 3.6
-    main: bool = True
-    shape: Annotated[tuple[tuple[Coordinate, Coordinate], ...], Field(max_length=100)] = ()
-
-
-class LaneLink(_Part):
-    """Lane `from_lane` of a road leads into lane `to_lane` of another at node `at`; lane 0 is the outermost."""
-
-    at: Name
-    from_road: Name
-    from_lane: Annotated[int, Field(ge=0, le=7)]
-    to_road: Name
-    to_lane: Annotated[int, Field(ge=0, le=7)]
-
-
-class Graph(_Part):
-    """Any network: nodes with their control, roads between them, and lane connections where the usual ones are wrong."""
-
-    kind: Literal["graph"] = "graph"
-    nodes: Annotated[tuple[GraphNode, ...], Field(min_length=2, max_length=200)]
-    roads: Annotated[tuple[GraphRoad, ...], Field(min_length=1, max_length=400)]
-    links: Annotated[tuple[LaneLink, ...], Field(max_length=1000)] = ()
-
-    @model_validator(mode="after")
-    def _hangs_together(self) -> "Graph":
-        nodes, roads = {n.name for n in self.nodes}, {r.name: r for r in self.roads}
-        if len(nodes) != len(self.nodes) or len(roads) != len(self.roads):
-            raise ValueError("two nodes or two roads share a name")
-        for road in self.roads:
-            if {road.start, road.end} - nodes or road.start == road.end:
-                raise ValueError(f"road {road.name} must join two different nodes that exist")
-            if road.lanes + road.lanes_back == 0:
-                raise ValueError(f"road {road.name} has no lanes")
-        if (kilometres := self._lane_kilometres()) > MOST_LANE_KILOMETRES:
-            raise ValueError(f"the roads have {kilometres:.0f} km of lanes together, more than {MOST_LANE_KILOMETRES:.0f} km")
-        for link in self.links:
-            if link.from_road not in roads or link.to_road not in roads or link.at not in nodes:
-                raise ValueError(f"a lane link at {link.at} names a road or node that does not exist")
-        return self
-
-    def _lane_kilometres(self) -> float:
-        places = {node.name: (node.x, node.y) for node in self.nodes}
-        lines = [((places[r.start], *r.shape, places[r.end]), r.lanes + r.lanes_back) for r in self.roads]
-        return sum(lanes * math.dist(a, b) for line, lanes in lines for a, b in pairwise(line)) / 1000
-
-
 Road = Annotated[Crossing | Roundabout | Corridor | Grid | Highway | Fork | Interchange | Graph, Field(discriminator="kind")]
 
 
-class MapSpec(_Part):
+class MapSpec(Part):
     """A whole map: one road layout and the side that traffic keeps to."""
 
     road: Road

@@ -1,7 +1,7 @@
 """Free graphs: nodes and roads as they stand in the specification."""
 
 from drivegen.maps.compilers.crossings import MAIN, MINOR, NODE_TYPES
-from drivegen.maps.spec import Graph, GraphRoad, LaneLink
+from drivegen.maps.spec_graph import Graph, GraphRoad, LaneLink
 from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork
 
 

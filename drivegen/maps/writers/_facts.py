@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from drivegen.maps.spec import Control, Side
+from drivegen.maps.spec_values import Control, Side
 
 
 @dataclass

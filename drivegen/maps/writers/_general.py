@@ -1,6 +1,6 @@
 """What holds for the whole description: kinds of road, bends, who goes first, one-way, surroundings, the side of traffic."""
 
-from drivegen.maps.spec import Side
+from drivegen.maps.spec_values import Side
 from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._owners import role
 from drivegen.maps.writers._phrases import Phrase

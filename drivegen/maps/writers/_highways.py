@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from drivegen.errors import UnusableInput
-from drivegen.maps.spec import Side
+from drivegen.maps.spec_values import Side
 from drivegen.maps.writers._choices import KMH, Choices
 from drivegen.maps.writers._facts import EventWords, Facts
 

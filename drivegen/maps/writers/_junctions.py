@@ -4,7 +4,7 @@ import re
 from dataclasses import replace
 from typing import get_args
 
-from drivegen.maps.spec import Control
+from drivegen.maps.spec_values import Control
 from drivegen.maps.writers._arms import read_arms
 from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._layouts import read_grid

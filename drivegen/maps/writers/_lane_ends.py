@@ -1,6 +1,6 @@
 """Single lanes that end or begin: "the left lane ends", "it loses a lane", "a climbing lane"."""
 
-from drivegen.maps.spec import Side
+from drivegen.maps.spec_values import Side
 from drivegen.maps.writers._facts import EventWords, Facts
 from drivegen.maps.writers._sentence import Sentence
 
