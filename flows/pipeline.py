@@ -8,15 +8,17 @@ workspace's own lock, held for moments only, DVC itself is told to wait: who is 
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import networkx as nx
+import yaml
 from dvc.repo import Repo
 
 _BUSY = ("is busy", "Unable to acquire lock")
@@ -110,6 +112,16 @@ def restore(root: Path) -> None:
     """Put back whatever dvc.lock names and the cache has: what changed is then made again from there, the rest stands."""
     command = [sys.executable, "-m", "dvc", "checkout", "--quiet", "--force", "--allow-missing"]
     subprocess.run(command, cwd=root, env=_environment(), capture_output=True, timeout=600, check=False)
+
+
+def discard(stages: Collection[str], root: Path) -> None:
+    """Remove what dvc.lock says that `stages` wrote: nothing of another run may be taken for this one's."""
+    lock = root / "dvc.lock"
+    known = (yaml.safe_load(lock.read_text()) or {}).get("stages", {}) if lock.exists() else {}
+    for path in [root / out["path"] for stage in stages for out in known.get(stage, {}).get("outs", ())]:
+        if path.is_dir():
+            shutil.rmtree(path)
+        path.unlink(missing_ok=True)
 
 
 def outputs(stage: str, root: Path = Path()) -> list[str]:

@@ -101,6 +101,7 @@ def _bring_up(room: Room, like: Room | None) -> str:
     wanted = [stage for stage in plan.needs if stage.partition("@")[0] in room.measured]
     needed = {name for stage in wanted for name in (*plan.upstream(stage), stage)}
     stale = needed & plan.stale
+    pipeline.discard(stale & set(wanted), root)  # a run that is stopped must not be pooled with the figures of another
     get_run_logger().info("%s: %d stages, %d to run", room.name, len(needed), len(stale))
     futures = submit(plan, stale, root)
     for future in futures.values():

@@ -116,3 +116,13 @@ def test_overrides_replace_values_and_refuse_unknown_names():
     assert values["run"]["seed"] == 7
     with pytest.raises(KeyError, match=r"run\.speed"):
         workspace.overridden(values, {"run.speed": 1})
+
+
+def test_what_is_discarded_is_made_again_and_nothing_else_goes(done: Path):
+    pipeline.discard(["ship", "a stage that never ran"], done)
+    assert not (done / "data/shipped").exists()
+    assert not (done / "data/ship.json").exists()
+    assert (done / "data/placed").exists()
+    assert "ship" in pipeline.read().stale
+    pipeline.reproduce("ship", lambda _: None)
+    assert (done / "data/shipped/shard").exists()
