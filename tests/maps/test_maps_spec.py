@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from drivegen.maps.build import build_spec
 from drivegen.maps.compile import compile_map
 from drivegen.maps.spec import MapSpec
-from drivegen.maps.writers._built import built
+from drivegen.maps.writers._built import Built, built
 
 FEW = settings(max_examples=10, deadline=None)
 LENGTH = st.floats(20, 10000)
@@ -35,20 +35,23 @@ JUNCTION = st.fixed_dictionaries(
 )
 
 
-def build_and_look(road: dict[str, Any], left_hand: bool) -> None:
-    """It becomes a sound road map, the same bytes again, and there are words for it."""
+def build_and_look(road: dict[str, Any], left_hand: bool) -> Built:
+    """It becomes a sound road map, the same bytes again; what it has in the terms of descriptions."""
     spec = MapSpec.model_validate({"road": road, "left_hand": left_hand})
     made = build_spec(spec, {})
     made.road_map.validate()
     assert made.network == compile_map(MapSpec.model_validate(spec.model_dump(mode="json")))
     assert not made.structure.stuck
-    assert built(spec).lanes
+    assert made.structure.left_hand == left_hand
+    return built(spec)
 
 
 @given(st.fixed_dictionaries({**FORK, "angle": st.floats(10, 120), "speed": SPEED}), st.booleans())
 @FEW
 def test_any_fork_is_built(road: dict[str, Any], left_hand: bool) -> None:
-    build_and_look(road, left_hand)
+    found = build_and_look(road, left_hand)
+    assert found.counts["fork"] == 1
+    assert {road["length"], road["stem"] or road["length"]} <= found.lengths
 
 
 @given(st.lists(ARM, min_size=3, max_size=8), st.floats(14, 60), st.integers(1, 4), st.booleans())
@@ -61,7 +64,7 @@ def test_any_ring_is_built_or_is_told_its_least_size(arms: list[Any], diameter: 
         with pytest.raises(ValidationError, match=r"at least [0-9]+ m across"):
             MapSpec.model_validate({"road": road})
     else:
-        build_and_look(road, left_hand)
+        assert build_and_look(road, left_hand).arms == [len(arms)]
 
 
 @given(st.lists(JUNCTION, min_size=1, max_size=4), st.floats(85, 400), st.integers(1, 3), st.integers(0, 3), SPEED, st.booleans())
@@ -73,7 +76,11 @@ def test_any_corridor_with_turn_lanes_is_built(
     if not lanes_back:
         row = [{**junction, "form": "crossing"} for junction in row]
     road = {"kind": "corridor", "alignment": {"length": apart * (len(row) + 1)}, "junctions": row, "speed": speed}
-    build_and_look({**road, "lanes": lanes, "lanes_back": lanes_back}, left_hand)
+    found = build_and_look({**road, "lanes": lanes, "lanes_back": lanes_back}, left_hand)
+    assert found.arms == [2 + len(junction["sides"]) for junction in row]
+    crossings = [junction for junction in row if junction["form"] == "crossing"]
+    if not any(junction["left_turn_lane"] or junction["right_turn_lane"] for junction in crossings):
+        assert not found.counts["pocket"]
 
 
 @given(st.lists(ARC, min_size=1, max_size=4), LENGTH, st.sampled_from(["curve", "s_curve", "hairpin"]), st.booleans())
@@ -81,5 +88,5 @@ def test_any_corridor_with_turn_lanes_is_built(
 @FEW
 def test_any_arcs_are_built(arcs: list[tuple[float, float]], length: float, shape: str, left_hand: bool) -> None:
     line = {"shape": shape, "length": length, "arcs": arcs}
-    build_and_look({"kind": "corridor", "alignment": line}, left_hand)
-    build_and_look({"kind": "highway", "alignment": line}, left_hand)
+    for kind in ("corridor", "highway"):
+        assert build_and_look({"kind": kind, "alignment": line}, left_hand).counts["bend"] == len(arcs)
