@@ -8,7 +8,7 @@ import numpy as np
 from drivegen import seeds
 from drivegen.assets.draws import Draws
 from drivegen.assets.gaps import Gaps
-from drivegen.assets.place import Placement, PlaceSettings, place_vehicles
+from drivegen.assets.place import Placement, Placer, PlaceSettings
 from drivegen.assets.retrieve import draw_kinds, retrieve
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Table
@@ -51,9 +51,9 @@ class Initialiser:
         self, network: Network, name: str, source: str, table: Table, settings: Settings, gaps: Gaps | None = None
     ) -> None:
         self._network, self._name, self._source, self._table, self._settings = network, name, source, table, settings
-        self._slots, self._cropper = Slots(network.map), Cropper(network.map)
+        self._cropper = Cropper(network.map)
         self._shares = {kind_named(word): share for word, share in settings.shares.items()}
-        self._draws = None if gaps is None else Draws(gaps)
+        self._placer = Placer(Slots(network.map), table, settings.placement, None if gaps is None else Draws(gaps))
 
     def scenario(self, number: int, seed: int) -> tuple[Scenario, dict[str, int]]:
         """Scenario `number`, and how many vehicles were not placed by reason.
@@ -88,7 +88,7 @@ class Initialiser:
         wishes: Sequence[Wish] = (),
         radius: float | None = None,
     ) -> tuple[Scenario, Placement]:
-        """A scenario of the table's `rows`, the target first, each placed as its wish says; see `place_vehicles`.
+        """A scenario of the table's `rows`, the target first, each placed as its wish says; see `Placer.place`.
 
         `radius` [m] stands in for the settings' own. Raises UnusableInput, reason `no-place`, without room for the target.
         """
@@ -96,9 +96,7 @@ class Initialiser:
         time = signal_time + DT * np.arange(settings.horizon + 1)
         signals = network.signals(time.astype(np.float64))
         closed = closed_lanes(signals)
-        placement = place_vehicles(
-            self._slots, self._table, rows, settings.placement, random, closed, wishes, self._draws, radius=radius
-        )
+        placement = self._placer.place(rows, random, closed, wishes, radius=radius)
         origin = np.round(network.map.origin + placement.vehicles.position[TARGET])
         cut, lanes = self._cropper.around(placement.vehicles.position[:1], settings.map_radius)
         shift = (network.map.origin - origin).astype(np.float32)

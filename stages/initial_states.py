@@ -16,7 +16,7 @@ from drivegen import plugins, seeds
 from drivegen.assets.beginnings import Beginning, compared, rates
 from drivegen.assets.draws import Draws
 from drivegen.assets.gaps import Gaps
-from drivegen.assets.place import MODES, place_vehicles
+from drivegen.assets.place import MODES, Placer
 from drivegen.assets.retrieve import draw_kinds, retrieve
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Table
@@ -105,11 +105,10 @@ class _Own:
         closed, slots = closed_lanes(scenario.signals), Slots(scenario.map)
         made = {}
         for mode in MODES:
-            placing = replace(self.initial.placement, mode=mode)
+            placer = Placer(slots, self.table, replace(self.initial.placement, mode=mode), self.draws)
             for around, target in (("", None), (GIVEN, scenario.vehicles[[TARGET]])):
                 drawn = seeds.rng(self.seed, "initial_states", mode, scenario.scenario_id)
-                placed = place_vehicles(slots, self.table, rows, placing, drawn, closed, draws=self.draws, target=target)
-                made[f"drivegen, mode {mode}{around}"] = placed.vehicles
+                made[f"drivegen, mode {mode}{around}"] = placer.place(rows, drawn, closed, target=target).vehicles
         return made
 
 

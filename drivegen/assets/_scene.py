@@ -11,8 +11,8 @@ from drivegen.assets.table import Provenance, Table
 from drivegen.errors import UnusableInput
 from drivegen.geometry import boxes_overlap, wrap_angle
 from drivegen.lanes.graph import LaneGraph
-from drivegen.roadmap import NO_LANE
-from drivegen.scenario import TARGET, SizeSource, Vehicles
+from drivegen.roadmap import NO_LANE, LaneKind
+from drivegen.scenario import TARGET, SizeSource, VehicleKind, Vehicles
 
 BRAKING = 3.0
 """Deceleration [m/s2] with which a faster follower can still slow down to its leader's speed."""
@@ -36,9 +36,10 @@ class Bounds:
 
 @dataclass
 class Scene:
-    """Placed vehicles as growing lists of equal length.
+    """Placed vehicles as growing lists of equal length, on the slots (Q,) of one map.
 
     Attributes:
+        limit: (Q,) [m/s] the most that a vehicle may drive at each slot at the first frame.
         slot: where each stands, or the nearest slot. lane, along: its lane and how far along it [m].
         position: (2,) [m]. heading: [rad]. size: (3,) [m]. speed: [m/s].
         row: of the table, NO_ROW for a target that was given. number: in what was asked. given: that target (1,), if any.
@@ -49,6 +50,7 @@ class Scene:
     slots: Slots
     table: Table
     bounds: Bounds
+    limit: NDArray[np.float64]
     slot: list[int] = field(default_factory=list)
     lane: list[int] = field(default_factory=list)
     along: list[float] = field(default_factory=list)
@@ -100,6 +102,16 @@ class Scene:
         self.speed.append(speed)
         self.row.append(row)
         self.number.append(number)
+
+    def fitting(self, row: int) -> NDArray[np.bool_]:
+        """(Q,) slots where a vehicle of `row` stands wholly on a lane that is for it."""
+        slots, lane = self.slots, self.slots.lane
+        length, width, _ = self.table.size[row]
+        inside = (slots.along >= length / 2) & (slots.along + length / 2 <= slots.length[lane]) & (slots.width[lane] >= width)
+        own = slots.map.kind[lane] == LaneKind.VEHICLE
+        if self.table.kind[row] == VehicleKind.BUS:
+            own |= slots.map.kind[lane] == LaneKind.BUS
+        return np.asarray(inside & own)
 
     def places(self, tried: NDArray[np.intp], offset: NDArray[np.float64]) -> NDArray[np.float64]:
         """(K, 2) [m] `offset` (K,) to the left of the slots `tried` (K,)."""

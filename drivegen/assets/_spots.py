@@ -1,4 +1,4 @@
-"""Where the next vehicle may stand and how fast it may drive there: anywhere near, or as was wished."""
+"""Where the next vehicle may stand and how fast it may drive there: anywhere near, or as was wished; how far off the middle."""
 
 from dataclasses import dataclass
 
@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.assets._scene import Scene
+from drivegen.assets.draws import Draws
 from drivegen.assets.slots import SPACING
 from drivegen.assets.where import Wish, standing, standing_to_turn
+from drivegen.scenario import TARGET
 
 QUEUE_GAP = (2.0, 8.0)
 """Gap [m], bumper to bumper, to the next in a standing queue ..."""
@@ -29,34 +31,27 @@ class Spots:
 
 
 def any_spots(
-    scene: Scene,
-    fits: NDArray[np.bool_],
-    limit: NDArray[np.float64],
-    spread: float,
-    radius: float,
-    attempts: int,
-    random: np.random.Generator,
+    scene: Scene, fits: NDArray[np.bool_], spread: float, radius: float, attempts: int, random: np.random.Generator
 ) -> Spots:
-    """As in the paper: anywhere that fits, nearer places likelier, at speeds that scatter about the target's."""
-    among = np.flatnonzero(fits)
-    slots = scene.slots
-    distance = np.hypot(*(slots.position[among] - scene.position[0]).T)
+    """As in the paper: anywhere within `radius` [m] that fits, nearer places likelier, at speeds scattered about the target's."""
+    slots, limit = scene.slots, scene.limit
+    near = ((slots.position - scene.position[TARGET]) ** 2).sum(-1) <= radius**2
+    among = np.flatnonzero(fits & near)
+    distance = np.hypot(*(slots.position[among] - scene.position[TARGET]).T)
     keys = random.gumbel(size=len(among)) - 2 * distance / radius
     tried = among[np.argsort(-keys, kind="stable")[:attempts]]
-    wish = scene.speed[0] * (1 + spread * random.standard_normal(len(tried)))
+    wish = scene.speed[TARGET] * (1 + spread * random.standard_normal(len(tried)))
     return Spots(tried, np.clip(wish, 0.0, limit[tried]), limit[tried])
 
 
-def wished_spots(
-    scene: Scene, fits: NDArray[np.bool_], wish: Wish, limit: NDArray[np.float64], attempts: int, random: np.random.Generator
-) -> Spots:
+def wished_spots(scene: Scene, fits: NDArray[np.bool_], wish: Wish, attempts: int, random: np.random.Generator) -> Spots:
     """As wished: in relation to the target, or in a queue behind or ahead of a vehicle that was placed."""
-    slots = scene.slots
+    slots, limit = scene.slots, scene.limit
     if wish.beside is None:
         assert wish.relation is not None
-        turns = standing_to_turn(slots, scene.slot[0], wish) & fits
-        stands = turns if turns.any() else standing(slots, scene.slot[0], wish.relation, wish.distance)
-        pace, spread = scene.speed[0], SIMILAR
+        turns = standing_to_turn(slots, scene.slot[TARGET], wish) & fits
+        stands = turns if turns.any() else standing(slots, scene.slot[TARGET], wish.relation, wish.distance)
+        pace, spread = scene.speed[TARGET], SIMILAR
     elif wish.beside in scene.number:
         next_to = scene.number.index(wish.beside)
         stands, pace, spread = _queued(scene, next_to, wish), scene.speed[next_to], (1.0, 1.0)
@@ -65,6 +60,16 @@ def wished_spots(
     among = np.flatnonzero(fits & stands)
     tried = random.permutation(among)[: 2 * attempts]
     return Spots(tried, np.minimum(pace * random.uniform(*spread, len(tried)), limit[tried]), limit[tried])
+
+
+def offsets(
+    scene: Scene, tried: NDArray[np.intp], row: int, draws: Draws | None, random: np.random.Generator
+) -> NDArray[np.float64]:
+    """(K,) [m] to the left of the middle of the lane, wholly on it: none without logs to draw it from."""
+    if draws is None:
+        return np.zeros(len(tried))
+    room = (scene.slots.width[scene.slots.lane[tried]] - float(scene.table.size[row, 1])) / 2
+    return draws.offsets(room, random)
 
 
 def _queued(scene: Scene, other: int, wish: Wish) -> NDArray[np.bool_]:

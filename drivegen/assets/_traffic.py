@@ -39,7 +39,6 @@ class Traffic:
     def __init__(
         self,
         scene: Scene,
-        limit: NDArray[np.float64],
         closed: NDArray[np.int32],
         draws: Draws,
         count: int,
@@ -47,7 +46,7 @@ class Traffic:
         radius: float | None,
     ) -> None:
         slots = scene.slots
-        self._scene, self._limit, self._draws, self._random = scene, limit, draws, random
+        self._scene, self._draws, self._random = scene, draws, random
         self._closed = blocked(slots.ways, closed)[slots.lane]
         self._around = draws.around(count, scene.speed[TARGET], self._limit_at(TARGET), random)
         away = np.hypot(*(slots.position - scene.position[TARGET]).T)
@@ -79,7 +78,8 @@ class Traffic:
         spots = [self._first(free) if one else self._beside(fits, free, row) for one in first.tolist()]
         found = [spot for spot in spots if spot is not None]
         tried, speed = np.array([slot for slot, _ in found], np.intp), np.array([speed for _, speed in found], np.float64)
-        return Spots(tried, np.minimum(speed, self._limit[tried]), self._limit[tried])
+        limit = self._scene.limit[tried]
+        return Spots(tried, np.minimum(speed, limit), limit)
 
     def _note(self, vehicle: int) -> None:
         """Who is the nearest ahead of and behind each slot, now that this vehicle is there."""

@@ -15,21 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.assets._scene import Bounds, Scene
-from drivegen.assets._spots import Spots, any_spots, wished_spots
+from drivegen.assets._spots import Spots, any_spots, offsets, wished_spots
+from drivegen.assets._target import add_target
 from drivegen.assets._traffic import Traffic
 from drivegen.assets.draws import Draws
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Table
-from drivegen.assets.where import Wish, before_turn, standing, standing_to_turn
+from drivegen.assets.where import Wish
 from drivegen.errors import UnusableInput
-from drivegen.roadmap import LaneKind
-from drivegen.scenario import TARGET, VehicleKind, Vehicles
+from drivegen.scenario import Vehicles
 from drivegen.settings import Count, NotNegative, Positive
 
 MODES = ("paper", "data")
-
-_TARGETS = 16
-"""Places for the target that are looked at for one from which every wish can be met."""
 
 
 @dataclass(frozen=True)
@@ -77,155 +74,90 @@ class Placement:
     rejected: dict[str, int]
 
 
-def place_vehicles(
-    slots: Slots,
-    table: Table,
-    rows: Sequence[int] | NDArray[np.intp],
-    settings: PlaceSettings,
-    random: np.random.Generator,
-    closed: NDArray[np.int32] | None = None,
-    wishes: Sequence[Wish] = (),
-    draws: Draws | None = None,
-    target: Vehicles | None = None,
-    radius: float | None = None,
-) -> Placement:
-    """Place the assets `rows` of the table on the map of `slots`; the first one is the target.
+class Placer:
+    """Places assets of a table on the map of `slots`; `draws` is needed in mode `data`."""
 
-    `closed` names lanes that must not be entered at the first frame (red lights): nobody is too fast to stop there.
-    `wishes`, if given, are one for each row: the target's says how fast it drives, the others' where they stand as well.
-    `draws` is needed in mode `data`. `target` (1,), if given, stands there already, and the first row is not looked at.
-    `radius` [m], if given, is how far from the target the others without a wish stand at most, in either mode.
-    Raises UnusableInput, reason `no-place`, where the map has no room for the target.
-    """
-    rows = [int(row) for row in rows]
-    wishes = wishes or [Wish()] * len(rows)
-    if settings.mode == "data" and draws is None:
-        raise UnusableInput("placement in mode data needs the gaps of logs: run the assets stage")
-    following = draws if settings.mode == "data" else None
-    shut = np.zeros(0, np.int32) if closed is None else closed
-    limit = slots.limit_before(shut) if len(shut) else slots.limit
-    bounds = Bounds(settings.least_time_gap, settings.standstill_gap)
-    if following is not None:
-        bounds = Bounds(following.least_time_gap, following.least_gap)
-    scene = Scene(slots, table, bounds)
-    if target is not None:
-        scene.add_given(target)
-    else:
-        slot = _target(slots, table, rows[0], settings, wishes, limit, random)
-        offset = _offsets(scene, np.array([slot]), rows[0], following, random)
-        scene.add(slot, _pace(scene, slot, limit, wishes[0], following, random), rows[0], 0, float(offset[0]))
-    traffic = None if following is None else Traffic(scene, limit, shut, following, len(rows), random, radius)
-    within = settings.radius if radius is None else radius
-    near = ((slots.position - scene.position[TARGET]) ** 2).sum(-1) <= within**2
-    rejected: Counter[str] = Counter()
-    for number, (row, wish) in enumerate(zip(rows[1:], wishes[1:], strict=True), 1):
-        fits = fitting(slots, table, row)
-        spots: Iterable[Spots]
-        if wish.stands:
-            spots = [wished_spots(scene, fits, wish, limit, settings.attempts, random)]
-        elif traffic is not None:
-            spots = traffic.spots(fits, row, settings.attempts)
+    def __init__(self, slots: Slots, table: Table, settings: PlaceSettings, draws: Draws | None = None) -> None:
+        if settings.mode == "data" and draws is None:
+            raise UnusableInput("placement in mode data needs the gaps of logs: run the assets stage")
+        self._slots, self._table, self._settings = slots, table, settings
+        self._draws = draws if settings.mode == "data" else None
+
+    def place(
+        self,
+        rows: Sequence[int] | NDArray[np.intp],
+        random: np.random.Generator,
+        closed: NDArray[np.int32] | None = None,
+        wishes: Sequence[Wish] = (),
+        target: Vehicles | None = None,
+        radius: float | None = None,
+    ) -> Placement:
+        """Place the assets `rows` of the table; the first one is the target.
+
+        `closed` names lanes that must not be entered at the first frame (red lights): nobody is too fast to stop there.
+        `wishes`, if given, are one for each row: the target's says how fast it drives, the others' where they stand as well.
+        `target` (1,), if given, stands there already, and the first row is not looked at.
+        `radius` [m], if given, is how far from the target the others without a wish stand at most, in either mode.
+        Raises UnusableInput, reason `no-place`, where the map has no room for the target.
+        """
+        closed = np.zeros(0, np.int32) if closed is None else closed
+        wishes = wishes or [Wish()] * len(rows)
+        scene = self._empty(closed)
+        if target is not None:
+            scene.add_given(target)
         else:
-            spots = [any_spots(scene, fits & near, limit, settings.speed_spread, within, settings.attempts, random)]
-        reason = _place_one(scene, spots, wish, row, number, following, random)
-        if reason is not None:
-            rejected[reason] += 1
-    lanes = np.array(scene.lane, np.int32)
-    return Placement(scene.vehicles(), lanes, np.array(scene.number), dict(sorted(rejected.items())))
+            add_target(scene, int(rows[0]), wishes, self._settings.road_ahead, self._draws, random)
+        traffic = None if self._draws is None else Traffic(scene, closed, self._draws, len(rows), random, radius)
+        others = _Others(scene, self._settings, self._draws, traffic, radius, random)
+        rejected: Counter[str] = Counter()
+        for number, (row, wish) in enumerate(zip(rows[1:], wishes[1:], strict=True), 1):
+            reason = others.add(number, int(row), wish)
+            if reason is not None:
+                rejected[reason] += 1
+        lanes = np.array(scene.lane, np.int32)
+        return Placement(scene.vehicles(), lanes, np.array(scene.number), dict(sorted(rejected.items())))
+
+    def _empty(self, closed: NDArray[np.int32]) -> Scene:
+        """The map before anybody is there, its least gaps those of the logs or of the settings."""
+        settings, slots, draws = self._settings, self._slots, self._draws
+        limit = slots.limit_before(closed) if len(closed) else slots.limit
+        if draws is None:
+            return Scene(slots, self._table, Bounds(settings.least_time_gap, settings.standstill_gap), limit)
+        return Scene(slots, self._table, Bounds(draws.least_time_gap, draws.least_gap), limit)
 
 
-def fitting(slots: Slots, table: Table, row: int) -> NDArray[np.bool_]:
-    """(Q,) slots where the vehicle stands wholly on a lane that is for it."""
-    length, width, _ = table.size[row]
-    lane = slots.lane
-    inside = (slots.along >= length / 2) & (slots.along + length / 2 <= slots.length[lane]) & (slots.width[lane] >= width)
-    own = slots.map.kind[lane] == LaneKind.VEHICLE
-    if table.kind[row] == VehicleKind.BUS:
-        own |= slots.map.kind[lane] == LaneKind.BUS
-    return np.asarray(inside & own)
+@dataclass(frozen=True)
+class _Others:
+    """The social vehicles of one scene, which are added one after another; `draws` and `traffic` in mode `data` alone."""
 
+    scene: Scene
+    settings: PlaceSettings
+    draws: Draws | None
+    traffic: Traffic | None
+    radius: float | None
+    random: np.random.Generator
 
-def _target(
-    slots: Slots,
-    table: Table,
-    row: int,
-    settings: PlaceSettings,
-    wishes: Sequence[Wish],
-    limit: NDArray[np.float64],
-    random: np.random.Generator,
-) -> int:
-    """A slot for the target; the first of some drawn from which every wish has a place, where there are wishes."""
-    fits = np.flatnonzero(fitting(slots, table, row))
-    if not len(fits):
-        raise UnusableInput("the map has no lane on which the target fits", reason="no-place")
-    feasible = _with_road(slots, fits, settings.road_ahead)
-    speed = wishes[0].speed
-    if speed is not None and (limit[feasible] >= speed).any():
-        feasible = feasible[limit[feasible] >= speed]
-    wanted = [wish for wish in wishes[1:] if wish.relation is not None]
-    if wishes[0].turn is not None and (turning := feasible[before_turn(slots, wishes[0].turn)[feasible]]).size:
-        feasible = turning
-    if not wanted:
-        return int(random.choice(feasible))
-    tried = random.choice(feasible, min(_TARGETS, len(feasible)), replace=False)
-    met = [sum(_met(slots, int(slot), wish) for wish in wanted) for slot in tried]
-    return int(tried[int(np.argmax(met))])
+    def add(self, number: int, row: int, wish: Wish) -> str | None:
+        """Add vehicle `number` at the first spot that is free and keeps its gaps, or say why none is."""
+        scene = self.scene
+        reasons: Counter[str] = Counter()
+        for spots in self._spots(row, wish):
+            speed = spots.speed if wish.speed is None else np.minimum(spots.limit, wish.speed)
+            offset = offsets(scene, spots.slot, row, self.draws, self.random)
+            free = ~scene.overlaps(spots.slot, offset, row)
+            for k, slot in enumerate(spots.slot.tolist()):
+                if free[k] and scene.keeps_gaps(slot, float(speed[k]), row):
+                    scene.add(slot, float(speed[k]), row, number, float(offset[k]))
+                    return None
+                reasons["time-gap" if free[k] else "overlap"] += 1
+        return reasons.most_common(1)[0][0] if reasons else "does-not-fit"
 
-
-def _met(slots: Slots, target: int, wish: Wish) -> int:
-    """How much of a wish has a place: 2 where it is met in full, 1 where only its turn is missing."""
-    assert wish.relation is not None
-    if wish.turn is not None and standing_to_turn(slots, target, wish).any():
-        return 2
-    return int(standing(slots, target, wish.relation, wish.distance).any()) * (1 if wish.turn is not None else 2)
-
-
-def _with_road(slots: Slots, fits: NDArray[np.intp], wanted: float) -> NDArray[np.intp]:
-    """Those of the slots that have the wanted road ahead; the best tenth where none has."""
-    road = slots.road_ahead[fits]
-    return np.asarray(fits[road >= min(wanted, float(np.quantile(road, 0.9)))])
-
-
-def _pace(
-    scene: Scene, slot: int, limit: NDArray[np.float64], wish: Wish, draws: Draws | None, random: np.random.Generator
-) -> float:
-    """The target's speed [m/s]."""
-    most = float(limit[slot])
-    if wish.speed is not None:
-        return min(most, wish.speed)
-    if draws is None:
-        return most * random.uniform(0.6, 1.0)
-    return min(most, draws.target_speed(float(scene.slots.lane_limit[slot]), random))
-
-
-def _offsets(
-    scene: Scene, tried: NDArray[np.intp], row: int, draws: Draws | None, random: np.random.Generator
-) -> NDArray[np.float64]:
-    """(K,) [m] to the left of the middle of the lane, wholly on it: none without logs to draw it from."""
-    if draws is None:
-        return np.zeros(len(tried))
-    room = (scene.slots.width[scene.slots.lane[tried]] - float(scene.table.size[row, 1])) / 2
-    return draws.offsets(room, random)
-
-
-def _place_one(
-    scene: Scene,
-    groups: Iterable[Spots],
-    wish: Wish,
-    row: int,
-    number: int,
-    draws: Draws | None,
-    random: np.random.Generator,
-) -> str | None:
-    """Add one social vehicle at the first spot that is free and keeps its gaps, or say why none is."""
-    reasons: Counter[str] = Counter()
-    for spots in groups:
-        speed = spots.speed if wish.speed is None else np.minimum(spots.limit, wish.speed)
-        offset = _offsets(scene, spots.slot, row, draws, random)
-        free = ~scene.overlaps(spots.slot, offset, row)
-        for k, slot in enumerate(spots.slot.tolist()):
-            if free[k] and scene.keeps_gaps(slot, float(speed[k]), row):
-                scene.add(slot, float(speed[k]), row, number, float(offset[k]))
-                return None
-            reasons["time-gap" if free[k] else "overlap"] += 1
-    return reasons.most_common(1)[0][0] if reasons else "does-not-fit"
+    def _spots(self, row: int, wish: Wish) -> Iterable[Spots]:
+        """Where it may stand, group by group: as wished, as in logs, or anywhere near."""
+        settings, fits = self.settings, self.scene.fitting(row)
+        if wish.stands:
+            return [wished_spots(self.scene, fits, wish, settings.attempts, self.random)]
+        if self.traffic is not None:
+            return self.traffic.spots(fits, row, settings.attempts)
+        radius = settings.radius if self.radius is None else self.radius
+        return [any_spots(self.scene, fits, settings.speed_spread, radius, settings.attempts, self.random)]

@@ -7,7 +7,7 @@ import pytest
 
 from drivegen.assets.draws import Draws
 from drivegen.assets.gaps import Gaps, headways, measure_gaps
-from drivegen.assets.place import PlaceSettings, place_vehicles
+from drivegen.assets.place import Placer, PlaceSettings
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Provenance, build_table
 from drivegen.assets.where import Relation, Wish, standing
@@ -75,9 +75,8 @@ def test_placement_from_data_has_the_gaps_of_the_data_where_the_papers_has_not()
     table, draws = build_table([busy_crossing()]), Draws(logs)
     found = {}
     for mode in ("paper", "data"):
-        placed = [
-            place_vehicles(SLOTS, table, [0] * 12, settings(mode), np.random.default_rng(seed), draws=draws) for seed in range(12)
-        ]
+        placer = Placer(SLOTS, table, settings(mode), draws)
+        placed = [placer.place([0] * 12, np.random.default_rng(seed)) for seed in range(12)]
         assert all(len(p.vehicles) + sum(p.rejected.values()) == 12 for p in placed)
         scenes = [scenario(SLOTS.map, stack([drive(LANE, 10, 5, 2)] * len(p.vehicles))) for p in placed]
         scenes = [type(s)(**{**vars(s), "vehicles": p.vehicles, "log": None}) for s, p in zip(scenes, placed, strict=True)]
@@ -89,7 +88,7 @@ def test_placement_from_data_has_the_gaps_of_the_data_where_the_papers_has_not()
 
 def test_mode_data_needs_gaps_and_there_are_two_modes():
     with pytest.raises(UnusableInput, match="gaps"):
-        place_vehicles(SLOTS, build_table([busy_crossing()]), [0], settings("data"), np.random.default_rng(0))
+        Placer(SLOTS, build_table([busy_crossing()]), settings("data"))
     with pytest.raises(UnusableInput, match="paper, data"):
         settings("guess")
 
@@ -114,9 +113,8 @@ def test_wished_places_are_where_they_are_said_to_be():
 
 def test_a_queue_stands_in_one_lane_and_speeds_are_as_wished():
     wishes = [Wish(speed=8.0), Wish(Relation.AHEAD, speed=4.0), *(Wish(beside=i, ahead=True) for i in (1, 2))]
-    placed = place_vehicles(
-        SLOTS, build_table([busy_crossing()]), [0] * 4, settings("paper"), np.random.default_rng(5), wishes=wishes
-    )
+    placer = Placer(SLOTS, build_table([busy_crossing()]), settings("paper"))
+    placed = placer.place([0] * 4, np.random.default_rng(5), wishes=wishes)
     assert placed.number.tolist() == [0, 1, 2, 3]
     assert len(set(placed.lane.tolist())) == 1
     x = placed.vehicles.position[:, 0]

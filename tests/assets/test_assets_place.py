@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.assets.place import Placement, PlaceSettings, place_vehicles
+from drivegen.assets.place import Placement, Placer, PlaceSettings
 from drivegen.assets.retrieve import Asked, draw_kinds, retrieve
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Provenance, Table, build_table
@@ -39,7 +39,7 @@ scenes = st.tuples(st.sampled_from(sorted(MAPS)), st.lists(st.integers(0, 5), mi
 
 
 def placed(name: str, rows: list[int], seed: int) -> Placement:
-    return place_vehicles(MAPS[name], table(), rows, SETTINGS, np.random.default_rng(seed))
+    return Placer(MAPS[name], table(), SETTINGS).place(rows, np.random.default_rng(seed))
 
 
 @settings(max_examples=50, deadline=None)
@@ -103,7 +103,7 @@ def test_nobody_is_too_fast_to_stop_before_a_stop_line_or_a_red_light():
     into = np.arange(4)  # the crossing's ways in
     for slots, closed in ((stop, None), (lights, np.arange(8, 20, dtype=np.int32))):
         for seed in range(20):
-            placement = place_vehicles(slots, table(), [0] * 10, SETTINGS, np.random.default_rng(seed), closed)
+            placement = Placer(slots, table(), SETTINGS).place([0] * 10, np.random.default_rng(seed), closed)
             v = placement.vehicles
             for i in np.flatnonzero(np.isin(placement.lane, into)):
                 left = np.hypot(*(slots.map.centreline[placement.lane[i]][-1] - v.position[i]))
@@ -124,7 +124,7 @@ def test_cars_stay_off_bus_and_bicycle_lanes():
     roads.kind[[1, 5]] = LaneKind.BIKE
     slots = Slots(roads)
     for seed in range(10):
-        placement = place_vehicles(slots, table(), [0] * 10 + [4] * 3, SETTINGS, np.random.default_rng(seed))
+        placement = Placer(slots, table(), SETTINGS).place([0] * 10 + [4] * 3, np.random.default_rng(seed))
         cars = placement.vehicles.kind == VehicleKind.CAR
         assert set(placement.lane[cars].tolist()) <= {2, 3, 6, 7}
         assert not {1, 5} & set(placement.lane.tolist())
@@ -133,10 +133,10 @@ def test_cars_stay_off_bus_and_bicycle_lanes():
 def test_a_target_that_fits_nowhere_is_said_to():
     wide = replace(table(), size=np.full((6, 3), 30.0, np.float32))
     with pytest.raises(UnusableInput) as caught:
-        place_vehicles(MAPS["road"], wide, [0], SETTINGS, np.random.default_rng(0))
+        Placer(MAPS["road"], wide, SETTINGS).place([0], np.random.default_rng(0))
     assert caught.value.reason == "no-place"
     long = np.where(np.arange(6)[:, None] == 0, np.float32([400, 2, 2]), table().size).astype(np.float32)
-    placement = place_vehicles(MAPS["road"], replace(table(), size=long), [1, 0], SETTINGS, np.random.default_rng(0))
+    placement = Placer(MAPS["road"], replace(table(), size=long), SETTINGS).place([1, 0], np.random.default_rng(0))
     assert placement.rejected == {"does-not-fit": 1}
 
 

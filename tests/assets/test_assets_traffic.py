@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from drivegen.assets.draws import Draws
 from drivegen.assets.gaps import Gaps
-from drivegen.assets.place import Placement, PlaceSettings, place_vehicles
+from drivegen.assets.place import Placement, Placer, PlaceSettings
 from drivegen.assets.slots import Slots
 from drivegen.assets.table import Table, build_table
 from drivegen.errors import UnusableInput
@@ -41,7 +41,7 @@ scenes = st.tuples(st.sampled_from(sorted(MAPS)), st.integers(1, 20), st.boolean
 def placed(name: str, count: int, red: bool, seed: int, **more: object) -> Placement:
     random = np.random.default_rng(seed)
     closed = ACROSS if red and name == "crossing" else None
-    return place_vehicles(MAPS[name], TABLE, [0] * count, SETTINGS, random, closed, draws=more.pop("draws", DRAWS), **more)
+    return Placer(MAPS[name], TABLE, SETTINGS, more.pop("draws", DRAWS)).place([0] * count, random, closed, **more)
 
 
 @settings(max_examples=60, deadline=None)
@@ -118,11 +118,9 @@ def log_target(**changes: float) -> Vehicles:
 
 @pytest.mark.parametrize("mode", ["paper", "data"])
 def test_a_target_that_is_given_stays_as_it_is_and_the_others_stand_around_it(mode):
-    target, chosen = log_target(), replace(SETTINGS, mode=mode)
+    target, placer = log_target(), Placer(MAPS["road"], TABLE, replace(SETTINGS, mode=mode), DRAWS)
     for seed in range(6):
-        placement = place_vehicles(
-            MAPS["road"], TABLE, [1, *[0] * 9], chosen, np.random.default_rng(seed), draws=DRAWS, target=target
-        )
+        placement = placer.place([1, *[0] * 9], np.random.default_rng(seed), target=target)
         v = placement.vehicles
         assert len(v) + sum(placement.rejected.values()) == 10
         assert len(v) > 5
@@ -136,5 +134,5 @@ def test_a_target_that_is_given_stays_as_it_is_and_the_others_stand_around_it(mo
 
 def test_a_given_target_off_all_lanes_is_refused():
     with pytest.raises(UnusableInput, match="on no lane") as caught:
-        place_vehicles(MAPS["road"], TABLE, [0], SETTINGS, np.random.default_rng(0), draws=DRAWS, target=log_target(y=60.0))
+        Placer(MAPS["road"], TABLE, SETTINGS, DRAWS).place([0], np.random.default_rng(0), target=log_target(y=60.0))
     assert caught.value.reason == "no-place"
