@@ -6,15 +6,28 @@ when one of them is broken.
 
 import errno
 import importlib
+import importlib.metadata
 import os
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Annotated
 
 import typer
 
 from drivegen.errors import DriveGenError
 
-COMMANDS = ("map", "generate", "export", "view", "estimate", "doctor", "bench")
+COMMANDS = {
+    "map": "Roads from words or files, edits, other formats.",
+    "generate": "Traffic: a log again, a network, words.",
+    "export": "The pipeline's scenarios as folders.",
+    "view": "Look at a scenario folder or a log.",
+    "estimate": "What language models would cost.",
+    "doctor": "What is installed, what is missing.",
+    "bench": "How fast it is; maps from words as asked.",
+}
+"""What each is for, short enough for the list of `drivegen --help`."""
 
 _REMEDIES = {
     errno.ENOSPC: ": make room, or name another disk",
@@ -27,11 +40,9 @@ _REMEDIES = {
 def main() -> None:
     """The console script: whatever goes wrong is one sentence on stderr and an exit code, never a traceback."""
     os.environ.setdefault("RUST_LOG", "off")  # what fails in Rerun is told below, once
-    for stop in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(stop) == signal.SIG_DFL:  # who ignores one, as nohup does, goes on ignoring it
-            signal.signal(stop, _stopped)
     try:
-        build(sys.argv[1:])()
+        with _stoppable():
+            build(sys.argv[1:])()
     except DriveGenError as error:
         _leave(str(error), error.exit_code)
     except ImportError as error:
@@ -40,24 +51,30 @@ def main() -> None:
         where = f"{error.filename}: " if error.filename else ""
         what = (error.strerror or str(error)).splitlines()[0]
         _leave(f"{where}{what}; nothing half-written was kept{_REMEDIES.get(error.errno or 0, '')}", 1)
-    except KeyboardInterrupt:
-        _leave("stopped; nothing half-written was kept", 128 + signal.SIGINT)
 
 
 def build(words: list[str]) -> typer.Typer:
     """The command line with the command that `words` begin with, or with all of them."""
     app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-    app.callback()(drivegen)
+    app.callback(context_settings={"help_option_names": ["-h", "--help"]})(drivegen)
     for name in words[:1] if words and words[0] in COMMANDS else COMMANDS:
         command = importlib.import_module(f"drivegen.cli.{name}").command
         if isinstance(command, typer.Typer):  # one with commands of its own
-            app.add_typer(command, name=name)
+            app.add_typer(command, name=name, short_help=COMMANDS[name])
         else:
-            app.command(name)(command)
+            app.command(name, short_help=COMMANDS[name])(command)
     return app
 
 
-def drivegen() -> None:
+def _version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"drivegen {importlib.metadata.version('drivegen')}")
+        raise typer.Exit
+
+
+def drivegen(
+    _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit.")] = False,
+) -> None:
     """Traffic scenarios for autonomous driving: roads from words, traffic from goals, corner cases for a driver.
 
     Exit codes: 0 done; 1 failed (a missing tool or weights, a full disk); 2 the request was not understood or the
@@ -65,8 +82,23 @@ def drivegen() -> None:
     """
 
 
+@contextmanager
+def _stoppable() -> Iterator[None]:
+    """Ctrl-C, SIGTERM and SIGHUP end the block as an error would; who ignores one, as nohup does, goes on ignoring it."""
+    ending = (signal.SIG_DFL, signal.default_int_handler)
+    before = {stop: signal.getsignal(stop) for stop in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    before = {stop: handler for stop, handler in before.items() if handler in ending}
+    for stop in before:
+        signal.signal(stop, _stopped)
+    try:
+        yield
+    finally:
+        for stop, handler in before.items():
+            signal.signal(stop, handler)
+
+
 def _stopped(number: int, _: object) -> None:
-    """Leave as after Ctrl-C, so that what is half-written is removed."""
+    """Leave, so that what is half-written is removed."""
     _leave("stopped; nothing half-written was kept", 128 + number)
 
 

@@ -1,9 +1,13 @@
-"""How a language model writes maps, as the command line names it."""
+"""Maps as the command line names them: by their folder or file, and how a language model writes them."""
 
 from enum import StrEnum
+from pathlib import Path
 from typing import Annotated
 
 from typer import Option
+
+from drivegen.errors import UnusableInput
+from drivegen.maps.build import NETWORK
 
 
 class Mode(StrEnum):
@@ -22,3 +26,11 @@ MapMode = Annotated[
 def writer_of(mode: Mode) -> str:
     """The file in drivegen/maps/writers that asks a language model in this mode."""
     return "language_model_xml" if mode is Mode.XML else "language_model"
+
+
+def network_of(place: Path) -> Path:
+    """The SUMO network at `place`: the file itself, or that of a map's folder. Raises UnusableInput where there is none."""
+    file = place / NETWORK if place.is_dir() else place
+    if not file.is_file():
+        raise UnusableInput(f"{file} is not there: `drivegen map` makes maps, give the folder of one or a SUMO network")
+    return file

@@ -51,10 +51,11 @@ def command(
     findings = [python(), *versions(), *sumo(), gpu(), *places(Path()), disk(Path()), loopback()]
     findings += language_models() if lm else []
     console = Console(soft_wrap=True, highlight=False)
+    width = max(len(finding.what) for finding in findings) + 2
     for finding in findings:
         mark = {True: "[green]ok[/]     ", False: "[red]MISSING[/]", None: "-      "}[finding.ok]
         remedy = f"  [dim]->[/] {finding.remedy}" if finding.remedy else ""
-        console.print(f"{mark}  {finding.what:28} {escape(finding.found)}{remedy}")
+        console.print(f"{mark}  {finding.what:{width}}{escape(finding.found)}{remedy}")
     if any(finding.ok is False for finding in findings):
         raise Exit(1)
 

@@ -1,6 +1,7 @@
 """`drivegen generate`: traffic for a logged scene, a road network, or a road in words."""
 
 import re
+from collections import Counter
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ from drivegen.asked.reading import Reading
 from drivegen.av2.folder import read_folder
 from drivegen.cli import _project
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
+from drivegen.cli._maps import network_of
 from drivegen.equipment import Equipment
 from drivegen.errors import UnusableInput
 from drivegen.generators.base import Settings
@@ -41,7 +43,7 @@ LARGEST = 128
 def command(
     out: Annotated[Path, Option(help="New folder for <id>/ (official layout, recording) and metrics.json, a row per sample.")],
     scenario: Annotated[Path | None, Option(help="An Argoverse 2 scenario folder: regenerate the traffic of its log.")] = None,
-    map: Annotated[Path | None, Option(help="A SUMO network (.net.xml): place vehicles on it and let them drive.")] = None,  # noqa: A002
+    map: Annotated[Path | None, Option(help="A map's folder or SUMO network: place vehicles on it and let them drive.")] = None,  # noqa: A002
     text: Annotated[str | None, Option(help="A road and its traffic in words; with --map, the traffic alone.")] = None,
     samples: Annotated[int, Option(min=1, max=1000, help="Futures of the scenario.")] = 10,
     vehicles: Annotated[int, Option(min=1, max=LARGEST, help="Target and social vehicles together.")] = 16,
@@ -110,6 +112,8 @@ def _new(wanted: _Wanted, folder: Path, tools: Equipment, settings: Settings, co
         name = f"{_as_id(name)}-0000"
         start = from_words(initialiser, name, words.request, _project.asked(), wanted.vehicles, tools, settings, seed)
         write_json(folder / TRAFFIC, _told(words, start))
+        if wanted.reader is not None:
+            console.print(f"traffic read by: {words.reader}")
         for phrase, meaning in words.understood:
             console.print(f"understood: {phrase}: {meaning}")
     if start.left_out:
@@ -126,21 +130,31 @@ def _announce(reader: LanguageModel, text: str, *, road: bool) -> None:
 
 def _road(wanted: _Wanted, words: Reading | None, folder: Path, console: Console) -> tuple[Network, str, str]:
     """The network, its name and where it is from; a road that was drawn from words is kept in `folder`."""
-    net = wanted.net
-    if net is not None:
-        if not net.is_file():
-            raise UnusableInput(f"{net} is no file: give a SUMO network (.net.xml, also gzipped)")
+    if wanted.net is not None:
+        net = network_of(wanted.net)
         if words is not None and not words.request:
             raise UnusableInput(f"no traffic that I know is described in {wanted.text!r}", reason="not-understood")
         if words is not None and words.rest:
             console.print(f"ignored: {words.rest}")
-        return Network.read(net.read_bytes(), str(net)), net.name.split(".")[0], f"DriveGen ({net.name})"
+        return _read(net), net.name.split(".")[0], f"DriveGen ({net.name})"
     assert words is not None
     writer = "offline" if wanted.reader is None else _WRITER
     built = build_map(words.rest, wanted.seed, writer, folder=folder / MAP, model=wanted.reader)
+    if wanted.reader is not None:
+        console.print(f"road written by: {built.account['backend']}")
     if ignored := built.account["ignored"]:
         console.print(f"ignored: {'; '.join(ignored)}")
     return Network.read(built.network, NETWORK), str(wanted.text), "DriveGen (map from words)"
+
+
+def _read(net: Path) -> Network:
+    """The network in a file. Raises UnusableInput, with the way to bring other formats in where it is one of them."""
+    try:
+        return Network.read(net.read_bytes(), str(net))
+    except UnusableInput as error:
+        if error.reason != "wrong-root":
+            raise
+        raise UnusableInput(f"{error}: bring other formats in with `drivegen map import`", error.reason) from None
 
 
 def _told(words: Reading, start: Start) -> dict[str, Any]:
@@ -166,7 +180,9 @@ def _summary(rows: list[dict[str, Any]]) -> str:
     if dropped := sum(r["dropped"] for r in written):
         said.append(f"vehicles left out because nothing legal was found: {dropped}")
     if items := [item for r in written for item in r.get("asked", [])]:
-        said.append(f"{sum(item['got'] for item in items)} of {len(items)} things that the words asked for")
+        missing = Counter(item["what"] for item in items if not item["got"])
+        said.append(f"got {len(items) - missing.total()} of {len(items)} things that the words asked for")
+        said += [f"not got in {count} of {len(written)}: {what}" for what, count in missing.items()]
     if rows[0]["sade"] is not None:
         said.append("sADE " + f"min {min(r['sade'] for r in rows):.2f} m, mean {sum(r['sade'] for r in rows) / len(rows):.2f} m")
     return "; ".join(said)

@@ -10,7 +10,7 @@ from typer.core import TyperGroup
 
 from drivegen import plugins
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
-from drivegen.cli._maps import MapMode, Mode, writer_of
+from drivegen.cli._maps import MapMode, Mode, network_of, writer_of
 from drivegen.errors import UnusableInput
 from drivegen.lm.prices import MAP_TOKENS
 from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
@@ -23,6 +23,9 @@ from drivegen.sumo.network import read_network
 
 WORDS, WINDOW_RADIUS = "words", 150.0
 _FILES = f"{NETWORK} (SUMO), {ACCOUNT} (understood, ignored) and {PICTURE}"
+
+Force = Annotated[bool, Option("--force", help="Replace the map that lies in the folder, its history with it.")]
+"""The option `--force`."""
 
 
 class Form(StrEnum):
@@ -37,7 +40,7 @@ class DescriptionUnlessCommand(TyperGroup):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put the command in front where it was left out."""
-        if args and args[0] not in {*self.commands, "--help"}:
+        if args and args[0] not in {*self.commands, "--help", "-h"}:
             args = [WORDS, *args]
         return super().parse_args(ctx, args)
 
@@ -58,11 +61,13 @@ def words(
     lm: Words = None,
     map_mode: MapMode = Mode.SPECIFICATION,
     max_usd: MaxUsd = None,
+    force: Force = False,
 ) -> None:
     """Draw the road that TEXT describes; exits 2, saying what it can do, where the text is not understood.
 
     The word `words` can be left out.
     """
+    _check_free(out, force=force)
     account = _drawn(text, seed, out, lm, map_mode, max_usd).account
     _tell("written by", account["backend"])
     _tell("understood", *(f"{told['phrase']}: {told['meaning']}" for told in account["understood"]))
@@ -81,8 +86,10 @@ def bring(
         Option(help=f"Metres to each side ({WINDOW_RADIUS:g} if only a place is given); alone: around the largest junction."),
     ] = None,
     junction: Annotated[str | None, Option(metavar="ID", help="Cut a window around this junction.")] = None,
+    force: Force = False,
 ) -> None:
     """Take a road network from a file, whole or a window of it."""
+    _check_free(out, force=force)
     window = _window(around, radius, junction)
     file = _map_of(file) if file.is_dir() else file
     if not file.is_file():
@@ -108,14 +115,12 @@ def refine(
 
 @command.command()
 def export(
-    folder: Annotated[Path, Argument(metavar="DIR", help=f"A folder that holds {NETWORK}.")],
+    folder: Annotated[Path, Argument(metavar="DIR", help=f"A folder that holds {NETWORK}, or a SUMO network.")],
     to: Annotated[Form, Option(help="sumo: the network as it is; opendrive: .xodr.")],
     out: Annotated[Path, Option(help="The file to write.")],
 ) -> None:
     """Write a map for other programs. OpenDRIVE is read back, and what was written and what came back stand beside each other."""
-    source = folder / NETWORK
-    if not source.is_file():
-        raise UnusableInput(f"{source} is not there: make the map first")
+    source = network_of(folder)
     network = source.read_bytes()
     there = Extent.of(read_network(network, str(source)))
     written = network if to is Form.SUMO else export_opendrive(network)
@@ -127,6 +132,12 @@ def export(
         _tell("read back", f"{'the same lanes and ways' if back.holds(there) else 'not the same'}: {back}")
     else:
         _tell("written", str(out))
+
+
+def _check_free(folder: Path, *, force: bool) -> None:
+    """Raises UnusableInput where a map lies in `folder`: it may have been edited, and its words cannot be had back."""
+    if not force and any((folder / name).exists() for name in (NETWORK, ACCOUNT, PICTURE)):
+        raise UnusableInput(f"{folder} holds a map already: name another folder, or replace that map with --force")
 
 
 def _drawn(text: str, seed: int, out: Path, lm: str | None, mode: Mode, max_usd: float | None) -> BuiltMap:

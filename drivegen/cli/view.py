@@ -1,6 +1,7 @@
 """`drivegen view`: look at a scenario folder or a sensor log, recorded or generated, in the Rerun viewer."""
 
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -31,7 +32,8 @@ def command(
     if show and _has_screen():
         _open(path)
     else:
-        console.print(f"{path}: look at it with `{_viewer() or 'rerun'} {path}`", soft_wrap=True)
+        said = shlex.join([_viewer() or "rerun", str(path)])
+        console.print(f"{path}: look at it with `{said}`", soft_wrap=True, highlight=False, markup=False)
 
 
 def _recorded(scenario: Path, out: Path | None) -> Path | None:
@@ -64,6 +66,5 @@ def _open(path: Path) -> None:
     if viewer is None:
         raise MissingTool(f"{path} is written but the viewer is not installed: pip install rerun-sdk==0.41.0")
     if subprocess.run([viewer, str(path)], check=False).returncode:
-        raise MissingTool(
-            f"{path} is written but the viewer cannot open a window: try `{viewer} --serve-web --bind 127.0.0.1 {path}`"
-        )
+        served = shlex.join([viewer, "--serve-web", "--bind", "127.0.0.1", str(path)])
+        raise MissingTool(f"{path} is written but the viewer cannot open a window: try `{served}`")

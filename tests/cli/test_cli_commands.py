@@ -1,7 +1,10 @@
 """The command line as a user meets it: exit codes, one sentence, no traceback."""
 
+import importlib.metadata
 import json
 import os
+import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -45,6 +48,13 @@ def test_view_writes_a_recording_where_no_screen_is(folder, tmp_path):
     assert done.returncode == 0, done.stderr
     assert "scene-0.rrd" in done.stdout
     assert (tmp_path / "scene-0.rrd").stat().st_size > 1000
+
+
+def test_the_words_that_view_prints_can_be_typed_whatever_the_path(folder, tmp_path):
+    place = folder.rename(tmp_path / "Straße 1, [links]")
+    done = run("view", str(place), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert shlex.split(done.stdout.split("`")[1])[-1] == "Straße 1, [links].rrd"
 
 
 def test_view_shows_all_of_a_sensor_log(tmp_path):
@@ -177,6 +187,7 @@ def test_a_command_that_is_stopped_leaves_nothing_half_written(tmp_path, number)
     command = [sys.executable, "-c", STOPPED, "generate", "--text", "roundabout with four arms", "--out", "o", str(int(number))]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 128 + number
+    assert done.stderr.endswith("drivegen: stopped; nothing half-written was kept\n")
     assert "Traceback" not in done.stderr
     assert not list(tmp_path.iterdir())
 
@@ -214,6 +225,13 @@ def test_a_broken_package_is_told_without_a_traceback(tmp_path):
 
 
 def test_help_lists_every_command(tmp_path):
-    done = run("--help", cwd=tmp_path)
-    assert done.returncode == 0
-    assert all(f"  {name}" in done.stdout for name in cli.COMMANDS)
+    for word in ("--help", "-h"):
+        done = run(word, cwd=tmp_path)
+        assert done.returncode == 0
+        for name, what in cli.COMMANDS.items():  # in one line each, nothing cut off
+            assert re.search(rf"^  {name} +{re.escape(what)}$", done.stdout, re.MULTILINE)
+
+
+def test_the_version_is_that_of_the_package(tmp_path):
+    done = run("--version", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, f"drivegen {importlib.metadata.version('drivegen')}\n")

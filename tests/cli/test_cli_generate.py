@@ -157,6 +157,17 @@ def test_a_network_needs_no_words_and_any_name_becomes_an_id(run, tmp_path):
     assert set(json.loads(made.read_text())["signals"][0]["states"]) <= set("GYR")
 
 
+def test_a_map_is_given_by_its_folder_too_and_what_was_not_got_is_named(run, project, tmp_path):
+    (tmp_path / "map").mkdir()
+    shutil.copy(project / "town centre.net.xml", tmp_path / "map" / "map.net.xml")
+    words = ("--map", str(tmp_path / "map"), "--text", "a hundred cars", "--samples", "2")
+    code, said = run(*words, "--out", str(tmp_path / "out"))
+    assert code == 0, said
+    made = sum(not row["rejected"] for row in rows_of(tmp_path / "out"))
+    assert f"got 0 of {2 * made} things that the words asked for" in said
+    assert f"not got in {made} of {made}: 100 vehicles beside the target" in said
+
+
 def test_view_takes_what_was_generated_and_can_record_it_again(regenerated, tmp_path, capsys):
     folder = regenerated / "logged-0-s00"
     assert call(tmp_path, "view", str(folder), "--no-show") == 0
@@ -177,6 +188,7 @@ def broken(project: Path, tmp_path: Path) -> Path:
     table = pq.read_table(tracks)
     pq.write_table(table.filter(np.array(table["object_type"].to_pylist()) == "pedestrian"), tracks)
     (tmp_path / "not.net.xml").write_text("a town of two roads")
+    (tmp_path / "town.xodr").write_text("<OpenDRIVE></OpenDRIVE>")
     (tmp_path / "bomb.net.xml").write_text('<!DOCTYPE net [<!ENTITY a "a">]><net>&a;</net>')
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "mine.txt").write_text("mine")
@@ -192,7 +204,9 @@ def broken(project: Path, tmp_path: Path) -> Path:
         (["--scenario", "{}"], "holds 0 files scenario_<id>.parquet"),
         (["--map", "{}/not.net.xml"], "not.net.xml"),
         (["--map", "{}/bomb.net.xml"], "bomb.net.xml"),
-        (["--map", "{}/nowhere.net.xml"], "is no file: give a SUMO network"),
+        (["--map", "{}/nowhere.net.xml"], "is not there: `drivegen map` makes maps"),
+        (["--map", "{}/full"], "full/map.net.xml is not there"),
+        (["--map", "{}/town.xodr"], "bring other formats in with `drivegen map import`"),
         (["--text", "sing me a song"], "no road that I know"),
         (["--scenario", "logged-0", "--out", "{}/full"], "is not empty: name a new folder"),
         (["--scenario", "logged-0", "--out", "{}/not.net.xml"], "is there and no folder"),
@@ -254,6 +268,7 @@ def test_what_a_model_was_asked_for_words_is_a_row_of_its_calls(run: Run, projec
     with serving([Says("six lorries, or so")]) as server:
         code, said = run(*words, "--lm", f"openai:little-model@{server.url}")
         assert (code, len(server.requests)) == (0, 3)
+    assert "traffic read by: offline rules (no language model), for the language model little-model failed" in said
     assert "about 1 calls" in said
     assert "dollars unknown" in said
     [file] = (project / FOLDER).glob("generate-*.parquet")

@@ -53,6 +53,27 @@ def test_an_edit_changes_the_map_in_place_and_is_kept_in_its_history(tmp_path):
     assert [edit["edit"] for edit in json.loads(files(tmp_path)["map.json"])["history"]] == ["set the limit to 30 km/h"]
 
 
+def test_a_map_is_replaced_only_where_that_is_asked_for(folder, tmp_path):
+    run("a straight road", "--out", tmp_path)
+    run("refine", tmp_path, "add a lane")
+    run(ROUND, "--out", tmp_path, "--force")
+    assert files(tmp_path) == files(folder)
+    run("import", folder / "map.net.xml", "--out", tmp_path, "--force")
+    assert json.loads(files(tmp_path)["map.json"])["source"] == "SUMO network"
+
+
+def test_a_map_is_named_by_its_folder_or_its_network(folder, tmp_path):
+    for place, out in ((folder, "a.xodr"), (folder / "map.net.xml", "b.xodr")):
+        run("export", place, "--to", "opendrive", "--out", tmp_path / out)
+    assert (tmp_path / "a.xodr").read_bytes() == (tmp_path / "b.xodr").read_bytes()
+
+
+@pytest.mark.parametrize("word", ["-h", "--help"])
+def test_help_is_no_description(word):
+    assert "Commands:" in run(word)
+    assert "--seed" in run("words", word)
+
+
 def test_a_network_goes_out_as_it_is_and_comes_back(folder, tmp_path):
     run("export", folder, "--to", "sumo", "--out", tmp_path / "a.net.xml")
     assert "SUMO network" in run("import", tmp_path / "a.net.xml", "--out", tmp_path / "back")
@@ -88,7 +109,9 @@ def test_opendrive_is_written_and_read(folder, tmp_path):
         (["import", "--out", "o"], "Missing argument"),
         (["refine", "nowhere", "add a lane"], "make the map first"),
         (["refine", "FOLDER", "sing me a song"], "no edit that I know"),
-        (["export", "nowhere", "--to", "sumo", "--out", "x"], "make the map first"),
+        (["export", "nowhere", "--to", "sumo", "--out", "x"], "nowhere is not there: `drivegen map` makes maps"),
+        (["a straight road", "--out", "FOLDER"], "holds a map already: name another folder"),
+        (["import", "FOLDER/map.net.xml", "--out", "FOLDER"], "holds a map already: name another folder"),
         (["refine", "FOLDER", "limit 9999 km/h"], "speed must be less than or equal to"),
         (["import", "FOLDER", "--out", "o"], "holds 0 files log_map_archive_<id>.json"),
         (["export", "FOLDER", "--to", "lanelet", "--out", "x"], "'lanelet'"),
