@@ -182,7 +182,8 @@ class _Account:
 def _meaning(what: What, value: Any) -> str:
     shown = f"{value:.4g}" if isinstance(value, float) else str(getattr(value, "value", value)).replace("_", " ")
     units = {What.DISTANCE: f"{shown} m away", What.SPEED: f"at about {shown} m/s", What.WITHIN: f"within {shown} s"}
-    return units.get(what, {What.QUEUE: "in a queue", What.SIDE: f"to the {shown}"}.get(what, shown))
+    side = shown if shown.startswith("from") else f"to the {shown}"
+    return units.get(what, {What.QUEUE: "in a queue", What.SIDE: side}.get(what, shown))
 
 
 def _build(model: type[_Model], **values: Any) -> _Model:

@@ -77,7 +77,8 @@ class Cast:
 
 
 def cast(request: TrafficRequest, densities: Mapping[str, Fill], vehicles: int, random: np.random.Generator) -> Cast:
-    """The vehicles of a request; where it does not say how many there are, its density or `vehicles` (in all) does.
+    """The vehicles of a request; where it does not say how many there are (`_says_how_many`), its density or `vehicles` (in
+    all) does.
 
     Those with a wish come before those without, so that they find their places. Raises UnusableInput for an unknown density.
     """
@@ -94,7 +95,7 @@ def cast(request: TrafficRequest, densities: Mapping[str, Fill], vehicles: int, 
             wishes.append(_wish(asked, which, len(kinds), request.speed, random))
             kinds.append(asked.kind)
             group.append(number)
-    if all(_wished(asked) for asked in request.groups):
+    if not _says_how_many(request):
         more = max((fill.vehicles if fill else vehicles) - len(kinds), 0)
         kinds += [Kind.VEHICLE] * more
         wishes += [Wish(speed=_about(request.speed, random)) for _ in range(more)]
@@ -116,6 +117,15 @@ def _fill(density: Density | None, densities: Mapping[str, Fill]) -> Fill | None
 def _wished(group: Group) -> bool:
     """Whether it says more of its vehicles than their number, kind and speed."""
     return group.place is not None or group.queue or group.manoeuvre is not None
+
+
+def _says_how_many(request: TrafficRequest) -> bool:
+    """Whether the number of vehicles is said, beside single ones of which more is said: "ten cars", not "a bus ahead".
+
+    Beside a density, only cars or vehicles of any kind say it: in "heavy traffic with two buses" most are neither.
+    """
+    heavy = (Kind.TRUCK, Kind.BUS) if request.density is not None else ()
+    return any(not _wished(group) and group.kind not in heavy for group in request.groups)
 
 
 def _wish(group: Group, which: int, number: int, speed: float | None, random: np.random.Generator) -> Wish:

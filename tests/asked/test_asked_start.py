@@ -109,6 +109,22 @@ def test_who_is_asked_for_by_place_comes_first_and_the_rest_fills_up():
     assert len(cast(offline.read("a truck ahead, dense").request, SETTINGS.densities, 4, random)) == 12
 
 
+@pytest.mark.parametrize(
+    ("text", "vehicles"),
+    [
+        ("dense traffic with two buses", 12),
+        ("dense traffic, a bus ahead of the target, two trucks", 12),
+        ("two buses", 3),
+        ("dense traffic, five cars and two buses", 8),
+        ("dense traffic, five vehicles", 6),
+    ],
+)
+def test_beside_a_density_trucks_and_buses_do_not_say_how_many_there_are(text, vehicles):
+    asked = cast(offline.read(text).request, SETTINGS.densities, 4, np.random.default_rng(0))
+    assert len(asked) == vehicles
+    assert sum(kind.value == "bus" for kind in asked.kinds) == text.count("two buses") * 2 + text.count("a bus")
+
+
 def two_lanes(*motions):
     scene = scenario(straight_road(600, 2), stack(list(motions)))
     graph = LaneGraph.of(scene.map)
