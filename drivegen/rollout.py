@@ -2,13 +2,14 @@
 
 The first goals of a sample are drawn for all vehicles together (`goals.joint`), so that a follower does not end beyond its
 leader. Vehicles are committed in asset order, each against those before it; who is illegal is planned again in the next
-round, towards the goals that its own odds and the outlook on what is committed leave. Asset order alone leaves dead ends:
-whoever is committed first may run over the place of a vehicle that is planned later and can't get out of its way. Such a
-vehicle takes its best trajectory that is legal but for collisions, and those that it collides with are planned again, a
-bounded number of times.
+round, towards the goals that its own odds and the outlook on what is committed leave, in whatever tempo. Asset order alone
+leaves dead ends: whoever is committed first may run over the place of a vehicle that is planned later and can't get out of
+its way. Such a vehicle takes its best trajectory that is legal but for collisions, and those that it collides with are
+planned again, a bounded number of times.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +18,11 @@ from drivegen.checker.limits import Limits
 from drivegen.checker.scene import SceneChecker, Severities
 from drivegen.geometry import to_vehicle_frame, wrap_angle
 from drivegen.goals.candidates import Candidates
-from drivegen.goals.joint import PENALTY, draw_together, gumbel
+from drivegen.goals.joint import PENALTY, draw_together, gumbel, in_tempo, tempos
 from drivegen.goals.outlook import Outlooks
 from drivegen.samples import NO_GOAL, Samples, Violation
 from drivegen.scenario import TARGET, Scenario, Trajectories
+from drivegen.settings import Within
 
 Probabilities = list[NDArray[np.float32]]
 """One array (C,) per vehicle of a scenario, over its candidates."""
@@ -45,6 +47,7 @@ class RolloutSettings:
         target_steps: others avoid the target's planned motion up to this step only, None for always. In corner cases
             its driver has to react, and this is the time that it is given. Who comes from behind avoids it always: a
             replayed vehicle that runs into the target's rear asks nothing of its driver.
+        tempo: share of the variance of ranks that the vehicles of a sample have in common (`goals.joint`).
     """
 
     attempts: int
@@ -52,6 +55,7 @@ class RolloutSettings:
     evictions: int
     drop_illegal: bool
     target_steps: int | None
+    tempo: Annotated[float, Within(0.0, 0.95)]
 
 
 @dataclass(frozen=True)
@@ -108,7 +112,9 @@ class Rollout:
         self.exclusive = self.outlooks.exclusions()
         used = np.concatenate(choice.used)
         noise = gumbel(seed, scenario.scenario_id, samples, len(used))
-        self.first = draw_together(used, self.start, self.exclusive, noise)
+        tempo = tempos(seed, scenario.scenario_id, samples)
+        together = in_tempo(used, self.start, self.outlooks.distance, tempo, settings.tempo)
+        self.first = draw_together(together, self.start, self.exclusive, noise)
         with np.errstate(divide="ignore"):
             self.score = np.log(used.astype(np.float64)) + noise[0]
         self.failed = np.zeros((samples, len(used)), np.int64)

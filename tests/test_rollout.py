@@ -16,7 +16,7 @@ from drivegen.scenario import TARGET
 from tests.models import candidate_settings, two_lanes
 from tests.scenes import busy_crossing
 
-SETTINGS = RolloutSettings(attempts=3, rounds=4, evictions=1, drop_illegal=False, target_steps=None)
+SETTINGS = RolloutSettings(attempts=3, rounds=4, evictions=1, drop_illegal=False, target_steps=None, tempo=0.8)
 SAMPLES = 4
 
 

@@ -43,7 +43,7 @@ _CANDIDATES = CandidateSettings(
 )
 _SHIPPED = ShipSettings(fewest=1, moved=0.0)
 _TEMPERATURE = 0.7
-_ROLLOUT = RolloutSettings(attempts=4, rounds=5, evictions=2, drop_illegal=True, target_steps=None)
+_ROLLOUT = RolloutSettings(attempts=4, rounds=5, evictions=2, drop_illegal=True, target_steps=None, tempo=0.8)
 
 Result = TypeVar("Result")
 

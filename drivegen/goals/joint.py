@@ -1,13 +1,20 @@
-"""Goals for all vehicles of a scenario at once: each one's own odds, less goals that exclude one another.
+"""Goals for all vehicles of a scenario at once: each one's own odds, in the scenario's tempo, less what excludes one another.
 
-The joint distribution is p(c_1 .. c_N) ~ prod_n p_n(c_n) * exp(-PENALTY * pairs that exclude each other), sampled by Gibbs
-sweeps: vehicle after vehicle draws its goal anew, given what the others have drawn. Nobody goes first, so a leader drives
-on for its follower as often as a follower stays behind. A goal of probability 0 is never drawn.
+The joint distribution is p(c_1 .. c_N | z) ~ prod_n p_n(c_n | z) * exp(-PENALTY * pairs that exclude each other), sampled by
+Gibbs sweeps: vehicle after vehicle draws its goal anew, given what the others have drawn. Nobody goes first, so a leader
+drives on for its follower as often as a follower stays behind. A goal of probability 0 is never drawn.
+
+The tempo z is how far everybody gets in one sample: whether the light turns green, whether the queue dissolves. Logged
+vehicles of one scene get farther, or less far, than their odds say together: the ranks of their logged goals correlate.
+A Gaussian copula over these ranks draws them so and leaves each vehicle's own odds what they are.
 """
+
+from itertools import pairwise
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
 
 from drivegen import seeds
 
@@ -18,16 +25,16 @@ SWEEPS = 4
 
 
 def draw_together(
-    used: NDArray[np.float32], start: NDArray[np.int64], exclusive: NDArray[np.bool_], noise: NDArray[np.float32]
+    used: NDArray[np.floating], start: NDArray[np.int64], exclusive: NDArray[np.bool_], noise: NDArray[np.float32]
 ) -> NDArray[np.int64]:
     """Goals (K, N), counted within each vehicle's candidates.
 
     Args:
-        used: (Q,) the vehicles' own probabilities, one vehicle's after the other's. start: (N + 1,) rows of each vehicle.
-        exclusive: (Q, Q) bool. noise: (SWEEPS + 1, K, Q) see `gumbel`.
+        used: (Q,) or, where samples differ, (K, Q) the vehicles' own probabilities, one vehicle's after the other's.
+        start: (N + 1,) rows of each vehicle. exclusive: (Q, Q) bool. noise: (SWEEPS + 1, K, Q) see `gumbel`.
     """
     with np.errstate(divide="ignore"):
-        odds = np.log(used.astype(np.float64))
+        odds = np.ascontiguousarray(np.broadcast_to(np.log(used.astype(np.float64)), noise.shape[1:]))
     drawn = np.zeros((noise.shape[1], len(start) - 1), np.int64)
     _sweep(odds, start, exclusive, noise, drawn)
     return drawn - start[:-1]
@@ -38,17 +45,43 @@ def gumbel(seed: int, scenario_id: str, samples: int, rows: int) -> NDArray[np.f
     return seeds.rng(seed, "goals", scenario_id).gumbel(size=(SWEEPS + 1, samples, rows)).astype(np.float32)
 
 
+def tempos(seed: int, scenario_id: str, samples: int) -> NDArray[np.float64]:
+    """(K,) standard normal, one in each of K equally likely ranges, so that few samples show slow scenes and brisk ones."""
+    rng = seeds.rng(seed, "tempo", scenario_id)
+    return np.asarray(ndtri((rng.permutation(samples) + rng.uniform(size=samples)) / samples))
+
+
+def in_tempo(
+    used: NDArray[np.float32], start: NDArray[np.int64], distance: NDArray[np.floating], tempo: NDArray[np.float64], share: float
+) -> NDArray[np.float64]:
+    """(K, Q) each vehicle's odds of its goals in samples of given tempo; their mean over all tempos are its own odds.
+
+    A vehicle's goal is where Phi^-1 of its rank, by distance, is sqrt(share) * tempo + sqrt(1 - share) * noise of its own.
+
+    Args:
+        used: (Q,) own odds, one vehicle's after the other's. start: (N + 1,) rows of each vehicle.
+        distance: (Q,) [m] of the goals. tempo: (K,) standard normal. share: of the variance, in [0, 1).
+    """
+    odds = np.empty((len(tempo), len(used)))
+    for first, last in pairwise(start):
+        nearest_first = first + np.argsort(distance[first:last], kind="stable")
+        below = np.cumsum(used[nearest_first], dtype=np.float64)
+        edges = ndtri(np.concatenate([[0.0], below / below[-1]]))
+        odds[:, nearest_first] = np.diff(ndtr((edges - np.sqrt(share) * tempo[:, None]) / np.sqrt(1.0 - share)), axis=1)
+    return odds
+
+
 @njit(cache=True)
 def _sweep(odds, start, exclusive, noise, drawn):  # type: ignore[no-untyped-def]
     samples, count = drawn.shape
     for k in range(samples):
         for n in range(count):
-            drawn[k, n] = start[n] + np.argmax(odds[start[n] : start[n + 1]] + noise[0, k, start[n] : start[n + 1]])
+            drawn[k, n] = start[n] + np.argmax(odds[k, start[n] : start[n + 1]] + noise[0, k, start[n] : start[n + 1]])
         for sweep in range(1, noise.shape[0]):
             for n in range(count):
                 best, chosen = -np.inf, drawn[k, n]
                 for c in range(start[n], start[n + 1]):
-                    score = odds[c] + noise[sweep, k, c]
+                    score = odds[k, c] + noise[sweep, k, c]
                     for m in range(count):
                         if exclusive[c, drawn[k, m]]:
                             score -= PENALTY

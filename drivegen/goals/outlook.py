@@ -28,6 +28,7 @@ class Outlooks:
 
     Attributes:
         start: (N + 1,) int64 rows of each vehicle. owner: (Q,) int64 the vehicle of each row.
+        distance: (Q,) [m] to the goal along its route, straight where it has none.
         position: (Q, S, 2) float32 [m], heading: (Q, S) float32 [rad], at every STRIDE-th step.
         size: (Q, 2) float32 length, width [m].
         target_steps: (N,) int64 the target is in vehicle n's way before this step only.
@@ -35,6 +36,7 @@ class Outlooks:
 
     start: NDArray[np.int64]
     owner: NDArray[np.int64]
+    distance: Floats
     position: NDArray[np.float32]
     heading: NDArray[np.float32]
     size: NDArray[np.float32]
@@ -66,6 +68,7 @@ class Outlooks:
         return cls(
             start=np.cumsum([0, *counts]),
             owner=owner,
+            distance=distance,
             position=position.astype(np.float32),
             heading=heading.astype(np.float32),
             size=np.ascontiguousarray(vehicles.size[owner, :2], np.float32),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from drivegen.goals.joint import draw_together, gumbel
+from drivegen.goals.joint import draw_together, gumbel, in_tempo, tempos
 
 MANY = 4000
 
@@ -40,3 +40,38 @@ def test_a_draw_depends_on_the_seed_and_the_scenario_alone():
     np.testing.assert_array_equal(gumbel(7, "a", 3, 5), gumbel(7, "a", 3, 5))
     assert (gumbel(7, "a", 3, 5) != gumbel(7, "b", 3, 5)).any()
     assert (gumbel(7, "a", 3, 5) != gumbel(8, "a", 3, 5)).any()
+
+
+OWN = np.float32([0.2, 0.5, 0.3, 0.6, 0.0, 0.4])
+START = np.array([0, 3, 6])
+DISTANCE = np.array([30.0, 0.0, 60.0, 10.0, 20.0, 40.0])
+"""Two vehicles; the first one's candidates are not in the order of their distances."""
+
+
+def in_tempos(share):
+    return in_tempo(OWN, START, DISTANCE, tempos(7, "scene", MANY), share)
+
+
+def test_over_all_tempos_every_vehicle_keeps_its_own_odds_and_what_has_none_gets_none():
+    odds = in_tempos(0.8)
+    np.testing.assert_allclose(odds.mean(axis=0), OWN, atol=1e-3)
+    np.testing.assert_allclose(np.add.reduceat(odds, START[:-1], axis=1), 1.0, atol=1e-6)
+    assert not odds[:, 4].any()
+
+
+def test_without_a_tempo_in_common_the_odds_are_ones_own_in_every_sample():
+    np.testing.assert_allclose(in_tempos(0.0), np.broadcast_to(OWN, (MANY, 6)), atol=1e-6)
+
+
+def test_in_a_brisk_sample_everybody_gets_far_and_in_a_slow_one_nobody():
+    noise = gumbel(7, "scene", MANY, len(OWN))
+    for share, least, most in ((0.0, -0.05, 0.05), (0.5, 0.25, 0.5), (0.9, 0.6, 1.0)):
+        goals = draw_together(in_tempos(share), START, np.zeros((6, 6), bool), noise)
+        assert least <= np.corrcoef((DISTANCE[goals + START[:-1]]).T)[0, 1] <= most
+
+
+def test_tempos_are_spread_evenly_and_depend_on_the_seed_and_the_scenario_alone():
+    np.testing.assert_array_equal(np.sort(np.digitize(tempos(7, "scene", 4), [-0.6745, 0.0, 0.6745])), [0, 1, 2, 3])
+    np.testing.assert_array_equal(tempos(7, "a", 10), tempos(7, "a", 10))
+    assert (tempos(7, "a", 10) != tempos(7, "b", 10)).any()
+    assert (tempos(7, "a", 10) != tempos(8, "a", 10)).any()
