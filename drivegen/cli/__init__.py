@@ -34,6 +34,7 @@ _REMEDIES = {
     errno.EROFS: ": name a folder that can be written to",
     errno.EACCES: ": name a place that you may use",
     errno.ENAMETOOLONG: ": choose a shorter name",
+    errno.ENOTEMPTY: ": another run wrote it meanwhile, name another folder",
 }
 
 

@@ -1,5 +1,8 @@
 """Folders appear whole or not at all, and never in the place of something else."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -57,3 +60,26 @@ def test_a_folder_in_a_file_is_refused_and_a_fault_names_the_folder_that_was_ask
     with pytest.raises(OSError, match="No space left") as fault:
         fill()
     assert fault.value.filename == str(tmp_path / "out" / "a")
+
+
+KILLED = """
+import os, signal
+from pathlib import Path
+from drivegen.store.folders import whole_folder
+with whole_folder(Path("out")) as folder:
+    (folder / "a").write_text("a")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_what_a_killed_run_left_is_removed_by_the_next_and_what_others_are_at_is_not(tmp_path: Path):
+    subprocess.run([sys.executable, "-c", KILLED], cwd=tmp_path, check=False)
+    [left] = tmp_path.iterdir()
+    assert left.name.endswith(".part")
+    others = [tmp_path / f".out.{os.getppid()}.part", tmp_path / ".out2.4194305.part", tmp_path / ".out.txt.part"]
+    for other in others:
+        other.mkdir()
+    with whole_folder(tmp_path / "out") as folder:
+        (folder / "b").write_text("b")
+    assert sorted(tmp_path.iterdir()) == sorted([*others, tmp_path / "out"])
+    assert [p.name for p in (tmp_path / "out").iterdir()] == ["b"]
