@@ -46,7 +46,7 @@ def tables(real: Path) -> Any:
     rows: list[dict[str, str]] = []
     done: list[Room] = []
     for room in rooms(values["publish"], real.resolve()):
-        rows.append({"run": room.name, "why": _bring_up(room, nearest(room, done))})
+        rows.append({"run": room.name, "why": _bring_up(room, done)})
         done.append(room)
         if rows[-1]["why"]:
             break
@@ -81,27 +81,31 @@ def _placed(value: Any, folder: str) -> Any:
 
 
 def nearest(room: Room, done: list[Room]) -> Room | None:
-    """Of the rooms that are done the last one with the same training seed, else the last one."""
-    alike = [other for other in done if other.params["run.training_seed"] == room.params["run.training_seed"]]
-    return next(reversed(alike or done), None)
+    """Of the rooms that are done with everything the last one with the same training seed, else the last one."""
+    complete = [other for other in done if other.measured == MEASURED]
+    alike = [other for other in complete if other.params["run.training_seed"] == room.params["run.training_seed"]]
+    return next(reversed(alike or complete), None)
 
 
-def _bring_up(room: Room, like: Room | None) -> str:
+def _bring_up(room: Room, done: list[Room]) -> str:
     """Run what the room's tables need; "" if it went well, else what failed. Its workspace is made anew, its cache is not.
 
-    It begins with what the room `like` it made, so that stages which both share need not even be asked for.
+    It begins with what the nearest room made, so that stages which both share need not even be asked for, and with all code
+    that was compiled before. What its tables do not need is neither there nor in its dvc.lock.
     """
     root = ROOMS / room.name
     shutil.rmtree(root, ignore_errors=True)
     workspace.duplicate(Path(), root, room.params)
-    if like is not None:
+    if like := nearest(room, done):
         shutil.copy2(ROOMS / like.name / "dvc.lock", root / "dvc.lock")
+        workspace.share_compiled(ROOMS / done[-1].name, root)
     pipeline.restore(root)
     plan = pipeline.read(root)
     wanted = [stage for stage in plan.needs if stage.partition("@")[0] in room.measured]
     needed = {name for stage in wanted for name in (*plan.upstream(stage), stage)}
-    stale = needed & plan.stale
-    pipeline.discard(stale & set(wanted), root)  # a run that is stopped must not be pooled with the figures of another
+    stale, idle = needed & plan.stale, set(plan.needs) - needed
+    pipeline.discard((stale & set(wanted)) | idle, root)  # a run that is stopped must not be pooled with another's figures
+    pipeline.forget_all_but(needed, root)
     get_run_logger().info("%s: %d stages, %d to run", room.name, len(needed), len(stale))
     futures = submit(plan, stale, root)
     for future in futures.values():

@@ -14,7 +14,8 @@ import yaml
 
 
 def duplicate(source: Path, target: Path, params: Mapping[str, Any], cache: Path | None = None) -> None:
-    """Copy the files that git knows or does not ignore to the new folder `target`, with `params` over those of params.yaml.
+    """Copy the files that git knows or does not ignore to the new folder `target`, with `params` over those of params.yaml,
+    and what has been compiled of them.
 
     DVC keeps its files in `cache`, by default that of `source`. Raises FileExistsError if `target` exists.
     """
@@ -23,10 +24,22 @@ def duplicate(source: Path, target: Path, params: Mapping[str, Any], cache: Path
         there = target / name
         there.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(source / name, there)
+    share_compiled(source, target)
     values = yaml.safe_load((target / "params.yaml").read_text())
     (target / "params.yaml").write_text(yaml.safe_dump(overridden(values, params), sort_keys=False))
     kept = (cache or source / ".dvc" / "cache").resolve()
     (target / ".dvc" / "config.local").write_text(f"[core]\n    no_scm = true\n[cache]\n    dir = {kept}\n")
+
+
+def share_compiled(source: Path, target: Path) -> None:
+    """Copy what Python and Numba have compiled in `source` to the same folders of `target`.
+
+    Either compares it with the code before it is used. Compiling all anew takes a workspace about a minute.
+    """
+    for folder in sorted({file.parent.relative_to(target) for file in target.rglob("*.py")}):
+        made = source / folder / "__pycache__"
+        if made.is_dir():
+            shutil.copytree(made, target / folder / "__pycache__", dirs_exist_ok=True)
 
 
 def overridden(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:

@@ -109,6 +109,21 @@ def test_a_second_workspace_shares_the_cache_and_has_its_own_params(done, tmp_pa
     assert not (room / ".dvc" / "cache").exists()
 
 
+def test_a_second_workspace_begins_with_what_was_compiled_of_the_same_code(done, tmp_path):
+    for name in ("code/motion.py", "code/__pycache__/motion.f-1.nbi", "elsewhere/__pycache__/old.pyc"):
+        (done / name).parent.mkdir(parents=True, exist_ok=True)
+        (done / name).write_text("x")
+    (done / ".gitignore").write_text("__pycache__/\n")
+    room = tmp_path / "room"
+    workspace.duplicate(done, room, {})
+    assert (room / "code/__pycache__/motion.f-1.nbi").exists()
+    assert (room / "code/motion.py").stat().st_mtime == (done / "code/motion.py").stat().st_mtime
+    assert not (room / "elsewhere").exists()
+    (done / "code/__pycache__/motion.f-1.nbi").write_text("y")
+    workspace.share_compiled(done, room)
+    assert (room / "code/__pycache__/motion.f-1.nbi").read_text() == "y"
+
+
 def test_overrides_replace_values_and_refuse_unknown_names():
     values = {"run": {"seed": 7, "workers": 2}, "rounds": [1, 2]}
     over = {"run.seed": 8, "rounds": [3]}
@@ -126,3 +141,9 @@ def test_what_is_discarded_is_made_again_and_nothing_else_goes(done: Path):
     assert "ship" in pipeline.read().stale
     pipeline.reproduce("ship", lambda _: None)
     assert (done / "data/shipped/shard").exists()
+
+
+def test_what_is_forgotten_leaves_the_rest_up_to_date(done: Path):
+    pipeline.forget_all_but(pipeline.read().upstream("place"), done)
+    assert pipeline.read().stale == set(pipeline.read().needs) - {"ingest", "maps"}
+    assert not pipeline.reproduce("maps", lambda _: None)
