@@ -5,12 +5,13 @@ DuckDB file to write. Costs and calls differ from run to run and so they stand h
 the same seed.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from drivegen.lm.ledger import CALLS
+from drivegen.report.table import RESTORED
 from drivegen.store.costs import COST
 from drivegen.store.files import whole
 from drivegen.store.results import RESULT
@@ -23,6 +24,7 @@ class Params:
     """Nothing to choose."""
 
 
+_TRAINING = "cost_of_training"
 _TABLES = (
     (
         "cost_of_methods",
@@ -37,7 +39,7 @@ _TABLES = (
         },
     ),
     (
-        "cost_of_training",
+        _TRAINING,
         "What training cost",
         {"stage": "", "item": "model", "cpu_seconds": "CPU s", "gpu_seconds": "GPU s"},
     ),
@@ -57,27 +59,42 @@ def main(
     rows = read_parts(parts, RESULT)
     build(out, rows, read_parts(sorted(costs.glob("*.parquet")), COST), read_parts(sorted(calls.glob("*.parquet")), CALLS))
     with whole(table) as temporary:
-        temporary.write_text("\n".join(_markdown(out)), encoding="utf-8")
+        temporary.write_text("\n".join(_markdown(out, results)), encoding="utf-8")
     print(f"{out}: {rows.num_rows} results of {len(parts)} parts; costs in {table}")
     return {"results": float(rows.num_rows)}
 
 
-def _markdown(warehouse: Path) -> Iterator[str]:
+def _markdown(warehouse: Path, results: Path) -> Iterator[str]:
     yield "Seconds of processors over all processes, of this machine and this run: another run has others."
     for view, title, columns in _TABLES:
         yield from ("", f"### {title}", "", _line(columns.values()), _line(["---"] + ["---:"] * (len(columns) - 1)))
-        for row in query(warehouse, f"from {view}").to_pylist():
-            yield _line(_cell(row[name]) for name in columns)
+        rows = query(warehouse, f"from {view}").to_pylist()
+        for row in [*rows, *(_elsewhere(rows, results) if view == _TRAINING else ())]:
+            yield _line(_cell(row, name) for name in columns)
     yield ""
+
+
+def _elsewhere(rows: list[dict[str, Any]], results: Path) -> Iterator[dict[str, Any]]:
+    """A row for each model that was trained, by what it left in `results`, but not in this folder."""
+    here = {row["stage"] for row in rows}, {(row["stage"], row["item"]) for row in rows}
+    for file in sorted(results.glob("train_*.json")):
+        if file.stem not in here[0]:
+            yield {"stage": file.stem, "item": ""}
+    for file in sorted(results.glob("train_*/*.json")):
+        if (file.parent.name, file.stem) not in here[1]:
+            yield {"stage": file.parent.name, "item": file.stem}
 
 
 def _line(cells: Any) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
-def _cell(value: str | float | None) -> str:
+def _cell(row: Mapping[str, Any], name: str) -> str:
+    """A value of a row; what is missing was not measured here, but no GPU where other seconds were."""
+    value = row.get(name)
     if value is None:
-        return "not measured"
+        ran = any(row.get(known) is not None for known in ("cpu_seconds", "cpu_seconds_per_1000"))
+        return "none" if name.startswith("gpu") and ran else RESTORED
     return value if isinstance(value, str) else f"{value:,.0f}"
 
 

@@ -1,10 +1,14 @@
 """Tables of text cells, for the page and for Markdown."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
 NOT_MEASURED = "not measured"
+
+RESTORED = "not measured here: restored from cache"
+"""The time of a stage whose results are there though it did not run here."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +77,13 @@ def number(value: Any, digits: int = 2) -> str:
             return number(int(value))
         return f"{value:.{digits}f}" if abs(value) >= 10**-digits or value == 0 else f"{value:.2g}"
     return NOT_MEASURED if value is None else str(value)
+
+
+def taken(took: Mapping[str, float], name: str, digits: int = 1) -> str:
+    """A time out of what a stage took: RESTORED where the stage did not run here, "none" where it used no such processor."""
+    if not took:
+        return RESTORED
+    return number(took[name], digits) if name in took else "none"
 
 
 def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:

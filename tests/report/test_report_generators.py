@@ -34,6 +34,11 @@ def test_parameters_errors_and_the_bound_stand_in_the_table():
     assert times.rows[0].cells[1].text == "71.2"
 
 
+def test_what_was_trained_elsewhere_says_so():
+    [_, times] = section(Evidence(results={"train_generator/lctgen": LCTGEN})).tables
+    assert [cell.text for cell in times.rows[0].cells] == ["LCTGen", "not measured here: restored from cache"]
+
+
 def test_a_loss_that_still_falls_is_not_called_flat():
     texts = [cell.text for cell in made([9.0, 8.0, 7.0, 6.0]).tables[0].rows[0].cells]
     assert "not yet" in texts

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -120,40 +121,40 @@ def test_all_results_and_costs_are_collected(made, tmp_path):
     assert query(tmp_path / "drivegen.duckdb", "from costs").schema.names == COST.names
 
 
-def test_costs_of_methods_count_the_choice_of_goals_and_say_what_was_not_measured(made, tmp_path):
-    for stage, item, costs in (
-        ("evaluate", "drivegen", {"scenarios": 50}),
-        ("evaluate", "bits", {"scenarios": 50}),
-        ("rollout", "drivegen", {"cpu_seconds": 10.0, "peak_megabytes": 900.0}),
-        ("rollout_rival", "bits", {"cpu_seconds": 4.0, "peak_megabytes": 700.0, "gpu_seconds": 0.5}),
-        ("goals", "learned", {"cpu_seconds": 5.0}),
+def costs_of(made, tmp_path, *costs):
+    """The table of costs where so much was measured here."""
+    for stage, item, found in costs:
+        write_cost(tmp_path / "costs", stage, item, found)
+    places = [tmp_path / name for name in ("costs", "calls", "costs.md", "drivegen.duckdb")]
+    collect.main(collect.Params(), made / "metrics", *places)
+    return (tmp_path / "costs.md").read_text()
+
+
+def test_costs_of_methods_count_the_choice_of_goals_and_the_gpu_if_there_was_one(made, tmp_path):
+    text = costs_of(
+        made,
+        tmp_path,
+        ("rollout", "drivegen", {"cpu_seconds": 1.0, "peak_megabytes": 900.0}),
+        ("rollout", "log", {"cpu_seconds": 0.4, "peak_megabytes": 700.0, "gpu_seconds": 0.05}),
+        ("goals", "learned", {"cpu_seconds": 0.5}),
         ("train_generator", "bits", {"cpu_seconds": 120.0}),
-    ):
-        write_cost(tmp_path / "costs", stage, item, costs)
-    collect.main(
-        collect.Params(),
-        made / "metrics",
-        tmp_path / "costs",
-        tmp_path / "calls",
-        tmp_path / "costs.md",
-        tmp_path / "drivegen.duckdb",
     )
-    text = (tmp_path / "costs.md").read_text()
-    assert "| drivegen | 300 | 100 | not measured | 900 | 50 |" in text
-    assert "| bits | 80 | 0 | 10 | 700 | 50 |" in text
-    assert "| train_generator | bits | 120 | not measured |" in text
+    assert "| drivegen | 300 | 100 | none | 900 | 5 |" in text
+    assert "| log | 80 | 0 | 10 | 700 | 5 |" in text
+    assert "| train_generator | bits | 120 | none |" in text
 
 
-def test_without_costs_the_table_is_empty(made, tmp_path):
-    collect.main(
-        collect.Params(),
-        made / "metrics",
-        tmp_path / "none",
-        tmp_path / "none",
-        tmp_path / "costs.md",
-        tmp_path / "drivegen.duckdb",
-    )
-    assert (tmp_path / "costs.md").read_text().count("\n| ") == 4
+def test_what_was_restored_from_the_cache_is_no_number_and_no_gap(made, tmp_path):
+    metrics = shutil.copytree(made / "metrics", tmp_path / "made" / "metrics")
+    for name in ("train_selector.json", "train_planner/route_fm.json"):
+        (metrics / name).parent.mkdir(exist_ok=True)
+        (metrics / name).write_text("{}")
+    text = costs_of(metrics.parent, tmp_path, ("rollout", "log", {"cpu_seconds": 0.4, "peak_megabytes": 700.0}))
+    gone = "not measured here: restored from cache"
+    assert f"| drivegen | {gone} | {gone} | {gone} | {gone} | 5 |" in text
+    assert "| log | 80 | 0 | none | 700 | 5 |" in text
+    assert f"| train_selector |  | {gone} | {gone} |" in text
+    assert f"| train_planner | route_fm | {gone} | {gone} |" in text
 
 
 def report_of(made, out):

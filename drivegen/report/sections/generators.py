@@ -7,7 +7,7 @@ from drivegen.report import plots
 from drivegen.report.evidence import Curve, Evidence
 from drivegen.report.published import METHODS
 from drivegen.report.section import Figure, Section, not_measured
-from drivegen.report.table import Cell, Row, Table, measured, number, row
+from drivegen.report.table import Cell, Row, Table, measured, number, row, taken
 
 _FLAT = 0.05
 """A curve is called flat if its last quarter gained no more than this share of all that was gained."""
@@ -40,9 +40,8 @@ def section(evidence: Evidence) -> Section:
         *(key.replace("_s", "-s").replace("sade", "sADE").replace("sfde", "sFDE") for key in _SCORES),
     )  # fmt: skip
     table = Table("generators", title, columns, tuple(rows), (*_NOTES, *evidence.trained_on))
-    times = {name: evidence.costs[f"train_generator/{name}"] for name in trained if f"train_generator/{name}" in evidence.costs}
-    tables = (table, _times(times)) if times else (table,)
-    return Section("generators", title, lead, tables, _figures(trained, curves))
+    times = {name: evidence.costs.get(f"train_generator/{name}", {}) for name in trained}
+    return Section("generators", title, lead, (table, _times(times)), _figures(trained, curves))
 
 
 def _line(name: str, values: Mapping[str, Any], curve: Curve | None) -> Row:
@@ -60,7 +59,7 @@ def _bound(text: str, values: Mapping[str, Any], key: str) -> Row:
 
 def _times(times: Mapping[str, Mapping[str, float]]) -> Table:
     """What training took on this machine."""
-    rows = [row(METHODS.get(name, name), number(taken.get("training_cpu_seconds"), 1)) for name, taken in times.items()]
+    rows = [row(METHODS.get(name, name), taken(took, "training_cpu_seconds")) for name, took in times.items()]
     note = "Training alone, without reading logs and without scoring."
     return Table("generators-times", "Training of generators", ("generator", "CPU-s"), tuple(rows), (note,), repeatable=False)
 

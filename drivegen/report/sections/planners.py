@@ -6,7 +6,7 @@ from typing import Any
 from drivegen.report import plots
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Figure, Section, not_measured
-from drivegen.report.table import Cell, Row, Table, measured, number, row
+from drivegen.report.table import Cell, Row, Table, measured, number, row, taken
 
 PAPER_EPOCHS = 90
 """The paper's training; with less its planner is called under-trained."""
@@ -86,19 +86,19 @@ def _times(times: Mapping[str, Mapping[str, float]]) -> Table:
     rows = tuple(
         row(
             name,
-            number(took.get("training_cpu_seconds"), 1),
-            number(took.get("training_gpu_seconds"), 1),
+            taken(took, "training_cpu_seconds"),
+            taken(took, "training_gpu_seconds"),
             _rate(took, "planning_cpu_seconds"),
             _rate(took, "planning_gpu_seconds"),
         )
         for name, took in times.items()
     )
-    note = "Of the last run of the stage. Planning is timed on the tracks of the table above, map and features included."
+    note = "Of the last run of the stage here. Planning is timed on the tracks of the table above, map and features included."
     return Table("planner-times", "What planners cost", columns, rows, (note,), repeatable=False)
 
 
 def _rate(took: Mapping[str, float], time: str) -> str:
-    return number(took["planned"] / took[time], 0) if took.get(time) and "planned" in took else number(None)
+    return number(took["planned"] / took[time], 0) if took.get(time) and "planned" in took else taken(took, time)
 
 
 def _curves(evidence: Evidence, times: Mapping[str, Mapping[str, float]]) -> tuple[Figure, ...]:

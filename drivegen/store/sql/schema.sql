@@ -39,13 +39,14 @@ group by all;
 
 -- What 1000 scenarios cost by each method: samples from the first frame on, goals, models' loading and the checker included;
 -- choosing goals is a stage of its own for those that follow a selector's. Measured at the size of the run, where loading
--- weighs most: an upper bound. GPU seconds are null where no run used one.
+-- weighs most: an upper bound. Null is what did not run here but was restored from the cache; GPU seconds are null also where
+-- no run used one.
 create view cost_of_methods as
 with took as (
     select stage, item, max(value) filter (name = 'cpu_seconds') as cpu, max(value) filter (name = 'gpu_seconds') as gpu,
            max(value) filter (name = 'peak_megabytes') as megabytes
     from costs group by stage, item),
-seen as (select item as method, max(value) as scenarios from costs where stage = 'evaluate' and name = 'scenarios' group by item),
+seen as (select method, count(distinct scenario) as scenarios from results where stage = 'evaluate' group by method),
 follows(method, selector) as (
     values ('drivegen', 'learned'), ('drivegen_without_goals', 'random'), ('drivegen_true_goals', 'log'))
 select seen.method, scenarios,
@@ -54,7 +55,7 @@ select seen.method, scenarios,
        1000 * made.gpu / scenarios as gpu_seconds_per_1000,
        made.megabytes as peak_megabytes
 from seen
-join took made on made.item = seen.method and made.stage in ('rollout', 'rollout_rival')
+left join took made on made.item = seen.method and made.stage in ('rollout', 'rollout_rival')
 left join follows on follows.method = seen.method
 left join took chosen on chosen.stage = 'goals' and chosen.item = follows.selector
 order by seen.method;
