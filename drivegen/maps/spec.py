@@ -23,8 +23,14 @@ RING_LANE = 4.0
 LEAST_ARC, LEAST_WIDE_ARC = 7.8, 9.0
 """Least distance along the ring between two roads [m], on a ring with one lane (a mini-roundabout's) and with more."""
 
+SHORTEST_STRAIGHT = 30.0
+"""Roads are straight for so long before their first bend and behind their last one at least [m]."""
+
 POCKET_SHARE = 0.4
 """Turn lanes along a corridor take so much of the way between two junctions at most, for both may have some on it."""
+
+
+_MOST_ON_A_SIDE = 3
 
 
 class Alignment(Part):
@@ -59,6 +65,27 @@ class Alignment(Part):
     def turns(self) -> tuple[float, ...]:
         """The turn of every bend [degrees], in order."""
         return tuple(angle for angle, _ in self.curves)
+
+    @property
+    def straight(self) -> float:
+        """Length of each of the straights [m]: beside the bends, and between hairpins."""
+        arcs = sum(abs(math.radians(angle)) * radius for angle, radius in self.curves)
+        return max(SHORTEST_STRAIGHT, (self.length - arcs) / self.straights) if self.curves else self.length / 2
+
+    @property
+    def spans(self) -> tuple[tuple[float, float], ...]:
+        """Where along the road every bend begins and ends [m]."""
+        found, at = [], self.straight
+        for angle, radius in self.curves:
+            arc = abs(math.radians(angle)) * radius
+            found.append((at, at + arc))
+            at += arc + (self.straight if self.shape == "hairpin" else 0.0)
+        return tuple(found)
+
+    @property
+    def straights(self) -> int:
+        """How many straights there are: two, or one more than hairpins."""
+        return len(self.curves) + 1 if self.shape == "hairpin" else 2
 
 
 class Arm(Part):
@@ -136,14 +163,15 @@ def _check_ring(lanes: int, diameter: float) -> None:
 
 
 class Junction(Part):
-    """One place along a corridor where side roads join: at `position` along it, on the sides named.
+    """One place along a corridor where side roads join: at `position` along it, on the sides named; several on one side are
+    spread evenly over it, so that three to eight roads meet.
 
     At a crossing the main road may have turn lanes, in each direction that has a side road to turn to; they are `pocket`
     long, at most `POCKET_SHARE` of the way from what lies before the crossing. A roundabout has none.
     """
 
     position: Annotated[float, Field(ge=30.0, le=10000.0, allow_inf_nan=False)]
-    sides: Annotated[tuple[Side, ...], Field(min_length=1, max_length=2)] = ("left", "right")
+    sides: Annotated[tuple[Side, ...], Field(min_length=1, max_length=6)] = ("left", "right")
     form: Literal["crossing", "roundabout"] = "crossing"
     control: Control = "yield"
     side_lanes: Lanes = 1
@@ -158,9 +186,23 @@ class Junction(Part):
 
     @model_validator(mode="after")
     def _lanes_fit_into_the_ring(self) -> "Junction":
+        if max(self.sides.count("left"), self.sides.count("right")) > _MOST_ON_A_SIDE:
+            raise ValueError(f"at most {_MOST_ON_A_SIDE} roads join on one side of a junction along a road")
         if self.form == "roundabout":
             _check_ring(self.ring_lanes, self.diameter)
+            least = _least_diameter([0.0, 180.0, *self.directions], self.ring_lanes)
+            if self.diameter < least:
+                raise ValueError(f"{2 + len(self.sides)} roads need a roundabout of at least {math.ceil(least)} m across")
         return self
+
+    @property
+    def directions(self) -> tuple[float, ...]:
+        """Directions of the side roads against the corridor's own [degrees, to the left], in the order of `sides`."""
+        found = []
+        for i, side in enumerate(self.sides):
+            step = 180.0 / (1 + self.sides.count(side))
+            found.append(step * (1 + self.sides[:i].count(side)) + (0.0 if side == "left" else 180.0))
+        return tuple(found)
 
 
 class TurnLanes(NamedTuple):
@@ -175,7 +217,7 @@ NO_TURN_LANES = TurnLanes(0, 0, 0.0)
 
 
 class Corridor(Part):
-    """A two-way road with junctions along it: crossings or roundabouts in a row, side streets, a staggered junction.
+    """A road of any line with junctions along it: crossings or roundabouts in a row, side streets, a staggered junction.
 
     Without junctions it is a plain street. `dead_end` closes its far end with a turning place (cul-de-sac).
     """
@@ -192,8 +234,6 @@ class Corridor(Part):
     def _junctions_fit(self) -> "Corridor":
         if min(self._ways()) < 20:
             raise ValueError("junctions must be in order, at least 20 m apart and that far from the road's ends")
-        if self.junctions and self.alignment.shape != "straight":
-            raise ValueError("a road with junctions must be straight")
         if self.lanes_back == 0 and (self.dead_end or any(j.form == "roundabout" for j in self.junctions)):
             raise ValueError("a one-way street can neither be a dead end nor lead through roundabouts here")
         return self

@@ -56,6 +56,23 @@ ROADS: dict[str, dict[str, Any]] = {
         "lanes_back": 0,
         "junctions": [{"position": 300, "left_turn_lane": True, "right_turn_lane": True}],
     },
+    "junctions_along_bends": {
+        "kind": "corridor",
+        "alignment": {"shape": "s_curve", "length": 700, "angle": 70, "radius": 80},
+        "lanes": 2,
+        "junctions": [
+            {"position": 120, "sides": ["left"], "left_turn_lane": True},
+            {"position": 350, "sides": ["left", "right"], "control": "signals", "left_turn_lane": True, "side_length": 60},
+            {"position": 580, "sides": ["right"], "form": "roundabout"},
+        ],
+    },
+    "five_roads_in_a_row": {
+        "kind": "corridor",
+        "junctions": [
+            {"position": 200, "sides": ["left", "right", "left"], "form": "roundabout"},
+            {"position": 420, "sides": ["right", "left", "right"], "control": "signals", "right_turn_lane": True},
+        ],
+    },
     "mini_roundabout": {"kind": "roundabout", "arms": FOUR, "diameter": 14},
     "mini_roundabouts_in_a_row": {
         "kind": "corridor",

@@ -31,8 +31,13 @@ def specs() -> list[dict[str, Any]]:
     fork = {"kind": "fork", "length": 400, "stem": 600}
     pockets = {"kind": "corridor", "junctions": [{"position": 300, "left_turn_lane": True, "pocket": 40}]}
     arcs = {"kind": "corridor", "alignment": {"shape": "s_curve", "arcs": [[90, 50], [-70, 75]]}}
+    bent = {
+        "kind": "corridor",
+        "alignment": {"shape": "curve", "length": 500},
+        "junctions": [{"position": 250, "sides": ["right"]}],
+    }
     understood = [Plugin().write(text, 7).spec for text in texts]
-    typed = [MapSpec.model_validate({"road": road}) for road in (fork, pockets, arcs)]
+    typed = [MapSpec.model_validate({"road": road}) for road in (fork, pockets, arcs, bent)]
     return [spec.model_dump(mode="json") for spec in (*understood, *typed)]
 
 

@@ -29,7 +29,6 @@ def structure_of(text: str) -> Structure:
         ("a street with two lanes per direction, exactly three lanes per direction", ["2 lanes per direction", "3 lanes per"]),
         ("a straight street, 300 m long, limit 50 km/h, limit 80 km/h", ["50 kmh", "80 kmh"]),
         ("a motorway without any exits and with two off-ramps", ["off ramps", "exits"]),
-        ("a row of two crossings, 150 m apart, left-turn lanes at the first one only", ["left turn lanes"]),
         ("a highway that gains a lane, from four lanes to three", ["4 lanes", "gains"]),
         ("a one-way street with traffic in both directions", ["one way", "both directions"]),
     ],

@@ -10,19 +10,15 @@ from drivegen.sumo.plain import Point
 Line = NDArray[np.float64]
 
 _BEND_STEP = np.radians(4.0)
-_SHORTEST_END = 30.0
 _SHORTEST_ARC = 0.1
 
 
 def draw(alignment: Alignment) -> Line:
     """The polyline (P, 2) of an alignment, from (0, 0) heading east; straights beside its bends and between hairpins."""
-    bends = alignment.curves
-    arcs = sum(abs(np.radians(angle)) * radius for angle, radius in bends)
-    legs = len(bends) + 1 if alignment.shape == "hairpin" else 2
-    ends = max(_SHORTEST_END, (alignment.length - arcs) / legs) if bends else alignment.length / 2
+    ends = alignment.straight
     pieces, heading = [np.zeros((1, 2)), np.array([[ends, 0.0]])], 0.0
-    for i, (angle, radius) in enumerate(bends):
-        if i and legs > 2:  # hairpins have a straight between them
+    for i, (angle, radius) in enumerate(alignment.curves):
+        if i and alignment.shape == "hairpin":  # hairpins have a straight between them
             pieces.append(pieces[-1][-1:] + ends * np.array([[np.cos(heading), np.sin(heading)]]))
         if abs(np.radians(angle)) * radius > _SHORTEST_ARC:
             pieces.append(_arc(pieces[-1][-1], heading, np.radians(angle), radius))

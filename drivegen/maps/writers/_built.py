@@ -135,7 +135,8 @@ def _along(found: Built, places: list[float], end: float) -> None:
 def _corridor(found: Built, road: Corridor) -> None:
     found.road(road.lanes, road.lanes_back, road.speed)
     _line(found, road.alignment, road.alignment.length)
-    _along(found, [j.position for j in road.junctions], road.alignment.length)
+    bends = [end for span in road.alignment.spans for end in span] if road.junctions else []
+    _along(found, sorted([*bends, *(j.position for j in road.junctions)]), road.alignment.length)
     found.counts["dead_end"] += road.dead_end
     for number, junction in enumerate(road.junctions):
         _joined(found, junction)

@@ -5,6 +5,7 @@ from itertools import pairwise
 from typing import Any
 
 from drivegen.errors import UnusableInput
+from drivegen.maps.writers._bent_rows import BENDS, placed_at_bend, side_at_bend
 from drivegen.maps.writers._choices import Choices
 from drivegen.maps.writers._control import control_at, control_of
 from drivegen.maps.writers._facts import Facts, JunctionWords
@@ -37,15 +38,17 @@ def row(facts: Facts, choices: Choices) -> Road:
 
 def _along(facts: Facts, words: JunctionWords, side: int, speed: float, nearest: float) -> Road:
     control = control_at(facts, words, equal_roads=False)
-    sides = ["left", "right"]
+    sides = ["left", "right"] * 3
     if words.arms == 3:
-        sides = ["left"] if (words.side or facts.turn) == "left" else ["right"]
-    if words.arms not in (None, 3, 4):
-        raise UnusableInput("junctions in a row can have three or four arms", reason="impossible-map")
+        sides = [words.side or _side(facts, "right")]
+    if words.arms not in (None, *range(3, 9)):
+        raise UnusableInput("junctions in a row can have three to eight arms", reason="impossible-map")
     ring = facts.lanes.get("ring", 1)
-    told = facts.lengths.get("diameter") or 2.0 * facts.lengths.get("radius", 0.0)
+    told = facts.lengths.get("diameter") or (0.0 if facts.has(*BENDS) else 2.0 * facts.lengths.get("radius", 0.0))
     diameter = told or max(_SMALLEST_RING, min(36.0 + 8 * ring, nearest - _BETWEEN_RINGS))
+    sides = sides[: (words.arms or 4) - 2]
     form: Road = {"form": words.form, "sides": sides, "side_lanes": side, "ring_lanes": ring, "diameter": diameter}
+    form |= {f"{side}_turn_lane": True for side in words.pockets.split()}
     return {**form, "control": control, "side_speed": facts.speeds.get("side", speed)}
 
 
@@ -73,6 +76,8 @@ def side_streets(facts: Facts, choices: Choices) -> Road:
 def _sides(facts: Facts, count: int) -> list[list[str]]:
     """The sides on which side streets join: as told, both for streets that cross, one, or left and right in turn."""
     told = [turn for turn, _ in facts.side_places]
+    if facts.has(*BENDS) and not facts.has("cross_streets", "alternate"):
+        return [[_side(facts, "")]] * count
     if told and all(told):
         return [[turn] for turn in told]
     if facts.has("cross_streets"):
@@ -82,6 +87,13 @@ def _sides(facts: Facts, count: int) -> list[list[str]]:
     if facts.turn or facts.has("same_side"):
         return [[facts.turn or "right"]] * count
     return [["left" if i % 2 == 0 else "right"] for i in range(count)]
+
+
+def _side(facts: Facts, usual: str) -> str:
+    """The side on which side roads join: as told, at bends "" where it is not, else the usual one."""
+    if facts.has(*BENDS):
+        return facts.side_turn
+    return facts.turn or usual
 
 
 def staggered(facts: Facts, choices: Choices) -> Road:
@@ -98,7 +110,7 @@ def staggered(facts: Facts, choices: Choices) -> Road:
 def _corridor(
     facts: Facts, choices: Choices, main: int, junctions: list[Road], gaps: list[float], start: float | None = None
 ) -> Road:
-    """A straight road with junctions `gaps` [m] apart, the first one `start` [m] from its beginning if that is known."""
+    """A road with junctions `gaps` [m] apart, the first one `start` [m] from its beginning if that is known."""
     if len(junctions) > _MOST_IN_A_ROW:
         raise UnusableInput(f"a road can have at most {_MOST_IN_A_ROW} junctions along it", reason="impossible-map")
     between = sum(gaps)
@@ -108,14 +120,19 @@ def _corridor(
     first = ends if start is None else max(start, 30.0)
     if "length" in facts.lengths and start is not None:
         ends = max(_SHORTEST_END, facts.lengths["length"] - between - first)
-    turning: Road = {"left_turn_lane": facts.left_pocket, "right_turn_lane": facts.right_pocket}
+    line: Road = {"shape": "straight", "length": first + between + ends}
+    if facts.has(*BENDS):
+        line = alignment(facts, choices, (400, 600))
+        line, first = placed_at_bend(facts, line, between, start)
+        junctions = [{**j, "sides": [side_at_bend(line, side) for side in j["sides"]]} for j in junctions]
+    all_have = facts.pocket_role in ("", "main")
+    turning: Road = {"left_turn_lane": facts.left_pocket and all_have, "right_turn_lane": facts.right_pocket and all_have}
     turning |= {"pocket": facts.lengths["pocket"]} if "pocket" in facts.lengths else {}
-    turning = turning if facts.pocket_role in ("", "main") else {}
-    placed = [{**junction, **turning, "position": first + sum(gaps[:i])} for i, junction in enumerate(junctions)]
+    placed = [{**turning, **junction, "position": first + sum(gaps[:i])} for i, junction in enumerate(junctions)]
     one_way = bool(facts.one_way) and not facts.two_way
     return {
         "kind": "corridor",
-        "alignment": {"shape": "straight", "length": first + between + ends},
+        "alignment": line,
         "lanes": main,
         "lanes_back": 0 if one_way else facts.lanes.get("back", main),
         "speed": choices.speed(facts),

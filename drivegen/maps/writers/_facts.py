@@ -12,7 +12,7 @@ class JunctionWords:
     Attributes:
         form: "crossing" or "roundabout". at: place in the text. arms: roads that meet, None unsaid. shape: "t", "y" or "".
         count: how many of them. control: its own, as `Facts.control`, or "unsignalled". side: of its side road.
-        gap: from the junction before it [m]. position: from the start of the road [m].
+        gap: from the junction before it [m]. position: from the start of the road [m]. pockets: sides of its own turn lanes.
     """
 
     form: str
@@ -24,6 +24,7 @@ class JunctionWords:
     side: Side | None = None
     gap: float | None = None
     position: float | None = None
+    pockets: str = ""
 
 
 @dataclass
@@ -60,8 +61,10 @@ class Facts:
             "diameter", "auxiliary", "offset", "position", "side", "median", "island" (in the middle of a ring), "pocket" (of
             turn lanes), "straights" (beside bends), "before" and "behind" (the one
             bend), "branch" and "stem" (of a fork), "rest" (of the road, behind its last change), "beyond" (streets of a
-            grid, past its crossings). angle: [degrees]. bends: how many, None unsaid. arcs: turn
-            [degrees], positive to the left, and radius [m] of bends that differ.
+            grid, past its crossings), "from_bend" (to the first junction). angle: [degrees]. bends: how many, None unsaid.
+            arcs: turn [degrees], positive to the left, and radius [m] of bends that differ.
+        at_bend: where junctions lie against bends, "in", "before" or "behind" them, "" no bends. side_turn: side of side roads
+            along a bend, "inside" its inner one; side_turns: where in the text it is said.
         one_way: places in the text of roads that are said to be one-way. two_way: a road is said to run both ways.
         side_places: side ("left", "right" or "") and position along the road [m] of side streets told one by one.
         pocket_role: of the road that has the turn lanes, "" all. interchange: its form, "" none.
@@ -85,6 +88,9 @@ class Facts:
     angle: float | None = None
     turn: Side | None = None
     bends: int | None = None
+    at_bend: str = ""
+    side_turn: str = ""
+    side_turns: set[int] = field(default_factory=set)
     arcs: list[tuple[float, float | None]] = field(default_factory=list)
     control: Control | None = None
     unsignalled: bool = False

@@ -11,6 +11,7 @@ from typing import Any
 from drivegen.errors import UnusableInput
 from drivegen.maps.writers import _likeness
 from drivegen.maps.writers._facts import Facts
+from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
 from drivegen.maps.writers._small_words import NARRATIVE, SMALL_WORDS
 
@@ -61,12 +62,8 @@ def refuse_contradictions(s: Sentence, facts: Facts, road: Mapping[str, Any]) ->
 
     Who goes first, a side road, or roads that join and cross make no sense along a road that meets no other.
     """
-    for phrase in s.denied("road"):
-        if not phrase.words and s.tokens[phrase.head].text in ("road", "roads", "street", "streets"):
-            raise UnusableInput(f"a map needs roads, and {phrase.text!r} are denied", reason="impossible-map")
-    for phrase in s.denied("arm"):
-        if s.tokens[phrase.head].text in ("arms", "legs", "approaches", "branches") and not phrase.words:
-            raise UnusableInput(f"a junction needs roads, and {phrase.text!r} are denied", reason="impossible-map")
+    _refuse_denied_roads(s)
+    _refuse_junction_within(s, facts)
     if road["kind"] not in ("corridor", "highway", "fork") or road.get("junctions"):
         return
     sides = [p.head for p in s.said("road") if p.role == "side" and s.tokens[p.head].text != "side"]  # "on one side"
@@ -82,6 +79,33 @@ def refuse_contradictions(s: Sentence, facts: Facts, road: Mapping[str, Any]) ->
             f"I do not understand where roads meet, though {words!r} says that they do; please say it in other words",
             reason="not-understood",
         )
+
+
+def _refuse_junction_within(s: Sentence, facts: Facts) -> None:
+    """Raise UnusableInput at one junction that has another, as "a roundabout with a crossing of six roads"."""
+    for place in s.said("place") if len(facts.junctions) > 1 else ():
+        before = s.last_before(place.first, "place")
+        if s.word(place.first - 1, "with") and before is not None and not _are_apart(s, before, place):
+            raise UnusableInput(
+                f"I do not understand how {place.text!r} lies to {before.text!r}; please say it in other words",
+                reason="not-understood",
+            )
+
+
+def _refuse_denied_roads(s: Sentence) -> None:
+    """Raise UnusableInput at a map without roads, or a junction where none meet."""
+    for phrase in s.denied("road"):
+        if not phrase.words and s.tokens[phrase.head].text in ("road", "roads", "street", "streets"):
+            raise UnusableInput(f"a map needs roads, and {phrase.text!r} are denied", reason="impossible-map")
+    for phrase in s.denied("arm"):
+        if s.tokens[phrase.head].text in ("arms", "legs", "approaches", "branches") and not phrase.words:
+            raise UnusableInput(f"a junction needs roads, and {phrase.text!r} are denied", reason="impossible-map")
+
+
+def _are_apart(s: Sentence, before: Phrase, place: Phrase) -> bool:
+    """Whether two junctions are told apart: counted, listed, or one so far behind the other; "a ring with a crossing" is not."""
+    counted = (before.number or 1) > 1 or (place.number or 1) > 1 or place.value == before.value
+    return counted or s.between(before.head, place.first, "and", "seq", "later", "length", "spacing", "stop", "ordinal")
 
 
 def _is_counted(s: Sentence, i: int) -> bool:

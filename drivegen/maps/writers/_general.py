@@ -4,7 +4,7 @@ from drivegen.maps.spec_values import Side
 from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._owners import role
 from drivegen.maps.writers._phrases import Phrase
-from drivegen.maps.writers._rows import are_excepted, one_of_a_row, others_of_a_row, read_control_of_each
+from drivegen.maps.writers._rows import meant_of_a_row, pockets_of_a_row, read_control_of_each, use_number_of_others
 from drivegen.maps.writers._sentence import Sentence
 
 _MOST_BENDS = 8
@@ -109,6 +109,8 @@ def read_shapes(s: Sentence, facts: Facts) -> None:
         facts.features.setdefault(s.tokens[i].value, i)
         s.use(i, i, f"{'small' if s.tokens[i].value == 'sharp' else 'large'} radius")
     for i in s.of_kind("turn"):
+        if i in facts.side_turns:
+            continue
         turns.append(s.tokens[i].value)
         if i not in s.used:
             facts.turn = facts.turn or (_side(s.tokens[i].value))
@@ -155,6 +157,11 @@ def read_pockets(s: Sentence, facts: Facts) -> None:
         last = phrase.head
         while last + 1 < len(s.tokens) and (s.tokens[last + 1].kind in ("length", "long") or s.word(last + 2, "length")):
             last += 1  # "turn lanes of 40 m on the main road"
+        if own := pockets_of_a_row(s, facts, phrase):
+            for one in own:
+                one.pockets = f"{one.pockets} {sides}".strip()
+            s.use(phrase.first, phrase.head, f"turn lanes ({sides.replace(' ', ' and ')}) at this junction")
+            continue
         where = s.governed(last) or _told_before(s, phrase.first)
         facts.pocket_role = role(s, where) if where is not None and where.kind == "road" and where.det != "" else ""
         if any(abs(i - phrase.head) <= _NEAR for i in s.of_kind("ordinal")) and _in_a_row(facts):
@@ -180,14 +187,11 @@ def read_control(s: Sentence, facts: Facts) -> None:
         if phrase.value == "signs":
             s.use(phrase.head, phrase.head, "")
             continue
-        one = one_of_a_row(s, facts, phrase)
-        if one is not None:
-            named = [one, *others_of_a_row(s, facts, phrase)]
-            if are_excepted(s, phrase):
-                named = [junction for junction in facts.junctions if all(junction is not each for each in named)]
-            for each in named:
-                each.control = phrase.value
-        else:
+        named = meant_of_a_row(s, facts, phrase)
+        for one in named:
+            one.control = phrase.value
+        if not named:
+            use_number_of_others(s, phrase)
             found.append(phrase.value)
         s.use(phrase.first if phrase.value == "all_way_stop" else phrase.head, phrase.head, _CONTROLS[phrase.value])
     found += [i.control for i in facts.junctions if i.control and len(facts.junctions) == 1]
@@ -210,10 +214,10 @@ def _read_denied_control(s: Sentence, facts: Facts) -> None:
     for phrase in s.denied("control"):
         if phrase.head in s.used:
             continue
-        one = one_of_a_row(s, facts, phrase) if several else None
-        if one is not None:
+        named = meant_of_a_row(s, facts, phrase) if several else []
+        for one in named:
             one.control = "unsignalled" if phrase.value == "signals" else one.control
-        elif phrase.value == "signals":
+        if not named and phrase.value == "signals":
             facts.unsignalled = True
         s.use(phrase.first, phrase.head, f"no {_CONTROLS.get(phrase.value, 'signs')}")
 

@@ -10,7 +10,7 @@ from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._layouts import read_grid
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._places_along import listed_places
-from drivegen.maps.writers._rows import one_of_a_row, read_arms_of_a_row, read_positions_of_a_row
+from drivegen.maps.writers._rows import meant_of_a_row, read_arms_of_a_row, read_positions_of_a_row
 from drivegen.maps.writers._sentence import Sentence
 
 _NAMES = {"t": "T-junction", "y": "Y-junction", "crossing": "crossing", "roundabout": "roundabout"}
@@ -105,12 +105,15 @@ def _read_ways_that_stop(s: Sentence, facts: Facts) -> None:
 
 def _is_of_a_row(s: Sentence, facts: Facts, phrase: Phrase, arms: int | None) -> bool:
     """Say of a junction of a row what it is, if the phrase does: "the first is a T, the second a roundabout"."""
-    row = any(junction.count > 1 for junction in facts.junctions) or (len(facts.junctions) > 1 and phrase.det == "the")
+    told_apart = len(facts.junctions) > 1 and (phrase.det == "the" or "ordinal" in phrase.words)
+    row = told_apart or any(junction.count > 1 for junction in facts.junctions)
     if not row or (phrase.number or 1) > 1:
         return False
-    one = one_of_a_row(s, facts, phrase)
-    if one is None:
+    named = meant_of_a_row(s, facts, phrase)
+    if len(named) != 1:
         return False
+    one = named[0]
+    one.at = phrase.first
     one.form = "roundabout" if phrase.value == "roundabout" else one.form
     one.shape = phrase.value if phrase.value in ("t", "y") else one.shape
     one.arms = arms or (_FEWEST if one.shape else one.arms)

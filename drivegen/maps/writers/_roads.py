@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from drivegen.errors import UnusableInput
+from drivegen.maps.writers._bent_rows import BENDS
 from drivegen.maps.writers._built import ISLAND
 from drivegen.maps.writers._choices import Choices
 from drivegen.maps.writers._control import control_at, control_of
@@ -44,8 +45,6 @@ def _refuse_contradictions(facts: Facts) -> None:
             )
     if facts.control == "signals" and facts.unsignalled:
         raise UnusableInput("the description asks for traffic lights and for none", reason="impossible-map")
-    if facts.has("curve", "s_curve", "hairpin") and (facts.junctions or facts.side_streets):
-        raise UnusableInput("I can draw junctions on straight roads only, and bends without junctions", reason="not-understood")
     if any(lanes == 0 for lanes in [*facts.lanes.values(), *(n for _, n in facts.other_lanes)]):
         raise UnusableInput("a road needs at least one lane", reason="impossible-map")
 
@@ -217,7 +216,8 @@ def _is_crossing(facts: Facts) -> bool:
 
 
 def _in_a_row(facts: Facts) -> bool:
-    return len(facts.junctions) > 1 or any(junction.count > 1 for junction in facts.junctions)
+    along_bends = bool(facts.junctions) and facts.has(*BENDS) and not facts.side_streets
+    return along_bends or len(facts.junctions) > 1 or any(junction.count > 1 for junction in facts.junctions)
 
 
 _KINDS: tuple[tuple[Callable[[Facts], bool], Callable[[Facts, Choices], Road]], ...] = (

@@ -1,5 +1,6 @@
 """Which junction of a row is meant: "the first has lights, the second a stop sign", "the western one has four arms"."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -8,49 +9,86 @@ from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
 
 _NEAR = 5
+_SAID_OF_JUNCTIONS = ("control", "pocket")
 _MOST = 13
 _FEWEST_ARMS = 3
+_JOINS_POCKETS = frozenset(("with", "is", "and", "det", "control", "number", "turn", "pocket"))
 _JOINS_CONTROL = frozenset(("with", "neg", "det", "number", "role", "control", "prep", "each"))
 
 
-def one_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
-    """The junction that an ordinal in the phrase, or shortly before it, names; counted ones are told apart from then on."""
+def meant_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> list[JunctionWords]:
+    """The junctions that are named in the phrase, right behind it or shortly before it, none if it is said of all of them;
+    counted ones are told apart from then on.
+    """
     if not facts.junctions:
-        return None
-    if (after := _ordinal_behind(s, phrase)) is not None:
-        return _numbered(s, facts, after, int(s.tokens[after].value))
-    if "ordinal" in phrase.words:
-        at = next(i for i in range(phrase.first, phrase.head) if s.word(i, "ordinal"))
-        return _numbered(s, facts, at, int(phrase.words["ordinal"]))
-    place = s.last_before(phrase.head, "place") if phrase.kind == "control" else None
-    if place is not None and "ordinal" in place.words and _is_said_of(s, place, phrase):
-        at = next(i for i in range(place.first, place.head) if s.word(i, "ordinal"))
-        return _numbered(s, facts, at, int(place.words["ordinal"]))
-    ordinal = s.last_before(phrase.head, "ordinal")
-    if ordinal is None or phrase.head - ordinal.head > _NEAR:
-        return None
-    return _numbered(s, facts, ordinal.first, int(ordinal.value))
+        return []
+    if behind := _ordinals_behind(s, phrase):
+        return _all_there(_numbered(s, facts, at, int(s.tokens[at].value)) for at in behind)
+    told = (_ordinal_inside(s, phrase), _ordinal_of_subject(s, phrase), _ordinal_before(s, phrase))
+    at = next((i for i in told if i is not None), None)
+    if at is None:
+        return []
+    named = _all_there([_numbered(s, facts, at, int(s.tokens[at].value)), *_joined_before(s, facts, phrase)])
+    if named and _are_excepted(s, phrase):
+        named = [junction for junction in facts.junctions if all(junction is not one for one in named)]
+    return named
 
 
-def _is_said_of(s: Sentence, place: Phrase, control: Phrase) -> bool:
-    """Whether only "is" or "has" stands between: "the second crossing is signalised"."""
-    between = s.tokens[place.head + 1 : control.head]
-    return bool(between) and all(t.kind in ("is", "with", "det", "but") for t in between)
+def _all_there(named: Iterable[JunctionWords | None]) -> list[JunctionWords]:
+    return [one for one in named if one is not None]
 
 
-def _ordinal_behind(s: Sentence, phrase: Phrase) -> int | None:
-    """The ordinal of "lights at the first one only", if the phrase is a control."""
-    i = phrase.head + 1
-    if phrase.kind != "control" or not (s.word(i, "but") or s.word(i, "prep")):
-        return None
-    while i < len(s.tokens) and s.tokens[i].kind in ("prep", "det", "but"):
+def _ordinals_behind(s: Sentence, phrase: Phrase) -> list[int]:
+    """The ordinals of "lights at the first one only", "turn lanes at the first and the third"."""
+    i, found = phrase.head + 1, list[int]()
+    if phrase.kind not in _SAID_OF_JUNCTIONS or not (s.word(i, "but") or s.word(i, "prep")):
+        return []
+    while i < len(s.tokens) and s.tokens[i].kind in ("prep", "det", "but", "ordinal", *(("and",) if found else ())):
+        found += [i] if s.word(i, "ordinal") else []
         i += 1
-    follows = s.tokens[i + 1].kind if i + 1 < len(s.tokens) else "stop"
-    return i if s.word(i, "ordinal") and follows in ("comma", "stop", "but", "place", "number") else None
+    follows = s.tokens[i].kind if i < len(s.tokens) else "stop"
+    ends = ("comma", "stop", "place", "number", *_SAID_OF_JUNCTIONS)
+    return found if follows in ends or s.word(i - 1, "but") else []
 
 
-def others_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> list[JunctionWords]:
-    """The junctions named before the one of `one_of_a_row` and joined to it: "the first and the last with lights"."""
+def _ordinal_inside(s: Sentence, phrase: Phrase) -> int | None:
+    return next((i for i in range(phrase.first, phrase.head) if s.word(i, "ordinal")), None)
+
+
+def _ordinal_of_subject(s: Sentence, phrase: Phrase) -> int | None:
+    """That of "the second crossing is signalised": only "is" or "has" stands between."""
+    place = s.last_before(phrase.head, "place") if phrase.kind in _SAID_OF_JUNCTIONS else None
+    if place is None or "ordinal" not in place.words:
+        return None
+    between = s.tokens[place.head + 1 : phrase.head]
+    said = bool(between) and all(t.kind in ("is", "with", "det", "but") for t in between)
+    return _ordinal_inside(s, place) if said else None
+
+
+def _ordinal_before(s: Sentence, phrase: Phrase) -> int | None:
+    """That of "the second has lights"."""
+    ordinal = s.last_before(phrase.head, "ordinal")
+    if ordinal is None or phrase.head - ordinal.head > _NEAR or _speaks_of_others(s, ordinal.head, phrase.head):
+        return None
+    return ordinal.first
+
+
+def _speaks_of_others(s: Sentence, first: int, last: int) -> bool:
+    between = s.tokens[first + 1 : last]
+    return any((t.kind == "det" and t.value == "another") or t.text in ("others", "rest", "remaining") for t in between)
+
+
+def use_number_of_others(s: Sentence, phrase: Phrase) -> None:
+    """Take the number in "the other two with stop signs": what is said of no junction of a row holds for those left."""
+    i = phrase.first - 1
+    while i > 0 and s.tokens[i].kind in ("with", "is", "verb", "place"):
+        i -= 1
+    if s.word(i, "number") and s.word(i - 1, "det") and s.tokens[i - 1].value == "another":
+        s.used.add(i)
+
+
+def _joined_before(s: Sentence, facts: Facts, phrase: Phrase) -> list[JunctionWords | None]:
+    """The junctions named before the nearest ordinal and joined to it: "the first and the last with lights"."""
     ordinals = [p for p in s.said("ordinal") if p.head < phrase.head and phrase.head - p.head <= 2 * _NEAR]
     named = [_counted_from(s, facts, phrase, i) for i in range(1, _last_of_several(s, phrase) + 1)]
     for before, after in reversed(list(pairwise(ordinals))):
@@ -58,7 +96,7 @@ def others_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> list[JunctionW
         if not joined or any(t.kind not in ("and", "det", "comma") for t in joined):
             break
         named.append(_numbered(s, facts, before.first, int(before.value)))
-    return [one for one in named if one is not None]
+    return named
 
 
 def _last_of_several(s: Sentence, phrase: Phrase) -> int:
@@ -77,8 +115,8 @@ def _counted_from(s: Sentence, facts: Facts, phrase: Phrase, i: int) -> Junction
     return facts.junctions[number - 1] if 1 <= number <= len(facts.junctions) else None
 
 
-def are_excepted(s: Sentence, phrase: Phrase) -> bool:
-    """Whether the phrase is said of all but the junction of `one_of_a_row`: "all except the last one have lights"."""
+def _are_excepted(s: Sentence, phrase: Phrase) -> bool:
+    """Whether the phrase is said of all but the junction that is named: "all except the last one have lights"."""
     ordinal = max((i for i in s.of_kind("ordinal") if i < phrase.head), default=0)
     before = s.tokens[max(0, ordinal - _NEAR) : ordinal]
     whole = [t.kind == "total" or t.text in ("all", "every", "each") or t.kind == "each" for t in before]
@@ -127,6 +165,19 @@ def read_control_of_each(s: Sentence, facts: Facts) -> None:
             continue
         junction.control = "unsignalled" if phrase.negated else phrase.value
         s.use(phrase.first, phrase.head, f"{'no ' * phrase.negated}{phrase.value.replace('_', ' ')} at this junction")
+
+
+def pockets_of_a_row(s: Sentence, facts: Facts, phrase: Phrase) -> list[JunctionWords]:
+    """The junctions of a row that alone have the turn lanes: those that are named, or the one behind which they are said."""
+    if len(facts.junctions) < 2 and not any(junction.count > 1 for junction in facts.junctions):
+        return []
+    if named := meant_of_a_row(s, facts, phrase):
+        return named
+    place = s.last_before(phrase.head, "place")
+    between = s.tokens[place.head + 1 : phrase.head] if place is not None else []
+    if not between or any(t.kind not in _JOINS_POCKETS for t in between):
+        return []
+    return [junction for junction in facts.junctions if place is not None and junction.at == place.first and junction.count == 1]
 
 
 def _said_behind(s: Sentence, junction: JunctionWords) -> Phrase | None:

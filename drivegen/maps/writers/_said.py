@@ -36,6 +36,8 @@ def said_places(s: Sentence, found: Built) -> Iterator[Said]:
             continue
         form = phrase.value if phrase.value in ("roundabout", "grid") else "crossing"
         there = found.arms.count(_FEWEST_ARMS) if phrase.value == "t" else found.counts[form]
+        if s.tokens[phrase.head].text in ("junctions", "intersections"):
+            there += found.counts["roundabout"]
         if phrase.negated:
             yield Said(form, phrase.first, phrase.head, not there or _leaves_some(s, phrase) or form == "grid")
         elif phrase.value not in ("grid", "staggered"):

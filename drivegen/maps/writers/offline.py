@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from drivegen.errors import UnusableInput
 from drivegen.maps.spec import MapSpec
 from drivegen.maps.writers._bends import read_arcs, read_straights
+from drivegen.maps.writers._bent_rows import read_junctions_at_bends
 from drivegen.maps.writers._changes import read_changes
 from drivegen.maps.writers._choices import Choices
 from drivegen.maps.writers._events import read_ramps
@@ -73,6 +74,7 @@ _RULES = (
         read_steps,
         read_lanes,
         read_speeds,
+        read_junctions_at_bends,
         read_arcs,
         read_straights,
         read_lengths,
