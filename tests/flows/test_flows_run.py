@@ -14,10 +14,13 @@ from tests.flows import toy
 
 @pytest.fixture(scope="module")
 def running(tmp_path_factory):
-    """A server of our own for this file, and no trace of it afterwards."""
+    """A server of our own for this file, and no trace of it afterwards; said again for a Prefect that was imported before."""
     before = dict(os.environ)
     with server.local_server(tmp_path_factory.mktemp("prefect")) as url:
-        yield url
+        from prefect.settings import PREFECT_API_URL, temporary_settings
+
+        with temporary_settings({PREFECT_API_URL: url}):
+            yield url
     os.environ.clear()
     os.environ.update(before)
 
