@@ -1,30 +1,53 @@
 """`drivegen export`: scenarios out of the pipeline's shards, each as a folder in the official layout."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
+import numpy as np
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
 from rich.console import Console
 from typer import Argument, Option
 
 from drivegen.av2.export import export_scenario
 from drivegen.errors import UnusableInput
-from drivegen.scenario import Scenario
+from drivegen.samples import Samples
+from drivegen.scenario import TARGET, Scenario, Trajectories
+from drivegen.shipping import sample_id
+from drivegen.store import samples as samples_store
 from drivegen.store.folders import whole_folder
+from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
+
+SAMPLES, DRIVEN = "samples", "driven"
+"""Of a round of corner cases: the traffic, and the target as the driver drove it."""
+
+
+Shards = Annotated[
+    Path,
+    Argument(help="A folder of shards, or one: data/shipped, data/scenarios/test, data/generated/METHOD, data/corner/ROUND."),
+]
+Of = Annotated[Path, Option(help="The scenarios that data/generated and data/corner hold futures of.")]
+Collisions = Annotated[bool, Option("--collisions", help="Of a round: only futures that the driver's collision ends early.")]
+Driven = Annotated[bool, Option("--driven", help="Of a round: the target as the driver drove it, not as it was planned.")]
 
 
 def command(
-    scenarios: Annotated[Path, Argument(help="A folder of shards, e.g. data/shipped or data/scenarios/test, or one shard.")],
+    scenarios: Shards,
     out: Annotated[Path, Option(help="New folder for <id>/ (official Motion Forecasting layout).")],
     most: Annotated[int | None, Option(min=1, help="Only the first so many.")] = None,
+    of: Of = Path("data/scenarios/test"),
+    collisions: Collisions = False,
+    driven: Driven = False,
 ) -> None:
     """Write the scenarios of SCENARIOS for other programs: Motion Forecasting folders that `drivegen view` and av2 open."""
-    found = _shards(scenarios)
+    found = _found(scenarios, _Wanted(of, collisions, driven))
     count = 0
     with whole_folder(out) as folder:
-        for scenario in islice(_all(found), most):
+        for scenario in islice(found, most):
             if scenario.log is None:
                 raise UnusableInput(
                     f"{scenarios}: scenario {scenario.scenario_id} has no motion yet: give scenarios that drove, as data/shipped"
@@ -32,8 +55,30 @@ def command(
             export_scenario(scenario, scenario.log, folder, scenario.scenario_id.replace(":", "-"))
             count += 1
         if not count:
-            raise UnusableInput(f"{scenarios} holds no scenario")
+            raise UnusableInput(f"{scenarios} holds no scenario" + (" that a collision ends" if collisions else ""))
     Console(soft_wrap=True, highlight=False, markup=False).print(f"{out}: {count} scenarios of {scenarios}")
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """Of samples: the folder of their scenarios; of a round, whether only collisions, and whose motion the target has."""
+
+    of: Path
+    collisions: bool
+    driven: bool
+
+
+def _found(place: Path, wanted: _Wanted) -> Iterator[Scenario]:
+    """What a folder or a shard holds, scenario by scenario."""
+    is_round = (place / SAMPLES).is_dir() and (place / DRIVEN).is_dir()
+    if (wanted.collisions or wanted.driven) and not is_round:
+        raise UnusableInput(f"{place} is no round of corner cases: --collisions and --driven are for those, as data/corner/0")
+    for shard in _shards(place / SAMPLES if is_round else place):
+        if not _holds_samples(shard):
+            yield from read_shard(shard)
+            continue
+        driven = read_samples(place / DRIVEN / shard.name) if is_round else None
+        yield from _futures(_scenarios(wanted.of / shard.name, shard), read_samples(shard), driven, wanted)
 
 
 def _shards(place: Path) -> list[Path]:
@@ -44,6 +89,45 @@ def _shards(place: Path) -> list[Path]:
     raise UnusableInput(f"{place} holds no shard-*.parquet: `make run` writes them, e.g. to data/shipped")
 
 
-def _all(found: list[Path]) -> Iterator[Scenario]:
-    for shard in found:
-        yield from read_shard(shard)
+def _holds_samples(shard: Path) -> bool:
+    try:
+        return (pq.read_schema(shard).metadata or {}).get(b"drivegen") == samples_store.KIND.encode()
+    except (OSError, ValueError):
+        return False  # reading it will say what is wrong
+
+
+def _scenarios(shard: Path, samples: Path) -> list[Scenario]:
+    if not shard.is_file():
+        raise UnusableInput(f"{samples} holds futures of scenarios in {shard}, which is not there: name their folder with --of")
+    return read_shard(shard)
+
+
+def _futures(
+    scenarios: list[Scenario], samples: list[Samples], driven: list[Samples] | None, wanted: _Wanted
+) -> Iterator[Scenario]:
+    """Each future of each scenario as a scenario of its own, without the vehicles that it leaves out."""
+    known = {scenario.scenario_id: scenario for scenario in scenarios}
+    for row, futures in enumerate(samples):
+        if futures.scenario_id not in known:
+            raise UnusableInput(f"{wanted.of} lacks scenario {futures.scenario_id}: these futures are of others, see --of")
+        scenario, own = known[futures.scenario_id], None if driven is None else driven[row].motion[:, TARGET]
+        for k in range(len(futures.dropped)):
+            if wanted.collisions and own is not None and own.last_valid()[k] + 1 >= scenario.steps:
+                continue  # the driver came to the end
+            motion = futures.motion[k] if own is None or not wanted.driven else _with_target(futures.motion[k], own[k])
+            kept = np.flatnonzero(motion.valid.any(-1))
+            yield replace(
+                scenario, scenario_id=sample_id(scenario.scenario_id, k), vehicles=scenario.vehicles[kept], log=motion[kept]
+            )
+
+
+def _with_target(motion: Trajectories, target: Trajectories) -> Trajectories:
+    """`motion` (N, T) with the target moving as `target` (T,) does."""
+
+    def put(all_of: NDArray[Any], one: NDArray[Any]) -> NDArray[Any]:
+        changed = all_of.copy()
+        changed[TARGET] = one
+        return changed
+
+    names = ("position", "heading", "velocity", "valid")
+    return Trajectories(*(put(getattr(motion, name), getattr(target, name)) for name in names))

@@ -22,6 +22,7 @@ from drivegen import cli
 from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder
 from drivegen.cli import doctor
+from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
 from tests import scenes
 from tests.small_datasets import sensor_log
@@ -93,6 +94,62 @@ def test_what_the_pipeline_ships_is_exported_in_the_official_layout(tmp_path):
     assert np.allclose(at, scene.log.position[0][there] + scene.map.origin, atol=0.01)
     assert run("export", "shipped/shard-00000.parquet", "--out", "one", "--most", "1", cwd=tmp_path).returncode == 0
     assert len(list((tmp_path / "one").iterdir())) == 1
+
+
+@pytest.fixture
+def corner_round(tmp_path) -> Path:
+    """Two futures of one scene; in the second the driver collides at step 7, in front of where it was planned to be."""
+    scene = scenes.busy_crossing(20, "recording:3")
+    made = scenes.noisy_samples(scene, 2, seed=1, method="drivegen_cs")
+    made.motion.valid[:, 2] = False  # left out of both
+    drove = made.motion[:, :1]
+    drove = replace(drove, valid=drove.valid.copy(), position=drove.position + np.float32([1.0, 0.0]))
+    drove.valid[1, :, 8:] = False
+    columns = {name: getattr(made, name)[:, :1] for name in vars(made) if name not in ("scenario_id", "method", "motion")}
+    write_shard(tmp_path / "data" / "scenarios" / "test" / "shard-00000.parquet", [scene])
+    write_samples(tmp_path / "round" / "samples" / "shard-00000.parquet", [made])
+    write_samples(tmp_path / "round" / "driven" / "shard-00000.parquet", [replace(made, motion=drove, **columns)])
+    return tmp_path
+
+
+def exported(folder: Path, *words: str) -> dict[str, tuple[int, int, float]]:
+    """Of each scenario folder: vehicles, frames of the target and where it first is, along x."""
+    done = run("export", *words, "--out", "out", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    made = {place.name: read_folder(place, "made") for place in (folder / "out").iterdir()}
+    shutil.rmtree(folder / "out")
+    focal = {name: (log.motion[log.focal], log.map.origin[0]) for name, log in made.items()}
+    return {
+        name: (len(made[name].track_id), int(target.valid.sum()), round(float(target.position[0, 0] + x), 1))
+        for name, (target, x) in focal.items()
+    }
+
+
+def test_futures_are_exported_one_by_one_and_of_a_round_what_collided_as_it_was_driven(corner_round):
+    planned = exported(corner_round, "round/samples")
+    vehicles = len(scenes.busy_crossing(20).vehicles) - 1
+    assert sorted(planned) == ["recording-3-s00", "recording-3-s01"]
+    assert {seen[:2] for seen in planned.values()} == {(vehicles, 20)}
+    assert exported(corner_round, "round") == planned
+    assert exported(corner_round, "round", "--collisions") == {"recording-3-s01": planned["recording-3-s01"]}
+    x = round(planned["recording-3-s01"][2] + 1.0, 1)
+    assert exported(corner_round, "round", "--collisions", "--driven") == {"recording-3-s01": (vehicles, 8, x)}
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["round/samples", "--collisions"], "is no round of corner cases"),
+        (["round", "--of", "elsewhere"], "elsewhere/shard-00000.parquet, which is not there: name their folder with --of"),
+        (["round", "--of", "other"], "other lacks scenario recording:3"),
+    ],
+)
+def test_futures_need_their_scenarios_and_only_rounds_know_collisions(corner_round, words, sentence):
+    write_shard(corner_round / "other" / "shard-00000.parquet", [scenes.busy_crossing(20, "another")])
+    done = run("export", *words, "--out", "out", cwd=corner_round)
+    assert done.returncode == 2
+    assert sentence in done.stderr
+    assert not (corner_round / "out").exists()
 
 
 def test_what_never_drove_is_not_exported(tmp_path):

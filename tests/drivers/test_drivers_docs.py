@@ -1,0 +1,34 @@
+"""The driver that docs/drivers.md shows is one: it keeps the protocol and drives."""
+
+import re
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from drivegen.simulators.batch import Plugin as Batch
+from tests.scenes import drive, scenario, stack, straight_road
+
+DOCS = Path(__file__).parents[2] / "docs" / "drivers.md"
+
+
+@pytest.fixture
+def late(monkeypatch):
+    [code] = re.findall(r"^```python\n(.*?)^```", DOCS.read_text(), re.DOTALL | re.MULTILINE)
+    module = ModuleType("late")
+    monkeypatch.setitem(sys.modules, "late", module)  # where its dataclass looks itself up
+    exec(code, vars(module))  # noqa: S102 - our own docs
+    return module
+
+
+@pytest.mark.parametrize(("reacts", "crashes"), [(3.0, False), (0.3, True)])
+def test_it_drives_and_brakes_as_late_as_it_is_told(late, reacts, crashes):
+    road = straight_road()
+    line = road.centreline[0].astype(np.float64)
+    free, blocked = stack([drive(line, 10, 8, 101)]), stack([drive(line, 10, 8, 101), drive(line, 70, 0, 101)])
+    driver = late.Plugin(late.Settings(reacts=reacts, braking=8.0, cruise=13.9))
+    outcome = Batch().run(driver, [scenario(road, free), scenario(road, blocked)], [free, blocked])
+    assert outcome.end[0, 0] > 60
+    assert outcome.collided.tolist() == [False, crashes]
