@@ -78,6 +78,7 @@ class Task:
 
 def main(params: Params, corpus: Path, out: Path, metrics: Path) -> dict[str, float]:
     """Plan the shards, make those that do not stand yet, count everything."""
+    plugins.load("datasets", params.source)  # a misspelt one is the first thing to say
     own = {} if params.source == CORPUS else {params.source: Path(params.root)}
     roots = {**{name: Path(root) for name, root in params.roots.items()}, **own, CORPUS: corpus}
     if unknown := [name for name in params.train_on if name not in roots]:
@@ -96,7 +97,7 @@ def main(params: Params, corpus: Path, out: Path, metrics: Path) -> dict[str, fl
         of_task[task.note].add(admission)
     for name, table in accounts(total).items():
         write_table(out / f"{name}.parquet", table)
-    _check(total)
+    _check(total, out / "rejected.parquet")
     for split in SPLITS:
         _tell_if_empty(out / split, params.source)
     described = ", ".join(opened(name).description for name in names)
@@ -169,13 +170,18 @@ def _files(task: Task, item: str) -> tuple[Path, ...]:
         return ()  # reading will say what is missing
 
 
-def _check(total: dict[str, Admission]) -> None:
+def _check(total: dict[str, Admission], rejected: Path) -> None:
     for split in ("train", "test"):
         if not total[split].accepted:
-            reasons = Counter(row[2] for row in total[split].rejected).most_common(3)
-            said = ", ".join(f"{count} x {reason}" for reason, count in reasons) or "there are none"
-            remedy = "see rejected.parquet, ingest.root and ingest.held_out"
+            said = _reasons(total[split].rejected) or "there are none"
+            remedy = f"see {rejected}, ingest.root and ingest.held_out"
             raise UnusableInput(f"no scene can be used as {split} scenario ({said}); {remedy}")
+    if rows := [row for found in total.values() for row in found.rejected]:
+        print(f"ingest: {len(rows)} scenes rejected ({_reasons(rows)}): {rejected} says why of each")
+
+
+def _reasons(rejected: list[tuple[str, ...]]) -> str:
+    return ", ".join(f"{count} x {reason}" for reason, count in Counter(row[2] for row in rejected).most_common(5))
 
 
 def _tell_if_empty(folder: Path, source: str) -> None:

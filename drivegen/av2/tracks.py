@@ -133,7 +133,8 @@ def _dense(
     columns = {name: tracks[name].to_numpy() for name in NUMBERS}
     for name, values in columns.items():
         if len(bad := np.flatnonzero(~np.isfinite(values))):
-            where = f"column {name}, row {bad[0]}: {values[bad[0]]} is no number, nor are {len(bad) - 1} others"
+            others = f", nor are {len(bad) - 1} others" if len(bad) > 1 else ""
+            where = f"column {name}, row {bad[0]}: {values[bad[0]]} is no number{others}"
             raise UnusableInput(f"{place}, {where}", reason="not-a-number")
     motion = Trajectories.empty(*shape)
     cell = track * shape[1] + step

@@ -139,6 +139,15 @@ def test_unusable_tracks_are_refused_with_a_reason(tracks: pa.Table, reason: str
     assert caught.value.reason == reason
 
 
+@pytest.mark.parametrize(("rows", "said"), [(1, "nan is no number$"), (3, "nan is no number, nor are 2 others$")])
+def test_what_is_no_number_is_counted(rows: int, said: str) -> None:
+    whole = table(busy_crossing(4))
+    values = pa.array([float("nan")] * rows + whole["heading"].to_pylist()[rows:])
+    bad = whole.set_column(whole.column_names.index("heading"), "heading", values)
+    with pytest.raises(UnusableInput, match=f"column heading, row 0: {said}"):
+        read_log(bad, busy_crossing(4).map, "test", "x")
+
+
 def test_words_where_numbers_belong_are_refused() -> None:
     whole = table(busy_crossing(4))
     bad = whole.set_column(5, "position_x", pa.array(["here"] * whole.num_rows))

@@ -19,7 +19,7 @@ def late(monkeypatch):
     [code] = re.findall(r"^```python\n(.*?)^```", DOCS.read_text(), re.DOTALL | re.MULTILINE)
     module = ModuleType("late")
     monkeypatch.setitem(sys.modules, "late", module)  # where its dataclass looks itself up
-    exec(code, vars(module))  # noqa: S102 - our own docs
+    exec(code, vars(module))
     return module
 
 

@@ -99,7 +99,7 @@ def test_a_source_with_enough_tracks_is_trained_on_and_its_held_out_split_measur
     assert report["trained_on"] == "Argoverse 2 Motion Forecasting, SUMO corpus (simulated)"
 
 
-def test_every_rejected_scene_is_counted_with_its_reason(world: Path) -> None:
+def test_every_rejected_scene_is_counted_with_its_reason(world: Path, capsys: pytest.CaptureFixture[str]) -> None:
     add_real(world, "val", "real-f", "real-g")
     next((world / "av2/val/real-f").glob("*.parquet")).write_bytes(b"PAR1")
     next((world / "av2/val/real-g").glob("*.json")).write_text("{}")
@@ -113,6 +113,8 @@ def test_every_rejected_scene_is_counted_with_its_reason(world: Path) -> None:
         ("test", "real-g", "bad-map"),
     ]
     assert all(row["sentence"] for row in rows)
+    told = f"ingest: 2 scenes rejected (1 x truncated, 1 x bad-map): {world / 'out/rejected.parquet'} says why of each"
+    assert told in capsys.readouterr().out
 
 
 def test_limits_take_at_most_so_many_scenes(world: Path) -> None:
@@ -214,6 +216,7 @@ def test_nothing_usable_is_an_error_that_says_why(world: Path) -> None:
     ("changes", "word"),
     [
         ({"source": "argoverse9"}, "argoverse9"),
+        ({"source": "argoverse", "train_on": ("argoverse2",)}, "no datasets plugin is called 'argoverse'"),
         ({"train_on": ("argoverse2",)}, "ingest.roots"),
         ({"held_out": {}, "train_on": ("sumo_corpus",)}, "held_out"),
     ],
