@@ -22,6 +22,9 @@ from drivegen.store.files import write_json
 
 command = Typer(rich_markup_mode=None)
 
+_WIDTH = 120
+"""Of the table of maps at least, also where it goes to a file: what is cut off cannot be read."""
+
 _COLUMNS = ("roads", *STEPS, "repaired_after_1", "repaired_after_2", "repaired_after_3", "declined", "to_refuse", "refused")
 
 
@@ -95,19 +98,20 @@ def _tried(writer: MapWriter, cases: list[Case], seed: int) -> dict[str, Any]:
 
 
 def _print(found: dict[str, Any]) -> None:
-    console = Console()
+    console = Console(width=max(Console().width, _WIDTH))
     console.print(f"written by: {found['written_by']}", highlight=False, markup=False)
     if not found["measured"]:
         console.print("not measured: name a model with --lm\n", highlight=False)
         return
-    table = Table("", *(name.replace("_", " ") for name in _COLUMNS), "right", "CPU s each", box=None, pad_edge=False)
-    for name, counts in [*found["suites"].items(), *found["kinds"].items()]:
-        table.add_row(
-            name,
-            *(str(counts[column]) for column in _COLUMNS),
-            f"{counts['share_right']:.0%}",
-            f"{found['cpu_seconds'][name]:.2f}",
-        )
+    groups = [*found["suites"].items(), *found["kinds"].items()]
+    columns = [name for name in _COLUMNS if not name.startswith("repaired") or any(counts[name] for _, counts in groups)]
+    heads = [name.replace("_", "\n", 1).replace("_", " ") for name in columns]
+    table = Table("", *heads, "right", "CPU s\neach", box=None, pad_edge=False)
+    for column in table.columns:
+        column.no_wrap = True
+    for name, counts in groups:
+        share, took = f"{counts['share_right']:.0%}", f"{found['cpu_seconds'][name]:.2f}"
+        table.add_row(name, *(str(counts[column]) for column in columns), share, took)
     console.print(table)
     for case in found["failed"]:
         why = "; ".join(case["wrong"])

@@ -258,6 +258,14 @@ def test_map_writes_three_files_and_says_what_it_ignored(tmp_path):
     assert {file.name for file in (tmp_path / "m").iterdir()} == {"map.net.xml", "map.json", "map.png"}
 
 
+def test_the_table_of_maps_is_whole_where_the_terminal_is_narrow(tmp_path):
+    done = run("bench", "maps", "--every", "400", cwd=tmp_path, COLUMNS="60", DRIVEGEN_REAL_DATA="")
+    assert done.returncode == 0, done.stderr
+    assert "understood" in done.stdout
+    assert "…" not in done.stdout
+    assert re.search(r"^own( +\d+)+ +100% ", done.stdout, re.MULTILINE)
+
+
 def test_the_doctor_finds_this_installation_sound_and_says_what_is_not_made_yet(tmp_path):
     done = run("doctor", cwd=tmp_path)
     assert done.returncode == 0, done.stdout
