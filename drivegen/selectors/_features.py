@@ -18,6 +18,7 @@ from drivegen.goals.outlook import Outlooks
 from drivegen.goals.prior import GAP, shares
 from drivegen.goals.reach import Dynamics, speed_caps
 from drivegen.goals.traffic import Neighbours, Queue
+from drivegen.goals.waiting import IN_SIGHT, NEVER, NOBODY, Waiting
 from drivegen.lanes.line import SPACING, Route
 from drivegen.scenario import DT, TARGET, Scenario, VehicleKind
 
@@ -34,13 +35,21 @@ USUAL_LIMIT = 13.9
 MARKS = (*(habit.name.lower() for habit in Habit), "steady", "leader", "red", "entry")
 """Places on a route that candidates are compared with."""
 
+WAITS = (
+    "signal", "opens", "closes", "open_share", "to_line", "queued", "head_gap", "head_speed", "beyond_gap", "beyond_speed",
+    "start", "explained", "on_route", "standing_on_route",
+)  # fmt: skip
+"""What the vehicle waits for on the candidate's route (`goals/waiting.py`) and who is on it."""
+
+STARTING = 1.5
+"""Each vehicle of a queue drives off this much later than the one before it [s]."""
 
 NAMES = (
     *(f"{kind}_{mark}" for kind in ("to", "near", "at") for mark in MARKS),
     "pace", "acceleration", "end_speed", "speed", "standing", "relative_speed", "keen", "flow",
     "gap", "closing", "red", "entry", "held_up", "ahead_of_flow",
     "lane_changes", "turn", "turns", "offset", "braking", "dead_end", "share", "room", "log_prior", "off_lane", "leaves_map",
-    "heavy", "edge", "spread", *(kind.name.lower() for kind in Manoeuvre), "clash", "more_clash",
+    *WAITS, "heavy", "edge", "spread", *(kind.name.lower() for kind in Manoeuvre), "clash", "more_clash",
 )  # fmt: skip
 """One name per column."""
 
@@ -53,9 +62,11 @@ class _Roads:
         marks: (R, len(MARKS)) [m] along the route. limit: [m/s]. gap: [m] to the leader. leader: its speed [m/s].
         changes: lane changes. turned: [rad] in junctions. offset: [m] of the vehicle from the line. braking: [m/s2] that
         its bends ask for. length: [m]. share: of its prior. end_speed: [m/s] of a usual driver.
+        waits: (R, len(WAITS)) as they are fed to the ranker.
     """
 
     marks: Floats
+    waits: Floats
     limit: Floats
     gap: Floats
     leader: Floats
@@ -76,16 +87,20 @@ class _Roads:
         around = Neighbours.of(scenario, vehicle).near(v.position[vehicle], reach + 20.0)
         steady = speed * seconds
         rows: list[tuple[float, ...]] = []
+        waits: list[tuple[float, ...]] = []
         for route, ahead, offset, share in zip(c.routes, c.ahead, c.offset, shares(c.routes), strict=True):
-            drive = forecast(route, speed, length, ahead, Queue.on(route, around), scenario.signals, round(seconds / DT))
+            queue = Queue.on(route, around)
+            drive = forecast(route, speed, length, ahead, queue, scenario.signals, round(seconds / DT))
             marks = (*drive.s.tolist(), steady, ahead.leader_gap - GAP, ahead.red_s, ahead.entry_s)
             traffic = (_limit(route), ahead.leader_gap, ahead.leader_speed, route.lane_changes, float(route.turned[-1]))
             way = (abs(float(offset)), _braking(route, speed), route.length, share, float(drive.speed[Habit.USUAL]))
             rows.append((*marks, *traffic, *way))
+            waits.append(_waits(Waiting.on(route, speed, length, ahead, queue, scenario.signals), speed, queue))
         nowhere = (*[steady] * (len(Habit) + 1), FAR, FAR, FAR)
         rows.append((*nowhere, USUAL_LIMIT, FAR, 0.0, 0.0, 0.0, 4.0, 0.0, FAR, 0.1, speed))
+        waits.append(_waits(_NOTHING, speed, Queue(np.zeros(0), np.zeros(0), np.zeros(0))))
         table = np.array(rows).clip(-FAR, 3 * FAR)
-        return cls(table[:, : len(MARKS)], *table[:, len(MARKS) :].T)
+        return cls(table[:, : len(MARKS)], np.array(waits), *table[:, len(MARKS) :].T)
 
     def __getitem__(self, rows: NDArray[np.intp]) -> "_Roads":
         return _Roads(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
@@ -93,6 +108,10 @@ class _Roads:
     def mark(self, name: str) -> Floats:
         """One of the MARKS."""
         return self.marks[:, MARKS.index(name)]
+
+
+_NOTHING = Waiting(False, 0.0, NEVER, 1.0, np.inf, 0, IN_SIGHT, NOBODY, IN_SIGHT, NOBODY)
+"""What a vehicle on no route waits for."""
 
 
 def features(scenario: Scenario, candidates: Sequence[Candidates]) -> list[NDArray[np.float32]]:
@@ -129,6 +148,7 @@ def _of_vehicle(scenario: Scenario, vehicle: int, c: Candidates) -> NDArray[np.f
         *_motion(scenario, vehicle, c, along / seconds, roads, seconds),
         *_traffic(max(float(v.speed[vehicle]), 0.0), roads),
         *_way(c, wrap_angle(c.heading - v.heading[vehicle]), along, roads),
+        *roads.waits.T,
         *(np.full(len(c), value) for value in _place_in_scene(scenario, vehicle)),
         *(c.manoeuvre == kind for kind in Manoeuvre),
     ]
@@ -156,6 +176,18 @@ def _way(c: Candidates, turn: Floats, along: Floats, roads: _Roads) -> list[Floa
     road = [roads.changes, turn, roads.turned, roads.offset, roads.braking / 3, (roads.length - along) / 50]
     mass = [np.log(roads.share), _room(c, along) / 5, np.log(c.prior + 1e-3)]
     return [*road, *mass, c.route < 0, c.leaves_map]
+
+
+def _waits(what: Waiting, speed: float, queue: Queue) -> tuple[float, ...]:
+    """The WAITS of one route."""
+    queued = STARTING * what.queued
+    start = what.opens + queued if what.opens > 0 else queued if what.head_speed < 1 else 0.0
+    to_line = min(what.line / (5.0 + speed**2 / 5.0), 3.0)
+    signal = (float(what.signal), what.opens / 5, what.closes / 5, what.open_share, to_line)
+    head = (what.queued / 4, float(np.tanh(what.head_gap / 15)), what.head_speed / 10)
+    beyond = (float(np.tanh(what.beyond_gap / 20)), what.beyond_speed / 10)
+    on_route = (len(queue.s) / 4, float((queue.speed < 1).sum()) / 4)
+    return (*signal, *head, *beyond, min(start, 15.0) / 5, float(what.explained), *on_route)
 
 
 def _place_in_scene(scenario: Scenario, vehicle: int) -> tuple[float, float, float]:
