@@ -4,6 +4,9 @@ from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
 
+_MEET = ("meet", "cross", "join")
+_FAR = 22
+
 
 def read_arms(s: Sentence, facts: Facts) -> None:
     """A number of roads or arms that meet: at the junction mentioned, or making one."""
@@ -69,6 +72,18 @@ def _meets(s: Sentence, phrase: Phrase) -> bool:
     for token in near:
         if token.kind == "stop":
             break
-        if token.kind == "verb" and token.value in ("meet", "cross", "join"):
+        if token.kind == "verb" and token.value in _MEET:
             return True
+    return _meet_later(s, phrase)
+
+
+def _meet_later(s: Sentence, phrase: Phrase) -> bool:
+    """Whether the verb of several roads follows what is said of each: "two streets, one with ..., one with ..., cross"."""
+    if (phrase.number or 1) < 2:
+        return False
+    for i in range(phrase.head + 1, min(len(s.tokens), phrase.head + _FAR)):
+        if s.word(i, "stop") or s.word(i, "place") or s.word(i, "ramp") or (s.word(i, "road") and s.tokens[i - 1].kind != "lane"):
+            return False
+        if s.word(i, "verb"):
+            return s.tokens[i].value in _MEET
     return False

@@ -35,6 +35,8 @@ class Built:
         changes: by how many lanes a road becomes wider or narrower, and how many a turn lane adds.
         speeds: [m/s]. lengths: [m] of roads, distances, radii and diameters. angles: [degrees]; gaps: those between
             neighbouring arms of a crossing.
+        positions: distances [m] from the start of a road to what lies along it. distances: those between two such things.
+        branches: lanes of a fork's branches by their sides.
         arms: roads that meet at each junction. counts: how many there are of each thing, by its name.
         controls: how junctions are controlled.
     """
@@ -44,7 +46,10 @@ class Built:
     changes: set[int] = field(default_factory=lambda: {1})
     speeds: set[float] = field(default_factory=set)
     lengths: set[float] = field(default_factory=set)
+    positions: set[float] = field(default_factory=set)
+    distances: set[float] = field(default_factory=set)
     angles: set[float] = field(default_factory=lambda: {90.0, 180.0})
+    branches: dict[str, int] = field(default_factory=dict)
     gaps: list[float] = field(default_factory=list)
     arms: list[int] = field(default_factory=list)
     counts: Counter[str] = field(default_factory=Counter)
@@ -128,6 +133,8 @@ def _line(found: Built, line: Alignment, straight: float) -> None:
 
 def _along(found: Built, places: list[float], end: float) -> None:
     """Distances along a road between what lies at `places` and the road's ends."""
+    found.positions |= set(places)
+    found.distances |= {b - a for a, b in combinations(places, 2)}
     marks = [0.0, *places, end]
     found.lengths |= {b - a for a, b in combinations(marks, 2)}
 
@@ -193,15 +200,19 @@ def _highway(found: Built, road: Highway) -> None:
         found.counts[kind] += found.counts["weaving"]
     found.changes |= {abs(lanes - road.lanes)} - {0}
     _along(found, marks, road.alignment.length)
+    found.positions |= {event.position + event.length for event in road.events if event.kind in _BESIDE}
     ends = [event.position + (event.length if event.kind in _BESIDE else 0.0) for event in road.events]
     following = [*marks[1:], road.alignment.length]
-    found.lengths |= {after - before for before, after in zip(ends, following, strict=False)}
+    between = {after - before for before, after in zip(ends, following, strict=False)}
+    found.lengths |= between
+    found.distances |= between | {event.length for event in road.events if event.kind == "weaving"}
 
 
 def _fork(found: Built, road: Fork) -> None:
     for lanes in (road.lanes, road.left_lanes, road.right_lanes):
         found.road(lanes, 0, road.speed)
     found.totals.add(road.left_lanes + road.right_lanes)
+    found.branches = {"left": road.left_lanes, "right": road.right_lanes}
     found.lengths |= {road.stem_length, road.length, road.stem_length + road.length}
     found.angles |= {road.angle, road.angle / 2}
     found.counts["fork"] = 1

@@ -2,7 +2,7 @@
 
 from drivegen.errors import UnusableInput
 from drivegen.maps.writers._facts import Facts
-from drivegen.maps.writers._lane_ends import read_extra, read_lane_verb, read_next_lane_verb
+from drivegen.maps.writers._lane_ends import is_of_auxiliary, read_extra, read_lane_verb, read_next_lane_verb
 from drivegen.maps.writers._sentence import Sentence
 
 _NO_NOUNS = frozenset(
@@ -16,10 +16,10 @@ def read_changes(s: Sentence, facts: Facts) -> None:
     _read_from_to(s, facts)
     _leave_out_lost(s)
     for i in s.verbs("narrow", "widen", "become", "lose", "gain", "merge"):
-        if facts.from_lanes is None and not s.negated_at(i) and i not in s.used:
+        if facts.from_lanes is None and not s.negated_at(i) and i not in s.used and not is_of_auxiliary(s, i):
             _read_verb(s, facts, i)
     for i in s.verbs("narrow", "widen", "lose", "gain", "end"):
-        if s.negated_at(i) or i in s.used:
+        if s.negated_at(i) or i in s.used or is_of_auxiliary(s, i):
             continue
         if not facts.has("lane_drop", "lane_gain", "lane_change"):
             read_lane_verb(s, facts, i)

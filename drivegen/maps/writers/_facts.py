@@ -13,6 +13,7 @@ class JunctionWords:
         form: "crossing" or "roundabout". at: place in the text. arms: roads that meet, None unsaid. shape: "t", "y" or "".
         count: how many of them. control: its own, as `Facts.control`, or "unsignalled". side: of its side road.
         gap: from the junction before it [m]. position: from the start of the road [m]. pockets: sides of its own turn lanes.
+        middle: it lies in the middle of the road.
     """
 
     form: str
@@ -25,6 +26,7 @@ class JunctionWords:
     gap: float | None = None
     position: float | None = None
     pockets: str = ""
+    middle: bool = False
 
 
 @dataclass
@@ -56,7 +58,7 @@ class Facts:
         lanes: per direction by role: "main", "side", "ring", "ramp", "arms", "back" (of the main road);
             `other_lanes` are those without one, in order.
         from_lanes, to_lanes: of a road that narrows or widens. branches: lanes of the left and right branch of a fork.
-        steps: in how many steps it does so. whole: the length said is that of the whole road.
+        steps: in how many steps it does so, step_places: where they lie [m]. whole: the length said is that of the whole road.
         speeds: [m/s] by role "main", "side", "ramp", "ring". lengths: [m] by role "length", "spacing", "radius",
             "diameter", "auxiliary", "offset", "position", "side", "median", "island" (in the middle of a ring), "pocket" (of
             turn lanes), "straights" (beside bends), "before" and "behind" (the one
@@ -82,6 +84,7 @@ class Facts:
     to_lanes: int | None = None
     branches: tuple[int, int] | None = None
     steps: int = 1
+    step_places: list[float] = field(default_factory=list)
     whole: bool = False
     speeds: dict[str, float] = field(default_factory=dict)
     lengths: dict[str, float] = field(default_factory=dict)

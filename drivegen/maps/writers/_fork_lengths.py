@@ -4,6 +4,7 @@ from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._sentence import Sentence
 
 _TWO = 2
+_SINGLE = frozenset(("single", "common", "shared", "1", "joint"))
 
 
 def read_fork_lengths(s: Sentence, facts: Facts) -> None:
@@ -26,10 +27,16 @@ def read_fork_lengths(s: Sentence, facts: Facts) -> None:
 
 def _is_of_branches(s: Sentence, i: int) -> bool:
     near = s.tokens[max(0, i - 3) : i + 3]
+    before = s.last_before(i, "road", "arm", "ramp")
+    if before is not None and before.number == _TWO and not s.between(before.head, i, "comma", "stop", "verb"):
+        return True  # "two one-way roads of 300 m join"
     return any(t.kind in ("each", "arm") or t.text in ("apiece", "both", "branch", "branches") for t in near)
 
 
 def _is_of_stem(s: Sentence, i: int) -> bool:
     before, after = s.tokens[max(0, i - 4) : i], s.tokens[i + 1 : i + 2]
+    road = s.last_before(i, "road", "arm", "ramp")
+    if road is not None and road.head + _TWO == i and (road.number == 1 or _SINGLE & set(road.text.split())):
+        return True  # "a single road of 500 m"
     first = any(t.text in ("after", "first", "initial", "common", "stem") for t in before)
     return first or any(t.kind == "before" or t.text in ("before", "in") for t in after)

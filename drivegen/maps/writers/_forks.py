@@ -1,10 +1,7 @@
-"""Roads that split into two or become one, and the lanes of their branches."""
+"""Roads that split into two, and the lanes of their branches."""
 
-from itertools import combinations
-
-from drivegen.maps.writers._changes import last_of_count
+from drivegen.maps.writers._changes import is_lane_count
 from drivegen.maps.writers._facts import Facts
-from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._quantities import Lanes
 from drivegen.maps.writers._sentence import Sentence
 
@@ -28,7 +25,9 @@ def read_branches(s: Sentence, facts: Facts) -> None:
         if subject is not None and subject.text.endswith("carriageway"):
             facts.features.setdefault("carriageway", i)
         _read_branch_lanes(s, facts, i)
-        s.used |= {p.first for p in s.said("arm") if p.number == _TWO and p.head > i and p.text.endswith("branches")}
+        for phrase in (*s.said("arm"), *s.said("road")):
+            if phrase.number == _TWO and phrase.head > i:
+                s.used.update(j for j in range(phrase.first, phrase.head) if s.word(j, "number"))
         for j in range(i + 1, min(len(s.tokens), i + 4)):
             if s.tokens[j].kind == "number" and s.tokens[j].number == 2:
                 s.use(j, j, "")
@@ -55,7 +54,11 @@ def _read_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
 def _read_other_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
     """Lanes told by sides, "each", or as two numbers."""
     turns = {t.value: j for j, t in enumerate(s.tokens) if t.kind == "turn"}
-    if set(turns) == {"left", "right"}:
+    if named := lanes_of_named(s):
+        for side, j in named.items():
+            s.use(j, max([item.last for item in s.lanes if item.first == j] or [j]), f"{s.tokens[j].number} on the {side} branch")
+        facts.branches = (s.tokens[named["left"]].number, s.tokens[named["right"]].number)
+    elif set(turns) == {"left", "right"}:
         counts = {side: _count_beside(s, j) for side, j in turns.items()}
         if counts["left"] and counts["right"]:
             facts.branches = (counts["left"], counts["right"])
@@ -64,6 +67,17 @@ def _read_other_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
     if facts.branches is None and each and (told or _of_two_roads(s, i, each[0])):
         facts.branches = (each[0].count, each[0].count)
         s.use(each[0].first, each[0].last, f"{each[0].count} lanes on each branch")
+    both = _two_numbers(s, i)
+    if facts.branches is None and len(both) == 2 and s.between(both[0], both[1], "and"):
+        facts.branches = (s.tokens[both[0]].number, s.tokens[both[1]].number)
+        s.use(both[0], both[1], f"{facts.branches[0]} lanes to the left, {facts.branches[1]} to the right")
+        for item in s.lanes:
+            if item.first in both:
+                s.used.update(range(item.first, item.last + 1))
+
+
+def _two_numbers(s: Sentence, i: int) -> list[int]:
+    """Two numbers after the verb at i, as "three and two lanes", or those into which one is divided."""
     both = [j for j in range(i + 1, min(len(s.tokens), i + 8)) if s.tokens[j].kind == "number"]
     further = [j for j in range(i + 1, min(len(s.tokens), i + 13)) if s.tokens[j].kind == "number"][:3]
     if len(further) == 3 and s.between(further[1], further[2], "and") and not s.between(further[0], further[2], "stop"):
@@ -72,12 +86,40 @@ def _read_other_branch_lanes(s: Sentence, facts: Facts, i: int) -> None:
         both = further
     if len(both) == 3 and s.tokens[both[0]].number == sum(s.tokens[j].number for j in both[1:]):
         both = both[1:]  # "four lanes become two and two"
-    if facts.branches is None and len(both) == 2 and s.between(both[0], both[1], "and"):
-        facts.branches = (s.tokens[both[0]].number, s.tokens[both[1]].number)
-        s.use(both[0], both[1], f"{facts.branches[0]} lanes to the left, {facts.branches[1]} to the right")
-        for item in s.lanes:
-            if item.first in both:
-                s.used.update(range(item.first, item.last + 1))
+    return _into_two(s) or both
+
+
+def _into_two(s: Sentence) -> list[int]:
+    """The last two numbers of "four lanes into two and two"."""
+    for i in s.of_kind("prep", "to"):
+        numbers = [j for j in (i - 2, i - 1, i + 1, i + 3) if s.word(j, "number")]
+        if len(numbers) == _TWO + 1 and s.word(i + 2, "and") and any(item.first == numbers[0] for item in s.lanes):
+            return numbers[1:]
+    return []
+
+
+def lanes_of_named(s: Sentence) -> dict[str, int]:
+    """Where the lanes of the "left" and the "right branch" stand, before both names or behind both; {} where they do not."""
+    named = {s.tokens[j].value: j for j in s.of_kind("turn") if s.word(j + 1, "arm") or s.word(j + 1, "road")}
+    if set(named) != {"left", "right"}:
+        return {}
+    first = min(named.values())
+    before = first > 0 and s.tokens[first - 1].kind in ("lane", "number")
+    places = {side: _number_before(s, j) if before else _number_behind(s, j + 1) for side, j in named.items()}
+    told = {side: i for side, i in places.items() if i is not None}
+    return told if len(told) == _TWO else {}
+
+
+def _number_before(s: Sentence, j: int) -> int | None:
+    i = j - 2 if s.word(j - 1, "lane") else j - 1
+    return i if s.word(i, "number") else None
+
+
+def _number_behind(s: Sentence, j: int) -> int | None:
+    i = j + 1
+    while i < len(s.tokens) and s.tokens[i].kind in ("with", "is", "but", "prep", "comma", "det", "verb"):
+        i += 1
+    return i if s.word(i, "number") and is_lane_count(s, i) else None
 
 
 def _of_branches(s: Sentence, i: int, item: Lanes) -> bool:
@@ -96,108 +138,6 @@ def _of_two_roads(s: Sentence, i: int, item: Lanes) -> bool:
     if two is None:
         return False
     return two.first <= item.first < two.head or (s.governed(two.head) is None and two.head + 2 == item.first)
-
-
-def read_joining_roads(s: Sentence, facts: Facts) -> None:
-    """Two roads that become one: "two motorways merge into one"."""
-    if any(s.said("place")):
-        return
-    if _read_sum(s, facts):
-        return
-    for phrase in (*s.said("road"), *s.said("ramp")):
-        verb = _becomes_one(s, phrase)
-        merges = (
-            verb is not None
-            or _ramps_become_one(s, phrase)
-            or any(t.kind == "verb" and t.value == "merge" for t in s.tokens[max(0, phrase.first - 2) : phrase.first])
-        )
-        if phrase.number != 2 or not merges or phrase.role:
-            continue
-        facts.features.update({"fork": phrase.first, "joining": phrase.first})
-        one = next((p for p in s.said("road") if p.first > phrase.head), None)
-        end = verb if verb is not None else one.first if one is not None else len(s.tokens)
-        inner = [item for item in s.lanes if phrase.head < item.first and item.last < end]
-        later = [item for item in s.lanes if item.first >= end and item.per != "each"]
-        told = phrase.lanes or (inner[0].count if inner else later[0].count if len(later) > 1 else None)
-        each = told or 2
-        for item in (*inner[:1], *later):
-            s.use(item.first, item.last, f"{item.count} lanes")
-        facts.branches = (each, each)
-        facts.lanes["main"] = one.lanes if one is not None and one.lanes else later[-1].count if later else 2 * each
-        last = one.head if one is not None else phrase.head
-        for i in range(phrase.head + 1, min(phrase.head + 5, len(s.tokens))):
-            last = max(last, i) if s.tokens[i].kind == "number" else last
-        s.use(phrase.first, last, "2 roads become 1")
-        return
-
-
-def _read_sum(s: Sentence, facts: Facts) -> bool:
-    """Lanes of two roads that add up to those of one: "a two-lane and a three-lane freeway merge into a five-lane one"."""
-    verbs = [i for i in s.verbs("merge", "join", "become", "meet") if not s.negated_at(i)]
-    if not any(s.tokens[i].value in ("merge", "join", "meet") for i in verbs) or any(s.said("ramp")):
-        return False
-    places = [i for i in s.of_kind("number") if _may_be_lanes(s, i)]
-    for a, b, one in combinations(places, 3):
-        left, right, both = (s.tokens[i].number for i in (a, b, one))
-        if (
-            left + right != both
-            or _another_verb(s, a, b)
-            or not (s.between(b, one, "verb", "prep") or s.tokens[one - 1].text == "=")
-        ):
-            continue
-        facts.features.update({"fork": a, "joining": a})
-        facts.branches = (left, right)
-        facts.lanes["main"] = both
-        s.use(a, last_of_count(s, one), f"2 roads of {left} and {right} lanes become 1 of {both}")
-        for phrase in s.said("road"):
-            if phrase.number == 2:
-                s.use(phrase.first, phrase.head, "")
-        for i in verbs:
-            s.use(i, i, "")
-        return True
-    return False
-
-
-def _another_verb(s: Sentence, a: int, b: int) -> bool:
-    """Whether the lanes at a and b are not those of two roads beside each other, or of one that merges with the other."""
-    if s.between(a, b, "prep") and any(t.kind == "prep" and t.value == "to" for t in s.tokens[a:b]):
-        return s.between(a, b, "verb")
-    return any(t.kind == "verb" and t.value not in ("merge", "join", "meet") for t in s.tokens[a:b])
-
-
-def _may_be_lanes(s: Sentence, i: int) -> bool:
-    if not 1 <= s.tokens[i].amount[0] <= 8 or s.tokens[i].amount[0] % 1:
-        return False
-    return any(item.first == i for item in s.lanes) or not (s.word(i + 1, "road") or s.word(i + 1, "with"))
-
-
-def _ramps_become_one(s: Sentence, phrase: Phrase) -> bool:
-    """ "Two ramps merge into one road": the verb is part of the ramps' name."""
-    after = s.tokens[phrase.head + 1 : phrase.head + 3]
-    return phrase.kind == "ramp" and "merg" in s.tokens[phrase.head].text and [t.kind for t in after] == ["prep", "number"]
-
-
-def _becomes_one(s: Sentence, phrase: Phrase) -> int | None:
-    """The verb by which the roads merge, or come together "into one", "to form a single road"."""
-    i = next((i for i in s.verbs() if i > phrase.head), None)
-    if i is None or i > phrase.head + 8 or s.between(phrase.head, i, "stop", "place", "road"):
-        return None
-    if phrase.kind == "ramp" and phrase.value != "" and not _into_one(s, i):
-        return None  # "two on-ramps merge onto a freeway"
-    if s.tokens[i].value in ("merge", "become"):
-        apart = any(t.kind not in ("with", "number", "lane", "each", "of") for t in s.tokens[phrase.head + 1 : i])
-        return i if not (apart and s.between(phrase.head, i, "comma", "with")) or i <= phrase.head + 2 else None
-    after = s.tokens[i + 1 : i + 5]
-    into = any(t.kind == "prep" and t.value == "to" for t in after)
-    one = any((t.kind == "number" and t.number == 1) or t.text in ("single", "common") for t in after)
-    if any(t.kind == "verb" and t.value == "become" for t in after):
-        return i if s.tokens[i].value in ("meet", "join", "merge") else None
-    return i if s.tokens[i].value in ("meet", "join") and one and (into or s.tokens[i].text.endswith("into")) else None
-
-
-def _into_one(s: Sentence, i: int) -> bool:
-    after = s.tokens[i + 1 : i + 4]
-    return any((t.kind == "number" and t.number == 1) or t.text in ("single", "common") for t in after)
 
 
 def _is_named_first(s: Sentence) -> bool:

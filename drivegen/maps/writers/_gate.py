@@ -72,7 +72,7 @@ def refuse_contradictions(s: Sentence, facts: Facts, road: Mapping[str, Any]) ->
         told += [p.head for p in s.said("control", "signals", "stop", "yield", "all_way_stop")]
     if not road.get("events") and road["kind"] == "corridor":
         told += [i for i in s.verbs(*_JOINING) if i not in s.used and not s.negated_at(i)]
-        told = [i for i in told if not (s.tokens[i].kind == "verb" and facts.has("cul_de_sac"))]
+        told = [i for i in told if not (s.tokens[i].kind == "verb" and (facts.has("cul_de_sac") or _links_straights(s, i)))]
     if told:
         words = s.tokens[min(told)].text
         raise UnusableInput(
@@ -100,6 +100,11 @@ def _refuse_denied_roads(s: Sentence) -> None:
     for phrase in s.denied("arm"):
         if s.tokens[phrase.head].text in ("arms", "legs", "approaches", "branches") and not phrase.words:
             raise UnusableInput(f"a junction needs roads, and {phrase.text!r} are denied", reason="impossible-map")
+
+
+def _links_straights(s: Sentence, i: int) -> bool:
+    """Whether the verb at i joins the parts of one road: "hairpins linked by straights of 80 m"."""
+    return any(p.first <= i + 2 and p.head > i for p in s.said("shape", "straight"))
 
 
 def _are_apart(s: Sentence, before: Phrase, place: Phrase) -> bool:

@@ -98,7 +98,8 @@ def _events(facts: Facts) -> list[EventWords]:
         at = facts.features.get(kind, 0)
         side: Side = "left" if facts.turn == "left" else "right"
         least, more = divmod(abs(change), facts.steps)
-        events += [EventWords(kind, at, least + (i < more), side) for i in range(facts.steps)]
+        places = facts.step_places if len(facts.step_places) == facts.steps else [None] * facts.steps
+        events += [EventWords(kind, at, least + (i < more), side, position=metres) for i, metres in enumerate(places)]
     if facts.has("weaving"):
         # The weaving section is made of the ramps that the description may also name.
         gap = next((e.gap for e in events if e.kind in ("on_ramp", "off_ramp") and e.gap), None)

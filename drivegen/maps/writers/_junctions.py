@@ -15,6 +15,7 @@ from drivegen.maps.writers._sentence import Sentence
 
 _NAMES = {"t": "T-junction", "y": "Y-junction", "crossing": "crossing", "roundabout": "roundabout"}
 _FEWEST = 3
+_MIDDLE = frozenset(("middle", "halfway", "midway", "midpoint", "centre", "center", "half"))
 
 
 def read_junctions(s: Sentence, facts: Facts) -> None:
@@ -88,9 +89,17 @@ def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:
     following = s.tokens[phrase.head + 1 : phrase.head + 2]
     if following and following[0].kind == "turn":
         junction.side = "left" if following[0].value == "left" else "right"
+    junction.middle = junction.position is None and _lies_in_the_middle(s, phrase)
     places = listed_places(s, phrase)
     facts.junctions += [replace(junction, count=1, position=metres) for metres in places] or [junction]
     s.use(phrase.first if phrase.number else phrase.head, phrase.head, name if count == 1 else f"{count} {name}s")
+
+
+def _lies_in_the_middle(s: Sentence, phrase: Phrase) -> bool:
+    """Whether the junction is said to be in the middle of its road, right behind it or, "halfway along", right before it."""
+    behind = [word for t in s.tokens[phrase.head + 1 : phrase.head + 5] for word in t.text.split()]
+    before = [word for t in s.tokens[max(0, phrase.first - 5) : phrase.first] for word in t.text.split()]
+    return bool(_MIDDLE & {*behind, *before}) and not s.between(phrase.first - 5, phrase.head + 5, "shape", "ordinal")
 
 
 def _read_ways_that_stop(s: Sentence, facts: Facts) -> None:
@@ -105,7 +114,8 @@ def _read_ways_that_stop(s: Sentence, facts: Facts) -> None:
 
 def _is_of_a_row(s: Sentence, facts: Facts, phrase: Phrase, arms: int | None) -> bool:
     """Say of a junction of a row what it is, if the phrase does: "the first is a T, the second a roundabout"."""
-    told_apart = len(facts.junctions) > 1 and (phrase.det == "the" or "ordinal" in phrase.words)
+    by_ordinal = "ordinal" in phrase.words or s.word(phrase.first - 2, "ordinal")  # "the middle one is a roundabout"
+    told_apart = len(facts.junctions) > 1 and (phrase.det == "the" or by_ordinal)
     row = told_apart or any(junction.count > 1 for junction in facts.junctions)
     if not row or (phrase.number or 1) > 1:
         return False
@@ -159,6 +169,8 @@ def _meant(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
         return JunctionWords("crossing", phrase.first)
     if not known:
         return facts.junctions[-1] if facts.junctions and form == "crossing" and _refers_back(s, phrase) else None
+    if (again := _named_again(s, facts, phrase)) is not None:
+        return again
     if (phrase.number or 1) > 1 and phrase.number == known[-1].count and not s.between(known[-1].at, phrase.first, "and", "seq"):
         return known[-1]
     if (phrase.number or 1) > 1 or phrase.det == "another" or s.between(known[-1].at, phrase.first, "seq", "later"):
@@ -166,6 +178,19 @@ def _meant(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
     if _refers_back(s, phrase):
         return known[-1]
     return known[-1] if not _is_listed(s, facts, known[-1].at, phrase) and _says_again(s, known[-1], phrase) else None
+
+
+def _named_again(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
+    """The only junction of its kind that a new sentence comes back to: "...; T-junction with stop sign"."""
+    form = "roundabout" if phrase.value == "roundabout" else "crossing"
+    shape = phrase.value if phrase.value in ("t", "y") else ""
+    alike = [j for j in facts.junctions if j.form == form and j.shape == shape and j.count == 1]
+    since = max((i for i in range(phrase.first) if s.tokens[i].kind in ("comma", "stop")), default=-1)
+    new = since < 0 or len(alike) != 1 or len(facts.junctions) < 2 or phrase.det in ("a", "another") or (phrase.number or 1) > 1
+    if new or since + 1 != phrase.first or not s.word(phrase.head + 1, "with") or s.between(alike[0].at, phrase.first, "row"):
+        return None
+    listed = s.tokens[phrase.first - 2].kind == "place" if phrase.first > 1 else False
+    return None if listed else alike[0]
 
 
 def _says_again(s: Sentence, known: JunctionWords, phrase: Phrase) -> bool:

@@ -104,12 +104,22 @@ def _measures(s: Sentence, found: Built) -> Iterator[Said]:
         if token.kind == "speed":
             yield Said("speed", i, i, _is_near(amount, found.speeds))
         elif token.kind == "length":
-            yield Said(f"length {_thing(s, i)}", i, i, _is_near(amount, found.lengths))
+            yield Said(f"length {_thing(s, i)}", i, i, _is_near(amount, _lengths_meant(s, i, found)))
         elif token.kind == "angle":
             kept = _is_near(amount, {a for b in found.angles for a in (b, 180.0 - b, 360.0 - b)})
             if found.gaps and any(t.text in _NEIGHBOURS for t in s.tokens[max(0, i - 9) : i + 9]):
                 kept = all(_is_near(amount, (gap,)) for gap in found.gaps)
             yield Said(f"angle {_thing(s, i)}", i, i, kept)
+
+
+def _lengths_meant(s: Sentence, i: int, found: Built) -> set[float]:
+    """Lengths among which the one at i must be, by what it was taken to mean."""
+    meaning = next((meaning for at, words, meaning in s.notes if at == i and words == s.tokens[i].text), "")
+    if meaning.startswith("position") and found.positions:
+        return found.positions
+    if meaning.startswith("distance") and found.positions:
+        return found.positions | found.distances
+    return found.lengths
 
 
 def _lanes(s: Sentence, found: Built) -> Iterator[Said]:

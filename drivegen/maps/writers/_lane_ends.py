@@ -4,6 +4,8 @@ from drivegen.maps.spec_values import Side
 from drivegen.maps.writers._facts import EventWords, Facts
 from drivegen.maps.writers._sentence import Sentence
 
+_BESIDE = ("beside", "alongside", "the", "to", "along")
+
 
 def read_lane_verb(s: Sentence, facts: Facts, i: int) -> None:
     """The left lane ends; it loses a lane; a lane is added; it narrows."""
@@ -30,6 +32,29 @@ def read_lane_verb(s: Sentence, facts: Facts, i: int) -> None:
     s.used -= between  # "the left lane of a two-lane road ends"
     for item in own:
         s.used.update(range(item.first, item.last + 1))
+
+
+def is_of_auxiliary(s: Sentence, i: int) -> bool:
+    """Whether it is a ramp's lane that ends or begins: "an acceleration lane, running beside the three lanes, ends"."""
+    beside = s.last_before(i, "auxiliary", "road", "extra")
+    if (
+        s.tokens[i].value not in ("end", "gain", "lose")
+        or beside is None
+        or beside.kind != "auxiliary"
+        or beside.value == "weave"
+    ):
+        return False
+    of_others = [item for item in s.lanes if beside.head < item.first < i and s.tokens[item.first - 1].text in _BESIDE]
+    own = [t for j, t in enumerate(s.tokens[beside.head + 1 : i], beside.head + 1) if t.kind in ("lane", "verb")]
+    if any(t.kind == "lane" for t in own) and not of_others:
+        return False
+    s.use(i, i, "")
+    for item in of_others:
+        s.used.update(range(item.first, item.last + 1))
+    for j in range(i + 1, min(len(s.tokens), i + 5)):  # "is added as a fifth lane"
+        if s.word(j, "ordinal") and s.word(j + 1, "lane"):
+            s.use(j, j + 1, "")
+    return True
 
 
 def _stands_for_lane(s: Sentence, i: int) -> bool:

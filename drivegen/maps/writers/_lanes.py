@@ -112,10 +112,10 @@ def _give(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None, count: 
 
 
 def _role(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None) -> str:
-    if item.value:
-        return item.value
-    if item.per == "back":
-        return "back"
+    if item.value or item.per == "back":
+        return item.value or "back"
+    if _is_before_a_fork(s, item):
+        return "main"
     if phrase is None:
         return ""
     if phrase.kind == "arm" and phrase.role:
@@ -136,6 +136,11 @@ def _role(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None) -> str:
     if who in ("ramp", "ring") and not (inside or told or is_close(s, phrase, item.first) or "main" in facts.lanes):
         return "main" if who == "ramp" else "arms" if item.per else ""
     return who
+
+
+def _is_before_a_fork(s: Sentence, item: Lanes) -> bool:
+    """Whether the lanes are those of "five lanes before the fork"."""
+    return any(s.verbs("split")) and s.word(item.last + 1, "before") and not any(s.said("place"))
 
 
 def _read_elliptic(s: Sentence, facts: Facts) -> None:

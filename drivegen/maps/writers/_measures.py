@@ -2,13 +2,15 @@
 
 from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._owners import is_close
-from drivegen.maps.writers._places_along import give_to_part, lists_of_places
+from drivegen.maps.writers._places_along import give_to_part, leads_to_junction, lists_of_places
 from drivegen.maps.writers._sentence import Sentence
 
 _WIDEST_MEDIAN = 100.0
 _NEAR_ISLAND = 5
 _PAIR = 2
 _NEAR_THING = 7
+_BENDS = ("curve", "s_curve", "hairpin")
+_LEGS = frozenset(("straight", "straights", "legs", "tangents", "approaches", "arms"))
 _CUES = ("radius", "diameter", "spacing", "offset", "later", "before", "start", "long", "auxiliary", "weaving", "median")
 
 
@@ -22,7 +24,7 @@ def read_lengths(s: Sentence, facts: Facts) -> None:
             s.use(i, i, f"position {s.tokens[i].text}")
             continue
         metres, cue = s.tokens[i].amount[0], cue_of(s, i)
-        name = _named(s, i, cue)
+        name = _named(s, i, cue) if not leads_to_junction(s, i) else "gap"
         if name in ("gap", "position") and give_to_part(s, facts, i, name, metres, cue):
             pass
         elif name == "gap":
@@ -122,10 +124,25 @@ def _own_thing(s: Sentence, i: int, kind: str) -> str | None:
         return "pocket" if not any(t == "apart" for t in after) else None
     if "more" in after[:1] and any(s.verbs("gain", "widen", "narrow", "lose")):
         return "rest"
-    straight = kind != "radius" and any("straight" in text.split() for text in after[:3])
-    if straight and any(s.said("shape", "curve", "s_curve", "hairpin")):
+    if kind not in ("radius", "diameter") and any(s.said("shape", *_BENDS)) and _is_of_straights(s, i):
         return "straights"
     return "beyond" if any(text.startswith("beyond") for text in after[:2]) and any(s.said("place", "grid")) else None
+
+
+def _is_of_straights(s: Sentence, i: int) -> bool:
+    """Whether the length is that of each straight beside a bend: "150 m straight on each side", "both legs 200 m long"."""
+    if any(s.said("place")):
+        return False
+    after = [word for t in s.tokens[i + 1 : i + 4] for word in t.text.split()]
+    j = i - 1
+    while j >= 0 and s.tokens[j].kind in ("prep", "is", "each", "unknown", "with") and not _LEGS & set(s.tokens[j].text.split()):
+        j -= 1
+    legs = j >= 0 and bool(_LEGS & set(s.tokens[j].text.split()))
+    if legs and s.word(j - 1, "number") and s.tokens[j - 1].number == _PAIR:
+        s.used.add(j - 1)
+    each = s.word(i + 1, "arm") or (j >= 0 and s.tokens[j].kind in ("arm", "each"))
+    several = legs and (each or s.tokens[j].text.endswith("s") or s.word(j, "shape"))
+    return "straight" in after or (several and not (s.word(j, "shape") and s.word(i + 1, "road")))
 
 
 def _is_of_median(s: Sentence, i: int) -> bool:
@@ -172,6 +189,13 @@ def read_angles(s: Sentence, facts: Facts) -> None:
     for i in s.of_kind("angle"):
         if i in s.used:
             continue
+        branches = s.next_after(i, "arm", "road")  # "50 degrees between its two branches"
+        if (
+            branches is not None
+            and branches.number == _PAIR
+            and [t.text for t in s.tokens[i + 1 : branches.first]] == ["between"]
+        ):
+            s.used.update(range(branches.first, branches.head))
         two = s.last_before(i, "arm", "road")  # "its two upper branches are 60 degrees apart"
         if two is not None and any(t.text == "apart" for t in s.tokens[i : i + 2]) and two.head + 4 > i:
             numbers = [j for j in range(two.first - 2, two.head) if s.word(j, "number") and s.tokens[j].number == _PAIR]

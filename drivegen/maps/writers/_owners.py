@@ -57,6 +57,8 @@ def role(s: Sentence, phrase: Phrase) -> str:
         return ""
     if phrase.role:
         return phrase.role
+    if any(s.verbs("split")) and (phrase.number or 1) == 1 and not any(s.said("place")):
+        return "main"  # the single road of a fork, whatever is called its trunk
     groups = roads(s)
     here = next((g for g in groups if any(p is phrase for p in g)), None)
     if here is None or (phrase.number or 1) > 2:

@@ -12,6 +12,9 @@ _NO_PLACE = ("long", "total", "radius", "diameter", "spacing", "later")
 def give_to_part(s: Sentence, facts: Facts, i: int, name: str, metres: float, cue: int | None) -> bool:
     """Note where a ramp or junction lies, or how far from the one before it; whether there is one."""
     start = s.clause(i)
+    if (behind := _led_to(s, i)) is not None:
+        behind.gap = metres
+        return True
     if cue is not None and s.tokens[cue].kind == "later" and any(s.said("place", "staggered")):
         facts.lengths.setdefault("offset", metres)
         return True
@@ -31,12 +34,24 @@ def give_to_part(s: Sentence, facts: Facts, i: int, name: str, metres: float, cu
         ordinal.position, ordinal.gap = (metres, None) if ordinal.value == "1" else (None, metres)
         return True
     is_behind = s.tokens[i - 1].text == "after" and not s.tokens[i - 2].text.startswith("followed")
-    if is_behind and (not parts or before is parts[0]):  # "an exit with one lane after 500 m"
-        return _give_position(s, facts, i, metres, before)
+    if is_behind and (len(parts) < 2 or before is parts[0]):  # "an exit with one lane after 500 m"
+        return _give_position(s, facts, i, metres, before or (parts[0] if len(parts) == 1 else None))
     part = before or after
     if is_behind and cue is None and part is not None and metres > (parts[0].position or metres):
         return _give_position(s, facts, i, metres, part)  # "an on-ramp after 300 m and an off-ramp after 1 km"
     return _give_gap(s, metres, before, after, parts, cue)
+
+
+def leads_to_junction(s: Sentence, i: int) -> bool:
+    """Whether the length at i is the way from one junction to the next."""
+    return _led_to(s, i) is not None
+
+
+def _led_to(s: Sentence, i: int) -> Phrase | None:
+    """The junction that the length at i leads to from one before it: "go on for 350 m to a roundabout"."""
+    place = s.next_after(i, "place")
+    leads = place is not None and [t.value for t in s.tokens[i + 1 : place.first]] == ["to"]
+    return place if leads and s.last_before(i, "place", same_sentence=False) is not None else None
 
 
 def lists_of_places(s: Sentence) -> list[list[int]]:

@@ -45,6 +45,8 @@ def _refuse_contradictions(facts: Facts) -> None:
             )
     if facts.control == "signals" and facts.unsignalled:
         raise UnusableInput("the description asks for traffic lights and for none", reason="impossible-map")
+    if facts.has("loop") and facts.events:
+        raise UnusableInput("I can draw a loop ramp by itself, without its motorway", reason="not-understood")
     if any(lanes == 0 for lanes in [*facts.lanes.values(), *(n for _, n in facts.other_lanes)]):
         raise UnusableInput("a road needs at least one lane", reason="impossible-map")
 
@@ -85,10 +87,16 @@ def _crossing(facts: Facts, choices: Choices) -> Road:
         arm |= {"pocket": facts.lengths["pocket"]} if "pocket" in facts.lengths else {}
         arm |= {"left_turn_lane": facts.left_pocket and pockets, "right_turn_lane": facts.right_pocket and pockets}
         arms.append(arm)
-    if words.position is not None and count in (3, 4) and shape != "y":
-        _place_along(facts, choices, words.position, arms)
+    position = middle_of(facts) if words.middle else words.position
+    if position is not None and count in (3, 4) and shape != "y":
+        _place_along(facts, choices, position, arms)
     _make_one_way(facts, arms, count)
     return {"kind": "crossing", "arms": arms, "control": control_at(facts, words, equal_roads=not unequal)}
+
+
+def middle_of(facts: Facts) -> float | None:
+    """Half the length that is said of the whole road [m]."""
+    return facts.lengths["length"] / 2 if "length" in facts.lengths else None
 
 
 def _place_along(facts: Facts, choices: Choices, position: float, arms: list[Road]) -> None:
@@ -145,8 +153,9 @@ def _roundabout(facts: Facts, choices: Choices) -> Road:
     speed = choices.speed(facts)
     angles = [180.0, 0.0, 270.0] if count == 3 and facts.junctions[0].shape == "t" else [i * 360.0 / count for i in range(count)]
     arms = [{"angle": a, "lanes_in": lanes, "lanes_out": lanes, "length": length, "speed": speed} for a in angles]
-    if facts.junctions[0].position is not None and 180.0 in angles:
-        _place_along(facts, choices, facts.junctions[0].position, arms)
+    position = middle_of(facts) if facts.junctions[0].middle else facts.junctions[0].position
+    if position is not None and 180.0 in angles:
+        _place_along(facts, choices, position, arms)
     ring_speed = facts.speeds.get("ring", min(speed, 30 / 3.6 if diameter < 60 else 40 / 3.6))
     return {"kind": "roundabout", "arms": arms, "ring_lanes": ring, "diameter": diameter, "ring_speed": ring_speed}
 

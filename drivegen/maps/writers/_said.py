@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from drivegen.maps.writers._built import Built
+from drivegen.maps.writers._forks import lanes_of_named
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
 
@@ -187,8 +188,10 @@ def said_others(s: Sentence, found: Built) -> Iterator[Said]:
         yield Said("meeting", i - 1, i, not (meeting and s.tokens[i - 1].text == "never"))
 
 
-def said_branches(s: Sentence, _: Built) -> Iterator[Said]:
+def said_branches(s: Sentence, found: Built) -> Iterator[Said]:
     """Forks that do not split, and single roads where there must be several."""
+    for side, i in lanes_of_named(s).items() if found.branches else ():
+        yield Said("lanes", i, i, s.tokens[i].number == found.branches[side])
     splits = list(s.verbs("split"))
     for i in splits:  # "fork where the road does not split"
         yield Said("fork", i, i, not s.negated_at(i) or all(map(s.negated_at, splits)))

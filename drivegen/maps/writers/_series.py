@@ -2,6 +2,7 @@
 
 from drivegen.maps.writers._changes import is_lane_count
 from drivegen.maps.writers._facts import EventWords, Facts
+from drivegen.maps.writers._places_along import lists_of_places
 from drivegen.maps.writers._quantities import Lanes
 from drivegen.maps.writers._sentence import Sentence
 
@@ -14,7 +15,7 @@ def read_upstream(s: Sentence, facts: Facts) -> None:
         left = next((item for item in s.lanes if item.last == i - 1 and item.first not in s.used), None)
         if left is not None and any(item.count > left.count for item in s.lanes):
             s.use(left.first, i, f"{left.count} lanes remain")
-    if _read_weaving(s, facts):
+    if _read_weaving(s, facts) or facts.from_lanes is not None:
         return
     before, after = (_count_at(s, next(s.of_kind(kind), None)) for kind in ("before", "later"))
     if before is None:
@@ -106,6 +107,10 @@ def read_how_often(s: Sentence, facts: Facts) -> None:
     if facts.from_lanes is None or facts.to_lanes is None or any(event.kind.startswith("lane") for event in facts.events):
         return
     change = abs(facts.to_lanes - facts.from_lanes)
+    for places in lists_of_places(s):
+        if 1 < len(places) <= change and not any(s.said("ramp")):
+            facts.steps, facts.step_places = len(places), [s.tokens[i].amount[0] for i in places]
+            s.use(places[0], places[-1], f"{facts.steps} steps")
     for i in s.of_kind("steps"):
         if s.tokens[i].value == "each":
             facts.steps = change

@@ -20,10 +20,11 @@ from drivegen.maps.writers._choices import Choices
 from drivegen.maps.writers._events import read_ramps
 from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._fork_lengths import read_fork_lengths
-from drivegen.maps.writers._forks import read_branches, read_joining_roads
+from drivegen.maps.writers._forks import read_branches
 from drivegen.maps.writers._gate import refuse_contradictions, refuse_lost_numbers, refuse_misread
 from drivegen.maps.writers._general import note_roads, read_control, read_hand, read_pockets, read_roads, read_shapes
 from drivegen.maps.writers._impossible import refuse_impossible
+from drivegen.maps.writers._joining import read_joining_roads
 from drivegen.maps.writers._junctions import read_junctions
 from drivegen.maps.writers._kept import refuse_unkept
 from drivegen.maps.writers._lanes import read_lanes
@@ -40,6 +41,7 @@ from drivegen.maps.writers._series import read_how_often, read_upstream
 from drivegen.maps.writers._small_words import NARRATIVE, SMALL_WORDS
 from drivegen.maps.writers._speeds import read_speeds
 from drivegen.maps.writers._steps import read_steps
+from drivegen.maps.writers._stretches import read_stretches
 from drivegen.maps.writers.base import Understanding
 
 if TYPE_CHECKING:
@@ -61,6 +63,15 @@ _CANNOT = (
     r"(?:motorway|highway|freeway|autobahn) junctions?|"
     r"figure (?:of )?(?:8|eight)|draw ?bridges?|ferry|ferries|jug ?handles?|turbo roundabouts?|rivers?|michigan left\w*"
 )
+_DENIED_BEFORE = re.compile(
+    r"\b(?:no|not|without|never|neither|nor|outside|beyond|far from|away from|omit\w*|ignor\w+|neglect\w*|leav\w+ out|except)"
+    r"(?: an?| any| the| all)?(?: \w+,?(?: and| or))? $"
+)
+_DENIED_BEHIND = re.compile(
+    r" ?,? (?:(?:and|or) \w+ )?(?:(?:is|are|being|to be|may be|can be) )?"
+    r"(?:omitted|left out|ignored|neglected|excluded|out of scope|aside|absent|"
+    r"not (?:modelled|included|drawn|needed|wanted|part))\b"
+)
 # Each rule takes what it understands, so that later ones leave it: changes of lanes before numbers of lanes.
 _RULES = (
     *(
@@ -68,6 +79,7 @@ _RULES = (
         read_branches,
         read_joining_roads,
         read_fork_lengths,
+        read_stretches,
         read_upstream,
         read_changes,
         read_how_often,
@@ -154,7 +166,7 @@ def _read(text: str) -> Sentence:
         raise UnusableInput(f"markup is no description of a road; I can draw {CAN_DRAW}", reason="not-understood")
     plain = reworded(normalise(in_english(without_names(text))))
     for match in re.finditer(rf"(?<!\w)(?:{_CANNOT})(?!\w)", plain):
-        if not re.search(r"\b(?:no|not|without|never)(?: an?| any)? $", plain[: match.start()]):
+        if not (_DENIED_BEFORE.search(plain[: match.start()]) or _DENIED_BEHIND.match(plain[match.end() :])):
             raise UnusableInput(f"I cannot draw {match.group()!r}; I can draw {CAN_DRAW}", reason="not-understood")
     refuse_impossible(plain)
     return Sentence(plain)
