@@ -59,7 +59,7 @@ class Pipeline:
 
 def read(root: Path = Path()) -> Pipeline:
     """Read dvc.yaml and compare it with the workspace, in this process: about half a second when nothing changed."""
-    with Repo(str(root)) as repo:
+    with _repo(root) as repo:
         graph = repo.index.graph  # an edge (a, b) means that a depends on b
         order = list(nx.topological_sort(graph.reverse(copy=True)))
         needs = {stage.name: sorted(d.name for d in graph.successors(stage)) for stage in order}
@@ -132,13 +132,13 @@ def forget_all_but(stages: Collection[str], root: Path) -> None:
 
 def outputs(stage: str, root: Path = Path()) -> list[str]:
     """The paths that `stage` writes, metrics and plots included."""
-    with Repo(str(root)) as repo:
+    with _repo(root) as repo:
         return [str(out.def_path) for out in _find(repo, stage).outs]
 
 
 def inputs(stage: str, root: Path = Path()) -> list[str]:
     """The paths that `stage` reads and another stage writes."""
-    with Repo(str(root)) as repo:
+    with _repo(root) as repo:
         found = _find(repo, stage)
         written = {out.fs_path: str(out.def_path) for other in repo.index.stages for out in other.outs}
         return [path for where, path in written.items() if any(_overlap(where, dep.fs_path) for dep in found.deps)]
@@ -146,7 +146,7 @@ def inputs(stage: str, root: Path = Path()) -> list[str]:
 
 def metrics(stage: str, root: Path = Path()) -> dict[str, Any]:
     """The JSON metrics that `stage` declares, merged. Raises StageFailed where it declares none or they are missing."""
-    with Repo(str(root)) as repo:
+    with _repo(root) as repo:
         files = [Path(out.fs_path) for out in _find(repo, stage).outs if out.metric]
     merged: dict[str, Any] = {}
     for file in files:
@@ -163,6 +163,11 @@ def _locked(root: Path) -> dict[str, Any]:
     lock = root / "dvc.lock"
     said = yaml.load(lock.read_text(), yaml.CSafeLoader) if lock.exists() else None
     return dict((said or {}).get("stages", {}))
+
+
+def _repo(root: Path) -> Repo:
+    """The workspace as DVC sees it, waiting for its lock: another run may be looking just now."""
+    return Repo(str(root), _wait_for_lock=True)
 
 
 def _find(repo: Repo, stage: str) -> Any:

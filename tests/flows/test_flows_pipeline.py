@@ -5,6 +5,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from dvc.repo import Repo
 
 from flows import pipeline, workspace
 from tests.flows import toy
@@ -85,6 +86,17 @@ def test_a_stage_whose_files_are_held_waits_for_them(root):
     lines: list[str] = []
     assert pipeline.reproduce("ingest", lines.append, force=True)  # it rewrites what `place` reads
     holder.join()
+
+
+def test_who_asks_while_another_run_holds_the_workspace_waits_for_it(done):
+    plans: list[pipeline.Pipeline] = []
+    asking = threading.Thread(target=lambda: plans.append(pipeline.read()))
+    with Repo(str(done)) as other, other.lock:
+        asking.start()
+        asking.join(1.0)
+        assert asking.is_alive()
+    asking.join(30.0)
+    assert plans[0].stale == frozenset()
 
 
 def test_outputs_inputs_and_metrics_are_those_of_dvc_yaml(done):
