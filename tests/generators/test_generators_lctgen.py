@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 
 from drivegen.errors import UnusableInput
 from drivegen.generators._lctgen.codes import PARTS, Action, Direction, logged_actions, state_code
 from drivegen.generators._lctgen.learning import NO_PIECE, places
 from drivegen.generators._lctgen.maps import library_codes, map_code, retrieved
+from drivegen.generators._lctgen.net import ContextGating
 from drivegen.generators._lctgen.words import written
 from drivegen.generators._vectors import AGENTS, Scenes
 from drivegen.generators.lctgen import CHUNK, Plugin
@@ -31,6 +33,20 @@ def with_speed(speeds: np.ndarray) -> Trajectories:
     made.velocity[:, 0] = speeds
     made.valid[:] = True
     return made
+
+
+def test_gating_heeds_only_who_is_there_and_means_over_blocks() -> None:
+    torch.manual_seed(7)
+    gating, x = ContextGating(4, 2), torch.randn(1, 3, 4)
+    there = torch.tensor([[True, True, False]])
+    changed = torch.cat([x[:, :2], x[:, 2:] + 5], dim=1)
+    assert torch.equal(gating.context(x, there), gating.context(changed, there))
+    assert torch.equal(gating(x, there)[:, :2], gating(changed, there)[:, :2])
+    first = gating.elements[0](x) * gating.contexts[0](gating.first)
+    middle, seen = x + (first - x) / 2, gating.first + (first[:, :2].amax(1) - gating.first) / 2
+    second = gating.elements[1](middle) * gating.contexts[1](seen)[:, None]
+    assert torch.allclose(gating(x, there), middle + (second - middle) / 3)
+    assert torch.allclose(gating.context(x, there), seen + (second[:, :2].amax(1) - seen) / 3)
 
 
 def test_states_are_coded_as_seen_from_the_target() -> None:
