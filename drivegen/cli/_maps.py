@@ -34,3 +34,8 @@ def network_of(place: Path) -> Path:
     if not file.is_file():
         raise UnusableInput(f"{file} is not there: `drivegen map` makes maps, give the folder of one or a SUMO network")
     return file
+
+
+def name_of(network: Path) -> str:
+    """What scenarios on a network are called after: its file, or its folder where the file is called as in every map."""
+    return network.resolve().parent.name if network.name == NETWORK else network.name.split(".")[0]

@@ -17,7 +17,7 @@ from drivegen.asked.reading import Reading
 from drivegen.av2.folder import read_folder
 from drivegen.cli import _project
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
-from drivegen.cli._maps import network_of
+from drivegen.cli._maps import name_of, network_of
 from drivegen.equipment import Equipment
 from drivegen.errors import UnusableInput
 from drivegen.generators.base import Settings
@@ -136,7 +136,7 @@ def _road(wanted: _Wanted, words: Reading | None, folder: Path, console: Console
             raise UnusableInput(f"no traffic that I know is described in {wanted.text!r}", reason="not-understood")
         if words is not None and words.rest:
             console.print(f"ignored: {words.rest}")
-        return _read(net), net.name.split(".")[0], f"DriveGen ({net.name})"
+        return _read(net), name_of(net), f"DriveGen ({name_of(net)})"
     assert words is not None
     writer = "offline" if wanted.reader is None else _WRITER
     built = build_map(words.rest, wanted.seed, writer, folder=folder / MAP, model=wanted.reader)

@@ -158,12 +158,13 @@ def test_a_network_needs_no_words_and_any_name_becomes_an_id(run, tmp_path):
 
 
 def test_a_map_is_given_by_its_folder_too_and_what_was_not_got_is_named(run, project, tmp_path):
-    (tmp_path / "map").mkdir()
-    shutil.copy(project / "town centre.net.xml", tmp_path / "map" / "map.net.xml")
-    words = ("--map", str(tmp_path / "map"), "--text", "a hundred cars", "--samples", "2")
+    (tmp_path / "Old harbour").mkdir()
+    shutil.copy(project / "town centre.net.xml", tmp_path / "Old harbour" / "map.net.xml")
+    words = ("--map", str(tmp_path / "Old harbour"), "--text", "a hundred cars", "--samples", "2")
     code, said = run(*words, "--out", str(tmp_path / "out"))
     assert code == 0, said
     made = sum(not row["rejected"] for row in rows_of(tmp_path / "out"))
+    assert len(list(tmp_path.glob("out/old-harbour-0000-s0*"))) == made
     assert f"got 0 of {2 * made} things that the words asked for" in said
     assert f"not got in {made} of {made}: 100 vehicles beside the target" in said
 
