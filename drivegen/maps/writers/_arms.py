@@ -6,6 +6,7 @@ from drivegen.maps.writers._sentence import Sentence
 
 _MEET = ("meet", "cross", "join")
 _FAR = 22
+_FEWEST = 3
 
 
 def read_arms(s: Sentence, facts: Facts) -> None:
@@ -53,9 +54,9 @@ def _give_arms(s: Sentence, facts: Facts, phrase: Phrase, number: int) -> None:
             arms = nearest.arms or (4 if nearest.form == "crossing" else None) or 4
             if nearest.form == "roundabout":
                 return
-        if nearest.arms not in (None, arms):
+        if nearest.arms not in (None, arms) and not (nearest.shape == "y" and number == 2):  # its two branches
             return  # a contradiction: the number stays over, and is refused
-        nearest.arms = arms
+        nearest.arms = _FEWEST if nearest.shape == "y" else arms
     s.use(phrase.first, phrase.head, f"{number} roads meet")
     if s.word(phrase.first - 1, "number"):
         s.used.add(phrase.first - 1)

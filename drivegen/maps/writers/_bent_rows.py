@@ -14,7 +14,23 @@ _ROOM = 60.0
 _NEAR = 6
 _BEFORE, _BEHIND = ("before", "ahead"), ("after", "behind", "beyond", "past", "later")
 _LINKS = frozenset(
-    ("prep", "det", "before", "later", "seq", "and", "small", "unknown", "comma", "number", "bend_size", "turn", "road")
+    (
+        "prep",
+        "det",
+        "before",
+        "later",
+        "seq",
+        "and",
+        "small",
+        "unknown",
+        "comma",
+        "number",
+        "bend_size",
+        "turn",
+        "road",
+        "right_angle",
+        "angle",
+    )
 )
 _INSIDE = frozenset(("on", "in", "at", "within", "inside", "along", "through", "of", "halfway", "middle", "apex", "around"))
 

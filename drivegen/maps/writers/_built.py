@@ -35,7 +35,8 @@ class Built:
         changes: by how many lanes a road becomes wider or narrower, and how many a turn lane adds.
         speeds: [m/s]. lengths: [m] of roads, distances, radii and diameters. angles: [degrees]; gaps: those between
             neighbouring arms of a crossing.
-        positions: distances [m] from the start of a road to what lies along it. distances: those between two such things.
+        positions: distances [m] from the start of a road to what lies along it. distances: those between two
+            such things. between: those and all from and to the road's ends.
         branches: lanes of a fork's branches by their sides.
         arms: roads that meet at each junction. counts: how many there are of each thing, by its name.
         controls: how junctions are controlled.
@@ -48,6 +49,7 @@ class Built:
     lengths: set[float] = field(default_factory=set)
     positions: set[float] = field(default_factory=set)
     distances: set[float] = field(default_factory=set)
+    between: set[float] = field(default_factory=set)
     angles: set[float] = field(default_factory=lambda: {90.0, 180.0})
     branches: dict[str, int] = field(default_factory=dict)
     gaps: list[float] = field(default_factory=list)
@@ -136,7 +138,7 @@ def _along(found: Built, places: list[float], end: float) -> None:
     found.positions |= set(places)
     found.distances |= {b - a for a, b in combinations(places, 2)}
     marks = [0.0, *places, end]
-    found.lengths |= {b - a for a, b in combinations(marks, 2)}
+    found.between |= {b - a for a, b in combinations(marks, 2)}
 
 
 def _corridor(found: Built, road: Corridor) -> None:

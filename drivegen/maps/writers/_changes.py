@@ -25,7 +25,10 @@ def read_changes(s: Sentence, facts: Facts) -> None:
             read_lane_verb(s, facts, i)
         else:
             read_next_lane_verb(s, facts, i)
-    for phrase in (p for p in s.said("extra") if p.head not in s.used):
+    extras = list(s.said("extra"))
+    if extras and extras[0].first <= 1 and s.word(extras[0].head + 1, "comma") and (len(extras) > 1 or facts.has("lane_drop")):
+        s.use(extras[0].first, extras[0].head, "")  # a heading: "Lane closure: the left lane ends"
+    for phrase in (p for p in extras if p.head not in s.used):
         read_extra(s, facts, phrase.head)
 
 

@@ -14,6 +14,7 @@ Road = dict[str, Any]
 
 _MOST_IN_A_ROW = 12
 _SHORTEST_END = 60.0  # [m]
+_SHORT = 0.9
 _LEAST_HAIRPIN = 135.0  # [degrees]
 _SMALLEST_RING, _BETWEEN_RINGS = 28.0, 25.0  # [m]
 
@@ -30,6 +31,10 @@ def row(facts: Facts, choices: Choices) -> Road:
     if len({junction.side for junction in words if junction.arms == 3}) > 1:
         for junction, word in zip(junctions, words, strict=True):
             junction["sides"] = [word.side] if word.side and word.arms == 3 else junction["sides"]
+    elif facts.has("alternate"):
+        for i, (junction, word) in enumerate(zip(junctions, words, strict=True)):
+            if word.arms == 3:
+                junction["sides"] = [("left", "right")[(i + (facts.turn == "right")) % 2]]
     places = [junction.position for junction in words if junction.position is not None]
     if len(places) == len(words) and places == sorted(set(places)):
         return _corridor(facts, choices, main, junctions, [b - a for a, b in pairwise(places)], places[0])
@@ -176,7 +181,12 @@ def alignment(facts: Facts, choices: Choices, usual: tuple[int, int], radius: fl
         rest = facts.lengths["straights"] * (bends + 1 if shape == "hairpin" else 2)
     if "behind" in facts.lengths:
         rest = _two_straights(facts, choices)
-    length = facts.lengths.get("length") or arcs + rest
+    told = facts.lengths.get("length") or (facts.lengths.get("side") if facts.has("cul_de_sac") and not facts.junctions else None)
+    length = told or arcs + rest
+    if told and told < _SHORT * arcs:
+        raise UnusableInput(
+            f"bends that are {arcs:.0f} m long together do not fit into a road of {told:.0f} m", reason="impossible-map"
+        )
     line: Road = {"shape": shape, "length": length, "angle": -angle if facts.turn == "right" else angle, "radius": bend}
     return line | {"bends": facts.bends} if facts.bends else line
 

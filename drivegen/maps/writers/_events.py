@@ -94,8 +94,8 @@ def _add_ramps(s: Sentence, facts: Facts, phrase: Phrase, kind: str, copies: int
             return  # "successive ramps: an entry, then another entry"
         facts.events += [EventWords(both, phrase.first + j) for j, both in enumerate(("on_ramp", "off_ramp"))]
         return
-    places = listed_places(s, phrase) if phrase.number is None else []
-    if len(places) > 1 and copies == 1:
+    places = listed_places(s, phrase)
+    if len(places) > 1 and phrase.number in (None, len(places)):
         facts.events += [EventWords(kind, phrase.first, phrase.lanes, position=metres, speed=phrase.speed) for metres in places]
         if facts.lengths.get("length") in places:
             del facts.lengths["length"]

@@ -67,7 +67,8 @@ class Facts:
             arcs: turn [degrees], positive to the left, and radius [m] of bends that differ.
         at_bend: where junctions lie against bends, "in", "before" or "behind" them, "" no bends. side_turn: side of side roads
             along a bend, "inside" its inner one; side_turns: where in the text it is said.
-        one_way: places in the text of roads that are said to be one-way. two_way: a road is said to run both ways.
+        one_way: places in the text of roads that are said to be one-way; one_way_role: of the only one of two roads that is.
+        two_way: a road is said to run both ways.
         side_places: side ("left", "right" or "") and position along the road [m] of side streets told one by one.
         pocket_role: of the road that has the turn lanes, "" all. interchange: its form, "" none.
     """
@@ -98,6 +99,7 @@ class Facts:
     control: Control | None = None
     unsignalled: bool = False
     one_way: list[int] = field(default_factory=list)
+    one_way_role: str = ""
     two_way: bool = False
     left_hand: bool = False
     left_pocket: bool = False

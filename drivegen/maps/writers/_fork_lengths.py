@@ -17,7 +17,7 @@ def read_fork_lengths(s: Sentence, facts: Facts) -> None:
         stems = [i for i in plain if i not in branches]
     elif len(plain) == _TWO and len(stems) == 1:
         branches = [i for i in plain if i not in stems]
-    if len({*branches, *stems}) != len(plain) or len(branches) > 1 or not stems:
+    if len({*branches, *stems}) != len(plain) or len(branches) > 1:
         return
     for name, places in (("branch", branches), ("stem", stems)):
         for i in places:

@@ -101,6 +101,10 @@ def _into_two(s: Sentence) -> list[int]:
 def lanes_of_named(s: Sentence) -> dict[str, int]:
     """Where the lanes of the "left" and the "right branch" stand, before both names or behind both; {} where they do not."""
     named = {s.tokens[j].value: j for j in s.of_kind("turn") if s.word(j + 1, "arm") or s.word(j + 1, "road")}
+    for j in s.of_kind("ordinal"):  # "and the right one two"
+        side = next((side for side in ("left", "right") if side in s.tokens[j].text.split()), None)
+        if side is not None and named:
+            named.setdefault(side, j - 1)
     if set(named) != {"left", "right"}:
         return {}
     first = min(named.values())

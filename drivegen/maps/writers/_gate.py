@@ -142,6 +142,8 @@ def _is_bare(s: Sentence, i: int) -> bool:
     """Whether the number names nothing: in "unit 2", "question 12" or "exit 14" it does."""
     if i and s.tokens[i].number > _MOST_COUNTED and s.tokens[i - 1].kind in ("ramp", "place", "road"):
         return s.tokens[i - 1].text.endswith("s")
+    if s.word(i - 2, "det") and s.tokens[i - 2].value == "the" and s.word(i - 1, "unknown"):
+        return True  # "the bar three"
     return i == 0 or s.tokens[i - 1].kind != "unknown" or not re.fullmatch(r"[a-z]+", s.tokens[i - 1].text)
 
 

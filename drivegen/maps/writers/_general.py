@@ -2,7 +2,7 @@
 
 from drivegen.maps.spec_values import Side
 from drivegen.maps.writers._facts import Facts
-from drivegen.maps.writers._owners import role
+from drivegen.maps.writers._owners import roads, role
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._rows import meant_of_a_row, pockets_of_a_row, read_control_of_each, use_number_of_others
 from drivegen.maps.writers._sentence import Sentence
@@ -77,6 +77,7 @@ def _read_ways(s: Sentence, facts: Facts) -> None:
             continue
         facts.one_way += [i] * max(1, min(2, number or 1))
         s.use(i, i, "one-way")
+    facts.one_way_role = _role_of_only_one_way(s)
     for phrase in s.said("road", "one_way"):
         if phrase.head not in facts.one_way:
             facts.one_way.append(phrase.head)
@@ -85,6 +86,14 @@ def _read_ways(s: Sentence, facts: Facts) -> None:
     for i in s.of_kind("two_way"):
         facts.two_way = True
         s.use(i, i, "two-way")
+
+
+def _role_of_only_one_way(s: Sentence) -> str:
+    """Whose road it is, "main" or "side", where one of two roads alone is said to be one-way."""
+    groups = roads(s)
+    said = [group for group in groups if any("one_way" in p.words for p in group)]
+    single = len(groups) == 2 and len(said) == 1 and not s.tokens[said[0][0].head].text.endswith("s")
+    return role(s, said[0][0]) if single and (said[0][0].number or 1) == 1 else ""
 
 
 def _is_both_ways(words: list[str]) -> bool:

@@ -15,7 +15,7 @@ _PLACE = r"(?:crossings?|intersections?|junctions?|roundabouts?|arms|legs|street
 _THAT = r"(?:(?:that|which|but|and|yet|,) )*"
 _END = r"(?: ?[,.]| at all| whatsoever|$)"
 _IMPOSSIBLE = {
-    r"minus \d+|(?<![\d.] )(?<![\d.])0 (?:m|km|ft|yd|mile)\b": "numbers must be positive",
+    r"(?:minus|negative) \d+|(?<![\d.] )(?<![\d.])0 (?:m|km|ft|yd|mile)\b": "numbers must be positive",
     r"into (?:exactly |just |only )?2 (?:\w+ )?(?:branches|roads|arms|ways|carriageways|parts)\b[^.]*\b(?:left\b[^.]*\bstraight\b"
     r"[^.]*\bright|right\b[^.]*\bstraight\b[^.]*\bleft|straight\b[^.]*\bleft\b[^.]*\bright)\b": "three branches are not two",
     r"half (?:of )?a lane|\d\.\d+ lanes?": "lanes are counted in whole numbers",
@@ -28,6 +28,7 @@ _IMPOSSIBLE = {
     rf"{_DEAD_END} (?:that|which) (?:leads?|runs?|goes|continues) (?:straight |right |on )*(?:through|to)\b": (
         "a dead end has one way out"
     ),
+    rf"{_DEAD_END} through which\b": "a dead end has one way out",
     r"(?:all|every)\b[^.]{0,40}\bone way (?:streets? |roads? )?(?:towards?|into|inwards|away from|out of)": (
         "there must be a way in and a way out"
     ),

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from typing import get_args
 
+from drivegen.errors import UnusableInput
 from drivegen.maps.spec_values import Control
 from drivegen.maps.writers._arms import read_arms
 from drivegen.maps.writers._facts import Facts, JunctionWords
@@ -61,6 +62,8 @@ def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:
         phrase.number = None  # "splits in two like the letter Y"
     _use_words(s, phrase)
     arms = phrase.arms or _ways(s, phrase)
+    if arms == _FEWEST and "crossroads" in phrase.text:
+        raise UnusableInput(f"crossroads have four arms, not {arms}", reason="impossible-map")
     if _is_of_a_row(s, facts, phrase, arms):
         return
     same = _meant(s, facts, phrase)
@@ -105,6 +108,11 @@ def _lies_in_the_middle(s: Sentence, phrase: Phrase) -> bool:
 def _read_ways_that_stop(s: Sentence, facts: Facts) -> None:
     """Five roads meet at "a five-way stop"."""
     for phrase in s.said("control", "all_way_stop"):
+        all_roads = re.match(r"all (\d) ", phrase.text)
+        if all_roads and facts.junctions and (facts.junctions[0].arms or int(all_roads[1])) != int(all_roads[1]):
+            raise UnusableInput(
+                f"{phrase.text!r} cannot be said of a junction of {facts.junctions[0].arms} roads", reason="impossible-map"
+            )
         ways = re.match(r"(?:an? )?(\d) way", phrase.text)
         if ways and not facts.junctions:
             facts.junctions.append(JunctionWords("crossing", phrase.first, int(ways[1]), control="all_way_stop"))

@@ -119,7 +119,9 @@ def _lengths_meant(s: Sentence, i: int, found: Built) -> set[float]:
         return found.positions
     if meaning.startswith("distance") and found.positions:
         return found.positions | found.distances
-    return found.lengths
+    if meaning.startswith("length") and found.positions:
+        return found.lengths
+    return found.lengths | found.between
 
 
 def _lanes(s: Sentence, found: Built) -> Iterator[Said]:

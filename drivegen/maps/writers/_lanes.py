@@ -2,7 +2,7 @@
 
 from drivegen.errors import UnusableInput
 from drivegen.maps.writers._facts import Facts
-from drivegen.maps.writers._owners import is_close, owner, role
+from drivegen.maps.writers._owners import arm_role, is_close, owner, role
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._quantities import Lanes
 from drivegen.maps.writers._sentence import Sentence
@@ -118,8 +118,8 @@ def _role(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None) -> str:
         return "main"
     if phrase is None:
         return ""
-    if phrase.kind == "arm" and phrase.role:
-        return phrase.role  # "the minor leg has one lane each way"
+    if own := _role_of_arms(s, phrase):
+        return own
     if item.per in ("arms", "all") and phrase.kind in ("place", "ring", "arm"):
         return "arms"
     if phrase.kind == "arm" and phrase.number in (None, 1) and s.tokens[phrase.head].text.startswith(("direction", "way")):
@@ -136,6 +136,13 @@ def _role(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None) -> str:
     if who in ("ramp", "ring") and not (inside or told or is_close(s, phrase, item.first) or "main" in facts.lanes):
         return "main" if who == "ramp" else "arms" if item.per else ""
     return who
+
+
+def _role_of_arms(s: Sentence, phrase: Phrase) -> str:
+    """Whose arms the phrase names: of "the minor leg", "the north and south arms", or "single-lane entries", all."""
+    if phrase.value.endswith("_or_arm") and any(s.said("place")):
+        return "arms"
+    return (phrase.role or arm_role(s, phrase)) if phrase.kind == "arm" else ""
 
 
 def _is_before_a_fork(s: Sentence, item: Lanes) -> bool:

@@ -1,7 +1,7 @@
 """Lengths and angles, and what each measures."""
 
 from drivegen.maps.writers._facts import Facts
-from drivegen.maps.writers._owners import is_close
+from drivegen.maps.writers._owners import arm_role, is_close
 from drivegen.maps.writers._places_along import give_to_part, leads_to_junction, lists_of_places
 from drivegen.maps.writers._sentence import Sentence
 
@@ -179,6 +179,8 @@ def _what_is_long(s: Sentence, i: int) -> str:
         return "length"
     if before.kind in ("auxiliary", "weaving") and len(s.tokens[before.head + 1 : i]) <= 3:
         return "auxiliary"
+    if before.kind == "arm" and arm_role(s, before) == "main":
+        return "length"
     if (before.kind == "road" and before.role == "side") or before.kind in ("arm", "dead_end"):
         return "side" if is_close(s, before, i) else "length"
     return "length"

@@ -57,8 +57,8 @@ def role(s: Sentence, phrase: Phrase) -> str:
         return ""
     if phrase.role:
         return phrase.role
-    if any(s.verbs("split")) and (phrase.number or 1) == 1 and not any(s.said("place")):
-        return "main"  # the single road of a fork, whatever is called its trunk
+    if whole := _role_in_layout(s, phrase):
+        return whole
     groups = roads(s)
     here = next((g for g in groups if any(p is phrase for p in g)), None)
     if here is None or (phrase.number or 1) > 2:
@@ -78,6 +78,14 @@ def role(s: Sentence, phrase: Phrase) -> str:
     return "main" if here is rest[0] else "side" if here is rest[1] and "side" not in named else ""
 
 
+def _role_in_layout(s: Sentence, phrase: Phrase) -> str:
+    """Roles that the layout decides: the single road of a fork is the main one, the road over a highway the side road."""
+    if any(s.verbs("split")) and (phrase.number or 1) == 1 and not any(s.said("place")):
+        return "main"
+    over = any(p.value for p in s.said("interchange")) and phrase.words.get("class") != "highway"
+    return "side" if over else ""
+
+
 def _by_its_end(s: Sentence, here: list[Phrase]) -> str:
     """The side road ends at the main one: "a one-lane road ends at an east-west road with two lanes"."""
     for i in s.verbs("end_at") if not any(s.said("ramp")) else ():
@@ -89,6 +97,14 @@ def _by_its_end(s: Sentence, here: list[Phrase]) -> str:
         if any(p is target for p in here):
             return "main"
     return ""
+
+
+def arm_role(s: Sentence, phrase: Phrase) -> str:
+    """Whose arms are named by their directions: the main road's first, then those of the other, "the north and south arms"."""
+    labelled = [p for p in s.said("arm") if p.words.get("label")]
+    if len({p.words["label"] for p in labelled}) < 2 or not phrase.words.get("label"):
+        return ""
+    return "main" if phrase.words["label"] == labelled[0].words["label"] else "side"
 
 
 def owner(s: Sentence, first: int, last: int, *kinds: str) -> Phrase | None:

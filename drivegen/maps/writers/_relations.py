@@ -26,6 +26,8 @@ def read_relations(s: Sentence, facts: Facts) -> None:
     if not _read_opposite_sides(s, facts):
         read_side_roads(s, facts)
     read_listed_places(s, facts)
+    if len(facts.junctions) == 1 and facts.junctions[0].position is None and not any(s.said("shape")):
+        facts.junctions[0].middle |= any(t.text in ("halfway", "midway", "midpoint") for t in s.tokens)
 
 
 def _read_opposite_sides(s: Sentence, facts: Facts) -> bool:

@@ -81,7 +81,10 @@ def _crossing(facts: Facts, choices: Choices) -> Road:
     for i, angle in enumerate(_arms_at(count, shape, facts)):
         is_main = i in _main_arms(count, shape)
         lanes = main if is_main else side
-        arm: Road = {"angle": angle, "lanes_in": lanes, "lanes_out": lanes, "length": length}
+        if shape == "y" and i and "main" in facts.lanes:
+            lanes = facts.lanes.get("arms", main)  # the branches'
+        own = facts.lengths.get("side", length) if not is_main and "length" in facts.lengths else length
+        arm: Road = {"angle": angle, "lanes_in": lanes, "lanes_out": lanes, "length": own}
         arm |= {"speed": speed if is_main else side_speed, "main": is_main or not unequal}
         pockets = facts.pocket_role in ("", "main" if is_main else "side")
         arm |= {"pocket": facts.lengths["pocket"]} if "pocket" in facts.lengths else {}
@@ -129,11 +132,16 @@ def _make_one_way(facts: Facts, arms: list[Road], count: int) -> None:
     """One-way roads of a crossing: all of them, or the first of two."""
     if not facts.one_way:
         return
-    if count == 3:
+    through: list[tuple[int, int | None]]
+    if facts.one_way_role and count in (3, 4):
+        ways: dict[str, tuple[int, int | None]] = {"main": (0, 1), "side": (2, None)}
+        ways = ways if count == 3 else {"main": (0, 2), "side": (1, 3)}
+        through = [ways[facts.one_way_role]]
+    elif count == 3:
         through = [(0, 1)] if len(facts.one_way) == 1 else [(0, 1), (2, None)]
     else:
         both = len(facts.one_way) > 1 or (not facts.two_way and not facts.has("crossed_by_another"))
-        pairs = [(i, i + count // 2) for i in range(count // 2)]
+        pairs: list[tuple[int, int | None]] = [(i, i + count // 2) for i in range(count // 2)]
         through = pairs if both else pairs[:1]
     for way_in, way_out in through:
         arms[way_in]["lanes_out"] = 0

@@ -107,7 +107,8 @@ def _speed_role(s: Sentence, facts: Facts, i: int) -> str:
     who = role(s, before)
     if who in ("ramp", "side", "ring") and not is_close(s, before, i) and "main" not in facts.speeds:
         return "main"
-    if who == "side" and not (before.role or before.words.get("label")) and not is_close(s, before, i):
+    told = before.role or before.words.get("label") or (before.det == "another" and "main" in facts.speeds)
+    if who == "side" and not told and not is_close(s, before, i):
         return "main"
     return who
 

@@ -63,6 +63,7 @@ _CANNOT = (
     r"(?:motorway|highway|freeway|autobahn) junctions?|"
     r"figure (?:of )?(?:8|eight)|draw ?bridges?|ferry|ferries|jug ?handles?|turbo roundabouts?|rivers?|michigan left\w*"
 )
+_DENIED_QUESTION = re.compile(r"[^.?!;]*\?\s*(?:no|nope)\b[,.:;!]*", re.IGNORECASE)
 _DENIED_BEFORE = re.compile(
     r"\b(?:no|not|without|never|neither|nor|outside|beyond|far from|away from|omit\w*|ignor\w+|neglect\w*|leav\w+ out|except)"
     r"(?: an?| any| the| all)?(?: \w+,?(?: and| or))? $"
@@ -164,6 +165,7 @@ def _read(text: str) -> Sentence:
         raise UnusableInput(f"the description is longer than {_LONGEST} characters", reason="too-long")
     if re.search(r"</?\w+[^<>]*>", text):
         raise UnusableInput(f"markup is no description of a road; I can draw {CAN_DRAW}", reason="not-understood")
+    text = _DENIED_QUESTION.sub(" ", text)
     plain = reworded(normalise(in_english(without_names(text))))
     for match in re.finditer(rf"(?<!\w)(?:{_CANNOT})(?!\w)", plain):
         if not (_DENIED_BEFORE.search(plain[: match.start()]) or _DENIED_BEHIND.match(plain[match.end() :])):
