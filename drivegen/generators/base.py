@@ -1,7 +1,9 @@
 """The protocol of a generator: map and initial states in, K futures of every vehicle out.
 
 A generator may read a scenario's map, vehicles, signals and context actors, never its log (`log` is the one stated
-exception: it is the reference row). `Plugin(models, settings)` opens what it needs below the folder of trained models.
+exception: it is the reference row). Signals hold the states that will be shown over the whole horizon: they are control that
+is given, as the map is, and a scenario that is made has a program for them. `Plugin(models, settings)` opens what it needs
+below the folder of trained models.
 """
 
 from collections.abc import Sequence

@@ -35,8 +35,8 @@ def section(evidence: Evidence) -> Section:
     """Tables and plot of realism and diversity."""
     methods = ordered(evidence.below("quality_details"))
     lead = (
-        "Ten samples of every test scenario from its map and first frame, against what was logged. Distances in metres, mean "
-        "over scenarios with 95 % bootstrap intervals; every vehicle of every sample counts."
+        "Ten samples of every test scenario from its map, its first frame and its signals' states, against what was logged. "
+        "Distances in metres, mean over scenarios with 95 % bootstrap intervals; every vehicle of every sample counts."
     )
     found = (_realism(methods, evidence), *((_diversity(methods, evidence),) if methods else ()))
     figures = (_map_of_methods(methods),) if methods else ()
