@@ -114,7 +114,7 @@ def _quality(data: DataSet, pooled: Pooled) -> Table:
         "Intervals: 95 %, bootstrap over scenes (over recordings where scenes share one) crossed with training seeds; of "
         "diversity, over scenes, widened to hold every seed's.",
         "All are given map, first frame and, where data has signals, their states as they will be shown. The learned selector "
-        "looks ahead at these; IDM, BITS and TrafficGen see them when they come, SceneTransformer and LCTGen those of the first frame.",
+        "looks ahead at these; IDM, BITS and TrafficGen see them as they come, SceneTransformer and LCTGen the first ones.",
         "The paper's rows were measured on other data by others: they cannot be compared with ours.",
         "A rival that does not beat constant velocity in min-sADE is marked under-trained: beating it counts for nothing.",
     )
