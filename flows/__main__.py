@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import signal
 import sys
 from functools import partial
 from importlib import import_module
@@ -14,7 +15,7 @@ REPORT = Path("reports/index.html")
 
 
 def main(argv: list[str]) -> int:
-    """0 if the flow completed, 1 with its reason otherwise."""
+    """0 if the flow completed, 1 with its reason otherwise, 130 where Ctrl-C stopped it."""
     arguments = _parser().parse_args(argv)
     try:
         with server.local_server(meanwhile=partial(import_module, f"flows.{arguments.flow}")):
@@ -22,6 +23,9 @@ def main(argv: list[str]) -> int:
     except RuntimeError as error:
         print(f"flows: {error}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print("flows: stopped; stages that were done stay done, the same command goes on from there", file=sys.stderr)
+        return 128 + signal.SIGINT
     if not state.is_completed():
         print(f"flows: {arguments.flow}: {state.message}", file=sys.stderr)
         return 1
