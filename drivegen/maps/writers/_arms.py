@@ -13,7 +13,11 @@ def read_arms(s: Sentence, facts: Facts) -> None:
     """A number of roads or arms that meet: at the junction mentioned, or making one."""
     for phrase in (*s.said("arm"), *s.said("road"), *s.said("ramp", "off_or_arm", "on_or_arm")):
         number = phrase.number or _counted_before(s, phrase)
-        if phrase.head in s.used or number is None or number < 2 or phrase.role:
+        if phrase.head in s.used or number is None or number < 2:
+            continue
+        if phrase.role:
+            if phrase.kind == "arm" and number == 2 and facts.junctions:
+                s.used.update(range(phrase.first, phrase.head))  # "its two main arms"
             continue
         if facts.has("grid") or (phrase.kind == "ramp" and not facts.junctions):
             continue

@@ -73,7 +73,8 @@ def _read_ramp(s: Sentence, facts: Facts, phrase: Phrase) -> None:
     kind = "on_ramp" if phrase.value.startswith("on") else "off_ramp" if phrase.value.startswith("off") else _direction(s, phrase)
     s.use(phrase.head, phrase.head, _NAMES[kind])
     known = [event for event in facts.events if event.kind == kind or phrase.value == ""]
-    if known and _refers_back(s, phrase):
+    placed_later = phrase.det == "" and phrase.position is not None and not phrase.number  # "an exit ...: exit at 400 m"
+    if known and (_refers_back(s, phrase) or (placed_later and known[-1].position is None and known[-1].gap is None)):
         known[-1].lanes = known[-1].lanes or phrase.lanes
         known[-1].speed = known[-1].speed or phrase.speed
         known[-1].gap = known[-1].gap or phrase.gap

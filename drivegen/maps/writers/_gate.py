@@ -23,6 +23,9 @@ _JOINING = ("join", "cross", "meet", "split", "end_at")
 _COUNTED = frozenset(("lane", "arm", "road", "place", "ramp", "ring", "extra", "shape", "weaving", "control"))
 _MEASURES = frozenset(("length", "angle", "size"))
 _OVER = frozenset(("small", "unknown", "control", "one_way", "two_way", "surroundings", "role", "label", "prep"))
+_NO_NAMES = frozenset(
+    ("namely", "exactly", "precisely", "about", "roughly", "likewise", "also", "plus", "ie", "thus", "therefore")
+)
 _SILENT = frozenset(
     (
         "comma",
@@ -51,7 +54,7 @@ def refuse_lost_numbers(s: Sentence) -> None:
     for i, token in enumerate(s.tokens):
         if i in s.used or i in s.aside or (token.kind == "number" and token.number == 1 and not _is_counted(s, i)):
             continue
-        if token.kind in _MEASURES or (token.kind == "number" and _counts_roads(s, i)):
+        if token.kind in _MEASURES or (token.kind == "number" and (_counts_roads(s, i) or s.word(i + 1, "speed"))):
             last = min(i + 2, len(s.tokens))
             lost = " ".join(t.text for t in s.tokens[i:last]).strip(" ,.")
             raise UnusableInput(f"I do not understand {lost!r} here; please say it in other words", reason="not-understood")
@@ -67,7 +70,8 @@ def refuse_contradictions(s: Sentence, facts: Facts, road: Mapping[str, Any]) ->
     if road["kind"] not in ("corridor", "highway", "fork") or road.get("junctions"):
         return
     sides = [p.head for p in s.said("road") if p.role == "side" and s.tokens[p.head].text != "side"]  # "on one side"
-    told = [] if facts.has("fork") else sides
+    ramps = any(event["kind"].endswith("ramp") for event in road.get("events", ()))  # "a service road merges into the highway"
+    told = [] if facts.has("fork") or ramps else sides
     if not road.get("events"):
         told += [p.head for p in s.said("control", "signals", "stop", "yield", "all_way_stop")]
     if not road.get("events") and road["kind"] == "corridor":
@@ -144,6 +148,8 @@ def _is_bare(s: Sentence, i: int) -> bool:
         return s.tokens[i - 1].text.endswith("s")
     if s.word(i - 2, "det") and s.tokens[i - 2].value == "the" and s.word(i - 1, "unknown"):
         return True  # "the bar three"
+    if i and s.tokens[i - 1].text in _NO_NAMES:
+        return True
     return i == 0 or s.tokens[i - 1].kind != "unknown" or not re.fullmatch(r"[a-z]+", s.tokens[i - 1].text)
 
 

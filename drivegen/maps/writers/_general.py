@@ -172,7 +172,7 @@ def read_pockets(s: Sentence, facts: Facts) -> None:
             s.use(phrase.first, phrase.head, f"turn lanes ({sides.replace(' ', ' and ')}) at this junction")
             continue
         where = s.governed(last) or _told_before(s, phrase.first)
-        facts.pocket_role = role(s, where) if where is not None and where.kind == "road" and where.det != "" else ""
+        facts.pocket_role = role(s, where) if where is not None and where.kind == "road" and (where.det or where.role) else ""
         if any(abs(i - phrase.head) <= _NEAR for i in s.of_kind("ordinal")) and _in_a_row(facts):
             facts.pocket_role = "one"  # of the junctions of a row
         facts.left_pocket |= "left" in sides
@@ -202,11 +202,19 @@ def read_control(s: Sentence, facts: Facts) -> None:
         if not named:
             use_number_of_others(s, phrase)
             found.append(phrase.value)
+        if phrase.value in ("stop", "yield") and _is_of_one_road(s, phrase.head):
+            facts.features.setdefault("main_road", phrase.head)  # who has no sign goes first
         s.use(phrase.first if phrase.value == "all_way_stop" else phrase.head, phrase.head, _CONTROLS[phrase.value])
     found += [i.control for i in facts.junctions if i.control and len(facts.junctions) == 1]
     _decide(facts, found, denied)
     for i in s.of_kind("control"):
         s.use(i, i, "")
+
+
+def _is_of_one_road(s: Sentence, i: int) -> bool:
+    """Whether the sign at i is that of one road only, named by its direction: "stop signs for east-west"."""
+    near = s.tokens[i + 1 : i + 4]
+    return bool(near) and near[0].kind == "prep" and any(t.kind == "label" for t in near)
 
 
 def _told_before(s: Sentence, i: int) -> Phrase | None:

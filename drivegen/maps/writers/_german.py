@@ -119,6 +119,7 @@ GERMAN_WORDS = {
 def from_german(text: str) -> str:
     """A lowercase German text with the words that are known replaced."""
     text = re.sub(r"(?<=\w)-(?=\w)", " ", re.sub(r"(?<=\d),(?=\d)", ".", text))
+    text = re.sub(r"(?<=straße) (?:einen|eine|einer)(?= ?(?:[,.;)]|$|und\b))", " 1", text)  # "die Nebenstraße einen"
     text = re.sub(rf"\b(\w+(?: (?:oder|und) \w+)*) (?:gibt es {_THERE}(?:nicht|keine|keinen)|fehlen|fehlt)\b", r"keine \1", text)
     text = re.sub(r"\b(\w+) (?:auch|ebenfalls|ebenso) nicht\b", r"keine \1", text)
     text = re.sub(r"\bfährt auf ([^,.]*?) auf\b", r"mündet auf \1", text)

@@ -12,7 +12,7 @@ def read_joining_roads(s: Sentence, facts: Facts) -> None:
     """Two roads that become one: "two motorways merge into one"."""
     if any(s.said("place")):
         return
-    if _read_sum(s, facts):
+    if _read_sum(s, facts) or _read_two_become(s, facts):
         return
     for phrase in (*s.said("road"), *s.said("ramp")):
         verb = _becomes_one(s, phrase)
@@ -67,6 +67,22 @@ def _read_sum(s: Sentence, facts: Facts) -> bool:
         for i in verbs:
             s.use(i, i, "")
         return True
+    return False
+
+
+def _read_two_become(s: Sentence, facts: Facts) -> bool:
+    """Lanes of two roads side by side that become fewer: "two lanes and two lanes become three lanes"."""
+    for a, b, one in zip(s.lanes, s.lanes[1:], s.lanes[2:], strict=False):
+        joined = [t.kind for t in s.tokens[a.last + 1 : b.first]] == ["and"]
+        verbs = [t.value for t in s.tokens[b.last + 1 : one.first] if t.kind == "verb"]
+        fits = max(a.count, b.count) <= one.count <= a.count + b.count
+        if joined and verbs and verbs[0] in ("become", "merge", "join") and fits and not any(x.per for x in (a, b, one)):
+            facts.features.update({"fork": a.first, "joining": a.first})
+            facts.branches, facts.lanes["main"] = (a.count, b.count), one.count
+            s.use(a.first, one.last, f"2 roads of {a.count} and {b.count} lanes become 1 of {one.count}")
+            for i in s.verbs("merge"):
+                s.use(i, i, "")
+            return True
     return False
 
 

@@ -34,11 +34,26 @@ def read_junctions(s: Sentence, facts: Facts) -> None:
     elif (ring := next(s.said("ring"), None)) and _stands_for_roundabout(s, ring):
         facts.junctions.append(JunctionWords("roundabout", ring.first, ring.arms))
         s.use(ring.head, ring.head, "roundabout")
+    _put_between(s, facts)
     _read_ways_that_stop(s, facts)
     read_positions_of_a_row(s, facts)
     read_arms_of_a_row(s, facts)
     read_arms(s, facts)
     _read_counted_signals(s, facts)
+
+
+def _put_between(s: Sentence, facts: Facts) -> None:
+    """The order of "a roundabout between two T-junctions", "between two crossings there is a T-junction"."""
+    counts = [j.count for j in facts.junctions]
+    if counts not in ([1, 2], [2, 1]):
+        return
+    outer, inner = sorted(facts.junctions, key=lambda j: -j.count)
+    before = next((i for i in range(outer.at - 1, -1, -1) if s.tokens[i].text == "between"), None)
+    if before is None or s.between(before, outer.at, "place", "comma"):
+        return
+    if counts == [2, 1] and "spacing" in facts.lengths:
+        facts.lengths["spacing"] /= 2  # said of the outer two
+    facts.junctions[:] = [replace(outer, count=1), inner, replace(outer, count=1)]
 
 
 def _stands_for_roundabout(s: Sentence, ring: Phrase) -> bool:
@@ -70,6 +85,7 @@ def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:
     if same is not None:
         same.arms = same.arms or arms
         same.control = same.control or _own_control(phrase)
+        same.middle |= _lies_in_the_middle(s, phrase)
         if phrase.value in ("t", "y") and not same.shape and same.form == "crossing":
             same.shape, same.arms = phrase.value, same.arms or _FEWEST
         s.use(phrase.head, phrase.head, name)
@@ -185,6 +201,8 @@ def _meant(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
         return None
     if _refers_back(s, phrase):
         return known[-1]
+    if known[-1].count > 1 and phrase.det == "a" and phrase.number is None and any(t.text == "between" for t in s.tokens):
+        return None
     return known[-1] if not _is_listed(s, facts, known[-1].at, phrase) and _says_again(s, known[-1], phrase) else None
 
 

@@ -7,6 +7,7 @@ from drivegen.maps.writers._sentence import Sentence
 
 _WIDEST_MEDIAN = 100.0
 _NEAR_ISLAND = 5
+_WIDEST_RING = 100.0
 _PAIR = 2
 _NEAR_THING = 7
 _BENDS = ("curve", "s_curve", "hairpin")
@@ -28,7 +29,8 @@ def read_lengths(s: Sentence, facts: Facts) -> None:
         if name in ("gap", "position") and give_to_part(s, facts, i, name, metres, cue):
             pass
         elif name == "gap":
-            changes = facts.has("lane_drop", "lane_gain", "lane_change") and not facts.junctions
+            changes = facts.has("lane_drop", "lane_gain", "lane_change") or any(e.keeps for e in facts.events)
+            changes = changes and not facts.junctions
             facts.lengths.setdefault("position" if changes else "spacing", metres)
         else:
             facts.whole |= name == "length" and "length" not in facts.lengths and _is_of_the_whole(s, i, cue)
@@ -109,6 +111,9 @@ def _of_ring(s: Sentence, i: int, kind: str) -> str | None:
     if near.kind == "central":
         return "island"
     one = near.value == "roundabout" and (near.number or 1) == 1
+    bare = s.word(i - 1, "comma") and (i + 1 == len(s.tokens) or s.word(i + 1, "comma")) and near.head == i - 2
+    if one and bare and s.tokens[i].amount[0] <= _WIDEST_RING:
+        return "diameter"  # "a roundabout, 70 m, two lanes"
     return "diameter" if one and near.head == i - 2 and s.tokens[i - 1].text == "of" and kind == "" else None
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from drivegen.maps.writers._tokens import Token
 
+_MOST = 8
 _WAYS = {"": "each", "forth": "each", "back": "back"}
 
 
@@ -40,8 +41,17 @@ def lanes_in(tokens: list[Token]) -> list[Lanes]:
                 found.append(_with_per(tokens, Lanes(tokens[number_after].number, i, number_after, token.value)))
         elif token.kind == "each" and token.value in _WAYS and i and tokens[i - 1].kind == "number" and token.text != "each":
             found.append(Lanes(tokens[i - 1].number, i - 1, i, "", _WAYS[token.value]))
+        elif _counts_bound(tokens, i):
+            found.append(Lanes(token.number, i, i + 1, "", "each"))
     _tell_bounds_apart(tokens, found)
     return found
+
+
+def _counts_bound(tokens: list[Token], i: int) -> bool:
+    """Whether the number at i leaves the lanes out that are said elsewhere: "three lanes, two northbound, one southbound"."""
+    if tokens[i].kind != "number" or not 0 < tokens[i].number <= _MOST or [t.kind for t in tokens[i + 1 : i + 2]] != ["bound"]:
+        return False
+    return any(t.kind == "lane" for t in tokens) and [t.kind for t in tokens[i + 2 : i + 3]] != ["lane"]
 
 
 def _tell_bounds_apart(tokens: list[Token], found: list[Lanes]) -> None:

@@ -60,7 +60,8 @@ def _read_further_numbers(s: Sentence, facts: Facts, kind: str) -> None:
         signs = {"lane_gain": 1, "lane_drop": -1}
         here = facts.to_lanes + sum(signs.get(e.kind, 0) * (e.lanes or 1) for e in facts.events)
         step = (s.tokens[after].number - here) * sign
-        if step > 0 or (step < 0 and s.tokens[i].value in ("narrow", "widen")):  # "and 400 m later narrows back to two"
+        back = s.tokens[i].value in ("narrow", "widen") or s.tokens[i].text.startswith("back")
+        if step > 0 or (step < 0 and back):  # "and 400 m later narrows back to two"
             _use_again(s, max((j for j in s.used if j < i), default=0), i, here)
             facts.features.setdefault("lane_gain" if step * sign > 0 else "lane_drop", i)
             _add_step(s, facts, "lane_gain" if step * sign > 0 else "lane_drop", i, abs(step))
