@@ -6,7 +6,7 @@ and a future without its target is no scenario; both are counted in its row.
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -184,11 +184,16 @@ def row(traffic: Traffic, k: int) -> dict[str, Any]:
 
 
 def _asked(traffic: Traffic, k: int) -> dict[str, Any]:
-    """`asked`: one {kind, what, got, natural} for each thing that the words asked for; nothing without words."""
+    """`asked`: one {kind, what, got, natural} for each thing that the words asked for; nothing without words.
+
+    A future that leaves vehicles out has not the number that was asked for, whoever stood there at the first frame.
+    """
     start = traffic.start
     if start.asked is None:
         return {}
-    items = [*start.got, *manoeuvres(start.asked, traffic.samples, k)]
+    all_there = not traffic.samples.dropped[k].any()
+    seen = [replace(item, got=item.got and (all_there or item.kind != "number")) for item in start.got]
+    items = [*seen, *manoeuvres(start.asked, traffic.samples, k)]
     return {"asked": [asdict(item) for item in items]}
 
 

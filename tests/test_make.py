@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from drivegen import make
+from drivegen.asked.account import Item
 from drivegen.av2.folder import read_folder
 from drivegen.checker.limits import Limits
 from drivegen.equipment import Equipment
@@ -52,6 +53,14 @@ def test_new_traffic_is_written_without_those_dropped(tmp_path):
     assert (told["sade"], told["sfde"]) == (None, None)
     write_sample(made, 1, tmp_path)
     assert sorted(read_folder(tmp_path / told["id"], "made").track_id) == [f"track-{i}" for i in (0, 1, 2, 5, 6, 7)]
+
+
+def test_a_future_that_leaves_vehicles_out_has_not_the_number_that_was_asked_for(monkeypatch):
+    made = traffic(logged=False, dropped=[(1, 3)])
+    got = (Item("number", "7 vehicles beside the target", True), Item("kind", "1 x bus", True))
+    made = replace(made, start=replace(made.start, asked=object(), got=got))
+    monkeypatch.setattr(make, "manoeuvres", lambda *_: [])
+    assert [[item["got"] for item in row(made, k)["asked"]] for k in (0, 1)] == [[True, True], [False, True]]
 
 
 def test_a_sample_that_dropped_its_target_is_counted_and_not_written(tmp_path):
