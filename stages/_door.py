@@ -11,6 +11,7 @@ if __name__ == "__main__":
     enter("ingest", Params, main)
 """
 
+import inspect
 import multiprocessing
 import os
 import resource
@@ -21,7 +22,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import TypeVar
 
-from drivegen.errors import DriveGenError, MissingTool
+from drivegen.errors import DriveGenError, MissingTool, UnusableInput
 from drivegen.settings import build as build
 from drivegen.settings import read_params as read_params
 from drivegen.store.costs import write_cost
@@ -43,6 +44,7 @@ def enter(section: str, params: type[P], main: Callable[..., Mapping[str, float]
     paths = [Path(word) for word in sys.argv[1:]]
     began = time.perf_counter()
     try:
+        _expect_paths(main, len(paths))
         counts = main(read_params(section, params), *paths) or {}
         write_cost(COST_FOLDER, section, paths[-1].stem if paths else "", {**counts, **_taken(began)})
     except DriveGenError as error:
@@ -51,6 +53,14 @@ def enter(section: str, params: type[P], main: Callable[..., Mapping[str, float]
     except OSError as error:
         print(f"{section}: {error.filename or 'a file'}: {error.strerror}; nothing half-written was kept", file=sys.stderr)
         sys.exit(1)
+
+
+def _expect_paths(main: Callable[..., object], given: int) -> None:
+    """Raise UnusableInput unless `main` takes its parameters and so many paths: `dvc repro` gives them, a person may not."""
+    wanted = list(inspect.signature(main).parameters.values())[1:]
+    if given != len(wanted) and all(path.kind is not path.VAR_POSITIONAL for path in wanted):
+        names = ", ".join(path.name for path in wanted)
+        raise UnusableInput(f"takes {len(wanted)} paths ({names}), {given} are given; `dvc repro` knows them (dvc.yaml)")
 
 
 def _taken(began: float) -> dict[str, float]:

@@ -112,6 +112,17 @@ def test_an_error_is_one_sentence_and_an_exit_code(tmp_path, monkeypatch, capsys
     assert capsys.readouterr().err == sentence
 
 
+@pytest.mark.parametrize("paths", [[], ["a", "b"]])
+def test_a_stage_without_its_paths_names_them(tmp_path, monkeypatch, capsys, paths):
+    write(tmp_path, "work: {}\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["work", *paths])
+    with pytest.raises(SystemExit) as left:
+        _door.enter("work", Nothing, bad_file)
+    assert left.value.code == 2
+    assert f"work: takes 1 paths (out), {len(paths)} are given" in capsys.readouterr().err
+
+
 def test_what_is_required_and_absent_is_told_with_its_remedy(tmp_path):
     with pytest.raises(MissingTool, match="run the corpus stage"):
         _door.require(tmp_path / "data", "run the corpus stage")
