@@ -1,6 +1,10 @@
 """Who goes first at a junction, as the description says it for all junctions or for this one."""
 
+from typing import get_args
+
+from drivegen.maps.spec_values import Control
 from drivegen.maps.writers._facts import Facts, JunctionWords
+from drivegen.maps.writers._phrases import Phrase
 
 
 def control_of(facts: Facts, equal_roads: bool) -> str:
@@ -18,3 +22,8 @@ def control_at(facts: Facts, words: JunctionWords, equal_roads: bool) -> str:
     if words.control:
         return "all_way_stop" if words.control == "stop" and equal_roads else words.control
     return control_of(facts, equal_roads)
+
+
+def one_for_all(phrase: Phrase) -> Control | None:
+    """The control that the words of a staggered junction, or of its halves, ask for."""
+    return next((name for name in get_args(Control) if name == phrase.words.get("control")), None)

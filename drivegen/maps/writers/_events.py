@@ -32,6 +32,21 @@ def read_ramps(s: Sentence, facts: Facts) -> None:
         if len(own) == 1 and own[0].position is None and own[0].gap is None:
             own[0].position, own[0].gap = phrase.position, phrase.gap
     facts.events.sort(key=lambda event: event.at)
+    _leave_ramp_alone(s, facts)
+
+
+def _leave_ramp_alone(s: Sentence, facts: Facts) -> None:
+    """Where nothing but a bent ramp is spoken of, it is a one-way road: "a one-lane slip road that bends 90 degrees"."""
+    ramps, bent = list(s.said("ramp")), any(s.said("shape", "curve", "s_curve", "hairpin"))
+    others = any(s.said("road")) or any(s.said("auxiliary")) or any(s.said("weaving")) or facts.junctions or facts.has("highway")
+    if bent and not others and len(ramps) == 1 and len(facts.events) == 1 and s.phrases[0] is ramps[0]:
+        facts.events.clear()
+        facts.features.setdefault("road", ramps[0].first)
+        facts.one_way.append(ramps[0].first)
+        if "ramp" in facts.lanes:
+            facts.lanes.setdefault("main", facts.lanes.pop("ramp"))
+        if "ramp" in facts.speeds:
+            facts.speeds.setdefault("main", facts.speeds.pop("ramp"))
 
 
 def _read_kept_lanes(s: Sentence, facts: Facts) -> None:

@@ -113,7 +113,9 @@ def _links_straights(s: Sentence, i: int) -> bool:
 
 def _are_apart(s: Sentence, before: Phrase, place: Phrase) -> bool:
     """Whether two junctions are told apart: counted, listed, or one so far behind the other; "a ring with a crossing" is not."""
-    counted = (before.number or 1) > 1 or (place.number or 1) > 1 or place.value == before.value
+    counted = (
+        s.word(place.head + 1, "length") or (before.number or 1) > 1 or (place.number or 1) > 1 or place.value == before.value
+    )
     return counted or s.between(before.head, place.first, "and", "seq", "later", "length", "spacing", "stop", "ordinal")
 
 

@@ -2,13 +2,13 @@
 
 import re
 from dataclasses import replace
-from typing import get_args
 
 from drivegen.errors import UnusableInput
-from drivegen.maps.spec_values import Control
 from drivegen.maps.writers._arms import read_arms
+from drivegen.maps.writers._control import one_for_all
 from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._layouts import read_grid
+from drivegen.maps.writers._mentions import mentioned
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._places_along import listed_places
 from drivegen.maps.writers._rows import meant_of_a_row, read_arms_of_a_row, read_positions_of_a_row
@@ -39,7 +39,15 @@ def read_junctions(s: Sentence, facts: Facts) -> None:
     read_positions_of_a_row(s, facts)
     read_arms_of_a_row(s, facts)
     read_arms(s, facts)
+    _refuse_crossroads_of_three(s, facts)
     _read_counted_signals(s, facts)
+
+
+def _refuse_crossroads_of_three(s: Sentence, facts: Facts) -> None:
+    """Raise UnusableInput at "crossroads with three arms"."""
+    crossroads = {p.first for p in s.said("place", "crossing") if "crossroads" in p.text}
+    if any(j.at in crossroads and j.arms == _FEWEST and not j.shape for j in facts.junctions):
+        raise UnusableInput("crossroads have four arms, not three", reason="impossible-map")
 
 
 def _put_between(s: Sentence, facts: Facts) -> None:
@@ -69,7 +77,7 @@ def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:
         facts.features.setdefault("staggered", phrase.first)
         first = phrase.text.split()[0]
         facts.turn = "right" if first == "right" else "left" if first == "left" else facts.turn
-        facts.control = facts.control or _one_for_all(phrase)
+        facts.control = facts.control or one_for_all(phrase)
         s.use(phrase.first, phrase.head, "staggered junction")
         return
     of_lanes = {j for item in s.lanes for j in range(item.first, item.last + 1)}
@@ -77,11 +85,9 @@ def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:
         phrase.number = None  # "splits in two like the letter Y"
     _use_words(s, phrase)
     arms = phrase.arms or _ways(s, phrase)
-    if arms == _FEWEST and "crossroads" in phrase.text:
-        raise UnusableInput(f"crossroads have four arms, not {arms}", reason="impossible-map")
     if _is_of_a_row(s, facts, phrase, arms):
         return
-    same = _meant(s, facts, phrase)
+    same = mentioned(s, facts, phrase)
     if same is not None:
         same.arms = same.arms or arms
         same.control = same.control or _own_control(phrase)
@@ -175,81 +181,6 @@ def _ways(s: Sentence, phrase: Phrase) -> int | None:
 
 def _own_control(phrase: Phrase) -> str | None:
     return phrase.words.get("control")
-
-
-def _one_for_all(phrase: Phrase) -> Control | None:
-    """The control that the words of a staggered junction, or of its halves, ask for."""
-    return next((name for name in get_args(Control) if name == phrase.words.get("control")), None)
-
-
-def _meant(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
-    """The junction that was mentioned before, where these words mean it again."""
-    form = "roundabout" if phrase.value == "roundabout" else "crossing"
-    known = [j for j in facts.junctions if j.form == form]
-    if facts.has("staggered") and form == "crossing":
-        facts.control = facts.control or _one_for_all(phrase)
-        if phrase.gap:
-            facts.lengths.setdefault("offset", phrase.gap)
-        return JunctionWords("crossing", phrase.first)
-    if not known:
-        return facts.junctions[-1] if facts.junctions and form == "crossing" and _refers_back(s, phrase) else None
-    if (again := _named_again(s, facts, phrase)) is not None:
-        return again
-    if (phrase.number or 1) > 1 and phrase.number == known[-1].count and not s.between(known[-1].at, phrase.first, "and", "seq"):
-        return known[-1]
-    if (phrase.number or 1) > 1 or phrase.det == "another" or s.between(known[-1].at, phrase.first, "seq", "later"):
-        return None
-    if _refers_back(s, phrase):
-        return known[-1]
-    if known[-1].count > 1 and phrase.det == "a" and phrase.number is None and any(t.text == "between" for t in s.tokens):
-        return None
-    return known[-1] if not _is_listed(s, facts, known[-1].at, phrase) and _says_again(s, known[-1], phrase) else None
-
-
-def _named_again(s: Sentence, facts: Facts, phrase: Phrase) -> JunctionWords | None:
-    """The only junction of its kind that a new sentence comes back to: "...; T-junction with stop sign"."""
-    form = "roundabout" if phrase.value == "roundabout" else "crossing"
-    shape = phrase.value if phrase.value in ("t", "y") else ""
-    alike = [j for j in facts.junctions if j.form == form and j.shape == shape and j.count == 1]
-    since = max((i for i in range(phrase.first) if s.tokens[i].kind in ("comma", "stop")), default=-1)
-    new = since < 0 or len(alike) != 1 or len(facts.junctions) < 2 or phrase.det in ("a", "another") or (phrase.number or 1) > 1
-    if new or since + 1 != phrase.first or not s.word(phrase.head + 1, "with") or s.between(alike[0].at, phrase.first, "row"):
-        return None
-    listed = s.tokens[phrase.first - 2].kind == "place" if phrase.first > 1 else False
-    return None if listed else alike[0]
-
-
-def _says_again(s: Sentence, known: JunctionWords, phrase: Phrase) -> bool:
-    """Whether a phrase without "the" means the junction that was mentioned right before it."""
-    if phrase.value in ("t", "y") and known.shape in ("", phrase.value) and known.arms in (None, _FEWEST):
-        return not s.between(known.at, phrase.first, "and")
-    if any(t.text in ("mean", "called", "namely", "aka", "ie") for t in s.tokens[known.at : phrase.first]):
-        return True
-    if phrase.value == "roundabout" and s.between(known.at + 1, phrase.first, "det", "comma", "stop"):
-        return False
-    same = phrase.value in ("crossing", "roundabout") and (phrase.det != "a" or phrase.arms in (None, known.arms or phrase.arms))
-    return same and (_is_explained(s, known.at, phrase) or not s.between(known.at, phrase.first, "and", "number"))
-
-
-def _is_listed(s: Sentence, facts: Facts, at: int, phrase: Phrase) -> bool:
-    """Whether the phrase is the next of a list along one road: "T-junction, crossroads, T-junction, 120 m apart"."""
-    row = "spacing" in facts.lengths or any(True for _ in s.of_kind("row"))
-    before = next((p for p in s.said("place") if p.first == at), None)
-    between = [t.kind for t in s.tokens[before.head + 1 : phrase.first]] if before is not None else []
-    if between[-2:] == ["length", "spacing"]:
-        return True  # "a crossroads 200 m from a T-junction"
-    return row and bool(between) and phrase.det != "the" and all(kind in ("comma", "and") for kind in between)
-
-
-def _is_explained(s: Sentence, at: int, phrase: Phrase) -> bool:
-    """Whether the phrase says what the junction before it is: "the junction is a four-legged, signalised one"."""
-    before = s.tokens[at + 1 : phrase.head]
-    return any(t.kind == "is" for t in before[:3]) and not any(t.kind in ("stop", "seq", "later", "spacing") for t in before)
-
-
-def _refers_back(s: Sentence, phrase: Phrase) -> bool:
-    near = s.tokens[max(0, phrase.first - 1) : phrase.head + 1]
-    return phrase.det == "the" or any(t.text in ("each", "every", "all", "both", "its") for t in near)
 
 
 def _read_counted_signals(s: Sentence, facts: Facts) -> None:

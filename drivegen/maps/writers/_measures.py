@@ -2,6 +2,7 @@
 
 from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._owners import arm_role, is_close
+from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._places_along import give_to_part, leads_to_junction, lists_of_places
 from drivegen.maps.writers._sentence import Sentence
 
@@ -163,6 +164,15 @@ def _is_inside(s: Sentence, i: int, *kinds: str) -> bool:
     )
 
 
+def _spoken_of(s: Sentence, i: int) -> Phrase | None:
+    """The last thing with a length that is spoken of before token i; of "the acceleration lane of the entrance", the lane."""
+    before = s.last_before(i, "auxiliary", "weaving", "road", "arm", "ramp", "place", "shape", "dead_end", "divided")
+    of_it = before is not None and before.kind == "ramp" and before.first > 0 and s.tokens[before.first - 1].text == "of"
+    if before is not None and of_it:
+        return s.last_before(before.first, "auxiliary", "weaving") or before
+    return before
+
+
 def _what_is_long(s: Sentence, i: int) -> str:
     """Which thing a plain length belongs to: an acceleration lane, side roads, arms, or the road itself."""
     road = next((p for p in s.phrases if p.kind == "road" and p.first <= i < p.head), None)
@@ -173,7 +183,7 @@ def _what_is_long(s: Sentence, i: int) -> str:
     after = next((p for p in s.phrases if i < p.head <= i + 4), None) if s.word(i + 1, "long") else None
     if after is not None and after.kind in ("auxiliary", "weaving", "arm"):  # "a 250 m long deceleration lane"
         return "side" if after.kind == "arm" else "auxiliary"
-    before = s.last_before(i, "auxiliary", "weaving", "road", "arm", "ramp", "place", "shape", "dead_end", "divided")
+    before = _spoken_of(s, i)
     near = s.tokens[i - 1].text if i else ""
     if any(s.said("weaving")) and (near in ("within", "over") or not any(s.said("road"))):
         return "auxiliary"  # "weaving between two ramps over 350 m"
@@ -182,7 +192,8 @@ def _what_is_long(s: Sentence, i: int) -> str:
         return "auxiliary"
     if before is None or s.governed(i) is not None:
         return "length"
-    if before.kind in ("auxiliary", "weaving") and len(s.tokens[before.head + 1 : i]) <= 3:
+    beside = i - before.head <= 4 or not s.between(before.head, i, "comma", "stop", "and", "verb", "road")
+    if before.kind in ("auxiliary", "weaving") and beside:
         return "auxiliary"
     if before.kind == "arm" and arm_role(s, before) == "main":
         return "length"

@@ -198,12 +198,25 @@ def _headless(tokens: list[Token], start: int, end: int, before: list[Phrase]) -
         elif token.kind == "det" and token.value == "another" and found is None and not _of_a_lane(tokens, i):
             verb = tokens[i + 1].value if i + 1 < len(tokens) and tokens[i + 1].kind == "verb" else ""
             ramp = {"leave": "off", "join": "on", "merge": "on"}.get(verb) if any(p.kind == "ramp" for p in before) else None
-            found = Phrase("ramp" if ramp else "road", ramp or "", i, i, token.text, det="another")  # "another one leaves"
+            alike = _alike(tokens, i, before) if ramp is None else None
+            kind, value = ("ramp", ramp) if ramp else alike or ("road", "")
+            found = Phrase(kind, value, i, i, token.text, det="another")  # "another one leaves"
+            if alike and kind == "road":
+                found.words["role"] = "side"
         elif token.kind == "ordinal" and found is None and before:
             found = Phrase("ordinal", token.value, i, i, token.text)
         elif token.kind == "one_way" and found is not None:
             found.words["one_way"] = "one_way"
     return found
+
+
+def _alike(tokens: list[Token], i: int, before: list[Phrase]) -> tuple[str, str] | None:
+    """What the "another" at i is one of: "a T-junction on the left and another on the right", "an exit, and one after 900 m"."""
+    things = [p for p in before if p.kind in ("place", "ramp", "road", "dead_end")]
+    listed = i > 0 and tokens[i - 1].kind == "and" and i + 1 < len(tokens) and tokens[i + 1].kind in ("turn", "prep")
+    counted = ("place", "ramp") if not things or things[-1].role != "side" else ("road",)
+    one = bool(things) and listed and things[-1].kind in counted and things[-1].value not in ("grid", "staggered")
+    return (things[-1].kind, things[-1].value) if one and not things[-1].negated else None
 
 
 def _of_a_lane(tokens: list[Token], i: int) -> bool:

@@ -38,6 +38,8 @@ def _read_opposite_sides(s: Sentence, facts: Facts) -> bool:
     turns = {t.value for t in s.tokens if t.kind == "turn"}
     another = another or any(i > sides[0].head for i in s.of_kind("ordinal", "2")) if sides else False
     both = turns == {"left", "right"} or any(t.text in _OPPOSITE for t in s.tokens)
+    if sum(p.position is not None for p in s.said("road") if p.role == "side") > 1:
+        return False  # each has its own place along the road
     if not both or not (two or another) or facts.has("staggered", "grid") or any(j.count > 1 for j in facts.junctions):
         return False
     meaning = _drawn_as(s, facts, sides[0].first, another)

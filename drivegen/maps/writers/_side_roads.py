@@ -44,7 +44,7 @@ def read_side_roads(s: Sentence, facts: Facts) -> None:
 def _read_single_side_roads(s: Sentence, facts: Facts) -> None:
     """Side streets told one by one or by their places: "a side street on the left at 100 m and another on the right at 150 m"."""
     own = [p for p in s.said("road") if p.role == "side" and p.number in (None, 1) and p.det != "the" and p.head not in s.used]
-    own = [p for p in own if s.tokens[p.head].kind == "road"]
+    own = [p for p in own if s.tokens[p.head].kind == "road" or p.det == "another"]
     joined = own and any(s.word(own[0].first - 1, kind) for kind in ("with", "and", "comma"))
     if not own or not (len(own) > 1 or joined) or not _lie_along_a_road(s, facts):
         return

@@ -105,12 +105,21 @@ def _speed_role(s: Sentence, facts: Facts, i: int) -> str:
     if before is None or before.kind == "place" or (before.value.endswith("_or_arm") and any(s.said("place"))):
         return "main"
     who = role(s, before)
-    if who in ("ramp", "side", "ring") and not is_close(s, before, i) and "main" not in facts.speeds:
+    if (
+        who in ("ramp", "side", "ring")
+        and not (is_close(s, before, i) or _is_subject(s, before, i))
+        and "main" not in facts.speeds
+    ):
         return "main"
     told = before.role or before.words.get("label") or (before.det == "another" and "main" in facts.speeds)
     if who == "side" and not told and not is_close(s, before, i):
         return "main"
     return who
+
+
+def _is_subject(s: Sentence, phrase: Phrase, i: int) -> bool:
+    """Whether the speed at i is the last of what the phrase is said to have: "both ramps have one lane and 60 km/h"."""
+    return s.word(phrase.head + 1, "with") and not s.between(phrase.head, i, "comma", "stop", "verb", "road")
 
 
 def _all(s: Sentence, phrase: Phrase) -> bool:

@@ -108,6 +108,7 @@ def _add_step(s: Sentence, facts: Facts, kind: str, i: int, lanes: int) -> None:
     facts.events.append(EventWords(kind, i, lanes, side, position=metres if fixed else None, gap=None if fixed else metres))
     if at is not None:
         s.use(at, at, f"{s.tokens[at].text} later")
+    s.phrases[:] = [p for p in s.phrases if (p.first, p.head) != (i, i)]  # "another one" is a lane here, no road
     for item in s.lanes:
         if facts.from_lanes is not None and facts.features[kind] < item.first < i and item.count == 1 and not item.per:
             s.used.update(range(item.first, item.last + 1))
