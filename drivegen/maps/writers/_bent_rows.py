@@ -77,11 +77,20 @@ def _read_distance(s: Sentence, facts: Facts, bends: list[Phrase], joins: list[P
             facts.at_bend = "before" if word in _BEFORE or (later and before_it) else "behind"
         elif _is_behind_bend(s, i, bends, joins):
             facts.at_bend = "behind"
+        elif word in (*_BEFORE, *_BEHIND) and _bends_near_junction(s, i, bends, joins):
+            facts.at_bend = "behind" if word in _BEFORE else "before"
         else:
             continue
         facts.lengths["from_bend"] = s.tokens[i].amount[0]
         s.use(i, i, f"{s.tokens[i].text} {facts.at_bend} the bend")
         return
+
+
+def _bends_near_junction(s: Sentence, i: int, bends: list[Phrase], joins: list[Phrase]) -> bool:
+    """Whether the length at i says where a road bends: "the road bends to the left 100 m after the junction"."""
+    join = next((p for p in joins if p.first > i and all(t.kind in _LINKS for t in s.tokens[i + 1 : p.first])), None)
+    before = max((p for p in (*bends, *joins) if p.head < i), key=lambda p: p.head, default=None)
+    return join is not None and before is not None and any(before is p for p in bends)
 
 
 def _is_behind_bend(s: Sentence, i: int, bends: list[Phrase], joins: list[Phrase]) -> bool:

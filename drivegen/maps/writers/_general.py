@@ -205,6 +205,8 @@ def read_control(s: Sentence, facts: Facts) -> None:
         if phrase.value in ("stop", "yield") and _is_of_one_road(s, phrase.head):
             facts.features.setdefault("main_road", phrase.head)  # who has no sign goes first
         s.use(phrase.first if phrase.value == "all_way_stop" else phrase.head, phrase.head, _CONTROLS[phrase.value])
+    if "stop" in found and any({"priority", "right"} & set(p.text.split()) for p in s.said("control", "yield")):
+        facts.features.setdefault("main_road", 0)  # one road has priority, the other one the signs
     found += [i.control for i in facts.junctions if i.control and len(facts.junctions) == 1]
     _decide(facts, found, denied)
     for i in s.of_kind("control"):

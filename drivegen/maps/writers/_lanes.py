@@ -130,7 +130,7 @@ def _role(s: Sentence, facts: Facts, item: Lanes, phrase: Phrase | None) -> str:
     if phrase.kind == "place":
         governed = s.governed(item.last) is phrase
         return "ring" if phrase.value == "roundabout" and (governed or phrase.first <= item.first <= phrase.head) else ""
-    who = role(s, phrase)
+    who = role(s, phrase) if not _is_aside(s, item, phrase) else ""
     inside = phrase.first <= item.first < phrase.head or s.governed(item.last) is phrase
     told = who == "ramp" and any(other.value == "main" for other in s.lanes)
     if who in ("ramp", "ring") and not (inside or told or is_close(s, phrase, item.first) or "main" in facts.lanes):
@@ -143,6 +143,14 @@ def _role_of_arms(s: Sentence, phrase: Phrase) -> str:
     if phrase.value.endswith("_or_arm") and any(s.said("place")):
         return "arms"
     return (phrase.role or arm_role(s, phrase)) if phrase.kind == "arm" else ""
+
+
+def _is_aside(s: Sentence, item: Lanes, phrase: Phrase) -> bool:
+    """Whether the road is only where something else stands, and the lanes are those of the next clause: "stop signs on the
+    side streets; two lanes per direction".
+    """
+    behind = item.first > phrase.head and s.word(phrase.first - 1, "prep") and s.word(phrase.head + 1, "comma")
+    return behind and item.first == phrase.head + 2 and role(s, phrase) == "side"
 
 
 def _is_before_a_fork(s: Sentence, item: Lanes) -> bool:
