@@ -22,6 +22,8 @@ _SMALLEST_RING, _BETWEEN_RINGS = 28.0, 25.0  # [m]
 def row(facts: Facts, choices: Choices) -> Road:
     """Several junctions along one road, in the order of the text."""
     words = [junction for junction in facts.junctions for _ in range(min(junction.count, _MOST_IN_A_ROW + 1))]
+    if all(junction.position is not None for junction in words):
+        words.sort(key=lambda junction: junction.position or 0.0)
     gaps = [junction.gap for junction in words if junction.gap]
     spacing = facts.lengths.get("spacing") or (gaps[0] if gaps else choices.length("spacing", 150, 250))
     main = choices.lanes(facts, 1, "main", "arms")

@@ -130,7 +130,7 @@ def _counts_roads(s: Sentence, i: int) -> bool:
     """Whether the number at i counts what roads are made of, or stands where a number of them was asked for."""
     if [t.text for t in s.tokens[i + 1 : i + 3]] in (["of", "them"], ["of", "these"]) and s.word(i + 3, "verb"):
         return True
-    if s.word(i - 1, "det") and s.tokens[i - 1].value == "another" and s.word(i + 1, "with"):
+    if s.word(i - 1, "det") and s.tokens[i - 1].value == "another" and (s.word(i + 1, "with") or s.word(i + 1, "is")):
         return True  # "the other two have four arms"
     if s.word(i - 1, "det") and s.tokens[i - 1].value == "the" and not s.word(i + 1, "lane"):
         following = s.tokens[i + 1].kind if i + 1 < len(s.tokens) else "stop"

@@ -65,7 +65,9 @@ def _put_between(s: Sentence, facts: Facts) -> None:
 
 
 def _stands_for_roundabout(s: Sentence, ring: Phrase) -> bool:
-    return ring.text.endswith(("circle", "circles")) or any(p.number and p.number >= _FEWEST for p in s.said("arm"))
+    return ring.text.endswith(("circle", "circles")) or any(
+        p.number and p.number >= _FEWEST for p in (*s.said("arm"), *s.said("road"))
+    )
 
 
 def _read_place(s: Sentence, facts: Facts, phrase: Phrase) -> None:

@@ -66,6 +66,8 @@ def _is_aside(s: Sentence, i: int) -> bool:
     """Whether the length at i is that of a leg or side road, or how far off something is ("the school is 120 m away")."""
     start, end = s.clause(i), next((j for j in range(i, len(s.tokens)) if s.tokens[j].kind in _ENDS), len(s.tokens))
     of_roads = any(start <= p.head < end for p in s.phrases) or any(_says_of_road(s, j) for j in range(start, end))
+    if any(t.kind in ("total", "long") for t in s.tokens[start:end] if t.text not in ("away", "off")):
+        of_roads = True  # "whole length 1 km"
     remark = [t for t in s.tokens[start:end] if t.kind == "unknown" and t.text not in SMALL_WORDS]
     if remark and not of_roads:
         return True
