@@ -136,6 +136,8 @@ def _counts_roads(s: Sentence, i: int) -> bool:
         following = s.tokens[i + 1].kind if i + 1 < len(s.tokens) else "stop"
         if following in ("comma", "stop", "verb", "is", "and"):
             return False  # "a lane that connects the two"
+    if i + 1 < len(s.tokens) and s.tokens[i + 1].text in ("row", "rows", "column", "columns"):
+        return True
     for j in range(i + 1, min(i + 4, len(s.tokens))):
         if s.tokens[j].kind in _COUNTED:
             return True

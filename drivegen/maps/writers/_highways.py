@@ -145,6 +145,6 @@ def _position(facts: Facts, event: EventWords, placed: list[Road], end: float, s
     if event.position is not None:
         return event.position
     if not placed:
-        return facts.lengths.get("position", _FIRST * share)
+        return facts.lengths.get("position", event.gap or _FIRST * share)
     gap = event.gap or facts.lengths.get("spacing")
     return max(placed[-1]["position"] + gap, placed[-1]["position"] + 100.0) if gap else end + _BETWEEN * share

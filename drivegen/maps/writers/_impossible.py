@@ -22,6 +22,7 @@ _IMPOSSIBLE = {
     r"same (?:bearing|heading|angle|compass direction)": "roads that meet must lie apart",
     r"(?:arms|legs|roads|approaches|branches) (?:\w+ ){0,5}same direction": "roads that meet must lie apart",
     rf"parallel {_ROAD} {_THAT}(?:cross|intersect|meet)(?= each| 1 another| one another| at| in|{_END})": "parallels never meet",
+    rf"{_ROAD} (?:that|which) are parallel (?:and|but|yet) (?:cross|intersect|meet)\b": "parallels never meet",
     rf"straight {_ROAD} (?:that|which) (?:is|forms|makes) an? (?:full )?(?:circle|ring|loop)": "what is straight has no bends",
     rf"{_DEAD_END}\b[^.]*? (?:open|connected|joined|linked)(?: to \w+)? at (?:both|either) ends?": "a dead end has one way out",
     rf"{_DEAD_END}\b[^.]*? (?:both (?:its |of its )?ends\b|either end\b|through traffic)": ("a dead end has one way out"),
@@ -52,6 +53,12 @@ def _is_less(a: str, unit_a: str, b: str, unit_b: str) -> bool:
 
 
 _COMPARED: tuple[tuple[str, Callable[..., bool], str], ...] = (
+    (
+        r"\ban? (?:\w+ )?(?:curve|bend|turn) to the (left|right) (?:that|which) (?:turns|bends|curves|goes|veers|leads) "
+        r"(?:to the )?(left|right)\b",
+        lambda first, second: first != second,
+        "one bend turns to one side",
+    ),
     (rf"{_LENGTH}(?: apart| long)? {_TOO}{_OF_IT} {_LENGTH}", _different, "lengths differ"),
     (
         rf"{_N} (?:\w+ )?{_PLACE}\b[^.]{{0,60}}? of (?:which|them|these) (?:only )?{_N}(?! (?:m|km|kmh|mph|lanes?|arms?)\b)",

@@ -20,6 +20,7 @@ _PATTERNS = (
     (rf"\b(lane|arm|leg|ramp|exit|junction)s? (?:count|number){_IS}(\d+)", r"\2 \1s"),
     (rf"(?<![\w-])({_NAME}){_IS}(\d+){_END}", r"\2 \1"),
     (rf"\b([a-z][\w -]*?){_IS}(?:yes|present|true|on){_END}", r"\1"),
+    (rf"\b{_PLACE}{_IS}(?=(?:an? )?(?:[\w-]+ )?(?:cross ?roads?|crossing|roundabout|[ty][ -]junction)\b)", " "),
     (rf"\b{_PLACE}{_IS}([ty]|\d[ -]?(?:way|leg|arm)\w*){_END}", r"\1 junction"),
     (rf"\b{_KINDS}(?:type|kind|class|form|layout|geometry|shape|category|element|alignment|control){_IS}", r" "),
 )

@@ -166,6 +166,8 @@ def _modify(phrase: Phrase, tokens: list[Token], i: int, lane_at: dict[int, Lane
         phrase.number = int(token.value)
     elif token.kind == "det":
         phrase.det = token.value
+        if token.value in ("the", "a"):
+            phrase.number = None  # "in 2024 the city rebuilt this junction" counts none
     elif token.kind in ("speed", "length"):
         setattr(phrase, token.kind, token.amount[0])
     elif token.kind == "road":

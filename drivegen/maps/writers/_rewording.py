@@ -12,6 +12,10 @@ _LISTED = re.compile(r"(?<=\bat )((?:\d+(?:\.\d+)? ?(?:, |and |, and ))+)(\d+(?:
 _NUMBERED = re.compile(r"\b(the [AB]\d{2,4})\b(?! ?(?:road|motorway|autobahn))")
 _NO_NAMES = "One|Two|Three|Four|Five|Six|Single|Double|Dual|Each|Every|Multi|Per|The|Third|Extra|Country"
 _LANES = "Bus|Bike|Turn|Left|Right|Acceleration|Deceleration|Auxiliary|Through|Exit|Drop"
+_OTHER_MEASURES = re.compile(
+    r"\b\d{1,2}:\d{2}\b(?: ?(?:a\.?m\.?|p\.?m\.?|h|o'clock))?|\baged? \d+(?: (?:to|and) \d+)?|"
+    r"(?<!\w)-?\d+(?:\.\d+)? ?(?:°|degrees?) ?(?:C|F|Celsius|Fahrenheit|celsius)\b"
+)
 _NAMED = re.compile(rf"\b(?!(?:{_NO_NAMES}|{_LANES})\b)([A-Z][a-z]+) Lane\b")
 
 
@@ -24,7 +28,10 @@ def reworded(plain: str) -> str:
 
 
 def without_names(text: str) -> str:
-    """A description whose named lanes ("Mill Lane") and numbered roads ("the B480") are called roads."""
+    """A description without times of day, ages and temperatures, in which named lanes ("Mill Lane") and numbered roads ("the
+    B480") are called roads.
+    """
+    text = _OTHER_MEASURES.sub(" ", text)
     return _NAMED.sub(r"\1 Road", _NUMBERED.sub(r"\1 road", text))
 
 

@@ -70,7 +70,8 @@ def said_ramps(s: Sentence, found: Built) -> Iterator[Said]:
         if phrase.negated:
             yield Said("ramps", phrase.first, phrase.head, not there or _leaves_some(s, phrase))
         elif phrase.head in s.used and phrase.value in ("on", "off") and not found.counts["fork"]:
-            yield Said("ramps", phrase.first, phrase.head, there >= (phrase.number or 1))
+            leaves = phrase.value == "on" and s.word(phrase.head + 1, "verb") and s.tokens[phrase.head + 1].value == "leave"
+            yield Said("ramps", phrase.first, phrase.head, there >= (phrase.number or 1) and not leaves)
             for i in s.verbs("leave" if phrase.value == "on" else "join", "leave" if phrase.value == "on" else "merge"):
                 says = [t.text in ("which", "that") for t in s.tokens[phrase.head + 1 : i]]
                 if any(says) and i - phrase.head <= _NEXT and not s.between(phrase.head, i, "comma", "stop", "and", "ramp"):
@@ -128,6 +129,9 @@ def _is_straight_throughout(s: Sentence, phrase: Phrase) -> bool:
     part = bool(set(after[:1]) & _PARTS) or s.word(phrase.head + 1, "but") or s.word(phrase.head + 1, "prep")
     says_it = bool(near & _WHOLLY) or any(t in ("throughout", "everywhere") for t in after)
     explained = s.word(phrase.head + 1, "road") and after[1:2] in (["that"], ["which"]) and not s.word(phrase.head + 3, "seq")
+    explained = explained or (
+        s.word(phrase.head + 1, "road") and any(t.text == "whose" for t in s.tokens[phrase.head : phrase.head + 6])
+    )
     bent = any(p.value in _BENDS for p in s.said("shape") if phrase.head < p.head <= phrase.head + 1)  # "straight hairpin"
     return (says_it and not part) or explained or bent or phrase.text.endswith("line")
 

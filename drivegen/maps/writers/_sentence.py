@@ -31,7 +31,9 @@ class Sentence:
         """Measures of what is no part of the road: "speed humps every 50 m", "bus stops 300 m apart", "a 2 m bicycle lane"."""
         for i in self.of_kind("length"):
             near = self.tokens[max(0, i - 4) : i]
-            if near and near[-1].text in ("of", "every") and any(t.kind == "driving" for t in near):
+            of_cars = [t.kind == "driving" for t in near]
+            told = near and (near[-1].text in ("of", "every") or (near[-1].kind == "is" and of_cars[-2:-1] == [True]))
+            if told and any(of_cars):
                 yield i  # "lorries of 18 m", "buses stopping every 500 m"
         for phrase in self.phrases:
             if phrase.kind != "noise":
