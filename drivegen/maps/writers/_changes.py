@@ -26,7 +26,8 @@ def read_changes(s: Sentence, facts: Facts) -> None:
         else:
             read_next_lane_verb(s, facts, i)
     extras = list(s.said("extra"))
-    if extras and extras[0].first <= 1 and s.word(extras[0].head + 1, "comma") and (len(extras) > 1 or facts.has("lane_drop")):
+    heads = bool(extras) and not s.between(-1, extras[0].first, "length", "turn", "number", "road", "lane")
+    if heads and s.word(extras[0].head + 1, "comma") and (len(extras) > 1 or facts.has("lane_drop")):
         s.use(extras[0].first, extras[0].head, "")  # a heading: "Lane closure: the left lane ends"
     for phrase in (p for p in extras if p.head not in s.used):
         read_extra(s, facts, phrase.head)

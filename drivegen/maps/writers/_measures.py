@@ -27,6 +27,8 @@ def read_lengths(s: Sentence, facts: Facts) -> None:
             continue
         metres, cue = s.tokens[i].amount[0], cue_of(s, i)
         name = _named(s, i, cue) if not leads_to_junction(s, i) else "gap"
+        if name == "length" and _is_of_lanes(s, i) and facts.has("lane_drop", "lane_gain", "lane_change"):
+            name = "position"
         if name in ("gap", "position") and give_to_part(s, facts, i, name, metres, cue):
             pass
         elif name == "gap":
@@ -43,6 +45,11 @@ def read_lengths(s: Sentence, facts: Facts) -> None:
         name = s.tokens[alone - 1 if s.tokens[alone - 1].kind in _CUES else alone - 2].kind
         facts.lengths.setdefault(name, s.tokens[alone].amount[0])
         s.use(alone, alone, f"{name} {s.tokens[alone].text} m")
+
+
+def _is_of_lanes(s: Sentence, i: int) -> bool:
+    """Whether lanes are there for so long: "four lanes for 500 m, after which the left one ends"."""
+    return i > 1 and s.tokens[i - 1].text in ("for", "over") and s.tokens[i - 2].kind in ("lane", "each")
 
 
 def _is_of_the_whole(s: Sentence, i: int, cue: int | None) -> bool:
