@@ -9,7 +9,6 @@ from drivegen.maps.writers._rewording import reworded, without_names
 @pytest.mark.parametrize(
     ("text", "short"),
     [
-        ("no exit exists", "no exit"),
         ("please leave exits out.", "no exits ."),
         ("entries and exits omitted", "no entries and no exits"),
         ("neither junction is signalised", "no traffic lights"),
