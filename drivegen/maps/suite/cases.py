@@ -1,12 +1,13 @@
 """The descriptions: our own, those written by somebody who had not seen the rules, and a folder's from outside.
 
 Part A of those held out was given to the rules' author after the first try, part B was not; C and D are in the words of
-engineers, police reports, forums, patents and children, written before their failures were looked at; E to Q and U are by
+engineers, police reports, forums, patents and children, written before their failures were looked at; E to Q, S, U and V are by
 authors who had not seen the rules: E to J, M and O were mended after the first try (two of I's repeat others and are left
 out), K and L were not by their own failures, N and P were sealed until the rules stood still (b67cbe5) and mended after
 their only first try. M to P are long, with three or four facts each; their expectations are the authors', unchanged, and
-the first try of M and O is told of the rules before and after what is said began to be looked up in what is built. Q is of plain
-requests, U of long ones with remarks on what the map is for; both were given to the rules' author after the first try.
+the first try of M and O is told of the rules before and after what is said began to be looked up in what is built. Q and S
+are of plain requests, U and V of long ones with remarks on what the map is for; Q and U were given to the rules' author after
+the first try, S and V were sealed and are told of the rules before and after Q and U were mended.
 A line of the files is {"kind", "text"} with either "expect", names of `Structure` (or `speed_kmh`; with `_min` behind: at
 least) and values, or "refused", words that the refusal must hold. Names of vehicles that a map writer must list as ignored
 stand in "ignored".
