@@ -2,7 +2,7 @@
 
 from drivegen.maps.spec_values import Side
 from drivegen.maps.writers._facts import Facts
-from drivegen.maps.writers._owners import roads, role
+from drivegen.maps.writers._owners import is_turning_place, roads, role
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._rows import meant_of_a_row, pockets_of_a_row, read_control_of_each, use_number_of_others
 from drivegen.maps.writers._sentence import Sentence
@@ -103,7 +103,9 @@ def _is_both_ways(words: list[str]) -> bool:
 def read_shapes(s: Sentence, facts: Facts) -> None:
     """Bends, straights, dead ends."""
     for phrase in (*s.denied("shape"), *s.denied("dead_end")):
-        s.use(phrase.first, phrase.head, f"no {phrase.value or 'dead end'}")
+        turning = is_turning_place(s, phrase)
+        told = "no turning place said, one drawn, so that cars find out" if turning else f"no {phrase.value or 'dead end'}"
+        s.use(phrase.first, phrase.head, told)
     turns: list[str] = []
     for phrase in s.said("shape"):
         facts.features.setdefault(phrase.value, phrase.first)

@@ -30,6 +30,8 @@ _IMPOSSIBLE = {
         "a dead end has one way out"
     ),
     rf"{_DEAD_END} through which\b": "a dead end has one way out",
+    r"(?:number of lanes|lane count) (?:is |that |which )?(?:never|not|without) (?:changes?|changing)\b[^.]*"
+    r"\b(?:narrow|widen)(?:s|ing)\b": "a road that narrows or widens changes its number of lanes",
     r"(?:all|every)\b[^.]{0,40}\bone way (?:streets? |roads? )?(?:towards?|into|inwards|away from|out of)": (
         "there must be a way in and a way out"
     ),
@@ -58,6 +60,12 @@ _COMPARED: tuple[tuple[str, Callable[..., bool], str], ...] = (
         r"(?:to the )?(left|right)\b",
         lambda first, second: first != second,
         "one bend turns to one side",
+    ),
+    (
+        r"(\d) (?:roads|streets|arms|legs)(?: ,)? (?:where|at which|in which) (?:only |just |exactly |no more than )(\d) "
+        r"(?:(?:roads|streets|arms|legs|of them) )?(?:meet|cross|join|come together)\b",
+        lambda there, meeting: there != meeting,
+        "the roads of a junction are those that meet",
     ),
     (rf"{_LENGTH}(?: apart| long)? {_TOO}{_OF_IT} {_LENGTH}", _different, "lengths differ"),
     (

@@ -5,6 +5,7 @@ from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
 
 _LEAST_STREETS = 2
+_ARMS = 4
 
 
 def read_grid(s: Sentence, facts: Facts) -> None:
@@ -63,6 +64,9 @@ def _take_size(s: Sentence, facts: Facts, i: int) -> None:
 
 
 def _count_streets(s: Sentence, facts: Facts) -> None:
+    for i in s.of_kind("arm"):
+        if s.word(i - 1, "number") and s.tokens[i - 1].number == _ARMS:
+            s.use(i - 1, i, "crossings of four arms")
     counted = [p for p in s.said("road") if (p.number or 0) >= _LEAST_STREETS and p.first not in s.used]
     if facts.grid is None and len(counted) == 2:
         facts.grid = (counted[0].number or 0, counted[1].number or 0)

@@ -144,3 +144,9 @@ def holds_for_all_of_a_ring(s: Sentence, i: int) -> bool:
 def _are_joined(s: Sentence, first: int, last: int) -> bool:
     between = [t.kind for t in s.tokens[first + 1 : last]]
     return "and" in between and all(kind in ("and", "prep", "det", "role", "each", "total", "unknown") for kind in between)
+
+
+def is_turning_place(s: Sentence, phrase: Phrase) -> bool:
+    """Whether it is the place to turn at the end of a dead end that is denied, and not the dead end: "without a turning loop"."""
+    turning = phrase.kind == "dead_end" and s.tokens[phrase.head].text.startswith("turning")
+    return turning and phrase.negated and any(s.said("dead_end"))

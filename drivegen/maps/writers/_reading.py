@@ -152,7 +152,12 @@ def _digits(text: str) -> str:
     for word, value in _LARGE.items():
         text = re.sub(rf"\b(\d+) {word}s?\b", lambda m, v=value: str(int(m[1]) * v), text)  # type: ignore[misc]
     text = re.sub(r"\b(\d+) and 0\.5 |\b(\d+) and a half ", lambda m: f"{m[1] or m[2]}.5 ", text)
+    text = re.sub(r"\b(\d+) (km|mile) and (?:a |1 )(half|quarter)\b(?! (?:a |an |of |diamond|circle))", _and_a_half, text)
     return re.sub(r"\s+", " ", text)
+
+
+def _and_a_half(match: re.Match[str]) -> str:
+    return f"{match[1]}.{'5' if match[3] == 'half' else '25'} {match[2]}"
 
 
 def _tens_and_ones(match: re.Match[str]) -> str:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from drivegen.maps.writers._built import Built
 from drivegen.maps.writers._forks import lanes_of_named
+from drivegen.maps.writers._owners import is_turning_place
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
 
@@ -177,6 +178,8 @@ def said_others(s: Sentence, found: Built) -> Iterator[Said]:
     for phrase in s.phrases:
         if phrase.kind == "pocket" and not found.counts["fork"]:
             yield Said("turn lanes", phrase.first, phrase.head, phrase.negated != bool(found.counts["pocket"]))
+        elif is_turning_place(s, phrase):
+            continue
         elif phrase.kind == "dead_end":
             an_arm = not phrase.negated and found.counts["crossing"] == 1  # every arm of a crossing ends somewhere
             yield Said("dead end", phrase.first, phrase.head, phrase.negated != bool(found.counts["dead_end"]) or an_arm)

@@ -117,5 +117,5 @@ def _read_dead_ends(s: Sentence, facts: Facts) -> None:
 
 def _is_beside(s: Sentence, road: Phrase, dead_end: Phrase) -> bool:
     """Whether the road has the dead end: "a street with a cul-de-sac", "street with cul-de-sac on the left"."""
-    told = dead_end.det == "a" or s.word(dead_end.head + 1, "turn")
+    told = dead_end.det == "a" or dead_end.number == 1 or s.word(dead_end.head + 1, "turn")
     return told and s.word(road.head + 1, "with") and road.head + 2 == dead_end.first
