@@ -33,6 +33,14 @@ def read_ramps(s: Sentence, facts: Facts) -> None:
             own[0].position, own[0].gap = phrase.position, phrase.gap
     facts.events.sort(key=lambda event: event.at)
     _leave_ramp_alone(s, facts)
+    _refuse_loop_on_highway(s, facts)
+
+
+def _refuse_loop_on_highway(s: Sentence, facts: Facts) -> None:
+    """Raise UnusableInput at a loop ramp and what lies along its motorway: "an exit onto a loop ramp", "a loop on-ramp"."""
+    loops = [p for p in (*s.said("shape"), *s.said("ramp")) if "loop" in p.text.split()]
+    if loops and (facts.events or any(p not in loops for p in s.said("ramp"))):
+        raise UnusableInput("I can draw a loop ramp by itself, without its motorway", reason="not-understood")
 
 
 def _leave_ramp_alone(s: Sentence, facts: Facts) -> None:

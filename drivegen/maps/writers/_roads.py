@@ -38,8 +38,6 @@ def _refuse_contradictions(facts: Facts) -> None:
             )
     if facts.control == "signals" and facts.unsignalled:
         raise UnusableInput("the description asks for traffic lights and for none", reason="impossible-map")
-    if facts.has("loop") and facts.events:
-        raise UnusableInput("I can draw a loop ramp by itself, without its motorway", reason="not-understood")
     if any(lanes == 0 for lanes in [*facts.lanes.values(), *(n for _, n in facts.other_lanes)]):
         raise UnusableInput("a road needs at least one lane", reason="impossible-map")
 
