@@ -4,6 +4,7 @@ import io
 from collections.abc import Mapping, Sequence
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
@@ -56,15 +57,31 @@ def realism_against_diversity(ours: Mapping[str, tuple[float, float]], theirs: M
     """(diversity ratio, min-sADE) of each method; right in the middle and low is good."""
     with Canvas(5.6, 3.6) as (canvas, axes):
         axes.axvline(1.0, color=FAINT, lw=1.2, zorder=0)
-        for points, colour, marker, side in ((theirs, THEIRS, "o", 5), (ours, OURS, "D", -10)):
-            for name, (x, y) in points.items():
+        kinds = ((theirs, THEIRS, "o"), (ours, OURS, "D"))
+        for points, colour, marker in kinds:
+            for x, y in points.values():
                 axes.scatter([x], [y], s=42, color=colour, marker=marker, zorder=3, edgecolor="white", linewidth=0.8)
-                axes.annotate(name, (x, y), xytext=(6, side), textcoords="offset points", fontsize=7.5, color=colour)
         axes.set_xlabel("diversity ratio (1 = as diverse as the real set)")
         axes.set_ylabel("min-sADE [m]")
         axes.set_ylim(bottom=0)
         axes.margins(x=0.2)
+        places = [place for points, _, _ in kinds for place in points.values()]
+        labels = [(name, colour) for points, colour, _ in kinds for name in points]
+        spans = [np.ptp(limits) for limits in (axes.get_xlim(), axes.get_ylim())]
+        for (x, _), (name, colour), y in zip(places, labels, apart(places, 0.27 * spans[0], 0.047 * spans[1]), strict=True):
+            axes.annotate(name, (x, y), xytext=(6, 0), textcoords="offset points", fontsize=7.5, color=colour, va="center")
     return canvas.svg
+
+
+def apart(places: Sequence[tuple[float, float]], near: float, line: float) -> list[float]:
+    """Heights of labels at `places` (x, y), raised until those within `near` of one another in x are a `line` apart."""
+    found: dict[int, float] = {}
+    for at in sorted(range(len(places)), key=lambda i: places[i][1]):
+        x, y = places[at]
+        for below in sorted(h for other, h in found.items() if abs(places[other][0] - x) < near):
+            y = max(y, below + line) if y > below - line else y
+        found[at] = y
+    return [found[i] for i in range(len(places))]
 
 
 def curves(columns: Mapping[str, Sequence[float]], over: str) -> bytes:

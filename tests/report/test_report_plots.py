@@ -1,0 +1,25 @@
+"""Plots: labels that would lie over one another."""
+
+import pytest
+
+from drivegen.report.plots import apart
+
+LINE = 0.4
+
+
+def test_labels_that_are_apart_stay_where_they_are():
+    places = [(1.0, 2.0), (1.0, 3.0), (0.0, 2.1)]
+    assert apart(places, near=0.5, line=LINE) == [2.0, 3.0, 2.1]
+
+
+def test_labels_that_would_touch_are_raised_line_by_line_in_the_order_of_their_points():
+    raised = apart([(1.0, 2.1), (1.1, 2.0), (0.9, 2.2)], near=0.5, line=LINE)
+    assert raised == pytest.approx([2.4, 2.0, 2.8])
+
+
+def test_no_two_near_labels_come_within_a_line_of_one_another():
+    places = [(0.1 * (i % 3), (i * 37 % 11) / 10) for i in range(11)]
+    raised = apart(places, near=0.15, line=LINE)
+    for i, (x, _) in enumerate(places):
+        for j in range(i):
+            assert abs(places[j][0] - x) >= 0.15 or abs(raised[i] - raised[j]) >= LINE - 1e-9
