@@ -57,16 +57,18 @@ def transfer(one: DataSet, pooled_one: Pooled, other: DataSet, pooled_other: Poo
 
 
 def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator) -> Table:
-    """The scenes that both have, by models that learnt from less and from more: each method's errors and the difference."""
+    """The scenes and seeds that both have, by models that learnt from less and from more: errors of each, the difference."""
     first, second = (next(iter(data.methods.values())).scenarios for data in (less, more))
     shared = sorted(set(first) & set(second))
     columns = [[names.index(scene) for scene in shared] for names in (first, second)]
-    resampling = Resampling.of(len(less.seeds), [recording(scene) for scene in shared], draws, rng)
+    seeds = sorted(set(less.seeds) & set(more.seeds))
+    trained = [[data.seeds.index(seed) for seed in seeds] for data in (less, more)]
+    resampling = Resampling.of(len(seeds), [recording(scene) for scene in shared], draws, rng)
     lines = []
     for method in [m for m in METHODS if m in less.methods and m in more.methods and m != "log"]:
         before, after = (
-            {metric: data.methods[method].values[metric][:, at] for metric in ("min_sade", "mean_sade")}
-            for data, at in zip((less, more), columns, strict=True)
+            {metric: data.methods[method].values[metric][np.ix_(rows, at)] for metric in ("min_sade", "mean_sade")}
+            for data, rows, at in zip((less, more), trained, columns, strict=True)
         )
         cells = [
             _cell(pooled_mean(values, resampling))

@@ -138,7 +138,7 @@ def test_a_model_may_write_the_xml_itself_and_is_measured_beside_the_offline_rul
         model = f"openai:little-model@{server.url}"
         told = drivegen("map", "words", "a street", "--out", "a", "--lm", model, "--map-mode", "xml").output
         assert "written by  language model little-model, writing XML" in told
-        drivegen("bench", "maps", "--every", "60", "--json", "t.json", "--lm", model, "--map-mode", "xml")
+        drivegen("bench", "maps", "--every", "150", "--json", "t.json", "--lm", model, "--map-mode", "xml")
     assert b'id="ab"' in (tmp_path / "a" / "map.net.xml").read_bytes()
     offline, asked = json.loads((tmp_path / "t.json").read_text())["writers"]
     assert offline["written_by"].startswith("offline rules")

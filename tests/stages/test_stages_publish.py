@@ -1,5 +1,6 @@
 """The door `publish` on runs written by hand: what is pooled, what is said of what is missing, same bytes."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -82,6 +83,14 @@ def test_tables_mark_the_under_trained_and_what_nobody_measured(runs, tmp_path):
     missing = orjson.loads((tmp_path / "out/provenance.json").read_bytes())["runs_missing"]
     assert missing == ["absent/7", "absent/8", "there/t0.5", "absent/t0.5"]
     assert "INCOMPLETE: from 5 of 9 runs; not there: absent/7" in (tmp_path / "out/README.md").read_text()
+
+
+def test_trained_on_less_and_on_more_is_compared_over_the_seeds_that_both_have(runs, tmp_path):
+    shutil.rmtree(runs / "there/8")
+    publish.main(params(), runs, tmp_path / "out")
+    text = (tmp_path / "out/training-there.md").read_text()
+    assert "| DriveGen | 2.00 " in text
+    assert "| 0.00 (0.00 to 0.00) |" in text
 
 
 def test_the_same_runs_give_the_same_bytes(runs, tmp_path):
