@@ -30,33 +30,15 @@ class ContextGating(nn.Module):
         self.elements = nn.ModuleList([nn.Sequential(nn.Linear(width, width), nn.GELU()) for _ in range(blocks)])
         self.contexts = nn.ModuleList([nn.Sequential(nn.Linear(width, width), nn.GELU()) for _ in range(blocks)])
 
-    def forward(self, x: Tensor, there: Tensor) -> Tensor:
-        """Elements (..., K, width), gated; each block adds to the mean of those before."""
+    def forward(self, x: Tensor, there: Tensor) -> tuple[Tensor, Tensor]:
+        """Elements (..., K, width), gated, and their context (..., width); each block adds to the mean of those before."""
         context = self.first.expand(*x.shape[:-2], -1)
-        for block in range(len(self.elements)):
-            gated = self._gated(block, x, context)
+        for block, (element, gate) in enumerate(zip(self.elements, self.contexts, strict=True)):
+            gated = element(x) * gate(context)[..., None, :]
+            pooled = torch.where(there[..., None], gated, -1e4).amax(dim=-2).clamp_min(-1e3)
             x = x + (gated - x) / (block + 2)
-            if block + 1 < len(self.elements):
-                context = self._next_context(block, context, gated, there)
-        return x
-
-    def context(self, x: Tensor, there: Tensor) -> Tensor:
-        """Their context (..., width), without the elements' last change, which it does not depend on."""
-        context = self.first.expand(*x.shape[:-2], -1)
-        for block in range(len(self.elements)):
-            gated = self._gated(block, x, context)
-            context = self._next_context(block, context, gated, there)
-            if block + 1 < len(self.elements):
-                x = x + (gated - x) / (block + 2)
-        return context
-
-    def _gated(self, block: int, x: Tensor, context: Tensor) -> Tensor:
-        gated: Tensor = self.elements[block](x) * self.contexts[block](context)[..., None, :]
-        return gated
-
-    def _next_context(self, block: int, context: Tensor, gated: Tensor, there: Tensor) -> Tensor:
-        pooled = torch.where(there[..., None], gated, -1e4).amax(dim=-2).clamp_min(-1e3)
-        return context + (pooled - context) / (block + 2)
+            context = context + (pooled - context) / (block + 2)
+        return x, context
 
 
 @dataclass(frozen=True)
@@ -106,13 +88,13 @@ class LctgenNet(nn.Module):
     def roads(self, scenes: SceneTensors) -> Tensor:
         """The map's pieces (S, M, width) in the target's frame, gated by their context."""
         raw = torch.cat([scenes.points.flatten(-2) / REACH, scenes.piece], dim=-1)
-        gated: Tensor = self.map_gating(self.line(raw), scenes.drawn)
+        gated: Tensor = self.map_gating(self.line(raw), scenes.drawn)[0]
         return gated
 
     def vehicles(self, scenes: SceneTensors) -> Tensor:
         """What each vehicle (S, A, 2 width) is and sees: its state, and the context of its surroundings in its own frame."""
         seen = surroundings(scenes, self.pieces)
-        context = self.own_gating.context(self.around(seen), seen.there)
+        _, context = self.own_gating(self.around(seen), seen.there)
         return torch.cat([self.state(scenes.agent), context], dim=-1)
 
     def action_logits(self, vehicles: Tensor, actions: Tensor, part: int) -> Tensor:
