@@ -112,9 +112,11 @@ class Rollout:
         self.exclusive = self.outlooks.exclusions()
         used = np.concatenate(choice.used)
         noise = gumbel(seed, scenario.scenario_id, samples, len(used))
-        tempo = tempos(seed, scenario.scenario_id, samples)
-        together = in_tempo(used, self.start, self.outlooks.distance, tempo, settings.tempo)
-        self.first = draw_together(together, self.start, self.exclusive, noise)
+        odds: NDArray[np.floating] = used
+        if settings.tempo > 0:  # own odds to the bit where vehicles have nothing in common
+            tempo = tempos(seed, scenario.scenario_id, samples)
+            odds = in_tempo(used, self.start, self.outlooks.distance, tempo, settings.tempo)
+        self.first = draw_together(odds, self.start, self.exclusive, noise)
         with np.errstate(divide="ignore"):
             self.score = np.log(used.astype(np.float64)) + noise[0]
         self.failed = np.zeros((samples, len(used)), np.int64)

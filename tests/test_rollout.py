@@ -9,6 +9,7 @@ from drivegen.checker.scene import check_samples
 from drivegen.equipment import Equipment
 from drivegen.errors import UnusableInput
 from drivegen.generate import choose, recorded_choices, roll_out, tempered
+from drivegen.goals.joint import draw_together
 from drivegen.goals.packing import pack
 from drivegen.rollout import Choices, Rollout, RolloutSettings
 from drivegen.samples import Samples, Violation
@@ -95,6 +96,15 @@ def test_first_goals_follow_the_odds_they_are_drawn_with(equipment, choices):
     certain = [replace(c, used=[np.eye(1, len(p), dtype=np.float32)[0] for p in c.used]) for c in choices]
     for samples in rolled(equipment, certain):
         assert not samples.goal.any()
+
+
+@pytest.mark.parametrize("tempo", [0.0, 0.8])
+def test_without_a_tempo_first_goals_are_drawn_with_the_own_odds_to_the_bit(equipment, choices, monkeypatch, tempo):
+    given = []
+    monkeypatch.setattr("drivegen.rollout.draw_together", lambda odds, *rest: given.append(odds) or draw_together(odds, *rest))
+    rolled(equipment, choices, tempo=tempo, rounds=1)
+    own = [np.concatenate(choice.used) for choice in choices]
+    assert [np.array_equal(np.broadcast_to(p, odds.shape), odds) for p, odds in zip(own, given, strict=True)] == [tempo == 0] * 2
 
 
 def test_motion_ends_at_the_goal(equipment, choices):
