@@ -11,8 +11,8 @@ from prefect.cache_policies import NO_CACHE
 from flows import pipeline
 
 ROUNDS = "corner@"
-GAIN = "collision_rate"
-"""The number, in each round's metrics, that must rise."""
+GAIN = "collision"
+"""The number, in each round's metrics, that must rise: the share of runs that end in a collision."""
 
 
 @flow(name="iterate")

@@ -25,7 +25,7 @@ stages:
   corner:
     foreach: ${rounds}
     do:
-      cmd: cp ${item.before} data/round-${item.k} && echo '{"collision_rate":${item.rate}}' > data/round-${item.k}.json
+      cmd: cp ${item.before} data/round-${item.k} && echo '{"collision":${item.rate}}' > data/round-${item.k}.json
       deps:
       - ${item.before}
       outs:

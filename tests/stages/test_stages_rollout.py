@@ -114,10 +114,13 @@ def test_the_first_round_is_traffic_as_it_is_and_the_second_leans(rounds: list[P
             np.testing.assert_allclose(s.used[:, 0], s.natural[:, 0], rtol=1e-5)  # the target is left alone
 
 
-def test_a_rounds_numbers_are_those_that_the_report_reads(rounds: list[Path]) -> None:
+def test_a_rounds_numbers_are_those_that_the_report_and_the_flow_read(rounds: list[Path]) -> None:
+    from flows.iterate import GAIN
+
     for number, folder in enumerate(rounds):
         metrics = orjson.loads((folder.parent / f"{number}.json").read_bytes())
         assert (metrics["round"], metrics["scenarios"], metrics["runs"]) == (number, 3, 9)
+        assert 0.0 <= metrics[GAIN] <= 1.0  # what the flow `iterate` goes on by
         for name in ("collision", "distance", "spread_over_runs", "social_illegal", "log_ratio", "min_sade", "mean_sade"):
             assert metrics[f"{name}.low"] <= metrics[name] + 1e-9
             assert metrics[name] <= metrics[f"{name}.high"] + 1e-9
