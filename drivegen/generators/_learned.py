@@ -15,13 +15,12 @@ import torch
 from torch import nn
 
 from drivegen import seeds
-from drivegen.errors import UnusableInput
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario, Vehicles
 from drivegen.settings import build
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
-from drivegen.training.weights import read_weights, write_weights
+from drivegen.training.weights import fill, read_weights, write_weights
 
 Placement = Callable[[Scenario], Vehicles]
 """Vehicles on a scenario's map around its target, as many as it has where there is room; the target comes first."""
@@ -67,10 +66,7 @@ class Learned(ABC):
         values, tensors = read_weights(folder, "generator", self.name)
         self.settings = build(self.Settings, values, f"{folder}")
         self.net = self.network(self.settings)
-        try:
-            self.net.load_state_dict({key: torch.from_numpy(tensor) for key, tensor in tensors.items()})
-        except RuntimeError as error:
-            raise UnusableInput(f"{folder}: weights do not fit the settings ({error}): train it again") from None
+        fill(self.net, tensors, folder)
         self._ready()
 
     @classmethod

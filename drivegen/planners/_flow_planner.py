@@ -22,10 +22,10 @@ from drivegen.planners._noise import normals
 from drivegen.planners._scores import drawn_tracks, probe
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.scenario import Scenario, Trajectories
-from drivegen.settings import Count, Share
+from drivegen.settings import Count, Share, build
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
-from drivegen.training.weights import read_weights, write_weights
+from drivegen.training.weights import fill, read_weights, write_weights
 
 WATCHED = 200
 """Validation tracks that are planned at each row of the loss curve."""
@@ -115,12 +115,10 @@ class FlowPlanner(ABC, Generic[S]):
     @classmethod
     def load(cls, folder: Path) -> Self:
         """See `planners.base.Planner`."""
-        settings, tensors = read_weights(folder, "planner", cls.name)
-        settings["training"] = loop.Settings(**settings["training"])
-        planner = cls(cls.Settings(**settings))
+        values, tensors = read_weights(folder, "planner", cls.name)
+        planner = cls(build(cls.Settings, values, f"{folder}"))
         planner.basis = {k.removeprefix("basis/"): v for k, v in tensors.items() if k.startswith("basis/")}
-        weights = {k.removeprefix("net/"): torch.from_numpy(v) for k, v in tensors.items() if k.startswith("net/")}
-        planner.net.load_state_dict(weights)
+        fill(planner.net, {k.removeprefix("net/"): v for k, v in tensors.items() if k.startswith("net/")}, folder)
         planner.net.eval()
         return planner
 

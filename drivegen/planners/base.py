@@ -156,7 +156,7 @@ class Planner(Protocol):
     """`Plugin(settings)` is an untrained planner; `Plugin.Settings` is the dataclass of its params section.
 
     Attributes:
-        Settings: frozen dataclass without defaults; its values stand in `params.yaml`, `train_planner.<name>`.
+        Settings: frozen dataclass without defaults; its values stand in `params.yaml`, `train_planner.planners.<name>`.
     """
 
     Settings: type

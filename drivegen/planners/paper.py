@@ -37,9 +37,10 @@ from drivegen.planners._paper_states import SCALES, conditions, from_states
 from drivegen.planners._scores import drawn_tracks, probe
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.scenario import Scenario, Trajectories
+from drivegen.settings import build
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
-from drivegen.training.weights import read_weights, write_weights
+from drivegen.training.weights import fill, read_weights, write_weights
 
 CHUNK = 32
 """Requests that go through the network at once, always: sums differ between batch sizes."""
@@ -50,7 +51,7 @@ WATCHED = 32
 
 @dataclass(frozen=True)
 class PaperSettings:
-    """Values stand in params.yaml, `train_planner.paper`; see the module for what the paper leaves open.
+    """Values stand in params.yaml, `train_planner.planners.paper`; see the module for what the paper leaves open.
 
     Attributes:
         state: "pose" or "position". tokens: T, states between start and goal, the goal's own step included.
@@ -138,12 +139,8 @@ class Plugin:
     def load(cls, folder: Path) -> Self:
         """See `planners.base.Planner`."""
         values, tensors = read_weights(folder, "planner", "paper")
-        values |= {"training": loop.Settings(**values["training"]), "channels": tuple(values["channels"])}
-        planner = cls(PaperSettings(**values))
-        try:
-            planner.net.load_state_dict({k: torch.from_numpy(v) for k, v in tensors.items()})
-        except RuntimeError as error:
-            raise UnusableInput(f"{folder}: weights do not fit the settings ({error}): train it again") from None
+        planner = cls(build(PaperSettings, values, f"{folder}"))
+        fill(planner.net, tensors, folder)
         planner.net.eval()
         planner.trained = True
         return planner
@@ -186,4 +183,6 @@ def _check(settings: PaperSettings) -> None:
     }
     for name, words in allowed.items():
         if getattr(settings, name) not in words:
-            raise UnusableInput(f"train_planner.paper.{name} must be one of {', '.join(words)}, not {getattr(settings, name)!r}")
+            raise UnusableInput(
+                f"train_planner.planners.paper.{name} must be one of {', '.join(words)}, not {getattr(settings, name)!r}"
+            )

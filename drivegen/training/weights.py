@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load_file, save_file
@@ -37,3 +38,11 @@ def read_weights(folder: Path, kind: str, name: str) -> tuple[dict[str, Any], di
         return dict(about["settings"]), load_file(folder / WEIGHTS)
     except (SafetensorError, OSError, ValueError, KeyError, TypeError) as error:
         raise UnusableInput(f"{folder} holds a damaged {kind} ({error}): train it again") from None
+
+
+def fill(net: torch.nn.Module, tensors: Mapping[str, NDArray[Any]], folder: Path) -> None:
+    """Give `net` the weights that were read from `folder`. Raises UnusableInput where they are those of another network."""
+    try:
+        net.load_state_dict({key: torch.from_numpy(tensor) for key, tensor in tensors.items()})
+    except RuntimeError as error:
+        raise UnusableInput(f"{folder}: weights do not fit the settings ({error}): train it again") from None

@@ -1,5 +1,6 @@
 """What every planner promises, tried with a tiny net on a busy crossing."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -147,6 +148,18 @@ def test_missing_foreign_and_damaged_weights_are_named(name: str, trained: Plann
     (tmp_path / "weights.safetensors").write_bytes(b"half a file")
     with pytest.raises(UnusableInput):
         plugin.load(tmp_path)
+
+
+def test_weights_of_other_settings_are_refused_in_a_sentence(trained: Planner, tmp_path: Path) -> None:
+    trained.save(tmp_path)
+    file = tmp_path / "settings.json"
+    about = json.loads(file.read_text())
+    file.write_text(json.dumps(about | {"settings": about["settings"] | {"width": 2 * about["settings"]["width"]}}))
+    with pytest.raises(UnusableInput, match="weights do not fit the settings"):
+        type(trained).load(tmp_path)
+    file.write_text(json.dumps(about | {"settings": about["settings"] | {"depth": 1}}))
+    with pytest.raises(UnusableInput, match="unknown name 'depth'"):
+        type(trained).load(tmp_path)
 
 
 @pytest.mark.parametrize("name", NAMES)
