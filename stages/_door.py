@@ -11,6 +11,7 @@ if __name__ == "__main__":
     enter("ingest", Params, main)
 """
 
+import errno
 import inspect
 import multiprocessing
 import os
@@ -51,8 +52,16 @@ def enter(section: str, params: type[P], main: Callable[..., Mapping[str, float]
         print(f"{section}: {error}", file=sys.stderr)
         sys.exit(error.exit_code)
     except OSError as error:
-        print(f"{section}: {error.filename or 'a file'}: {error.strerror}; nothing half-written was kept", file=sys.stderr)
+        print(f"{section}: {_what_failed(error)}; nothing half-written was kept", file=sys.stderr)
         sys.exit(1)
+
+
+def _what_failed(error: OSError) -> str:
+    """Which file and why, in one line. pyarrow leaves `filename` empty: its text names the file, or is only its name."""
+    text = error.strerror or (str(error.args[0]) if error.args else type(error).__name__)
+    if isinstance(error, FileNotFoundError) and not error.strerror:
+        text = f"{text}: {os.strerror(errno.ENOENT)}"
+    return " ".join((f"{error.filename}: {text}" if error.filename else text).split())
 
 
 def _expect_paths(main: Callable[..., object], given: int) -> None:

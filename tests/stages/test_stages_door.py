@@ -5,9 +5,11 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 
 from drivegen.errors import MissingTool, UnusableInput
+from drivegen.store.files import whole
 from stages import _door
 
 
@@ -86,6 +88,19 @@ def full_disk(params: Nothing, out: Path) -> None:
     raise OSError(errno.ENOSPC, "No space left on device", str(out))
 
 
+def no_table(params: Nothing, out: Path) -> None:
+    pq.read_table(out)
+
+
+def no_schema(params: Nothing, out: Path) -> None:
+    pq.read_schema(out)
+
+
+def full_disk_below_pyarrow(params: Nothing, out: Path) -> None:
+    with whole(out):
+        raise OSError("Error writing bytes to file.\nDetail: disk quota")
+
+
 def no_weights(params: Nothing, out: Path) -> None:
     raise MissingTool(f"{out} is not there: run `make run`")
 
@@ -98,6 +113,18 @@ def bad_file(params: Nothing, out: Path) -> None:
     ("main", "code", "sentence"),
     [
         (full_disk, 1, "work: x.bin: No space left on device; nothing half-written was kept\n"),
+        (no_table, 1, "work: x.bin: No such file or directory; nothing half-written was kept\n"),
+        (
+            no_schema,
+            1,
+            "work: Failed to open local file 'x.bin'. Detail: [errno 2] No such file or directory; "
+            "nothing half-written was kept\n",
+        ),
+        (
+            full_disk_below_pyarrow,
+            1,
+            "work: x.bin: Error writing bytes to file. Detail: disk quota; nothing half-written was kept\n",
+        ),
         (no_weights, 1, "work: x.bin is not there: run `make run`\n"),
         (bad_file, 2, "work: x.bin is empty\n"),
     ],
