@@ -105,6 +105,19 @@ def spread(work: Callable[[Task], Result], tasks: Sequence[Task], workers: int, 
                 following += 1
 
 
+def spread_splits(
+    work: Callable[[Task], Result], scenarios: Path, tasks: Callable[[Path], Sequence[Task]], workers: int, what: str
+) -> tuple[list[Result], list[Result]]:
+    """Results for the train and for the validation split of `scenarios`, each in order, by the same processes.
+
+    `tasks` gives the tasks of a split's folder, none where there is no folder; without a train split MissingTool is raised.
+    One set of processes does both splits because to start one takes two seconds.
+    """
+    train = tasks(require(scenarios / "train", "run the ingest stage"))
+    results = [result for _, result in spread(work, [*train, *tasks(scenarios / "val")], workers, what)]
+    return results[: len(train)], results[len(train) :]
+
+
 def _progress(what: str, done: int, total: int) -> None:
     print(f"{what} {done}/{total}", flush=True)
 

@@ -15,7 +15,7 @@ from drivegen.checker.limits import RULES, Limits
 from drivegen.errors import UnusableInput
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
-from stages._door import enter, require, spread
+from stages._door import enter, spread_splits
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,14 @@ def main(params: Params, scenarios: Path, limits: Path, rates: Path) -> None:
 
 
 def _severities(scenarios: Path, params: Params) -> tuple[list[NDArray[np.float32]], list[NDArray[np.float32]]]:
-    """Of both splits, shard by shard, by the same processes: to start one takes two seconds."""
-    train, val = shards(require(scenarios / "train", "run the ingest stage")), scenarios / "val"
-    tasks = [(shard, params.floors) for shard in [*train, *(shards(val) if val.exists() else [])]]
-    parts = [part for _, part in spread(_shard_severities, tasks, params.workers, "calibrate")]
-    return parts[: len(train)], parts[len(train) :]
+    """Of both splits, shard by shard."""
+    return spread_splits(
+        _shard_severities,
+        scenarios,
+        lambda split: [(shard, params.floors) for shard in shards(split)],
+        params.workers,
+        "calibrate",
+    )
 
 
 def _shard_severities(task: tuple[Path, Limits]) -> NDArray[np.float32]:

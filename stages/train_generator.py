@@ -21,7 +21,7 @@ from drivegen.metrics.displacement import scene_errors, summarise
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training.curve import kept, write_curve
-from stages._door import build, enter, require, spread
+from stages._door import build, enter, spread_splits
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
 
@@ -73,14 +73,11 @@ def _chosen(name: str, params: Params) -> tuple[type[Learned], Any]:
 
 
 def _examples(plugin: type[Learned], settings: Any, scenarios: Path, workers: int) -> tuple[Any, Any]:
-    """What the generator learns from and what it is validated on, shard by shard in processes of their own.
-
-    The same processes do both splits: to start one takes two seconds.
-    """
-    train, val = shards(require(scenarios / "train", "run the ingest stage")), scenarios / "val"
-    tasks = [(plugin, settings, shard) for shard in [*train, *(shards(val) if val.exists() else [])]]
-    parts = [part for _, part in spread(_shard_examples, tasks, workers, "scenes")]
-    return plugin.Examples.joined(parts[: len(train)]), plugin.Examples.joined(parts[len(train) :])
+    """What the generator learns from and what it is validated on, shard by shard."""
+    train, validation = spread_splits(
+        _shard_examples, scenarios, lambda split: [(plugin, settings, shard) for shard in shards(split)], workers, "scenes"
+    )
+    return plugin.Examples.joined(train), plugin.Examples.joined(validation)
 
 
 def _shard_examples(task: tuple[type[Learned], Any, Path]) -> Any:
@@ -91,7 +88,7 @@ def _shard_examples(task: tuple[type[Learned], Any, Path]) -> Any:
 def _scores(generator: Learned, split: Path, params: Params) -> dict[str, float]:
     """Displacement errors [m] of `samples` futures of every validation scenario, the mean over scenarios."""
     found = []
-    for shard in shards(split) if split.exists() else []:
+    for shard in shards(split):
         logged = [s for s in read_shard(shard) if s.log is not None]
         for scenario, made in zip(logged, generator.generate(logged, params.samples, params.training_seed), strict=True):
             assert scenario.log is not None
@@ -109,7 +106,7 @@ def _key(name: str, params: Params, settings: Any, scenarios: Path) -> str:
     digest = hashlib.sha256(repr((name, asdict(settings), params.training_seed)).encode())
     root = Path(__file__).parents[1] / "drivegen"
     code = sorted(path for folder in ("generators", "training") for path in (root / folder).rglob("*.py"))
-    for path in [*code, *shards(scenarios / "train"), *(shards(scenarios / "val") if (scenarios / "val").exists() else [])]:
+    for path in [*code, *shards(scenarios / "train"), *shards(scenarios / "val")]:
         digest.update(path.read_bytes())
     return digest.hexdigest()[:24]
 

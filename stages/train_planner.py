@@ -32,7 +32,7 @@ from drivegen.store.files import whole, write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
-from stages._door import build, enter, require, spread
+from stages._door import build, enter, require, spread_splits
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
 
@@ -120,14 +120,15 @@ class _Judge:
 
 
 def _examples(scenarios: Path, params: Params) -> tuple[Examples, Examples]:
-    """Requests and motion of the logged tracks of both splits, shard by shard in processes of their own.
-
-    The same processes do both splits: to start one takes two seconds.
-    """
-    train, val = shards(require(scenarios / "train", "run the ingest stage")), scenarios / "val"
-    tasks = [(shard, params.seen, params.training_seed) for shard in [*train, *(shards(val) if val.exists() else [])]]
-    parts = [part for _, part in spread(_shard_examples, tasks, params.workers, "tracks")]
-    return Examples.join(parts[: len(train)]), Examples.join(parts[len(train) :])
+    """Requests and motion of the logged tracks of both splits, shard by shard."""
+    train, validation = spread_splits(
+        _shard_examples,
+        scenarios,
+        lambda split: [(shard, params.seen, params.training_seed) for shard in shards(split)],
+        params.workers,
+        "tracks",
+    )
+    return Examples.join(train), Examples.join(validation)
 
 
 def _shard_examples(task: tuple[Path, float, int]) -> Examples:
@@ -141,7 +142,7 @@ def _key(params: Params, settings: Any, scenarios: Path) -> str:
     digest = hashlib.sha256(repr((asdict(settings), params.training_seed, params.seen)).encode())
     root = Path(__file__).parents[1] / "drivegen"
     code = sorted(path for folder in ("planners", "training", "lanes", "render") for path in (root / folder).glob("*.py"))
-    for path in [*code, *shards(scenarios / "train"), *(shards(scenarios / "val") if (scenarios / "val").exists() else [])]:
+    for path in [*code, *shards(scenarios / "train"), *shards(scenarios / "val")]:
         digest.update(path.read_bytes())
     return digest.hexdigest()[:24]
 

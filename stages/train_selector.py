@@ -24,7 +24,7 @@ from drivegen.store.files import whole, write_json
 from drivegen.store.goals import read_goals
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training.curve import LossRow
-from stages._door import enter, require, spread
+from stages._door import enter, require, spread_splits
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
 
@@ -82,12 +82,14 @@ def _say(line: str) -> None:
 
 
 def _lists(scenarios: Path, params: Params) -> tuple[Lists, Lists]:
-    """Lists to learn from and held out, by the same processes: to start one takes two seconds."""
-    train, val = shards(require(scenarios / "train", "run the ingest stage")), scenarios / "val"
-    tasks = [(shard, params.candidates, params.teacher.goals) for shard in train]
-    tasks += [(shard, params.candidates, "") for shard in (shards(val) if val.exists() else [])]
-    parts = [part for _, part in spread(_shard_lists, tasks, params.workers, "goals")]
-    return Lists.joined([Lists.none(), *parts[: len(train)]]), Lists.joined([Lists.none(), *parts[len(train) :]])
+    """Lists to learn from and held out; a teacher says what to learn, never what is held out."""
+
+    def tasks(split: Path) -> list[tuple[Path, CandidateSettings, str]]:
+        teacher = params.teacher.goals if split.name == "train" else ""
+        return [(shard, params.candidates, teacher) for shard in shards(split)]
+
+    learnt, held_out = spread_splits(_shard_lists, scenarios, tasks, params.workers, "goals")
+    return Lists.joined([Lists.none(), *learnt]), Lists.joined([Lists.none(), *held_out])
 
 
 def _shard_lists(task: tuple[Path, CandidateSettings, str]) -> Lists:
@@ -116,7 +118,7 @@ def _scores(split: Path, params: Params, selector: Plugin) -> dict[str, dict[str
     """Scores of the learned, the prior and the uniform choice."""
     compared: dict[str, Selector] = {"learned": selector, "prior": Prior(), "random": Random()}
     judged: dict[str, list[Judged]] = {name: [] for name in compared}
-    for shard in shards(split) if split.exists() else []:
+    for shard in shards(split):
         for scenario in read_shard(shard):
             graph = LaneGraph.of(scenario.map)
             offered = [candidates(graph, scenario, n, params.candidates) for n in range(len(scenario.vehicles))]

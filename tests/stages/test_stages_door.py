@@ -79,6 +79,19 @@ def test_no_tasks_are_no_results():
     assert list(_door.spread(square, [], 2, "squares")) == []
 
 
+@pytest.mark.parametrize("workers", [1, 2])
+def test_both_splits_are_spread_together_and_come_apart_again(tmp_path, workers, capsys):
+    (tmp_path / "train").mkdir()
+    numbers = {tmp_path / "train": [3, 4], tmp_path / "val": [5]}
+    assert _door.spread_splits(square, tmp_path, numbers.__getitem__, workers, "squares") == ([9, 16], [25])
+    assert capsys.readouterr().out.splitlines() == ["squares 1/3", "squares 2/3", "squares 3/3"]
+
+
+def test_without_a_train_split_the_stage_that_makes_it_is_named(tmp_path):
+    with pytest.raises(MissingTool, match="train is not there: run the ingest stage"):
+        _door.spread_splits(square, tmp_path, lambda split: [1], 1, "squares")
+
+
 @dataclass(frozen=True)
 class Nothing:
     """No parameters."""
