@@ -57,11 +57,18 @@ def transfer(one: DataSet, pooled_one: Pooled, other: DataSet, pooled_other: Poo
 
 
 def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator) -> Table:
-    """The scenes and seeds that both have, by models that learnt from less and from more: errors of each, the difference."""
+    """The scenes and seeds that both have, by models that learnt from less and from more: errors of each, the difference.
+
+    Where there are none the table has no rows and says what is missing.
+    """
+    name, title = f"training-{more.name}", f"Trained on less and on more: {more.title}"
+    heads = tuple(f"{head} {which}" for head in ("min-sADE", "mean-sADE") for which in ("less", "more", "more - less"))
     first, second = (next(iter(data.methods.values())).scenarios for data in (less, more))
     shared = sorted(set(first) & set(second))
     columns = [[names.index(scene) for scene in shared] for names in (first, second)]
     seeds = sorted(set(less.seeds) & set(more.seeds))
+    if not (shared and seeds):
+        return Table(name, title, ("", *heads), (), (_nothing_shared(less, more, bool(shared)),))
     trained = [[data.seeds.index(seed) for seed in seeds] for data in (less, more)]
     resampling = Resampling.of(len(seeds), [recording(scene) for scene in shared], draws, rng)
     lines = []
@@ -76,9 +83,15 @@ def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator)
             for values in (before[metric], after[metric], after[metric] - before[metric])
         ]
         lines.append(row(METHODS[method], *cells, origin="ours"))
-    heads = tuple(f"{head} {which}" for head in ("min-sADE", "mean-sADE") for which in ("less", "more", "more - less"))
     notes = (f"{len(shared)} scenes that both have. Less: {less.trained_on} More: {more.trained_on}",)
-    return Table(f"training-{more.name}", f"Trained on less and on more: {more.title}", ("", *heads), tuple(lines), notes)
+    return Table(name, title, ("", *heads), tuple(lines), notes)
+
+
+def _nothing_shared(less: DataSet, more: DataSet, scenes: bool) -> str:
+    if not scenes:
+        return f"Nothing to compare: {less.title} and {more.title} have no scene in common."
+    ran = " and ".join(f"{data.title} with {', '.join(map(str, data.seeds))}" for data in (less, more))
+    return f"Nothing to compare: {ran} have no training seed in common; `make tables` runs those that are missing."
 
 
 def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled) -> Table:

@@ -93,6 +93,19 @@ def test_trained_on_less_and_on_more_is_compared_over_the_seeds_that_both_have(r
     assert "| 0.00 (0.00 to 0.00) |" in text
 
 
+def test_where_no_seed_or_no_scene_is_in_common_the_table_says_so(runs, tmp_path):
+    shutil.rmtree(runs / "here/8")
+    shutil.rmtree(runs / "there/7")
+    publish.main(params(), runs, tmp_path / "out")
+    text = (tmp_path / "out/training-there.md").read_text()
+    assert "Nothing to compare: Here with 7 and There with 8 have no training seed in common; `make tables`" in text
+    assert "DriveGen" not in text
+    run(runs / "there/7", {"drivegen": [1.0, 2.0]}, ["c:0", "c:1"])
+    shutil.rmtree(runs / "there/8")
+    publish.main(params(), runs, tmp_path / "out")
+    assert "Nothing to compare: Here and There have no scene in common." in (tmp_path / "out/training-there.md").read_text()
+
+
 def test_the_same_runs_give_the_same_bytes(runs, tmp_path):
     for name in ("one", "two"):
         publish.main(params(), runs, tmp_path / name)
