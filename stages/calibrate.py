@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.checker.calibration import from_severities, logged_severities, pass_rates
+from drivegen.checker.calibration import calibrate, logged_severities, pass_rates
 from drivegen.checker.limits import RULES, Limits
 from drivegen.errors import UnusableInput
 from drivegen.store.files import write_json
@@ -32,7 +32,7 @@ def main(params: Params, scenarios: Path, limits: Path, rates: Path) -> None:
     train, held_out = _severities(scenarios, params)
     if not train:
         raise UnusableInput(f"{scenarios}/train holds no scenario to calibrate the checker on", reason="no-scenarios")
-    calibration = from_severities(train, params.floors, params.share)
+    calibration = calibrate(train, params.floors, params.share)
     unseen = np.concatenate([np.zeros((0, len(RULES)), np.float32), *held_out])
     write_json(limits, calibration.limits.to_json())
     write_json(rates, calibration.to_json() | {"held_out": pass_rates(unseen, calibration.limits)})

@@ -15,7 +15,7 @@ from drivegen import plugins
 from drivegen.drivers.base import Driver
 from drivegen.errors import UnusableInput
 from drivegen.metrics.driving import comfort, run_numbers, spread_over_runs, spread_over_samples
-from drivegen.metrics.intervals import bootstrap_means, percentiles
+from drivegen.metrics.intervals import bootstrap_means, percentiles, resamplings
 from drivegen.scenario import Scenario, Trajectories
 from drivegen.seeds import rng
 from drivegen.simulators.base import AT_FAULT, CollisionKind, DrivingOutcome, with_off_road
@@ -143,8 +143,8 @@ def _summary(drives: Drives, metrics: dict[str, NDArray[np.float64]], params: Pa
     out["comfort_absolute"] = comfort(out["absolute_acceleration"])
     out["comfort_signed"] = comfort(out["acceleration"])
     scenes = len(drives.scenarios)
-    drawn = random.multinomial(scenes, np.full(scenes, 1 / scenes), size=params.draws)
-    weights = np.concatenate([np.ones((1, scenes)), drawn]).astype(np.float64)[:, drives.scene]
+    times = resamplings(scenes, params.draws, random)
+    weights = np.concatenate([np.ones((1, scenes)), times])[:, drives.scene]
     spread_value, *spreads = spread_over_runs(drives.outcome.motion, weights)
     low, high = percentiles(np.array(spreads))
     return out | {"spread_over_runs": float(spread_value), "spread_over_runs_low": low, "spread_over_runs_high": high}

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from drivegen.assets.gaps import gaps_of
 from drivegen.geometry import boxes_overlap, wrap_angle
 from drivegen.lanes.graph import LaneGraph
-from drivegen.metrics.distributions import binned, distance, resamplings
-from drivegen.metrics.intervals import Interval, bootstrap_means
+from drivegen.metrics.distributions import binned, distance
+from drivegen.metrics.intervals import Interval, bootstrap_means, resamplings
 from drivegen.roadmap import NO_LANE
 from drivegen.scenario import TARGET, Scenario, Vehicles
 

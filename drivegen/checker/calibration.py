@@ -4,7 +4,6 @@ The limit of a rule is the larger of a floor (what is sensible on any road) and 
 several rules set one flag, each may reject only its part of the 1 %, so that the share holds for the flag too.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -49,14 +48,6 @@ class Calibration:
         }
 
 
-def calibrate(scenarios: Iterable[Scenario], floors: Limits, share: float) -> Calibration:
-    """Limits such that at least `share` of the scenarios' logged tracks pass each rule, and none below `floors`.
-
-    Raises UnusableInput where no scenario has a log.
-    """
-    return from_severities([logged_severities(scenario, floors) for scenario in scenarios], floors, share)
-
-
 def logged_severities(scenario: Scenario, limits: Limits) -> NDArray[np.float32]:
     """(tracks, R) severities of every logged track of one scenario; none for a scenario without log.
 
@@ -69,8 +60,11 @@ def logged_severities(scenario: Scenario, limits: Limits) -> NDArray[np.float32]
     return tracks
 
 
-def from_severities(parts: list[NDArray[np.float32]], floors: Limits, share: float) -> Calibration:
-    """As `calibrate`, from what `logged_severities` found scenario by scenario (in any processes)."""
+def calibrate(parts: list[NDArray[np.float32]], floors: Limits, share: float) -> Calibration:
+    """Limits such that at least `share` of the logged tracks pass each rule, and none below `floors`.
+
+    `parts` is what `logged_severities` found, scenario by scenario. Raises UnusableInput where there is no logged track.
+    """
     severity = np.concatenate([np.zeros((0, len(RULES)), np.float32), *parts])
     if not len(severity):
         raise UnusableInput("there is no logged track to calibrate the checker on", reason="no-logs")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drivegen.corner_cases.rounds import COUNTED, Drive
 from drivegen.metrics.displacement import scene_errors
 from drivegen.metrics.driving import comfort, run_numbers, spread_over_runs
-from drivegen.metrics.intervals import bootstrap_means, percentiles
+from drivegen.metrics.intervals import bootstrap_means, percentiles, resamplings
 from drivegen.rollout import Choices
 from drivegen.scenario import TARGET, Trajectories
 from drivegen.simulators.base import AT_FAULT, CollisionKind
@@ -56,8 +56,8 @@ class RoundSummary:
             out |= {name: interval.value, f"{name}.low": interval.low, f"{name}.high": interval.high}
         out["comfort_absolute"] = comfort(out["absolute_acceleration"])
         out["comfort_signed"] = comfort(out["acceleration"])
-        drawn = random.multinomial(self.scenarios, np.full(self.scenarios, 1 / self.scenarios), size=draws)
-        weights = np.concatenate([np.ones((1, self.scenarios)), drawn]).astype(np.float64)[:, self.scene]
+        times = resamplings(self.scenarios, draws, random)
+        weights = np.concatenate([np.ones((1, self.scenarios)), times])[:, self.scene]
         spread, *spreads = spread_over_runs(self.motion, weights)
         low, high = percentiles(np.array(spreads))
         return out | {"spread_over_runs": float(spread), "spread_over_runs.low": low, "spread_over_runs.high": high}

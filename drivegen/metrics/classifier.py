@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.metrics.features import Features
-from drivegen.metrics.intervals import Interval, percentiles
+from drivegen.metrics.intervals import Interval, percentiles, resamplings
 
 FOLDS = 5
 STILL = 2.0
@@ -115,9 +115,8 @@ def telling_apart(scenes: Sequence[TrackPairs], seed: int, draws: int, rng: np.r
     scene = np.tile(scene, 2)
     score = _held_out_scores(tracks, generated, scene, rng.permutation(number), seed)
     ranks = np.unique(np.round(score, 9), return_inverse=True)[1]
-    times = rng.multinomial(len(number), np.full(len(number), 1 / len(number)), size=draws)
     weight = np.zeros((draws, len(scenes)))
-    weight[:, number] = times
+    weight[:, number] = resamplings(len(number), draws, rng)
     drawn = np.array([_auc(ranks, generated, weights[scene]) for weights in weight])
     return Interval(_auc(ranks, generated, np.ones(len(scene))), *percentiles(drawn[np.isfinite(drawn)]))
 

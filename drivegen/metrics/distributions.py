@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from drivegen.metrics import encroachment
 from drivegen.metrics.encroachment import post_encroachment
 from drivegen.metrics.features import Features
-from drivegen.metrics.intervals import Interval, percentiles
+from drivegen.metrics.intervals import Interval, percentiles, resamplings
 from drivegen.metrics.labels import manoeuvre
 
 BINS = 240
@@ -136,11 +136,6 @@ def distances(scenes: Sequence[SceneCounts], draws: int, rng: np.random.Generato
     }
     counts = np.stack([scene.manoeuvres for scene in scenes])
     return out | {"manoeuvres": _interval(*(jensen_shannon(drawn) for drawn in _resampled(counts, times)))}
-
-
-def resamplings(scenes: int, draws: int, rng: np.random.Generator) -> Floats:
-    """How often each scene (D, S) comes in each bootstrap draw."""
-    return rng.multinomial(scenes, np.full(scenes, 1 / scenes), size=draws).astype(np.float64)
 
 
 def distance(counts: Floats, low: float, high: float, times: Floats) -> Interval:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.geometry import to_vehicle_frame
-from drivegen.metrics.intervals import Interval, percentiles
+from drivegen.metrics.intervals import Interval, percentiles, resamplings
 from drivegen.scenario import Trajectories
 
 Pairs = NDArray[np.intp]
@@ -103,8 +103,8 @@ def ratio(
     if len(pairs) == 0 or real.sum() == 0:
         return Interval(np.nan, np.nan, np.nan)
     scenes = int(pairs.max()) + 1
-    times = rng.multinomial(scenes, np.full(scenes, 1 / scenes), size=draws)
-    weight = (times[:, pairs[:, 0]] * times[:, pairs[:, 1]]).astype(np.float64)
+    times = resamplings(scenes, draws, rng)
+    weight = times[:, pairs[:, 0]] * times[:, pairs[:, 1]]
     below = weight @ real
     drawn = (weight @ generated)[below > 0] / below[below > 0]
     low, high = percentiles(drawn)

@@ -17,9 +17,3 @@ def on_front(error: NDArray[np.floating], diversity: NDArray[np.floating]) -> ND
     beaten: NDArray[np.bool_] = np.logical_and(no_worse, better).max(axis=1, initial=False)
     front: NDArray[np.bool_] = np.logical_and(known, ~beaten)
     return front
-
-
-def best_error(error: NDArray[np.floating], diversity: NDArray[np.floating], tolerance: float) -> float:
-    """The least error among the points whose diversity ratio is within `tolerance` of 1, NaN if there is none."""
-    near = np.isfinite(error) & (np.abs(diversity - 1) <= tolerance)
-    return float(error[near].min()) if near.any() else float("nan")

@@ -26,17 +26,22 @@ def percentiles(draws: NDArray[np.floating]) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def bootstrap_means(values: NDArray[np.floating], draws: int, rng: np.random.Generator) -> list[Interval]:
-    """Mean and interval of each column of `values` (S, M), rows resampled together; NaN rows of a column don't count.
+def resamplings(count: int, draws: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """How often each of `count` rows comes in each of D = `draws` bootstrap draws: (D, count).
 
-    Resampling is by multinomial row counts, which is one matrix product instead of `draws` copies of the table.
+    Multinomial counts, so that a mean over resampled rows is a product of matrices instead of `draws` copies of the table.
     """
+    return rng.multinomial(count, np.full(count, 1 / count), size=draws).astype(np.float64)
+
+
+def bootstrap_means(values: NDArray[np.floating], draws: int, rng: np.random.Generator) -> list[Interval]:
+    """Mean and interval of each column of `values` (S, M), rows resampled together; NaN rows of a column don't count."""
     scenes = len(values)
     if scenes == 0:
         return [Interval(np.nan, np.nan, np.nan)] * values.shape[1]
     known = np.isfinite(values)
     filled = np.where(known, values, 0.0).astype(np.float64)
-    times = rng.multinomial(scenes, np.full(scenes, 1 / scenes), size=draws).astype(np.float64)
+    times = resamplings(scenes, draws, rng)
     weight = times @ known
     means = np.divide(times @ filled, weight, out=np.full(weight.shape, np.nan), where=weight > 0)
     out = []
@@ -46,8 +51,3 @@ def bootstrap_means(values: NDArray[np.floating], draws: int, rng: np.random.Gen
         value = float(filled[:, column].sum() / count) if count else np.nan
         out.append(Interval(value, *percentiles(drawn[np.isfinite(drawn)])))
     return out
-
-
-def bootstrap_mean(values: NDArray[np.floating], draws: int, rng: np.random.Generator) -> Interval:
-    """Mean and interval of `values` (S,)."""
-    return bootstrap_means(values[:, None], draws, rng)[0]

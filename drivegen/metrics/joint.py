@@ -22,7 +22,7 @@ from drivegen.metrics.displacement import scored_steps
 from drivegen.metrics.distributions import SceneCounts, distances, scene_counts
 from drivegen.metrics.encroachment import LONGEST, SAME_PLACE, nearest_visits, paces
 from drivegen.metrics.features import Features, scene_features
-from drivegen.metrics.intervals import Interval, percentiles
+from drivegen.metrics.intervals import Interval, percentiles, resamplings
 from drivegen.metrics.proper import energy_scores
 from drivegen.metrics.surroundings import Boxes, touching
 from drivegen.scenario import DT, Scenario, Trajectories
@@ -77,8 +77,7 @@ def scene_joint(scenario: Scenario, log: Trajectories, features: Features, boxes
 def joint_figures(scenes: Sequence[SceneJoint], draws: int, rng: np.random.Generator) -> dict[str, Interval]:
     """What only a set of scenes has, with intervals that resample scenes: shares of right orders, distances when shuffled."""
     counted = np.stack([scene.orders for scene in scenes])
-    times = rng.multinomial(len(scenes), np.full(len(scenes), 1 / len(scenes)), size=draws)
-    drawn = np.tensordot(times, counted, 1)
+    drawn = np.tensordot(resamplings(len(scenes), draws, rng), counted, 1)
     found = {}
     for kind, name in enumerate(("joint.order", "shuffled.order")):
         found[name] = Interval(float(_share(counted.sum(axis=0)[kind])), *percentiles(_known(_share(drawn[:, kind]))))
@@ -104,7 +103,7 @@ def _collisions(boxes: Boxes, vehicles: int) -> float:
     return float(touching(boxes, vehicles, np.ones(1))[0, :-1].mean())
 
 
-def _share(counts: NDArray[np.int64]) -> NDArray[np.float64]:
+def _share(counts: NDArray[np.number]) -> NDArray[np.float64]:
     """Of (..., 2) right ones and all of them; NaN where there are none."""
     right, told = counts[..., 0], counts[..., 1]
     return np.asarray(np.divide(right, told, out=np.full(told.shape, np.nan), where=told > 0))

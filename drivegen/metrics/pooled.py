@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.metrics.intervals import Interval, percentiles
+from drivegen.metrics.intervals import Interval, percentiles, resamplings
 
 Floats = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ class Resampling:
     def of(cls, seeds: int, groups: list[str], draws: int, rng: np.random.Generator) -> "Resampling":
         """D = `draws` resamples of S = `seeds` seeds and of the distinct names in `groups`, one name a scene."""
         names, cluster = np.unique(np.asarray(groups), return_inverse=True)
-        return cls(_times(seeds, draws, rng), _times(len(names), draws, rng), cluster)
+        return cls(resamplings(seeds, draws, rng), resamplings(len(names), draws, rng), cluster)
 
 
 def pooled_mean(values: Floats, resampling: Resampling) -> Interval:
@@ -62,10 +62,6 @@ def rank_correlation(one: Floats, other: Floats) -> float:
     a, b = a - a.mean(), b - b.mean()
     spread = float(np.sqrt((a @ a) * (b @ b)))
     return float(a @ b) / spread if spread > 0 else np.nan
-
-
-def _times(count: int, draws: int, rng: np.random.Generator) -> Floats:
-    return rng.multinomial(count, np.full(count, 1 / count), size=draws).astype(np.float64)
 
 
 def _drawn(values: Floats, resampling: Resampling) -> Floats:

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivegen.checker.calibration import calibrate, from_severities, logged_severities, pass_rates
+from drivegen.checker.calibration import calibrate, logged_severities, pass_rates
 from drivegen.checker.limits import FLAGS, RULES, Limits
 from drivegen.checker.scene import check_samples
 from drivegen.errors import UnusableInput
@@ -30,7 +30,7 @@ def logs():
 
 
 def test_99_percent_of_logged_tracks_pass_each_rule_and_each_flag(logs):
-    calibration = calibrate(logs, LIMITS, 0.99)
+    calibration = calibrate([logged_severities(log, LIMITS) for log in logs], LIMITS, 0.99)
     assert calibration.tracks == 120
     assert all(rate >= 0.99 for name, rate in calibration.pass_rate.items() if name != "legal")
     verdicts = [check_samples(log, log.log[np.newaxis], calibration.limits)[0] for log in logs]
@@ -38,8 +38,8 @@ def test_99_percent_of_logged_tracks_pass_each_rule_and_each_flag(logs):
 
 
 def test_limits_follow_the_quantile_but_never_fall_below_the_floor(logs):
-    strict = calibrate(logs, LIMITS, 0.9).limits
-    lenient = calibrate(logs, LIMITS, 0.999).limits
+    strict = calibrate([logged_severities(log, LIMITS) for log in logs], LIMITS, 0.9).limits
+    lenient = calibrate([logged_severities(log, LIMITS) for log in logs], LIMITS, 0.999).limits
     assert lenient.braking > 10
     assert strict.braking == LIMITS.braking
     assert all(getattr(strict, rule) >= getattr(LIMITS, rule) for rule in RULES if rule != "yield_gap")
@@ -49,7 +49,7 @@ def test_limits_follow_the_quantile_but_never_fall_below_the_floor(logs):
 def test_yield_gaps_are_calibrated_downwards():
     severity = np.full((100, len(RULES)), -np.inf, np.float32)
     severity[:, RULES.index("yield_gap")] = -0.2
-    assert from_severities([severity], LIMITS, 0.99).limits.yield_gap == pytest.approx(0.2, abs=2e-3)
+    assert calibrate([severity], LIMITS, 0.99).limits.yield_gap == pytest.approx(0.2, abs=2e-3)
 
 
 def test_a_flag_with_several_rules_still_passes_99_percent():
@@ -57,13 +57,13 @@ def test_a_flag_with_several_rules_still_passes_99_percent():
     severity = np.zeros((1000, len(RULES)), np.float32)
     for i, rule in enumerate(("acceleration", "braking", "lateral_acceleration", "velocity_error")):
         severity[10 * i : 10 * i + 10, RULES.index(rule)] = np.arange(100, 110)
-    rates = from_severities([severity], LIMITS, 0.99).pass_rate
+    rates = calibrate([severity], LIMITS, 0.99).pass_rate
     assert FLAGS.count(FLAGS[RULES.index("braking")]) == 4
     assert rates["ACCELERATION"] >= 0.99
 
 
 def test_limits_survive_json_and_say_what_is_wrong_with_it(logs):
-    limits = calibrate(logs, LIMITS, 0.99).limits
+    limits = calibrate([logged_severities(log, LIMITS) for log in logs], LIMITS, 0.99).limits
     assert Limits.from_json(limits.to_json(), "limits.json") == limits
     assert Limits.from_severities(limits.severities()) == limits
     with pytest.raises(UnusableInput, match=r"limits\.json.*calibrate"):
@@ -76,7 +76,7 @@ def test_without_logs_there_is_nothing_to_calibrate_on():
     bare = replace(busy_crossing(), log=None)
     assert logged_severities(bare, LIMITS).shape == (0, len(RULES))
     with pytest.raises(UnusableInput, match="no logged track"):
-        calibrate([bare], LIMITS, 0.99)
+        calibrate([logged_severities(bare, LIMITS)], LIMITS, 0.99)
     assert pass_rates(np.zeros((0, len(RULES)), np.float32), LIMITS)["legal"] is None
 
 

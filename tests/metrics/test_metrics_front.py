@@ -4,16 +4,13 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.metrics.front import best_error, on_front
+from drivegen.metrics.front import on_front
 
 
 def test_a_front_by_hand():
     error = np.array([2.0, 1.5, 3.0, 2.0, np.nan])
     diversity = np.array([1.0, 0.8, 1.1, 0.9, 1.0])
     assert on_front(error, diversity).tolist() == [True, True, False, False, False]
-    assert best_error(error, diversity, 0.1) == 2.0
-    assert best_error(error, diversity, 0.25) == 1.5
-    assert np.isnan(best_error(error + 1, diversity * np.nan, 0.1))
 
 
 def test_equal_points_are_both_on_it():

@@ -2,7 +2,12 @@
 
 import numpy as np
 
-from drivegen.metrics.intervals import bootstrap_mean, bootstrap_means
+from drivegen.metrics.intervals import Interval, bootstrap_means
+
+
+def bootstrap_mean(values: np.ndarray, draws: int, random: np.random.Generator) -> Interval:
+    [interval] = bootstrap_means(values[:, None], draws, random)
+    return interval
 
 
 def test_the_interval_holds_the_true_mean_about_as_often_as_it_says():
