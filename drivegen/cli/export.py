@@ -14,6 +14,7 @@ from typer import Argument, Option
 
 from drivegen.av2.export import export_scenario
 from drivegen.errors import UnusableInput
+from drivegen.geometry import boxes_overlap
 from drivegen.samples import Samples
 from drivegen.scenario import TARGET, Scenario, Trajectories
 from drivegen.shipping import sample_id
@@ -31,7 +32,7 @@ Shards = Annotated[
     Argument(help="A folder of shards, or one: data/shipped, data/scenarios/test, data/generated/METHOD, data/corner/ROUND."),
 ]
 Of = Annotated[Path, Option(help="The scenarios that data/generated and data/corner hold futures of.")]
-Collisions = Annotated[bool, Option("--collisions", help="Of a round: only futures that the driver's collision ends early.")]
+Collisions = Annotated[bool, Option("--collisions", help="Of a round: only futures that end with the driver's collision.")]
 Driven = Annotated[bool, Option("--driven", help="Of a round: the target as the driver drove it, not as it was planned.")]
 
 
@@ -112,13 +113,29 @@ def _futures(
             raise UnusableInput(f"{wanted.of} lacks scenario {futures.scenario_id}: these futures are of others, see --of")
         scenario, own = known[futures.scenario_id], None if driven is None else driven[row].motion[:, TARGET]
         for k in range(len(futures.dropped)):
-            if wanted.collisions and own is not None and own.last_valid()[k] + 1 >= scenario.steps:
-                continue  # the driver came to the end
+            if wanted.collisions and own is not None and not _collided(scenario, futures.motion[k], own[k]):
+                continue
             motion = futures.motion[k] if own is None or not wanted.driven else _with_target(futures.motion[k], own[k])
             kept = np.flatnonzero(motion.valid.any(-1))
             yield replace(
                 scenario, scenario_id=sample_id(scenario.scenario_id, k), vehicles=scenario.vehicles[kept], log=motion[kept]
             )
+
+
+def _collided(scenario: Scenario, traffic: Trajectories, driven: Trajectories) -> bool:
+    """Whether a driven target (T,) ran into anyone: its run ends there, be it in the last frame, where it would end anyway."""
+    last = scenario.steps - 1
+    if driven.last_valid() < last:
+        return True
+    others, people = traffic[TARGET + 1 :], scenario.context
+    size = scenario.vehicles.size[:, :2]
+    return any(
+        bool((boxes_overlap(driven.position[last], driven.heading[last], size[TARGET], at, heading, box) & there).any())
+        for at, heading, box, there in (
+            (others.position[:, last], others.heading[:, last], size[TARGET + 1 :], others.valid[:, last]),
+            (people.motion.position[:, last], people.motion.heading[:, last], people.size[:, :2], people.motion.valid[:, last]),
+        )
+    )
 
 
 def _with_target(motion: Trajectories, target: Trajectories) -> Trajectories:

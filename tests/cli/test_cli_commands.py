@@ -22,8 +22,9 @@ from drivegen import cli
 from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder
 from drivegen.cli import doctor
-from drivegen.store.samples import write_samples
-from drivegen.store.scenarios import write_shard
+from drivegen.scenario import Actors, Trajectories, VehicleKind
+from drivegen.store.samples import read_samples, write_samples
+from drivegen.store.scenarios import read_shard, write_shard
 from tests import scenes
 from tests.small_datasets import sensor_log
 
@@ -134,6 +135,24 @@ def test_futures_are_exported_one_by_one_and_of_a_round_what_collided_as_it_was_
     assert exported(corner_round, "round", "--collisions") == {"recording-3-s01": planned["recording-3-s01"]}
     x = round(planned["recording-3-s01"][2] + 1.0, 1)
     assert exported(corner_round, "round", "--collisions", "--driven") == {"recording-3-s01": (vehicles, 8, x)}
+
+
+@pytest.mark.parametrize("hit", ["a vehicle", "a pedestrian", "one that is not there"])
+def test_a_collision_in_the_last_frame_is_one_too(corner_round, hit):
+    path, shard = (corner_round / place / "shard-00000.parquet" for place in ("round/driven", "data/scenarios/test"))
+    [drove], [scene] = read_samples(path), read_shard(shard)
+    [made] = read_samples(corner_round / "round" / "samples" / "shard-00000.parquet")
+    last = drove.motion.position[0, 0, -1]  # of the future whose driver came to the end
+    last[:] = last + 1000 if hit == "a pedestrian" else made.motion.position[0, {"a vehicle": 1}.get(hit, 2), -1]
+    write_samples(path, [drove])
+    if hit == "a pedestrian":
+        person = Trajectories.empty(1, scene.steps)
+        person.position[0, -1], person.valid[0, -1] = last, True
+        walking = Actors(np.array(["p"]), np.array([VehicleKind.PEDESTRIAN], np.uint8), np.float32([[0.6, 0.6, 1.8]]), person)
+        write_shard(shard, [replace(scene, context=walking)])
+    found = set(exported(corner_round, "round", "--collisions"))
+    assert ("recording-3-s00" in found) == (hit in ("a vehicle", "a pedestrian"))
+    assert "recording-3-s01" in found
 
 
 @pytest.mark.parametrize(
