@@ -5,7 +5,8 @@ with it. Vehicle 0 is the target, the others are social vehicles in asset order.
 frame, metres, seconds, radians, at 10 Hz; step 0 is the first frame.
 """
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
 from enum import IntEnum
 from typing import Any
 
@@ -82,9 +83,7 @@ class Trajectories:
 
     def until(self, steps: int) -> "Trajectories":
         """The first `steps` steps."""
-        return Trajectories(
-            self.position[..., :steps, :], self.heading[..., :steps], self.velocity[..., :steps, :], self.valid[..., :steps]
-        )
+        return self.between(0, steps)
 
     def between(self, first: int, last: int) -> "Trajectories":
         """Steps `first` to `last`, the latter not included."""
@@ -104,6 +103,11 @@ class Trajectories:
         """Nothing valid, all zero, of shape (..., T)."""
         pair = np.zeros((*shape, 2), np.float32)
         return cls(pair, np.zeros(shape, np.float32), pair.copy(), np.zeros(shape, np.bool_))
+
+    @classmethod
+    def joined(cls, parts: "Sequence[Trajectories]") -> "Trajectories":
+        """All parts (N_i, ..., T) of equally many steps, one after the other along the first dimension."""
+        return cls(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)))
 
     def validate(self) -> None:
         """Raise UnusableInput unless shapes agree and all valid numbers are finite."""
@@ -239,10 +243,6 @@ class Scenario:
     def steps(self) -> int:
         """T = horizon + 1."""
         return self.horizon + 1
-
-    def with_motion(self, motion: Trajectories) -> "Scenario":
-        """The same scenario with `motion` (N, T) in place of the log."""
-        return replace(self, log=motion)
 
     def validate(self) -> None:
         """Raise UnusableInput, naming the scenario, unless all parts are sound and agree with one another."""

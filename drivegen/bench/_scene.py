@@ -37,7 +37,8 @@ def scene(number: int, vehicles: int = 16) -> Scenario:
     """Scenario `number`: cars that start on lanes drawn by it and follow a route at 3 to 12 m/s, braking or speeding up."""
     stream = rng(SEED, "bench", number)
     lanes = np.flatnonzero(road_map().for_vehicles & ~road_map().in_junction)
-    motion = _stacked([_drive(int(lane), stream) for lane in stream.choice(lanes, vehicles, replace=len(lanes) < vehicles)])
+    chosen = stream.choice(lanes, vehicles, replace=len(lanes) < vehicles)
+    motion = Trajectories.joined([_drive(int(lane), stream)[np.newaxis] for lane in chosen])
     return Scenario(
         scenario_id=f"bench-{number}",
         source="benchmark grid",
@@ -80,11 +81,6 @@ def _drive(lane: int, stream: np.random.Generator) -> Trajectories:
     position = interpolate(route.line.astype(np.float64), along)
     arrays = [a.astype(np.float32) for a in (position, facing, velocity)]
     return Trajectories(arrays[0], arrays[1], arrays[2], np.ones(STEPS, np.bool_))
-
-
-def _stacked(parts: list[Trajectories]) -> Trajectories:
-    names = ("position", "heading", "velocity", "valid")
-    return Trajectories(*(np.stack([getattr(part, name) for part in parts]) for name in names))
 
 
 def _cars(motion: Trajectories) -> Vehicles:

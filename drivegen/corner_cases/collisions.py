@@ -98,9 +98,7 @@ def in_words(one: Collision, knowledge: Knowledge) -> str:
 
 def picture(one: Collision, scenario: Scenario, traffic: Samples, driven: Trajectories) -> bytes:
     """PNG of the moment of impact around the target, with everybody's way there; `driven` (K, T) are the driven targets."""
-    everybody = traffic.motion[one.sample]
-    arrays = ("position", "heading", "velocity", "valid")
-    moved = Trajectories(*(np.concatenate([getattr(driven, a)[one.sample][None], getattr(everybody, a)[1:]]) for a in arrays))
+    moved = Trajectories.joined([driven[one.sample : one.sample + 1], traffic.motion[one.sample, 1:]])
     since = max(one.step - LOOK_BACK, 0)
     here = moved.between(one.step, one.step + 1)
     there = here.valid[:, 0]

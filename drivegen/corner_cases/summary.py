@@ -38,7 +38,7 @@ class RoundSummary:
         before = np.cumsum([0, *(p.scenarios for p in parts)])
         return cls(
             {n: np.concatenate([p.metrics[n] for p in parts]) for n in names},
-            _joined([p.motion for p in parts]),
+            Trajectories.joined([p.motion for p in parts]),
             np.concatenate([p.scene + first for p, first in zip(parts, before, strict=False)]),
         )
 
@@ -74,14 +74,9 @@ def summarise(choices: Sequence[Choices], drives: Sequence[Drive]) -> RoundSumma
     runs = [len(drive.outcome.kind) for drive in drives]
     return RoundSummary(
         {name: np.array([row[name] for row in rows]) for name in rows[0]},
-        _joined([drive.outcome.motion for drive in drives]),
+        Trajectories.joined([drive.outcome.motion for drive in drives]),
         np.repeat(np.arange(len(drives)), runs),
     )
-
-
-def _joined(motions: Sequence[Trajectories]) -> Trajectories:
-    arrays = (np.concatenate([getattr(m, name) for m in motions]) for name in ("position", "heading", "velocity", "valid"))
-    return Trajectories(*arrays)
 
 
 def _row(choice: Choices, drive: Drive) -> dict[str, float]:

@@ -85,18 +85,11 @@ class DrivingOutcome:
     @classmethod
     def joined(cls, parts: "Sequence[DrivingOutcome]") -> "DrivingOutcome":
         """The outcomes of several runs of equally many steps, one after the other."""
-        motions = [part.motion for part in parts]
-        motion = Trajectories(
-            np.concatenate([m.position for m in motions]),
-            np.concatenate([m.heading for m in motions]),
-            np.concatenate([m.velocity for m in motions]),
-            np.concatenate([m.valid for m in motions]),
-        )
         return cls(
             np.concatenate([part.kind for part in parts]),
             np.concatenate([part.step for part in parts]),
             np.concatenate([part.partner for part in parts]),
-            motion,
+            Trajectories.joined([part.motion for part in parts]),
             np.concatenate([part.off_road for part in parts]),
         )
 

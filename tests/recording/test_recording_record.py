@@ -138,7 +138,7 @@ def test_a_vehicle_that_was_not_seen_is_not_drawn(tmp_path):
 def test_nothing_to_show_is_refused(tmp_path):
     scene = busy_crossing()
     with pytest.raises(UnusableInput, match="no log"):
-        record_scenario(tmp_path / "x.rrd", scene.with_motion(None))
+        record_scenario(tmp_path / "x.rrd", replace(scene, log=None))
     assert list(tmp_path.iterdir()) == []
 
 

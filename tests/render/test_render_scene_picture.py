@@ -1,5 +1,7 @@
 """Pictures of scenes: what has which colour, and where it stands."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -71,7 +73,7 @@ def test_a_picture_is_the_same_every_time_and_is_a_png_in_the_right_colours():
 
 
 def test_a_scene_without_a_log_is_drawn_around_its_target():
-    assert scene_picture(busy_crossing().with_motion(None), None, pixels=128).shape == (128, 128, 3)
+    assert scene_picture(replace(busy_crossing(), log=None), None, pixels=128).shape == (128, 128, 3)
 
 
 def test_shrinking_keeps_shape_and_colours():

@@ -74,7 +74,7 @@ def test_a_ranking_depends_on_its_scenario_alone(name, trained):
 
 def test_only_the_log_selector_sees_the_log(trained):
     scene = scenes.busy_crossing()
-    blind = scene.with_motion(None)
+    blind = replace(scene, log=None)
     graph, found = offered(blind)
     for name in set(plugins.names("selectors")) - {"log"}:
         selector = plugins.load("selectors", name).load(trained[0])

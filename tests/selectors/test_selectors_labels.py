@@ -40,4 +40,4 @@ def test_a_car_that_left_is_carried_on_round_the_bend():
 def test_a_car_hardly_seen_is_no_label_and_neither_is_one_without_a_log():
     scene, found, _ = seen_until(int(100 * LEAST_SEEN) - 1)
     assert len(ends(scene, found).vehicle) == 0
-    assert len(ends(scene.with_motion(None), found).vehicle) == 0
+    assert len(ends(replace(scene, log=None), found).vehicle) == 0
