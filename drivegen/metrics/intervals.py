@@ -1,5 +1,6 @@
 """Bootstrap intervals over scenarios: what a table's number would be on other scenarios of the same kind."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,6 +8,9 @@ from numpy.typing import NDArray
 
 LEVEL = 0.95
 """Coverage of every interval in this project."""
+
+_SCENE = re.compile(r"(-\d{5}-[^-]+|-\d{1,3})$")
+"""What follows the recording in a scenario's id: first step and track in the corpus, a number where recordings are cut."""
 
 
 @dataclass(frozen=True)
@@ -16,6 +20,17 @@ class Interval:
     value: float
     low: float
     high: float
+
+
+def recording(scenario_id: str) -> str:
+    """The recording that a scenario was cut from.
+
+    Ids are `<file>-<number>` (CommonRoad: windows one after the other, several targets in each), `<log>-<window>` (Argoverse 2
+    Sensor: windows overlap), `<network>-<part>-<run>-<first step>-<target>` (corpus: a run of SUMO is the recording) and a
+    UUID (Argoverse 2 Motion Forecasting: a recording of its own). Scenes of one recording show the same vehicles, at the same
+    time or some seconds later, so they are resampled together and never on both sides of a split.
+    """
+    return _SCENE.sub("", scenario_id)
 
 
 def percentiles(draws: NDArray[np.floating]) -> tuple[float, float]:

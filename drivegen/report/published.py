@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.metrics.intervals import Interval
+from drivegen.metrics.intervals import Interval, recording
 from drivegen.metrics.pooled import Resampling, envelope, pooled_mean
 
 Floats = NDArray[np.float64]
@@ -87,7 +87,7 @@ def set_numbers(details: Mapping[str, Any]) -> dict[str, Interval]:
 
 
 def pool(data: DataSet, draws: int, rng: np.random.Generator) -> dict[str, dict[str, Interval]]:
-    """Every metric of every method over seeds and scenes; scenes of one recording (`<recording>:<n>`) stay together."""
+    """Every metric of every method over seeds and scenes; scenes of one recording stay together."""
     out = {}
     resampling = resampling_of(data, draws, rng)
     for name, results in data.methods.items():
@@ -118,11 +118,6 @@ def resampling_of(data: DataSet, draws: int, rng: np.random.Generator) -> Resamp
     """`draws` resamples of a data set's seeds and recordings, the same for all its methods."""
     scenarios = next(iter(data.methods.values())).scenarios
     return Resampling.of(len(data.seeds), [recording(name) for name in scenarios], draws, rng)
-
-
-def recording(scene: str) -> str:
-    """Scenes of one recording are called `<recording>:<number>`."""
-    return scene.partition(":")[0]
 
 
 def under_trained(method: str, pooled: Pooled) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from drivegen.metrics.front import on_front
-from drivegen.metrics.intervals import Interval
+from drivegen.metrics.intervals import Interval, recording
 from drivegen.metrics.pooled import Resampling, pooled_mean, rank_correlation
 from drivegen.report import paper
 from drivegen.report.published import (
@@ -15,7 +15,6 @@ from drivegen.report.published import (
     DataSet,
     Pooled,
     Results,
-    recording,
     resampling_of,
     under_trained,
 )

@@ -1,8 +1,9 @@
 """Bootstrap intervals: coverage, and equality with resampling row by row."""
 
 import numpy as np
+import pytest
 
-from drivegen.metrics.intervals import Interval, bootstrap_means
+from drivegen.metrics.intervals import Interval, bootstrap_means, recording
 
 
 def bootstrap_mean(values: np.ndarray, draws: int, random: np.random.Generator) -> Interval:
@@ -39,3 +40,17 @@ def test_nothing_to_average_is_not_a_number():
     empty = bootstrap_mean(np.zeros(0), 10, np.random.default_rng(0))
     unknown = bootstrap_mean(np.full(3, np.nan), 10, np.random.default_rng(0))
     assert np.isnan([empty.value, empty.low, unknown.value, unknown.high]).all()
+
+
+@pytest.mark.parametrize(
+    ("scenario_id", "found"),
+    [
+        ("USA_Lanker-2_10_T-1-003", "USA_Lanker-2_10_T-1"),
+        ("3b2994cb-5f82-4835-9212-0cac8fb3d164-2", "3b2994cb-5f82-4835-9212-0cac8fb3d164"),
+        ("00a0ec58-1fb9-4a2b-bfd7-f4e5da7a9eff", "00a0ec58-1fb9-4a2b-bfd7-f4e5da7a9eff"),
+        ("cross-000-01-00330-38", "cross-000-01"),
+        ("double_ring-000-12-00000-7", "double_ring-000-12"),
+    ],
+)
+def test_a_recording_is_found_in_the_ids_that_every_data_set_writes(scenario_id, found):
+    assert recording(scenario_id) == found

@@ -13,7 +13,7 @@ from drivegen.store.results import Run, result_rows, write_results
 from stages import publish
 from stages.publish import About, Params
 
-SCENES = ["a:0", "a:1", "b:0"]
+SCENES = ["USA_Lanker-2_10_T-1-000", "USA_Lanker-2_10_T-1-001", "USA_US101-12_1_T-1-000"]
 
 
 def about(title: str, **changes: object) -> About:
@@ -70,6 +70,15 @@ def test_every_figure_is_a_row_with_its_interval_and_who_chose(runs, tmp_path):
     assert {metric for _, _, metric in found} == {"min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity", "distance.speed"}
 
 
+def test_scenes_of_one_recording_are_drawn_together(runs, tmp_path):
+    for seed in (7, 8):
+        run(runs / "here" / str(seed), {"drivegen": [1.0, 1.0, 4.0]})
+    publish.main(params(), runs, tmp_path / "out")
+    rows = orjson.loads((tmp_path / "out/scenario_quality.json").read_bytes())
+    [mine] = [row for row in rows if (row["data"], row["method"], row["metric"]) == ("here", "drivegen", "min_sade")]
+    assert (mine["low"], mine["value"], mine["high"]) == (1.0, 2.0, 4.0)  # two recordings: both draws of one come in 50
+
+
 def test_tables_mark_the_under_trained_and_what_nobody_measured(runs, tmp_path):
     publish.main(params(), runs, tmp_path / "out")
     text = (tmp_path / "out/quality-here.md").read_text()
@@ -100,7 +109,7 @@ def test_where_no_seed_or_no_scene_is_in_common_the_table_says_so(runs, tmp_path
     text = (tmp_path / "out/training-there.md").read_text()
     assert "Nothing to compare: Here with 7 and There with 8 have no training seed in common; `make tables`" in text
     assert "DriveGen" not in text
-    run(runs / "there/7", {"drivegen": [1.0, 2.0]}, ["c:0", "c:1"])
+    run(runs / "there/7", {"drivegen": [1.0, 2.0]}, ["USA_US101-9_1_T-1-000", "USA_US101-9_1_T-1-001"])
     shutil.rmtree(runs / "there/8")
     publish.main(params(), runs, tmp_path / "out")
     assert "Nothing to compare: Here and There have no scene in common." in (tmp_path / "out/training-there.md").read_text()
