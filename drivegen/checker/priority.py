@@ -144,7 +144,8 @@ def _intrusion(a, passed, g, gates, c, motion, size, others, other_size, skip_ow
     """
     position, heading, _, valid, pace = motion
     other_position, other_heading, _, other_valid, other_pace, other_boxes = others
-    conflict, towards = gates[10][c], gates[11][c]
+    at, direction, _, _, _, _, _, _, _, _, conflicts, towards = gates
+    conflict, way = conflicts[c], towards[c]
     begin, end = _stay(position[a], heading[a], valid[a], size[a], pace[a], conflict, passed)
     worst = NEVER
     if begin < 0:
@@ -158,10 +159,10 @@ def _intrusion(a, passed, g, gates, c, motion, size, others, other_size, skip_ow
         came, _ = _stay(other_position[m], other_heading[m], other_valid[m], other_size[m], other_pace[m], conflict, 0)
         if came < begin:
             continue
-        same_way = np.cos(other_heading[m, came]) * towards[0] + np.sin(other_heading[m, came]) * towards[1]
+        same_way = np.cos(other_heading[m, came]) * way[0] + np.sin(other_heading[m, came]) * way[1]
         if same_way < _ALIGNED:
             continue
-        own_gate = _passes(other_position[m], other_heading[m], other_valid[m], other_size[m, 0], gates[0][g], gates[1][g])
+        own_gate = _passes(other_position[m], other_heading[m], other_valid[m], other_size[m, 0], at[g], direction[g])
         if own_gate < 0:  # whoever follows through the same gate has no priority
             worst = max(worst, -(came - end) * DT)
     return worst
@@ -180,7 +181,7 @@ def judge(gates, motion, size, others, other_size, skip_own, skip, limit, worst,
     other_boxes, other_paces = (boxes, paces) if skip_own else (bounds(others[0], others[3]), _paces(others[0], others[3]))
     paced = (position, heading, velocity, valid, paces)
     bounded = (others[0], others[1], others[2], others[3], other_paces, other_boxes)
-    at, direction, group = gates[0], gates[1], gates[2]
+    at, direction, group, _, _, _, _, _, _, _, _, _ = gates
     leaders = np.flatnonzero(group == np.arange(len(group)))
     for b in range(valid.shape[0]):
         reach = np.float32(0.5) * size[b, 0]
@@ -205,7 +206,7 @@ def judge_samples(gates, position, heading, velocity, valid, size, skip, limit, 
 def _judge_gate(b, leader, passed, gates, motion, size, others, other_size, skip_own, skip, limit, worst, first):  # type: ignore[no-untyped-def]
     """The rules of one group of siblings, for a vehicle that passed their line at step `passed`."""
     position, heading, velocity, valid, _ = motion
-    _, _, group, start, end, line, red_for, stop, give_way, conflict_start, _, _ = gates
+    at, direction, group, start, end, line, red_for, stop, give_way, conflict_start, _, _ = gates
     siblings = np.flatnonzero(group == leader)
     if not (red_for[siblings, passed].any() or give_way[siblings].any()):
         exceed(worst, first, b, RED_GRACE, 0.0, limit, passed)
@@ -216,9 +217,7 @@ def _judge_gate(b, leader, passed, gates, motion, size, others, other_size, skip
         red = min(red, float(red_for[g, passed] * DT))
         slowest = NEVER
         if stop[g]:
-            slowest = _slowest(
-                position[b], heading[b], velocity[b], valid[b], size[b, 0], passed, gates[0][leader], gates[1][leader]
-            )
+            slowest = _slowest(position[b], heading[b], velocity[b], valid[b], size[b, 0], passed, at[leader], direction[leader])
         rolled = min(rolled, slowest)
         intrusion = NEVER
         if give_way[g]:

@@ -12,7 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.planners._motion import ALONG, GRID, Residuals, fit_splines, reach
-from drivegen.planners._paths import Doubles, Frames, bezier_paths, point_on
+from drivegen.planners._paths import Doubles, Frames, bezier_paths, laid, point_on
 from drivegen.planners._profile import base_speed
 from drivegen.planners.base import ROUTE_POINTS, PlanRequests
 from drivegen.scenario import DT, Trajectories
@@ -150,12 +150,8 @@ def _bent(
             dy = bend_y[b, i] + f * (bend_y[b, i + 1] - bend_y[b, i])
             x, y, _, _, _ = point_on(path[b], length[b] * k / count)
             x, y = x + cos * dx - sin * dy, y + sin * dx + cos * dy
-            step = np.hypot(x - px, y - py)
-            while step > 0 and gone + step >= filled and filled < ROUTE_POINTS:
-                part = (filled - gone) / step
-                paths[b, filled, 0], paths[b, filled, 1] = px + part * (x - px), py + part * (y - py)
-                filled += 1
-            gone, px, py = gone + step, x, y
+            filled, gone = laid(paths[b], filled, gone, px, py, x, y)
+            px, py = x, y
         _, _, tx, ty, _ = point_on(path[b], length[b])
         for k in range(filled, ROUTE_POINTS):
             paths[b, k, 0], paths[b, k, 1] = px + (k - gone) * tx, py + (k - gone) * ty

@@ -105,6 +105,22 @@ def _smoothed(lines: Doubles) -> Doubles:
 
 
 @njit(cache=True)
+def laid(
+    path: Doubles, filled: int, gone: float, px: float, py: float, x: float, y: float
+) -> tuple[int, float]:  # pragma: no cover - compiled
+    """Lay the points of `path` (P, 2), 1 m apart along a finer line, that lie on its stretch from (px, py) to (x, y).
+
+    `filled` points are there before the stretch, which begins `gone` metres along the line; returns both for after it.
+    """
+    step = np.hypot(x - px, y - py)
+    while step > 0 and gone + step >= filled and filled < len(path):
+        part = (filled - gone) / step
+        path[filled, 0], path[filled, 1] = px + part * (x - px), py + part * (y - py)
+        filled += 1
+    return filled, gone + step
+
+
+@njit(cache=True)
 def bezier_paths(start: Doubles, goal: Doubles) -> tuple[Doubles, Doubles]:  # pragma: no cover - compiled
     """Paths (B, P, 2) from pose to pose (B, 3) and their lengths; pulled wider the more they turn, straight on behind."""
     paths, length = np.empty((len(start), ROUTE_POINTS, 2)), np.empty(len(start))
@@ -121,12 +137,8 @@ def bezier_paths(start: Doubles, goal: Doubles) -> tuple[Doubles, Doubles]:  # p
             t = k / fine
             a, c, e, g = (1 - t) ** 3, 3 * (1 - t) ** 2 * t, 3 * (1 - t) * t * t, t**3
             x, y = a * x0 + c * x1 + e * x2 + g * x3, a * y0 + c * y1 + e * y2 + g * y3
-            step = np.hypot(x - px, y - py)
-            while step > 0 and gone + step >= filled and filled < ROUTE_POINTS:
-                part = (filled - gone) / step
-                paths[b, filled, 0], paths[b, filled, 1] = px + part * (x - px), py + part * (y - py)
-                filled += 1
-            gone, px, py = gone + step, x, y
+            filled, gone = laid(paths[b], filled, gone, px, py, x, y)
+            px, py = x, y
         for k in range(filled, ROUTE_POINTS):
             paths[b, k, 0], paths[b, k, 1] = x3 + (k - gone) * np.cos(h3), y3 + (k - gone) * np.sin(h3)
         length[b] = gone
