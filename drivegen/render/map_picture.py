@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.geometry import Floats, arc_length, interpolate
+from drivegen.render.stop_lines import shown_stop_lines
 from drivegen.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap
 
 Picture = NDArray[np.uint8]
@@ -165,17 +166,8 @@ def _arrow(picture: Picture, view: _View, at: Floats, heading: float, size: floa
 
 
 def _draw_stops(picture: Picture, road_map: RoadMap, view: _View) -> None:
-    """Stop lines, and a dot for what holds there beside each of them."""
-    strongest: dict[bytes, int] = {}
-    # Where a turning car waits inside a junction nothing is painted on the road.
-    inside = set(road_map.links[road_map.in_junction[road_map.links[:, 0]], 1].tolist())
-    for ends, lane in zip(road_map.stop_lines, road_map.stop_lane, strict=True):
-        if int(lane) in inside:
-            continue
-        key = ends.tobytes()
-        strongest[key] = max(strongest.get(key, 0), int(road_map.control[lane]))
-    for key, control in strongest.items():
-        ends = np.frombuffer(key, np.float32).reshape(2, 2)
+    """Stop lines, and a dot for what holds there on each of them."""
+    for ends, control in shown_stop_lines(road_map):
         if not view.sees(ends):
             continue
         _line(picture, view, ends, _WHITE, 0.5)

@@ -1,18 +1,23 @@
 """Pictures of maps show what is there, and are the same for the same map."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
+import pytest
 
 from drivegen.maps.compile import compile_map
 from drivegen.maps.spec import MapSpec
 from drivegen.render.map_picture import draw_map, encode_png
+from drivegen.render.stop_lines import shown_stop_lines
+from drivegen.roadmap import LaneControl
 from drivegen.sumo.network import read_network
 
 ARMS = [{"angle": angle, "length": 60} for angle in (0, 90, 180, 270)]
 
 
-def picture(control: str) -> np.ndarray:
-    network = compile_map(MapSpec.model_validate({"road": {"kind": "crossing", "arms": ARMS, "control": control}}))
+def picture(control: str, arms: list[dict] = ARMS) -> np.ndarray:
+    network = compile_map(MapSpec.model_validate({"road": {"kind": "crossing", "arms": arms, "control": control}}))
     return draw_map(read_network(network, "test"), "a crossing")
 
 
@@ -28,6 +33,43 @@ def test_a_picture_shows_asphalt_markings_and_what_controls_the_crossing() -> No
     assert pixels_of(lit, (80, 190, 60)) > 50
     assert pixels_of(stop, (80, 190, 60)) == 0
     assert pixels_of(stop, (40, 40, 210)) > 50
+
+
+def dots_of(image: np.ndarray, colour: tuple[int, int, int]) -> int:
+    above_the_key = image[:-64]
+    return cv2.connectedComponents((above_the_key == colour).all(-1).astype(np.uint8))[0] - 1
+
+
+@pytest.mark.parametrize(
+    ("angles", "side", "control", "dots"),
+    [
+        ((0, 90, 180, 270), (90, 270), "yield", 2),  # left turns off the main road yield, too, but who drives on does not
+        ((0, 180, 270), (270,), "yield", 1),  # nobody drives straight on from the side street, and whoever comes out of it yields
+        ((0, 180, 270), (), "uncontrolled", 1),  # right before left: driving on yields where the side road is on the right
+        ((0, 90, 180, 270), (), "all_way_stop", 0),
+    ],
+)
+def test_a_dot_says_what_holds_for_who_drives_on(angles, side, control, dots) -> None:
+    arms = [{"angle": angle, "length": 60, "main": angle not in side} for angle in angles]
+    assert dots_of(picture(control, arms), (30, 150, 250)) == dots
+
+
+def test_a_line_that_holds_for_turns_off_the_main_road_alone_is_not_shown() -> None:
+    arms = [arm | {"main": arm["angle"] in (0, 180)} for arm in ARMS]
+    spec = MapSpec.model_validate({"road": {"kind": "crossing", "arms": arms, "control": "yield"}})
+    roads = read_network(compile_map(spec), "test")
+    along_x = [np.ptp(ends[:, 0]) > np.ptp(ends[:, 1]) for ends in roads.stop_lines]
+    shown = shown_stop_lines(roads)
+    assert 0 < sum(along_x) < len(along_x)
+    assert [np.ptp(ends[:, 0]) > np.ptp(ends[:, 1]) for ends, _ in shown] == [True] * 2  # across the side roads
+    assert {control for _, control in shown} == {LaneControl.YIELD}
+
+
+def test_a_line_whose_lane_lies_beyond_the_edge_of_the_map_keeps_what_holds_there() -> None:
+    spec = MapSpec.model_validate({"road": {"kind": "crossing", "arms": ARMS, "control": "signals"}})
+    roads = read_network(compile_map(spec), "test")
+    cut = replace(roads, links=roads.links[roads.in_junction[roads.links[:, 0]]])
+    assert {control for _, control in shown_stop_lines(cut)} == {LaneControl.SIGNAL}
 
 
 def test_the_same_map_gives_the_same_png() -> None:
