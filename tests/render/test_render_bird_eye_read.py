@@ -141,7 +141,14 @@ def test_a_reader_of_the_png_finds_every_vehicle_within_a_metre(drawn):
 
 def test_the_reader_can_fail(drawn):
     """Without it, the audit would prove nothing: a disc over a vehicle, a number too many, and both are noticed."""
-    *_, data, _ = drawn[0]
+    *_, data, marks = drawn[0]
     image = decoded(data).copy()
     cv2.circle(image, (384, 384), 13, bird_eye._DISC, -1)
     assert not len(read_vehicles(image, COLOURS["this"])) or np.hypot(*read_vehicles(image, COLOURS["this"])[0]) > NEAR
+
+    image = decoded(data).copy()
+    free = next(x for x in range(60, 700, 30) if np.hypot(*(marks.disc - (x, 60)).T).min() > 40)
+    cv2.circle(image, (free, 60), 13, bird_eye._DISC, -1, cv2.LINE_AA)
+    cv2.putText(image, "37", (free - 9, 66), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (255, 255, 255), 1, cv2.LINE_AA)
+    numbers = sorted(number for number, _ in read_numbers(image))
+    assert numbers == sorted([*(number for number, _ in read_numbers(decoded(data))), 37])
