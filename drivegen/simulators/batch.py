@@ -64,21 +64,16 @@ def _drive(driver: Driver, others: Replay, paths: Paths, device: torch.device) -
     paths = Paths(*(tensor.to(device) for tensor in (paths.point, paths.heading, paths.speed_limit, paths.length)))
     frame = torch.from_numpy(others.frame).to(device)
     present = torch.from_numpy(np.ascontiguousarray(others.valid.transpose(2, 0, 1))).to(device)
-    length, width = torch.from_numpy(others.target_size).to(device).unbind(-1)
+    size = torch.from_numpy(others.target_size).to(device)
     speed = torch.from_numpy(others.target_speed).to(device)
     along, offset, slope = torch.zeros_like(speed), torch.zeros_like(speed), torch.zeros_like(speed)
     poses = []
     for t in range(present.shape[0]):
         row = paths.row(along[:, None])
         heading = paths.heading.gather(1, row)[:, 0]
-        left = torch.stack([-heading.sin(), heading.cos()], -1)
-        poses.append((paths.position(along[:, None])[:, 0] + offset[:, None] * left, heading + slope.atan(), speed))
-        limit = paths.speed_limit.gather(1, paths.row((along + 0.5 * length)[:, None]))[:, 0]
-        a, l, hl, hw, va, vc = frame[:, t]  # noqa: E741
-        seen = Observation(
-            t, along, offset, speed, length, width, limit, a - along[:, None], l, hl, hw, va, vc, present[t], paths
-        )
-        action = driver.act(seen)
+        leftward = torch.stack([-heading.sin(), heading.cos()], -1)
+        poses.append((paths.position(along[:, None])[:, 0] + offset[:, None] * leftward, heading + slope.atan(), speed))
+        action = driver.act(_observed(t, (along, offset, speed), size, frame[:, t], present[t], paths))
         speed = (speed + action.acceleration * DT).clamp_min(0.0)
         along = along + speed * DT
         if action.offset is not None:
@@ -87,6 +82,31 @@ def _drive(driver: Driver, others: Replay, paths: Paths, device: torch.device) -
             slope = change / (speed * DT).clamp_min(1e-6)
             offset = offset + change
     return torch.stack([p for p, _, _ in poses]), torch.stack([h for _, h, _ in poses]), torch.stack([v for _, _, v in poses])
+
+
+def _observed(
+    step: int, state: tuple[Tensor, Tensor, Tensor], size: Tensor, frame: Tensor, present: Tensor, paths: Paths
+) -> Observation:
+    """What S drivers see: `state` are their distance along the path, offset and speed, `frame` (6, S, M) is that of `Replay`."""
+    (along, offset, speed), (length, width) = state, size.unbind(-1)
+    place, left, half_length, half_width, speed_along, speed_across = frame
+    return Observation(
+        step=step,
+        along=along,
+        offset=offset,
+        speed=speed,
+        length=length,
+        width=width,
+        speed_limit=paths.speed_limit.gather(1, paths.row((along + 0.5 * length)[:, None]))[:, 0],
+        ahead=place - along[:, None],
+        left=left,
+        half_length=half_length,
+        half_width=half_width,
+        speed_along=speed_along,
+        speed_across=speed_across,
+        present=present,
+        paths=paths,
+    )
 
 
 def _trajectories(track: tuple[Tensor, Tensor, Tensor], others: Replay, steps: int) -> Trajectories:

@@ -18,6 +18,12 @@ EVERY = 3
 SEEN_NEAR, SEEN_SECONDS = 30.0, 5.0
 """[m], [s] Others farther away than the one plus the way of the other are not looked at."""
 
+SEEN_BEHIND = 10.0
+"""[m] Whose centre is farther behind is not looked at: its box does not reach ahead."""
+
+TURNED = 0.5
+"""[m] Who has come less far keeps its first heading, which the way's need not be."""
+
 
 @dataclass(frozen=True)
 class Crowd:
@@ -109,12 +115,25 @@ def _observed(crowd: Crowd, paths: Paths, along: NDArray[np.float32], speed: NDA
         frame[0, :, signals] = np.where(np.isfinite(gap), gap, 0)
         present[:, signals] = crowd.closed[:, t] & np.isfinite(gap) & (gap > crowd.size[:, :1] / 2)
     row = np.minimum((along + crowd.size[:, 0] / 2) / PATH_SPACING, crowd.limit.shape[1] - 2).astype(np.intp)
-    limit = crowd.limit[np.arange(len(along)), row]
     length, width = torch.from_numpy(crowd.size).unbind(-1)
-    a, l, hl, hw, va, vc = torch.from_numpy(frame)  # noqa: E741
-    at, offset, pace = torch.from_numpy(np.stack([along, np.zeros_like(along), speed]))
-    known = torch.from_numpy(present)
-    return Observation(t, at, offset, pace, length, width, torch.from_numpy(limit), a, l, hl, hw, va, vc, known, paths)
+    ahead, left, half_length, half_width, speed_along, speed_across = torch.from_numpy(frame)
+    return Observation(
+        step=t,
+        along=torch.from_numpy(along),
+        offset=torch.zeros(len(along)),
+        speed=torch.from_numpy(speed),
+        length=length,
+        width=width,
+        speed_limit=torch.from_numpy(crowd.limit[np.arange(len(along)), row]),
+        ahead=ahead,
+        left=left,
+        half_length=half_length,
+        half_width=half_width,
+        speed_along=speed_along,
+        speed_across=speed_across,
+        present=torch.from_numpy(present),
+        paths=paths,
+    )
 
 
 def poses(crowd: Crowd, along: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -190,7 +209,7 @@ def _see(  # type: ignore[no-untyped-def]
                 x, y = actor[other, 0], actor[other, 1]
                 skip = not actor_there[other]
             dx, dy = x - position[b, 0], y - position[b, 1]
-            if skip or dx * dx + dy * dy > far or cos * dx + sin * dy < -10.0:
+            if skip or dx * dx + dy * dy > far or cos * dx + sin * dy < -SEEN_BEHIND:
                 continue
             present[b, m] = True
             if m < group:
@@ -209,7 +228,7 @@ def motion(crowd: Crowd, scenario: Scenario, along: NDArray[np.float32], speed: 
     heading[crowd.parked] = crowd.heading[crowd.parked, None]
     heading[:, 0] = crowd.heading
     position[:, 0] = np.tile(scenario.vehicles.position, (len(position) // crowd.group, 1))
-    heading = np.where(along < 0.5, crowd.heading[:, None], heading)
+    heading = np.where(along < TURNED, crowd.heading[:, None], heading)
     velocity = np.stack([np.cos(heading), np.sin(heading)], axis=-1) * speed[..., None]
     shape = (-1, crowd.group, speed.shape[1])
     return Trajectories(

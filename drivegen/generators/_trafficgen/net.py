@@ -6,13 +6,16 @@ import torch
 from torch import Tensor, nn
 
 from drivegen.generators._trafficgen.vectors import BOX_FEATURES, LANE_FEATURES, PACE
+from drivegen.scenario import DT
 
 KNOT = 5
 """Steps between two knots of a mode: velocity and heading are straight between them."""
 
-DT_KNOT = 0.1 * KNOT
+DT_KNOT = DT * KNOT
+"""[s]."""
 
 LARGEST = 3.0
+"""What `squashed` bounds numbers by; it halves this very number."""
 
 ACCELERATION, BRAKING = 3.0, 6.0
 """[m/s2] that no mode exceeds."""

@@ -14,10 +14,12 @@ from drivegen.roadmap import LaneControl, RoadMap
 from drivegen.scenario import Scenario, SignalState
 
 LANE_FEATURES = 15
-"""Both ends, direction, speed limit, whether it is known, junction, yield, stop, signal closed, signal open."""
+"""Both ends, direction, speed limit, whether it is known, junction, yield, stop, signal closed, signal open; and, on
+the finer scale of NEAR, how far to the side the line runs and how far beyond its beginning the vehicle is."""
 
 BOX_FEATURES = 13
-"""Place, velocity, direction, speed, length, width, whether it is planned, whether it is the vehicle itself."""
+"""Place, velocity, direction, speed, length, width, whether it is planned, whether it is the vehicle itself, and the place once
+more on the finer scale of NEAR."""
 
 STATIC = 5
 
