@@ -22,6 +22,22 @@ SPEED_EDGES = np.array([3.0, 6.0, 10.0, 15.0])
 """Edges of the relative-speed bins [m/s]."""
 
 
+ALONG, AGAINST = np.pi / 6, 5 * np.pi / 6
+"""Relative headings below the one are the same way, beyond the other [rad] oncoming; between them they cross."""
+
+STANDING = 0.5
+"""Who is no faster [m/s] at both ends of LOOK_BACK stands ..."""
+
+TURNED = 0.35
+"""... else who changed its heading by more than this [rad], 20 degrees, turns ..."""
+
+SHIFTED = 1.2
+"""... else who got farther than this [m] to the side shifts lanes ..."""
+
+SLOWED = 1.0
+"""... else who slowed down by more than this on average [m/s2] brakes."""
+
+
 class Direction(IntEnum):
     """Where the social vehicle comes from, seen from the target, by relative heading."""
 
@@ -126,13 +142,11 @@ def _direction(turn: Floats) -> NDArray[np.uint8]:
     """A vehicle that heads to the target's left (positive turn) comes from its right."""
     size = np.abs(turn)
     sideways = np.where(turn > 0, Direction.FROM_RIGHT, Direction.FROM_LEFT)
-    return np.where(size < np.pi / 6, Direction.SAME, np.where(size > 5 * np.pi / 6, Direction.OPPOSITE, sideways)).astype(
-        np.uint8
-    )
+    return np.where(size < ALONG, Direction.SAME, np.where(size > AGAINST, Direction.OPPOSITE, sideways)).astype(np.uint8)
 
 
 def _behaviour(social: Trajectories, step: NDArray[np.integer]) -> NDArray[np.uint8]:
-    """Behaviour over LOOK_BACK steps before `step` (...): the strongest sign first, from standing to straight."""
+    """Behaviour over LOOK_BACK steps before `step` (...): the first that fits of standing, turns, shifts, braking, straight."""
     since = np.maximum(step - LOOK_BACK, 0)
 
     def at(values: Floats, when: NDArray[np.integer]) -> Floats:
@@ -146,11 +160,11 @@ def _behaviour(social: Trajectories, step: NDArray[np.integer]) -> NDArray[np.ui
     shift = to_vehicle_frame(moved[..., None, :], np.zeros_like(moved), at(social.heading, since))[..., 0, 1]
     seconds = np.maximum(step - since, 1) * DT
     signs = [
-        (np.maximum(now, before) < 0.5, Behaviour.STANDING),
-        (turned > 0.35, Behaviour.TURNING_LEFT),
-        (turned < -0.35, Behaviour.TURNING_RIGHT),
-        (shift > 1.2, Behaviour.SHIFTING_LEFT),
-        (shift < -1.2, Behaviour.SHIFTING_RIGHT),
-        ((now - before) / seconds < -1.0, Behaviour.BRAKING),
+        (np.maximum(now, before) < STANDING, Behaviour.STANDING),
+        (turned > TURNED, Behaviour.TURNING_LEFT),
+        (turned < -TURNED, Behaviour.TURNING_RIGHT),
+        (shift > SHIFTED, Behaviour.SHIFTING_LEFT),
+        (shift < -SHIFTED, Behaviour.SHIFTING_RIGHT),
+        ((now - before) / seconds < -SLOWED, Behaviour.BRAKING),
     ]
     return np.select([sign for sign, _ in signs], [np.uint8(b) for _, b in signs], np.uint8(Behaviour.STRAIGHT)).astype(np.uint8)

@@ -6,6 +6,7 @@ encounter counts, not only the fatal ones, so a feature that is merely frequent 
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from drivegen.corner_cases.encounters import SPEED_EDGES, Behaviour, Direction, 
 
 SHAPE = (len(SPEED_EDGES) + 1, len(Direction), len(Behaviour))
 Z95 = 1.959964
+"""The normal distribution's central 95 % reach so many standard deviations to either side."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class Knowledge:
 
     @property
     def base_rate(self) -> float:
-        """P(collision | encounter), smoothed by one collision in two encounters' worth of doubt (Jeffreys)."""
+        """P(collision | encounter), smoothed by half a collision in one encounter more (Jeffreys)."""
         return float((self.collisions.sum() + 0.5) / (self.encounters.sum() + 1.0))
 
     def probability(self) -> NDArray[np.float64]:
@@ -67,14 +69,14 @@ class Knowledge:
         prior = odds / (1 + odds)
         return np.asarray((self.collisions + self.strength * prior) / (self.encounters + self.strength))
 
-    def rows(self) -> list[dict[str, object]]:
+    def rows(self) -> list[dict[str, Any]]:
         """One row per feature value that occurred: counts, probability and its 95 % Wilson interval, riskiest first."""
         features: tuple[tuple[str, list[str]], ...] = (
             ("relative speed [m/s]", speed_names()),
             ("direction", [d.name.lower() for d in Direction]),
             ("behaviour", [b.name.lower() for b in Behaviour]),
         )
-        rows: list[dict[str, object]] = []
+        rows: list[dict[str, Any]] = []
         for axis, (feature, values) in enumerate(features):
             others = tuple(a for a in range(3) if a != axis)
             for value, seen, hit in zip(values, self.encounters.sum(others), self.collisions.sum(others), strict=True):
@@ -91,17 +93,17 @@ class Knowledge:
                             "high": round(high, 6),
                         }
                     )
-        return sorted(rows, key=lambda row: (-float(str(row["probability"])), str(row["feature"]), str(row["value"])))
+        return sorted(rows, key=lambda row: (-row["probability"], row["feature"], row["value"]))
 
-    def to_json(self) -> dict[str, object]:
+    def to_json(self) -> dict[str, Any]:
         """Plain lists, for the record."""
         return {"encounters": self.encounters.tolist(), "collisions": self.collisions.tolist(), "strength": self.strength}
 
     @classmethod
-    def from_json(cls, value: dict[str, object]) -> "Knowledge":
+    def from_json(cls, value: dict[str, Any]) -> "Knowledge":
         """The inverse of `to_json`."""
         seen, hit = np.asarray(value["encounters"], np.int64), np.asarray(value["collisions"], np.int64)
-        return cls(seen.reshape(SHAPE), hit.reshape(SHAPE), float(str(value["strength"])))
+        return cls(seen.reshape(SHAPE), hit.reshape(SHAPE), float(value["strength"]))
 
 
 def wilson(hits: int, trials: int) -> tuple[float, float]:

@@ -15,6 +15,12 @@ from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.scenario import DT
 from drivegen.settings import NotNegative, Positive
 
+FLOOR = 0.1
+"""What is far away or too early has this share of the base rate for a risk, so that no goal becomes impossible."""
+
+HALVINGS = 60
+"""Of the interval in which `bounded` looks for its normaliser: no double could tell more."""
+
 
 @dataclass(frozen=True)
 class PressureSettings:
@@ -34,11 +40,11 @@ class PressureSettings:
 
 
 def risk(met: Encounters, knowledge: Knowledge, settings: PressureSettings) -> NDArray[np.float64]:
-    """Risk of each planned encounter: P(collision | features), fading to the base rate's tenth at `reach`."""
+    """Risk of each planned encounter: P(collision | features), fading to FLOOR of the base rate at `reach`."""
     cell = knowledge.probability()[met.speed_bin, met.direction, met.behaviour]
     nearness = np.where(met.met & ~met.behind, np.clip(1.0 - met.gap / settings.reach, 0.0, 1.0), 0.0)
     in_time = met.step * DT >= settings.reaction_time
-    floor = 0.1 * knowledge.base_rate
+    floor = FLOOR * knowledge.base_rate
     return floor + np.where(in_time, cell * nearness, 0.0)
 
 
@@ -58,7 +64,7 @@ def bounded(natural: NDArray[np.floating], tilt: NDArray[np.float64], bound: flo
         return np.asarray(np.clip(tilt * np.exp(log_scale), 1 / bound, bound))
 
     low, high = np.log(1 / bound), np.log(bound / tilt.min())
-    for _ in range(60):
+    for _ in range(HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if (natural * ratio(middle)).sum() < natural.sum() else (low, middle)
     used = natural * ratio((low + high) / 2)

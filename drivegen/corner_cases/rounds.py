@@ -7,7 +7,7 @@ planned. Nothing is trained.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,9 @@ METHOD = "drivegen_cs"
 COUNTED = (CollisionKind.FRONT, CollisionKind.SIDE, CollisionKind.HIT_IN_SIDE)
 """Collisions that knowledge is made of: being run into from behind or while standing teaches nothing about the driver."""
 
+_OF_VEHICLES = ("violation", "first_violation", "goal", "natural", "used", "attempts", "dropped")
+"""What samples say of each vehicle (K, N), its motion apart."""
+
 
 @dataclass(frozen=True)
 class Drive:
@@ -48,8 +51,7 @@ class Drive:
     @property
     def driven(self) -> Samples:
         """The samples with the target's row alone, as it was driven."""
-        columns = ("violation", "first_violation", "goal", "natural", "used", "attempts", "dropped")
-        rows: dict[str, Any] = {name: getattr(self.samples, name)[:, :1] for name in columns}
+        rows: dict[str, Any] = {name: getattr(self.samples, name)[:, :1] for name in _OF_VEHICLES}
         return replace(self.samples, motion=self.target[:, None], **rows)
 
 
@@ -123,9 +125,8 @@ def _to_the_end(driven: Trajectories) -> Trajectories:
 
 def _with_planned_target(around: Samples, planned: Samples) -> Samples:
     """Traffic around the rehearsed target, with the target's own plan: it gives the path that the driver follows."""
-    columns = ("violation", "first_violation", "goal", "natural", "used", "attempts", "dropped")
-    rows: dict[str, Any] = {name: _target_from(getattr(planned, name), getattr(around, name)) for name in columns}
-    arrays = ("position", "heading", "velocity", "valid")
+    rows: dict[str, Any] = {name: _target_from(getattr(planned, name), getattr(around, name)) for name in _OF_VEHICLES}
+    arrays = (f.name for f in fields(Trajectories))
     motion = Trajectories(*(_target_from(getattr(planned.motion, name), getattr(around.motion, name)) for name in arrays))
     return replace(around, motion=motion, **rows)
 
