@@ -1,6 +1,8 @@
 """Files are written whole or not at all, with the same bytes for the same content."""
 
 import os
+import re
+import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -17,8 +19,8 @@ from drivegen.errors import UnusableInput
 def whole(path: Path) -> Iterator[Path]:
     """A temporary path beside `path` that takes its place when the block ends well, and is removed when it does not.
 
-    Raises UnusableInput where something else than a plain file is there, or `path` would lie in a file. An OSError, as from
-    a full disk, names `path`.
+    What runs that were killed have left of it is removed, too. Raises UnusableInput where something else than a plain file
+    is there, or `path` would lie in a file. An OSError, as from a full disk, names `path`.
     """
     if path.exists() and not path.is_file():  # never replace a device
         raise UnusableInput(f"{path} is there and no plain file: name another one", reason="not-a-file")
@@ -28,11 +30,31 @@ def whole(path: Path) -> Iterator[Path]:
             path.parent.mkdir(parents=True, exist_ok=True)
         except (FileExistsError, NotADirectoryError):
             raise UnusableInput(f"{path.parent} is there and no folder: name another one", reason="not-a-folder") from None
+        sweep(path)
         try:
             yield temporary
             temporary.replace(path)
         finally:
             temporary.unlink(missing_ok=True)
+
+
+def sweep(path: Path) -> None:
+    """Remove temporary files and folders for `path` whose process has ended without doing so, as one that was killed has."""
+    ours = re.compile(rf"\.{re.escape(path.name)}\.(\d{{1,9}})\.part")
+    for leftover in path.parent.glob(".*.part"):
+        if (found := ours.fullmatch(leftover.name)) and not _runs(int(found[1])):
+            with suppress(OSError):
+                leftover.unlink() if leftover.is_file() else shutil.rmtree(leftover)
+
+
+def _runs(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # somebody else's
+        return True
+    return True
 
 
 @contextmanager

@@ -66,8 +66,13 @@ def test_a_killed_writer_leaves_nothing_that_is_taken_as_done(tmp_path):
         os.kill(writer.pid, signal.SIGKILL)
     assert not path.exists()
     assert list(tmp_path.glob("shard-*.parquet")) == []
-    write_table(path, TABLE)  # what a dead writer left disturbs nobody
-    assert path.exists()
+    [left] = tmp_path.iterdir()
+    assert left.name == f".shard-00000.parquet.{writer.pid}.part"
+    others = [tmp_path / f".shard-00000.parquet.{os.getppid()}.part", tmp_path / ".shard-00001.parquet.4194305.part"]
+    for other in others:
+        other.write_bytes(b"")
+    write_table(path, TABLE)  # what a dead writer left goes, what others are at stays
+    assert sorted(tmp_path.iterdir()) == sorted([*others, path])
 
 
 WRITE_TOO_MUCH = """
