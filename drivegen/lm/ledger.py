@@ -15,6 +15,9 @@ from drivegen.store.files import write_table
 FOLDER = Path(".drivegen/calls")
 """Where tables of calls are kept, a file for each stage and each command that called."""
 
+UNKNOWN = "unknown"
+"""The cost of a call where no price list knows the model."""
+
 CALLS = pa.schema(
     [
         ("role", pa.string()),
@@ -37,7 +40,7 @@ CALLS = pa.schema(
 
 @dataclass(frozen=True)
 class Call:
-    """One call of a model, or one answer from the records.
+    """One call of a model, or one answer from the records; what is known only after it has a default.
 
     Attributes:
         asked: 0 for the question, 1 and 2 when asked again. outcome: "answered", "asked again" or why there was no answer.
@@ -50,13 +53,13 @@ class Call:
     key: str
     sample: int
     asked: int
-    outcome: str
-    replayed: bool
-    input_tokens: int | None
-    output_tokens: int | None
-    cost: str
-    latency: float
-    retries: int
+    outcome: str = ""
+    replayed: bool = False
+    input_tokens: int | None = None
+    output_tokens: int | None = None
+    cost: str = UNKNOWN
+    latency: float = 0.0
+    retries: int = 0
 
 
 class Ledger:

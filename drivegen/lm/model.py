@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from drivegen import plugins
 from drivegen.lm.backends.base import Backend, Output, Reply, Request, Turn
 from drivegen.lm.batch import DISCOUNT
-from drivegen.lm.ledger import Call, Ledger
+from drivegen.lm.ledger import UNKNOWN, Call, Ledger
 from drivegen.lm.prices import estimate, in_dollars, input_tokens, price
 from drivegen.lm.prompt import A, NoAnswer, Prompt
 from drivegen.lm.reading import InvalidReply, read
@@ -20,9 +20,6 @@ from drivegen.lm.settings import RoleSettings
 
 ASKED_AGAIN = 2
 """How often at most, with what was wrong, after an answer that fails validation."""
-
-UNKNOWN = "unknown"
-"""The cost of a call where no price list knows the model."""
 
 _NOT_BILLED = {"no-model", "refused", "rate-limited", "server-error", "unreachable"}
 _IN_WORDS = "Answer with one JSON object and nothing else. It must satisfy this JSON Schema:\n"
@@ -115,13 +112,6 @@ class LanguageModel:
             key=key_of(request),
             sample=request.sample,
             asked=asked,
-            outcome="",
-            replayed=False,
-            input_tokens=None,
-            output_tokens=None,
-            cost=UNKNOWN,
-            latency=0.0,
-            retries=0,
         )
 
     def _reply(self, request: Request, asked: int) -> tuple[Reply, Call]:
@@ -197,46 +187,50 @@ class LanguageModel:
     def _batch(self, requests: Sequence[Request], rows: Sequence[Call]) -> list[tuple[Reply | NoAnswer, Call]]:
         if not requests:
             return []
-        backend = self._backend()
-        vendor = backend.vendor(self._settings.base_url)
-        most = [_discounted(price(r.model, vendor, input_tokens(r, type(backend)), r.max_tokens)) for r in requests]
-        if self._settings.model:
-            for usd in most:
-                self.ledger.set_aside(usd)
+        most = [self._set_aside(request, DISCOUNT) for request in requests]
         began = time.perf_counter()
-        replies = backend.replies(requests)
+        replies = self._backend().replies(requests)
         latency = time.perf_counter() - began
         told: list[tuple[Reply | NoAnswer, Call]] = []
         for request, row, usd, reply in zip(requests, rows, most, replies, strict=True):
-            if isinstance(reply, NoAnswer):
-                self.ledger.settle(usd, 0.0 if reply.reason in _NOT_BILLED else None)
-                self.ledger.add(replace(row, outcome=reply.reason, latency=latency))
-                told.append((reply, row))
-                continue
-            cost = _discounted(price(request.model, vendor, reply.input_tokens, reply.output_tokens))
-            self.ledger.settle(usd, cost)
-            self._records.keep(request, reply)
-            row = replace(row, input_tokens=reply.input_tokens, output_tokens=reply.output_tokens)
-            told.append((reply, replace(row, latency=latency, cost=_dollars(cost))))
+            told.append((reply, self._ended(request, row, usd, reply, latency, DISCOUNT)))
+            if isinstance(reply, Reply):
+                self._records.keep(request, reply)
         return told
 
     def _call(self, request: Request, row: Call) -> tuple[Reply, Call]:
-        backend = self._backend()
-        vendor = backend.vendor(self._settings.base_url)
-        most = price(request.model, vendor, input_tokens(request, type(backend)), request.max_tokens)
-        if self._settings.model:
-            self.ledger.set_aside(most)
+        most = self._set_aside(request)
         began = time.perf_counter()
         try:
-            reply = backend.reply(request)
+            reply = self._backend().reply(request)
         except NoAnswer as failure:
-            self.ledger.settle(most, 0.0 if failure.reason in _NOT_BILLED else None)
-            self.ledger.add(replace(row, outcome=failure.reason, latency=time.perf_counter() - began))
+            self._ended(request, row, most, failure, time.perf_counter() - began)
             raise
-        usd = price(request.model, vendor, reply.input_tokens, reply.output_tokens)
-        self.ledger.settle(most, usd)
-        told = replace(row, latency=time.perf_counter() - began, retries=reply.retries, cost=_dollars(usd))
-        return reply, replace(told, input_tokens=reply.input_tokens, output_tokens=reply.output_tokens)
+        return reply, self._ended(request, row, most, reply, time.perf_counter() - began)
+
+    def _set_aside(self, request: Request, share: float = 1.0) -> float | None:
+        """What a call could cost at most, at this share of its usual price; it is set aside now."""
+        most = self._price(request, input_tokens(request, type(self._backend())), request.max_tokens, share)
+        if self._settings.model:
+            self.ledger.set_aside(most)
+        return most
+
+    def _ended(
+        self, request: Request, row: Call, most: float | None, reply: Reply | NoAnswer, latency: float, share: float = 1.0
+    ) -> Call:
+        """The row of a call for which `most` was set aside, settled now; it lacks the outcome, but a failure's is noted."""
+        if isinstance(reply, NoAnswer):
+            self.ledger.settle(most, 0.0 if reply.reason in _NOT_BILLED else None)
+            self.ledger.add(replace(row, outcome=reply.reason, latency=latency))
+            return row
+        cost = self._price(request, reply.input_tokens, reply.output_tokens, share)
+        self.ledger.settle(most, cost)
+        told = replace(row, latency=latency, retries=reply.retries, cost=_dollars(cost))
+        return replace(told, input_tokens=reply.input_tokens, output_tokens=reply.output_tokens)
+
+    def _price(self, request: Request, tokens_in: int | None, tokens_out: int | None, share: float) -> float | None:
+        usd = price(request.model, self._backend().vendor(self._settings.base_url), tokens_in, tokens_out)
+        return None if usd is None else usd * share
 
     def _backend(self) -> Backend:
         if self._made is None:  # not before it is needed: a replay needs no key
@@ -246,10 +240,6 @@ class LanguageModel:
 
 def _dollars(usd: float | None) -> str:
     return UNKNOWN if usd is None else f"{usd:.6f}"
-
-
-def _discounted(usd: float | None) -> float | None:
-    return None if usd is None else usd * DISCOUNT
 
 
 def _replayed(row: Call, kept: Reply) -> Call:

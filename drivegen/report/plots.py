@@ -32,10 +32,10 @@ _STYLE = {
 
 
 class Canvas:
-    """A figure with one set of axes: `with Canvas(6, 3) as (canvas, axes): ...; canvas.svg`."""
+    """A figure with one set of axes: `with Canvas(6, 3) as (canvas, axes): ...; canvas.svg`; `canvas.axes` are all of them."""
 
-    def __init__(self, width: float, height: float) -> None:
-        self._size = (width, height)
+    def __init__(self, width: float, height: float, rows: int = 1, columns: int = 1) -> None:
+        self._size, self._grid = (width, height), (rows, columns)
         self.svg = b""
 
     def __enter__(self) -> tuple["Canvas", Axes]:
@@ -43,7 +43,8 @@ class Canvas:
         self._style.__enter__()
         self._figure = Figure(figsize=self._size, layout="constrained")
         FigureCanvasSVG(self._figure)
-        return self, self._figure.add_subplot()
+        self.axes: list[Axes] = list(self._figure.subplots(*self._grid, squeeze=False).flat)
+        return self, self.axes[0]
 
     def __exit__(self, *failure: object) -> None:
         if failure[0] is None:
@@ -90,7 +91,8 @@ def curves(columns: Mapping[str, Sequence[float]], over: str) -> bytes:
         names = [name for name in columns if name != over]
         for name, colour in zip(names, SERIES, strict=False):
             points = [(x, y) for x, y in zip(columns[over], columns[name], strict=True) if y == y]
-            axes.plot(*zip(*points, strict=True), color=colour, lw=1.4, label=name.replace("_", " ")) if points else None
+            if points:
+                axes.plot(*zip(*points, strict=True), color=colour, lw=1.4, label=name.replace("_", " "))
         positive = [y for name in names for y in columns[name] if y == y]
         if positive and min(positive) > 0 and max(positive) / min(positive) > 100:
             axes.set_yscale("log")
@@ -99,6 +101,25 @@ def curves(columns: Mapping[str, Sequence[float]], over: str) -> bytes:
             axes.legend(frameon=False, fontsize=8)
         else:
             axes.set_ylabel(names[0].replace("_", " ") if names else "")
+    return canvas.svg
+
+
+def panels(
+    series: Mapping[str, Mapping[str, tuple[Sequence[float], Sequence[float]]]], across: str, up: str, columns: int = 3
+) -> bytes:
+    """Named lines (x, y) in a small plot for each group, `columns` side by side; scales differ, lines' colours do not."""
+    rows = -(-len(series) // columns)
+    with Canvas(2.9 * columns, 2.0 * max(rows, 1), max(rows, 1), columns) as (canvas, _):
+        for axes in canvas.axes[len(series) :]:
+            axes.set_visible(False)
+        for n, (axes, (title, group)) in enumerate(zip(canvas.axes, series.items(), strict=False)):
+            axes.set_title(title, fontsize=9)
+            for (name, (xs, ys)), colour in zip(group.items(), SERIES, strict=False):
+                axes.plot(xs, ys, color=colour, lw=1.2, label=name)
+            axes.set_xlabel(across)
+            axes.set_ylabel(up if n % columns == 0 else "")
+            if n == 0 and group:
+                axes.legend(frameon=False, fontsize=7)
     return canvas.svg
 
 
