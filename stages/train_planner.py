@@ -28,10 +28,10 @@ from drivegen.planners._scores import drawn_tracks, score
 from drivegen.planners.base import Examples, Planner, PlanRequests
 from drivegen.samples import Violation
 from drivegen.scenario import Scenario, Trajectories
-from drivegen.store.files import whole, write_json
+from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import loop
-from drivegen.training.curve import LossRow
+from drivegen.training.curve import write_curve
 from stages._door import build, enter, require, spread_splits
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
@@ -72,7 +72,7 @@ def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Pa
     with _timed("training", took):
         rows = planner.fit(train, validation, params.training_seed, checkpoints, _say(name))
     planner.save(model)
-    _write_curve(curve, rows)
+    write_curve(curve, rows, error="ade")
     counts = {"train_tracks": len(train), "validation_tracks": len(validation), "steps": rows[-1].step}
     epochs = round(rows[-1].step * settings.training.batch / max(len(train), 1), 2)
     drawn = drawn_tracks(validation, params.scored, params.scored_scenes.get(name), params.training_seed)
@@ -149,12 +149,6 @@ def _key(params: Params, settings: Any, scenarios: Path) -> str:
 
 def _say(name: str) -> Callable[[str], None]:
     return lambda line: print(f"train_planner {name}: {line}", flush=True)
-
-
-def _write_curve(path: Path, rows: list[LossRow]) -> None:
-    lines = [f"{row.step},{row.train:.6f},{row.validation:.6f},{row.error:.6f}" for row in rows]
-    with whole(path) as temporary:
-        temporary.write_text("\n".join(["step,train,validation,ade", *lines]) + "\n")
 
 
 if __name__ == "__main__":

@@ -20,10 +20,10 @@ from drivegen.selectors.base import Selector
 from drivegen.selectors.learned import Lists, Plugin, Settings
 from drivegen.selectors.prior import Plugin as Prior
 from drivegen.selectors.random import Plugin as Random
-from drivegen.store.files import whole, write_json
+from drivegen.store.files import write_json
 from drivegen.store.goals import read_goals
 from drivegen.store.scenarios import read_shard, shards
-from drivegen.training.curve import LossRow
+from drivegen.training.curve import write_curve
 from stages._door import enter, require, spread_splits
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
@@ -58,7 +58,7 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     checkpoint = CHECKPOINTS / f"selector-{_key(learnt, held_out, params)}.safetensors"
     selector, rows = Plugin.fit(learnt, held_out, params.learned, params.training_seed, checkpoint, _say, params.teacher.name)
     selector.save(model)
-    _write_curve(curve, rows)
+    write_curve(curve, rows)
     counts = {"described": selector.described, "train_vehicles": len(learnt), "validation_vehicles": len(held_out)}
     temperature = {"temperature": float(selector.net.temperature)}
     write_json(metrics, counts | temperature | {"validation": _scores(scenarios / "val", params, selector)})
@@ -125,12 +125,6 @@ def _scores(split: Path, params: Params, selector: Plugin) -> dict[str, dict[str
             for name, each in compared.items():
                 judged[name].append(judge(scenario, offered, each.rank(graph, scenario, offered)))
     return {name: scores(Judged.joined(parts)) for name, parts in judged.items()}
-
-
-def _write_curve(path: Path, rows: list[LossRow]) -> None:
-    lines = ["step,train,validation", *(f"{row.step},{row.train:.6f},{row.validation:.6f}" for row in rows)]
-    with whole(path) as temporary:
-        temporary.write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

@@ -34,8 +34,10 @@ def kept(rows: Sequence[LossRow]) -> LossRow:
     return rows[-1] if any(math.isnan(figure) for figure in told) else rows[told.index(min(told))]
 
 
-def write_curve(path: Path, rows: Sequence[LossRow]) -> None:
-    """The curve as CSV: step, train, validation."""
-    lines = ["step,train,validation", *(f"{row.step},{row.train:.6f},{row.validation:.6f}" for row in rows)]
+def write_curve(path: Path, rows: Sequence[LossRow], error: str | None = None) -> None:
+    """The curve as CSV: step, train, validation, and the rows' errors under the name `error` where one is given."""
+    heads = ["step", "train", "validation", *([] if error is None else [error])]
+    numbers = [(row.train, row.validation, *(() if error is None else (row.error,))) for row in rows]
+    lines = [f"{row.step}," + ",".join(f"{value:.6f}" for value in told) for row, told in zip(rows, numbers, strict=True)]
     with whole(path) as temporary:
-        temporary.write_text("\n".join(lines) + "\n")
+        temporary.write_text("\n".join([",".join(heads), *lines]) + "\n")
