@@ -22,7 +22,7 @@ from drivegen.goals.joint import PENALTY, draw_together, gumbel, in_tempo, tempo
 from drivegen.goals.outlook import Outlooks
 from drivegen.samples import NO_GOAL, Samples, Violation
 from drivegen.scenario import TARGET, Scenario, Trajectories
-from drivegen.settings import Within
+from drivegen.settings import Index, Within
 
 Probabilities = list[NDArray[np.float32]]
 """One array (C,) per vehicle of a scenario, over its candidates."""
@@ -30,6 +30,8 @@ Probabilities = list[NDArray[np.float32]]
 FAILED = 3.0
 """Each failed trajectory makes its goal exp(3), 20 times, less likely to be tried again."""
 
+MOST = 16
+"""Rounds, and attempts in each, at most: an attempt's number has eight bits of its request's seed (`generate`)."""
 
 ALIKE = np.pi / 3
 """Headings that differ by less [rad] are one direction of travel."""
@@ -50,11 +52,11 @@ class RolloutSettings:
         tempo: share of the variance of ranks that the vehicles of a sample have in common (`goals.joint`).
     """
 
-    attempts: int
-    rounds: int
-    evictions: int
+    attempts: Annotated[int, Within(1, MOST)]
+    rounds: Annotated[int, Within(1, MOST)]
+    evictions: Index
     drop_illegal: bool
-    target_steps: int | None
+    target_steps: Index | None
     tempo: Annotated[float, Within(0.0, 0.95)]
 
 
@@ -129,7 +131,7 @@ class Rollout:
             return np.column_stack([pending, self.first[self.pending], np.zeros(len(pending), np.int64)])
         rows: list[tuple[int, int, int, int]] = []
         for k, n in pending.tolist():
-            rows.extend((k, n, c, turn * 16 + a) for a, c in enumerate(self._next_goals(k, n)))
+            rows.extend((k, n, c, turn * MOST + a) for a, c in enumerate(self._next_goals(k, n)))
         return np.array(rows, np.int64).reshape(-1, 4)
 
     def _next_goals(self, k: int, n: int) -> list[int]:
@@ -197,7 +199,7 @@ class Rollout:
         self.pending[k, others] = True
         for other in others.tolist():
             _put(self.spare, (k, other), self.motion[k, other])
-            self.badness[k, other] = 1.0
+            self.badness[k, other] = 1.0  # it was legal: nothing illegal is as good
         self.motion.valid[k, others] = False
         return True
 

@@ -17,6 +17,7 @@ from drivegen.errors import MissingTool
 from drivegen.generators.base import Settings as GeneratorSettings
 from drivegen.initialise import Initialiser
 from drivegen.initialise import Settings as InitialSettings
+from drivegen.settings import Count
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
 from drivegen.sumo.network import Network
@@ -32,11 +33,11 @@ class Params:
     """
 
     seed: int
-    requests: int | None
-    samples: int
+    requests: Count | None
+    samples: Count
     maps: list[str]
-    per_request: int
-    vehicles: int
+    per_request: Count
+    vehicles: Count
     settings: AskedSettings
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from drivegen.assets.gaps import measure_gaps
 from drivegen.assets.table import build_table
+from drivegen.settings import Count
 from drivegen.store.assets import write_assets
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, require
@@ -18,7 +19,7 @@ from stages._door import enter, require
 class Params:
     """Section `assets`: gaps are measured in about `gap_scenarios` scenes, the first ones of every shard."""
 
-    gap_scenarios: int
+    gap_scenarios: Count
 
 
 def main(params: Params, scenarios: Path, out: Path, gaps: Path) -> None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from drivegen.checker.calibration import calibrate, logged_severities, pass_rates
 from drivegen.checker.limits import RULES, Limits
 from drivegen.errors import UnusableInput
+from drivegen.settings import Count, Share
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, spread_splits
@@ -22,8 +23,8 @@ from stages._door import enter, spread_splits
 class Params:
     """`share` of logged tracks that must pass each rule; `floors` below which no limit is set."""
 
-    workers: int
-    share: float
+    workers: Count
+    share: Share
     floors: Limits
 
 

@@ -36,6 +36,7 @@ from drivegen.selectors._vlm_account import Account
 from drivegen.selectors._vlm_asking import Asking
 from drivegen.selectors._vlm_asking import Settings as AskingSettings
 from drivegen.selectors._vlm_question import examples
+from drivegen.settings import Count, Index, Positive
 from drivegen.store.files import write_json
 from drivegen.store.goals import read_goals
 from drivegen.store.samples import read_samples, write_samples
@@ -65,18 +66,18 @@ class Params:
     """
 
     seed: int
-    workers: int
+    workers: Count
     driver: str
     driver_settings: dict[str, Any]
     simulator: str
-    samples: int
-    prior_strength: float
-    draws: int
+    samples: Count
+    prior_strength: Positive
+    draws: Count
     generation: Settings
     pressure: PressureSettings
     goals: str
     vlm: AskingSettings
-    pictures: int
+    pictures: Index
 
     def __post_init__(self) -> None:
         if self.goals not in GOALS:

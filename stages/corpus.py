@@ -13,6 +13,7 @@ from drivegen.datasets.sumo_corpus import write_part
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.maps.compile import compile_map
 from drivegen.maps.spec import MapSpec
+from drivegen.settings import Count, Share
 from drivegen.store.files import whole, write_json
 from drivegen.sumo.corpus import CorpusSettings, moving_vehicles, prepare_network, simulate_scenarios
 from stages._door import enter, require, spread
@@ -33,13 +34,13 @@ class Params:
     """
 
     seed: int
-    workers: int
+    workers: Count
     scenarios: dict[str, int]
-    per_part: int
+    per_part: Count
     real: dict[str, dict[str, str]]
     own: dict[str, dict[str, Any]]
     density: dict[str, tuple[float, float]]
-    own_share: float
+    own_share: Share
     settings: CorpusSettings
 
 

@@ -13,6 +13,7 @@ from drivegen.metrics.scene import Scored, Settings, score
 from drivegen.metrics.whole import columns, summary
 from drivegen.render.drivable import CELL, road_field
 from drivegen.seeds import rng
+from drivegen.settings import Count
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, run_id, write_results
 from drivegen.store.samples import read_samples
@@ -41,9 +42,9 @@ class Params:
     """`draws` bootstrap draws for intervals; `splits` random splits of the set into pairs, for diversity."""
 
     seed: int
-    workers: int
-    draws: int
-    splits: int
+    workers: Count
+    draws: Count
+    splits: Count
     measured: Settings
 
 

@@ -24,6 +24,7 @@ from drivegen.scenario import Scenario
 from drivegen.selectors.base import Selector
 from drivegen.selectors.vlm import Plugin as AskingSelector
 from drivegen.selectors.vlm import Settings as AskingSettings
+from drivegen.settings import Count
 from drivegen.store.files import write_json
 from drivegen.store.goals import write_goals
 from drivegen.store.scenarios import read_shard, shards
@@ -39,8 +40,8 @@ class Params:
     """`candidates`: see `goals.candidates`; `vlm`: see `selectors.vlm`; `draws`: of the bootstrap behind intervals."""
 
     seed: int
-    workers: int
-    draws: int
+    workers: Count
+    draws: Count
     candidates: Settings
     vlm: AskingSettings
 

@@ -21,6 +21,7 @@ from drivegen.datasets._splits import CORPUS, SPLITS, Plan, items, trained_on
 from drivegen.datasets.base import Dataset
 from drivegen.errors import UnusableInput
 from drivegen.selection import Settings
+from drivegen.settings import Count, Index
 from drivegen.store.files import whole, write_json, write_table
 from drivegen.store.notes import ShardNote, arrange, digest, read_note, stands, write_note
 from drivegen.store.scenarios import shards, write_shard
@@ -47,15 +48,15 @@ class Params:
             of the selection's: errors over horizons of different length are not averaged together.
     """
 
-    workers: int
+    workers: Count
     source: str
     root: str
     train_on: tuple[str, ...]
     roots: dict[str, str]
     held_out: dict[str, str]
-    fewest_tracks: int
+    fewest_tracks: Index
     limits: dict[str, int | None]
-    shard_size: int
+    shard_size: Count
     selection: Settings
     horizons: dict[str, int]
 

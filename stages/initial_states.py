@@ -27,6 +27,7 @@ from drivegen.initialise import Settings, kind_named
 from drivegen.lanes.graph import LaneGraph
 from drivegen.metrics.intervals import Interval
 from drivegen.scenario import TARGET, Scenario, Vehicles
+from drivegen.settings import Count
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
@@ -41,8 +42,8 @@ class Params:
     """Section `initial_states`: so many held-out `scenes`, spread over the split; bootstrap `draws`."""
 
     seed: int
-    scenes: int
-    draws: int
+    scenes: Count
+    draws: Count
 
 
 def main(params: Params, scenarios: Path, assets: Path, gaps: Path, models: Path, out: Path) -> dict[str, float]:
@@ -71,7 +72,8 @@ def main(params: Params, scenarios: Path, assets: Path, gaps: Path, models: Path
     rng = seeds.rng(params.seed, "initial_states", "bootstrap")
     told = {"held-out logs": _told(truth, asked, rates(truth, params.draws, rng))}
     told |= {name: _told(made[name], asked, compared(truth, made[name], params.draws, rng)) for name in names}
-    write_json(out, {"scenes": len(truth), "left_out": len(logs) - len(truth), "methods": told})
+    recordings = len({one.recording for one in truth})
+    write_json(out, {"scenes": len(truth), "recordings": recordings, "left_out": len(logs) - len(truth), "methods": told})
     print(f"initial_states: {len(names)} methods on {len(truth)} maps")
     return {"scenes": float(len(truth))}
 

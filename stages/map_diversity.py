@@ -12,6 +12,7 @@ from drivegen.av2.maps import read_map
 from drivegen.errors import MissingTool
 from drivegen.maps.diversity import summary, windows
 from drivegen.roadmap import RoadMap
+from drivegen.settings import Count, Positive
 from drivegen.store.files import write_json
 from drivegen.sumo.network import read_network
 from stages._door import enter, require
@@ -29,10 +30,10 @@ class Params:
     """
 
     seed: int
-    radius: float
-    per_made: int
-    per_network: int
-    per_log: int
+    radius: Positive
+    per_made: Count
+    per_network: Count
+    per_log: Count
     networks: dict[str, str]
     argoverse2: str
 

@@ -18,6 +18,7 @@ from drivegen.maps.suite.cases import Case, first_try, outside_cases, own_cases
 from drivegen.maps.suite.table import not_measured, published
 from drivegen.maps.suite.trials import tried
 from drivegen.maps.writers.base import MapWriter
+from drivegen.settings import Count
 from drivegen.store.files import write_json
 from stages._door import enter, read_params
 
@@ -35,7 +36,7 @@ class Params:
     seed: int
     writers: list[str]
     models: list[str]
-    every: int
+    every: Count
     outside: str
 
 

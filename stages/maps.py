@@ -17,6 +17,7 @@ from drivegen.lm.model import LanguageModel
 from drivegen.lm.prices import MAP_TOKENS
 from drivegen.lm.settings import RecordSettings, RoleSettings
 from drivegen.maps.build import build_map
+from drivegen.settings import Count
 from drivegen.store.files import write_json
 from stages._door import enter, read_params, spread
 
@@ -31,7 +32,7 @@ class Params:
     """Section `maps`: the writer's name, and descriptions by the name of the map's folder."""
 
     seed: int
-    workers: int
+    workers: Count
     writer: str
     prompts: dict[str, str]
 

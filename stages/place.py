@@ -16,6 +16,7 @@ from drivegen.assets.table import Table
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.initialise import Initialiser, Settings
 from drivegen.scenario import Scenario
+from drivegen.settings import Count
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards, write_shard
@@ -30,9 +31,9 @@ class Params:
     """Section `place`: `per_map` scenarios on each map; `initial`: see `initialise.Settings`; `compared` held-out logs."""
 
     seed: int
-    per_map: int
-    per_shard: int
-    compared: int
+    per_map: Count
+    per_shard: Count
+    compared: Count
     initial: Settings
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from drivegen.errors import UnusableInput
 from drivegen.recording import LOG, record_comparison
 from drivegen.recordings import record_sample
+from drivegen.settings import Index
 from drivegen.store.draw import Drawn, by_method, draw_scenes
 from drivegen.store.files import write_json
 from drivegen.store.goals import GoalColumns, read_goals
@@ -24,8 +25,8 @@ class Params:
     """`scenes` recordings of DriveGen's traffic and `compared` ones of all methods: the first of the scenes of the report."""
 
     seed: int
-    scenes: int
-    compared: int
+    scenes: Index
+    compared: Index
 
 
 def main(params: Params, scenarios: Path, generated: Path, goals: Path, out: Path, listing: Path) -> dict[str, float]:

@@ -24,6 +24,7 @@ from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_
 from drivegen.report.published import METHODS
 from drivegen.samples import NO_GOAL, Samples
 from drivegen.scenario import Scenario
+from drivegen.settings import Index
 from drivegen.store.costs import COST
 from drivegen.store.draw import Drawn, by_method, draw_scenes
 from drivegen.store.files import whole
@@ -56,8 +57,8 @@ class Params:
     """`scenes` pictures of test scenes, `maps` pictures of maps at most."""
 
     seed: int
-    scenes: int
-    maps: int
+    scenes: Index
+    maps: Index
 
 
 def main(

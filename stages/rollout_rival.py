@@ -9,6 +9,7 @@ from pathlib import Path
 
 from drivegen import plugins
 from drivegen.generators._learned import Learned
+from drivegen.settings import Count
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.verdicts import judged, read_limits
@@ -20,8 +21,8 @@ class Params:
     """`samples`: futures of each scenario, as many as of every method."""
 
     seed: int
-    workers: int
-    samples: int
+    workers: Count
+    samples: Count
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from drivegen import plugins
 from drivegen.errors import UnusableInput
 from drivegen.generators._learned import Learned
 from drivegen.metrics.displacement import scene_errors, summarise
+from drivegen.settings import Count
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training.curve import kept, write_curve
@@ -36,8 +37,8 @@ class Params:
     """
 
     training_seed: int
-    workers: int
-    samples: int
+    workers: Count
+    samples: Count
     generators: dict[str, Any]
 
 

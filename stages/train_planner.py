@@ -28,6 +28,7 @@ from drivegen.planners._scores import drawn_tracks, score
 from drivegen.planners.base import Examples, Planner, PlanRequests
 from drivegen.samples import Violation
 from drivegen.scenario import Scenario, Trajectories
+from drivegen.settings import Count, Share
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import loop
@@ -49,10 +50,10 @@ class Params:
     """
 
     training_seed: int
-    workers: int
-    seen: float
-    scored: int
-    samples: int
+    workers: Count
+    seen: Share
+    scored: Count
+    samples: Count
     scored_scenes: dict[str, int]
     planners: dict[str, Any]
 

@@ -20,6 +20,7 @@ from drivegen.selectors.base import Selector
 from drivegen.selectors.learned import Lists, Plugin, Settings
 from drivegen.selectors.prior import Plugin as Prior
 from drivegen.selectors.random import Plugin as Random
+from drivegen.settings import Count
 from drivegen.store.files import write_json
 from drivegen.store.goals import read_goals
 from drivegen.store.scenarios import read_shard, shards
@@ -46,7 +47,7 @@ class Params:
     """`candidates`: see `goals.candidates`; `learned`: see `selectors.learned`."""
 
     training_seed: int
-    workers: int
+    workers: Count
     candidates: CandidateSettings
     teacher: Teacher
     learned: Settings

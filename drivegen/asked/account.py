@@ -7,11 +7,11 @@ import numpy as np
 from drivegen.asked.achieved import does, queued, stands
 from drivegen.asked.request import Group, Kind, TrafficRequest
 from drivegen.asked.start import AskedStart
-from drivegen.asked.wishes import TARGET, Fill
+from drivegen.asked.wishes import Fill
 from drivegen.goals.candidates import NO_ROUTE, Candidates
 from drivegen.lanes.line import Route
 from drivegen.samples import Samples
-from drivegen.scenario import VehicleKind
+from drivegen.scenario import TARGET, VehicleKind
 
 SPEED_SHARE = 0.2
 """A speed is met within this share of it, or within SPEED_LEAST [m/s]."""

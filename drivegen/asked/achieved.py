@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 
 from drivegen.asked.goals import Duty
 from drivegen.asked.request import Manoeuvre
-from drivegen.asked.wishes import TARGET
 from drivegen.assets.where import ALIKE, BESIDE, FARTHEST, NEAREST, TOLERANCE, TOLERANCE_SHARE, Relation
 from drivegen.geometry import to_vehicle_frame, wrap_angle
 from drivegen.lanes.frenet import to_frenet
 from drivegen.lanes.line import Route
-from drivegen.scenario import DT, Trajectories, Vehicles
+from drivegen.scenario import DT, TARGET, Trajectories, Vehicles
 
 BRAKING = 3.0
 """A vehicle brakes hard when it slows down by more than this [m/s2] over BRAKING_STEPS steps."""

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from drivegen.asked.offered import HARD, HARDEST, offered, side_of
 from drivegen.asked.request import Manoeuvre
-from drivegen.asked.wishes import TARGET
 from drivegen.geometry import to_vehicle_frame, wrap_angle
 from drivegen.goals.candidates import NO_ROUTE, Candidates
 from drivegen.goals.candidates import Manoeuvre as Way
@@ -19,7 +18,7 @@ from drivegen.lanes.frenet import to_frenet
 from drivegen.lanes.graph import LaneGraph
 from drivegen.lanes.line import SPACING, Route
 from drivegen.rollout import Choices
-from drivegen.scenario import DT, Scenario, SignalState
+from drivegen.scenario import DT, TARGET, Scenario, SignalState
 from drivegen.selectors.base import Selector
 
 SETTLED, ROOM = 0.5, 20.0

@@ -17,6 +17,7 @@ from drivegen.lanes.graph import LaneGraph
 from drivegen.rollout import Choices
 from drivegen.scenario import Scenario
 from drivegen.selectors.base import Selector
+from drivegen.settings import Count
 
 UNLIKELY = 0.05
 """A start is good enough where the selector itself gives the goals of every manoeuvre at least this probability."""
@@ -33,8 +34,8 @@ class Settings:
     """
 
     densities: dict[str, Fill]
-    placements: int
-    starts: int
+    placements: Count
+    starts: Count
 
 
 @dataclass(frozen=True)

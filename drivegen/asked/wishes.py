@@ -8,8 +8,8 @@ import numpy as np
 from drivegen.asked.request import MOST, Density, Group, Kind, Manoeuvre, TrafficRequest
 from drivegen.assets.where import FARTHEST, Relation, Side, Wish
 from drivegen.errors import UnusableInput
-
-TARGET = 0
+from drivegen.scenario import TARGET
+from drivegen.settings import Count, Positive
 
 _PLACE = {
     Manoeuvre.HARD_BRAKING: Relation.AHEAD,
@@ -43,8 +43,8 @@ _CALM_BRAKING, _STANDING_ROOM = 1.5, 10.0
 class Fill:
     """A density in numbers: `vehicles` in all where the request does not say how many, within `radius` [m] of the target."""
 
-    vehicles: int
-    radius: float
+    vehicles: Count
+    radius: Positive
 
 
 @dataclass(frozen=True)

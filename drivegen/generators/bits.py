@@ -30,6 +30,7 @@ from drivegen.generators._learned import Learned
 from drivegen.geometry import rotate, unit
 from drivegen.samples import Samples
 from drivegen.scenario import DT, Scenario, Trajectories
+from drivegen.settings import Count, NotNegative, Positive
 from drivegen.training import loop
 
 CHUNK = 128
@@ -53,15 +54,15 @@ class BitsSettings:
         training: see `training.loop.Settings`.
     """
 
-    width: int
-    horizon: int
-    commit: int
-    goals: int
-    temperature: float
-    collision: float
-    off_road: float
-    likelihood: float
-    clearance: float
+    width: Count
+    horizon: Count
+    commit: Count
+    goals: Count
+    temperature: Positive
+    collision: NotNegative
+    off_road: NotNegative
+    likelihood: NotNegative
+    clearance: NotNegative
     training: loop.Settings
 
 

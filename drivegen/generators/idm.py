@@ -27,6 +27,7 @@ from drivegen.generators._learned import Learned
 from drivegen.lanes.graph import LaneGraph
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
+from drivegen.settings import Count, Index, Share
 from drivegen.training import loop
 
 WISHES = (0.5, 1.5)
@@ -47,9 +48,9 @@ class IdmSettings:
     """
 
     driver: DriverSettings
-    ways: int
-    lane_changes: int
-    free_share: float
+    ways: Count
+    lane_changes: Index
+    free_share: Share
     training: loop.Settings
 
 

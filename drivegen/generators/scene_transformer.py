@@ -31,6 +31,7 @@ from drivegen.generators._scene_transformer.net import SceneTransformerNet
 from drivegen.generators._vectors import Scenes, SceneTensors, local_future
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
+from drivegen.settings import Count, Share
 from drivegen.training import loop
 
 CHUNK = 8
@@ -48,14 +49,14 @@ class SceneTransformerSettings:
         training: see `training.loop.Settings`.
     """
 
-    width: int
-    heads: int
-    layers: int
-    decoder_layers: int
-    modes: int
-    stretches: int
-    pieces: int
-    relaxed: float
+    width: Count
+    heads: Count
+    layers: Count
+    decoder_layers: Count
+    modes: Count
+    stretches: Count
+    pieces: Count
+    relaxed: Share
     training: loop.Settings
 
 

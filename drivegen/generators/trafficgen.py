@@ -32,6 +32,7 @@ from drivegen.generators._trafficgen.placement import PlacementExamples, Placeme
 from drivegen.generators._trafficgen.vectors import LaneVectors
 from drivegen.samples import Samples
 from drivegen.scenario import DT, Scenario, Vehicles
+from drivegen.settings import Count, Positive
 from drivegen.training import loop
 
 SCENES = 16
@@ -55,18 +56,18 @@ class TrafficGenSettings:
         training: see `training.loop.Settings`.
     """
 
-    piece: float
-    lanes: int
-    boxes: int
-    width: int
-    layers: int
-    modes: int
-    horizon: int
-    commit: int
-    temperature: float
+    piece: Positive
+    lanes: Count
+    boxes: Count
+    width: Count
+    layers: Count
+    modes: Count
+    horizon: Count
+    commit: Count
+    temperature: Positive
     disturbance: Disturbance
-    placement_width: int
-    placement_lanes: int
+    placement_width: Count
+    placement_lanes: Count
     training: loop.Settings
 
 

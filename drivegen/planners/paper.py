@@ -37,7 +37,7 @@ from drivegen.planners._paper_states import SCALES, conditions, from_states
 from drivegen.planners._scores import drawn_tracks, probe
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.scenario import Scenario, Trajectories
-from drivegen.settings import build
+from drivegen.settings import Count, Positive, build
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
 from drivegen.training.weights import fill, read_weights, write_weights
@@ -63,18 +63,18 @@ class PaperSettings:
     """
 
     state: str
-    tokens: int
-    width: int
-    heads: int
-    layers: int
-    noise_steps: int
+    tokens: Count
+    width: Count
+    heads: Count
+    layers: Count
+    noise_steps: Count
     schedule: str
     target: str
     sampler: str
-    sampling_steps: int
+    sampling_steps: Count
     batch_of: str
     channels: tuple[str, ...]
-    extent: float
+    extent: Positive
     bf16: bool
     training: loop.Settings
 

@@ -4,13 +4,15 @@ import errno
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
+import yaml
 
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.store.files import whole
-from stages import _door
+from stages import _door, asked, corner, evaluate, ingest, place, rollout, train_planner
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,13 @@ class Params:
 
 
 GOOD = "run:\n  seed: 7\n  workers: 2\nwork:\n  rate: 1\n  limit: null\n  inner:\n    width: 3\n    names: [a, b]\n"
+
+
+def nested(values: dict[str, Any], where: str) -> tuple[dict[str, Any], str]:
+    *sections, name = where.split(".")
+    for word in sections:
+        values = values[word]
+    return values, name
 
 
 def write(folder: Path, text: str) -> Path:
@@ -167,3 +176,23 @@ def test_what_is_required_and_absent_is_told_with_its_remedy(tmp_path):
     with pytest.raises(MissingTool, match="run the corpus stage"):
         _door.require(tmp_path / "data", "run the corpus stage")
     assert _door.require(tmp_path, "never said") == tmp_path
+
+
+@pytest.mark.parametrize(
+    ("params", "where", "value"),
+    [
+        (asked.Params, "asked.settings.placements", 0),
+        (corner.Params, "corner.samples", 0),
+        (evaluate.Params, "evaluate.draws", -1),
+        (ingest.Params, "ingest.shard_size", 0),
+        (place.Params, "place.per_shard", 0),
+        (rollout.Params, "rollout.generation.rollout.rounds", 17),
+        (train_planner.Params, "train_planner.seen", 1.5),
+    ],
+)
+def test_a_number_with_which_a_stage_could_do_nothing_is_refused_by_name(tmp_path, params, where, value):
+    values = yaml.safe_load(Path("params.yaml").read_text())
+    section, name = nested(values, where)
+    section[name] = value
+    with pytest.raises(UnusableInput, match=rf"{where.partition('.')[2]} must be (at least 1|between 0 and 1|between 1 and 16)"):
+        _door.read_params(where.partition(".")[0], params, write(tmp_path, yaml.safe_dump(values)))

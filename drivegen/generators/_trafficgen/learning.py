@@ -19,6 +19,7 @@ from drivegen.generators._trafficgen.placement import PlacementExamples, Regions
 from drivegen.generators._trafficgen.vectors import LaneVectors, Surroundings
 from drivegen.geometry import rotate, unit, wrap_angle
 from drivegen.scenario import DT
+from drivegen.settings import NotNegative, Share
 
 HELD_OUT, HELD_OUT_CHUNK = 1024, 256
 """Validation examples that the loss is taken over, drawn once, and how many go through the network at once."""
@@ -44,9 +45,9 @@ class Disturbance:
         share: of the examples. beside: [m] at most from the logged place, left or right. turned: [rad] at most.
     """
 
-    share: float
-    beside: float
-    turned: float
+    share: Share
+    beside: NotNegative
+    turned: NotNegative
 
     def of(self, logged: NDArray[np.float32], chance: NDArray[np.float32]) -> NDArray[np.float32]:
         """States (b, 5) moved aside and turned by uniform `chance` (b, 3) in [0, 1); who stands stays."""
