@@ -15,7 +15,7 @@ from drivegen import plugins
 from drivegen.drivers.base import Driver
 from drivegen.errors import UnusableInput
 from drivegen.metrics.driving import comfort, run_numbers, spread_over_runs, spread_over_samples
-from drivegen.metrics.intervals import bootstrap_means, percentiles, resamplings
+from drivegen.metrics.intervals import bootstrap_means, percentiles, recording, resamplings
 from drivegen.scenario import Scenario, Trajectories
 from drivegen.seeds import rng
 from drivegen.simulators.base import AT_FAULT, CollisionKind, DrivingOutcome, with_off_road
@@ -135,16 +135,15 @@ def _per_scenario(drives: Drives) -> dict[str, NDArray[np.float64]]:
 def _summary(drives: Drives, metrics: dict[str, NDArray[np.float64]], params: Params, method: str) -> dict[str, float]:
     """Means over scenarios with their intervals, both readings of Comfort, and Div over all runs."""
     random = rng(params.seed, "drive", "bootstrap", method)
-    names = sorted(metrics)
-    intervals = bootstrap_means(np.stack([metrics[name] for name in names], axis=1), params.draws, random)
-    out = {"scenarios": float(len(drives.scenarios)), "runs": float(len(drives.scene))}
+    names, recordings = sorted(metrics), [recording(name) for name in drives.scenarios]
+    intervals = bootstrap_means(np.stack([metrics[name] for name in names], axis=1), recordings, params.draws, random)
+    out = {"scenarios": float(len(recordings)), "recordings": float(len(set(recordings))), "runs": float(len(drives.scene))}
     for name, interval in zip(names, intervals, strict=True):
         out |= {name: interval.value, f"{name}_low": interval.low, f"{name}_high": interval.high}
     out["comfort_absolute"] = comfort(out["absolute_acceleration"])
     out["comfort_signed"] = comfort(out["acceleration"])
-    scenes = len(drives.scenarios)
-    times = resamplings(scenes, params.draws, random)
-    weights = np.concatenate([np.ones((1, scenes)), times])[:, drives.scene]
+    times = resamplings(recordings, params.draws, random)
+    weights = np.concatenate([np.ones((1, len(recordings))), times])[:, drives.scene]
     spread_value, *spreads = spread_over_runs(drives.outcome.motion, weights)
     low, high = percentiles(np.array(spreads))
     return out | {"spread_over_runs": float(spread_value), "spread_over_runs_low": low, "spread_over_runs_high": high}

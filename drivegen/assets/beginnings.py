@@ -2,7 +2,8 @@
 
 Of every vehicle but the target, which some are given: its speed, the gap to its leader, how far it is turned against the
 lane under it and how far it is from the middle of that lane; and whether it overlaps anybody, or is on no lane. Numbers are
-compared as in `metrics.distributions`: counts scene by scene, Wasserstein-1 distances of all, intervals over scenes.
+compared as in `metrics.distributions`: counts scene by scene, Wasserstein-1 distances of all, intervals over
+recordings.
 """
 
 from collections.abc import Sequence
@@ -15,7 +16,7 @@ from drivegen.assets.gaps import gaps_of
 from drivegen.geometry import boxes_overlap, wrap_angle
 from drivegen.lanes.graph import LaneGraph
 from drivegen.metrics.distributions import binned, distance
-from drivegen.metrics.intervals import Interval, bootstrap_means, resamplings
+from drivegen.metrics.intervals import Interval, bootstrap_means, recording, resamplings
 from drivegen.roadmap import NO_LANE
 from drivegen.scenario import TARGET, Scenario, Vehicles
 
@@ -40,12 +41,13 @@ class Beginning:
 
     Attributes:
         counts: (4, BINS) in the order of RANGES. rates: (2,) in the order of RATES, NaN where nobody but the target stands.
-        vehicles: how many stand there, the target included.
+        vehicles: how many stand there, the target included. recording: that the scene was cut from.
     """
 
     counts: Floats
     rates: Floats
     vehicles: int
+    recording: str
 
     @classmethod
     def of(cls, scenario: Scenario, vehicles: Vehicles, graph: LaneGraph) -> "Beginning":
@@ -60,12 +62,13 @@ class Beginning:
             "offset": offset[others & ~off_lane],
         }
         rates = np.array([_overlapping(vehicles)[others].mean(), off_lane[others].mean()]) if others.any() else np.full(2, np.nan)
-        return cls(np.stack([binned(values[name], *ends) for name, ends in RANGES.items()]), rates, len(vehicles))
+        counts = np.stack([binned(values[name], *ends) for name, ends in RANGES.items()])
+        return cls(counts, rates, len(vehicles), recording(scenario.scenario_id))
 
 
 def compared(logs: Sequence[Beginning], made: Sequence[Beginning], draws: int, rng: np.random.Generator) -> dict[str, Interval]:
-    """Distances to the logs by the names of RANGES, and rates of what was made; scenes are resampled together."""
-    times = resamplings(len(logs), draws, rng)
+    """Distances to the logs by the names of RANGES, and rates of what was made; recordings are resampled."""
+    times = resamplings([log.recording for log in logs], draws, rng)
     out = {}
     for q, (name, ends) in enumerate(RANGES.items()):
         pairs = np.stack([np.stack([log.counts[q], other.counts[q]]) for log, other in zip(logs, made, strict=True)])
@@ -75,7 +78,8 @@ def compared(logs: Sequence[Beginning], made: Sequence[Beginning], draws: int, r
 
 def rates(made: Sequence[Beginning], draws: int, rng: np.random.Generator) -> dict[str, Interval]:
     """Means over scenes by the names of RATES."""
-    return dict(zip(RATES, bootstrap_means(np.stack([one.rates for one in made]), draws, rng), strict=True))
+    means = bootstrap_means(np.stack([one.rates for one in made]), [one.recording for one in made], draws, rng)
+    return dict(zip(RATES, means, strict=True))
 
 
 def _on_lanes(graph: LaneGraph, vehicles: Vehicles) -> tuple[NDArray[np.floating], NDArray[np.floating], NDArray[np.bool_]]:

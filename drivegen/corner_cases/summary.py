@@ -1,4 +1,4 @@
-"""What one round of corner cases came to, with intervals over scenarios, and its price in realism.
+"""What one round of corner cases came to, with intervals over recordings, and its price in realism.
 
 Names are those of the drive stage's summaries, so that a round stands beside the same driver in logged traffic.
 """
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drivegen.corner_cases.rounds import COUNTED, Drive
 from drivegen.metrics.displacement import scene_errors
 from drivegen.metrics.driving import comfort, run_numbers, spread_over_runs
-from drivegen.metrics.intervals import bootstrap_means, percentiles, resamplings
+from drivegen.metrics.intervals import bootstrap_means, percentiles, recording, resamplings
 from drivegen.rollout import Choices
 from drivegen.scenario import TARGET, Trajectories
 from drivegen.simulators.base import AT_FAULT, CollisionKind
@@ -24,10 +24,12 @@ class RoundSummary:
 
     Attributes:
         metrics: (C,) arrays by name, each scenario's mean over its runs.
+        recordings: (C,) names of the recordings that scenarios were cut from.
         motion: Trajectories (R, T) of the driven targets. scene: (R,) the scenario of each run.
     """
 
     metrics: dict[str, NDArray[np.float64]]
+    recordings: list[str]
     motion: Trajectories
     scene: NDArray[np.int64]
 
@@ -38,6 +40,7 @@ class RoundSummary:
         before = np.cumsum([0, *(p.scenarios for p in parts)])
         return cls(
             {n: np.concatenate([p.metrics[n] for p in parts]) for n in names},
+            [name for p in parts for name in p.recordings],
             Trajectories.joined([p.motion for p in parts]),
             np.concatenate([p.scene + first for p, first in zip(parts, before, strict=False)]),
         )
@@ -45,18 +48,19 @@ class RoundSummary:
     @property
     def scenarios(self) -> int:
         """C."""
-        return len(next(iter(self.metrics.values())))
+        return len(self.recordings)
 
     def numbers(self, draws: int, random: np.random.Generator) -> dict[str, float]:
-        """Each metric's mean over scenarios and its 95 % bootstrap interval, both readings of Comfort, and Div over runs."""
+        """Each metric's mean over scenarios, both readings of Comfort, and Div over runs, with intervals over recordings."""
         names = sorted(self.metrics)
-        intervals = bootstrap_means(np.stack([self.metrics[n] for n in names], axis=1), draws, random)
-        out = {"scenarios": float(self.scenarios), "runs": float(len(self.scene))}
+        intervals = bootstrap_means(np.stack([self.metrics[n] for n in names], axis=1), self.recordings, draws, random)
+        count = float(len(set(self.recordings)))
+        out = {"scenarios": float(self.scenarios), "recordings": count, "runs": float(len(self.scene))}
         for name, interval in zip(names, intervals, strict=True):
             out |= {name: interval.value, f"{name}.low": interval.low, f"{name}.high": interval.high}
         out["comfort_absolute"] = comfort(out["absolute_acceleration"])
         out["comfort_signed"] = comfort(out["acceleration"])
-        times = resamplings(self.scenarios, draws, random)
+        times = resamplings(self.recordings, draws, random)
         weights = np.concatenate([np.ones((1, self.scenarios)), times])[:, self.scene]
         spread, *spreads = spread_over_runs(self.motion, weights)
         low, high = percentiles(np.array(spreads))
@@ -74,6 +78,7 @@ def summarise(choices: Sequence[Choices], drives: Sequence[Drive]) -> RoundSumma
     runs = [len(drive.outcome.kind) for drive in drives]
     return RoundSummary(
         {name: np.array([row[name] for row in rows]) for name in rows[0]},
+        [recording(choice.scenario.scenario_id) for choice in choices],
         Trajectories.joined([drive.outcome.motion for drive in drives]),
         np.repeat(np.arange(len(drives)), runs),
     )

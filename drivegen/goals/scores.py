@@ -2,7 +2,8 @@
 
 The label of a vehicle is the candidate nearest to its logged end. Only vehicles that are seen (nearly) to the end of the
 horizon can be scored, since candidates are meant for its last step. What is equally likely is ranked by lot: figures are
-expectations over it. Intervals are bootstrapped over scenarios, because vehicles of one share its traffic.
+expectations over it. Intervals are bootstrapped over recordings, because vehicles of one share its traffic. How far away ends
+are depends on the horizon, so only vehicles of the horizon that most have are averaged.
 """
 
 from collections.abc import Sequence
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from drivegen import seeds
 from drivegen.goals.candidates import Candidates, Manoeuvre
-from drivegen.metrics.intervals import percentiles
+from drivegen.metrics.intervals import percentiles, recording, resamplings, usual_length
 from drivegen.scenario import Scenario
 
 SEEN = 0.95
@@ -36,26 +37,27 @@ class Judged:
 
     Attributes:
         distance: V arrays (C,) [m] of each candidate from the logged end. probability: V arrays (C,).
-        manoeuvre: V arrays (C,). moved: (V,) bool. scene: (V,) number of the scenario.
+        manoeuvre: V arrays (C,). moved: (V,) bool. steps: (V,) length of the scenario.
+        recording: (V,) str that the scenario was cut from.
     """
 
     distance: list[NDArray[np.float32]]
     probability: list[NDArray[np.float32]]
     manoeuvre: list[NDArray[np.uint8]]
     moved: NDArray[np.bool_]
-    scene: NDArray[np.intp]
+    steps: NDArray[np.intp]
+    recording: NDArray[np.str_]
 
     @classmethod
     def joined(cls, parts: "Sequence[Judged]") -> "Judged":
-        """All of them, each part with scenarios of its own."""
-        counts = [int(part.scene.max(initial=-1)) + 1 for part in parts]
-        first = np.cumsum([0, *counts])
+        """All of them."""
         return cls(
             [d for part in parts for d in part.distance],
             [p for part in parts for p in part.probability],
             [m for part in parts for m in part.manoeuvre],
             np.concatenate([np.zeros(0, np.bool_), *(part.moved for part in parts)]),
-            np.concatenate([np.zeros(0, np.intp), *(part.scene + at for part, at in zip(parts, first, strict=False))]),
+            np.concatenate([np.zeros(0, np.intp), *(part.steps for part in parts)]),
+            np.concatenate([np.zeros(0, np.str_), *(part.recording for part in parts)]),
         )
 
 
@@ -71,31 +73,34 @@ def judge(scenario: Scenario, candidates: Sequence[Candidates], probabilities: S
     """Compare all vehicles' candidates with where the log ended."""
     rows = np.flatnonzero(scorable(scenario)).tolist()
     if scenario.log is None or len(rows) == 0:
-        return Judged([], [], [], np.zeros(0, np.bool_), np.zeros(0, np.intp))
+        return Judged.joined([])
     end = scenario.log.position[rows, scenario.log.last_valid()[rows]]
     return Judged(
         [np.hypot(*(candidates[n].position - place).T) for n, place in zip(rows, end, strict=True)],
         [probabilities[n] for n in rows],
         [candidates[n].manoeuvre for n in rows],
         np.hypot(*(end - scenario.vehicles.position[rows]).T) > MOVING,
-        np.zeros(len(rows), np.intp),
+        np.full(len(rows), scenario.steps, np.intp),
+        np.full(len(rows), recording(scenario.scenario_id)),
     )
 
 
 def scores(judged: Judged, seed: int = 0, draws: int = 0) -> dict[str, dict[str, float]]:
-    """Means over all vehicles and over the moving ones; each group says how many it has.
+    """Means over all vehicles and over the moving ones; each group says how many it has, and how many of another horizon.
 
     With `draws` each figure has its bootstrap interval beside it, "NAME.low" and "NAME.high".
     """
     rows = [_row(*row) for row in zip(judged.distance, judged.probability, judged.manoeuvre, strict=True)]
     table = np.array(rows).reshape(-1, len(METRICS) + 2)
+    usual = judged.steps == usual_length(judged.steps) if len(table) else np.zeros(0, np.bool_)
     groups = {"all": np.ones(len(table), np.bool_), "moving": judged.moved}
     found = {}
-    for name, keep in groups.items():
-        found[name] = {"vehicles": float(keep.sum())}
+    for name, group in groups.items():
+        keep = group & usual
+        found[name] = {"vehicles": float(keep.sum()), "left_out": float((group & ~usual).sum())}
         if keep.any():
             rng = seeds.rng(seed, "goal-scores", name)
-            found[name] |= _means(table[keep], judged.scene[keep], draws, rng)
+            found[name] |= _means(table[keep], judged.recording[keep], draws, rng)
     return found
 
 
@@ -110,25 +115,26 @@ hit_k: the candidate nearest to the logged end is among the k likeliest. hit_k_w
 """
 
 
-def _means(table: NDArray[np.float64], scene: NDArray[np.intp], draws: int, rng: np.random.Generator) -> dict[str, float]:
-    """Means over vehicles and the calibration error, with intervals where scenarios are drawn `draws` times."""
-    names, count = (*METRICS, "calibration_error"), int(scene.max()) + 1
+def _means(table: NDArray[np.float64], of: NDArray[np.str_], draws: int, rng: np.random.Generator) -> dict[str, float]:
+    """Means over vehicles and the calibration error, with intervals where the recordings `of` (V,) are drawn `draws` times."""
+    recordings, number = np.unique(of, return_inverse=True)
+    names, count = (*METRICS, "calibration_error"), len(recordings)
     confidence, hit = table[:, -2], table[:, -1]
     bins = np.minimum((confidence * BINS).astype(int), BINS - 1)
     sums = np.zeros((count, len(METRICS) + 1))
-    np.add.at(sums, scene, np.column_stack([np.ones(len(table)), table[:, : len(METRICS)]]))
+    np.add.at(sums, number, np.column_stack([np.ones(len(table)), table[:, : len(METRICS)]]))
     gaps = np.zeros((count, BINS))
-    np.add.at(gaps, (scene, bins), confidence - hit)
+    np.add.at(gaps, (number, bins), confidence - hit)
 
     def statistics(times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(D, M) of scenarios taken `times` (D, S) each."""
+        """(D, M) of recordings taken `times` (D, R) each."""
         total = times @ sums
         error = np.abs(times @ gaps).sum(1)
         return np.column_stack([total[:, 1:], error]) / np.maximum(total[:, :1], 1.0)
 
-    values = dict(zip(names, statistics(np.ones((1, count)))[0].tolist(), strict=True))
+    values = dict(zip(names, statistics(np.ones((1, count)))[0].tolist(), strict=True)) | {"recordings": float(count)}
     if draws:
-        drawn = statistics(rng.multinomial(count, np.full(count, 1 / count), size=draws).astype(np.float64))
+        drawn = statistics(resamplings(recordings.tolist(), draws, rng))
         for k, name in enumerate(names):
             values[f"{name}.low"], values[f"{name}.high"] = percentiles(drawn[:, k])
     return values

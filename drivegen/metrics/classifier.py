@@ -2,7 +2,8 @@
 
 Gradient-boosted trees see features of single tracks, one generated for each logged one (the same vehicle of the same scene, from
 a sample drawn by seed); vehicles that stand still in both are left out. It is trained on other scenes than it is asked
-about: five folds of scenes drawn by seed. What it finds may be small (a wrong jerk tells as surely as a wrong turn), so
+about: five folds of recordings (fewer where there are fewer), drawn by seed, because scenes of one recording show the same logged
+vehicles. What it finds may be small (a wrong jerk tells as surely as a wrong turn), so
 an AUC says that there is a difference, not how much it matters.
 """
 
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.metrics.features import Features
-from drivegen.metrics.intervals import Interval, percentiles, resamplings
+from drivegen.metrics.intervals import Interval, counts, percentiles
 
 FOLDS = 5
 STILL = 2.0
@@ -101,35 +102,43 @@ def _least(values: NDArray[np.floating], known: NDArray[np.bool_]) -> NDArray[np
     return np.asarray(np.where(known, values, np.inf).min(axis=-1))
 
 
-def telling_apart(scenes: Sequence[TrackPairs], seed: int, draws: int, rng: np.random.Generator) -> Interval:
-    """AUC over all scenes, each asked about by a classifier that was trained on others; intervals resample scenes.
+def telling_apart(
+    scenes: Sequence[TrackPairs], recordings: Sequence[str], seed: int, draws: int, rng: np.random.Generator
+) -> Interval:
+    """AUC over all scenes, each asked about by a classifier that was trained on other recordings; intervals resample these.
 
-    NaN where there are fewer than two scenes with tracks.
+    `recordings` has one name a scene. NaN where there are fewer than two recordings with tracks.
     """
-    number = np.array([s for s, pairs in enumerate(scenes) if len(pairs.logged)])
-    if len(number) < 2:
+    names, number = np.unique(np.asarray(recordings), return_inverse=True)
+    recording = np.repeat(number, [len(pairs.logged) for pairs in scenes])
+    known = np.unique(recording)
+    if len(known) < 2:
         return Interval(np.nan, np.nan, np.nan)
-    scene = np.repeat(number, [len(scenes[s].logged) for s in number])
-    tracks = np.concatenate([np.concatenate([getattr(scenes[s], side) for s in number]) for side in ("logged", "generated")])
-    generated = np.repeat([False, True], len(scene))
-    scene = np.tile(scene, 2)
-    score = _held_out_scores(tracks, generated, scene, rng.permutation(number), seed)
+    tracks = np.concatenate([getattr(pairs, side) for side in ("logged", "generated") for pairs in scenes])
+    generated = np.repeat([False, True], len(recording))
+    recording = np.tile(recording, 2)
+    score = _held_out_scores(tracks, generated, recording, folds(rng.permutation(known)), seed)
     ranks = np.unique(np.round(score, 9), return_inverse=True)[1]
-    weight = np.zeros((draws, len(scenes)))
-    weight[:, number] = resamplings(len(number), draws, rng)
-    drawn = np.array([_auc(ranks, generated, weights[scene]) for weights in weight])
-    return Interval(_auc(ranks, generated, np.ones(len(scene))), *percentiles(drawn[np.isfinite(drawn)]))
+    weight = np.zeros((draws, len(names)))
+    weight[:, known] = counts(len(known), draws, rng)
+    drawn = np.array([_auc(ranks, generated, weights[recording]) for weights in weight])
+    return Interval(_auc(ranks, generated, np.ones(len(recording))), *percentiles(drawn[np.isfinite(drawn)]))
+
+
+def folds(recordings: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """Parts of the distinct numbers of recordings (R,), in their order: FOLDS of them, R where there are fewer recordings."""
+    return np.array_split(recordings, min(FOLDS, len(recordings)))
 
 
 def _held_out_scores(
-    tracks: Floats, generated: NDArray[np.bool_], scene: NDArray[np.intp], order: NDArray[np.intp], seed: int
+    tracks: Floats, generated: NDArray[np.bool_], recording: NDArray[np.intp], parts: list[NDArray[np.intp]], seed: int
 ) -> Floats:
-    """Log odds of being generated, from the classifier of the fold that did not see the track's scene."""
+    """Log odds of being generated, from the classifier of the fold that did not see the track's recording."""
     from sklearn.ensemble import HistGradientBoostingClassifier  # a second to import, which no process of `spread` needs
 
     score = np.zeros(len(tracks))
-    for fold in np.array_split(order, min(FOLDS, len(order))):
-        asked = np.isin(scene, fold)
+    for fold in parts:
+        asked = np.isin(recording, fold)
         trees = HistGradientBoostingClassifier(
             max_iter=80, max_leaf_nodes=12, min_samples_leaf=10, l2_regularization=1.0, early_stopping=False, random_state=seed
         )

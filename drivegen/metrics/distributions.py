@@ -1,7 +1,7 @@
 """Distances between the distributions of generated and of logged motion, over a whole set of scenes.
 
 Numbers are compared by the Wasserstein-1 distance, in their own unit: how far, on average, mass must be moved. They are kept as
-counts in fine bins (values beyond the ends go to the end bins), scene by scene, so that intervals can resample scenes. A
+counts in fine bins (values beyond the ends go to the end bins), scene by scene, so that intervals can resample them. A
 scene's samples share one weight: K of them count as much as its log. Manoeuvres are compared by the Jensen-Shannon
 divergence in bits: 0 for the same shares, 1 for nothing in common.
 
@@ -127,9 +127,11 @@ def _shares(counts: Floats) -> Floats:
     return shares
 
 
-def distances(scenes: Sequence[SceneCounts], draws: int, rng: np.random.Generator) -> dict[str, Interval]:
-    """Distances over all scenes, by name, with bootstrap intervals that resample scenes."""
-    times = resamplings(len(scenes), draws, rng)
+def distances(
+    scenes: Sequence[SceneCounts], recordings: Sequence[str], draws: int, rng: np.random.Generator
+) -> dict[str, Interval]:
+    """Distances over all scenes, by name, with bootstrap intervals that resample their `recordings`, one name a scene."""
+    times = resamplings(recordings, draws, rng)
     out = {
         name: distance(np.stack([scene.numbers[q] for scene in scenes]), low, high, times)
         for q, (name, (low, high)) in enumerate(RANGES.items())

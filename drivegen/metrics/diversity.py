@@ -16,6 +16,7 @@ The squared form needs no pairs of vehicles: with a scene's sums over its vehicl
 D(S1, S2) = sum_t n_t^1 q_t^2 + q_t^1 n_t^2 - 2 p_t^1 . p_t^2.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,18 +93,18 @@ def ratio(
     generated: NDArray[np.float64],
     real: NDArray[np.float64],
     pairs: Pairs,
+    recordings: Sequence[str],
     draws: int,
     rng: np.random.Generator,
 ) -> Interval:
     """Mean difference of the generated set over that of the real one, both (P,) on the same pairs.
 
-    The interval resamples scenes, not pairs, because pairs of several splits share scenes: in a draw that holds scene i
-    c_i times, pair (i, j) weighs c_i c_j.
+    The interval resamples the `recordings` of scenes, one name a scene, not pairs, because pairs of several splits share scenes:
+    in a draw that holds scene i c_i times, pair (i, j) weighs c_i c_j.
     """
     if len(pairs) == 0 or real.sum() == 0:
         return Interval(np.nan, np.nan, np.nan)
-    scenes = int(pairs.max()) + 1
-    times = resamplings(scenes, draws, rng)
+    times = resamplings(recordings, draws, rng)
     weight = times[:, pairs[:, 0]] * times[:, pairs[:, 1]]
     below = weight @ real
     drawn = (weight @ generated)[below > 0] / below[below > 0]

@@ -1,6 +1,10 @@
-"""Bootstrap intervals over scenarios: what a table's number would be on other scenarios of the same kind."""
+"""Bootstrap intervals over recordings: what a table's number would be on other recordings of the same kind.
+
+Which scenes are resampled together, and which are averaged, is said here for all tables.
+"""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +19,10 @@ _SCENE = re.compile(r"(-\d{5}-[^-]+|-\d{1,3})$")
 
 @dataclass(frozen=True)
 class Interval:
-    """A statistic with its percentile bootstrap interval; all NaN where there is nothing to average."""
+    """A statistic with its percentile bootstrap interval; all NaN where there is nothing to average.
+
+    Low and high are NaN, too, where all is from one recording: it says nothing about others.
+    """
 
     value: float
     low: float
@@ -33,6 +40,15 @@ def recording(scenario_id: str) -> str:
     return _SCENE.sub("", scenario_id)
 
 
+def usual_length(steps: NDArray[np.generic]) -> int:
+    """The number of steps that most scenes have, from those of each (S,); of several the largest.
+
+    Only scenes of one length are averaged: errors grow with the time that is foreseen.
+    """
+    lengths, count = np.unique(steps, return_counts=True)
+    return int(lengths[count == count.max()][-1])
+
+
 def percentiles(draws: NDArray[np.floating]) -> tuple[float, float]:
     """The central `LEVEL` of bootstrap draws (D,)."""
     if len(draws) == 0:
@@ -41,22 +57,36 @@ def percentiles(draws: NDArray[np.floating]) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def resamplings(count: int, draws: int, rng: np.random.Generator) -> NDArray[np.float64]:
-    """How often each of `count` rows comes in each of D = `draws` bootstrap draws: (D, count).
+def counts(count: int, draws: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """How often each of `count` things comes in each of D = `draws` bootstrap draws: (D, count).
 
     Multinomial counts, so that a mean over resampled rows is a product of matrices instead of `draws` copies of the table.
     """
     return rng.multinomial(count, np.full(count, 1 / count), size=draws).astype(np.float64)
 
 
-def bootstrap_means(values: NDArray[np.floating], draws: int, rng: np.random.Generator) -> list[Interval]:
-    """Mean and interval of each column of `values` (S, M), rows resampled together; NaN rows of a column don't count."""
+def resamplings(recordings: Sequence[str], draws: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """How often each row comes in each of D draws of the distinct names in `recordings`, one name a row: (D, len(recordings)).
+
+    Rows of one recording come equally often (cluster bootstrap). Of one recording alone there are no draws: D = 0.
+    """
+    names, number = np.unique(np.asarray(recordings), return_inverse=True)
+    return counts(len(names), draws if len(names) > 1 else 0, rng)[:, number]
+
+
+def bootstrap_means(
+    values: NDArray[np.floating], recordings: Sequence[str], draws: int, rng: np.random.Generator
+) -> list[Interval]:
+    """Mean and interval of each column of `values` (S, M); NaN rows of a column don't count.
+
+    Rows are resampled together with all others of their recording.
+    """
     scenes = len(values)
     if scenes == 0:
         return [Interval(np.nan, np.nan, np.nan)] * values.shape[1]
     known = np.isfinite(values)
     filled = np.where(known, values, 0.0).astype(np.float64)
-    times = resamplings(scenes, draws, rng)
+    times = resamplings(recordings, draws, rng)
     weight = times @ known
     means = np.divide(times @ filled, weight, out=np.full(weight.shape, np.nan), where=weight > 0)
     out = []

@@ -74,14 +74,16 @@ def scene_joint(scenario: Scenario, log: Trajectories, features: Features, boxes
     return SceneJoint(metrics, np.array([orders(motion, log) for motion in (together, dealt)]), counts)
 
 
-def joint_figures(scenes: Sequence[SceneJoint], draws: int, rng: np.random.Generator) -> dict[str, Interval]:
-    """What only a set of scenes has, with intervals that resample scenes: shares of right orders, distances when shuffled."""
+def joint_figures(
+    scenes: Sequence[SceneJoint], recordings: Sequence[str], draws: int, rng: np.random.Generator
+) -> dict[str, Interval]:
+    """What only a set of scenes has: shares of right orders, distances when shuffled; intervals resample recordings."""
     counted = np.stack([scene.orders for scene in scenes])
-    drawn = np.tensordot(resamplings(len(scenes), draws, rng), counted, 1)
+    drawn = np.tensordot(resamplings(recordings, draws, rng), counted, 1)
     found = {}
     for kind, name in enumerate(("joint.order", "shuffled.order")):
         found[name] = Interval(float(_share(counted.sum(axis=0)[kind])), *percentiles(_known(_share(drawn[:, kind]))))
-    apart = distances([scene.shuffled for scene in scenes], draws, rng)
+    apart = distances([scene.shuffled for scene in scenes], recordings, draws, rng)
     return found | {f"shuffled.{name}": apart[name] for name in DISTANCES}
 
 

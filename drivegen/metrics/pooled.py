@@ -9,28 +9,31 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.metrics.intervals import Interval, percentiles, resamplings
+from drivegen.metrics.intervals import Interval, counts, percentiles, resamplings
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Resampling:
-    """How often each seed and each cluster is drawn, the same for all that is compared, so differences are paired.
+    """How often each seed and each scene is drawn, the same for all that is compared, so differences are paired.
 
     Attributes:
-        seeds: (D, S). clusters: (D, C). cluster: (N,) the cluster of each scene.
+        seeds: (D, S). scenes: (D, N), those of one recording equally often.
     """
 
     seeds: Floats
-    clusters: Floats
-    cluster: NDArray[np.intp]
+    scenes: Floats
 
     @classmethod
-    def of(cls, seeds: int, groups: list[str], draws: int, rng: np.random.Generator) -> "Resampling":
-        """D = `draws` resamples of S = `seeds` seeds and of the distinct names in `groups`, one name a scene."""
-        names, cluster = np.unique(np.asarray(groups), return_inverse=True)
-        return cls(resamplings(seeds, draws, rng), resamplings(len(names), draws, rng), cluster)
+    def of(cls, seeds: int, recordings: list[str], draws: int, rng: np.random.Generator) -> "Resampling":
+        """D = `draws` resamples of S = `seeds` seeds and of the distinct names in `recordings`, one name a scene.
+
+        D = 0 where there is one recording only.
+        """
+        drawn = counts(seeds, draws, rng)
+        scenes = resamplings(recordings, draws, rng)
+        return cls(drawn[: len(scenes)], scenes)
 
 
 def pooled_mean(values: Floats, resampling: Resampling) -> Interval:
@@ -66,9 +69,7 @@ def rank_correlation(one: Floats, other: Floats) -> float:
 
 def _drawn(values: Floats, resampling: Resampling) -> Floats:
     """Weighted sums (D,) of `values` (S, N)."""
-    clusters = resampling.clusters.shape[1]
-    summed = np.stack([np.bincount(resampling.cluster, row, clusters) for row in values])
-    return np.asarray(((resampling.seeds @ summed) * resampling.clusters).sum(axis=1))
+    return np.asarray(((resampling.seeds @ values) * resampling.scenes).sum(axis=1))
 
 
 def _ranks(values: Floats) -> Floats:

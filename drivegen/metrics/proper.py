@@ -12,6 +12,7 @@ samples are turned into a density by a Gaussian kernel. Its bandwidth is one num
 for each scenario the one that is likeliest for all other scenarios. `joint` is that of all vehicles' positions at once.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,14 +91,18 @@ def _log_mean_exp(values: Floats) -> Floats:
     return np.asarray(most + np.log(np.exp(values - most).mean(axis=0)))
 
 
-def likeliest_for_others(densities: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Each scenario's log density (S,) at the bandwidth that is likeliest for all others, and the number (S,) of it.
+def likeliest_for_others(densities: Floats, recordings: Sequence[str]) -> tuple[Floats, NDArray[np.intp]]:
+    """Each scenario's log density (S,) at the bandwidth that is likeliest for all of other recordings, and the number (S,) of it.
 
-    From log densities (S, B). Scenarios without any (NaN), and a scenario that is alone, get NaN and -1.
+    From log densities (S, B) and one name a scenario. Scenarios without any (NaN), and those of a recording that is alone, get
+    NaN and -1.
     """
     known = np.isfinite(densities.sum(axis=1))
     filled = np.where(known[:, None], densities, 0.0)
-    chosen = np.argmax(filled.sum(axis=0) - filled, axis=1)
-    usable = known & (known.sum() > 1)
+    number = np.unique(np.asarray(recordings), return_inverse=True)[1]
+    own = np.zeros((len(filled), filled.shape[1]))
+    np.add.at(own, number, filled)
+    chosen = np.argmax(filled.sum(axis=0) - own[number], axis=1)
+    usable = known & (known.sum() > np.bincount(number, known)[number])
     value = np.where(usable, densities[np.arange(len(densities)), chosen], np.nan)
     return value, np.where(usable, chosen, -1)

@@ -79,6 +79,7 @@ def score(
         "encounters_log": float(counts.encounters[0]),
         "attempts": float(samples.attempts.mean()),
         "rejected": float(1 - samples.attempts.size / max(int(samples.attempts.sum()), samples.attempts.size)),
+        "steps": float(log.steps),
         "agent_steps": float(scored_steps(log).sum()),
         "vehicles": float(len(scenario.vehicles)),
         **label(scenario, log).as_rows(),

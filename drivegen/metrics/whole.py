@@ -1,8 +1,10 @@
 """What only a whole set of scenes has: means with intervals, diversity, distances, likelihoods, how far it can be told apart.
 
-Names are flat, `x` with `x.low` and `x.high`: `summary` is what the details of a method's evaluation hold.
+Names are flat, `x` with `x.low` and `x.high`: `summary` is what the details of a method's evaluation hold. Scenes of different
+length are not taken together: means are over those of the length that most have, the others are counted.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -18,7 +20,7 @@ from drivegen.metrics.diversity import (
     ratio,
     squared_differences,
 )
-from drivegen.metrics.intervals import Interval, bootstrap_means
+from drivegen.metrics.intervals import Interval, bootstrap_means, recording, usual_length
 from drivegen.metrics.joint import joint_figures
 from drivegen.metrics.proper import likeliest_for_others
 from drivegen.metrics.scene import Scored, Settings
@@ -33,10 +35,10 @@ def columns(scenes: Sequence[Scored], settings: Settings) -> dict[str, Floats]:
     """Every number of every scene by name, each (S,): NaN where a scene has none. Likelihoods are added to what scenes have."""
     names = sorted({name for scene in scenes for name in scene.metrics})
     table = {name: np.array([scene.metrics.get(name, np.nan) for scene in scenes]) for name in names}
-    densities = np.stack([scene.densities for scene in scenes])
+    densities, recordings = np.stack([scene.densities for scene in scenes]), _recordings(scenes)
     for kind, prefix in enumerate(("nll", "nll_joint")):
         for h, horizon in enumerate(settings.horizons):
-            value, chosen = likeliest_for_others(densities[:, kind, h])
+            value, chosen = likeliest_for_others(densities[:, kind, h], recordings)
             name = f"{prefix}_{horizon:g}s"
             table[name] = -value
             widths = np.array(settings.bandwidths)
@@ -45,28 +47,43 @@ def columns(scenes: Sequence[Scored], settings: Settings) -> dict[str, Floats]:
 
 
 def summary(scenes: Sequence[Scored], table: Mapping[str, Floats], seed: int, draws: int, splits: int) -> dict[str, float]:
-    """Everything over the set, from its scenes and their `columns`."""
-    numbers = _means(table, seed, draws) | _diversity(scenes, seed, draws, splits)
-    found = {f"distance.{k}": v for k, v in distances([s.counts for s in scenes], draws, _stream(seed, "distances")).items()}
-    found |= joint_figures([scene.joint for scene in scenes], draws, _stream(seed, "joint"))
-    found["auc"] = telling_apart([scene.tracks for scene in scenes], seed, draws, _stream(seed, "classifier"))
+    """Everything over the set, from its scenes and their `columns`; intervals resample recordings.
+
+    `scenarios` of `recordings` with `steps` steps each are measured; `left_out.N` scenarios have N steps.
+    """
+    lengths = Counter(int(steps) for steps in table["steps"])
+    usual = usual_length(table["steps"])
+    kept = np.flatnonzero(table["steps"] == usual)
+    scenes, table = [scenes[s] for s in kept.tolist()], {name: column[kept] for name, column in table.items()}
+    recordings = _recordings(scenes)
+    numbers = _means(table, recordings, seed, draws) | _diversity(scenes, recordings, seed, draws, splits)
+    apart = distances([s.counts for s in scenes], recordings, draws, _stream(seed, "distances"))
+    found = {f"distance.{name}": interval for name, interval in apart.items()}
+    found |= joint_figures([scene.joint for scene in scenes], recordings, draws, _stream(seed, "joint"))
+    found["auc"] = telling_apart([scene.tracks for scene in scenes], recordings, seed, draws, _stream(seed, "classifier"))
     for name, interval in found.items():
         numbers |= _flat(name, interval)
-    return numbers | {"scenarios": len(scenes)}
+    others = {f"left_out.{steps}": count for steps, count in sorted(lengths.items()) if steps != usual}
+    return numbers | {"scenarios": len(scenes), "recordings": len(set(recordings)), "steps": usual} | others
 
 
-def _means(table: Mapping[str, Floats], seed: int, draws: int) -> dict[str, float]:
+def _recordings(scenes: Sequence[Scored]) -> list[str]:
+    return [recording(scene.scenario) for scene in scenes]
+
+
+def _means(table: Mapping[str, Floats], recordings: Sequence[str], seed: int, draws: int) -> dict[str, float]:
     """Means over scenarios with their intervals; labels are counted, not averaged."""
     labels = {name for name in table if name.startswith(("label.", "manoeuvre."))}
-    names = sorted(set(table) - labels - set(TOTALS))
-    intervals = bootstrap_means(np.stack([table[name] for name in names], axis=1), draws, _stream(seed, "bootstrap"))
+    names = sorted(set(table) - labels - {*TOTALS, "steps"})
+    values = np.stack([table[name] for name in names], axis=1)
+    intervals = bootstrap_means(values, recordings, draws, _stream(seed, "bootstrap"))
     out = {name: float(np.nansum(table[name])) for name in sorted(labels)}
     for name, interval in zip(names, intervals, strict=True):
         out |= _flat(name, interval)
     return out | {name: float(table[name].sum()) for name in TOTALS}
 
 
-def _diversity(scenes: Sequence[Scored], seed: int, draws: int, splits: int) -> dict[str, float]:
+def _diversity(scenes: Sequence[Scored], recordings: Sequence[str], seed: int, draws: int, splits: int) -> dict[str, float]:
     """Diversity of the log, the best sample and a random sample, and both ratios, by squared and by plain norm."""
     pairs = random_pairs(len(scenes), splits, _stream(seed, "pairs"))
     sets: dict[str, OwnFrames] = {
@@ -81,7 +98,8 @@ def _diversity(scenes: Sequence[Scored], seed: int, draws: int, splits: int) -> 
             out[_joined("diversity", name, norm)] = float(values[name].mean()) if len(pairs) else np.nan
             if name != "log":
                 stream = _stream(seed, "diversity", norm, name)
-                out |= _flat(_joined("diversity_ratio", name, norm), ratio(values[name], values["log"], pairs, draws, stream))
+                found = ratio(values[name], values["log"], pairs, recordings, draws, stream)
+                out |= _flat(_joined("diversity_ratio", name, norm), found)
     return out
 
 

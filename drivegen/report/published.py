@@ -35,7 +35,7 @@ _FLOOR = "constant_velocity"
 _OF_SETS = {"diversity_ratio": "diversity", "auc": "auc"}
 """Names in the details of an evaluation, and here: what only a whole set of scenes has. `distance.*` keep their names."""
 
-_COUNTS = ("agent_steps", "vehicles", "bandwidth.", "manoeuvre.", "label.")
+_COUNTS = ("steps", "agent_steps", "vehicles", "bandwidth.", "manoeuvre.", "label.")
 """What evaluation counts on the way to its metrics: says how much was measured, not how well anybody did."""
 
 

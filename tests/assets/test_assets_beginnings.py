@@ -63,7 +63,7 @@ def test_a_target_alone_has_no_rates():
 
 
 def test_logs_are_at_no_distance_from_themselves_and_farther_from_what_is_faster():
-    logs = [beginning(lane_of(4)), beginning(busy_crossing())]
+    logs = [beginning(lane_of(4)), beginning(replace(busy_crossing(), scenario_id="another"))]
     rng = np.random.default_rng
     assert all(compared(logs, logs, 50, rng(0))[name].value == 0 for name in RANGES)
     faster = [replace(log, counts=np.roll(log.counts, 10, axis=1)) for log in logs]

@@ -14,7 +14,7 @@ from drivegen.goals.candidates import Manoeuvre, Settings, candidates
 from drivegen.goals.cover import cover
 from drivegen.goals.packing import pack, unpack
 from drivegen.goals.reach import Dynamics, end_speed
-from drivegen.goals.scores import judge, scores
+from drivegen.goals.scores import Judged, judge, scores
 from drivegen.lanes.frenet import from_frenet
 from drivegen.lanes.graph import LaneGraph
 from drivegen.scenario import Signals, SignalState
@@ -193,6 +193,23 @@ def test_scores_of_a_known_ranking():
     assert table["hit_1"] == pytest.approx(1 / len(certain))  # by lot
     assert table["hit_3"] == pytest.approx(3 / len(certain))
     assert table["expected_fde"] == pytest.approx(np.hypot(*(found[0].position - found[0].position[3]).T).mean(), rel=1e-4)
+
+
+def test_scores_are_drawn_by_recording_and_not_averaged_over_horizons():
+    found = all_candidates(SCENE, GRAPH)
+    names = ("USA_Lanker-2_10_T-1-000", "USA_Lanker-2_10_T-1-001", "USA_US101-12_1_T-1-000")
+    sure = [(c.prior == c.prior.max()).astype(np.float32) for c in found]
+    parts = [
+        judge(replace(SCENE, scenario_id=name), found, odds)
+        for name, odds in zip(names, ([c.prior for c in found], [c.prior for c in found], sure), strict=True)
+    ]
+    short = replace(parts[0], steps=parts[0].steps - 30)
+    table = scores(Judged.joined([*parts, short]), 7, 200)["all"]
+    vehicles = len(SCENE.vehicles)
+    assert (table["vehicles"], table["left_out"], table["recordings"]) == (3 * vehicles, vehicles, 2)
+    one, other = (scores(part)["all"]["nll"] for part in (parts[0], parts[2]))
+    assert table["nll"] == pytest.approx((2 * one + other) / 3)
+    assert [table["nll.low"], table["nll.high"]] == pytest.approx(sorted([one, other]))  # draws of one recording alone
 
 
 @settings(max_examples=10, deadline=None)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.metrics.classifier import TRACK_FEATURES, TrackPairs, _auc, telling_apart, track_pairs
+from drivegen.metrics.classifier import TRACK_FEATURES, TrackPairs, _auc, folds, telling_apart, track_pairs
 from drivegen.metrics.features import scene_features
 from drivegen.metrics.road_edge import RoadEdges
 from drivegen.render.drivable import CELL, road_field
@@ -24,7 +24,7 @@ def pairs_of(motion) -> TrackPairs:
 
 
 def told(scenes, seed=7):
-    return telling_apart(scenes, seed, 50, rng(seed, "test"))
+    return telling_apart(scenes, [str(n) for n in range(len(scenes))], seed, 50, rng(seed, "test"))
 
 
 def test_a_copy_of_the_log_cannot_be_told_apart():
@@ -52,6 +52,33 @@ def test_jerky_tracks_are_told_from_scenes_never_seen():
     found = told([pairs_of(shaken()) for _ in range(6)])
     assert found.value > 0.95
     assert found.low <= found.value <= found.high
+
+
+def test_folds_are_of_recordings_and_as_many_as_there_are_of_few():
+    assert [len(fold) for fold in folds(np.arange(12))] == [3, 3, 2, 2, 2]
+    assert [fold.tolist() for fold in folds(np.array([7, 2, 5]))] == [[7], [2], [5]]
+
+
+def test_no_recording_is_learnt_from_and_asked_about():
+    # Which side of its mark is the generated one differs by recording; only the recording's other scene gives it away.
+    random = np.random.default_rng(0)
+
+    def scene(mark):
+        both = random.normal(0, 0.01, (2, 12, 24))
+        both[:, :, 0] += 2 * mark
+        both[mark % 2, :, 0] += 1
+        return TrackPairs(*both)
+
+    scenes = [scene(mark) for mark in random.permutation(20) for _ in range(2)]
+    apart = telling_apart(scenes, [str(n // 2) for n in range(40)], 7, 50, rng(7, "test"))
+    leaking = told(scenes)
+    assert leaking.value > 0.9
+    assert apart.value < 0.6
+
+
+def test_one_recording_cannot_be_asked_about():
+    scenes = [TrackPairs(np.zeros((3, 24)), np.ones((3, 24)))] * 4
+    assert np.isnan(telling_apart(scenes, ["a"] * 4, 7, 50, rng(7, "test")).value)
 
 
 def test_the_same_seed_gives_the_same_answer():

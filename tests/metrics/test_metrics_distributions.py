@@ -61,7 +61,7 @@ def test_jensen_shannon_by_hand():
 
 def test_the_log_has_no_distance_from_itself():
     scenes = [counted(SCENE.log[np.newaxis][np.zeros(3, np.intp)])] * 4
-    for name, interval in distances(scenes, 20, rng(0, "test")).items():
+    for name, interval in distances(scenes, list("abcd"), 20, rng(0, "test")).items():
         assert interval.value == pytest.approx(0, abs=1e-9), name
         assert interval.high == pytest.approx(0, abs=1e-9)
 
@@ -78,7 +78,7 @@ def test_faster_traffic_is_as_far_in_speed_as_it_is_faster():
     log = SCENE.log
     fast = replace(log, position=log.position[:, :1] + 1.5 * (log.position - log.position[:, :1]))
     scenes = [counted(fast[np.newaxis])]
-    found = distances(scenes, 10, rng(0, "test"))
+    found = distances(scenes, ["a"], 10, rng(0, "test"))
     speeds = log.speed[:, 1:-1]
     assert found["speed"].value == pytest.approx(0.5 * speeds.mean(), abs=0.25)
     assert found["manoeuvres"].value < 0.2
@@ -116,7 +116,7 @@ def test_manoeuvres_are_counted_by_name():
 
 def test_intervals_hold_their_values():
     scenes = [counted(noisy_samples(SCENE, 3, seed=i).motion) for i in range(5)]
-    for interval in distances(scenes, 50, rng(0, "test")).values():
+    for interval in distances(scenes, list("abcde"), 50, rng(0, "test")).values():
         assert np.isnan(interval.value) or interval.low <= interval.value <= interval.high
 
 
@@ -129,3 +129,9 @@ def test_encounters_are_pairs_of_the_log_and_on_average_of_a_sample():
     samples = Trajectories(*(np.stack([getattr(one, name) for one in (log, apart)]) for name in names))
     assert pairs > 0
     np.testing.assert_allclose(counted(samples).encounters, [pairs, pairs / 2])
+
+
+def test_distances_are_drawn_by_recording():
+    still, fast = counted(SCENE.log[np.newaxis]), counted(noisy_samples(SCENE, 1, seed=3).motion)
+    pair, both = (distances([still, fast] * n, ["a", "b"] * n, 300, rng(0, "test"))["jerk"] for n in (1, 8))
+    assert (both.low, both.high) == pytest.approx((pair.low, pair.high))

@@ -82,15 +82,22 @@ def test_every_split_pairs_every_scene_once():
 def test_one_scene_has_no_pairs_and_no_ratio():
     pairs = random_pairs(1, 5, np.random.default_rng(0))
     assert pairs.shape == (0, 2)
-    assert np.isnan(ratio(np.zeros(0), np.zeros(0), pairs, 10, np.random.default_rng(0)).value)
+    assert np.isnan(ratio(np.zeros(0), np.zeros(0), pairs, ["a"], 10, np.random.default_rng(0)).value)
 
 
 def test_the_real_set_against_itself_is_one_and_the_interval_holds_the_ratio():
     random = np.random.default_rng(1)
     pairs = random_pairs(30, 10, random)
     real = random.uniform(5, 10, len(pairs))
-    same = ratio(real, real, pairs, 200, random)
+    names = [f"scene {n}" for n in range(30)]
+    same = ratio(real, real, pairs, names, 200, random)
     assert same.value == 1.0
     np.testing.assert_allclose([same.low, same.high], 1.0)
-    half = ratio(real * random.uniform(0.4, 0.6, len(pairs)), real, pairs, 200, random)
+    half = ratio(real * random.uniform(0.4, 0.6, len(pairs)), real, pairs, names, 200, random)
     assert half.low < half.value < half.high < 0.6
+
+
+def test_pairs_of_scenes_are_drawn_by_recording():
+    pairs = np.array([[0, 1], [2, 3]])
+    found = ratio(np.array([1.0, 3.0]), np.ones(2), pairs, ["a", "a", "b", "b"], 200, np.random.default_rng(0))
+    assert (found.value, found.low, found.high) == (2.0, 1.0, 3.0)  # a alone, b alone

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from drivegen.metrics.intervals import Interval, bootstrap_means, recording
+from drivegen.metrics.intervals import Interval, bootstrap_means, recording, resamplings, usual_length
 
 
 def bootstrap_mean(values: np.ndarray, draws: int, random: np.random.Generator) -> Interval:
-    [interval] = bootstrap_means(values[:, None], draws, random)
+    [interval] = bootstrap_means(values[:, None], [str(n) for n in range(len(values))], draws, random)
     return interval
 
 
@@ -31,9 +31,35 @@ def test_multinomial_counts_equal_resampling_row_by_row():
 
 def test_rows_without_a_value_do_not_count():
     table = np.array([[1.0, np.nan], [3.0, 5.0], [2.0, np.nan]])
-    both = bootstrap_means(table, 500, np.random.default_rng(0))
+    both = bootstrap_means(table, ["a", "b", "c"], 500, np.random.default_rng(0))
     assert [interval.value for interval in both] == [2.0, 5.0]
     assert (both[1].low, both[1].high) == (5.0, 5.0)
+
+
+def test_rows_of_one_recording_come_and_go_together():
+    times = resamplings(["b", "a", "b", "c"], 200, np.random.default_rng(0))
+    assert times.shape == (200, 4)
+    np.testing.assert_array_equal(times[:, 0], times[:, 2])
+    np.testing.assert_array_equal(times[:, [0, 1, 3]].sum(axis=1), 3)
+
+
+def test_twenty_alike_scenes_of_a_recording_say_no_more_than_one():
+    values = np.random.default_rng(0).normal(size=10).repeat(20)[:, None]
+    of = [str(n // 20) for n in range(200)]
+    [together] = bootstrap_means(values, of, 2000, np.random.default_rng(1))
+    [once] = bootstrap_means(values[::20], of[::20], 2000, np.random.default_rng(1))
+    assert (together.low, together.high) == pytest.approx((once.low, once.high))
+
+
+def test_one_recording_says_nothing_about_others():
+    [found] = bootstrap_means(np.array([[1.0], [3.0]]), ["a", "a"], 100, np.random.default_rng(0))
+    assert found.value == 2.0
+    assert np.isnan([found.low, found.high]).all()
+
+
+def test_the_usual_length_is_what_most_scenes_have_and_of_several_the_largest():
+    assert usual_length(np.array([101.0, 101, 50, 101])) == 101
+    assert usual_length(np.array([50, 110, 50, 110, 80])) == 110
 
 
 def test_nothing_to_average_is_not_a_number():

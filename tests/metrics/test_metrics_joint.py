@@ -88,13 +88,13 @@ def test_of_logs_that_are_as_polite_as_the_samples_the_joint_energy_score_prefer
 def test_a_set_s_order_is_the_share_over_all_its_pairs_with_an_interval_over_scenes() -> None:
     log = meeting(40, 10)
     right, both = measured(samples_of(*[log] * 3), log), measured(polite(), log)
-    found = joint_figures([right, both], 200, np.random.default_rng(0))["joint.order"]
+    found = joint_figures([right, both], ["a", "b"], 200, np.random.default_rng(0))["joint.order"]
     assert found.value == pytest.approx((3 + SAMPLES // 2) / (3 + SAMPLES))
     assert (found.low, found.high) == (0.5, 1.0)
 
 
 def test_what_no_scene_has_is_not_a_number() -> None:
     log = meeting(10, 10, (1, 1))
-    found = joint_figures([measured(log[np.newaxis][[0, 0]], log)], 20, np.random.default_rng(0))
+    found = joint_figures([measured(log[np.newaxis][[0, 0]], log)], ["a"], 20, np.random.default_rng(0))
     assert np.isnan(found["joint.order"].value)
     assert np.isnan(found["shuffled.post_encroachment"].value)

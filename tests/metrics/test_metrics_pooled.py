@@ -42,16 +42,17 @@ def test_draws_agree_with_resampling_by_plain_loops():
     drawn = resampling(2, groups, draws=50)
     means = []
     for d in range(50):
-        cells = [
-            values[s, n]
-            for s in range(2)
-            for n in range(6)
-            for _ in range(int(drawn.seeds[d, s] * drawn.clusters[d, drawn.cluster[n]]))
-        ]
+        cells = [values[s, n] for s in range(2) for n in range(6) for _ in range(int(drawn.seeds[d, s] * drawn.scenes[d, n]))]
         known = [cell for cell in cells if np.isfinite(cell)]
         means += [np.mean(known)] if known else []
     found = pooled_mean(values, drawn)
     assert (found.low, found.high) == pytest.approx(tuple(np.quantile(means, [0.025, 0.975])))
+
+
+def test_one_recording_has_a_mean_and_no_interval():
+    found = pooled_mean(np.array([[1.0, 2.0], [3.0, 6.0]]), resampling(2, ["a", "a"]))
+    assert found.value == 3.0
+    assert np.isnan([found.low, found.high]).all()
 
 
 def test_an_envelope_holds_every_seed():

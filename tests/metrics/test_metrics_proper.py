@@ -178,12 +178,20 @@ def test_far_logs_do_not_overflow():
 
 def test_a_bandwidth_is_chosen_by_the_other_scenarios():
     densities = np.array([[0.0, -9.0], [-1.0, 0.0], [-1.0, 0.0], [np.nan, np.nan]])
-    value, chosen = likeliest_for_others(densities)
+    value, chosen = likeliest_for_others(densities, list("abcd"))
     assert chosen.tolist() == [1, 0, 0, -1]
     np.testing.assert_array_equal(value, [-9.0, -1.0, -1.0, np.nan])
 
 
+def test_scenarios_of_one_recording_do_not_choose_for_one_another():
+    densities = np.array([[0.0, -9.0], [-3.0, 0.0], [-1.0, 0.0], [-1.0, 0.0]])
+    value, chosen = likeliest_for_others(densities, ["a", "a", "b", "b"])
+    assert chosen.tolist() == [1, 1, 0, 0]
+    np.testing.assert_array_equal(value, [-9.0, 0.0, -1.0, -1.0])
+    assert np.isnan(likeliest_for_others(densities, ["a"] * 4)[0]).all()
+
+
 def test_a_scenario_alone_has_no_likelihood():
-    value, chosen = likeliest_for_others(np.array([[0.0, 1.0]]))
+    value, chosen = likeliest_for_others(np.array([[0.0, 1.0]]), ["a"])
     assert np.isnan(value).all()
     assert chosen.tolist() == [-1]

@@ -72,6 +72,21 @@ def test_the_summary_is_flat_and_its_means_are_those_of_the_rows(made):
     assert 0 < summary["min_sade"] < summary["mean_sade"]
 
 
+def test_scenes_of_another_length_are_measured_and_not_averaged(made, tmp_path):
+    scenes = [busy_crossing(60, "a-000"), busy_crossing(60, "a-001"), busy_crossing(60, "b-000"), busy_crossing(30, "c-000")]
+    write_shard(tmp_path / "test" / "shard-00000.parquet", scenes)
+    write_samples(tmp_path / "generated/x/shard-00000.parquet", [noisy_samples(s, 4, seed=i) for i, s in enumerate(scenes)])
+    found = run(tmp_path, "x")
+    rows = pq.read_table(tmp_path / "metrics/quality/x.parquet").to_pylist()
+    error = {row["scenario"]: row["value"] for row in rows if row["metric"] == "mean_sade"}
+    assert len(error) == 4
+    assert found["mean_sade"] == pytest.approx(np.mean([error[scene] for scene in ("a-000", "a-001", "b-000")]))
+    assert (found["scenarios"], found["recordings"], found["steps"], found["left_out.30"]) == (3, 2, 60, 1)
+    one, other = np.mean([error["a-000"], error["a-001"]]), error["b-000"]
+    assert [found["mean_sade.low"], found["mean_sade.high"]] == pytest.approx(sorted([one, other]))  # draws of one recording
+    assert found["diversity_pairs"] == 4 * (3 // 2)
+
+
 def test_dvc_shows_few_numbers(made):
     shown = json.loads((made / "metrics/quality/drivegen.json").read_text())
     details = details_of(made, "drivegen")

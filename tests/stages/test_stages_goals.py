@@ -21,7 +21,7 @@ from tests.selectors.test_selectors_vlm import SETTINGS as ASKING
 
 
 def several(name):
-    return [replace(scenes.busy_crossing(), scenario_id=f"{name}-{i}") for i in range(2)]
+    return [replace(scenes.busy_crossing(), scenario_id=f"{name}-{letter}") for letter in "ab"]
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_goals_stand_beside_their_scenarios(trained, selector):
     out, metrics = trained / "goals" / selector, trained / f"{selector}.json"
     goals.main(goals.Params(7, 1, 20, SETTINGS, ASKING), trained / "scenarios" / "test", trained / "selector", out, metrics)
     rows = read_goals(out / "shard-00000.parquet")
-    assert [row.scenario_id for row in rows] == ["test-0", "test-1"]
+    assert [row.scenario_id for row in rows] == ["test-a", "test-b"]
     found, probability = unpack(LaneGraph.of(scenes.crossing()), rows[0])
     assert [len(c) for c in found] == [len(p) for p in probability]
     table = orjson.loads(metrics.read_bytes())

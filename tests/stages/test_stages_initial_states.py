@@ -21,7 +21,7 @@ OURS = {"held-out logs"} | {f"drivegen, mode {mode}{own}" for mode in ("paper", 
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("initial_states")
     for split in ("train", "test"):
-        scenes = [busy_crossing(101, f"{split}-{n}") for n in range(3)]
+        scenes = [busy_crossing(101, f"{split}-{letter}") for letter in "abc"]
         write_shard(path / "scenarios" / split / "shard-00000.parquet", scenes)
     assets.main(assets.Params(gap_scenarios=3), path / "scenarios", path / "assets.parquet", path / "gaps.parquet")
     for name in ("trafficgen", "lctgen"):

@@ -28,7 +28,7 @@ SCORES = {
 """Columns of that table."""
 
 NOTES = (
-    "Vehicles that move more than 2 m and are seen to the end; intervals are bootstrapped over scenarios.",
+    "Vehicles that move more than 2 m and are seen to the end; intervals are bootstrapped over recordings.",
     "Within 2 and 4 m, oracle FDE: how near the nearest candidate is to the logged end, whoever chooses; the log adds its own.",
     "Hit@k and MRR: rank of that candidate. Hit@3 within 4 m: one of the three likeliest is that near. Equal ones rank by lot.",
     "ECE: calibration error of the likeliest candidate's probability. Manoeuvre: share whose likeliest manoeuvre is that one.",

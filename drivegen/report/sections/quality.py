@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from drivegen.report import paper, plots
+from drivegen.report.averaged import taken_over
 from drivegen.report.evidence import Evidence
 from drivegen.report.published import METHODS, RIVALS
 from drivegen.report.section import Figure, Section, not_measured
@@ -36,7 +37,7 @@ def section(evidence: Evidence) -> Section:
     methods = ordered(evidence.below("quality_details"))
     lead = (
         "Ten samples of every test scenario from its map, its first frame and its signals' states, against what was logged. "
-        "Distances in metres, mean over scenarios with 95 % bootstrap intervals; every vehicle of every sample counts."
+        "Distances in metres, mean over scenarios with bootstrap intervals over recordings; every vehicle of every sample counts."
     )
     found = (_realism(methods, evidence), *((_diversity(methods, evidence),) if methods else ()))
     figures = (_map_of_methods(methods),) if methods else ()
@@ -61,9 +62,10 @@ def safety(evidence: Evidence) -> Section:
     kinds = sorted({key for values in methods.values() for key in values if key.startswith("violation.")} - _bounds(methods))
     by_kind = [row(name_of(method, methods), *(_share(values, kind) for kind in kinds)) for method, values in methods.items()]
     heads = ("", *(kind.removeprefix("violation.").replace("_", " ") for kind in kinds))
+    notes = (*evidence.trained_on, *taken_over(methods))
     found = (
-        Table("safety", "Share of generated vehicles and scenes with a violation", columns, tuple(lines), evidence.trained_on),
-        Table("violations", "Share of generated vehicles by violation", heads, tuple(by_kind), evidence.trained_on),
+        Table("safety", "Share of generated vehicles and scenes with a violation", columns, tuple(lines), notes),
+        Table("violations", "Share of generated vehicles by violation", heads, tuple(by_kind), notes),
     )
     return Section("safety", "Safety of generated traffic", lead, found)
 
@@ -104,7 +106,9 @@ def _realism(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table
         "A rival that does not beat constant velocity in min-sADE is under-trained: beating it counts for nothing.",
     )
     heads = ("", "data", "goals chosen by", *errors)
-    return Table("quality", "Table I. Scenario quality", heads, (*ours, *theirs), (*evidence.trained_on, *notes))
+    return Table(
+        "quality", "Table I. Scenario quality", heads, (*ours, *theirs), (*evidence.trained_on, *taken_over(methods), *notes)
+    )
 
 
 def _chosen_by(method: str, evidence: Evidence) -> str:
@@ -137,7 +141,9 @@ def _diversity(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Tab
         f"Ratio to the real set on {pairs} seeded random pairs of scenes; the paper writes the squared norm. Steps that the log "
         "did not observe are left out of both.",
     )
-    return Table("diversity", "Readings of the diversity ratio", heads, tuple(lines), (*evidence.trained_on, *notes))
+    return Table(
+        "diversity", "Readings of the diversity ratio", heads, tuple(lines), (*evidence.trained_on, *taken_over(methods), *notes)
+    )
 
 
 def _map_of_methods(methods: Mapping[str, dict[str, Any]]) -> Figure:

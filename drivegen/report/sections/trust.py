@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from drivegen.report.averaged import taken_over
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section, not_measured
 from drivegen.report.sections.quality import name_of, ordered, rows_of
@@ -70,11 +71,11 @@ REALISM_NOTE = (
 SCORES_NOTE = (
     "Energy scores: of each vehicle's way and end, and of all vehicles at once; a method does best by sampling what it "
     "believes. NLL: of the log, in nats per vehicle, under a Gaussian kernel on the samples whose bandwidth is, for each "
-    "scenario, the one that is likeliest for all others; the log's own is bounded by the finest bandwidth."
+    "scenario, the one that is likeliest for all of other recordings; the log's own is bounded by the finest bandwidth."
 )
 DISTANCES_NOTE = (
     "Wasserstein-1 distances of generated from logged motion over all scenes, of manoeuvres the Jensen-Shannon "
-    "divergence. AUC: boosted trees that tell generated from logged tracks of scenes that they were not trained on."
+    "divergence. AUC: boosted trees that tell generated from logged tracks of recordings that they were not trained on."
 )
 BOXES_NOTE = (
     "Shares of vehicles whose box touches another one, without the checker's tolerances; pairs that are given "
@@ -94,7 +95,7 @@ def section(evidence: Evidence) -> Section:
     methods = ordered(evidence.below("quality_details"))
     lead = (
         "What the paper does not report. The log's own row says what perfect is worth on these data, constant velocity's what "
-        "nothing learned is worth. Means over scenarios with 95 % bootstrap intervals."
+        "nothing learned is worth. Means over scenarios with bootstrap intervals over recordings."
     )
     if not methods:
         return Section("trust", "Trust in the numbers", lead, missing=not_measured("evaluate"))
@@ -159,7 +160,7 @@ def _table(
         row(name_of(method, methods), *(measured(values, key, digits) for key in columns), origin="ours")
         for method, values in rows_of(methods).items()
     ]
-    return Table(name, title, ("", *columns.values()), tuple(lines), (*evidence.trained_on, note))
+    return Table(name, title, ("", *columns.values()), tuple(lines), (*evidence.trained_on, *taken_over(methods), note))
 
 
 def is_likelihood(name: str) -> bool:

@@ -114,7 +114,8 @@ def _first_frames(started: Mapping[str, Any]) -> Table:
     rows = [_first_frame(text, methods[name]) for name, text in _PLACED.items() if name in methods]
     notes = (
         f"As many vehicles as the log has, on the maps of {started['scenes']} test scenes. Speed to the lane's middle: "
-        "Wasserstein-1 distances to the logs', of all vehicles but the target, with 95 % bootstrap intervals over scenes; "
+        "Wasserstein-1 distances to the logs', of all vehicles but the target, with 95 % bootstrap intervals over "
+        f"{started['recordings']} recordings; "
         "heading is against the lane's. The last two are shares of vehicles. All methods draw anew where vehicles would overlap.",
         "All are given the log's target, but in the two rows that say otherwise; in mode paper DriveGen takes nothing but sizes "
         "from logs. The bound's code says roughly where every logged vehicle stands and how fast it is.",
@@ -130,4 +131,6 @@ def _first_frame(text: str, values: Mapping[str, Any]) -> Row:
 
 def _share(values: Mapping[str, Any], name: str) -> Cell:
     value, low, high = (values[f"{name}{end}"] for end in ("", ".low", ".high"))
-    return Cell(f"{100 * value:.1f} %", f"{100 * low:.1f}\u2013{100 * high:.1f}") if value is not None else Cell("–")
+    if value is None:
+        return Cell("–")
+    return Cell(f"{100 * value:.1f} %", "" if low is None else f"{100 * low:.1f}\u2013{100 * high:.1f}")

@@ -1,0 +1,31 @@
+"""What means and intervals are taken over, in the words that stand under a table."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from drivegen.scenario import DT
+
+
+def taken_over(methods: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
+    """The note for the details of an evaluation, which are of the same scenes for all methods; none where they don't say."""
+    details = next((values for values in methods.values() if "recordings" in values), None)
+    if details is None:
+        return ()
+    others = {int(key.removeprefix("left_out.")): count for key, count in details.items() if key.startswith("left_out.")}
+    return (scenes_and_recordings(details["scenarios"], details["recordings"], details["steps"], others),)
+
+
+def scenes_and_recordings(scenes: int, recordings: int, steps: int, others: Mapping[int, int]) -> str:
+    """The note for `scenes` scenes of `steps` steps; `others` are numbers of scenes by another number of steps, left out."""
+    several = f"intervals (95 %) over their {recordings} recordings"
+    said = f"Means are over {scenes} scenes of {seconds(steps)} s, "
+    said += f"{several}." if recordings > 1 else "all of one recording, which gives no intervals."
+    if not others:
+        return said
+    left_out = " and ".join(f"{count} of {seconds(length)} s" for length, count in sorted(others.items()))
+    return f"{said} Scenes of another length are not averaged with them: {left_out}."
+
+
+def seconds(steps: int) -> str:
+    """What `steps` steps last, the first being at 0 s."""
+    return f"{(steps - 1) * DT:g}"
