@@ -110,6 +110,7 @@ def test_crossings_have_four_corners_whichever_way_their_edges_point() -> None:
         }
     }
     found = read_map(orjson.dumps(tree), "map.json")
+    assert len(found.crossings) == 2
     for polygon in found.crossings.lines():
         x, y = polygon.astype(np.float64).T
         assert abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2 == pytest.approx(18.0)
