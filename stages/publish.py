@@ -2,30 +2,36 @@
 
 argv: folder of runs (<data set>/<training seed>, and <data set>/t<temperature>, each a workspace whose reports/metrics hold
 what was measured), folder to write: scenario_quality.json, a list of {data, method, metric, value, low, high, n, seeds,
-selector}; every table as Markdown; provenance.json.
+selector}; every table as Markdown, its picture as SVG; README.md; provenance.json.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import orjson
-import pyarrow.parquet as pq
 
 from drivegen import plugins
 from drivegen.errors import UnusableInput
 from drivegen.report import published, published_tables
-from drivegen.report.published import DataSet, Results
+from drivegen.report.published import DataSet, Pooled, Results
+from drivegen.report.published_best import best
+from drivegen.report.published_costs import costs
+from drivegen.report.published_front import front
+from drivegen.report.published_goals import goals
+from drivegen.report.published_index import index
+from drivegen.report.published_training import Trained, models
 from drivegen.report.table import Table
 from drivegen.seeds import rng
 from drivegen.store.files import whole, write_json
 from drivegen.store.results import run_id
+from drivegen.store.runs import COSTS, METRICS, read_codes, read_costs, read_models, read_param, read_scores
+from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, require
 
-METRICS = Path("reports/metrics")
+SCENARIOS = Path("data/scenarios/test")
 _PINNED = ("drivegen", "numpy", "torch", "libsumo", "numba")
 
 
@@ -73,28 +79,41 @@ def main(params: Params, runs: Path, out: Path) -> None:
     require(runs, "run `make tables`, which makes the runs and then calls this")
     rows: list[dict[str, Any]] = []
     tables: list[Table] = []
-    known, missing = {}, []
+    known: dict[str, tuple[DataSet, Pooled]] = {}
     for name, about in params.data.items():
         data = _data_set(runs / name, name, about, params)
-        if data is None:
-            missing.append(name)
-            continue
-        pooled = published.pool(data, params.draws, rng(params.seed, "publish", "pool", name))
-        known[name] = (data, pooled)
-        rows += published.rows(data, pooled)
-        tables += published_tables.tables(data, pooled, params.draws, rng(params.seed, "publish", "paired", name))
-        at = {t: results for t in params.temperatures if (results := _at_temperature(runs / name / f"t{t}"))}
-        if at:
-            tables.append(published_tables.front(data, at, pooled))
+        if data is not None:
+            pooled = published.pool(data, params.draws, rng(params.seed, "publish", "pool", name))
+            known[name] = (data, pooled)
+            rows += published.rows(data, pooled)
+            tables += published_tables.few(data, _tables(data, pooled, runs / name, params))
+    if not rows:
+        raise UnusableInput(f"{runs} holds no run that was evaluated: run `make tables`", reason="no-runs")
     tables += [published_tables.transfer(*known[a], *known[b]) for a, b in params.transfer if a in known and b in known]
     for less, more in params.training:
         if less in known and more in known:
             stream = rng(params.seed, "publish", "training", more)
-            tables.append(published_tables.training(known[less][0], known[more][0], params.draws, stream))
-    if not rows:
-        raise UnusableInput(f"{runs} holds no run that was evaluated: run `make tables`", reason="no-runs")
-    _write(out, rows, tables, _provenance(params, runs, sorted(known)))
-    print(f"publish: {len(rows)} figures of {', '.join(known)}; not measured: {', '.join(missing) or 'none'}")
+            found = published_tables.training(known[less][0], known[more][0], params.draws, stream)
+            tables += published_tables.few(known[more][0], [found])
+    tables += models(_trained(runs, [data for data, _ in known.values()]))
+    most = max((data for data, _ in known.values()), key=lambda data: data.scenes)
+    tables.append(costs(most, [read_costs(runs / most.name / str(seed) / COSTS) for seed in most.seeds]))
+    _write(out, rows, tables, {name: data.title for name, (data, _) in known.items()}, _provenance(params, runs, sorted(known)))
+    missing = [name for name in params.data if name not in known] or ["none"]
+    print(f"publish: {len(rows)} figures of {', '.join(known)}; not measured: {', '.join(missing)}")
+
+
+def _tables(data: DataSet, pooled: Pooled, folder: Path, params: Params) -> list[Table]:
+    """All tables of one data set alone, the headline first."""
+    streams = {what: rng(params.seed, "publish", what, data.name) for what in ("paired", "best")}
+    first, paired, *others = published_tables.tables(data, pooled, params.draws, streams["paired"])
+    found = [first, paired, best(data, pooled, params.draws, streams["best"]), *others]
+    at = {t: results for t in params.temperatures if (results := _at_temperature(folder / f"t{t}"))}
+    if at:
+        found.append(front(data, at, pooled, read_param(folder / str(data.seeds[0]), "rollout.generation.temperature")))
+    files = sorted(file for seed in data.seeds for file in (folder / str(seed) / METRICS / "goals").glob("*.json"))
+    chosen = {stem: [_json(file) for file in files if file.stem == stem] for stem in dict.fromkeys(file.stem for file in files)}
+    return [*found, goals(data.name, data.title, chosen)] if chosen else found
 
 
 def _data_set(folder: Path, name: str, about: About, params: Params) -> DataSet | None:
@@ -107,30 +126,35 @@ def _data_set(folder: Path, name: str, about: About, params: Params) -> DataSet 
     results = {method: _results(places, method) for method in methods if method in published.METHODS}
     ingest = _json(places[0] / "ingest.json")
     said = f"Models were trained on: {ingest['trained_on']}." + (f" {ingest['note']}." if ingest["note"] else "")
-    return DataSet(name, about.title, said, seeds, results, about.by_scene)
+    scenes = folder / str(seeds[0]) / SCENARIOS
+    tracks = published.tracks(s for shard in shards(scenes) for s in read_shard(shard)) if scenes.is_dir() else ""
+    return DataSet(name, about.title, said, seeds, results, about.by_scene, tracks)
 
 
 def _results(places: list[Path], method: str) -> Results:
-    """One method over its seeds, scenes in the first seed's order. Raises UnusableInput where seeds have other scenes."""
-    parts = [pq.read_table(place / "quality" / f"{method}.parquet") for place in places]
-    scenarios = sorted(set(parts[0]["scenario"].to_pylist()))
-    column = {scenario: n for n, scenario in enumerate(scenarios)}
-    metrics = sorted({metric for part in parts for metric in part["metric"].unique().to_pylist()})
-    values = {metric: np.full((len(parts), len(scenarios)), np.nan) for metric in metrics if not metric.startswith("label.")}
-    for s, part in enumerate(parts):
-        if set(part["scenario"].to_pylist()) != set(scenarios):
-            raise UnusableInput(f"{places[s]}: other scenes than in {places[0]}: run `make tables` again")
-        for scenario, metric, value in zip(*(part[c].to_pylist() for c in ("scenario", "metric", "value")), strict=True):
-            if metric in values:
-                values[metric][s, column[scenario]] = value
+    """One method over its seeds, scenes in the first seed's order."""
+    scenarios, values = read_scores([place / "quality" / f"{method}.parquet" for place in places])
     details = [published.set_numbers(_json(place / "quality_details" / f"{method}.json")) for place in places]
     sets = {key: [found[key] for found in details if key in found] for key in details[0]}
-    return Results(tuple(scenarios), values, sets, _chosen_by(method))
+    return Results(scenarios, values, sets, _chosen_by(method))
+
+
+def _trained(runs: Path, known: Iterable[DataSet]) -> list[Trained]:
+    """Every model that was trained, once: runs of other data take it over, and only the run that trained it has its times."""
+    found: dict[tuple[str, str, int], Trained] = {}
+    for data in known:
+        for seed in data.seeds:
+            place = runs / data.name / str(seed)
+            trained_on = _json(place / METRICS / "ingest.json")["trained_on"]
+            for model in read_models(place):
+                key = (trained_on, model.name, seed)
+                if key not in found or (model.took and not found[key].model.took):
+                    found[key] = Trained(trained_on, seed, model)
+    return list(found.values())
 
 
 def _at_temperature(folder: Path) -> Results | None:
-    place = folder / METRICS
-    return _results([place], "drivegen") if (place / "quality" / "drivegen.parquet").exists() else None
+    return _results([folder / METRICS], "drivegen") if (folder / METRICS / "quality" / "drivegen.parquet").exists() else None
 
 
 def _chosen_by(method: str) -> str:
@@ -151,29 +175,20 @@ def _provenance(params: Params, runs: Path, known: list[str]) -> dict[str, Any]:
         "seed": params.seed,
         "bootstrap_draws": params.draws,
         "runs": made,
+        "code": read_codes({str(place.relative_to(runs)): place for place in places}),
         "runs_missing": [name for name in wanted if name not in made],
         "versions": {name: version(name) for name in _PINNED},
     }
 
 
-def _write(out: Path, rows: list[dict[str, Any]], tables: list[Table], provenance: dict[str, Any]) -> None:
+def _write(out: Path, rows: list[dict[str, Any]], tables: list[Table], titles: dict[str, str], made: dict[str, Any]) -> None:
     write_json(out / "scenario_quality.json", rows)
-    write_json(out / "provenance.json", provenance)
-    for name, text in _files(tables, provenance):
+    write_json(out / "provenance.json", made)
+    texts = {f"{table.name}.md": table.markdown().encode() for table in tables}
+    texts |= {f"{table.name}.svg": table.picture for table in tables if table.picture}
+    for name, text in {**texts, "README.md": index(tables, titles, made).encode()}.items():
         with whole(out / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
-
-
-def _files(tables: list[Table], provenance: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    for table in tables:
-        yield f"{table.name}.md", table.markdown()
-    lines = [f"* [{table.title}]({table.name}.md)" for table in tables]
-    made, missing = len(provenance["runs"]), provenance["runs_missing"]
-    whole_set = f"From all {made} runs that `publish` of params.yaml asks for."
-    partial = f"INCOMPLETE: from {made} of {made + len(missing)} runs; not there: {', '.join(missing)}."
-    head = ["# Published tables", "", partial if missing else whole_set, ""]
-    head += ["`provenance.json` says from what, `scenario_quality.json` has all figures.", ""]
-    yield "README.md", "\n".join([*head, *lines, ""])
+            temporary.write_bytes(text)
 
 
 def _json(path: Path) -> Any:

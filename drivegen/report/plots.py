@@ -74,6 +74,27 @@ def realism_against_diversity(ours: Mapping[str, tuple[float, float]], theirs: M
     return canvas.svg
 
 
+def front(curve: Sequence[tuple[str, float, float]], points: Mapping[str, tuple[float, float]]) -> bytes:
+    """A curve of labelled (label, x, y) beside named points (x, y): diversity ratio across, mean-sADE up."""
+    with Canvas(6.8, 3.6) as (canvas, axes):
+        axes.axvline(1.0, color=FAINT, lw=1.2, zorder=0)
+        if curve:
+            labels, xs, ys = zip(*curve, strict=True)
+            axes.plot(xs, ys, color=OURS, lw=1.4, marker="D", ms=5, zorder=3, label="DriveGen, by temperature")
+            for n, place in enumerate(zip(labels, xs, ys, strict=True)):
+                away, side = ((7, "left"), (-7, "right"))[n % 2]
+                axes.annotate(
+                    place[0], place[1:], xytext=(away, 0), textcoords="offset points",
+                    fontsize=7.5, color=OURS, ha=side, va="center",
+                )  # fmt: skip
+        for (name, (x, y)), colour in zip(points.items(), SERIES[1:], strict=False):
+            axes.scatter([x], [y], s=42, color=colour, zorder=2, edgecolor="white", linewidth=0.8, label=name)
+        axes.set_xlabel("diversity ratio (1 = as diverse as the real set)")
+        axes.set_ylabel("mean-sADE [m]")
+        axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return canvas.svg
+
+
 def apart(places: Sequence[tuple[float, float]], near: float, line: float) -> list[float]:
     """Heights of labels at `places` (x, y), raised until those within `near` of one another in x are a `line` apart."""
     found: dict[int, float] = {}
@@ -105,7 +126,7 @@ def curves(columns: Mapping[str, Sequence[float]], over: str) -> bytes:
 
 
 def panels(
-    series: Mapping[str, Mapping[str, tuple[Sequence[float], Sequence[float]]]], across: str, up: str, columns: int = 3
+    series: Mapping[str, Mapping[str, tuple[Sequence[float], Sequence[float]]]], across: str, up: str, columns: int = 4
 ) -> bytes:
     """Named lines (x, y) in a small plot for each group, `columns` side by side; scales differ, lines' colours do not."""
     rows = -(-len(series) // columns)

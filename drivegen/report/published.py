@@ -1,6 +1,6 @@
 """What is published: every method on every data set, over scenes and training seeds, as intervals and as rows."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from drivegen.metrics.intervals import Interval, recording
 from drivegen.metrics.pooled import Resampling, envelope, pooled_mean
+from drivegen.scenario import Scenario
 
 Floats = NDArray[np.float64]
 
@@ -32,7 +33,8 @@ METHODS = {
 
 RIVALS = ("scene_transformer", "bits", "trafficgen", "lctgen")
 _FLOOR = "constant_velocity"
-_OF_SETS = {"diversity_ratio": "diversity", "auc": "auc"}
+_JOINT = ("joint.order", "shuffled.order", "shuffled.headway", "shuffled.post_encroachment")
+_OF_SETS = {"diversity_ratio": "diversity", "auc": "auc", **{name: name for name in _JOINT}}
 """Names in the details of an evaluation, and here: what only a whole set of scenes has. `distance.*` keep their names."""
 
 _COUNTS = ("steps", "agent_steps", "vehicles", "bandwidth.", "manoeuvre.", "label.")
@@ -62,6 +64,7 @@ class DataSet:
     Attributes:
         name, title: in the JSON, and in words. trained_on: what models were trained on, in words.
         seeds: of training. methods: results by name. by_scene: too few scenes for means; every scene is a row.
+        tracks: how many vehicles are scored, in words; "" where nobody counted.
     """
 
     name: str
@@ -70,6 +73,12 @@ class DataSet:
     seeds: tuple[int, ...]
     methods: Mapping[str, Results]
     by_scene: bool
+    tracks: str = ""
+
+    @property
+    def scenes(self) -> int:
+        """How many any method was measured on."""
+        return max((len(results.scenarios) for results in self.methods.values()), default=0)
 
 
 Pooled = Mapping[str, Mapping[str, Interval]]
@@ -94,6 +103,14 @@ def pool(data: DataSet, draws: int, rng: np.random.Generator) -> dict[str, dict[
         out[name] = {metric: pooled_mean(values, resampling) for metric, values in sorted(results.values.items())}
         out[name] |= {metric: envelope(list(seeds)) for metric, seeds in sorted(results.sets.items())}
     return out
+
+
+def tracks(scenes: Iterable[Scenario]) -> str:
+    """How many vehicles are scored, in words; scenes of one recording may show the same one."""
+    logged = [(scene, scene.log) for scene in scenes if scene.log is not None]
+    seen = [(recording(scene.scenario_id), track) for scene, _ in logged for track in scene.vehicles.track_id]
+    ended = sum(int(log.valid[:, -1].sum()) for _, log in logged)
+    return f"{len(seen)} vehicles, {len(set(seen))} of them distinct tracks of a recording, {ended} seen to the last step."
 
 
 def rows(data: DataSet, pooled: Pooled) -> list[dict[str, Any]]:

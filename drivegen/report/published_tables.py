@@ -1,12 +1,13 @@
 """The published tables: methods in rows, the paper's figures beside ours and marked as theirs."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from drivegen.metrics.front import on_front
 from drivegen.metrics.intervals import Interval, recording
 from drivegen.metrics.pooled import Resampling, pooled_mean, rank_correlation
+from drivegen.metrics.realism import WEIGHTS
 from drivegen.report import paper
 from drivegen.report.published import (
     FIVE,
@@ -14,7 +15,6 @@ from drivegen.report.published import (
     RIVALS,
     DataSet,
     Pooled,
-    Results,
     resampling_of,
     under_trained,
 )
@@ -23,16 +23,23 @@ from drivegen.report.sections.trust import (
     BOXES_NOTE,
     DISTANCES,
     DISTANCES_NOTE,
+    JOINT,
+    JOINT_NOTE,
     REALISM,
     REALISM_NOTE,
     SCORES,
     SCORES_NOTE,
+    has,
     horizon_words,
     is_likelihood,
 )
 from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, row
 
-_HEADS = ("min-sADE [m] \u2193", "min-sFDE \u2193", "mean-sADE \u2193", "mean-sFDE \u2193", "diversity \u2192 1")
+HEADS = ("min-sADE [m] \u2193", "min-sFDE \u2193", "mean-sADE \u2193", "mean-sFDE \u2193", "diversity \u2192 1")
+
+
+FEW = "So few scenes show that it runs; they rank nothing, and intervals over so few are too narrow."
+"""Under every table of a data set that is given scene by scene."""
 
 
 def tables(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) -> list[Table]:
@@ -41,11 +48,16 @@ def tables(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) 
     return [*found, _by_scene(data)] if data.by_scene else found
 
 
+def few(data: DataSet, found: Sequence[Table]) -> list[Table]:
+    """The tables, with a word of caution under each where a data set has few scenes."""
+    return [replace(table, notes=(*table.notes, FEW)) if data.by_scene else table for table in found]
+
+
 def transfer(one: DataSet, pooled_one: Pooled, other: DataSet, pooled_other: Pooled) -> Table:
     """Whether both data sets put the methods in the same order: Spearman's rho, per column of the paper."""
     methods = [m for m in METHODS if m in pooled_one and m in pooled_other and m != "log"]
     lines = []
-    for metric, head in zip(FIVE, _HEADS, strict=True):
+    for metric, head in zip(FIVE, HEADS, strict=True):
         known = [m for m in methods if metric in pooled_one[m] and metric in pooled_other[m]]
         a, b = (np.array([_badness(pooled[m][metric].value, metric) for m in known]) for pooled in (pooled_one, pooled_other))
         rho = rank_correlation(a, b)
@@ -77,7 +89,7 @@ def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator)
             for data, rows, at in zip((less, more), trained, columns, strict=True)
         )
         cells = [
-            _cell(pooled_mean(values, resampling))
+            cell(pooled_mean(values, resampling))
             for metric in before
             for values in (before[metric], after[metric], after[metric] - before[metric])
         ]
@@ -93,38 +105,16 @@ def _nothing_shared(less: DataSet, more: DataSet, scenes: bool) -> str:
     return f"Nothing to compare: {ran} have no training seed in common; `make tables` runs those that are missing."
 
 
-def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled) -> Table:
-    """Mean error against diversity: DriveGen at every temperature of its goals, the others as they are; the front is bold."""
-    found = {
-        f"DriveGen, temperature {temperature:g}": {metric: _one_seed(results, metric) for metric in FIVE}
-        for temperature, results in sorted(at.items())
-    }
-    methods = [m for m in METHODS if m in pooled and m != "log"]
-    found |= {_label(m, pooled): {metric: pooled[m].get(metric) for metric in FIVE} for m in methods}
-    error, diversity = (
-        np.array([np.nan if (point := cells[metric]) is None else point.value for cells in found.values()])
-        for metric in ("mean_sade", "diversity")
-    )
-    lines = [
-        row(Cell(name, best=bool(best)), *(_cell(cells[metric]) for metric in FIVE), origin="ours")
-        for (name, cells), best in zip(found.items(), on_front(error, diversity), strict=True)
-    ]
-    notes = (
-        f"One training seed ({data.seeds[0]}) at each temperature; the temperature in use was chosen on the validation split.",
-        "Bold: on the front, that is, no other row has a lower mean-sADE and a diversity as near to 1, or the reverse.",
-    )
-    return Table(f"front-{data.name}", f"Error against diversity: {data.title}", ("", *_HEADS), tuple(lines), notes)
-
-
 def _quality(data: DataSet, pooled: Pooled) -> Table:
     ours = [
-        row(_label(m, pooled), _chosen(data, m), *(_cell(pooled.get(m, {}).get(metric)) for metric in FIVE), origin="ours")
+        row(label(m, pooled), _chosen(data, m), *(cell(pooled.get(m, {}).get(metric)) for metric in FIVE), origin="ours")
         for m in METHODS
     ]
     theirs = [row(name, paper.MARK, *(f"{v:.2f}" for v in values), origin="paper") for name, values in paper.QUALITY.items()]
-    scenes = max((len(results.scenarios) for results in data.methods.values()), default=0)
     notes = (
-        f"{data.title}; {scenes} scenes, {len(data.seeds)} training seeds. {data.trained_on}",
+        " ".join(
+            filter(None, [f"{data.title}; {data.scenes} scenes, {len(data.seeds)} training seeds.", data.tracks, data.trained_on])
+        ),
         "Intervals: 95 %, bootstrap over scenes (over recordings where scenes share one) crossed with training seeds; of "
         "diversity, over scenes, widened to hold every seed's.",
         "All are given map, first frame and, where data has signals, their states as they will be shown. The learned selector "
@@ -132,7 +122,7 @@ def _quality(data: DataSet, pooled: Pooled) -> Table:
         "The paper's rows were measured on other data by others: they cannot be compared with ours.",
         "A rival that does not beat constant velocity in min-sADE is marked under-trained: beating it counts for nothing.",
     )
-    heads = ("", "goals chosen by", *_HEADS)
+    heads = ("", "goals chosen by", *HEADS)
     return Table(f"quality-{data.name}", f"Table I. Scenario quality: {data.title}", heads, (*ours, *theirs), notes)
 
 
@@ -142,12 +132,12 @@ def _paired(data: DataSet, draws: int, rng: np.random.Generator) -> Table:
     for method in [m for m in METHODS if m in data.methods and m not in ("drivegen", "log")]:
         other = data.methods[method]
         cells = [
-            _cell(pooled_mean(ours.values[metric] - other.values[metric], resampling)) if ours else Cell(NOT_MEASURED)
+            cell(pooled_mean(ours.values[metric] - other.values[metric], resampling)) if ours else Cell(NOT_MEASURED)
             for metric in FIVE[:4]
         ]
         lines.append(row(METHODS[method], *cells, origin="ours"))
     title = f"DriveGen less the others, paired: {data.title}"
-    return Table(f"paired-{data.name}", title, ("DriveGen less", *_HEADS[:4]), tuple(lines), ("Below zero DriveGen is better.",))
+    return Table(f"paired-{data.name}", title, ("DriveGen less", *HEADS[:4]), tuple(lines), ("Below zero DriveGen is better.",))
 
 
 _SAFETY = {
@@ -168,8 +158,9 @@ def _trust(data: DataSet, pooled: Pooled) -> list[Table]:
             _SAFETY,
             "Shares of vehicles, and of scenes, that the legal checker objects to.",
         ),
-        ("realism", "Realism in the manner of WOSAC", REALISM, REALISM_NOTE),
+        ("realism", "Realism in the manner of WOSAC", REALISM, f"{REALISM_NOTE} {_weights()}"),
         ("scores", "Proper scores", SCORES | dict(sorted(likelihoods.items())), SCORES_NOTE),
+        ("joint", "Joint consistency: samples beside the same samples shuffled", JOINT, JOINT_NOTE),
         ("distances", "Distances of distributions, and a classifier", DISTANCES, DISTANCES_NOTE),
         ("boxes", "What collision rates owe to box sizes, and what is rejected", BOXES, BOXES_NOTE),
     )
@@ -178,8 +169,16 @@ def _trust(data: DataSet, pooled: Pooled) -> list[Table]:
     ]
 
 
+def _weights() -> str:
+    named = (f"{words} {WEIGHTS[name.removeprefix('realism.')]:.3f}" for name, words in REALISM.items() if "." in name)
+    return f"Weights: {', '.join(named)}."
+
+
 def _plain(name: str, title: str, columns: Mapping[str, str], pooled: Pooled, notes: tuple[str, ...]) -> Table:
-    lines = [row(_label(m, pooled), *(_cell(pooled.get(m, {}).get(c), 3) for c in columns), origin="ours") for m in METHODS]
+    lines = [
+        row(label(m, pooled), *(cell(pooled.get(m, {}).get(c), 3) if has(m, c) else "–" for c in columns), origin="ours")
+        for m in METHODS
+    ]
     return Table(name, title, ("", *columns.values()), tuple(lines), notes)
 
 
@@ -191,21 +190,14 @@ def _by_scene(data: DataSet) -> Table:
     for n, scene in enumerate(scenes):
         both = [[float(np.nanmean(data.methods[m].values[k][:, n])) for k in ("min_sade", "mean_sade")] for m in methods]
         lines.append(row(scene, *(f"{low:.2f} / {mean:.2f}" for low, mean in both), origin="ours"))
-    notes = ("min-sADE / mean-sADE [m]. So few scenes show that it runs; they rank nothing.",)
+    notes = ("min-sADE / mean-sADE [m].",)
     return Table(
         f"scenes-{data.name}", f"Scene by scene: {data.title}", ("", *(METHODS[m] for m in methods)), tuple(lines), notes
     )
 
 
-def _one_seed(results: Results, metric: str) -> Interval | None:
-    """Without an interval, for it is a point of a curve."""
-    if metric in results.sets:
-        return Interval(results.sets[metric][0].value, np.nan, np.nan)
-    values = results.values.get(metric)
-    return None if values is None else Interval(float(np.nanmean(values)), np.nan, np.nan)
-
-
-def _label(method: str, pooled: Pooled) -> str:
+def label(method: str, pooled: Pooled) -> str:
+    """The method in words, marked where it is under-trained."""
     mark = ", under-trained" if method in RIVALS and under_trained(method, pooled) else ""
     return METHODS[method] + mark
 
@@ -214,7 +206,8 @@ def _chosen(data: DataSet, method: str) -> str:
     return data.methods[method].chosen_by if method in data.methods else NOT_MEASURED
 
 
-def _cell(found: Interval | None, digits: int = 2) -> Cell:
+def cell(found: Interval | None, digits: int = 2) -> Cell:
+    """A figure with its interval, if it has one."""
     if found is None or not np.isfinite(found.value):
         return Cell(NOT_MEASURED)
     text = f"{found.value:.{digits}f}"

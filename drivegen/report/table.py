@@ -33,6 +33,7 @@ class Table:
     """`name` is the file name in reports/tables, `columns` the headings, the first one of the row's names.
 
     A table that is not `repeatable` holds times, which differ from run to run: it stands in the page and nowhere else.
+    `picture` is an SVG that a published table shows, beside it under the same name; empty where there is none.
     """
 
     name: str
@@ -41,11 +42,13 @@ class Table:
     rows: tuple[Row, ...]
     notes: tuple[str, ...] = field(default=())
     repeatable: bool = True
+    picture: bytes = b""
 
     def markdown(self) -> str:
         """The table with its title and notes; cells' pipes are escaped."""
         lines = [f"### {self.title}", "", _line(self.columns), _line(["---"] + ["---:"] * (len(self.columns) - 1))]
         lines += [_line([_plain(cell) for cell in row.cells]) for row in self.rows]
+        lines += ["", f"![{self.title}]({self.name}.svg)"] if self.picture else []
         lines += ["", *self.notes] if self.notes else []
         return "\n".join(lines) + "\n"
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from drivegen.metrics.intervals import Interval
 from drivegen.report.published import DataSet, Results
-from drivegen.report.published_tables import front
+from drivegen.report.published_front import front
 
 
 def results(error: float, diversity: float) -> Results:
@@ -22,7 +22,19 @@ def test_rows_on_the_front_are_bold_and_the_log_is_no_row():
         for method, (error, diversity) in {"bits": (1.8, 0.6), "constant_velocity": (5.0, 0.9), "log": (0.0, 1.0)}.items()
     }
     data = DataSet("x", "some scenes", "", (7,), {method: results(1, 1) for method in pooled}, by_scene=False)
-    table = front(data, at, pooled)
+    table = front(data, at, pooled, 0.6)
     bold = {row.cells[0].text for row in table.rows if row.cells[0].best}
     assert bold == {"DriveGen, temperature 0.5", "DriveGen, temperature 0.7", "BITS"}
     assert "Log (recorded futures)" not in {row.cells[0].text for row in table.rows}
+
+
+def test_the_temperature_in_use_is_named_and_those_that_are_beaten_stand_below_the_table():
+    at = {0.5: results(2.0, 0.9), 1.5: results(4.0, 0.8)}
+    pooled = {"drivegen": {"mean_sade": Interval(1.9, 1, 2), "diversity": Interval(0.95, 0.9, 1)}}
+    data = DataSet("x", "some scenes", "", (7,), {"drivegen": results(1.9, 0.95)}, by_scene=False)
+    table = front(data, at, pooled, 0.4)
+    assert "DriveGen, temperature 0.4 (in use)" in {row.cells[0].text for row in table.rows}
+    assert table.notes[-1].endswith("DriveGen at temperature 0.5; temperature 1.5.")
+    assert table.picture.startswith(b"<?xml")
+    assert "![Error against diversity: some scenes](front-x.svg)" in table.markdown()
+    assert "temperature in use" in front(data, at, pooled, None).markdown()

@@ -12,6 +12,8 @@ from drivegen.report.table import Cell, Row, Table, measured, number, row, taken
 _FLAT = 0.05
 """A curve is called flat if its last quarter gained no more than this share of all that was gained."""
 
+FLAT_NOTE = f"Flat: the last quarter of the steps gained at most {_FLAT:.0%} of all that was gained."
+
 _SCORES = ("min_sade", "min_sfde", "mean_sade", "mean_sfde")
 _BOUNDS = {"log_code": "code from the log (a bound, no method)"}
 
@@ -19,7 +21,7 @@ _NOTES = (
     "Trained on the same logs as DriveGen; the weights of the lowest validation loss are kept, TrafficGen's of the lowest error "
     "when rolled out on some validation scenes. Errors [m] are those of the validation scenes, on which every choice was made, "
     "not of the test scenes. Losses of different generators don't compare.",
-    f"Flat: the last quarter of the steps gained at most {_FLAT:.0%} of all that was gained.",
+    FLAT_NOTE,
 )
 
 
@@ -47,9 +49,9 @@ def section(evidence: Evidence) -> Section:
 def _line(name: str, values: Mapping[str, Any], curve: Curve | None) -> Row:
     counts = (number(values.get(key)) for key in ("parameters", "train_examples", "steps"))
     loss = measured(dict(values), "validation_loss", 3)
-    flat = "–" if curve is None else _flat(curve.columns.get("validation", ()))
+    settled = "–" if curve is None else flat(curve.columns.get("validation", ()))
     scores = (measured(dict(values), f"validation_{key}", 2) for key in _SCORES)
-    return row(METHODS.get(name, name), *counts, loss, flat, *scores)
+    return row(METHODS.get(name, name), *counts, loss, settled, *scores)
 
 
 def _bound(text: str, values: Mapping[str, Any], key: str) -> Row:
@@ -64,7 +66,7 @@ def _times(times: Mapping[str, Mapping[str, float]]) -> Table:
     return Table("generators-times", "Training of generators", ("generator", "CPU-s"), tuple(rows), (note,), repeatable=False)
 
 
-def _flat(losses: Sequence[float]) -> str:
+def flat(losses: Sequence[float]) -> str:
     """Whether the best loss of the first three quarters is near the best of all; nothing for fewer than four rows."""
     seen = [loss for loss in losses if loss == loss]
     if len(seen) < 4:

@@ -6,8 +6,8 @@ from typing import Any
 from drivegen.report.averaged import taken_over
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section, not_measured
-from drivegen.report.sections.quality import name_of, ordered, rows_of
-from drivegen.report.table import Table, measured, row
+from drivegen.report.sections.quality import SELECTORS, name_of, ordered, rows_of
+from drivegen.report.table import Cell, Table, measured, row
 
 REALISM = {
     "realism": "score",
@@ -70,7 +70,9 @@ REALISM_NOTE = (
 )
 SCORES_NOTE = (
     "Energy scores: of each vehicle's way and end, and of all vehicles at once; a method does best by sampling what it "
-    "believes. NLL: of the log, in nats per vehicle, under a Gaussian kernel on the samples whose bandwidth is, for each "
+    "believes. They suppose samples drawn independently; DriveGen's tempo is spread evenly over its ten samples and "
+    "SceneTransformer draws its futures without repetition, which makes spread look larger and so favours both; all others draw "
+    "independently. NLL: of the log, in nats per vehicle, under a Gaussian kernel on the samples whose bandwidth is, for each "
     "scenario, the one that is likeliest for all of other recordings; the log's own is bounded by the finest bandwidth."
 )
 DISTANCES_NOTE = (
@@ -79,7 +81,8 @@ DISTANCES_NOTE = (
 )
 BOXES_NOTE = (
     "Shares of vehicles whose box touches another one, without the checker's tolerances; pairs that are given "
-    "overlapping count only once they have come apart."
+    "overlapping count only once they have come apart. Rejected: by the checker, with which only DriveGen plans; a dash is no "
+    "merit."
 )
 
 JOINT_NOTE = (
@@ -157,10 +160,19 @@ def _table(
     digits: int = 2,
 ) -> Table:
     lines = [
-        row(name_of(method, methods), *(measured(values, key, digits) for key in columns), origin="ours")
+        row(name_of(method, methods), *(_cell(method, values, key, digits) for key in columns), origin="ours")
         for method, values in rows_of(methods).items()
     ]
     return Table(name, title, ("", *columns.values()), tuple(lines), (*evidence.trained_on, *taken_over(methods), note))
+
+
+def _cell(method: str, values: dict[str, Any], key: str, digits: int) -> Cell:
+    return Cell("–") if values and not has(method, key) else measured(values, key, digits)
+
+
+def has(method: str, key: str) -> bool:
+    """Whether a measure means anything for a method: nothing is rejected where no checker looks on."""
+    return key != "rejected" or method in SELECTORS
 
 
 def is_likelihood(name: str) -> bool:

@@ -1,0 +1,49 @@
+"""What a thousand generated scenarios cost, method by method, by the stages that made the published runs."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from drivegen.report.published import METHODS, DataSet
+from drivegen.report.sections.quality import SELECTORS
+from drivegen.report.table import RESTORED, Row, Table, number, row
+
+COSTS_NOTE = (
+    "Whole stages over all their processes: starting them, reading scenarios and writing samples are in it, and the log's own "
+    "row is nothing but that. DriveGen's has two such stages; the one that chooses goals scores its choice against the log, too, "
+    "with bootstrap. `drivegen bench` times the work alone, on scenes of its own, and so gives a smaller figure."
+)
+
+Took = Mapping[str, Mapping[str, float]]
+"""What stages of one run took: "<stage>/<item>" -> name -> value."""
+
+
+def costs(data: DataSet, runs: Sequence[Took]) -> Table:
+    """One row a method; `runs` are what the stages of each training seed took. Means, and the whole range."""
+    lines = tuple(_line(method, runs, data.scenes) for method in METHODS if method in data.methods)
+    heads = ("", "CPU-s per 1000 scenarios", "of it choosing goals", "peak memory [MB]")
+    notes = (
+        f"Ten samples of each of {data.scenes} scenarios, {len(runs)} runs, mean and range; another machine or run has others.",
+        COSTS_NOTE,
+    )
+    return Table(f"costs-{data.name}", f"What generating costs: {data.title}", heads, lines, notes)
+
+
+def _line(method: str, runs: Sequence[Took], scenes: int) -> Row:
+    whole, choosing, memory = [], [], []
+    for run in runs:
+        made = run.get(f"rollout/{method}") or run.get(f"rollout_rival/{method}")
+        chosen = run.get(f"goals/{SELECTORS[method]}") if method in SELECTORS else {}
+        if not made or chosen is None:
+            continue
+        whole.append((made["cpu_seconds"] + chosen.get("cpu_seconds", 0.0)) / scenes * 1000)
+        choosing.append(chosen.get("cpu_seconds", 0.0) / scenes * 1000)
+        memory.append(max(made["peak_megabytes"], chosen.get("peak_megabytes", 0.0)))
+    return row(METHODS[method], _range(whole), _range(choosing) if method in SELECTORS else "–", _range(memory), origin="ours")
+
+
+def _range(values: Sequence[float]) -> str:
+    if not values:
+        return RESTORED
+    mean, low, high = (number(round(float(f(values)))) for f in (np.mean, np.min, np.max))
+    return f"{mean} ({low} to {high})" if len(values) > 1 else mean

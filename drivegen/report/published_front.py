@@ -1,0 +1,84 @@
+"""Error against diversity: what DriveGen's temperature trades, as a table and as a curve, beside the other methods."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from drivegen.metrics.front import on_front
+from drivegen.metrics.intervals import Interval
+from drivegen.report import plots
+from drivegen.report.published import FIVE, METHODS, DataSet, Pooled, Results
+from drivegen.report.published_tables import HEADS, cell, label
+from drivegen.report.table import Cell, Table, row
+
+_OFF_THE_PLOT = ("log", "random_agent", "drivegen")
+"""The random agent is so far off that nothing else could be told apart; DriveGen is the curve."""
+
+
+def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled, in_use: float | None) -> Table:
+    """DriveGen at every temperature of its goals, the one `in_use` (None if unknown) among them, the others as they are.
+
+    The front is bold: no other row has a lower mean-sADE and a diversity as near to 1, or the reverse.
+    """
+    curve = {t: {metric: _one_seed(results, metric) for metric in FIVE} for t, results in sorted(at.items())}
+    found = {f"DriveGen, temperature {t:g}": cells for t, cells in curve.items()}
+    methods = [m for m in METHODS if m in pooled and m != "log"]
+    names = {m: label(m, pooled) for m in methods}
+    if "drivegen" in names:
+        names["drivegen"] = f"DriveGen, temperature {in_use:g} (in use)" if in_use is not None else "DriveGen, temperature in use"
+    found |= {names[m]: {metric: pooled[m].get(metric) for metric in FIVE} for m in methods}
+    error, diversity = (
+        np.array([np.nan if (point := cells[metric]) is None else point.value for cells in found.values()])
+        for metric in ("mean_sade", "diversity")
+    )
+    bold = on_front(error, diversity)
+    lines = [
+        row(Cell(name, best=bool(best)), *(cell(cells[metric]) for metric in FIVE), origin="ours")
+        for (name, cells), best in zip(found.items(), bold, strict=True)
+    ]
+    notes = (
+        f"One training seed ({data.seeds[0]}) at each temperature; the temperature in use was chosen on the validation split, "
+        f"and its row is of {'all seeds' if len(data.seeds) > 1 else 'that seed'}.",
+        "Bold: on the front, that is, no other row has a lower mean-sADE and a diversity as near to 1, or the reverse.",
+        *_beaten(
+            [names.get("drivegen", ""), *(f"DriveGen, temperature {t:g}" for t in curve)], dict(zip(found, bold, strict=True))
+        ),
+    )
+    picture = _picture(data, at, pooled, in_use)
+    title = f"Error against diversity: {data.title}"
+    return Table(f"front-{data.name}", title, ("", *HEADS), tuple(lines), notes, picture=picture)
+
+
+def _beaten(ours: Sequence[str], bold: Mapping[str, bool]) -> list[str]:
+    """Which of DriveGen's rows another one beats, in a sentence."""
+    known = [name for name in ours if name in bold]
+    beaten = [name.removeprefix("DriveGen, ") for name in known if not bold[name]]
+    if not beaten:
+        return ["All of DriveGen's rows are on the front."] if known else []
+    return [f"Not on the front, so another row is no worse in either and better in one: DriveGen at {'; '.join(beaten)}."]
+
+
+def _picture(data: DataSet, at: Mapping[float, Results], pooled: Pooled, in_use: float | None) -> bytes:
+    """(diversity, mean-sADE) of the first training seed: DriveGen along its temperatures, every other method a point."""
+    seeds = dict(at)
+    if in_use is not None and "drivegen" in data.methods:
+        seeds[in_use] = data.methods["drivegen"]
+    curve = []
+    for temperature in sorted(seeds):
+        error, diversity = (_one_seed(seeds[temperature], metric) for metric in ("mean_sade", "diversity"))
+        if error is not None and diversity is not None:
+            curve.append((f"{temperature:g}", diversity.value, error.value))
+    points = {}
+    for method in [m for m in METHODS if m in pooled and m not in _OFF_THE_PLOT]:
+        error, diversity = (_one_seed(data.methods[method], metric) for metric in ("mean_sade", "diversity"))
+        if error is not None and diversity is not None:
+            points[METHODS[method]] = (diversity.value, error.value)
+    return plots.front(curve, points)
+
+
+def _one_seed(results: Results, metric: str) -> Interval | None:
+    """Of the first training seed, without an interval, for it is a point of a curve."""
+    if metric in results.sets:
+        return Interval(results.sets[metric][0].value, np.nan, np.nan)
+    values = results.values.get(metric)
+    return None if values is None else Interval(float(np.nanmean(values[0])), np.nan, np.nan)

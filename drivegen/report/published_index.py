@@ -1,0 +1,32 @@
+"""The table of contents of the published tables."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from drivegen.report.table import Table
+
+_FILES = (
+    "* [`scenario_quality.json`](scenario_quality.json): every figure with its interval",
+    "* [`provenance.json`](provenance.json): which runs, of which code, by which versions",
+)
+
+
+def index(tables: Sequence[Table], data: Mapping[str, str], provenance: Mapping[str, Any]) -> str:
+    """The tables as links: by data set (title by name, the headline's first), then what concerns several, then the raw files."""
+    made, missing = len(provenance["runs"]), provenance["runs_missing"]
+    whole_set = f"From all {made} runs that `publish` of params.yaml asks for."
+    partial = f"INCOMPLETE: from {made} of {made + len(missing)} runs; not there: {', '.join(missing)}."
+    lines = ["# Published tables", "", partial if missing else whole_set]
+    rest = list(tables)
+    for title in data.values():
+        mine = [table for table in rest if table.title.endswith(f": {title}") and table.name.count("-") == 1]
+        rest = [table for table in rest if table not in mine]
+        if mine:
+            lines += ["", f"## {title}", "", *(_link(table, table.title.removesuffix(f": {title}")) for table in mine)]
+    if rest:
+        lines += ["", "## Across data sets", "", *(_link(table, table.title) for table in rest)]
+    return "\n".join([*lines, "", "## Raw", "", *_FILES, ""])
+
+
+def _link(table: Table, words: str) -> str:
+    return f"* [{words}]({table.name}.md)"

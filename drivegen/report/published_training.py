@@ -1,0 +1,126 @@
+"""What was trained, how large it is, how long it took and whether its loss is flat: every seed, DriveGen beside its rivals."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from drivegen.report import plots
+from drivegen.report.published import METHODS, RIVALS
+from drivegen.report.sections.generators import FLAT_NOTE, flat
+from drivegen.report.table import Cell, Row, Table, number, row, taken
+from drivegen.store.runs import Model
+
+OURS = {"train_planner/route_fm": "DriveGen: planner", "train_selector/train_selector": "DriveGen: goal selector"}
+"""DriveGen's two models."""
+
+_TUNING = (
+    "Not in these seconds: what was tried on validation scenes before. That was much more for DriveGen (the temperature, tempo "
+    "and spacing of its goals, its selector's features) than for rivals, whose sizes and rates follow their papers, reduced, and "
+    "were changed only where they did not learn."
+)
+
+
+@dataclass(frozen=True)
+class Trained:
+    """A model of one training seed; `trained_on` is the data in words."""
+
+    trained_on: str
+    seed: int
+    model: Model
+
+
+def models(trained: Sequence[Trained]) -> list[Table]:
+    """One table with curves for each data that models were trained on."""
+    sources = dict.fromkeys(one.trained_on for one in trained)
+    return [_models(source, [one for one in trained if one.trained_on == source]) for source in sources]
+
+
+def _models(source: str, trained: list[Trained]) -> Table:
+    groups = _by_name(trained)
+    lines = [_line(_words(name), group) for name, group in groups.items()]
+    mine = [groups[name] for name in OURS if name in groups]
+    if len(mine) == len(OURS):
+        lines.insert(len(OURS), _together(mine))
+    seeds = ", ".join(map(str, sorted({one.seed for one in trained})))
+    notes = (
+        f"Where there are several numbers, they are of training seeds {seeds}. Parameters: all numbers in the weights' files.",
+        FLAT_NOTE,
+        "CPU-seconds are of one machine and of one run: another one has others.",
+        *filter(None, [_budget(groups)]),
+        _TUNING,
+    )
+    columns = ("", "parameters", "steps", "CPU-s of the whole stage", "CPU-s of training alone", "flat")
+    title = f"What was trained on {source}: size, time, and whether the loss is flat"
+    drawn = {
+        _words(name): {
+            f"seed {one.seed}": (one.model.curve["step"], one.model.curve["validation"]) for one in group if one.model.curve
+        }
+        for name, group in groups.items()
+    }
+    return Table(
+        f"models-{_slug(source)}", title, columns, tuple(lines), notes, picture=plots.panels(drawn, "steps", "validation")
+    )
+
+
+def _by_name(trained: list[Trained]) -> dict[str, list[Trained]]:
+    """Models by name, DriveGen's first, each with its seeds in order."""
+    names = dict.fromkeys([*OURS, *(f"train_generator/{m}" for m in METHODS), *sorted(one.model.name for one in trained)])
+    found = {name: sorted((one for one in trained if one.model.name == name), key=lambda one: one.seed) for name in names}
+    return {name: group for name, group in found.items() if group}
+
+
+def _line(text: str, group: list[Trained]) -> Row:
+    return row(
+        text,
+        _each([number(one.model.parameters) for one in group]),
+        _each([number(int(one.model.curve["step"][-1])) if one.model.curve.get("step") else "–" for one in group]),
+        _each([taken(one.model.took, "cpu_seconds", 0) for one in group]),
+        _each(
+            [
+                taken(one.model.took, "training_cpu_seconds", 0) if "training_cpu_seconds" in one.model.took else "–"
+                for one in group
+            ]
+        ),
+        Cell(_each([flat(one.model.curve.get("validation", ())) for one in group])),
+        origin="ours",
+    )
+
+
+def _together(mine: list[list[Trained]]) -> Row:
+    """DriveGen's models in one row: sums."""
+    sizes = [group[0].model.parameters for group in mine]
+    size = number(sum(known)) if len(known := [s for s in sizes if s is not None]) == len(mine) else number(None)
+    took = _whole(mine)
+    return row("DriveGen, together", size, "–", _each([number(t, 0) for t in took]) if took else "–", "–", "–", origin="ours")
+
+
+def _whole(mine: list[list[Trained]]) -> list[float]:
+    """CPU-seconds of all stages of one method, a seed each; nothing where one was not timed."""
+    if not all(one.model.took.get("cpu_seconds") for group in mine for one in group) or len({len(group) for group in mine}) != 1:
+        return []
+    return [sum(one.model.took["cpu_seconds"] for one in seeds) for seeds in zip(*mine, strict=True)]
+
+
+def _budget(groups: Mapping[str, list[Trained]]) -> str:
+    """Who trained for how long, from what the stages took."""
+    ours = _whole([groups[name] for name in OURS if name in groups])
+    rivals = [one.model.took.get("cpu_seconds") for m in RIVALS for one in groups.get(f"train_generator/{m}", [])]
+    known = [seconds for seconds in rivals if seconds is not None]
+    if not ours or not known or len(known) < len(rivals):
+        return ""
+    return (
+        f"Budget: whole stages took {min(known):.0f} to {max(known):.0f} CPU-seconds for a rival that learns traffic, and "
+        f"{_each([f'{seconds:.0f}' for seconds in ours])} for DriveGen's two models together. IDM's fit has two numbers."
+    )
+
+
+def _each(texts: Sequence[str]) -> str:
+    """The texts, or the one that they all are."""
+    return texts[0] if len(set(texts)) == 1 else ", ".join(texts)
+
+
+def _words(name: str) -> str:
+    return OURS.get(name) or METHODS.get(name.rpartition("/")[2], name)
+
+
+def _slug(text: str) -> str:
+    return "-".join("".join(c if c.isalnum() else " " for c in text.lower()).split())

@@ -1,0 +1,145 @@
+"""Published tables beside the errors: who is best in what, what was trained for how long, what generating costs, goals."""
+
+import numpy as np
+import pytest
+
+from drivegen.metrics.intervals import Interval
+from drivegen.report.published import DataSet, Results, pool, set_numbers
+from drivegen.report.published_best import best
+from drivegen.report.published_costs import costs
+from drivegen.report.published_goals import goals
+from drivegen.report.published_index import index
+from drivegen.report.published_tables import few, tables
+from drivegen.report.published_training import Trained, models
+from drivegen.seeds import rng
+from drivegen.store.runs import Model
+
+SCENES = tuple(f"rec{n}-000" for n in range(8))
+
+
+def results(distance: float, **values: float) -> Results:
+    """One seed; every scene has the value, and all errors are the one that is given."""
+    values |= dict.fromkeys(("min_sfde", "mean_sade", "mean_sfde"), values["min_sade"])
+    of_scenes = {name: np.full((1, len(SCENES)), value) for name, value in values.items()}
+    return Results(SCENES, of_scenes, {"distance.speed": [Interval(distance, np.nan, np.nan)]}, "none")
+
+
+def data_set(**changes: object) -> DataSet:
+    methods = {
+        "drivegen": results(0.5, min_sade=1.0, nll_1s=2.0, realism=0.7, energy_final=1.0, rejected=0.3),
+        "bits": results(0.4, min_sade=2.0, nll_1s=1.0, realism=0.7, energy_final=1.5, rejected=0.0),
+        "trafficgen": results(0.6, min_sade=3.0, nll_1s=5.0, realism=0.2, energy_final=0.5, rejected=0.0),
+        "log": results(0.0, min_sade=0.0, nll_1s=0.0, realism=0.9, energy_final=0.0, rejected=0.0),
+    }
+    return DataSet(**{
+        "name": "x", "title": "some scenes", "trained_on": "", "seeds": (7,), "methods": methods, "by_scene": False, **changes,
+    })  # fmt: skip
+
+
+def pooled_of(data: DataSet):
+    return pool(data, 50, rng(7, "pool"))
+
+
+def test_losses_stand_beside_wins_and_the_log_does_not_compete():
+    data = data_set()
+    table = best(data, pooled_of(data), 50, rng(7, "best"))
+    found = {row.cells[0].text: [cell.text for cell in row.cells[1:]] for row in table.rows}
+    assert found["min-sADE [m]"] == ["1.000", "BITS", "2.000", "-1.000", "better"]
+    assert found["NLL at 1 s"] == ["2.000", "BITS", "1.000", "+1.000", "worse"]
+    assert found["realism: score"][-1] == "level"
+    assert found["energy score at the end [m]"][1:] == ["TrafficGen", "0.500", "+0.500", "worse"]
+    assert found["distance: speed [m/s]"][-2:] == ["not paired", "behind"]
+    assert table.notes[0].startswith("Of 8 measures: behind 1, better 4, level 1, worse 2.")
+
+
+def test_only_who_plans_with_a_checker_has_a_share_of_rejected():
+    data = data_set()
+    table = next(t for t in tables(data, pooled_of(data), 50, rng(7, "paired")) if t.name == "boxes-x")
+    last = {row.cells[0].text: row.cells[-1].text for row in table.rows}
+    assert (last["DriveGen"], last["BITS"]) == ("0.300", "\u2013")
+
+
+def test_what_only_a_whole_set_has_comes_with_the_shuffles():
+    found = set_numbers(
+        {"joint.order": 0.9, "joint.order.low": 0.8, "joint.order.high": 1.0, "shuffled.headway": 0.4, "auc": None}
+    )
+    assert found["joint.order"] == Interval(0.9, 0.8, 1.0)
+    assert found["shuffled.headway"].value == 0.4
+    assert "auc" not in found
+
+
+def test_few_scenes_are_said_to_be_few_under_every_table():
+    data = data_set(by_scene=True)
+    found = few(data, tables(data, pooled_of(data), 50, rng(7, "paired")))
+    assert {table.notes[-1].startswith("So few scenes") for table in found} == {True}
+    assert few(data_set(), found) == found
+
+
+def curve(*losses: float) -> dict[str, list[float]]:
+    return {"step": [100.0 * (n + 1) for n in range(len(losses))], "validation": list(losses)}
+
+
+def trained(name: str, parameters: int, seconds: float, seed: int = 7, *losses: float) -> Trained:
+    took = {"cpu_seconds": seconds, "training_cpu_seconds": seconds - 10} if seconds else {}
+    return Trained("toys", seed, Model(name, parameters, curve(*(losses or (9.0, 4.0, 3.5, 3.5))), took))
+
+
+def test_models_stand_with_size_time_and_whether_each_seed_is_flat():
+    found = [trained(name, 100, 60.0) for name in ("train_planner/route_fm", "train_selector/train_selector")]
+    found += [trained("train_generator/bits", 7, 100.0), trained("train_generator/bits", 7, 120.0, 8, 9.0, 8.0, 7.0, 6.0)]
+    [table] = models(found)
+    rows = {row.cells[0].text: [cell.text for cell in row.cells[1:]] for row in table.rows}
+    assert rows["BITS"] == ["7", "400", "100, 120", "90, 110", "yes, not yet"]
+    assert rows["DriveGen, together"][:3] == ["200", "\u2013", "120"]
+    assert list(rows)[:3] == ["DriveGen: planner", "DriveGen: goal selector", "DriveGen, together"]
+    assert any(
+        "whole stages took 100 to 120 CPU-seconds for a rival that learns traffic, and 120 for" in note for note in table.notes
+    )
+    assert table.picture.startswith(b"<?xml")
+
+
+def test_what_nobody_timed_says_so_and_gives_no_budget():
+    [table] = models([trained("train_generator/bits", 7, 0.0)])
+    assert table.rows[0].cells[3].text == "not measured here: restored from cache"
+    assert not any("Budget" in note for note in table.notes)
+
+
+def test_a_thousand_scenarios_cost_what_both_of_drivegens_stages_took():
+    run = {
+        "rollout/drivegen": {"cpu_seconds": 0.8, "peak_megabytes": 900.0},
+        "goals/learned": {"cpu_seconds": 0.4, "peak_megabytes": 1000.0},
+        "rollout_rival/bits": {"cpu_seconds": 1.6, "peak_megabytes": 500.0},
+    }
+    dearer = {**run, "rollout_rival/bits": {"cpu_seconds": 3.2, "peak_megabytes": 500.0}}
+    rows = {row.cells[0].text: [cell.text for cell in row.cells[1:]] for row in costs(data_set(), [run, dearer]).rows}
+    assert rows["DriveGen"] == ["150 (150 to 150)", "50 (50 to 50)", "1\u202f000 (1\u202f000 to 1\u202f000)"]
+    assert rows["BITS"] == ["300 (200 to 400)", "\u2013", "500 (500 to 500)"]
+    assert rows["TrafficGen"][0] == "not measured here: restored from cache"
+
+
+def test_goals_of_all_seeds_are_one_row_and_selectors_that_did_not_run_are_named():
+    seeds = [
+        {"described": "learned one", "moving": {"vehicles": 9.0, "nll": nll, "nll.low": nll - 1, "nll.high": nll + 1}}
+        for nll in (2.0, 4.0)
+    ]
+    table = goals("x", "some scenes", {"learned": seeds})
+    rows = {row.cells[0].text: row.cells for row in table.rows}
+    column = table.columns.index("NLL [nat]")
+    assert (rows["learned"][column].text, rows["learned"][column].note) == ("3.00", "1.00 to 5.00")
+    assert rows["vlm"][1].text == "not measured"
+
+
+@pytest.mark.parametrize(
+    ("missing", "said"), [([], "From all 1 runs"), (["x/8"], "INCOMPLETE: from 1 of 2 runs; not there: x/8.")]
+)
+def test_the_table_of_contents_goes_by_data_set(missing: list[str], said: str):
+    data = data_set()
+    found = [*tables(data, pooled_of(data), 50, rng(7, "paired")), *models([trained("train_generator/bits", 7, 1.0)])]
+    text = index(found, {"x": "some scenes"}, {"runs": {"x/7": "1"}, "runs_missing": missing})
+    assert said in text
+    assert (
+        text.index("## some scenes")
+        < text.index("(quality-x.md)")
+        < text.index("## Across data sets")
+        < text.index("models-toys")
+    )
