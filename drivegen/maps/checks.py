@@ -6,6 +6,7 @@ from typing import Any
 
 from drivegen.maps.spec import Arm, Corridor, Crossing, Fork, Grid, Highway, Interchange, MapSpec, Roundabout
 from drivegen.maps.spec_graph import Graph
+from drivegen.maps.spec_quadrants import QuadrantInterchange
 from drivegen.maps.structure import Structure
 
 _TOLERANCE = 0.15
@@ -168,7 +169,14 @@ def _interchange(road: Interchange) -> dict[str, Any]:
     arms = {"diamond": (4, 4), "half_diamond": (3, 3), "side": (4,), "terminal": (3,)}[road.form]
     ramps = 2 if road.form == "diamond" else 1
     lit = len(arms) if road.control == "signals" else 0
-    return {"arms": arms, "signals": lit, "diverges": ramps, "merges": 0 if road.form == "terminal" else ramps}
+    return {"arms": arms, "signals": lit, "diverges": ramps, "merges": 0 if road.form == "terminal" else ramps, "bridges": 1}
+
+
+def _quadrants(road: QuadrantInterchange) -> dict[str, Any]:
+    ramps = len(road.loops) + len(road.directs)
+    ends = ramps - road.trumpet  # a trumpet's loop begins or ends with its carriageway, and so does the ramp around it
+    merging = {"merges": ends, "diverges": ends}
+    return {"arms": (), "signals": 0, "one_way": True, "bridges": 1, "loops": len(road.loops), **merging}
 
 
 def _graph(road: Graph) -> dict[str, Any]:
@@ -184,5 +192,6 @@ _EXPECTED: dict[str, Any] = {
     "highway": _highway,
     "fork": _fork,
     "interchange": _interchange,
+    "quadrant_interchange": _quadrants,
     "graph": _graph,
 }

@@ -9,6 +9,7 @@ from drivegen.maps.compilers.graphs import compile_graph
 from drivegen.maps.compilers.grids import compile_grid
 from drivegen.maps.compilers.highways import compile_fork, compile_highway
 from drivegen.maps.compilers.interchanges import compile_interchange
+from drivegen.maps.compilers.quadrants import compile_quadrants
 from drivegen.maps.compilers.roundabouts import compile_roundabout
 from drivegen.maps.spec import MapSpec
 from drivegen.sumo.netconvert import plain_to_net
@@ -22,10 +23,12 @@ _COMPILERS: dict[str, Any] = {
     "highway": compile_highway,
     "fork": compile_fork,
     "interchange": compile_interchange,
+    "quadrant_interchange": compile_quadrants,
     "graph": compile_graph,
 }
 
 _OTHER_SIDE = {"left": "right", "right": "left"}
+_OTHER_PART = {**_OTHER_SIDE, "north": "south", "south": "north"}
 
 
 def compile_map(spec: MapSpec) -> bytes:
@@ -47,7 +50,7 @@ def draw(spec: MapSpec) -> PlainNetwork:
 
 
 def _reflected(value: Any) -> Any:
-    """The same road with left and right exchanged everywhere, so that mirroring brings them back."""
+    """The same road with left and right, and north and south, exchanged everywhere, so that mirroring brings them back."""
     if isinstance(value, dict):
         swapped = {_swapped_name(key): _reflected(item) for key, item in value.items()}
         if "arms" in swapped or "shape" in swapped or "lanes_in" in swapped:
@@ -66,7 +69,7 @@ def _reflected(value: Any) -> Any:
 
 def _swapped_name(name: str) -> str:
     first, _, rest = name.partition("_")
-    return f"{_OTHER_SIDE[first]}_{rest}" if first in _OTHER_SIDE and rest else name
+    return f"{_OTHER_PART[first]}_{rest}" if first in _OTHER_PART and rest else name
 
 
 def _mirrored(plain: PlainNetwork) -> PlainNetwork:

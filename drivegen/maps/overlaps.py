@@ -1,6 +1,6 @@
 """Roads that lie on top of one another: lanes of different edges that meet where there is no junction.
 
-Two roads that cross need a node. Where a writer forgot it, vehicles drive through one another unseen.
+Two roads that cross need a node, or a bridge. Where a writer forgot both, vehicles drive through one another unseen.
 """
 
 import math
@@ -28,6 +28,9 @@ _NEAR_NODE = 60.0
 _CLEARANCE = 4.0
 """Roads this far above one another cross on a bridge [m]."""
 
+_ONE_BRIDGE = 100.0
+"""Places this near to one another, where carriageways cross on different levels, are one bridge [m]."""
+
 _MOST = 5
 """So many pairs are named."""
 
@@ -39,13 +42,28 @@ def overlapping(net: bytes, place: str) -> tuple[str, ...]:
     edges = [e for e in root.iter("edge") if not e.get("function") and e.get("from") and e.get("to")]
     ends = _joined([(e.get("from", ""), e.get("to", "")) for e in edges])
     found: dict[tuple[int, int], Point] = {}
-    for a, b, (x, y) in _touching([_samples(edge) for edge in edges]):
+    for a, b, (x, y), apart in _touching([_samples(edge) for edge in edges]):
+        if apart >= _CLEARANCE:
+            continue
         shared = [nodes[name] for name in ends[a] & ends[b] if name in nodes]
         if (a, b) not in found and all(math.dist((x, y), node) > _NEAR_NODE for node in shared):
             found[a, b] = (x, y)
     names = [edge.get("id", "") for edge in edges]
     told = [f"{names[a]} and {names[b]} near ({x:.0f}, {y:.0f})" for (a, b), (x, y) in sorted(found.items())]
     return tuple(told[:_MOST])
+
+
+def bridges(root: Element) -> int:
+    """In how many places of a network one road passes over another; none in a network without heights."""
+    edges = [edge for edge in root.iter("edge") if not edge.get("function")]
+    if not any(lane.get("shape", "").split(" ", 1)[0].count(",") > 1 for edge in edges for lane in edge.iter("lane")):
+        return 0
+    above = {(a, b): place for a, b, place, apart in _touching([_samples(edge) for edge in edges]) if apart >= _CLEARANCE}
+    found: list[list[Point]] = []
+    for place in above.values():
+        near = [one for one in found if any(math.dist(place, other) < _ONE_BRIDGE for other in one)]
+        found = [one for one in found if one not in near] + [[place, *(other for one in near for other in one)]]
+    return len(found)
 
 
 def _joined(ends: list[tuple[str, str]]) -> list[set[str]]:
@@ -66,8 +84,11 @@ def _samples(edge: Element) -> NDArray[np.float64]:
     return np.column_stack([flat, np.full(len(flat), height)])
 
 
-def _touching(edges: list[NDArray[np.float64]]) -> Iterator[tuple[int, int, Point]]:
-    """Pairs of edges with a place where they touch: points are sorted into cells, and each is compared with its neighbours."""
+def _touching(edges: list[NDArray[np.float64]]) -> Iterator[tuple[int, int, Point, float]]:
+    """Pairs of edges with a place where they touch seen from above, and how far one is above the other there [m].
+
+    Points are sorted into cells, and each is compared with its neighbours.
+    """
     cells: defaultdict[tuple[int, int], list[tuple[int, float, float, float]]] = defaultdict(list)
     for edge, points in enumerate(edges):
         for (i, j), (x, y, z) in zip(np.floor(points[:, :2] / _TOUCH).astype(int).tolist(), points.tolist(), strict=True):
@@ -76,5 +97,5 @@ def _touching(edges: list[NDArray[np.float64]]) -> Iterator[tuple[int, int, Poin
         near = [there for di, dj in ((1, -1), (1, 0), (1, 1), (0, 1)) for there in cells.get((i + di, j + dj), ())]
         pairs = [*combinations(here, 2), *((a, b) for a in here for b in near)]
         for (a, ax, ay, az), (b, bx, by, bz) in pairs:
-            if a != b and math.hypot(ax - bx, ay - by) < _TOUCH and abs(az - bz) < _CLEARANCE:
-                yield min(a, b), max(a, b), ((ax + bx) / 2, (ay + by) / 2)
+            if a != b and math.hypot(ax - bx, ay - by) < _TOUCH:
+                yield min(a, b), max(a, b), ((ax + bx) / 2, (ay + by) / 2), abs(az - bz)

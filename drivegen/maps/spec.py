@@ -12,6 +12,7 @@ from typing import Annotated, Literal, NamedTuple
 from pydantic import Field, model_validator
 
 from drivegen.maps.spec_graph import Graph
+from drivegen.maps.spec_quadrants import QuadrantInterchange
 from drivegen.maps.spec_values import Angle, Control, Lanes, Length, NoOrMoreLanes, Part, Pocket, Radius, Side, Speed, Turn
 
 SMALLEST_RING, SMALLEST_WIDE_RING = 14.0, 24.0
@@ -380,7 +381,10 @@ class Interchange(Part):
     control: Control = "signals"
 
 
-Road = Annotated[Crossing | Roundabout | Corridor | Grid | Highway | Fork | Interchange | Graph, Field(discriminator="kind")]
+Road = Annotated[
+    Crossing | Roundabout | Corridor | Grid | Highway | Fork | Interchange | QuadrantInterchange | Graph,
+    Field(discriminator="kind"),
+]
 
 
 class MapSpec(Part):

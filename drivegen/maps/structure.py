@@ -9,12 +9,16 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import TypeVar
 from xml.etree.ElementTree import Element
 
 from drivegen.errors import UnusableInput
+from drivegen.maps.overlaps import bridges
 from drivegen.safe_xml import parse
+
+_LOOP = (225.0, 315.0)
+"""A way that turns so far to one side is a loop [degrees]."""
 
 Point = tuple[float, float]
 T = TypeVar("T", int, float)
@@ -31,6 +35,8 @@ class Structure:
         lane_drops, lane_gains: places where one edge goes on as one of fewer or more lanes.
         lanes, max_lanes, speed: most common (by length) and largest number of lanes per edge, most common limit [m/s].
         length: longest way through [m]. turn: most that a road turns between junctions, left and right added [degrees].
+        loops: ways that turn about 270 degrees to one side between junctions, as the loop ramps of a cloverleaf do.
+        bridges: places where roads pass over one another without a junction.
         one_way: no road runs both ways. left_hand: traffic keeps left.
         edges: number of edges. size: larger side of the bounding box [m].
         stuck: edges from which no way out is reached, or that no way in reaches.
@@ -49,6 +55,8 @@ class Structure:
     speed: float
     length: float
     turn: float
+    loops: int
+    bridges: int
     one_way: bool
     left_hand: bool
     edges: int
@@ -114,7 +122,7 @@ class _Graph:
     """Edges with the ways on from each, U-turns left out."""
 
     def __init__(self, root: Element, edges: dict[str, _Edge]) -> None:
-        self.edges = edges
+        self.root, self.edges = root, edges
         self.lit = {j.get("id", "") for j in root.iter("junction") if "traffic_light" in j.get("type", "")}
         self.left_hand = root.get("lefthand", "false") in ("true", "1")
         self.rings = [(set(r.get("nodes", "").split()), set(r.get("edges", "").split())) for r in root.iter("roundabout")]
@@ -158,6 +166,8 @@ class _Graph:
             speed=_mode((edge.speed, edge.length) for edge in edges),
             length=self._longest_way(),
             turn=max(self._turned(edge) for edge in self.edges),
+            loops=sum(self._is_loop(edge) for edge in self.edges),
+            bridges=bridges(self.root),
             one_way=not any(self._opposite(a, b) for a in self.edges for b in self.leaving[self.edges[a].target]),
             left_hand=self.left_hand,
             edges=len(edges),
@@ -218,6 +228,17 @@ class _Graph:
 
     def _turned(self, start: str) -> float:
         """Degrees turned along the edge and all that follows it as its only way on."""
+        return sum(map(abs, self._turns(start)))
+
+    def _is_loop(self, start: str) -> bool:
+        """Whether a way begins here, and not before, that turns about 270 degrees to one side."""
+        if len(self.back[start]) == 1 and all(self.on[before] == {start} for before in self.back[start]):
+            return False
+        headings = [0.0, *accumulate(self._turns(start))]
+        return _LOOP[0] <= max(headings) - min(headings) <= _LOOP[1]
+
+    def _turns(self, start: str) -> list[float]:
+        """Turns between the steps of the edge and all that follows it as its only way on [degrees], positive to the left."""
         here, seen = start, {start}
         headings = _headings(self.edges[start].shape)
         while len(self.on[here]) == 1:
@@ -228,7 +249,7 @@ class _Graph:
             headings += _headings(self.edges[following].shape)
             seen.add(following)
             here = following
-        return math.degrees(sum(abs(math.remainder(b - a, math.tau)) for a, b in pairwise(headings)))
+        return [math.degrees(math.remainder(b - a, math.tau)) for a, b in pairwise(headings)]
 
 
 def _headings(line: tuple[Point, ...]) -> list[float]:

@@ -4,7 +4,9 @@ Format: SUMO, "PlainXML". Lane 0 is the outermost (rightmost in right-hand traff
 written, so whatever a model or a file says, netconvert sees our own serialisation.
 """
 
+import math
 from dataclasses import dataclass, field
+from itertools import accumulate, pairwise
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 Point = tuple[float, float]
@@ -52,6 +54,8 @@ class Edge:
         spread: "right" (the line is the lanes' left edge) or "center".
         width: of each lane [m], None for SUMO's 3.2 m.
         per_lane: as many `Lane`s as lanes, or none.
+        heights: of the first and last point of its shape [m], those between climb evenly along it; () flat. Without a shape
+            an edge climbs from node to node.
     """
 
     id: str
@@ -64,6 +68,7 @@ class Edge:
     spread: str = "right"
     width: float | None = None
     per_lane: tuple[Lane, ...] = ()
+    heights: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -121,7 +126,7 @@ class PlainNetwork:
             if edge.width is not None:
                 element.set("width", _number(edge.width))
             if edge.shape:
-                element.set("shape", _points(edge.shape))
+                element.set("shape", _points(edge.shape, edge.heights))
             for index, lane in enumerate(edge.per_lane):
                 _lane(SubElement(element, "lane", index=str(index)), lane)
         for ring in self.roundabouts:
@@ -167,5 +172,9 @@ def _number(value: float) -> str:
     return f"{value:.3f}".rstrip("0").rstrip(".")
 
 
-def _points(points: tuple[Point, ...]) -> str:
-    return " ".join(f"{x:.3f},{y:.3f}" for x, y in points)
+def _points(points: tuple[Point, ...], heights: tuple[float, ...] = ()) -> str:
+    if not heights:
+        return " ".join(f"{x:.3f},{y:.3f}" for x, y in points)
+    along = [0.0, *accumulate(math.dist(a, b) for a, b in pairwise(points))]
+    climbed = [heights[0] + (heights[1] - heights[0]) * at / along[-1] for at in along]
+    return " ".join(f"{x:.3f},{y:.3f},{z:.3f}" for (x, y), z in zip(points, climbed, strict=True))

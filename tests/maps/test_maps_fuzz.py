@@ -28,6 +28,7 @@ SUITE = [case.text for case in own_cases()]
 def specs() -> list[dict[str, Any]]:
     texts = ["a signalised crossroads with turn lanes", "a roundabout of five roads", "two T-junctions 100 m apart", "a hairpin"]
     texts += ["a motorway with an on-ramp and an exit", "a cul-de-sac", "a 2x2 grid", "a motorway that forks into two"]
+    texts += ["a trumpet interchange"]
     fork = {"kind": "fork", "length": 400, "stem": 600}
     pockets = {"kind": "corridor", "junctions": [{"position": 300, "left_turn_lane": True, "pocket": 40}]}
     arcs = {"kind": "corridor", "alignment": {"shape": "s_curve", "arcs": [[90, 50], [-70, 75]]}}
@@ -36,8 +37,9 @@ def specs() -> list[dict[str, Any]]:
         "alignment": {"shape": "curve", "length": 500},
         "junctions": [{"position": 250, "sides": ["right"]}],
     }
+    loops = {"kind": "quadrant_interchange", "south_west": "loop", "north_east": "none", "loop_radius": 30}
     understood = [Plugin().write(text, 7).spec for text in texts]
-    typed = [MapSpec.model_validate({"road": road}) for road in (fork, pockets, arcs, bent)]
+    typed = [MapSpec.model_validate({"road": road}) for road in (fork, pockets, arcs, bent, loops)]
     return [spec.model_dump(mode="json") for spec in (*understood, *typed)]
 
 

@@ -108,7 +108,7 @@ def test_a_bridge_too_low_would_be_found() -> None:
     assert overlapping(network.replace(b",6.00", b",1.00"), "map") != ()
 
 
-@pytest.mark.parametrize("text", ["a T-junction in a tunnel", "trumpet interchange", "a roundabout with zero arms", "flyover"])
+@pytest.mark.parametrize("text", ["a T-junction in a tunnel", "stack interchange", "a roundabout with zero arms", "flyover"])
 def test_what_is_not_drawn_is_refused(text: str) -> None:
     with pytest.raises(UnusableInput):
         written(text)

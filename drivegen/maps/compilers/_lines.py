@@ -1,5 +1,7 @@
 """Reference lines of roads: alignments as polylines, and points beside them in Frenet coordinates."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,6 +37,17 @@ def _arc(start: Line, heading: float, angle: float, radius: float) -> Line:
     around = heading + turned - side * np.pi / 2
     points: Line = centre + radius * np.stack([np.cos(around), np.sin(around)], axis=-1)
     return points
+
+
+def path(start: Point, heading: float, steps: Sequence[tuple[float, float]]) -> Line:
+    """The polyline (P, 2) of `steps` from `start`, `heading` so many degrees: (turn [degrees], radius [m]), or (0, length)."""
+    pieces, direction = [np.array([start])], np.radians(heading)
+    for angle, size in steps:
+        here = pieces[-1][-1]
+        ahead = here + size * np.array([np.cos(direction), np.sin(direction)])
+        pieces.append(_arc(here, direction, np.radians(angle), size) if angle else ahead[None])
+        direction += np.radians(angle)
+    return np.concatenate(pieces)
 
 
 def length(line: Line) -> float:

@@ -23,11 +23,16 @@ _HALF_CUT = 2.0
 _FORK_RADIUS = 150.0
 
 
+RampEnds = dict[str, tuple[str, Point]]
+"""By a ramp's name: the node of the carriageway where it begins or ends, and the left edge of its left lane there."""
+
+
 @dataclass
 class _Carriageway:
     """A carriageway while it is drawn: its line, how far it is drawn, lanes there, and how far its left edge has moved.
 
-    `room` is how long its next ramp may be, so that it does not cross another one [m].
+    `room` is how long its next ramp may be, so that it does not cross another one [m]. `ends` takes where ramps begin and
+    end, by their names, where somebody else draws them.
     """
 
     name: str
@@ -38,6 +43,7 @@ class _Carriageway:
     left: float = 0.0
     cuts: int = 0
     room: float = np.inf
+    ends: RampEnds | None = None
 
     @property
     def node(self) -> str:
@@ -61,19 +67,21 @@ def compile_fork(spec: Fork, plain: PlainNetwork) -> None:
     if spec.joins:
         split = PlainNetwork()
         _draw_split(spec, split)
-        _add_backwards(split, plain)
+        add_backwards(split, plain)
     else:
         _draw_split(spec, plain)
 
 
-def _add_backwards(split: PlainNetwork, plain: PlainNetwork) -> None:
+def add_backwards(split: PlainNetwork, plain: PlainNetwork) -> None:
     """Add a network driven backwards and seen in a mirror across its way, so that lanes stay on the right."""
 
     def flip(points: tuple[Point, ...]) -> tuple[Point, ...]:
         return tuple((-x, y) for x, y in points)
 
     plain.nodes += [replace(n, x=-n.x, shape=None if n.shape is None else flip(n.shape)) for n in split.nodes]
-    plain.edges += [replace(e, source=e.target, target=e.source, shape=flip(e.shape[::-1])) for e in split.edges]
+    plain.edges += [
+        replace(e, source=e.target, target=e.source, shape=flip(e.shape[::-1]), heights=e.heights[::-1]) for e in split.edges
+    ]
     plain.connections += [Connection(c.target, c.source, c.target_lane, c.source_lane) for c in split.connections]
 
 
@@ -100,11 +108,18 @@ def _branch(turn: float, length: float) -> lines.Line:
     return np.concatenate([arc, arc[-1:] + straight * np.array([[np.cos(turn), np.sin(turn)]])])
 
 
-def add_carriageway(spec: Highway, plain: PlainNetwork, name: str, axis: lines.Line, events: tuple[HighwayEvent, ...]) -> None:
-    """Draw the carriageway that runs along `axis`, with ramps `{name}ramp{i}_in` and `_out`."""
+def add_carriageway(
+    spec: Highway,
+    plain: PlainNetwork,
+    name: str,
+    axis: lines.Line,
+    events: tuple[HighwayEvent, ...],
+    ends: RampEnds | None = None,
+) -> None:
+    """Draw the carriageway that runs along `axis`, with ramps `{name}ramp{i}_in` and `_out`: only noted in `ends`, if given."""
     line = lines.part(axis, 0.0, lines.length(axis), -spec.median / 2 if spec.carriageways == 2 else 0.0)
     stretch = lines.length(line) / spec.alignment.length if spec.alignment.shape == "straight" else 1.0
-    way = _Carriageway(name, line, spec.speed, spec.lanes)
+    way = _Carriageway(name, line, spec.speed, spec.lanes, ends=ends)
     _begin(plain, way)
     for i, event in enumerate(events):
         way.room = _room(events, i)
@@ -211,6 +226,10 @@ def _across(way: _Carriageway, at: float, lanes: int, left_too: bool) -> tuple[P
 
 def _add_ramp(plain: PlainNetwork, way: _Carriageway, name: str, event: HighwayEvent, at: float, main: int, joins: bool) -> None:
     """A ramp that runs in (or out) beside the `main` lanes, tangent to them at distance `at`."""
+    if way.ends is not None:
+        beside = lines.beside(way.line, np.array([at]), np.array([way.left - main * LANE_WIDTH]))
+        way.ends[name] = (way.node, lines.points(beside)[0])
+        return
     room = at if joins else lines.length(way.line) - at
     length = min(_RAMP_LENGTH, max(room, _SHORTEST_RAMP), way.room)
     share = np.linspace(1.0, 0.0, 25)

@@ -20,6 +20,7 @@ from drivegen.maps.spec import (
     Roundabout,
     TurnLanes,
 )
+from drivegen.maps.spec_quadrants import QuadrantInterchange
 
 _BESIDE = ("on_ramp", "off_ramp", "weaving")
 ISLAND = 8.0
@@ -87,6 +88,8 @@ def built(spec: MapSpec) -> Built:
         _fork(found, road)
     elif isinstance(road, Interchange):
         _interchange(found, road)
+    elif isinstance(road, QuadrantInterchange):
+        _quadrants(found, road)
     found.counts["left_hand"] = int(spec.left_hand)
     return found
 
@@ -230,3 +233,13 @@ def _interchange(found: Built, road: Interchange) -> None:
     found.counts.update({"interchange": 1, "off_ramp": pairs, "on_ramp": 0 if road.form == "terminal" else pairs})
     for arms in {"diamond": (4, 4), "half_diamond": (3, 3), "side": (4,), "terminal": (3,)}[road.form]:
         _place(found, arms, road.control)
+
+
+def _quadrants(found: Built, road: QuadrantInterchange) -> None:
+    for lanes, speed in ((road.lanes, road.speed), (road.road_lanes, road.road_speed), (road.ramp_lanes, road.ramp_speed)):
+        found.road(lanes, 0, speed)
+        found.totals.add(2 * lanes)
+    found.speeds.add(road.loop_speed)
+    found.lengths |= {road.loop_radius, 2 * road.loop_radius, road.median}
+    ramps = len(road.loops) + len(road.directs) - road.trumpet
+    found.counts.update({"interchange": 1, "median": 1, "on_ramp": ramps, "off_ramp": ramps, "loop": len(road.loops)})

@@ -63,6 +63,9 @@ _CHINESE_WORDS = {
     "各进口道": "on every approach", "每个进口道": "on every approach", "均": "all", "都": "all", "设有": "with",
     "设置": "with", "设": "with", "相交": "cross", "无灯控": "unsignalised", "让行标志": "yield signs",
     "停车标志控制": "stop signs", "全向停车": "all way stop", "环形路口": "roundabout",
+    "苜蓿叶形立交": "cloverleaf", "苜蓿叶立交": "cloverleaf", "苜蓿叶": "cloverleaf", "部分苜蓿叶": "partial cloverleaf",
+    "半苜蓿叶": "partial cloverleaf", "喇叭形立交": "trumpet", "喇叭立交": "trumpet", "喇叭形": "trumpet", "立交": "interchange",
+    "部分苜蓿叶立交": "partial cloverleaf", "环形匝道": "loop ramp", "环形出口匝道": "loop off ramp",
     "为": "is", "起点": "start", "终点": "end", "距离": "distance", "之间": "between",
 }  # fmt: skip
 

@@ -6,6 +6,7 @@ from drivegen.errors import UnusableInput
 from drivegen.maps.writers._facts import EventWords, Facts
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._places_along import listed_places
+from drivegen.maps.writers._quadrants import FORMS, loops_of
 from drivegen.maps.writers._sentence import Sentence
 
 _MOST = 9
@@ -38,8 +39,8 @@ def read_ramps(s: Sentence, facts: Facts) -> None:
 
 def _refuse_loop_on_highway(s: Sentence, facts: Facts) -> None:
     """Raise UnusableInput at a loop ramp and what lies along its motorway: "an exit onto a loop ramp", "a loop on-ramp"."""
-    loops = [p for p in (*s.said("shape"), *s.said("ramp")) if "loop" in p.text.split()]
-    if loops and (facts.events or any(p not in loops for p in s.said("ramp"))):
+    loops = loops_of(s)
+    if loops and facts.interchange not in FORMS and (facts.events or any(p not in loops for p in s.said("ramp"))):
         raise UnusableInput("I can draw a loop ramp by itself, without its motorway", reason="not-understood")
 
 

@@ -110,6 +110,30 @@ EXAMPLES: tuple[tuple[str, dict[str, Any]], ...] = (
         {"kind": "fork", "lanes": 3, "left_lanes": 2, "right_lanes": 1, "speed": 80 * _KMH},
     ),
     (
+        "Two three-lane motorways cross in a full cloverleaf, loops of 50 m radius, 40 km/h on the loops.",
+        {
+            "kind": "quadrant_interchange",
+            "lanes": 3,
+            "road_lanes": 3,
+            "road_speed": 120 * _KMH,
+            "loop_radius": 50,
+            "loop_speed": 40 * _KMH,
+        },
+    ),
+    (
+        "A trumpet interchange: a country road, 80 km/h, comes from the south and ends at a motorway.",
+        {
+            "kind": "quadrant_interchange",
+            "north_leg": False,
+            "north_west": "both",
+            "north_east": "none",
+            "south_west": "direct",
+            "south_east": "direct",
+            "road_lanes": 1,
+            "road_speed": 80 * _KMH,
+        },
+    ),
+    (
         "A triangle of roads with a road to the outside at each corner.",
         {
             "kind": "graph",

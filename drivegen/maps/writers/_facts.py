@@ -70,7 +70,8 @@ class Facts:
         one_way: places in the text of roads that are said to be one-way; one_way_role: of the only one of two roads that is.
         two_way: a road is said to run both ways.
         side_places: side ("left", "right" or "") and position along the road [m] of side streets told one by one.
-        pocket_role: of the road that has the turn lanes, "" all. interchange: its form, "" none.
+        pocket_role: of the road that has the turn lanes, "" all. interchange: its form, "" none;
+            loops: how many loop ramps it has.
     """
 
     features: dict[str, int] = field(default_factory=dict)
@@ -107,6 +108,7 @@ class Facts:
     pocket_role: str = ""
     surroundings: str = ""
     interchange: str = ""
+    loops: int | None = None
 
     def has(self, *features: str) -> bool:
         """Whether any of the features is there."""

@@ -12,6 +12,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+from drivegen.maps.spec_quadrants import QUADRANTS
 from drivegen.maps.writers._languages import in_english
 from drivegen.maps.writers._reading import normalise
 from drivegen.maps.writers._tokens import Token, tokens
@@ -54,6 +55,8 @@ TYPICAL: dict[str, str] = {
     "lane_gain": "a highway with a lane gain",
     "fork": "a highway that splits",
     "interchange diamond": "a diamond interchange",
+    "interchange cloverleaf": "a cloverleaf interchange",
+    "interchange trumpet": "a trumpet interchange",
 }
 """How the rules are told of a kind that was found by likeness."""
 
@@ -168,10 +171,18 @@ def _corridor(road: Mapping[str, Any]) -> str:
     return "staggered" if beside else "side_streets"
 
 
+def _quadrants(road: Mapping[str, Any]) -> str:
+    ramps = [road[name] for name in QUADRANTS]
+    if not (road.get("north_leg", True) and road.get("south_leg", True)):
+        return "interchange trumpet"
+    return "interchange cloverleaf" if set(ramps) == {"both"} else "interchange with loops"
+
+
 _KINDS: dict[str, Callable[[Mapping[str, Any]], str]] = {
     "crossing": _crossing,
     "highway": _highway,
     "corridor": _corridor,
     "interchange": lambda road: f"interchange {road['form']}",
+    "quadrant_interchange": _quadrants,
     "fork": lambda road: "merge of roads" if road.get("joins") else "fork",
 }

@@ -11,6 +11,7 @@ from drivegen.maps.writers._corridors import alignment, row, side_streets, stagg
 from drivegen.maps.writers._crossings import crossing, roundabout
 from drivegen.maps.writers._facts import Facts, JunctionWords
 from drivegen.maps.writers._highways import fork, highway
+from drivegen.maps.writers._quadrants import FORMS, quadrants
 
 Road = dict[str, Any]
 
@@ -64,8 +65,8 @@ def _grid(facts: Facts, choices: Choices) -> Road:
 def _interchange(facts: Facts, choices: Choices) -> Road:
     if facts.interchange == "unknown":
         raise UnusableInput(
-            "I cannot draw 'interchange' without its form; of interchanges I can draw a diamond, half a diamond and a single "
-            "ramp terminal",
+            "I cannot draw 'interchange' without its form; of interchanges I can draw a diamond, half a diamond, a single "
+            "ramp terminal, a cloverleaf, a partial cloverleaf and a trumpet",
             reason="not-understood",
         )
     main = choices.lanes(facts, 2, "main")
@@ -99,6 +100,7 @@ def _in_a_row(facts: Facts) -> bool:
 
 
 _KINDS: tuple[tuple[Callable[[Facts], bool], Callable[[Facts, Choices], Road]], ...] = (
+    (lambda facts: facts.interchange in FORMS, quadrants),
     (lambda facts: bool(facts.interchange), _interchange),
     (lambda facts: facts.has("grid"), _grid),
     (lambda facts: facts.has("staggered"), staggered),

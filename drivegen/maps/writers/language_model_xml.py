@@ -62,6 +62,7 @@ class Asked(Part):
     speed: Annotated[float | None, Field(ge=3, le=45, description="most common limit [m/s]")] = None
     length: Annotated[float | None, Field(ge=20, le=10000, description="longest way through [m]")] = None
     turn: Annotated[float | None, Field(ge=0, le=2000, description="degrees that a road turns between junctions")] = None
+    loops: Annotated[Count | None, Field(description="ways that turn about 270 degrees to one side, as loop ramps do")] = None
     one_way: bool | None = None
 
 

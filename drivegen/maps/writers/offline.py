@@ -50,13 +50,14 @@ if TYPE_CHECKING:
 CAN_DRAW = (
     "crossings of 3 to 8 roads (T, Y, staggered, one-way), roundabouts, several of these in a row, street grids, straight "
     "and curved roads, S-curves, hairpins, dead ends, streets with side streets, highways with on-ramps, off-ramps, weaving "
-    "sections, lane drops and gains, forks; with lanes, speed limits, lengths, angles, traffic lights, stop, yield, turn lanes"
+    "sections, lane drops and gains, forks, interchanges (diamond, cloverleaf, trumpet, loop ramps); with lanes, speed "
+    "limits, lengths, angles, traffic lights, stop, yield, turn lanes"
 )
 """What this writer says it can do when it does not understand."""
 
 _LONGEST = 2000
 _CANNOT = (
-    r"clover ?leaf(?! loop)|(?:stack|spaghetti|trumpet|spui|ddi|turbine|windmill)(?: interchanges?)?|diverging diamond|"
+    r"(?:stack|spaghetti|spui|ddi|turbine|windmill)(?: interchanges?)?|diverging diamond|"
     r"single point(?: urban)? interchange|tunnels?|viaducts?|"
     r"(?:rail(?:way|road)?|level|train|tram)(?: level)? crossings?|railways?|railroads?|parking (?:lots?|garages?|decks?)|"
     r"car parks?|toll (?:plazas?|booths?|stations?|gates?)|race ?tracks?|runways?|spiral\w*|helix|multi ?(?:storey|level)|"
