@@ -116,7 +116,7 @@ def restore(root: Path) -> None:
 
 def discard(stages: Collection[str], root: Path) -> None:
     """Remove what dvc.lock says that `stages` wrote: nothing of another run may be taken for this one's."""
-    known = _locked(root)
+    known = locked(root)
     for path in [root / out["path"] for stage in stages for out in known.get(stage, {}).get("outs", ())]:
         if path.is_dir():
             shutil.rmtree(path)
@@ -125,7 +125,7 @@ def discard(stages: Collection[str], root: Path) -> None:
 
 def forget_all_but(stages: Collection[str], root: Path) -> None:
     """Leave only `stages` in dvc.lock: DVC reads and writes all of it round every stage, two seconds where it has fifty."""
-    kept = {name: entry for name, entry in _locked(root).items() if name in stages}
+    kept = {name: entry for name, entry in locked(root).items() if name in stages}
     with (root / "dvc.lock").open("w") as file:
         yaml.dump({"schema": "2.0", "stages": kept}, file, yaml.CSafeDumper, sort_keys=False)
 
@@ -158,8 +158,8 @@ def metrics(stage: str, root: Path = Path()) -> dict[str, Any]:
     return merged
 
 
-def _locked(root: Path) -> dict[str, Any]:
-    """What dvc.lock says of each stage."""
+def locked(root: Path) -> dict[str, Any]:
+    """What dvc.lock says of each stage; nothing where there is none."""
     lock = root / "dvc.lock"
     said = yaml.load(lock.read_text(), yaml.CSafeLoader) if lock.exists() else None
     return dict((said or {}).get("stages", {}))

@@ -19,6 +19,7 @@ from prefect.states import Completed, Failed
 
 from flows import pipeline, workspace
 from flows.experiment import RUNNER, submit
+from flows.provenance import Times, note_code
 
 ROOMS = Path(".drivegen/tables")
 PUBLISHED = Path("reports/published")
@@ -91,11 +92,14 @@ def _bring_up(room: Room, done: list[Room]) -> str:
     """Run what the room's tables need; "" if it went well, else what failed. Its workspace is made anew, its cache is not.
 
     It begins with what the nearest room made, so that stages which both share need not even be asked for, and with all code
-    that was compiled before. What its tables do not need is neither there nor in its dvc.lock.
+    that was compiled before. What its tables do not need is neither there nor in its dvc.lock. Of the workspace that was there
+    the times stay of what is the same.
     """
     root = ROOMS / room.name
+    times = Times.of(root)
     shutil.rmtree(root, ignore_errors=True)
     workspace.duplicate(Path(), root, room.params)
+    note_code(Path(), root)
     if like := nearest(room, done):
         shutil.copy2(ROOMS / like.name / "dvc.lock", root / "dvc.lock")
         workspace.share_compiled(ROOMS / done[-1].name, root)
@@ -110,5 +114,6 @@ def _bring_up(room: Room, done: list[Room]) -> str:
     futures = submit(plan, stale, root)
     for future in futures.values():
         future.wait()
+    times.put_back(root)
     ended = [future.state for future in futures.values() if not future.state.is_completed()]
     return "; ".join(str(state.message) for state in ended if not state.is_pending())  # those behind a failed one wait for ever

@@ -82,11 +82,10 @@ def front(curve: Sequence[tuple[str, float, float]], points: Mapping[str, tuple[
             labels, xs, ys = zip(*curve, strict=True)
             axes.plot(xs, ys, color=OURS, lw=1.4, marker="D", ms=5, zorder=3, label="DriveGen, by temperature")
             for n, place in enumerate(zip(labels, xs, ys, strict=True)):
-                away, side = ((7, "left"), (-7, "right"))[n % 2]
+                away = (0, (-9, 9)[n % 2])
                 axes.annotate(
-                    place[0], place[1:], xytext=(away, 0), textcoords="offset points",
-                    fontsize=7.5, color=OURS, ha=side, va="center",
-                )  # fmt: skip
+                    place[0], place[1:], away, textcoords="offset points", fontsize=7.5, color=OURS, ha="center", va="center"
+                )
         for (name, (x, y)), colour in zip(points.items(), SERIES[1:], strict=False):
             axes.scatter([x], [y], s=42, color=colour, zorder=2, edgecolor="white", linewidth=0.8, label=name)
         axes.set_xlabel("diversity ratio (1 = as diverse as the real set)")

@@ -130,6 +130,7 @@ def test_tables_are_pooled_from_runs_that_share_what_they_have_in_common(runs):
     assert (runs / "ingested").read_text() == "once\n"  # the first run computed it, the others took it from the cache
     assert not list(runs.glob(".drivegen/tables/*/*/data/round-*"))  # no table asks for it
     assert not (runs / "data").exists()
+    assert len(list(runs.glob(".drivegen/tables/toy/*/.drivegen/code.json"))) == 3
 
 
 def test_a_run_that_fails_ends_the_tables_by_name_and_keeps_the_old_ones(runs):

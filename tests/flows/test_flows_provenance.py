@@ -1,0 +1,66 @@
+"""Of which code a run is, and which times survive when its workspace is made anew."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import yaml
+
+from flows.provenance import CODE, COSTS, Times, note_code
+from tests.flows import toy
+
+
+def lock(root: Path, **stages: str) -> None:
+    root.mkdir(parents=True, exist_ok=True)
+    (root / "dvc.lock").write_text(
+        yaml.safe_dump({"schema": "2.0", "stages": {n.replace("__", "@"): v for n, v in stages.items()}})
+    )
+
+
+def cost(root: Path, name: str, text: str) -> Path:
+    file = root / COSTS / f"{name}.parquet"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text)
+    return file
+
+
+def test_times_stay_of_stages_that_are_as_they_were(tmp_path: Path) -> None:
+    old, new = tmp_path / "old", tmp_path / "new"
+    lock(old, train__bits="a", train__idm="a", select="a", goals__log="a")
+    for name in ("train-bits", "train-idm", "select-ranker", "goals-log"):
+        cost(old, name, "old")
+    times = Times.of(old)
+    lock(new, train__bits="a", train__idm="b", select="a", goals__log="a")
+    mine = cost(new, "goals-log", "new")
+    times.put_back(new)
+    assert {file.stem for file in (new / COSTS).iterdir()} == {"train-bits", "select-ranker", "goals-log"}
+    assert mine.read_text() == "new"
+
+
+def test_where_there_was_no_workspace_nothing_is_put_back(tmp_path: Path) -> None:
+    Times.of(tmp_path / "nowhere").put_back(tmp_path)
+    assert not (tmp_path / COSTS).exists()
+
+
+def test_a_run_knows_its_commit_and_whether_what_makes_runs_differs_from_it(tmp_path: Path) -> None:
+    source = tmp_path / "source"
+    source.mkdir()
+    toy.build(source)
+    who = ("-c", "user.name=a", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false")
+    subprocess.run(["git", *who, "commit", "-q", "-m", "toy"], cwd=source, check=True)
+    note_code(source, tmp_path / "room")
+    said = json.loads((tmp_path / "room" / CODE).read_text())
+    head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=source, capture_output=True, text=True, check=True).stdout.strip()
+    assert said == {"commit": head, "changed": False}
+    (source / "README.md").write_text("words")
+    note_code(source, tmp_path / "room")
+    assert json.loads((tmp_path / "room" / CODE).read_text())["changed"] is False
+    (source / "params.yaml").write_text("run: {seed: 8}")
+    note_code(source, tmp_path / "room")
+    assert json.loads((tmp_path / "room" / CODE).read_text())["changed"] is True
+
+
+def test_without_git_a_run_knows_nothing_of_its_code(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    note_code(tmp_path, tmp_path / "room")
+    assert json.loads((tmp_path / "room" / CODE).read_text()) == {"commit": None, "changed": None}
