@@ -25,6 +25,11 @@ class Params:
 
 
 _TRAINING = "cost_of_training"
+_NOTE = (
+    "Methods' seconds are of whole stages: starting processes, reading scenarios and writing samples are in them (the log's row "
+    "is nothing but that), and where goals are chosen, scoring the choice. `drivegen bench` times generation alone: its figure is "
+    "smaller."
+)
 _TABLES = (
     (
         "cost_of_methods",
@@ -66,6 +71,7 @@ def main(
 
 def _markdown(warehouse: Path, results: Path) -> Iterator[str]:
     yield "Seconds of processors over all processes, of this machine and this run: another run has others."
+    yield _NOTE
     for view, title, columns in _TABLES:
         yield from ("", f"### {title}", "", _line(columns.values()), _line(["---"] + ["---:"] * (len(columns) - 1)))
         rows = query(warehouse, f"from {view}").to_pylist()

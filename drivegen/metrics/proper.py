@@ -1,15 +1,18 @@
 """Proper scores: what a method expects best by saying what it believes, unlike the best of K samples.
 
 Energy score (Gneiting and Raftery 2007): ES = E d(X, y) - E d(X, X') / 2 for a sample X, another X' and the log y, both
-expectations estimated without bias from K samples (the second over pairs of different samples). Lower is better; a
-method that is certain has its plain error. Distances d are Euclidean norms, so the score is strictly proper:
+expectations estimated from K samples (the second over pairs of different samples). Lower is better; a method that is
+certain has its plain error. Distances d are Euclidean norms, so the score is strictly proper. The estimate is without bias
+if samples are drawn independently; samples that are spread on purpose (stratified, or without repetition) have larger
+distances d(X, X') than independent ones, and a lower score than what they are drawn from deserves:
 
 * of one vehicle: at its last scored step (`final`), and root mean square over its scored steps (`trajectory`) [m];
 * of the scene: root mean square of these over its vehicles (`joint_final`, `joint`) [m]: who moves with whom counts.
 
 Negative log likelihood of the log under the samples, at fixed horizons, in nats per vehicle, of positions in metres: the
 samples are turned into a density by a Gaussian kernel. Its bandwidth is one number per method and horizon, from a declared grid:
-for each scenario the one that is likeliest for all other scenarios. `joint` is that of all vehicles' positions at once.
+for each scenario the one that is likeliest for all scenarios of other recordings. `joint` is that of all vehicles' positions
+at once.
 """
 
 from collections.abc import Sequence

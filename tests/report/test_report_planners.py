@@ -36,6 +36,15 @@ def test_times_are_rates_where_they_were_measured_and_do_not_go_to_the_files() -
     assert not table.repeatable
 
 
+def test_a_planner_that_was_not_trained_has_a_row_that_says_so() -> None:
+    results = {"train_planner/route_fm": SCORES, "train_planner/other": SCORES}
+    table = planners.section(replace(EVIDENCE, results=results)).tables[0]
+    rows = {row.cells[0].text: {cell.text for cell in row.cells[1:]} for row in table.rows}
+    assert rows["paper"] == rows["poly_fm"] == {"not measured"}
+    assert "other" in rows
+    assert {len(row.cells) for row in table.rows} == {len(table.columns)}
+
+
 @pytest.mark.parametrize("costs", [EVIDENCE.costs, {}])
 def test_errors_are_drawn_over_cost_and_over_steps_without_it(costs: dict[str, dict[str, float]]) -> None:
     figures = planners.section(replace(EVIDENCE, costs=costs)).figures

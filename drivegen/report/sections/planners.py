@@ -6,7 +6,10 @@ from typing import Any
 from drivegen.report import plots
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Figure, Section, not_measured
-from drivegen.report.table import Cell, Row, Table, measured, number, row, taken
+from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, measured, number, row, taken
+
+PLANNERS = ("route_fm", "poly_fm", "paper")
+"""Rows of the table: what was not trained says so."""
 
 PAPER_EPOCHS = 90
 """The paper's training; with less its planner is called under-trained."""
@@ -55,6 +58,8 @@ def _quality(trained: Mapping[str, Mapping[str, Any]], trained_on: tuple[str, ..
         first = trained[names[0]]
         rows += [_line(_named(name, trained[name]), trained[name], "", tracks, scenes) for name in names]
         rows += [_line(text, first, prefix, tracks, scenes) for text, prefix in (("no residual", "base."), ("log", "log."))]
+    missing = [Cell(NOT_MEASURED)] * (len(_COLUMNS) + 2)
+    rows += [row(name, *missing, origin="ours") for name in PLANNERS if name not in trained]
     columns = ("planner", "steps", *_COLUMNS.values(), "tracks of scenes")
     return Table("planners", "Planners given the true goal", columns, tuple(rows), (*_NOTES, *trained_on))
 
