@@ -1,5 +1,7 @@
 """Encounters, knowledge and pressure by hand cases and properties."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,7 +10,9 @@ from hypothesis import strategies as st
 from drivegen.corner_cases.encounters import Behaviour, Direction, encounters
 from drivegen.corner_cases.knowledge import SHAPE, Knowledge, wilson
 from drivegen.corner_cases.pressure import PressureSettings, lean, risk
+from drivegen.corner_cases.rounds import Drive, _to_the_end, taught
 from drivegen.scenario import DT, Trajectories
+from drivegen.simulators.base import NO_PARTNER, CollisionKind, DrivingOutcome
 
 CAR = np.array([4.5, 1.9, 1.5], np.float32)
 PRESSURE = PressureSettings(strength=2.0, reach=10.0, max_ratio=8.0, reaction_time=1.5)
@@ -26,7 +30,17 @@ def drive(start: tuple[float, float], heading: float, speed: float, steps: int =
 
 
 def together(*motions: Trajectories) -> Trajectories:
-    return Trajectories(*(np.stack([getattr(m, name) for m in motions]) for name in ("position", "heading", "velocity", "valid")))
+    return Trajectories.joined([motion[np.newaxis] for motion in motions])
+
+
+def swerving(turned: float, shifted: float, steps: int = 101) -> Trajectories:
+    """At 8 m/s; in the last three seconds its heading changes by `turned` [rad] and it gets `shifted` [m] to the left."""
+    late = np.clip((np.arange(steps) - (steps - 31)) / 30, 0, 1)
+    heading = turned * late
+    velocity = 8 * np.stack([np.cos(heading), np.sin(heading)], axis=-1)
+    position = np.cumsum(velocity, axis=0) * DT + np.stack([np.zeros(steps), shifted * late], axis=-1)
+    arrays = (position, heading, velocity)
+    return Trajectories(*(a.astype(np.float32) for a in arrays), np.ones(steps, bool))
 
 
 def test_a_car_from_the_right_meets_the_target_where_their_paths_cross():
@@ -66,6 +80,86 @@ def test_a_braking_leader_is_seen_to_brake():
     met = encounters(target, CAR, together(leader), CAR[None])
     assert met.behaviour[0] == Behaviour.BRAKING
     assert met.direction[0] == Direction.SAME
+
+
+@pytest.mark.parametrize(
+    ("turned", "shifted", "behaviour"),
+    [
+        (0.0, 0.0, Behaviour.STRAIGHT),
+        (0.5, 0.0, Behaviour.TURNING_LEFT),
+        (-0.5, 0.0, Behaviour.TURNING_RIGHT),
+        (0.0, 2.0, Behaviour.SHIFTING_LEFT),
+        (0.0, -2.0, Behaviour.SHIFTING_RIGHT),
+        (0.5, -4.0, Behaviour.TURNING_LEFT),  # the stronger sign
+        (0.2, 0.0, Behaviour.SHIFTING_LEFT),  # three seconds at 8 m/s, a little aslant
+    ],
+)
+def test_turns_and_changes_of_lane_are_told_apart(turned, shifted, behaviour):
+    social = swerving(turned, shifted)
+    standing = drive((float(social.position[-1, 0]) + 8.0, float(social.position[-1, 1])), 0.0, 0.0)
+    met = encounters(standing, CAR, together(social), CAR[None])
+    assert met.step[0] == 100
+    assert Behaviour(met.behaviour[0]) is behaviour
+
+
+def test_who_comes_up_from_behind_teaches_nothing():
+    target = drive((0, 0), 0.0, 5.0)
+    follower, leader = drive((-40, 0), 0.0, 10.0), drive((40, 0), 0.0, 1.0)
+    met = encounters(target, CAR, together(follower, leader), np.stack([CAR] * 2))
+    assert met.behind.tolist() == [True, False]
+    assert met.direction.tolist() == [Direction.SAME, Direction.SAME]
+    knowledge = Knowledge.none(4.0).with_outcomes(met, np.array([True, True]), reach=10.0)
+    assert (knowledge.encounters.sum(), knowledge.collisions.sum()) == (1, 1)
+    assert knowledge.encounters[met.speed_bin[1], Direction.SAME, met.behaviour[1]] == 1
+    risks = risk(met, knowledge, PRESSURE)
+    assert risks[0] == pytest.approx(0.1 * knowledge.base_rate)
+    assert risks[1] > 5 * risks[0]
+
+
+def test_a_cell_never_met_leans_on_what_is_known_of_its_features():
+    seen, hit = np.zeros(SHAPE, np.int64), np.zeros(SHAPE, np.int64)
+    seen[3, Direction.FROM_RIGHT, Behaviour.STRAIGHT] = seen[0, Direction.SAME, Behaviour.BRAKING] = 50
+    hit[3, Direction.FROM_RIGHT, Behaviour.STRAIGHT] = 40
+    p = Knowledge(seen, hit, 4.0).probability()
+    never_met = p[:, :, Behaviour.TURNING_LEFT]
+    deadly, half, harmless = never_met[3, Direction.FROM_RIGHT], never_met[3, Direction.SAME], never_met[0, Direction.SAME]
+    assert deadly > 1.5 * half > 1.5 * harmless
+
+
+def test_a_base_rate_is_smoothed_by_half_a_collision_in_one_encounter():
+    seen, hit = np.zeros(SHAPE, np.int64), np.zeros(SHAPE, np.int64)
+    seen[0, 0, 0], hit[0, 0, 0] = 9, 2
+    assert Knowledge(seen, hit, 4.0).base_rate == pytest.approx(0.25)
+    assert Knowledge.none(4.0).base_rate == 0.5
+
+
+def test_a_round_teaches_what_the_driver_might_have_prevented_and_of_whom():
+    kinds = (
+        CollisionKind.FRONT,
+        CollisionKind.FRONT,
+        CollisionKind.HIT_FROM_BEHIND,
+        CollisionKind.HIT_IN_SIDE,
+        CollisionKind.NONE,
+    )
+    runs = drive((0, 0), 0.0, 5.0)[np.newaxis][np.zeros(5, int)]
+    outcome = DrivingOutcome(
+        np.array(kinds, np.uint8), np.array([40, 5, 40, 40, -1], np.int16), np.array([1, 1, 2, 2, NO_PARTNER], np.int32),
+        runs, np.zeros(5, np.float32),
+    )  # fmt: skip
+    choice = SimpleNamespace(scenario=SimpleNamespace(vehicles=range(3)))
+    found = taught(Drive(None, runs, outcome), choice)
+    assert found.tolist() == [[True, False], [False, False], [False, False], [False, True], [False, False]]
+
+
+def test_where_a_run_ended_the_target_is_left_standing():
+    run = drive((0, 0), 0.0, 10.0)[np.newaxis]
+    run.valid[:, 41:] = False
+    stays = _to_the_end(run)
+    assert stays.valid.all()
+    np.testing.assert_array_equal(stays.position[0, :41], run.position[0, :41])
+    np.testing.assert_allclose(stays.position[0, 41:], np.tile([40.0, 0.0], (60, 1)), atol=1e-4)
+    assert (stays.speed[0, :41] == 10).all()
+    assert (stays.speed[0, 41:] == 0).all()
 
 
 def test_knowledge_counts_every_encounter_and_ranks_the_deadly_feature_first():
