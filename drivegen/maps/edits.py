@@ -44,7 +44,7 @@ def change_lanes(fields: Fields, match: re.Match[str]) -> str:
 
 
 def _is_event(part: Fields) -> bool:
-    return "ramp_speed" in part
+    return "ramp_speed" in part and "position" in part  # interchanges have ramps as well
 
 
 def set_lanes(fields: Fields, match: re.Match[str]) -> str:

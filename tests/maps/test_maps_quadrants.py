@@ -18,9 +18,11 @@ from drivegen.maps.checks import failures
 from drivegen.maps.compile import compile_map, draw
 from drivegen.maps.examine import NETWORK, examine
 from drivegen.maps.overlaps import overlapping
+from drivegen.maps.refine import refine
 from drivegen.maps.spec import MapSpec
 from drivegen.maps.spec_quadrants import QUADRANTS, QuadrantInterchange
 from drivegen.maps.structure import measure
+from drivegen.maps.writers.offline import Plugin
 from drivegen.sumo.demand import Demand, draw_demand
 from drivegen.sumo.network import Network
 from drivegen.sumo.plain import Edge, PlainNetwork
@@ -253,3 +255,42 @@ def test_vehicles_drive_through_its_loops(form: str) -> None:
         on_it = motion.valid & (abs(distance - 45.0) < 2.5)
         turned = wrap_angle(np.diff(motion.heading, axis=1)) * (on_it[:, 1:] & on_it[:, :-1])
         assert np.count_nonzero(np.degrees(turned.sum(axis=1)) < -200) >= 5
+
+
+def test_edits_reach_the_highway_of_an_interchange() -> None:
+    edited = refine(specified({}), "three lanes, limit 100")[0].road
+    assert isinstance(edited, QuadrantInterchange)
+    assert (edited.lanes, edited.speed, edited.ramp_lanes) == (3, pytest.approx(100 / 3.6), 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "loop", "ramp"),
+    [
+        ("cloverleaf, 50 km/h on the loops", 50, 60),
+        ("cloverleaf of two freeways, loops with a limit of 30 km/h, direct ramps 70 km/h", 30, 70),
+        ("cloverleaf of two freeways, 100 km/h, 60 km/h on the ramps", 60, 60),
+    ],
+)
+def test_limits_of_loops_are_not_those_of_other_ramps(text: str, loop: int, ramp: int) -> None:
+    spec = Plugin().write(text, 7).spec
+    assert isinstance(spec, MapSpec)
+    assert isinstance(spec.road, QuadrantInterchange)
+    assert (spec.road.loop_speed, spec.road.ramp_speed) == (pytest.approx(loop / 3.6), pytest.approx(ramp / 3.6))
+
+
+@pytest.mark.parametrize(
+    ("text", "loops"),
+    [
+        ("motorway exit with a loop ramp to the road above", ("south_east",)),
+        ("a loop on-ramp from a road joins the motorway below", ("north_east",)),
+        ("partial cloverleaf", ("north_east", "south_west")),
+        ("cloverleaf with three loops", ("south_east", "north_east", "south_west")),
+        ("a trumpet interchange", ("north_west",)),
+        ("a cloverleaf", QUADRANTS),
+    ],
+)
+def test_words_put_loops_into_quadrants(text: str, loops: tuple[str, ...]) -> None:
+    spec = Plugin().write(text, 7).spec
+    assert isinstance(spec, MapSpec)
+    assert isinstance(spec.road, QuadrantInterchange)
+    assert spec.road.loops == loops

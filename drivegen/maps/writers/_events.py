@@ -41,7 +41,9 @@ def _refuse_loop_on_highway(s: Sentence, facts: Facts) -> None:
     """Raise UnusableInput at a loop ramp and what lies along its motorway: "an exit onto a loop ramp", "a loop on-ramp"."""
     loops = loops_of(s)
     if loops and facts.interchange not in FORMS and (facts.events or any(p not in loops for p in s.said("ramp"))):
-        raise UnusableInput("I can draw a loop ramp by itself, without its motorway", reason="not-understood")
+        raise UnusableInput(
+            "I do not understand what this loop ramp joins: name its motorway, or say that it is alone", reason="not-understood"
+        )
 
 
 def _leave_ramp_alone(s: Sentence, facts: Facts) -> None:

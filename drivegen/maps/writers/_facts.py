@@ -59,7 +59,7 @@ class Facts:
             `other_lanes` are those without one, in order.
         from_lanes, to_lanes: of a road that narrows or widens. branches: lanes of the left and right branch of a fork.
         steps: in how many steps it does so, step_places: where they lie [m]. whole: the length said is that of the whole road.
-        speeds: [m/s] by role "main", "side", "ramp", "ring". lengths: [m] by role "length", "spacing", "radius",
+        speeds: [m/s] by role "main", "side", "ramp", "ring", "loop". lengths: [m] by role "length", "spacing", "radius",
             "diameter", "auxiliary", "offset", "position", "side", "median", "island" (in the middle of a ring), "pocket" (of
             turn lanes), "straights" (beside bends), "before" and "behind" (the one
             bend), "branch" and "stem" (of a fork), "rest" (of the road, behind its last change), "beyond" (streets of a

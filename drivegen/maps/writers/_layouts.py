@@ -2,7 +2,7 @@
 
 from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._phrases import Phrase
-from drivegen.maps.writers._quadrants import FORMS, read_quadrants
+from drivegen.maps.writers._quadrants import read_quadrants
 from drivegen.maps.writers._sentence import Sentence
 
 _LEAST_STREETS = 2
@@ -79,13 +79,13 @@ def read_interchange(s: Sentence, facts: Facts) -> None:
     """Interchange parts: a highway over another road, with ramps between them."""
     for phrase in s.denied("interchange"):
         s.use(phrase.first, phrase.head, "no interchange")
-    said = sorted(s.said("interchange"), key=lambda p: ("loop", "").index(p.value) + 1 if p.value in ("loop", "") else 0)
+    said = [p for p in s.said("interchange") if p.value] or list(s.said("interchange"))
     fast = any(p.words.get("class") == "highway" for p in s.said("road"))
     ramps = list(s.said("ramp"))
     over = [i for i in s.of_kind("over") if not s.negated_at(i)]
     if form := read_quadrants(s, facts, said[0].value if said else ""):
         facts.interchange = form
-    elif said and said[0].value != "loop":
+    elif said:
         facts.interchange = said[0].value or ("diamond" if over else "unknown")
     elif over and fast and ramps:
         facts.interchange = "diamond"
@@ -93,9 +93,7 @@ def read_interchange(s: Sentence, facts: Facts) -> None:
         facts.interchange = "terminal"
     if facts.interchange == "half_diamond" and _on_one_carriageway(s, ramps):
         facts.interchange = "side"
-    for phrase in said if facts.interchange else ():
-        if phrase.value == "loop" and facts.interchange in FORMS:
-            continue
+    for phrase in said:
         s.use(phrase.first, phrase.head, f"{facts.interchange.replace('_', ' ')} interchange")
     for i in over if facts.interchange else ():
         s.use(i, i, "over or under another road, without a crossing")

@@ -32,17 +32,20 @@ _USUAL = {"cloverleaf": 4, "partial_cloverleaf": 2}
 
 def loops_of(s: Sentence) -> list[Phrase]:
     """Loop ramps that are spoken of, by whatever word."""
-    said = (*s.said("interchange", "loop"), *s.said("shape", "curve"), *s.said("ramp"))
-    return sorted((p for p in said if set(p.text.split()) & {"loop", "loops"}), key=lambda p: p.first)
+    return sorted((p for p in (*s.said("shape", "curve"), *s.said("ramp")) if _is_loop(p)), key=lambda p: p.first)
+
+
+def _is_loop(phrase: Phrase) -> bool:
+    return bool(set(phrase.text.split()) & {"loop", "loops", "looping"})
 
 
 def read_quadrants(s: Sentence, facts: Facts, form: str) -> str:
     """The form, of `FORMS`, that a named `form` or loops beside a highway make, and how many loops are said; "" none."""
     loops = loops_of(s)
     highways = [p for p in s.phrases if p.words.get("class") == "highway" and not p.negated]
-    if form not in FORMS and not (loops and highways and form in ("", "loop")):
+    if form not in FORMS and not (loops and highways and not form):
         return ""
-    if any(s.denied("interchange", "loop")):
+    if any(_is_loop(p) for p in s.denied("ramp")):
         raise UnusableInput("of interchanges without loops I can draw diamonds only", reason="not-understood")
     facts.loops = next((p.number for p in loops if p.number), None)
     if form not in FORMS:
@@ -59,9 +62,23 @@ def read_quadrants(s: Sentence, facts: Facts, form: str) -> str:
     for phrase in fast:
         if phrase.number == _TWO:
             s.use(phrase.first, phrase.head, "two highways")
+    _tell_speeds_apart(s, facts, loops)
     for phrase in loops:
         s.use(phrase.first, phrase.head, "loop ramp of 270 degrees")
     return form
+
+
+def _tell_speeds_apart(s: Sentence, facts: Facts, loops: list[Phrase]) -> None:
+    """A limit that is said of loops is not that of the other ramps."""
+    of_loops = next((p.speed for p in loops if p.speed), None)
+    if of_loops is None:
+        return
+    facts.speeds["loop"] = of_loops
+    others = [p.speed for p in s.said("ramp") if p.speed and not _is_loop(p)]
+    if others:
+        facts.speeds["ramp"] = others[0]
+    else:
+        facts.speeds.pop("ramp", None)
 
 
 def _direction(s: Sentence, loops: list[Phrase]) -> str:
@@ -88,7 +105,7 @@ def quadrants(facts: Facts, choices: Choices) -> dict[str, Any]:
         "road_speed": facts.speeds.get("side", speed if both else min(speed, _ROAD_SPEED)),
         "ramp_lanes": facts.lanes.get("ramp", 1),
         "ramp_speed": facts.speeds.get("ramp", min(speed, _RAMP_SPEED)),
-        "loop_speed": facts.speeds.get("ramp", min(speed, _LOOP_SPEED)),
+        "loop_speed": facts.speeds.get("loop", facts.speeds.get("ramp", min(speed, _LOOP_SPEED))),
         "loop_radius": facts.lengths.get("radius", 45.0),
     }
     if "radius" not in facts.lengths:
