@@ -123,12 +123,12 @@ def _data_set(folder: Path, name: str, about: About, params: Params) -> DataSet 
         return None
     places = [folder / str(seed) / METRICS for seed in seeds]
     methods = sorted({file.stem for place in places for file in (place / "quality").glob("*.parquet")})
-    results = {method: _results(places, method) for method in methods if method in published.METHODS}
+    results, left_out = published.split({m: _results(places, m) for m in methods if m in published.METHODS})
     ingest = _json(places[0] / "ingest.json")
     said = f"Models were trained on: {ingest['trained_on']}." + (f" {ingest['note']}." if ingest["note"] else "")
     scenes = folder / str(seeds[0]) / SCENARIOS
-    tracks = published.tracks(s for shard in shards(scenes) for s in read_shard(shard)) if scenes.is_dir() else ""
-    return DataSet(name, about.title, said, seeds, results, about.by_scene, tracks)
+    logs = (scene for shard in (shards(scenes) if scenes.is_dir() else ()) for scene in read_shard(shard))
+    return DataSet(name, about.title, said, seeds, results, about.by_scene, published.tracks(logs, results), left_out)
 
 
 def _results(places: list[Path], method: str) -> Results:
@@ -154,7 +154,8 @@ def _trained(runs: Path, known: Iterable[DataSet]) -> list[Trained]:
 
 
 def _at_temperature(folder: Path) -> Results | None:
-    return _results([folder / METRICS], "drivegen") if (folder / METRICS / "quality" / "drivegen.parquet").exists() else None
+    known = (folder / METRICS / "quality" / "drivegen.parquet").exists()
+    return _results([folder / METRICS], "drivegen").averaged if known else None
 
 
 def _chosen_by(method: str) -> str:

@@ -15,15 +15,27 @@ def taken_over(methods: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
     return (scenes_and_recordings(details["scenarios"], details["recordings"], details["steps"], others),)
 
 
-def scenes_and_recordings(scenes: int, recordings: int, steps: int, others: Mapping[int, int]) -> str:
-    """The note for `scenes` scenes of `steps` steps; `others` are numbers of scenes by another number of steps, left out."""
+def scenes_and_recordings(scenes: int, recordings: int, steps: int | None, others: Mapping[int, int]) -> str:
+    """The note for `scenes` scenes of `steps` steps (None if unknown).
+
+    `others` are numbers of scenes by another number of steps, which are left out.
+    """
     several = f"intervals (95 %) over their {recordings} recordings"
-    said = f"Means are over {scenes} scenes of {seconds(steps)} s, "
+    said = f"Means are over {scenes} scenes{'' if steps is None else f' of {seconds(steps)} s'}, "
     said += f"{several}." if recordings > 1 else "all of one recording, which gives no intervals."
     if not others:
         return said
     left_out = " and ".join(f"{count} of {seconds(length)} s" for length, count in sorted(others.items()))
     return f"{said} Scenes of another length are not averaged with them: {left_out}."
+
+
+def vehicles_over(group: Mapping[str, Any]) -> tuple[str, ...]:
+    """The note for the scores of goals, those of one group of vehicles; none where they don't say."""
+    if "recordings" not in group:
+        return ()
+    recordings, others = int(group["recordings"]), int(group["left_out"])
+    said = f"Intervals (95 %) are over {recordings} recordings." if recordings > 1 else "One recording gives no intervals."
+    return (f"{said} Vehicles of scenes of another length are not averaged with these: {others}." if others else said,)
 
 
 def seconds(steps: int) -> str:

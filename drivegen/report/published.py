@@ -1,14 +1,16 @@
 """What is published: every method on every data set, over scenes and training seeds, as intervals and as rows."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.metrics.intervals import Interval, recording
+from drivegen.metrics.intervals import Interval, recording, usual_length
 from drivegen.metrics.pooled import Resampling, envelope, pooled_mean
+from drivegen.report.averaged import scenes_and_recordings
 from drivegen.scenario import Scenario
 
 Floats = NDArray[np.float64]
@@ -33,6 +35,13 @@ METHODS = {
 
 RIVALS = ("scene_transformer", "bits", "trafficgen", "lctgen")
 _FLOOR = "constant_velocity"
+MARKS = (
+    "A rival that does not beat constant velocity in min-sADE is marked under-trained: beating it counts for nothing.",
+    "That is lenient, for it is the best of several samples against one. Behind in the mean: its mean-sADE does not beat "
+    "constant velocity's.",
+)
+"""Notes on what `mark` puts behind names."""
+
 _JOINT = ("joint.order", "shuffled.order", "shuffled.headway", "shuffled.post_encroachment")
 _OF_SETS = {"diversity_ratio": "diversity", "auc": "auc", **{name: name for name in _JOINT}}
 """Names in the details of an evaluation, and here: what only a whole set of scenes has. `distance.*` keep their names."""
@@ -47,7 +56,7 @@ class Results:
 
     Attributes:
         scenarios: ids of N scenes. values: (S, N) by metric, one row a training seed, NaN where there is none.
-        sets: an interval a seed, by the name of what only a whole set has.
+        sets: an interval a seed, by the name of what only a whole set has: of scenes of the usual length, see `metrics.whole`.
         chosen_by: who chose goals, in words.
     """
 
@@ -55,6 +64,22 @@ class Results:
     values: Mapping[str, Floats]
     sets: Mapping[str, list[Interval]]
     chosen_by: str
+
+    @property
+    def averaged(self) -> "Results":
+        """The same of the scenes that are as long as most."""
+        return self.only(self.usual)
+
+    @property
+    def usual(self) -> NDArray[np.bool_]:
+        """(N,) which scenes are as long as most; all, where nobody wrote down how long they are."""
+        steps = self.values["steps"][0] if "steps" in self.values else np.zeros(len(self.scenarios))
+        return np.asarray(steps == usual_length(steps)) if len(steps) else np.ones(0, np.bool_)
+
+    def only(self, kept: NDArray[np.bool_]) -> "Results":
+        """The same of the scenes that are `kept` (N,)."""
+        names = tuple(name for name, keep in zip(self.scenarios, kept, strict=True) if keep)
+        return replace(self, scenarios=names, values={metric: values[:, kept] for metric, values in self.values.items()})
 
 
 @dataclass(frozen=True)
@@ -65,6 +90,7 @@ class DataSet:
         name, title: in the JSON, and in words. trained_on: what models were trained on, in words.
         seeds: of training. methods: results by name. by_scene: too few scenes for means; every scene is a row.
         tracks: how many vehicles are scored, in words; "" where nobody counted.
+        left_out: results by name on scenes of another length, which are shown scene by scene and not averaged.
     """
 
     name: str
@@ -74,11 +100,30 @@ class DataSet:
     methods: Mapping[str, Results]
     by_scene: bool
     tracks: str = ""
+    left_out: Mapping[str, Results] = field(default_factory=dict)
 
     @property
     def scenes(self) -> int:
         """How many any method was measured on."""
         return max((len(results.scenarios) for results in self.methods.values()), default=0)
+
+    @property
+    def over(self) -> str:
+        """What means and intervals are over, in words."""
+        first = next(iter(self.methods.values()))
+        known = "steps" in first.values
+        left_out = next((other.values["steps"][0] for other in self.left_out.values()), ())
+        others = Counter(int(steps) for steps in left_out)
+        recordings = len({recording(name) for name in first.scenarios})
+        steps = int(first.values["steps"][0, 0]) if known else None
+        return scenes_and_recordings(len(first.scenarios), recordings, steps, others)
+
+
+def split(every: Mapping[str, Results]) -> tuple[dict[str, Results], dict[str, Results]]:
+    """Results by method on scenes that are averaged, and on those of another length: nothing where there are none."""
+    averaged = {method: found.averaged for method, found in every.items()}
+    others = {method: found.only(~found.usual) for method, found in every.items()}
+    return averaged, others if any(found.scenarios for found in others.values()) else {}
 
 
 Pooled = Mapping[str, Mapping[str, Interval]]
@@ -105,12 +150,14 @@ def pool(data: DataSet, draws: int, rng: np.random.Generator) -> dict[str, dict[
     return out
 
 
-def tracks(scenes: Iterable[Scenario]) -> str:
-    """How many vehicles are scored, in words; scenes of one recording may show the same one."""
-    logged = [(scene, scene.log) for scene in scenes if scene.log is not None]
+def tracks(scenes: Iterable[Scenario], methods: Mapping[str, Results]) -> str:
+    """How many vehicles are scored, in words, "" without scenes; those of one recording may show the same one."""
+    known = {name for found in methods.values() for name in found.scenarios}
+    logged = [(scene, scene.log) for scene in scenes if scene.log is not None and scene.scenario_id in known]
     seen = [(recording(scene.scenario_id), track) for scene, _ in logged for track in scene.vehicles.track_id]
     ended = sum(int(log.valid[:, -1].sum()) for _, log in logged)
-    return f"{len(seen)} vehicles, {len(set(seen))} of them distinct tracks of a recording, {ended} seen to the last step."
+    said = f"{len(seen)} vehicles, {len(set(seen))} of them distinct tracks of a recording, {ended} seen to the last step."
+    return said if seen else ""
 
 
 def rows(data: DataSet, pooled: Pooled) -> list[dict[str, Any]]:
@@ -137,11 +184,18 @@ def resampling_of(data: DataSet, draws: int, rng: np.random.Generator) -> Resamp
     return Resampling.of(len(data.seeds), [recording(name) for name in scenarios], draws, rng)
 
 
-def under_trained(method: str, pooled: Pooled) -> bool:
-    """Whether a rival that was measured does not beat constant velocity in min-sADE."""
-    if method not in pooled or _FLOOR not in pooled:
-        return False
-    return bool(pooled[method]["min_sade"].value >= pooled[_FLOOR]["min_sade"].value)
+def mark(method: str, errors: Mapping[str, float | None], floor: Mapping[str, float | None]) -> str:
+    """What stands behind a method's name, "" if nothing, from its `errors` and constant velocity's by metric; see MARKS."""
+    if method in RIVALS and _no_better(errors, floor, "min_sade"):
+        return ", under-trained"
+    if method not in (_FLOOR, "log", "random_agent") and _no_better(errors, floor, "mean_sade"):
+        return ", behind in the mean"
+    return ""
+
+
+def _no_better(errors: Mapping[str, float | None], floor: Mapping[str, float | None], metric: str) -> bool:
+    mine, theirs = errors.get(metric), floor.get(metric)
+    return mine is not None and theirs is not None and mine >= theirs
 
 
 def is_distance(key: str) -> bool:

@@ -43,6 +43,7 @@ def best(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) ->
         "ahead and behind: it is inside, or measures of the whole set have no pairs and only their figures are compared.",
         "All other methods compete but the log and the random agent, DriveGen without goal selection among them: the best of "
         "several is chosen measure by measure, so it is no one method, and the comparison is hard on DriveGen.",
+        data.over,
         "Measures overlap (the four errors, the eight likelihoods): their number says nothing by itself.",
     )
     return Table(f"best-{data.name}", f"Who is best in what: {data.title}", heads, tuple(lines), notes)

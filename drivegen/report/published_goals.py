@@ -7,6 +7,7 @@ import numpy as np
 
 from drivegen.metrics.intervals import Interval
 from drivegen.metrics.pooled import envelope
+from drivegen.report.averaged import vehicles_over
 from drivegen.report.sections.models import NOTES, SCORES, SELECTORS
 from drivegen.report.table import NOT_MEASURED, Cell, Table, number, row
 
@@ -23,7 +24,8 @@ def goals(name: str, title: str, found: Mapping[str, Sequence[Mapping[str, Any]]
         count = number(int(runs[0]["vehicles"])) if runs else NOT_MEASURED
         lines.append(row(selector, said, count, *(_cell(runs, key) for key in SCORES), origin="ours"))
     heads = ("selector", "chosen by", "vehicles", *SCORES.values())
-    notes = (*_OWN, "Means over training seeds; an interval holds those of all seeds.")
+    over = next((vehicles_over(runs[0]["moving"]) for runs in found.values() if runs), ())
+    notes = (*_OWN, *over, "Means over training seeds; an interval holds those of all seeds.")
     return Table(f"goals-{name}", f"Choosing goals: {title}", heads, tuple(lines), notes)
 
 

@@ -9,14 +9,15 @@ from drivegen.metrics.intervals import Interval, recording
 from drivegen.metrics.pooled import Resampling, pooled_mean, rank_correlation
 from drivegen.metrics.realism import WEIGHTS
 from drivegen.report import paper
+from drivegen.report.averaged import seconds
 from drivegen.report.published import (
     FIVE,
+    MARKS,
     METHODS,
-    RIVALS,
     DataSet,
     Pooled,
+    mark,
     resampling_of,
-    under_trained,
 )
 from drivegen.report.sections.trust import (
     BOXES,
@@ -45,7 +46,8 @@ FEW = "So few scenes show that it runs; they rank nothing, and intervals over so
 def tables(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) -> list[Table]:
     """The paper's table I, paired differences, and what the paper leaves out."""
     found = [_quality(data, pooled), _paired(data, draws, rng), *_trust(data, pooled)]
-    return [*found, _by_scene(data)] if data.by_scene else found
+    found = [replace(table, notes=(data.over, *table.notes)) for table in found]
+    return [*found, _by_scene(data)] if data.by_scene or data.left_out else found
 
 
 def few(data: DataSet, found: Sequence[Table]) -> list[Table]:
@@ -56,15 +58,31 @@ def few(data: DataSet, found: Sequence[Table]) -> list[Table]:
 def transfer(one: DataSet, pooled_one: Pooled, other: DataSet, pooled_other: Pooled) -> Table:
     """Whether both data sets put the methods in the same order: Spearman's rho, per column of the paper."""
     methods = [m for m in METHODS if m in pooled_one and m in pooled_other and m != "log"]
+    rivals = [m for m in methods if m not in _ANCHORS]
     lines = []
     for metric, head in zip(FIVE, HEADS, strict=True):
-        known = [m for m in methods if metric in pooled_one[m] and metric in pooled_other[m]]
-        a, b = (np.array([_badness(pooled[m][metric].value, metric) for m in known]) for pooled in (pooled_one, pooled_other))
-        rho = rank_correlation(a, b)
-        lines.append(row(head.split(" ")[0], f"{rho:.2f}" if np.isfinite(rho) else NOT_MEASURED, str(len(known))))
+        both = (_order(group, metric, pooled_one, pooled_other) for group in (methods, rivals))
+        lines.append(row(head.split(" ")[0], *(text for found in both for text in found)))
     title = f"Order of the methods: {one.title} against {other.title}"
-    notes = ("1: the same order; 0: none in common. The log's own row is left out; diversity is ranked by its distance from 1.",)
-    return Table(f"transfer-{one.name}-{other.name}", title, ("", "Spearman's rho", "methods"), tuple(lines), notes)
+    heads = ("", "Spearman's rho", "methods", "without anchors", "methods")
+    anchors = " and ".join(METHODS[m] for m in _ANCHORS)
+    notes = (
+        "1: the same order; 0: none in common. The log's own row is left out; diversity is ranked by its distance from 1.",
+        f"Anchors are {anchors}: they are the worst everywhere by far, which by itself makes orders alike.",
+    )
+    return Table(f"transfer-{one.name}-{other.name}", title, heads, tuple(lines), notes)
+
+
+_ANCHORS = ("random_agent", "drivegen_without_goals")
+"""No traffic, and traffic without its goals: nobody asks whether these do better elsewhere."""
+
+
+def _order(methods: Sequence[str], metric: str, one: Pooled, other: Pooled) -> tuple[str, str]:
+    """Spearman's rho of those of the methods that both have, and how many these are."""
+    known = [m for m in methods if metric in one[m] and metric in other[m]]
+    a, b = (np.array([_badness(pooled[m][metric].value, metric) for m in known]) for pooled in (one, other))
+    rho = rank_correlation(a, b)
+    return f"{rho:.2f}" if np.isfinite(rho) else NOT_MEASURED, str(len(known))
 
 
 def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator) -> Table:
@@ -94,7 +112,8 @@ def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator)
             for values in (before[metric], after[metric], after[metric] - before[metric])
         ]
         lines.append(row(METHODS[method], *cells, origin="ours"))
-    notes = (f"{len(shared)} scenes that both have. Less: {less.trained_on} More: {more.trained_on}",)
+    count = len({recording(scene) for scene in shared})
+    notes = (f"{len(shared)} scenes of {count} recordings that both have. Less: {less.trained_on} More: {more.trained_on}",)
     return Table(name, title, ("", *heads), tuple(lines), notes)
 
 
@@ -115,12 +134,12 @@ def _quality(data: DataSet, pooled: Pooled) -> Table:
         " ".join(
             filter(None, [f"{data.title}; {data.scenes} scenes, {len(data.seeds)} training seeds.", data.tracks, data.trained_on])
         ),
-        "Intervals: 95 %, bootstrap over scenes (over recordings where scenes share one) crossed with training seeds; of "
-        "diversity, over scenes, widened to hold every seed's.",
+        "Intervals: bootstrap over recordings, whose scenes share vehicles, crossed with training seeds; of diversity, over "
+        "recordings, widened to hold every seed's.",
         "All are given map, first frame and, where data has signals, their states as they will be shown. The learned selector "
         "looks ahead at these; IDM, BITS and TrafficGen see them as they come, SceneTransformer and LCTGen the first ones.",
         "The paper's rows were measured on other data by others: they cannot be compared with ours.",
-        "A rival that does not beat constant velocity in min-sADE is marked under-trained: beating it counts for nothing.",
+        *MARKS,
     )
     heads = ("", "goals chosen by", *HEADS)
     return Table(f"quality-{data.name}", f"Table I. Scenario quality: {data.title}", heads, (*ours, *theirs), notes)
@@ -183,23 +202,27 @@ def _plain(name: str, title: str, columns: Mapping[str, str], pooled: Pooled, no
 
 
 def _by_scene(data: DataSet) -> Table:
-    """Every scene a row: too few to average. min-sADE / mean-sADE of each method, the mean over training seeds."""
+    """Scenes that are too few to average, and those of another length, each a row: the errors of each method, mean over seeds."""
     methods = [m for m in METHODS if m in data.methods]
-    scenes = data.methods[methods[0]].scenarios if methods else ()
     lines: list[Row] = []
-    for n, scene in enumerate(scenes):
-        both = [[float(np.nanmean(data.methods[m].values[k][:, n])) for k in ("min_sade", "mean_sade")] for m in methods]
-        lines.append(row(scene, *(f"{low:.2f} / {mean:.2f}" for low, mean in both), origin="ours"))
-    notes = ("min-sADE / mean-sADE [m].",)
+    for found in (data.methods if data.by_scene else {}, data.left_out):
+        for n, scene in enumerate(found[methods[0]].scenarios if found else ()):
+            both = [[float(np.nanmean(found[m].values[k][:, n])) for k in ("min_sade", "mean_sade")] for m in methods]
+            length = f"{scene} ({seconds(int(found[methods[0]].values['steps'][0, n]))} s)" if data.left_out else scene
+            lines.append(row(length, *(f"{low:.2f} / {mean:.2f}" for low, mean in both), origin="ours"))
+    notes = ("min-sADE / mean-sADE [m].", *((data.over,) if data.left_out else ()))
     return Table(
         f"scenes-{data.name}", f"Scene by scene: {data.title}", ("", *(METHODS[m] for m in methods)), tuple(lines), notes
     )
 
 
 def label(method: str, pooled: Pooled) -> str:
-    """The method in words, marked where it is under-trained."""
-    mark = ", under-trained" if method in RIVALS and under_trained(method, pooled) else ""
-    return METHODS[method] + mark
+    """The method in words, marked where constant velocity is no worse."""
+    mine, floor = (
+        {metric: found.value for metric, found in pooled.get(m, {}).items() if metric in ("min_sade", "mean_sade")}
+        for m in (method, "constant_velocity")
+    )
+    return METHODS[method] + mark(method, mine, floor)
 
 
 def _chosen(data: DataSet, method: str) -> str:

@@ -14,7 +14,7 @@ def test_first_frames_stand_in_a_table_of_their_own():
     truth = {key: value for key, value in told(0.0).items() if key.split(".")[0] in ("placed", "asked", "overlap", "off_lane")}
     methods = {"lctgen_log_code": told(0.2), "trafficgen": told(0.25), "held-out logs": truth}
     methods |= {"drivegen, mode data": told(0.3), "drivegen, mode data, the log's target": told(0.3)}
-    found = section(Evidence(results={"initial_states": {"scenes": 3, "methods": methods}}))
+    found = section(Evidence(results={"initial_states": {"scenes": 3, "recordings": 2, "methods": methods}}))
     (table,) = found.tables
     assert [line.cells[0].text for line in table.rows] == [
         "held-out logs", "DriveGen, mode data, a target of its own", "DriveGen, mode data", "TrafficGen",

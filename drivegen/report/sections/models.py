@@ -1,8 +1,10 @@
 """What was trained: the goal selector, with its curve."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from drivegen.report import plots
+from drivegen.report.averaged import vehicles_over
 from drivegen.report.evidence import Curve, Evidence
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.sections._generic import tables
@@ -28,7 +30,7 @@ SCORES = {
 """Columns of that table."""
 
 NOTES = (
-    "Vehicles that move more than 2 m and are seen to the end; intervals are bootstrapped over recordings.",
+    "Vehicles that move more than 2 m and are seen to the end.",
     "Within 2 and 4 m, oracle FDE: how near the nearest candidate is to the logged end, whoever chooses; the log adds its own.",
     "Hit@k and MRR: rank of that candidate. Hit@3 within 4 m: one of the three likeliest is that near. Equal ones rank by lot.",
     "ECE: calibration error of the likeliest candidate's probability. Manoeuvre: share whose likeliest manoeuvre is that one.",
@@ -58,7 +60,12 @@ def _selectors(goals: dict[str, dict[str, Any]]) -> Table:
         count = number(int(moving["vehicles"])) if "vehicles" in moving else NOT_MEASURED
         rows.append(row(name, _chosen_by(values), count, *cells, _label_bias(name, values)))
     columns = ("selector", "chosen by", "vehicles", *SCORES.values(), "label bias")
-    return Table("selectors", "Selectors on test scenes", columns, tuple(rows), NOTES)
+    return Table("selectors", "Selectors on test scenes", columns, tuple(rows), (*NOTES, *_over(goals)))
+
+
+def _over(goals: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
+    """What figures are of: the same vehicles for all selectors."""
+    return next((vehicles_over(found["moving"]) for found in goals.values() if "moving" in found), ())
 
 
 def _chosen_by(values: dict[str, Any]) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 from drivegen.report import paper, plots
 from drivegen.report.averaged import taken_over
 from drivegen.report.evidence import Evidence
-from drivegen.report.published import METHODS, RIVALS
+from drivegen.report.published import MARKS, METHODS, mark
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.table import NOT_MEASURED, Cell, Table, measured, number, row
 
@@ -83,12 +83,9 @@ def rows_of(methods: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def name_of(method: str, methods: Mapping[str, Mapping[str, Any]]) -> str:
-    """The method in words; a rival that does not beat constant velocity in min-sADE is marked."""
+    """The method in words, marked where constant velocity is no worse."""
     name = NAMES.get(method, method.replace("_", " "))
-    error, floor = (methods.get(m, {}).get("min_sade") for m in (method, "constant_velocity"))
-    if method in RIVALS and error is not None and floor is not None and error >= floor:
-        return f"{name}, under-trained"
-    return name
+    return name + mark(method, methods.get(method, {}), methods.get("constant_velocity", {}))
 
 
 def _realism(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table:
@@ -103,7 +100,7 @@ def _realism(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table
     notes = (
         "Rows of different data cannot be compared with one another; the paper's are printed for orientation.",
         "Errors are taken at steps 1 to T-1 (step 0 is given), the final one at each track's last observed step.",
-        "A rival that does not beat constant velocity in min-sADE is under-trained: beating it counts for nothing.",
+        *MARKS,
     )
     heads = ("", "data", "goals chosen by", *errors)
     return Table(
