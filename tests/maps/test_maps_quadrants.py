@@ -283,6 +283,7 @@ def test_limits_of_loops_are_not_those_of_other_ramps(text: str, loop: int, ramp
     [
         ("motorway exit with a loop ramp to the road above", ("south_east",)),
         ("a loop on-ramp from a road joins the motorway below", ("north_east",)),
+        ("motorway exit with a loop ramp to the road above, left-hand traffic", ("north_east",)),
         ("partial cloverleaf", ("north_east", "south_west")),
         ("cloverleaf with three loops", ("south_east", "north_east", "south_west")),
         ("a trumpet interchange", ("north_west",)),
@@ -294,3 +295,14 @@ def test_words_put_loops_into_quadrants(text: str, loops: tuple[str, ...]) -> No
     assert isinstance(spec, MapSpec)
     assert isinstance(spec.road, QuadrantInterchange)
     assert spec.road.loops == loops
+
+
+@SIDES
+def test_an_exit_loop_leads_off_the_lower_highway(left_hand: bool) -> None:
+    text = f"motorway exit with a loop ramp to the road above, {'left' if left_hand else 'right'}-hand traffic"
+    spec = Plugin().write(text, 7).spec
+    assert isinstance(spec, MapSpec)
+    assert spec.left_hand == left_hand
+    opposite = {"north": "south", "south": "north", "east": "west", "west": "east"}
+    turning = [(a, b) for a, b in ways(compile_map(spec)) if b != opposite[a]]
+    assert [(a in ("east", "west"), b in ("north", "south")) for a, b in turning] == [(True, True)]

@@ -14,7 +14,7 @@ FORMS = ("cloverleaf", "partial_cloverleaf", "trumpet", "loop_off", "loop_on")
 _TWO = 2
 _ROAD_SPEED, _LOOP_SPEED, _RAMP_SPEED = 80 * KMH, 40 * KMH, 60 * KMH
 _OFF, _ON = ("south_east", "north_west"), ("north_east", "south_west")
-"""Quadrants whose loops leave the lower highway, and those whose loops join it."""
+"""Quadrants whose loops leave the lower highway where traffic keeps right, and those whose loops join it."""
 
 _LOOPS: dict[tuple[str, int], tuple[str, ...]] = {
     ("loop_off", 1): _OFF[:1],
@@ -91,7 +91,8 @@ def _direction(s: Sentence, loops: list[Phrase]) -> str:
 def quadrants(facts: Facts, choices: Choices) -> dict[str, Any]:
     """The interchange as fields of a specification."""
     form = facts.interchange
-    loops = _LOOPS[form, facts.loops or _USUAL.get(form, 1)]
+    ways = {"loop_off": "loop_on", "loop_on": "loop_off"} if facts.left_hand else {}  # a quadrant's loop leads the other way
+    loops = _LOOPS[ways.get(form, form), facts.loops or _USUAL.get(form, 1)]
     both = facts.has("two_highways")
     lanes, speed = choices.lanes(facts, 2, "main"), choices.speed(facts, highway=True)
     road_lanes = facts.lanes.get("side", lanes if both else 1)
