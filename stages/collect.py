@@ -27,8 +27,8 @@ class Params:
 _TRAINING = "cost_of_training"
 _NOTE = (
     "Methods' seconds are of whole stages: starting processes, reading scenarios and writing samples are in them (the log's row "
-    "is nothing but that), and where goals are chosen, scoring the choice. `drivegen bench` times generation alone: its figure is "
-    "smaller."
+    "is nothing but that), and where goals are chosen, scoring the choice. `drivegen bench` times generation alone: its "
+    "figure is smaller."
 )
 _TABLES = (
     (

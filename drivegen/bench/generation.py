@@ -1,12 +1,15 @@
 """A thousand new scenarios from placement to written shards, 16 vehicles and 10 samples each, by the models that `make run` made.
 
 Nothing is averaged away: who is illegal is planned again as when shipping, so the figure depends on what models were trained.
+Memory is that of processes of their own, which make one shard and four of them, as stages do: the peak should not grow.
 """
 
+import multiprocessing
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from copy import copy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -35,6 +38,7 @@ MODELS = Path("data/models")
 NEEDS = (MODELS / "planners" / "route_fm", MODELS / "selector", MODELS / "limits.json")
 
 SCENES, VEHICLES, SAMPLES = 48, 16, 10
+MORE = 4
 _PLACING = PlaceSettings(
     mode="paper", road_ahead=120.0, radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24
 )
@@ -42,7 +46,7 @@ _CANDIDATES = CandidateSettings(
     most=32, most_routes=12, spacing=2.6, dynamics=Dynamics(acceleration=3.0, braking=4.5, lateral=5.0, limit_factor=1.25)
 )
 _SHIPPED = ShipSettings(fewest=1, moved=0.0)
-_TEMPERATURE = 0.7
+_TEMPERATURE = 0.4
 _ROLLOUT = RolloutSettings(attempts=4, rounds=5, evictions=2, drop_illegal=True, target_steps=None, tempo=0.8)
 
 Result = TypeVar("Result")
@@ -71,11 +75,10 @@ class _Clock:
 
 def rows() -> Iterator[Row]:
     """120 CPU-seconds a thousand scenarios, one crossing in four ways; then where they go."""
-    tools = Equipment.open(MODELS, "route_fm", "learned")
-    initialisers = [_initialiser(control) for control in ("signals", "stop", "yield", "uncontrolled")]
-    _run(initialisers, tools, 8, _Clock())  # compiles
+    tools, initialisers = _opened()
+    _run(initialisers, tools, range(8), _Clock())  # compiles
     clock = _Clock()
-    _run(initialisers, tools, SCENES, clock)
+    _run(initialisers, tools, range(SCENES), clock)
     per_thousand = {step: seconds / SCENES * 1e3 for step, seconds in clock.spent.items()}
     unit = "CPU-seconds per 1000 scenarios"
     yield Row(
@@ -83,6 +86,28 @@ def rows() -> Iterator[Row]:
     )
     for step, seconds in per_thousand.items():
         yield Row(f"of it: {step}", seconds, unit, None, True)
+    one, more = _peak_megabytes(1), _peak_megabytes(MORE)
+    yield Row(f"generation, peak memory of {MORE} shards of {SCENES} scenes", more, "MB", None, True, one, "of one shard")
+
+
+def _peak_megabytes(shards: int) -> float:
+    """Peak memory of a process that makes so many shards, one after the other."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        return pool.submit(_made, shards).result()
+
+
+def _made(shards: int) -> float:
+    """Make the shards; this process's peak memory [MB]. Not getrusage's, which a child begins with its parent's."""
+    tools, initialisers = _opened()
+    for shard in range(shards):
+        _run(initialisers, tools, range(shard * SCENES, (shard + 1) * SCENES), _Clock())
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("VmHWM:")) / 1024
+
+
+def _opened() -> tuple[Equipment, list[Initialiser]]:
+    controls = ("signals", "stop", "yield", "uncontrolled")
+    return Equipment.open(MODELS, "route_fm", "learned"), [_initialiser(control) for control in controls]
 
 
 def _initialiser(control: str) -> Initialiser:
@@ -97,9 +122,9 @@ def _initialiser(control: str) -> Initialiser:
     return Initialiser(network, control, "benchmark", table, settings)
 
 
-def _run(initialisers: Sequence[Initialiser], tools: Equipment, count: int, clock: _Clock) -> None:
+def _run(initialisers: Sequence[Initialiser], tools: Equipment, numbers: Iterable[int], clock: _Clock) -> None:
     place = clock.time("placement", lambda number: initialisers[number % 4].scenario(number, _scene.SEED)[0])
-    scenarios = [place(number) for number in range(count)]
+    scenarios = [place(number) for number in numbers]
     _generate(scenarios, tools, clock)
 
 
