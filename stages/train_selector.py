@@ -60,7 +60,7 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     selector, rows = Plugin.fit(learnt, held_out, params.learned, params.training_seed, checkpoint, _say, params.teacher.name)
     selector.save(model)
     write_curve(curve, rows)
-    counts = {"described": selector.described, "train_vehicles": len(learnt), "validation_vehicles": len(held_out)}
+    counts = {"described": selector.described, "train_lists": len(learnt), "validation_lists": len(held_out)}
     temperature = {"temperature": float(selector.net.temperature)}
     write_json(metrics, counts | temperature | {"validation": _scores(scenarios / "val", params, selector)})
     checkpoint.unlink(missing_ok=True)
@@ -97,11 +97,7 @@ def _shard_lists(task: tuple[Path, CandidateSettings, str]) -> Lists:
     shard, settings, teacher = task
     if teacher:
         return _taught_lists(shard, require(Path(teacher) / shard.name, "run the goals stage on the train split"))
-    parts = [Lists.none()]
-    for scenario in read_shard(shard):
-        graph = LaneGraph.of(scenario.map)
-        parts.append(Lists.of(scenario, [candidates(graph, scenario, n, settings) for n in range(len(scenario.vehicles))]))
-    return Lists.joined(parts)
+    return Lists.joined([Lists.none(), *(Lists.of_log(log, settings) for log in read_shard(shard))])
 
 
 def _taught_lists(shard: Path, recorded: Path) -> Lists:

@@ -20,6 +20,7 @@ from drivegen.goals.reach import Dynamics, speed_caps
 from drivegen.goals.traffic import Neighbours, Queue
 from drivegen.goals.waiting import IN_SIGHT, NEVER, NOBODY, Waiting
 from drivegen.lanes.line import SPACING, Route
+from drivegen.roadmap import LaneControl
 from drivegen.scenario import DT, TARGET, Scenario, VehicleKind
 
 FAR = 200.0
@@ -48,8 +49,8 @@ NAMES = (
     *(f"{kind}_{mark}" for kind in ("to", "near", "at") for mark in MARKS),
     "pace", "acceleration", "end_speed", "speed", "standing", "relative_speed", "keen", "flow",
     "gap", "closing", "red", "entry", "held_up", "ahead_of_flow",
-    "lane_changes", "turn", "turns", "offset", "braking", "dead_end", "share", "room", "log_prior", "off_lane", "leaves_map",
-    *WAITS, "heavy", "edge", "spread", *(kind.name.lower() for kind in Manoeuvre), "clash", "more_clash",
+    "lane_changes", "turn", "turns", "offset", "braking", "dead_end", "log_share", "room", "log_mass", "off_lane", "leaves_map",
+    *WAITS, "heavy", "edge", "spread", "rules", *(kind.name.lower() for kind in Manoeuvre), "clash", "more_clash",
 )  # fmt: skip
 """One name per column."""
 
@@ -174,7 +175,7 @@ def _traffic(speed: float, roads: _Roads) -> list[Floats]:
 def _way(c: Candidates, turn: Floats, along: Floats, roads: _Roads) -> list[Floats]:
     """What the way is like, and how much road a candidate stands for."""
     road = [roads.changes, turn, roads.turned, roads.offset, roads.braking / 3, (roads.length - along) / 50]
-    mass = [np.log(roads.share), _room(c, along) / 5, np.log(c.prior + 1e-3)]
+    mass = [np.log(roads.share) / 2, _room(c, along) / 5, np.log(c.prior + 1e-3) / 2]
     return [*road, *mass, c.route < 0, c.leaves_map]
 
 
@@ -190,12 +191,15 @@ def _waits(what: Waiting, speed: float, queue: Queue) -> tuple[float, ...]:
     return (*signal, *head, *beyond, min(start, 15.0) / 5, float(what.explained), *on_route)
 
 
-def _place_in_scene(scenario: Scenario, vehicle: int) -> tuple[float, float, float]:
-    """Lorry or bus; how far out the vehicle is, as who is beyond it may be unseen; how wide the scene is."""
+def _place_in_scene(scenario: Scenario, vehicle: int) -> tuple[float, float, float, float]:
+    """Lorry or bus; how far out the vehicle is, as who is beyond it may be unseen; how wide the scene is; whether the map
+    says who has to wait where.
+    """
     v = scenario.vehicles
     out = np.hypot(*(v.position - v.position[TARGET]).T)
     spread = max(float(out.max()), 1.0)
-    return float(v.kind[vehicle] in (VehicleKind.TRUCK, VehicleKind.BUS)), float(out[vehicle]) / spread, spread / 50
+    heavy, rules = v.kind[vehicle] in (VehicleKind.TRUCK, VehicleKind.BUS), scenario.map.control != LaneControl.UNKNOWN
+    return float(heavy), float(out[vehicle]) / spread, spread / 50, float(rules.any())
 
 
 def _limit(route: Route) -> float:

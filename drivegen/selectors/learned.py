@@ -3,8 +3,10 @@
 Trained on the train split's logs: cross-entropy between the softmax over a vehicle's candidates and the soft label
 exp(-d^2 / 2 sigma^2), d the distance from the logged end, sigma wider for vehicles that left the scene before. The weights
 of the lowest validation loss are kept; then one temperature is set on the validation split so that
-its probabilities mean what they say. A share `floor` of them is spread evenly: on roads and drivers unlike those learnt from
-no ranker should be surer than that. It may also be taught by another selector's recorded odds; its description then says whose.
+its probabilities mean what they say. A share `floor` of them follows the hand-made prior: on roads and drivers unlike those
+learnt from no ranker should be surer than that. Every log is learnt from twice, the second time without signals, rules of
+way and, half of the times, limits, as data sets without these layers have it (`_twins`). The ranker may also be taught by
+another selector's recorded odds; its description then says whose.
 """
 
 import json
@@ -26,13 +28,15 @@ from drivegen.goals.candidates import Candidates
 from drivegen.lanes.graph import LaneGraph
 from drivegen.scenario import Scenario
 from drivegen.selectors._features import NAMES, features
-from drivegen.selectors._labels import ends
-from drivegen.selectors._ranker import MOST, Ranker
+from drivegen.selectors._lists import Lists, padded, padded_odds
+from drivegen.selectors._ranker import Ranker
 from drivegen.selectors.base import FirstFrameSelector
 from drivegen.store.files import whole, write_json
 from drivegen.training.curve import LossRow
 from drivegen.training.loop import Settings as Training
 from drivegen.training.loop import train
+
+__all__ = ["Lists", "Plugin", "Settings"]
 
 WEIGHTS, ABOUT = "ranker.safetensors", "ranker.json"
 
@@ -50,7 +54,7 @@ class Settings:
     Attributes:
         width: of the layers. dropout: share of their outputs. sigma: [m] width of the soft label. farthest: [m] lists
             whose nearest candidate is farther from the logged end are left out; a doubtful end may be farther away.
-        floor: share of the probability that is spread evenly over the candidates. training: the loop's settings.
+        floor: share of the probability that is the candidates' prior. training: the loop's settings.
     """
 
     width: int
@@ -63,58 +67,6 @@ class Settings:
     def __post_init__(self) -> None:
         if not 0 <= self.floor < 1:
             raise UnusableInput(f"train_selector.learned: floor is a share below 1, not {self.floor:g}")
-
-
-@dataclass(frozen=True)
-class Lists:
-    """V lists to learn from, padded.
-
-    Attributes:
-        x: (V, MOST, F) features. distance: (V, MOST) [m] of candidates from the logged end, inf for none.
-        doubt: (V,) [m] standard deviation of that end, 0 where it was seen.
-        taught: (V, MOST) a teacher's odds, which are the label then; all zero where the log is.
-    """
-
-    x: NDArray[np.float32]
-    distance: NDArray[np.float32]
-    doubt: NDArray[np.float32]
-    taught: NDArray[np.float32]
-
-    @classmethod
-    def none(cls) -> "Lists":
-        """No list."""
-        rows = np.zeros((0, MOST), np.float32)
-        return cls(np.zeros((0, MOST, len(NAMES)), np.float32), rows, rows[:, 0], rows)
-
-    @classmethod
-    def of(cls, scenario: Scenario, candidates: Sequence[Candidates]) -> "Lists":
-        """Those of all vehicles whose logged end can be a label."""
-        labels = ends(scenario, candidates)
-        if len(labels.vehicle) == 0:
-            return cls.none()
-        given = features(scenario, candidates)
-        x, there = _padded([given[n] for n in labels.vehicle.tolist()])
-        distance = np.full(there.shape, np.inf, np.float32)
-        for i, n in enumerate(labels.vehicle.tolist()):
-            distance[i, : len(candidates[n])] = np.hypot(*(candidates[n].position - labels.position[i]).T)
-        return cls(x, distance, labels.doubt.astype(np.float32), np.zeros_like(distance))
-
-    @classmethod
-    def by_teacher(cls, scenario: Scenario, candidates: Sequence[Candidates], odds: Sequence[NDArray[np.float32]]) -> "Lists":
-        """Those of all vehicles, labelled with a teacher's `odds` (C,); whether there is a log does not matter."""
-        x, there = _padded(features(scenario, candidates))
-        taught = np.zeros(there.shape, np.float32)
-        for row, p in zip(taught, odds, strict=True):
-            row[: len(p)] = p
-        return cls(x, np.where(there, 0.0, np.inf).astype(np.float32), np.zeros(len(x), np.float32), taught)
-
-    @classmethod
-    def joined(cls, parts: "Sequence[Lists]") -> "Lists":
-        """All of them, in order."""
-        return cls(*(np.concatenate([getattr(p, name) for p in parts]) for name in cls.__dataclass_fields__))
-
-    def __len__(self) -> int:
-        return len(self.x)
 
 
 class Plugin(FirstFrameSelector):
@@ -165,18 +117,16 @@ class Plugin(FirstFrameSelector):
         candidates: Sequence[Candidates],
     ) -> list[NDArray[np.float32]]:
         """Calibrated probabilities."""
-        x, there = _padded(features(scenario, candidates))
-        x = np.ascontiguousarray(x[..., self._columns])
-        chunks = [self._chunk(x[i : i + CHUNK], there[i : i + CHUNK]) for i in range(0, len(x), CHUNK)]
+        x, there = padded(features(scenario, candidates))
+        lists = (np.ascontiguousarray(x[..., self._columns]), there, padded_odds([c.prior for c in candidates]))
+        chunks = [self._chunk(*(a[i : i + CHUNK] for a in lists)) for i in range(0, len(x), CHUNK)]
         return [p[: len(c)] for p, c in zip(np.concatenate(chunks), candidates, strict=True)]
 
-    def _chunk(self, x: NDArray[np.float32], there: NDArray[np.bool_]) -> NDArray[np.float32]:
-        """Probabilities (b, MOST) of one chunk of at most CHUNK lists, computed at full size."""
-        padding = CHUNK - len(x)
-        whole_x = torch.from_numpy(np.pad(x, ((0, padding), (0, 0), (0, 0))))
-        whole_there = torch.from_numpy(np.pad(there, ((0, padding), (0, 0))))
-        p = _floored(self.net(whole_x, whole_there), whole_there, float(self.net.temperature), self.floor)
-        return p[: len(x)].numpy()
+    def _chunk(self, *lists: NDArray[np.generic]) -> NDArray[np.float32]:
+        """Probabilities (b, MOST) of x, there and prior of at most CHUNK lists, computed at full size."""
+        count = len(lists[0])
+        x, there, prior = (torch.from_numpy(np.pad(a, [(0, CHUNK - count)] + [(0, 0)] * (a.ndim - 1))) for a in lists)
+        return _floored(self.net(x, there), prior, float(self.net.temperature), self.floor)[:count].numpy()
 
     def save(self, folder: Path) -> None:
         """Weights as safetensors, and what they belong to; equal weights give equal bytes."""
@@ -208,7 +158,7 @@ class _Listwise:
     """Soft-label cross-entropy over lists; an `Objective` of the training loop."""
 
     def __init__(self, learnt: Lists, held_out: Lists, settings: Settings) -> None:
-        self.x, self.there, self.label = _tensors(learnt, settings)
+        self.x, self.there, self.label, self.prior = _tensors(learnt, settings)
         self.held_out = _tensors(held_out, settings)
         self.size = len(self.x)
 
@@ -219,7 +169,7 @@ class _Listwise:
         return _cross_entropy(model(self.x[rows], self.there[rows]), self.label[rows])
 
     def validation(self, model: torch.nn.Module) -> float:
-        x, there, label = self.held_out
+        x, there, label, _ = self.held_out
         return float(_cross_entropy(model(x, there), label)) if len(x) else float("nan")
 
 
@@ -227,21 +177,21 @@ def _cross_entropy(log_probability: Tensor, label: Tensor) -> Tensor:
     return -(label * log_probability.clamp(min=-30)).sum(-1).mean()
 
 
-def _tensors(lists: Lists, settings: Settings) -> tuple[Tensor, Tensor, Tensor]:
-    """x, there, soft label of the lists that have a candidate near enough."""
+def _tensors(lists: Lists, settings: Settings) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    """x, there, soft label and prior of the lists that have a candidate near enough."""
     near = lists.distance.min(1, initial=np.inf) <= settings.farthest + lists.doubt
     distance, doubt = lists.distance[near].astype(np.float64), lists.doubt[near, None].astype(np.float64)
     label = np.exp(-(distance**2 - distance.min(1, keepdims=True) ** 2) / (2 * (settings.sigma**2 + doubt**2)))
     taught = lists.taught[near]
     label = np.where(taught.any(1, keepdims=True), taught, label)
     label = (label / label.sum(1, keepdims=True)).astype(np.float32)
-    return torch.from_numpy(lists.x[near]), torch.from_numpy(np.isfinite(distance)), torch.from_numpy(label)
+    there = np.isfinite(distance)
+    return torch.from_numpy(lists.x[near]), torch.from_numpy(there), torch.from_numpy(label), torch.from_numpy(lists.prior[near])
 
 
-def _floored(score: Tensor, there: Tensor, temperature: float, floor: float) -> Tensor:
-    """Probabilities (B, MOST): tempered scores, and the share `floor` spread evenly over the candidates that are `there`."""
-    evenly = there / there.sum(-1, keepdim=True).clamp(min=1)
-    return (1 - floor) * torch.softmax(score / temperature, -1) + floor * evenly
+def _floored(score: Tensor, prior: Tensor, temperature: float, floor: float) -> Tensor:
+    """Probabilities (B, MOST): tempered scores, and the share `floor` of the candidates' prior."""
+    return (1 - floor) * torch.softmax(score / temperature, -1) + floor * prior
 
 
 @torch.no_grad()
@@ -250,16 +200,5 @@ def _temperature(net: Ranker, lists: _Listwise, floor: float) -> float:
     if lists.size == 0:
         return 1.0
     score, best = net(lists.x, lists.there), lists.label.argmax(-1, keepdim=True)
-    losses = [-_floored(score, lists.there, float(t), floor).gather(1, best).log().mean().item() for t in TEMPERATURES]
+    losses = [-_floored(score, lists.prior, float(t), floor).gather(1, best).log().mean().item() for t in TEMPERATURES]
     return float(TEMPERATURES[int(np.argmin(losses))])
-
-
-def _padded(lists: Sequence[NDArray[np.float32]]) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """x (V, MOST, F), there (V, MOST). Raises UnusableInput where a list is longer than MOST."""
-    x = np.zeros((len(lists), MOST, len(NAMES)), np.float32)
-    there = np.zeros((len(lists), MOST), np.bool_)
-    for i, rows in enumerate(lists):
-        if len(rows) > MOST:
-            raise UnusableInput(f"a vehicle has {len(rows)} candidates, the learned selector ranks {MOST} at most")
-        x[i, : len(rows)], there[i, : len(rows)] = rows, True
-    return x, there

@@ -10,7 +10,9 @@ from drivegen import plugins
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.goals.candidates import candidates
 from drivegen.lanes.graph import LaneGraph
+from drivegen.roadmap import LaneControl
 from drivegen.selectors._features import NAMES, features
+from drivegen.selectors._twins import twin
 from drivegen.selectors.learned import Lists, Plugin, Settings
 from drivegen.selectors.log import logged_ends
 from drivegen.training.loop import Settings as Training
@@ -141,16 +143,33 @@ def test_features_are_named_finite_and_bounded():
             assert np.abs(rows).max() <= 3
 
 
-def test_the_floor_is_spread_evenly_and_kept_with_the_weights(trained, tmp_path):
+def test_the_floor_is_the_prior_and_kept_with_the_weights(trained, tmp_path):
     _, selector, _ = trained
     scene = steady_scene(8.7)
     graph, found = offered(scene)
     floored = Plugin(selector.net, 0.1)
     floored.save(tmp_path)
     for c, p, q in zip(found, selector.rank(graph, scene, found), Plugin.load(tmp_path).rank(graph, scene, found), strict=True):
-        assert np.allclose(q, 0.9 * p + 0.1 / len(c), atol=1e-6)
+        assert np.allclose(q, 0.9 * p + 0.1 * c.prior, atol=1e-6)
     with pytest.raises(UnusableInput, match="floor"):
         replace(LEARNING, floor=1.0)
+
+
+def test_a_log_is_learnt_from_with_its_signals_and_rules_and_without():
+    """A vehicle gives two lists; the second tells of no signals and rules of way, and half of the twins of no limit."""
+    roads = scenes.straight_road(400, 1)
+    roads = replace(roads, control=np.full_like(roads.control, LaneControl.FREE))
+    log = scenes.stack([scenes.drive(scenes.joined(roads, 0), 10.0, 10.0, 101)])
+    scene = scenes.scenario(roads, log)
+    lists = Lists.of_log(scene, SETTINGS)
+    rules = lists.x[:, 0, NAMES.index("rules")]
+    assert rules.tolist() == [1.0, 0.0]
+    twins = [twin(replace(scene, scenario_id=f"scene-{n}")) for n in range(40)]
+    assert all(len(t.signals) == 0 and (t.map.control == LaneControl.UNKNOWN).all() for t in twins)
+    kept = [not np.isnan(t.map.speed_limit).any() for t in twins]
+    assert 10 <= sum(kept) <= 30
+    assert all(np.isnan(t.map.speed_limit).all() for t, known in zip(twins, kept, strict=True) if not known)
+    assert twin(scene).log is scene.log
 
 
 def test_a_candidate_that_others_goals_exclude_is_told_apart():

@@ -38,7 +38,7 @@ def trained(tmp_path_factory):
 def test_training_leaves_scores_and_a_curve(trained):
     metrics = orjson.loads((trained / "train.json").read_bytes())
     assert set(metrics["validation"]) == {"learned", "prior", "random"}
-    assert metrics["train_vehicles"] == 16
+    assert metrics["train_lists"] == 2 * 16
     assert (trained / "curve.csv").read_text().splitlines()[0] == "step,train,validation"
 
 
