@@ -5,7 +5,7 @@ import pytest
 
 from drivegen.drivers.base import Action
 from drivegen.scenario import Actors, Trajectories
-from drivegen.simulators.base import AT_FAULT, CollisionKind, with_off_road
+from drivegen.simulators.base import AT_FAULT, FIRST_SECOND, CollisionKind, with_off_road
 from drivegen.simulators.batch import Plugin
 from tests.scenes import LANE_WIDTH, beside, drive, scenario, stack, straight_road
 
@@ -70,6 +70,10 @@ def test_crashes_in_the_first_second_are_told_apart():
     assert (kind, step) == (CollisionKind.FRONT, 4)  # 3.4 m at 10 m/s
     assert outcome.in_first_second[0]
     assert not meet(drive(LINE, 80, 0, 101))[2].in_first_second[0]
+    steps = np.array([0, FIRST_SECOND, FIRST_SECOND + 1, -1], np.int16)
+    kinds = np.array([CollisionKind.AT_SPAWN, CollisionKind.FRONT, CollisionKind.FRONT, CollisionKind.NONE], np.uint8)
+    told = replace(outcome, kind=kinds, step=steps).in_first_second
+    assert told.tolist() == [True, True, False, False]
 
 
 def test_the_first_collision_counts_and_ends_the_run():

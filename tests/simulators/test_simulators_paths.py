@@ -35,6 +35,15 @@ def test_points_are_a_metre_apart_and_beyond_the_map_the_path_goes_straight_on()
     assert np.abs(line[:, 1]).max() < 0.01
 
 
+def test_the_driven_offset_from_the_lane_fades_out_beyond_the_end_of_the_log():
+    road = straight_road()
+    aside = road.centreline[0].astype(np.float64) + np.array([0.0, 1.0])
+    line, _ = path_of(scenario(road, stack([drive(aside, 20, 5, 101)])))  # gets 50 m far
+    assert line[:50, 1] == pytest.approx(1.0, abs=0.01)
+    assert line[66:, 1] == pytest.approx(0.0, abs=0.01)
+    assert np.abs(np.diff(line[:, 1])).max() < 0.1
+
+
 def test_a_parked_target_gets_a_route_to_drive_nevertheless():
     scene = scenario(CROSS, stack([drive(joined(CROSS, 0), 30, 0, 101)]))
     line, _ = path_of(scene)

@@ -73,6 +73,47 @@ def start(out: Path, path: str, pause: float = 0.0, dropout: float = 0.1, **envi
     return subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, env={**os.environ, "OMP_NUM_THREADS": "1", **environment})
 
 
+class Level(nn.Module):
+    """One number."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.level = nn.Parameter(torch.zeros(1))
+
+
+class Fall:
+    """The level is to fall, by a slope that is steep at first; Adam's steps tell only by how slopes change."""
+
+    size = 4
+
+    def __init__(self) -> None:
+        self.slopes = iter([100.0, 1.0, 1.0, 1.0])
+
+    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:
+        return ()
+
+    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:
+        return next(self.slopes) * next(model.parameters()).sum()
+
+    def validation(self, model: nn.Module) -> float:
+        return float("nan")
+
+
+def test_steps_are_clipped_warm_up_and_decay_and_the_average_soon_forgets_where_it_began() -> None:
+    shape = replace(SETTINGS, steps=4, batch=2, learning_rate=0.1, warmup=2, weight_decay=0.0, clip=1.0, average=0.2)
+    model = Level()
+    averaged, _ = train(model, Fall(), shape, 5, None, lambda line: None)
+    rates = [0.1 * warm * (0.5 + 0.5 * np.cos(np.pi * k / 4)) for k, warm in enumerate((0.5, 1, 1, 1))]
+    assert model.level.item() == pytest.approx(-sum(rates), rel=1e-4)
+    mean = 0.0
+    for level, decay in zip(-np.cumsum(rates), (1 / 10, 2 / 11, 0.2, 0.2), strict=True):
+        mean = decay * mean + (1 - decay) * level
+    assert averaged.level.item() == pytest.approx(mean, rel=1e-4)
+    held = Level()
+    train(held, Fall(), replace(shape, decay=False), 5, None, lambda line: None)
+    assert held.level.item() == pytest.approx(-0.35, rel=1e-4)
+
+
 def test_training_lowers_the_loss_and_reports_a_curve() -> None:
     _, curve = train(net(0.0), NoisyCosine(), replace(SETTINGS, steps=200), 5, None, lambda line: None)
     assert [row.step for row in curve] == list(range(20, 201, 20))
