@@ -139,14 +139,14 @@ def _summary(drives: Drives, metrics: dict[str, NDArray[np.float64]], params: Pa
     intervals = bootstrap_means(np.stack([metrics[name] for name in names], axis=1), recordings, params.draws, random)
     out = {"scenarios": float(len(recordings)), "recordings": float(len(set(recordings))), "runs": float(len(drives.scene))}
     for name, interval in zip(names, intervals, strict=True):
-        out |= {name: interval.value, f"{name}_low": interval.low, f"{name}_high": interval.high}
+        out |= {name: interval.value, f"{name}.low": interval.low, f"{name}.high": interval.high}
     out["comfort_absolute"] = comfort(out["absolute_acceleration"])
     out["comfort_signed"] = comfort(out["acceleration"])
     times = resamplings(recordings, params.draws, random)
     weights = np.concatenate([np.ones((1, len(recordings))), times])[:, drives.scene]
     spread_value, *spreads = spread_over_runs(drives.outcome.motion, weights)
     low, high = percentiles(np.array(spreads))
-    return out | {"spread_over_runs": float(spread_value), "spread_over_runs_low": low, "spread_over_runs_high": high}
+    return out | {"spread_over_runs": float(spread_value), "spread_over_runs.low": low, "spread_over_runs.high": high}
 
 
 if __name__ == "__main__":

@@ -33,9 +33,13 @@ def vehicles_over(group: Mapping[str, Any]) -> tuple[str, ...]:
     """The note for the scores of goals, those of one group of vehicles; none where they don't say."""
     if "recordings" not in group:
         return ()
-    recordings, others = int(group["recordings"]), int(group["left_out"])
-    said = f"Intervals (95 %) are over {recordings} recordings." if recordings > 1 else "One recording gives no intervals."
+    said, others = over_recordings(int(group["recordings"])), int(group["left_out"])
     return (f"{said} Vehicles of scenes of another length are not averaged with these: {others}." if others else said,)
+
+
+def over_recordings(count: int) -> str:
+    """The note on intervals alone."""
+    return f"Intervals (95 %) are over {count} recordings." if count > 1 else "One recording gives no intervals."
 
 
 def seconds(steps: int) -> str:

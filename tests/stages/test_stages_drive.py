@@ -54,7 +54,8 @@ def test_every_method_of_traffic_gets_rows_and_a_flat_summary(made, params):
     for name in ("collision", "distance", "absolute_acceleration", "off_road"):
         values = [row["value"] for row in rows if row["metric"] == name and row["method"] == "drivegen"]
         assert numbers[f"drivegen.{name}"] == pytest.approx(np.mean(values))
-        assert numbers[f"drivegen.{name}_low"] <= numbers[f"drivegen.{name}"] + 1e-9
+        low, high = (numbers[f"drivegen.{name}.{end}"] for end in ("low", "high"))
+        assert low - 1e-9 <= numbers[f"drivegen.{name}"] <= high + 1e-9
     kinds = sum(numbers[f"drivegen.collision.{kind.name.lower()}"] for kind in CollisionKind if kind)
     assert kinds == pytest.approx(numbers["drivegen.collision"])
     assert numbers["log.spread_over_samples"] is None  # one run a scene

@@ -77,6 +77,8 @@ def _plot(rounds: Mapping[str, Mapping[str, Any]]) -> list[Figure]:
         return []
     groups = {name: float(values["collision"]) for name, values in rates.items()}
     ends = {
-        name: (values["collision.low"], values["collision.high"]) for name, values in rates.items() if "collision.low" in values
+        name: (values["collision.low"], values["collision.high"])
+        for name, values in rates.items()
+        if values.get("collision.low") is not None
     }
     return [Figure.svg("Collision rate by round", "With 95 % intervals.", plots.bars(groups, "collision rate", ends))]

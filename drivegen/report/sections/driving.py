@@ -5,6 +5,7 @@ from itertools import chain
 from typing import Any
 
 from drivegen.report import paper
+from drivegen.report.averaged import over_recordings
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section, not_measured
 from drivegen.report.sections.quality import NAMES
@@ -55,7 +56,9 @@ def _table(driver: str, traffic: Mapping[str, dict[str, Any]], evidence: Evidenc
         values = traffic[name]
         cells = [measured(values, key) for key in _COLUMNS.values()]
         lines.append(row(NAMES.get(name, name.replace("_", " ")), number(values.get("runs")), *cells, origin="ours"))
-    return Table(f"driving-{driver}", f"Driver {driver}", ("traffic", "runs", *_COLUMNS), tuple(lines), evidence.trained_on)
+    over = tuple({over_recordings(int(values["recordings"])): None for values in traffic.values() if "recordings" in values})
+    notes = (*evidence.trained_on, *over)
+    return Table(f"driving-{driver}", f"Driver {driver}", ("traffic", "runs", *_COLUMNS), tuple(lines), notes)
 
 
 def _downstream() -> Table:
