@@ -25,8 +25,19 @@ def goals(name: str, title: str, found: Mapping[str, Sequence[Mapping[str, Any]]
         lines.append(row(selector, said, count, *(_cell(runs, key) for key in SCORES), origin="ours"))
     heads = ("selector", "chosen by", "vehicles", *SCORES.values())
     over = next((vehicles_over(runs[0]["moving"]) for runs in found.values() if runs), ())
-    notes = (*_OWN, *over, "Means over training seeds; an interval holds those of all seeds.")
+    notes = (*_OWN, *over, "Means over training seeds; an interval holds those of all seeds.", *_worse_than_chance(found))
     return Table(f"goals-{name}", f"Choosing goals: {title}", heads, tuple(lines), notes)
+
+
+def _worse_than_chance(found: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
+    """A sentence for each selector to whom chosen goals come as a greater surprise than to one that knows nothing."""
+    nll = {selector: float(np.mean([run["moving"]["nll"] for run in runs])) for selector, runs in found.items() if runs}
+    chance = nll.get("random", np.inf)
+    return [
+        f"In NLL the selector {name} is worse than choosing at random: {value:.2f} against {chance:.2f} nat."
+        for name, value in sorted(nll.items())
+        if value > chance
+    ]
 
 
 def _cell(runs: Sequence[Mapping[str, Any]], key: str) -> Cell:

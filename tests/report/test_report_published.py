@@ -127,6 +127,14 @@ def test_goals_of_all_seeds_are_one_row_and_selectors_that_did_not_run_are_named
     column = table.columns.index("NLL [nat]")
     assert (rows["learned"][column].text, rows["learned"][column].note) == ("3.00", "1.00 to 5.00")
     assert rows["vlm"][1].text == "not measured"
+    assert "worse than choosing at random" not in table.notes[-1]
+
+
+def test_a_selector_that_is_worse_than_chance_is_said_to_be():
+    found = {name: [{"moving": {"vehicles": 9.0, "nll": nll}}] for name, nll in (("learned", 4.0), ("random", 3.5), ("log", 0.1))}
+    notes = goals("x", "some scenes", found).notes
+    assert notes[-1] == "In NLL the selector learned is worse than choosing at random: 4.00 against 3.50 nat."
+    assert sum("worse than choosing at random" in note for note in notes) == 1
 
 
 @pytest.mark.parametrize(
