@@ -70,3 +70,11 @@ def test_logs_are_at_no_distance_from_themselves_and_farther_from_what_is_faster
     found = compared(logs, faster, 50, rng(0))["speed"]
     assert found.value == pytest.approx(10 * 48.0 / BINS, rel=1e-6)
     assert found.low <= found.value <= found.high
+
+
+def test_first_frames_are_drawn_by_recording():
+    rng = np.random.default_rng
+    logs = [beginning(replace(scene, scenario_id=f"a-{n:03d}")) for n, scene in enumerate((lane_of(4), busy_crossing()))]
+    assert [log.recording for log in logs] == ["a", "a"]
+    alone = compared(logs, logs, 50, rng(0))["off_lane"]
+    assert np.isnan([alone.low, alone.high]).all()  # one recording says nothing about others

@@ -62,6 +62,24 @@ def test_every_method_of_traffic_gets_rows_and_a_flat_summary(made, params):
     assert numbers["drivegen.distance"] > 20
 
 
+def test_intervals_are_over_recordings(made, params, tmp_path):
+    scenes = [busy_crossing(81, name) for name in ("a-000", "a-001", "b-000")]
+    for recordings, names in ((2, [s.scenario_id for s in scenes]), (1, ["a-000", "a-001", "a-002"])):
+        root = tmp_path / str(recordings)
+        shard = [replace(scene, scenario_id=name) for scene, name in zip(scenes, names, strict=True)]
+        write_shard(root / "scenarios/test/shard-00000.parquet", shard)
+        write_samples(root / "generated/drivegen/shard-00000.parquet", [noisy_samples(s, 3, seed=i) for i, s in enumerate(shard)])
+        results, summary = driven(root, "out", params)
+        numbers = json.loads(summary.read_text())
+        assert numbers["drivegen.recordings"] == recordings
+        rows = pq.read_table(results).to_pylist()
+        values = [row["value"] for row in rows if (row["method"], row["metric"]) == ("drivegen", "distance")]
+        ends = [numbers[f"drivegen.distance.{end}"] for end in ("low", "high")]
+        one_each = pytest.approx(sorted([np.mean(values[:2]), values[2]]))  # draws of one recording alone
+        assert ends == (one_each if recordings == 2 else [None, None])
+        assert (numbers["drivegen.spread_over_runs.low"] is None) == (recordings == 1)
+
+
 def test_the_same_seed_gives_the_same_bytes(made, params):
     first, second = driven(made, "one", params), driven(made, "two", params)
     assert [file.read_bytes() for file in first] == [file.read_bytes() for file in second]
