@@ -11,6 +11,7 @@ from drivegen.corner_cases.encounters import Behaviour, Direction, encounters
 from drivegen.corner_cases.knowledge import SHAPE, Knowledge, wilson
 from drivegen.corner_cases.pressure import PressureSettings, lean, risk
 from drivegen.corner_cases.rounds import Drive, _to_the_end, taught
+from drivegen.corner_cases.summary import RoundSummary
 from drivegen.scenario import DT, Trajectories
 from drivegen.simulators.base import NO_PARTNER, CollisionKind, DrivingOutcome
 
@@ -215,3 +216,14 @@ def test_leaning_keeps_a_distribution_within_the_ratio_bound(weights, risks, str
     assert np.all(used >= natural / 8.0 * 0.999)
     if strength == 0:
         np.testing.assert_allclose(used, natural, rtol=1e-4)
+
+
+def test_a_rounds_intervals_are_over_recordings():
+    metrics = {name: np.array([1.0, 1.0, 4.0]) for name in ("collision", "absolute_acceleration", "acceleration")}
+    motion = together(drive((0, 0), 0, 5), drive((0, 0), 0.5, 5), drive((0, 0), 1, 9))
+    for recordings, ends in ((["a", "a", "b"], (1.0, 4.0)), (["a"] * 3, (np.nan, np.nan))):
+        summary = RoundSummary(metrics, recordings, motion, np.arange(3))
+        joined = RoundSummary.joined([summary])
+        found = joined.numbers(200, np.random.default_rng(0))
+        assert (found["collision"], found["recordings"]) == (2.0, len(set(recordings)))
+        assert (found["collision.low"], found["collision.high"]) == pytest.approx(ends, nan_ok=True)
