@@ -58,6 +58,13 @@ def test_the_next_red_or_yellow_signal_is_told(state: SignalState, distance: flo
     assert requests.stop_s[0] == pytest.approx(distance, abs=1.0)
 
 
+def test_a_signal_is_no_stop_for_who_is_past_its_line() -> None:
+    roads = crossing()
+    signals = Signals(np.arange(8, 20, dtype=np.int32), np.full((12, 101), SignalState.RED, np.uint8))
+    requests = ahead(scenario(roads, stack([drive(joined(roads, 0, 8, 4), 84, 5, 101)]), signals=signals), reach=60.0)
+    assert np.isinf(requests.stop_s).all()
+
+
 def test_a_route_that_begins_elsewhere_counts_as_none() -> None:
     scene = on_straight((10, 0, 10))
     route = feasible_routes(LaneGraph.of(scene.map), np.array([50.0, 0.0]), 0.0, 10.0, 100.0)[0]
