@@ -5,6 +5,9 @@ from typing import Any
 
 from drivegen.scenario import DT
 
+FEW = 20
+"""Of fewer recordings intervals are called too narrow."""
+
 
 def taken_over(methods: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
     """The note for the details of an evaluation, which are of the same scenes for all methods; none where they don't say."""
@@ -20,7 +23,7 @@ def scenes_and_recordings(scenes: int, recordings: int, steps: int | None, other
 
     `others` are numbers of scenes by another number of steps, which are left out.
     """
-    several = f"intervals (95 %) over their {recordings} recordings"
+    several = f"intervals (95 %) over their {recordings} recordings{_narrow(recordings)}"
     said = f"Means are over {scenes} scenes{'' if steps is None else f' of {seconds(steps)} s'}, "
     said += f"{several}." if recordings > 1 else "all of one recording, which gives no intervals."
     if not others:
@@ -39,7 +42,12 @@ def vehicles_over(group: Mapping[str, Any]) -> tuple[str, ...]:
 
 def over_recordings(count: int) -> str:
     """The note on intervals alone."""
-    return f"Intervals (95 %) are over {count} recordings." if count > 1 else "One recording gives no intervals."
+    return f"Intervals (95 %) are over {count} recordings{_narrow(count)}." if count > 1 else "One recording gives no intervals."
+
+
+def _narrow(recordings: int) -> str:
+    """A word of caution on percentile intervals of few recordings; how narrow they are is measured in `metrics.intervals`."""
+    return ", which are few: they hold less than 95 % (about 90 % with ten)" if recordings < FEW else ""
 
 
 def seconds(steps: int) -> str:

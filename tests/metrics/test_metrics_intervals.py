@@ -20,6 +20,12 @@ def test_the_interval_holds_the_true_mean_about_as_often_as_it_says():
     assert 178 <= held <= 198
 
 
+def test_intervals_of_ten_recordings_hold_the_mean_in_about_nine_cases_of_ten():
+    random = np.random.default_rng(0)
+    found = [bootstrap_mean(random.normal(size=10), 300, random) for _ in range(300)]
+    assert 0.86 <= np.mean([one.low <= 0 <= one.high for one in found]) <= 0.93
+
+
 def test_multinomial_counts_equal_resampling_row_by_row():
     values = np.random.default_rng(1).gamma(2.0, size=80)
     fast = bootstrap_mean(values, 4000, np.random.default_rng(2))

@@ -11,6 +11,7 @@ from drivegen.report.published_tables import tables, transfer
 from drivegen.seeds import rng
 
 SCENES = ("USA_Lanker-2_10_T-1-000", "USA_Lanker-2_10_T-1-001", "USA_US101-12_1_T-1-000", "USA_US101-12_1_T-1-001")
+CAUTION = ", which are few: they hold less than 95 % (about 90 % with ten)"
 FLOOR = {"min_sade": 2.0, "mean_sade": 2.0}
 
 
@@ -36,7 +37,7 @@ def test_scenes_of_another_length_are_left_out_of_means_and_shown_one_by_one():
     assert [[cell.text for cell in row.cells] for row in scenes.rows] == [
         ["USA_US101-12_1_T-1-001 (4.9 s)", "100.00 / 100.00", "200.00 / 200.00"]
     ]
-    said = "Means are over 3 scenes of 10 s, intervals (95 %) over their 2 recordings."
+    said = f"Means are over 3 scenes of 10 s, intervals (95 %) over their 2 recordings{CAUTION}."
     assert {table.notes[0] for table in means} == {f"{said} Scenes of another length are not averaged with them: 1 of 4.9 s."}
     few = tables(replace(data, by_scene=True), pooled, 50, rng(7, "paired"))[-1]
     assert len(few.rows) == 4
@@ -46,7 +47,7 @@ def test_scenes_of_one_length_are_all_averaged_and_nothing_is_left_out():
     averaged, left_out = split({"drivegen": results(1.0, (81, 81, 81, 81))})
     assert (averaged["drivegen"].scenarios, left_out) == (SCENES, {})
     data = data_set(methods=averaged, left_out=left_out)
-    assert data.over == "Means are over 4 scenes of 8 s, intervals (95 %) over their 2 recordings."
+    assert data.over == f"Means are over 4 scenes of 8 s, intervals (95 %) over their 2 recordings{CAUTION}."
     assert tables(data, pool(data, 50, rng(7, "pool")), 50, rng(7, "paired"))[-1].name == "boxes-x"
 
 
@@ -55,11 +56,11 @@ def test_notes_say_what_they_know():
     assert taken_over(
         {"log": {}, "idm": {"scenarios": 5, "recordings": 2, "steps": 111, "left_out.51": 2, "left_out.81": 1}}
     ) == (
-        "Means are over 5 scenes of 11 s, intervals (95 %) over their 2 recordings. "
+        f"Means are over 5 scenes of 11 s, intervals (95 %) over their 2 recordings{CAUTION}. "
         "Scenes of another length are not averaged with them: 2 of 5 s and 1 of 8 s.",
     )
-    assert vehicles_over({"recordings": 14.0, "left_out": 3.0}) == (
-        "Intervals (95 %) are over 14 recordings. Vehicles of scenes of another length are not averaged with these: 3.",
+    assert vehicles_over({"recordings": 20.0, "left_out": 3.0}) == (
+        "Intervals (95 %) are over 20 recordings. Vehicles of scenes of another length are not averaged with these: 3.",
     )
     assert taken_over({}) == vehicles_over({"vehicles": 3.0}) == ()
 

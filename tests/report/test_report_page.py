@@ -40,7 +40,7 @@ FULL = Evidence(
             "log.collision": 0.05,
             "log.collision.low": 0.01,
             "log.distance": 50.5,
-            "log.recordings": 3.0,
+            "log.recordings": 30.0,
             "drivegen.collision": 0.07,
         },
         "corner/1": {"collision": 0.05},
@@ -207,7 +207,7 @@ def test_the_driver_in_logs_is_the_dataset_s_row_of_table_three():
     (ours,) = (row for row in TABLES["corner-cases"].rows if row.cells[0].text == "Dataset, ours")
     assert [cell.text for cell in ours.cells[2:5]] == ["0.05", "50.50", "not measured"]
     assert [row.cells[0].text for row in TABLES["driving-idm"].rows] == ["DriveGen", "Log (recorded futures)"]
-    assert TABLES["driving-idm"].notes[-1] == "Intervals (95 %) are over 3 recordings."
+    assert TABLES["driving-idm"].notes[-1] == "Intervals (95 %) are over 30 recordings."
 
 
 def test_limits_are_listed_by_rule():
