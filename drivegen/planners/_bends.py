@@ -11,7 +11,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.planners._motion import ALONG, GRID, Residuals, fit_splines, reach
+from drivegen.planners._fitting import fit_splines
+from drivegen.planners._motion import ALONG, GRID, Residuals, reach
 from drivegen.planners._paths import Doubles, Frames, bezier_paths, laid, point_on
 from drivegen.planners._profile import base_speed
 from drivegen.planners.base import ROUTE_POINTS, PlanRequests

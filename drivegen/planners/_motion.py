@@ -1,8 +1,8 @@
-"""Between motion and numbers: a trajectory in its path's frame is a base that meets both ends, plus two residuals.
+"""From numbers to motion: a trajectory in its path's frame is a base that meets both ends, plus two residuals.
 
 Along the path, speed is `_profile.base_speed` plus the slope of a spline over time; across it, the offset is a function
-of the distance gone, not of time, so a vehicle that stands neither slides sideways nor turns. `encode` fits the residuals'
-spline coefficients to a log, `decode` turns residuals into x, y, heading and velocity that start and end as asked.
+of the distance gone, not of time, so a vehicle that stands neither slides sideways nor turns. `decode` turns residuals into
+x, y, heading and velocity that start and end as asked; `_fitting` finds those of logs.
 """
 
 from dataclasses import dataclass
@@ -12,8 +12,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.geometry import wrap_angle
-from drivegen.planners._paths import LARGEST_TURN, Doubles, Frames, locate, point_on
-from drivegen.planners._profile import base_speed, spline
+from drivegen.planners._paths import LARGEST_TURN, Doubles, Frames, point_on
+from drivegen.planners._profile import base_speed
 from drivegen.planners.base import PlanRequests
 from drivegen.scenario import DT, Trajectories
 
@@ -26,68 +26,13 @@ GRID = 101
 SETTLING = 25.0
 """Heading errors at the ends are straightened out within this distance [m]."""
 
-FARTHEST = 6.0
-"""A log that strays farther from its path is none to learn from [m]."""
-
-STIFFNESS = 1e-4
-"""Ridge on the spline coefficients, relative to the weight of the frames: gaps in a log are bridged smoothly."""
-
-FINE = 2000
-"""Intervals of the table from which spline values are taken when fitting."""
-
-CHUNK = 256
-"""Tracks that are fitted at once."""
-
-
-@dataclass(frozen=True)
-class Encoded:
-    """Residuals of B logged tracks, relative to `reach`: along, across (B, COEFFICIENTS) spline coefficients.
-
-    `usable` (B,) bool says whether the track moves and keeps to its path; the others are no examples.
-    """
-
-    along: Doubles
-    across: Doubles
-    usable: NDArray[np.bool_]
-
 
 def reach(distance: Doubles, full: float) -> Doubles:
     """Natural size [m] of a residual: the distance gone where that is short, `full` where it is long."""
     return distance * full / (distance + full)
 
 
-def encode(frames: Frames, requests: PlanRequests, motion: Trajectories) -> Encoded:
-    """Fit the residuals of `motion` (B, T), masked, up to each request's goal step."""
-    seen = motion.valid & (np.arange(motion.steps) <= requests.goal_step[:, None])
-    ends = _lateral_ends(frames)
-    rest = _rest(
-        frames.table, frames.row, frames.start, frames.distance, frames.duration, frames.speed, ends,
-        motion.position.astype(np.float64), seen,
-    )  # fmt: skip
-    time, part, along, across, weight, offset = (rest[..., k] for k in range(6))
-    usable = (frames.distance > 1.0) & ~requests.parked & (np.abs(offset).max(axis=1) < FARTHEST)
-    distance = np.maximum(frames.distance, 1.0)[:, None]
-    return Encoded(
-        fit_splines(time, along, seen.astype(np.float64)) / reach(distance, ALONG),
-        fit_splines(part, across, weight) / reach(distance, ACROSS),
-        usable,
-    )
-
-
-def fit_splines(u: Doubles, rest: Doubles, weight: Doubles) -> Doubles:
-    """Spline coefficients (B, C) whose curves come nearest to `rest` (B, T) at `u`, by weighted ridge regression."""
-    table = spline(np.linspace(0.0, 1.0, FINE + 1))[0]
-    fitted = []
-    for low in range(0, len(u), CHUNK):
-        value = table[np.rint(u[low : low + CHUNK] * FINE).astype(np.intp)]
-        weighted = (value * weight[low : low + CHUNK, :, None]).swapaxes(1, 2)
-        ridge = STIFFNESS * np.maximum(weight[low : low + CHUNK].sum(axis=1), 1e-9)
-        normal = weighted @ value + ridge[:, None, None] * np.eye(table.shape[1])
-        fitted.append(np.linalg.solve(normal, weighted @ rest[low : low + CHUNK, :, None])[..., 0])
-    return np.concatenate(fitted) if fitted else np.zeros((0, table.shape[1]))
-
-
-def _lateral_ends(frames: Frames) -> Doubles:
+def lateral_ends(frames: Frames) -> Doubles:
     """(B, 4): offset [m] at start and goal, slope dd/ds at start and goal."""
     turn = np.clip(frames.turn, -LARGEST_TURN, LARGEST_TURN)
     slope = np.tan(turn) * np.maximum(1 - frames.curvature * frames.offset, 0.2)
@@ -95,7 +40,7 @@ def _lateral_ends(frames: Frames) -> Doubles:
 
 
 @njit(cache=True)
-def _base_offset(gone: float, distance: float, ends: Doubles) -> tuple[float, float]:  # pragma: no cover - compiled
+def base_offset(gone: float, distance: float, ends: Doubles) -> tuple[float, float]:  # pragma: no cover - compiled
     """Lateral base d [m] and dd/ds after `gone` of `distance` [m]: smoothstep plus the heading errors' decay."""
     d0, d1, slope0, slope1 = ends
     part, left = gone / distance, distance - gone
@@ -109,41 +54,6 @@ def _base_offset(gone: float, distance: float, ends: Doubles) -> tuple[float, fl
         x = left / settling
         d, slope = d - slope1 * left * (1 - x) ** 2, slope + slope1 * (1 - x) * (1 - 3 * x)
     return d, slope
-
-
-@njit(cache=True)
-def _rest(
-    table: Doubles,
-    row: NDArray[np.int64],
-    start: Doubles,
-    distance: Doubles,
-    duration: Doubles,
-    speed: Doubles,
-    ends: Doubles,
-    position: Doubles,
-    seen: NDArray[np.bool_],
-) -> Doubles:  # pragma: no cover - compiled
-    """(B, T, 6) per seen frame: part of the time, of the distance, rest along, across, weight across, offset; else 0."""
-    out = np.zeros((*seen.shape, 6))
-    for b in range(len(row)):
-        if distance[b] <= 0:
-            continue
-        s, base, before, last = start[b], 0.0, speed[b, 0], 0
-        for k in range(seen.shape[1]):
-            t = min(k * DT, duration[b])
-            if k > 0:
-                now = base_speed(t, duration[b], distance[b], speed[b, 0], speed[b, 1])
-                base, before = base + (before + now) * DT / 2, now
-            if not seen[b, k]:
-                continue
-            reached, d = locate(table[row[b]], position[b, k, 0], position[b, k, 1], s - 2.0, s + 5.0 * (k - last) + 2.0)
-            gone = min(max(reached - start[b], 0.0), distance[b])
-            level = _base_offset(gone, distance[b], ends[b])[0]
-            out[b, k, 0], out[b, k, 1], out[b, k, 2] = t / duration[b], gone / distance[b], reached - start[b] - base
-            # Frames in which it stands say the same again and again, so each weighs as much as it moves.
-            out[b, k, 3], out[b, k, 4], out[b, k, 5] = d - level, min(max(reached - s, 0.01), 2.0), d
-            s, last = reached, k
-    return out
 
 
 @dataclass(frozen=True)
@@ -171,7 +81,7 @@ def decode(frames: Frames, requests: PlanRequests, residuals: Residuals, steps: 
     speeds = np.stack([requests.speed, requests.goal_speed], axis=1).astype(np.float64)
     state = _decoded(
         frames.table, frames.row, frames.start, np.where(requests.parked, 0.0, frames.distance), frames.duration, frames.speed,
-        _lateral_ends(frames), poses, speeds, requests.goal_step.astype(np.int64),
+        lateral_ends(frames), poses, speeds, requests.goal_step.astype(np.int64),
         residuals.pace, residuals.offset, residuals.slope, steps,
     )  # fmt: skip
     heading, speed = wrap_angle(state[..., 2]), state[..., 3:]
@@ -250,7 +160,7 @@ def _decoded(
             for k in range(min(last + 1, steps)):
                 x = gone[k] / distance[b] * (GRID - 1)
                 i = min(int(x), GRID - 2)
-                d, tilt = _base_offset(gone[k], distance[b], ends[b])
+                d, tilt = base_offset(gone[k], distance[b], ends[b])
                 d += (offset[b, i] + (x - i) * (offset[b, i + 1] - offset[b, i])) * size
                 tilt += (slope[b, i] + (x - i) * (slope[b, i + 1] - slope[b, i])) * size / distance[b]
                 px, py, tx, ty, curvature = point_on(table[row[b]], start[b] + gone[k])

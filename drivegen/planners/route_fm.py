@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.planners._features import FEATURES, features
+from drivegen.planners._fitting import encode
 from drivegen.planners._flow import FlowNet, dense_encoder
 from drivegen.planners._flow_planner import Coefficients, FlowPlanner, FlowSettings
 from drivegen.planners._latent import expanded
-from drivegen.planners._motion import GRID, Residuals, decode, encode
+from drivegen.planners._motion import GRID, Residuals, decode
 from drivegen.planners._paths import Frames
 from drivegen.planners._profile import spline
 from drivegen.planners.base import Examples, PlanRequests

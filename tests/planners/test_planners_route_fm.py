@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.geometry import wrap_angle
-from drivegen.planners._motion import GRID, Residuals, decode, encode
+from drivegen.planners._fitting import encode
+from drivegen.planners._motion import GRID, Residuals, decode
 from drivegen.planners._noise import normals
 from drivegen.planners._paths import Frames
 from drivegen.planners._profile import COEFFICIENTS, base_speed, spline
