@@ -175,8 +175,10 @@ def _interchange(road: Interchange) -> dict[str, Any]:
 def _quadrants(road: QuadrantInterchange) -> dict[str, Any]:
     ramps = len(road.loops) + len(road.directs)
     ends = ramps - road.trumpet  # a trumpet's loop begins or ends with its carriageway, and so does the ramp around it
-    merging = {"merges": ends, "diverges": ends}
-    return {"arms": (), "signals": 0, "one_way": True, "bridges": 1, "loops": len(road.loops), **merging}
+    expected = {"arms": road.terminals, "bridges": 1, "loops": len(road.loops), "one_way": road.control is None}
+    if road.control is None:
+        expected |= {"merges": ends, "diverges": ends}
+    return {**expected, "signals": len(road.terminals) if road.control == "signals" else 0}
 
 
 def _graph(road: Graph) -> dict[str, Any]:

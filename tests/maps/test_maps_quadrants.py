@@ -48,6 +48,14 @@ FORMS: dict[str, dict[str, Any]] = {
     },
     "wide": {"lanes": 6, "road_lanes": 4, "ramp_lanes": 2, "loop_radius": 80.0, "median": 12.0},
 }
+STREET = {"control": "signals", "road_lanes": 1, "road_speed": 50 / 3.6}
+FORMS |= {
+    "partial over a street": {**STREET, "north_west": "direct", "south_east": "direct"},
+    "two quadrants over a street": {**STREET, "north_west": "none", "south_east": "none", "control": "stop"},
+    "exit loop to a street": {**STREET, **NO_RAMPS, "south_east": "loop"},
+    "wide over a street": {**STREET, "lanes": 6, "road_lanes": 4, "ramp_lanes": 2, "loop_radius": 80.0, "median": 12.0},
+    "small over a street": {**STREET, "lanes": 1, "loop_radius": 25.0, "median": 2.0, "control": "yield"},
+}
 COMPASS = {"south": (0, -1), "east": (1, 0), "north": (0, 1), "west": (-1, 0)}
 LEGS = tuple(COMPASS)
 NAMES = {"e": "east", "w": "west"}
@@ -67,7 +75,7 @@ def ramps(plain: PlainNetwork, kind: str) -> list[Edge]:
 def test_every_form_is_built_as_asked(form: str, left_hand: bool) -> None:
     built = build_spec(specified(FORMS[form], left_hand), {})
     assert failures(list(built.checks)) == []
-    assert {"loops", "bridges", "merges", "diverges"} <= {check.name for check in built.checks}
+    assert {"loops", "bridges", "arms", "signals"} <= {check.name for check in built.checks}
     built.road_map.validate()
 
 
@@ -78,7 +86,7 @@ def test_loops_lie_in_the_quadrants_that_were_asked_for_and_are_circles(form: st
     assert isinstance(spec.road, QuadrantInterchange)
     middles, lanes = set(), min(spec.road.ramp_lanes, spec.road.road_lanes if spec.road.trumpet else 2)
     for loop in ramps(draw(spec), "loop"):
-        line = np.array(loop.shape)
+        line = circle(loop, spec)
         middle = (line.max(axis=0) + line.min(axis=0)) / 2
         outer = spec.road.loop_radius + lanes * 3.5 / 2
         assert np.hypot(*(line - middle).T) == pytest.approx(outer, abs=0.1)
@@ -86,6 +94,14 @@ def test_loops_lie_in_the_quadrants_that_were_asked_for_and_are_circles(form: st
         turns = np.diff(np.unwrap(np.arctan2(*np.diff(line, axis=0).T[::-1])))
         assert math.degrees(turns.sum()) == pytest.approx(270 if left_hand else -270, abs=6)
     assert middles == set(spec.road.loops)
+
+
+def circle(loop: Edge, spec: MapSpec) -> np.ndarray:
+    """The part of a loop that turns the way it does most; on a street it has a bend the other way before or behind."""
+    line = np.array(loop.shape)
+    turns = np.diff(np.unwrap(np.arctan2(*np.diff(line, axis=0).T[::-1])))
+    most = np.flatnonzero(turns > 1e-3 if spec.left_hand else turns < -1e-3)
+    return line[most[0] : most[-1] + 3]
 
 
 def heading(lane: ElementTree.Element, end: int) -> float:
@@ -99,7 +115,7 @@ def place(lane: ElementTree.Element, end: int) -> np.ndarray:
 
 
 @SIDES
-@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("form", [form for form in FORMS if "street" not in form])
 def test_lanes_go_on_without_a_gap_or_a_kink(form: str, left_hand: bool) -> None:
     root = ElementTree.fromstring(compile_map(specified(FORMS[form], left_hand)))
     lanes = {lane.get("id", ""): lane for lane in root.iter("lane")}
@@ -182,6 +198,18 @@ def test_one_loop_adds_one_way() -> None:
     assert ways(compile_map(specified(FORMS["exit loop"]))) == {*straight, ("west", "north")}
 
 
+@SIDES
+def test_a_partial_cloverleaf_over_a_street_leads_from_each_leg_to_all_others(left_hand: bool) -> None:
+    others = {(a, b) for a, b in product(LEGS, LEGS) if a != b}
+    for form in ("partial over a street", "two quadrants over a street"):
+        assert others <= ways(compile_map(specified(FORMS[form], left_hand)))
+
+
+def test_an_exit_loop_to_a_street_leads_both_ways_along_it() -> None:
+    straight = {("east", "west"), ("west", "east"), ("north", "south"), ("south", "north")}
+    assert ways(compile_map(specified(FORMS["exit loop to a street"]))) == {*straight, ("west", "north"), ("west", "south")}
+
+
 @given(
     st.lists(st.sampled_from(["none", "direct", "loop", "both"]), min_size=4, max_size=4).filter(lambda r: set(r) != {"none"}),
     *(st.integers(1, 6), st.integers(1, 4), st.integers(1, 2)),
@@ -216,6 +244,20 @@ def test_any_trumpet_is_built_as_asked(
     assert ways(examined.network) == {(a, b) for a, b in product(legs, legs) if a != b}
 
 
+@given(
+    st.lists(st.sampled_from(["none", "direct", "loop", "both"]), min_size=4, max_size=4).filter(lambda r: set(r) != {"none"}),
+    *(st.integers(1, 6), st.integers(1, 4), st.integers(1, 2), st.floats(25, 80), st.floats(2, 30)),
+    *(st.sampled_from(["signals", "stop", "yield", "all_way_stop"]), st.booleans()),
+)
+@settings(max_examples=10, deadline=None)
+def test_any_quadrants_over_a_street_are_built_as_asked(
+    kinds: list[str], lanes: int, road_lanes: int, ramp_lanes: int, radius: float, median: float, control: str, left_hand: bool
+) -> None:
+    form = {**dict(zip(QUADRANTS, kinds, strict=True)), "lanes": lanes, "road_lanes": road_lanes, "ramp_lanes": ramp_lanes}
+    spec = specified({**form, "loop_radius": radius, "median": median, "control": control, "road_speed": 14.0}, left_hand)
+    assert failures(list(examine(spec).checks)) == []
+
+
 @pytest.mark.parametrize(
     "wrong",
     [
@@ -224,6 +266,7 @@ def test_any_trumpet_is_built_as_asked(
         {"north_leg": False, "south_leg": False},
         {"north_leg": False, "north_east": "none", "south_west": "both"},
         {"north_leg": False, "north_east": "none", "north_west": "loop", "south_west": "none", "south_east": "none"},
+        {**TRUMPET, "north_east": "none", "control": "signals"},
         {"loop_radius": 10.0},
         {"loop_radius": math.nan},
     ],
@@ -241,7 +284,7 @@ def test_without_its_height_the_road_would_lie_on_the_highway() -> None:
     assert measure(low, NETWORK).bridges == 0
 
 
-@pytest.mark.parametrize("form", ["cloverleaf", "trumpet", "exit loop"])
+@pytest.mark.parametrize("form", ["cloverleaf", "trumpet", "exit loop", "exit loop to a street"])
 def test_vehicles_drive_through_its_loops(form: str) -> None:
     spec = specified(FORMS[form])
     raw = compile_map(spec)
@@ -249,7 +292,7 @@ def test_vehicles_drive_through_its_loops(form: str) -> None:
     run = Run(seed=3, warm_up=30.0, seconds=120.0, lateral_resolution=0.8, time_limit=120.0)
     motion = simulate(raw, draw_demand(network, Demand(40, 150.0), seeds.rng(3, form)), network.map.origin, run).motion
     for loop in ramps(draw(spec), "loop"):
-        line = np.array(loop.shape)
+        line = circle(loop, spec)
         middle = (line.max(axis=0) + line.min(axis=0)) / 2
         distance = np.hypot(*np.moveaxis(motion.position + network.map.origin - middle, -1, 0))
         on_it = motion.valid & (abs(distance - 45.0) < 2.5)

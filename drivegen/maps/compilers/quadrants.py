@@ -7,42 +7,40 @@ round are the same ones turned or driven backwards.
 """
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from math import radians, sqrt
+from itertools import pairwise
+from math import radians
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from drivegen.maps.compilers import _lines as lines
+from drivegen.maps.compilers._quadrant_plans import ACCELERATION, WEST, Plan, StreetPlan
+from drivegen.maps.compilers.crossings import MAIN, MINOR, NODE_TYPES
 from drivegen.maps.compilers.highways import LANE_WIDTH, RampEnds, add_backwards, add_carriageway
 from drivegen.maps.compilers.interchanges import HEIGHT
 from drivegen.maps.spec import Alignment, Highway, HighwayEvent
 from drivegen.maps.spec_quadrants import QUADRANTS, QuadrantInterchange
-from drivegen.sumo.plain import Connection, Edge, PlainNetwork, Point
+from drivegen.maps.spec_values import Control
+from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
 
-_DECELERATION, _ACCELERATION = 150.0, 200.0
+_DECELERATION = 150.0
 _BESIDE_LOOP = 150.0
 """Length of the lane before or behind a loop that has no other one on the far side of the bridge [m]."""
 
-_DIRECT_RADIUS = 180.0
-"""Of a direct ramp without a loop between it and the corner [m]."""
-
-_CLEARANCE = 8.0
 _LANES_CHANGE = 60.0
 """A road that ends has its lanes change so far before the bridge, or behind it [m]."""
 
-_AROUND, _JOINING, _JOINING_RADIUS = 135.0, 45.0, 120.0
-"""Turns of the ramp around a trumpet's loop, to the left and back [degrees], and the radius of the latter [m]."""
-
 _PRIORITY = 6
 _CARRIAGEWAYS = "hugv"
-_NORTH, _WEST, _SOUTH = 1, 2, 3
+_NORTH, _SOUTH = 1, 3
 _OPPOSITE = {"north": "south", "south": "north", "east": "west", "west": "east"}
 
 
 def compile_quadrants(spec: QuadrantInterchange, plain: PlainNetwork) -> None:
     """Draw the highway from west to east and the road from south to north over (0, 0)."""
-    if not spec.south_leg:
+    if spec.control is not None:
+        _draw_over_street(StreetPlan(spec), spec.control, plain)
+    elif not spec.south_leg:
         turned = PlainNetwork()
         compile_quadrants(_exchanged(spec, "north", "south", "east", "west"), turned)
         _add_turned(turned, plain)
@@ -51,7 +49,7 @@ def compile_quadrants(spec: QuadrantInterchange, plain: PlainNetwork) -> None:
         compile_quadrants(_exchanged(spec, "east", "west"), backwards)
         add_backwards(backwards, plain)
     else:
-        _draw(_Plan(spec), plain)
+        _draw(Plan(spec), plain)
 
 
 def _exchanged(spec: QuadrantInterchange, *directions: str) -> QuadrantInterchange:
@@ -74,69 +72,6 @@ def _add_turned(turned: PlainNetwork, plain: PlainNetwork) -> None:
     plain.connections += turned.connections
 
 
-@dataclass(frozen=True)
-class _Plan:
-    """Where everything lies: distances from the middle of the bridge [m]."""
-
-    spec: QuadrantInterchange
-
-    def loops(self, q: int) -> bool:
-        """Whether quadrant q has a loop."""
-        return QUADRANTS[q % 4] in self.spec.loops
-
-    def direct(self, q: int) -> bool:
-        """Whether quadrant q has a direct ramp."""
-        return QUADRANTS[q % 4] in self.spec.directs
-
-    def half(self, i: int) -> float:
-        """From the middle of the road of carriageway i to its outer edge."""
-        return self.spec.median / 2 + LANE_WIDTH * (self.spec.road_lanes if i % 2 else self.spec.lanes)
-
-    @property
-    def lanes(self) -> int:
-        """Of ramps; those into which a road ends have no more than it."""
-        return min(self.spec.ramp_lanes, self.spec.road_lanes) if self.spec.trumpet else self.spec.ramp_lanes
-
-    @property
-    def loop_radius(self) -> float:
-        """Of the left edge of a loop, which is its outer one."""
-        return self.spec.loop_radius + self.lanes * LANE_WIDTH / 2
-
-    def near(self, i: int) -> float:
-        """Where loops leave or join carriageway i. A trumpet's loop goes on as a carriageway, beside the median."""
-        return self.loop_radius + (self.spec.median / 2 if self.spec.trumpet else self.half(i + 1))
-
-    def direct_radius(self, q: int) -> float:
-        """Of the left edge of the direct ramp of quadrant q, which passes outside of the loop."""
-        loop = (1 + sqrt(2)) ** 2 * self.loop_radius + (1 + sqrt(2)) * _CLEARANCE
-        return max(_DIRECT_RADIUS, loop) if self.loops(q) else _DIRECT_RADIUS
-
-    def far(self, i: int, q: int) -> float:
-        """Where the direct ramp of quadrant q leaves or joins carriageway i."""
-        if q % 4 == _WEST and self.spec.trumpet:
-            return -float(self.around[-1][0])
-        return self.half(i + 1) + self.direct_radius(q)
-
-    @property
-    def top(self) -> float:
-        """How far north the carriageways of a road without its northern leg reach: to the height of the loop's centre."""
-        return self.half(0) + self.loop_radius
-
-    @cached_property
-    def around(self) -> lines.Line:
-        """The ramp around a trumpet's loop, as far from it as the carriageways are from one another."""
-        inner = self.loop_radius + self.spec.median
-        fallen = self.loop_radius + inner * np.cos(radians(_JOINING)) - _JOINING_RADIUS * (1 - np.cos(radians(_JOINING)))
-        steps = [(_AROUND, inner), (0.0, fallen / np.sin(radians(_JOINING))), (-_JOINING, _JOINING_RADIUS)]
-        return lines.path((self.spec.median / 2, self.top), 90.0, steps)
-
-    @cached_property
-    def leg(self) -> float:
-        """The length of every leg."""
-        ends = [self.far(i, q) for q in range(4) if self.direct(q) for i in (q, q + 1)]
-        return max([*ends, self.near(0), self.near(1)]) + _ACCELERATION + self.spec.leg_length
-
-
 class _Happens(NamedTuple):
     """An event along a carriageway, with the ramps that join and leave there, "" none."""
 
@@ -154,7 +89,7 @@ class _Ramps:
     finish: dict[str, str] = field(default_factory=dict)
 
 
-def _draw(plan: _Plan, plain: PlainNetwork) -> None:
+def _draw(plan: Plan, plain: PlainNetwork) -> None:
     upper, ramps = PlainNetwork(), _Ramps()
     for i in range(4):
         _draw_carriageway(plan, plain if i % 2 == 0 else upper, ramps, i)
@@ -165,7 +100,30 @@ def _draw(plan: _Plan, plain: PlainNetwork) -> None:
         _draw_ramp(plan, plain, ramps, name)
 
 
-def _draw_carriageway(plan: _Plan, plain: PlainNetwork, ramps: _Ramps, i: int) -> None:
+def _draw_over_street(plan: StreetPlan, control: Control, plain: PlainNetwork) -> None:
+    """The highway and, above it, a street with crossings at which ramps end."""
+    ramps = _Ramps()
+    for i in (0, 2):
+        _draw_carriageway(plan, plain, ramps, i)
+    stops = {f"t{k}": y for k, y in enumerate(sorted({plan.terminal(name) for name in plan.ramps}))}
+    plain.nodes += [Node(name, 0.0, y, NODE_TYPES[control], z=HEIGHT) for name, y in stops.items()]
+    beyond = plan.spec.leg_length
+    ends = {"t_south": min(0.0, *stops.values()) - beyond, "t_north": max(0.0, *stops.values()) + beyond}
+    plain.nodes += [Node(name, 0.0, y, z=HEIGHT) for name, y in ends.items()]
+    for a, b in pairwise(sorted({**stops, **ends}.items(), key=lambda stop: stop[1])):
+        for source, target in ((a[0], b[0]), (b[0], a[0])):
+            plain.edges.append(Edge(f"{source}_{target}", source, target, plan.spec.road_lanes, plan.spec.road_speed, MAIN))
+    for name in plan.ramps:
+        y = plan.terminal(name)
+        node = next(stop for stop, at in stops.items() if at == y)
+        for ends_of in (ramps.begin, ramps.finish):
+            if name not in ends_of:
+                ends_of[name] = f"{name}_street"
+                ramps.ends[ends_of[name]] = (node, (0.0, y))
+        _draw_ramp(plan, plain, ramps, name)
+
+
+def _draw_carriageway(plan: Plan, plain: PlainNetwork, ramps: _Ramps, i: int) -> None:
     spec, name = plan.spec, _CARRIAGEWAYS[i]
     start, end = -plan.leg, plan.leg
     lanes, speed = (spec.road_lanes, spec.road_speed) if i % 2 else (spec.lanes, spec.speed)
@@ -182,13 +140,13 @@ def _draw_carriageway(plan: _Plan, plain: PlainNetwork, ramps: _Ramps, i: int) -
         ramps.finish |= {one.joins: f"{name}ramp{k}_in"} if one.joins else {}
         ramps.begin |= {one.leaves: f"{name}ramp{k}_out"} if one.leaves else {}
     if spec.trumpet and i == _NORTH:
-        ramps.begin[f"direct{_WEST}"] = _goes_on(plan, plain, ramps, plain.edges[-1], joins=False)
+        ramps.begin[f"direct{WEST}"] = _goes_on(plan, plain, ramps, plain.edges[-1], joins=False)
     if spec.trumpet and i == _SOUTH:
         first = next(edge for edge in plain.edges if edge.id == f"{name}1")
-        ramps.finish[f"loop{_WEST}"] = _goes_on(plan, plain, ramps, first, joins=True)
+        ramps.finish[f"loop{WEST}"] = _goes_on(plan, plain, ramps, first, joins=True)
 
 
-def _goes_on(plan: _Plan, plain: PlainNetwork, ramps: _Ramps, edge: Edge, joins: bool) -> str:
+def _goes_on(plan: Plan, plain: PlainNetwork, ramps: _Ramps, edge: Edge, joins: bool) -> str:
     """Note that a carriageway ends in a ramp, or begins as one; returns the name of the ramp's stub."""
     stub, node, point = f"{edge.id}_ramp", *((edge.source, edge.shape[0]) if joins else (edge.target, edge.shape[-1]))
     ramps.ends[stub] = (node, point)
@@ -197,7 +155,7 @@ def _goes_on(plan: _Plan, plain: PlainNetwork, ramps: _Ramps, edge: Edge, joins:
     return stub
 
 
-def _along(plan: _Plan, i: int, start: float) -> list[_Happens]:
+def _along(plan: Plan, i: int, start: float) -> list[_Happens]:
     """What happens along carriageway i, which begins at `start`, in order."""
     before, here, near = (i - 1) % 4, i, plan.near(i)
     found: list[_Happens] = []
@@ -221,25 +179,21 @@ def _along(plan: _Plan, i: int, start: float) -> list[_Happens]:
     elif leaves:
         found.append(_Happens(event("off_ramp", near - _BESIDE_LOOP, _BESIDE_LOOP), leaves=leaves))
     if plan.direct(here):
-        found.append(_Happens(event("on_ramp", plan.far(i, here), _ACCELERATION), f"direct{here}"))
+        found.append(_Happens(event("on_ramp", plan.far(i, here), ACCELERATION), f"direct{here}"))
     return sorted(found, key=lambda one: one.event.position)
 
 
-def _draw_ramp(plan: _Plan, plain: PlainNetwork, ramps: _Ramps, name: str) -> None:
+def _draw_ramp(plan: Plan, plain: PlainNetwork, ramps: _Ramps, name: str) -> None:
     """Draw a ramp as one edge between its carriageways, and give it the connections of its stubs."""
     stubs = (ramps.begin[name], ramps.finish[name])
     (source, start), (target, end) = (ramps.ends[stub] for stub in stubs)
     loop, q = name.startswith("loop"), int(name[-1])
-    if loop:
-        line = lines.path(start, 90.0 * q, [(-270.0, plan.loop_radius)])
-    elif plan.spec.trumpet and q == _WEST:
-        line = plan.around
-    else:
-        line = lines.path(start, 90.0 * (q + 1), [(-90.0, plan.direct_radius(q))])
+    line = plan.line(name, start)
     speed = plan.spec.loop_speed if loop else plan.spec.ramp_speed
     shape = (start, *lines.points(line[1:-1]), end)
     heights = (HEIGHT, 0.0) if q % 2 == loop else (0.0, HEIGHT)
-    plain.edges.append(Edge(name, source, target, plan.lanes, speed, _PRIORITY, shape, width=LANE_WIDTH, heights=heights))
+    priority = _PRIORITY if plan.spec.control is None else MINOR
+    plain.edges.append(Edge(name, source, target, plan.lanes, speed, priority, shape, width=LANE_WIDTH, heights=heights))
     renamed = dict.fromkeys(stubs, name)
     plain.connections = [
         replace(c, source=renamed.get(c.source, c.source), target=renamed.get(c.target, c.target)) for c in plain.connections

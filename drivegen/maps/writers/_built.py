@@ -243,3 +243,5 @@ def _quadrants(found: Built, road: QuadrantInterchange) -> None:
     found.lengths |= {road.loop_radius, 2 * road.loop_radius, road.median}
     ramps = len(road.loops) + len(road.directs) - road.trumpet
     found.counts.update({"interchange": 1, "median": 1, "on_ramp": ramps, "off_ramp": ramps, "loop": len(road.loops)})
+    for arms in road.terminals:
+        _place(found, arms, road.control or "yield")

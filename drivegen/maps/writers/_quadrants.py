@@ -4,6 +4,7 @@ from typing import Any
 
 from drivegen.errors import UnusableInput
 from drivegen.maps.writers._choices import KMH, Choices
+from drivegen.maps.writers._control import control_of
 from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence
@@ -12,7 +13,7 @@ FORMS = ("cloverleaf", "partial_cloverleaf", "trumpet", "loop_off", "loop_on")
 """Values of `Facts.interchange` that are such interchanges."""
 
 _TWO = 2
-_ROAD_SPEED, _LOOP_SPEED, _RAMP_SPEED = 80 * KMH, 40 * KMH, 60 * KMH
+_ROAD_SPEED, _STREET_SPEED, _LOOP_SPEED, _RAMP_SPEED = 80 * KMH, 50 * KMH, 40 * KMH, 60 * KMH
 _OFF, _ON = ("south_east", "north_west"), ("north_east", "south_west")
 """Quadrants whose loops leave the lower highway where traffic keeps right, and those whose loops join it."""
 
@@ -54,18 +55,24 @@ def read_quadrants(s: Sentence, facts: Facts, form: str) -> str:
         form = "partial_cloverleaf"
     if (form, facts.loops or _USUAL.get(form, 1)) not in _LOOPS:
         raise UnusableInput(f"I cannot draw a {form.replace('_', ' ')} with {facts.loops} loops", reason="not-understood")
-    others = [p for p in s.said("road") if p.words.get("class") != "highway" and not p.words.get("divided")]
-    fast = [p for p in highways if p.kind == "road"]
-    named = not form.startswith("loop") and not others
-    if named or len(fast) >= _TWO or any((p.number or 1) >= _TWO for p in fast):
-        facts.features.setdefault("two_highways", fast[0].first if fast else 0)
-    for phrase in fast:
-        if phrase.number == _TWO:
-            s.use(phrase.first, phrase.head, "two highways")
+    _note_roads(s, facts, highways, form)
     _tell_speeds_apart(s, facts, loops)
     for phrase in loops:
         s.use(phrase.first, phrase.head, "loop ramp of 270 degrees")
     return form
+
+
+def _note_roads(s: Sentence, facts: Facts, highways: list[Phrase], form: str) -> None:
+    """Whether both roads are highways, as is said, or as a named form is understood where no other road is spoken of."""
+    others = [p for p in s.said("road") if p.words.get("class") != "highway" and not p.words.get("divided")]
+    if not form.startswith("loop") and not others:
+        facts.features.setdefault("no_street", 0)
+    fast = [p for p in highways if p.kind == "road" and p.det != "the"]  # "the motorway" was spoken of before
+    if len(fast) >= _TWO or any((p.number or 1) >= _TWO for p in fast):
+        facts.features.setdefault("two_highways", fast[0].first)
+    for phrase in fast:
+        if phrase.number == _TWO:
+            s.use(phrase.first, phrase.head, "two highways")
 
 
 def _tell_speeds_apart(s: Sentence, facts: Facts, loops: list[Phrase]) -> None:
@@ -93,7 +100,8 @@ def quadrants(facts: Facts, choices: Choices) -> dict[str, Any]:
     form = facts.interchange
     ways = {"loop_off": "loop_on", "loop_on": "loop_off"} if facts.left_hand else {}  # a quadrant's loop leads the other way
     loops = _LOOPS[ways.get(form, form), facts.loops or _USUAL.get(form, 1)]
-    both = facts.has("two_highways")
+    street = _meets_a_street(facts)
+    both = facts.has("two_highways", "no_street") and not street
     lanes, speed = choices.lanes(facts, 2, "main"), choices.speed(facts, highway=True)
     road_lanes = facts.lanes.get("side", lanes if both else 1)
     road = {
@@ -103,17 +111,29 @@ def quadrants(facts: Facts, choices: Choices) -> dict[str, Any]:
         "lanes": lanes,
         "speed": speed,
         "road_lanes": road_lanes,
-        "road_speed": facts.speeds.get("side", speed if both else min(speed, _ROAD_SPEED)),
+        "road_speed": facts.speeds.get("side", speed if both else min(speed, _STREET_SPEED if street else _ROAD_SPEED)),
         "ramp_lanes": facts.lanes.get("ramp", 1),
         "ramp_speed": facts.speeds.get("ramp", min(speed, _RAMP_SPEED)),
         "loop_speed": facts.speeds.get("loop", facts.speeds.get("ramp", min(speed, _LOOP_SPEED))),
         "loop_radius": facts.lengths.get("radius", 45.0),
     }
+    if street:
+        road |= {"control": control_of(facts, equal_roads=False)}
     if "radius" not in facts.lengths:
         choices.assume("loops of 45 m radius")
     if "side" not in facts.lanes:
         choices.assume(f"{road_lanes} lane{'s' if road_lanes > 1 else ''} per direction on the road above")
     return {**road, "median": facts.lengths["median"]} if "median" in facts.lengths else road
+
+
+def _meets_a_street(facts: Facts) -> bool:
+    """Whether ramps end at crossings: where who goes first there, or a crossing, is spoken of."""
+    told = facts.control is not None or any(junction.form == "crossing" for junction in facts.junctions)
+    if told and (facts.interchange == "trumpet" or facts.has("two_highways")):
+        raise UnusableInput(
+            "I can draw trumpets, and loops between two highways, without crossings only", reason="not-understood"
+        )
+    return told
 
 
 def _ramps(form: str, name: str, loops: tuple[str, ...]) -> str:
