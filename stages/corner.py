@@ -171,8 +171,7 @@ def _choices(task: Task) -> list[Choices]:
 
 
 def _play_shard(task: Task) -> tuple[Knowledge, RoundSummary, list[Collision]]:
-    params = task.params
-    choices = _choices(task)
+    params, choices = task.params, _choices(task)
     planner, limits = read_planner(task.models, params.generation.planner), read_limits(task.models)
     if int(task.out.name) > 0:
         choices = _leaning(task, choices, planner)
