@@ -68,7 +68,7 @@ def control(control: str, meaning: str) -> Callable[[Fields, re.Match[str]], str
             raise UnusableInput("this road has no crossing that could be controlled", reason="impossible-map")
 
         def change(part: Fields) -> None:
-            if "control" in part:
+            if part.get("control"):
                 part["control"] = control
 
         _each(fields["road"], change)
@@ -79,7 +79,7 @@ def control(control: str, meaning: str) -> Callable[[Fields, re.Match[str]], str
 
 def _has(value: Any, name: str) -> bool:
     found: list[bool] = []
-    _each(value, lambda part: found.append(name in part))
+    _each(value, lambda part: found.append(part.get(name) is not None))
     return any(found)
 
 

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from drivegen import seeds
+from drivegen.errors import UnusableInput
 from drivegen.geometry import wrap_angle
 from drivegen.maps.build import build_spec
 from drivegen.maps.checks import failures
@@ -304,6 +305,14 @@ def test_edits_reach_the_highway_of_an_interchange() -> None:
     edited = refine(specified({}), "three lanes, limit 100")[0].road
     assert isinstance(edited, QuadrantInterchange)
     assert (edited.lanes, edited.speed, edited.ramp_lanes) == (3, pytest.approx(100 / 3.6), 1)
+
+
+def test_edits_of_signals_need_crossings() -> None:
+    edited = refine(specified(FORMS["partial over a street"]), "remove the signals")[0].road
+    assert isinstance(edited, QuadrantInterchange)
+    assert edited.control == "yield"
+    with pytest.raises(UnusableInput, match="no crossing that could be controlled"):
+        refine(specified({}), "remove the signals")
 
 
 @pytest.mark.parametrize(

@@ -134,6 +134,17 @@ EXAMPLES: tuple[tuple[str, dict[str, Any]], ...] = (
         },
     ),
     (
+        "A partial cloverleaf: an arterial with two lanes each way over a freeway, two loop ramps, lights where ramps end.",
+        {
+            "kind": "quadrant_interchange",
+            "north_west": "direct",
+            "south_east": "direct",
+            "road_lanes": 2,
+            "road_speed": 60 * _KMH,
+            "control": "signals",
+        },
+    ),
+    (
         "A triangle of roads with a road to the outside at each corner.",
         {
             "kind": "graph",
