@@ -11,11 +11,11 @@ from drivegen.errors import UnusableInput
 from drivegen.generate import choose, recorded_choices, roll_out, tempered
 from drivegen.goals.joint import draw_together
 from drivegen.goals.packing import pack
-from drivegen.rollout import Choices, Rollout, RolloutSettings
+from drivegen.rollout import Choices, Rollout, RolloutSettings, _steps_to_avoid_target
 from drivegen.samples import Samples, Violation
 from drivegen.scenario import TARGET
 from tests.models import candidate_settings, two_lanes
-from tests.scenes import busy_crossing
+from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
 SETTINGS = RolloutSettings(attempts=3, rounds=4, evictions=1, drop_illegal=False, target_steps=None, tempo=0.8)
 SAMPLES = 4
@@ -117,6 +117,16 @@ def test_motion_ends_at_the_goal(equipment, choices):
 def test_the_target_is_nobodys_partner_in_corner_cases(equipment, choices):
     for samples in rolled(equipment, choices, target_steps=20):
         assert not (samples.violation[:, TARGET] & Violation.COLLISION).any()
+
+
+def test_who_comes_from_behind_avoids_the_target_always_the_others_until_its_driver_can_react():
+    road = straight_road()
+    line = road.centreline[0].astype(np.float64)
+    cars = [drive(line, 100, 8, 101), drive(line, 50, 8, 101), drive(line, 150, 8, 101), drive(line[::-1], 250, 8, 101)]
+    scene = scenario(road, stack(cars))  # the target, behind it, ahead of it, and behind it the other way
+    assert scene.vehicles.position[3, 0] < scene.vehicles.position[0, 0]
+    assert _steps_to_avoid_target(scene, 20).tolist() == [101, 101, 20, 20]
+    assert _steps_to_avoid_target(scene, None).tolist() == [101] * 4
 
 
 def test_recorded_goals_of_other_scenarios_are_refused(choices):
