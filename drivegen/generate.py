@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from drivegen import seeds
 from drivegen.checker.limits import Limits
 from drivegen.errors import UnusableInput
-from drivegen.goals.candidates import Candidates, candidates
+from drivegen.goals.candidates import Candidates, Manoeuvre, candidates
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.packing import unpack
 from drivegen.lanes.graph import LaneGraph
@@ -37,7 +37,7 @@ def choose(scenarios: Sequence[Scenario], selector: Selector, settings: Candidat
         found = [candidates(graph, scenario, n, settings) for n in range(len(scenario.vehicles))]
         offered = selector.offer(graph, scenario, found)
         natural = selector.rank(graph, scenario, offered)
-        choices.append(Choices(scenario, offered, natural, tempered(natural, temperature)))
+        choices.append(Choices(scenario, offered, natural, tempered(natural, offered, temperature)))
     return choices
 
 
@@ -51,14 +51,26 @@ def recorded_choices(scenarios: Sequence[Scenario], goals: Sequence[GoalColumns]
     choices = []
     for scenario, columns in zip(scenarios, goals, strict=True):
         offered, natural = unpack(LaneGraph.of(scenario.map), columns)
-        choices.append(Choices(scenario, offered, natural, tempered(natural, temperature)))
+        choices.append(Choices(scenario, offered, natural, tempered(natural, offered, temperature)))
     return choices
 
 
-def tempered(probabilities: Probabilities, temperature: float) -> Probabilities:
-    """`p ** (1 / temperature)`, normalised: below 1 the likely goals gain, above 1 the unlikely ones."""
-    powers = [p.astype(np.float64) ** (1.0 / temperature) for p in probabilities]
-    return [(p / p.sum()).astype(np.float32) for p in powers]
+def tempered(probabilities: Probabilities, candidates: Sequence[Candidates], temperature: float) -> Probabilities:
+    """`p ** (1 / temperature)`, normalised, of each manoeuvre as a whole and of the candidates within each manoeuvre.
+
+    Below 1 the likely goals gain, above 1 the unlikely ones. Candidate by candidate alone, whoever may stay where it is would
+    nearly always do so: staying is one candidate, driving on is spread over many.
+    """
+    both = zip(probabilities, candidates, strict=True)
+    return [_tempered(p.astype(np.float64), c.manoeuvre, 1.0 / temperature) for p, c in both]
+
+
+def _tempered(p: NDArray[np.float64], manoeuvre: NDArray[np.uint8], power: float) -> NDArray[np.float32]:
+    """One vehicle's (C,)."""
+    mass, within = (np.bincount(manoeuvre, weights, len(Manoeuvre)) for weights in (p, p**power))
+    of_manoeuvre = mass**power / np.where(within > 0, within, 1.0)
+    odds = p**power * of_manoeuvre[manoeuvre]
+    return np.asarray(odds / odds.sum(), np.float32)
 
 
 def roll_out(

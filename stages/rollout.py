@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drivegen import plugins
-from drivegen.generate import recorded_choices
 from drivegen.generators.base import Settings
 from drivegen.samples import Samples
 from drivegen.settings import Count
@@ -57,8 +56,7 @@ def _generate_shard(task: Task) -> None:
         samples: list[Samples] = [judged(s, m, limits) for s, m in zip(scenarios, made, strict=True)]
     else:
         recorded = read_goals(require(task.goals / generator.selector / task.shard.name, "run the goals stage"))
-        choices = recorded_choices(scenarios, recorded, params.generation.temperature)
-        samples = generator.follow(choices, params.samples, params.seed)
+        samples = generator.follow(scenarios, recorded, params.samples, params.seed)
     write_samples(task.out / task.shard.name, samples)
 
 

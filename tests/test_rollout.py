@@ -1,6 +1,7 @@
 """The rollout: what is kept is legal together, budgets hold, records agree with what was drawn."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from drivegen.checker.scene import check_samples
 from drivegen.equipment import Equipment
 from drivegen.errors import UnusableInput
 from drivegen.generate import choose, recorded_choices, roll_out, tempered
+from drivegen.goals.candidates import Manoeuvre
 from drivegen.goals.joint import draw_together
 from drivegen.goals.packing import pack
 from drivegen.rollout import Choices, Rollout, RolloutSettings, _steps_to_avoid_target
@@ -84,7 +86,7 @@ def test_who_is_evicted_is_planned_again_a_bounded_number_of_times(equipment, ch
 
 
 def test_the_record_holds_the_probabilities_of_the_goals_that_were_followed(equipment, choices):
-    leaning = [replace(c, used=tempered(c.natural, 0.5)) for c in choices]
+    leaning = [replace(c, used=tempered(c.natural, c.candidates, 0.5)) for c in choices]
     for choice, samples in zip(leaning, rolled(equipment, leaning), strict=True):
         for n in range(len(choice.scenario.vehicles)):
             np.testing.assert_array_equal(samples.natural[:, n], choice.natural[n][samples.goal[:, n]])
@@ -136,7 +138,18 @@ def test_recorded_goals_of_other_scenarios_are_refused(choices):
 
 
 def test_temperature_sharpens_and_flattens():
-    natural = [np.float32([0.6, 0.3, 0.1])]
-    np.testing.assert_allclose(tempered(natural, 1.0)[0], natural[0], rtol=1e-6)
-    assert tempered(natural, 0.5)[0][0] > 0.7
-    assert tempered(natural, 5.0)[0][2] > 0.2
+    natural, kept = [np.float32([0.6, 0.3, 0.1])], [SimpleNamespace(manoeuvre=np.zeros(3, np.uint8))]
+    np.testing.assert_allclose(tempered(natural, kept, 1.0)[0], natural[0], rtol=1e-6)
+    np.testing.assert_allclose(tempered(natural, kept, 0.5)[0], np.float32([0.36, 0.09, 0.01]) / 0.46, rtol=1e-6)
+    assert tempered(natural, kept, 5.0)[0][2] > 0.2
+
+
+def test_a_manoeuvre_does_not_lose_by_being_spread_over_more_candidates():
+    """Half of the vehicles stay, half drive on to one of five places; so it remains at any temperature."""
+    natural = [np.float32([0.5, 0.2, 0.1, 0.1, 0.05, 0.05])]
+    ways = [SimpleNamespace(manoeuvre=np.array([Manoeuvre.STAY, *[Manoeuvre.KEEP] * 5], np.uint8))]
+    for temperature in (0.2, 0.45, 1.0, 3.0):
+        odds = tempered(natural, ways, temperature)[0]
+        np.testing.assert_allclose(odds[0], 0.5, rtol=1e-6)
+        np.testing.assert_allclose(odds[2] / odds[1], 0.5 ** (1 / temperature), rtol=1e-5)
+    np.testing.assert_allclose(tempered([np.float32([0.8, 0.1, 0.1, 0, 0, 0])], ways, 0.5)[0][0], 0.64 / 0.68, rtol=1e-6)

@@ -46,7 +46,7 @@ _CANDIDATES = CandidateSettings(
     most=32, most_routes=12, spacing=2.6, dynamics=Dynamics(acceleration=3.0, braking=4.5, lateral=5.0, limit_factor=1.25)
 )
 _SHIPPED = ShipSettings(fewest=1, moved=0.0)
-_TEMPERATURE = 0.4
+_TEMPERATURE = 0.45
 _ROLLOUT = RolloutSettings(attempts=4, rounds=5, evictions=2, drop_illegal=True, target_steps=None, tempo=0.8)
 
 Result = TypeVar("Result")

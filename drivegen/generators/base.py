@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Protocol
 
 from drivegen.goals.candidates import Settings as CandidateSettings
-from drivegen.rollout import Choices, RolloutSettings
+from drivegen.rollout import RolloutSettings
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
 from drivegen.settings import Positive
+from drivegen.store.goals import GoalColumns
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Settings:
     Attributes:
         planner: name of the planner that fills in motion.
         candidates: how candidate goals are made.
-        temperature: goals are drawn from `p ** (1 / temperature)`, normalised.
+        temperature: below 1 the likely goals gain, above 1 the unlikely ones (`generate.tempered`).
         rollout: how often the illegal is planned again, and what becomes of what stays illegal.
     """
 
@@ -56,5 +57,5 @@ class Generator(Protocol):
 class GoalFollower(Generator, Protocol):
     """A generator that can follow goals which a stage before it recorded."""
 
-    def follow(self, choices: Sequence[Choices], samples: int, seed: int) -> list[Samples]:
-        """K = `samples` judged futures of each choice's scenario, in order."""
+    def follow(self, scenarios: Sequence[Scenario], goals: Sequence[GoalColumns], samples: int, seed: int) -> list[Samples]:
+        """K = `samples` judged futures of each scenario by the odds of `goals`, in order."""

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from drivegen.equipment import Equipment
-from drivegen.generate import choose, roll_out
+from drivegen.generate import choose, recorded_choices, roll_out
 from drivegen.generators.base import Settings
 from drivegen.rollout import Choices
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
+from drivegen.store.goals import GoalColumns
 
 
 class Plugin:
@@ -25,10 +26,13 @@ class Plugin:
 
     def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         """K = `samples` judged futures of each scenario, goals chosen here."""
-        chosen = choose(scenarios, self._equipment.selector, self._settings.candidates, self._settings.temperature)
-        return self.follow(chosen, samples, seed)
+        settings = self._settings
+        return self._rolled(choose(scenarios, self._equipment.selector, settings.candidates, settings.temperature), samples, seed)
 
-    def follow(self, choices: Sequence[Choices], samples: int, seed: int) -> list[Samples]:
-        """K = `samples` judged futures of each scenario, goals chosen before."""
+    def follow(self, scenarios: Sequence[Scenario], goals: Sequence[GoalColumns], samples: int, seed: int) -> list[Samples]:
+        """K = `samples` judged futures of each scenario by the odds recorded for it."""
+        return self._rolled(recorded_choices(scenarios, goals, self._settings.temperature), samples, seed)
+
+    def _rolled(self, choices: Sequence[Choices], samples: int, seed: int) -> list[Samples]:
         tools, settings = self._equipment, self._settings
         return roll_out(choices, tools.planner, tools.limits, settings.rollout, samples, seed, self.name)

@@ -1,6 +1,10 @@
 """DriveGen without goal selection: goals at random, the paper's ablation "DriveGen w/o gs"."""
 
+from dataclasses import replace
+from pathlib import Path
+
 from drivegen.generators import drivegen
+from drivegen.generators.base import Settings
 
 
 class Plugin(drivegen.Plugin):
@@ -8,3 +12,7 @@ class Plugin(drivegen.Plugin):
 
     name = "drivegen_without_goals"
     selector = "random"
+
+    def __init__(self, models: Path, settings: Settings) -> None:
+        """As DriveGen; no temperature, so that no manoeuvre gains by having many candidates."""
+        super().__init__(models, replace(settings, temperature=1.0))

@@ -104,7 +104,7 @@ def read_param(workspace: Path, name: str) -> Any:
 
 
 def read_codes(workspaces: Mapping[str, Path]) -> list[dict[str, Any]]:
-    """[{commit, changed, runs}]: which runs are of which commit and whether files differed from it; None where nobody noted it."""
+    """[{commit, changed, runs}]: runs of one commit, whether files differed from it; None where nobody noted it."""
     found: dict[tuple[Any, Any], list[str]] = {}
     for run, workspace in workspaces.items():
         file = workspace / ".drivegen" / "code.json"
