@@ -1,4 +1,4 @@
-"""Stage rollout@<method>: ten futures of every test scenario by one method, each judged by the legal checker.
+"""Stage rollout@<method>: K futures of every test scenario by DriveGen or an ablation of it, which follow recorded goals.
 
 argv: scenarios (folder of shards), models (folder), recorded goals (folder of folders, one a selector), generated
 (folder; its name is the method's). Nobody is dropped: what stays illegal is kept and counted as illegal.
@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drivegen import plugins
+from drivegen.errors import UnusableInput
 from drivegen.generators.base import Settings
-from drivegen.samples import Samples
 from drivegen.settings import Count
 from drivegen.store.goals import read_goals
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, shards
-from drivegen.verdicts import judged, read_limits
 from stages._door import enter, require, spread
 
 
@@ -51,12 +50,9 @@ def _generate_shard(task: Task) -> None:
     params = task.params
     generator = plugins.load("generators", task.out.name)(task.models, params.generation)
     if generator.selector is None:
-        limits = read_limits(task.models)
-        made = generator.generate(scenarios, params.samples, params.seed)
-        samples: list[Samples] = [judged(s, m, limits) for s, m in zip(scenarios, made, strict=True)]
-    else:
-        recorded = read_goals(require(task.goals / generator.selector / task.shard.name, "run the goals stage"))
-        samples = generator.follow(scenarios, recorded, params.samples, params.seed)
+        raise UnusableInput(f"generator {task.out.name!r} knows no goals: put it into run.baselines of params.yaml, not run.own")
+    recorded = read_goals(require(task.goals / generator.selector / task.shard.name, "run the goals stage"))
+    samples = generator.follow(scenarios, recorded, params.samples, params.seed)
     write_samples(task.out / task.shard.name, samples)
 
 

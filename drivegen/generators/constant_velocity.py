@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 
-from drivegen.generators.base import Settings
 from drivegen.geometry import unit
 from drivegen.samples import Samples
 from drivegen.scenario import DT, Scenario, Trajectories
@@ -31,7 +30,7 @@ class Plugin:
     backend = "none"
     selector = None
 
-    def __init__(self, models: Path, settings: Settings) -> None:
+    def __init__(self, models: Path, settings: object) -> None:
         """Needs neither models nor settings."""
         del models, settings
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 
 from drivegen.errors import UnusableInput
-from drivegen.generators.base import Settings
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
 
@@ -17,7 +16,7 @@ class Plugin:
     backend = "recorded"
     selector = None
 
-    def __init__(self, models: Path, settings: Settings) -> None:
+    def __init__(self, models: Path, settings: object) -> None:
         """Needs neither models nor settings."""
         del models, settings
 

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from drivegen.generators.base import Settings
 from drivegen.geometry import rotate, unit
 from drivegen.samples import Samples
 from drivegen.scenario import DT, Scenario, Trajectories
@@ -25,7 +24,7 @@ class Plugin:
     backend = "chance"
     selector = None
 
-    def __init__(self, models: Path, settings: Settings) -> None:
+    def __init__(self, models: Path, settings: object) -> None:
         """Needs neither models nor settings."""
         del models, settings
 

@@ -32,7 +32,8 @@ def costs(data: DataSet, runs: Sequence[Took]) -> Table:
 def _line(method: str, runs: Sequence[Took], scenes: int) -> Row:
     whole, choosing, memory = [], [], []
     for run in runs:
-        made = run.get(f"rollout/{method}") or run.get(f"rollout_rival/{method}")
+        stages = ("rollout", "rollout_baseline", "rollout_rival")
+        made = next((run[at] for stage in stages if (at := f"{stage}/{method}") in run), None)
         chosen = run.get(f"goals/{SELECTORS[method]}") if method in SELECTORS else {}
         if not made or chosen is None:
             continue

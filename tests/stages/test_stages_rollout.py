@@ -7,11 +7,11 @@ import numpy as np
 import orjson
 import pytest
 
-from drivegen.errors import MissingTool
+from drivegen.errors import MissingTool, UnusableInput
 from drivegen.generators.base import Settings
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, write_shard
-from stages import corner, goals, rollout, ship
+from stages import corner, goals, rollout, rollout_baseline, ship
 from stages._door import read_params
 from tests.models import two_lanes
 from tests.scenes import busy_crossing
@@ -42,9 +42,22 @@ def generated(root: Path, models: Path, method: str, out: str = "generated") -> 
     return sorted((root / out / method).iterdir())
 
 
+def continued(root: Path, models: Path, method: str) -> list[Path]:
+    """What stage rollout_baseline leaves."""
+    rollout_baseline.main(rollout_baseline.Params(seed=7, workers=1, samples=2), root / "test", models, root / "plain" / method)
+    return sorted((root / "plain" / method).iterdir())
+
+
+def test_what_follows_goals_and_what_does_not_have_stages_of_their_own(root: Path, models: Path) -> None:
+    with pytest.raises(UnusableInput, match=r"run\.own"):
+        continued(root, models, "drivegen")
+    with pytest.raises(UnusableInput, match=r"run\.baselines"):
+        generated(root, models, "log")
+
+
 @pytest.mark.parametrize("method", ["log", "constant_velocity", "drivegen", "drivegen_without_goals"])
 def test_every_method_leaves_a_shard_beside_each_test_shard(root: Path, models: Path, method: str) -> None:
-    files = generated(root, models, method)
+    files = (generated if method.startswith("drivegen") else continued)(root, models, method)
     assert [f.name for f in files] == list(SHARDS)
     for file in files:
         scenes = read_shard(root / "test" / file.name)
