@@ -150,7 +150,7 @@ def test_costs_of_methods_count_the_choice_of_goals_and_the_gpu_if_there_was_one
         made,
         tmp_path,
         ("rollout", "drivegen", {"cpu_seconds": 1.0, "peak_megabytes": 900.0}),
-        ("rollout", "log", {"cpu_seconds": 0.4, "peak_megabytes": 700.0, "gpu_seconds": 0.05}),
+        ("rollout_baseline", "log", {"cpu_seconds": 0.4, "peak_megabytes": 700.0, "gpu_seconds": 0.05}),
         ("goals", "learned", {"cpu_seconds": 0.5}),
         ("train_generator", "bits", {"cpu_seconds": 120.0}),
     )
@@ -164,7 +164,7 @@ def test_what_was_restored_from_the_cache_is_no_number_and_no_gap(made, tmp_path
     for name in ("train_selector.json", "train_planner/route_fm.json"):
         (metrics / name).parent.mkdir(exist_ok=True)
         (metrics / name).write_text("{}")
-    text = costs_of(metrics.parent, tmp_path, ("rollout", "log", {"cpu_seconds": 0.4, "peak_megabytes": 700.0}))
+    text = costs_of(metrics.parent, tmp_path, ("rollout_baseline", "log", {"cpu_seconds": 0.4, "peak_megabytes": 700.0}))
     gone = "not measured here: restored from cache"
     assert f"| drivegen | {gone} | {gone} | {gone} | {gone} | 5 |" in text
     assert "| log | 80 | 0 | none | 700 | 5 |" in text

@@ -55,7 +55,7 @@ select seen.method, scenarios,
        1000 * made.gpu / scenarios as gpu_seconds_per_1000,
        made.megabytes as peak_megabytes
 from seen
-left join took made on made.item = seen.method and made.stage in ('rollout', 'rollout_rival')
+left join took made on made.item = seen.method and made.stage in ('rollout', 'rollout_baseline', 'rollout_rival')
 left join follows on follows.method = seen.method
 left join took chosen on chosen.stage = 'goals' and chosen.item = follows.selector
 order by seen.method;
