@@ -15,6 +15,7 @@ REMOVES = r"(?:remove|delete|drop|without|no(?: more)?|take (?:away|out)|get rid
 """Words that take something away."""
 
 _LANES = ("lanes", "lanes_back", "lanes_in", "lanes_out", "left_lanes")
+_LENGTHS = ("length", "leg_length", "road_length")
 _UNITS = {"kmh": 1 / 3.6, "mph": 0.44704, "mps": 1.0, "": 1 / 3.6}
 
 
@@ -84,14 +85,14 @@ def _has(value: Any, name: str) -> bool:
 
 
 def set_speed(fields: Fields, match: re.Match[str]) -> str:
-    """The limit of all roads; rings and ramps are not faster than it."""
+    """The limit of all roads; rings, ramps, loops and the road over a highway, which have limits of their own, are not faster."""
     speed = float(match[1]) * _UNITS[match[2] or ""]
 
     def change(part: Fields) -> None:
         for name in ("speed", "side_speed"):
             if name in part:
                 part[name] = speed
-        for name in ("ring_speed", "ramp_speed"):
+        for name in ("ring_speed", "ramp_speed", "loop_speed", "road_speed"):
             if name in part:
                 part[name] = min(part[name], speed)
 
@@ -201,17 +202,22 @@ def set_auxiliary(fields: Fields, match: re.Match[str]) -> str:
 
 
 def set_length(fields: Fields, match: re.Match[str]) -> str:
-    """The length of the road, or how much longer or shorter it becomes."""
+    """The length of the road, of each arm where it has arms, or how much longer or shorter it becomes."""
     road = fields["road"]
     metres = float(match[2]) * (1000.0 if match[3] == "km" else 1.0)
     word = match[1] or match[4] or ""
     step = metres if word.startswith(("longer", "extend", "lengthen")) else -metres if word.startswith("short") else None
+    changed: list[str] = []
 
     def change(part: Fields) -> None:
-        if "length" in part and not _is_event(part):
-            part["length"] = metres if step is None else part["length"] + step
+        for name in _LENGTHS:
+            if name in part and not _is_event(part):
+                part[name] = metres if step is None else part[name] + step
+                changed.append(name)
 
     _each(road.get("alignment", road), change)
+    if not changed:
+        raise UnusableInput(f"a {road['kind']} has no length that could be set", reason="impossible-map")
     return f"{metres:.0f} m {match[1] or match[4] or 'long'}"
 
 

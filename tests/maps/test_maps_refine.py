@@ -8,7 +8,8 @@ import pytest
 from drivegen.errors import UnusableInput
 from drivegen.maps.build import ACCOUNT, build_map
 from drivegen.maps.refine import refine, refine_map
-from drivegen.maps.spec import Crossing, Highway, MapSpec, Roundabout
+from drivegen.maps.spec import Crossing, Highway, Interchange, MapSpec, Roundabout
+from drivegen.maps.spec_quadrants import QuadrantInterchange
 from drivegen.maps.writers.offline import Plugin
 
 CROSSING = Plugin().write("a four-way intersection with traffic lights, two lanes in each direction", 7).spec
@@ -34,6 +35,28 @@ def test_lanes_signals_and_limits_change_as_said() -> None:
     assert crossing_after("use stop signs instead").control == "stop"
     assert {round(arm.speed * 3.6) for arm in crossing_after("limit 30").arms} == {30}
     assert all(arm.left_turn_lane for arm in crossing_after("add left turn lanes").arms)
+
+
+def test_no_loop_ramp_or_road_over_the_highway_is_faster_than_the_limit() -> None:
+    road = refine(MapSpec(road=QuadrantInterchange()), "limit 30")[0].road
+    assert isinstance(road, QuadrantInterchange)
+    assert {round(v * 3.6) for v in (road.speed, road.road_speed, road.ramp_speed, road.loop_speed)} == {30}
+    road = refine(MapSpec(road=Interchange()), "limit 120")[0].road
+    assert isinstance(road, Interchange)
+    assert [round(v * 3.6) for v in (road.speed, road.road_speed, road.ramp_speed)] == [120, 50, 50]
+
+
+def test_an_interchange_has_legs_that_become_longer_and_a_graph_has_no_length_to_set() -> None:
+    road = refine(MapSpec(road=QuadrantInterchange()), "make it 100 m longer")[0].road
+    assert isinstance(road, QuadrantInterchange)
+    assert road.leg_length == 250
+    road = refine(MapSpec(road=Interchange()), "300 m long")[0].road
+    assert isinstance(road, Interchange)
+    assert road.road_length == 300
+    ends = [{"name": name, "x": x, "y": 0.0} for name, x in (("a", 0.0), ("b", 200.0))]
+    graph = MapSpec.model_validate({"road": {"kind": "graph", "nodes": ends, "roads": [{"name": "r", "start": "a", "end": "b"}]}})
+    with pytest.raises(UnusableInput, match="a graph has no length that could be set"):
+        refine(graph, "100 m longer")
 
 
 def test_a_crossing_becomes_a_roundabout_with_the_same_arms() -> None:
