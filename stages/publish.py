@@ -97,8 +97,9 @@ def main(params: Params, runs: Path, out: Path) -> None:
             tables += published_tables.few(known[more][0], [found])
     tables += models(_trained(runs, [data for data, _ in known.values()]))
     most = max((data for data, _ in known.values()), key=lambda data: data.scenes)
-    tables.append(costs(most, [read_costs(runs / most.name / str(seed) / COSTS) for seed in most.seeds]))
-    _write(out, rows, tables, {name: data.title for name, (data, _) in known.items()}, _provenance(params, runs, sorted(known)))
+    rooms = [runs / most.name / str(seed) for seed in most.seeds]
+    tables.append(costs(most, [read_costs(room / COSTS) for room in rooms], read_param(rooms[0], "rollout.samples")))
+    _write(out, rows, tables, {name: data.title for name, (data, _) in known.items()}, _provenance(params, runs))
     missing = [name for name in params.data if name not in known] or ["none"]
     print(f"publish: {len(rows)} figures of {', '.join(known)}; not measured: {', '.join(missing)}")
 
@@ -107,9 +108,9 @@ def _tables(data: DataSet, pooled: Pooled, folder: Path, params: Params) -> list
     """All tables of one data set alone, the headline first."""
     streams = {what: rng(params.seed, "publish", what, data.name) for what in ("paired", "best")}
     first, paired, *others = published_tables.tables(data, pooled, params.draws, streams["paired"])
-    found = [first, paired, best(data, pooled, params.draws, streams["best"]), *others]
+    found = [first, paired, *best(data, pooled, params.draws, streams["best"]), *others]
     at = {t: results for t in params.temperatures if (results := _at_temperature(folder / f"t{t}"))}
-    if at:
+    if at and params.data[data.name].front:
         found.append(front(data, at, pooled, read_param(folder / str(data.seeds[0]), "rollout.generation.temperature")))
     files = sorted(file for seed in data.seeds for file in (folder / str(seed) / METRICS / "goals").glob("*.json"))
     chosen = {stem: [_json(file) for file in files if file.stem == stem] for stem in dict.fromkeys(file.stem for file in files)}
@@ -166,18 +167,17 @@ def _chosen_by(method: str) -> str:
     return str(plugins.load("selectors", plugin.selector).described)
 
 
-def _provenance(params: Params, runs: Path, known: list[str]) -> dict[str, Any]:
+def _provenance(params: Params, runs: Path) -> dict[str, Any]:
     """What the tables were made from and what they lack; no times and no paths, so the same runs give the same bytes."""
-    places = [place for name in known for place in sorted((runs / name).iterdir()) if (place / METRICS).is_dir()]
-    made = {str(place.relative_to(runs)): run_id({}, [place / METRICS]) for place in places}
     wanted = [f"{name}/{seed}" for name in params.data for seed in params.seeds]
     wanted += [f"{name}/t{t}" for name, about in params.data.items() if about.front for t in params.temperatures]
+    there = {name: runs / name for name in sorted(wanted) if (runs / name / METRICS).is_dir()}
     return {
         "seed": params.seed,
         "bootstrap_draws": params.draws,
-        "runs": made,
-        "code": read_codes({str(place.relative_to(runs)): place for place in places}),
-        "runs_missing": [name for name in wanted if name not in made],
+        "runs": {name: run_id({}, [place / METRICS]) for name, place in there.items()},
+        "code": read_codes(there),
+        "runs_missing": [name for name in wanted if name not in there],
         "versions": {name: version(name) for name in _PINNED},
     }
 

@@ -1,6 +1,7 @@
 """Plots as SVG with the same bytes for the same numbers; matplotlib without pyplot and without a display."""
 
 import io
+import itertools
 from collections.abc import Mapping, Sequence
 
 import matplotlib as mpl
@@ -86,7 +87,7 @@ def front(curve: Sequence[tuple[str, float, float]], points: Mapping[str, tuple[
                 axes.annotate(
                     place[0], place[1:], away, textcoords="offset points", fontsize=7.5, color=OURS, ha="center", va="center"
                 )
-        for (name, (x, y)), colour in zip(points.items(), SERIES[1:], strict=False):
+        for (name, (x, y)), colour in zip(points.items(), itertools.cycle(SERIES[1:]), strict=False):
             axes.scatter([x], [y], s=42, color=colour, zorder=2, edgecolor="white", linewidth=0.8, label=name)
         axes.set_xlabel("diversity ratio (1 = as diverse as the real set)")
         axes.set_ylabel("mean-sADE [m]")

@@ -42,6 +42,12 @@ MARKS = (
 )
 """Notes on what `mark` puts behind names."""
 
+SAFETY = {"collision_per_vehicle": "in collision", "off_road_per_vehicle": "off road", "illegal_per_vehicle": "any violation"}
+"""Shares of vehicles that the legal checker objects to."""
+
+AIMS = {"diversity": 1.0, "auc": 0.5}
+"""Measures that are best at a number, and not at either end."""
+
 _JOINT = ("joint.order", "shuffled.order", "shuffled.headway", "shuffled.post_encroachment")
 _OF_SETS = {"diversity_ratio": "diversity", "auc": "auc", **{name: name for name in _JOINT}}
 """Names in the details of an evaluation, and here: what only a whole set of scenes has. `distance.*` keep their names."""
@@ -108,6 +114,11 @@ class DataSet:
         return max((len(results.scenarios) for results in self.methods.values()), default=0)
 
     @property
+    def rolled_out(self) -> int:
+        """How many scenes every method generated, those that are not averaged among them."""
+        return self.scenes + max((len(results.scenarios) for results in self.left_out.values()), default=0)
+
+    @property
     def over(self) -> str:
         """What means and intervals are over, in words."""
         first = next(iter(self.methods.values()))
@@ -133,11 +144,12 @@ Pooled = Mapping[str, Mapping[str, Interval]]
 def set_numbers(details: Mapping[str, Any]) -> dict[str, Interval]:
     """What only a whole set has, from the details of one evaluation (names with `.low` and `.high`)."""
     names = {key: _OF_SETS.get(key, key) for key in details if key in _OF_SETS or is_distance(key)}
-    return {
-        name: Interval(float(details[key]), *(float(details.get(f"{key}{end}", np.nan)) for end in (".low", ".high")))
-        for key, name in names.items()
-        if details[key] is not None
-    }
+    return {name: interval_of(details, key) for key, name in names.items() if details[key] is not None}
+
+
+def interval_of(details: Mapping[str, Any], key: str) -> Interval:
+    """`details[key]` with its ends `key.low` and `key.high`; NaN is what is not there or null, as JSON has no NaN."""
+    return Interval(*(np.nan if (value := details.get(f"{key}{end}")) is None else float(value) for end in ("", ".low", ".high")))
 
 
 def pool(data: DataSet, draws: int, rng: np.random.Generator) -> dict[str, dict[str, Interval]]:
@@ -196,6 +208,13 @@ def mark(method: str, errors: Mapping[str, float | None], floor: Mapping[str, fl
 def _no_better(errors: Mapping[str, float | None], floor: Mapping[str, float | None], metric: str) -> bool:
     mine, theirs = errors.get(metric), floor.get(metric)
     return mine is not None and theirs is not None and mine >= theirs
+
+
+def badness(metric: str, value: float) -> float:
+    """What is smaller the better a figure of this metric is."""
+    if metric in AIMS:
+        return abs(value - AIMS[metric])
+    return -value if metric.startswith("realism") or metric == "joint.order" else value
 
 
 def is_distance(key: str) -> bool:

@@ -18,12 +18,16 @@ Took = Mapping[str, Mapping[str, float]]
 """What stages of one run took: "<stage>/<item>" -> name -> value."""
 
 
-def costs(data: DataSet, runs: Sequence[Took]) -> Table:
-    """One row a method; `runs` are what the stages of each training seed took. Means, and the whole range."""
-    lines = tuple(_line(method, runs, data.scenes) for method in METHODS if method in data.methods)
+def costs(data: DataSet, runs: Sequence[Took], samples: int | None) -> Table:
+    """One row a method; `runs` are what the stages of each training seed took. Means, and the whole range.
+
+    `samples` of each scene were drawn; None if unknown.
+    """
+    lines = tuple(_line(method, runs, data.rolled_out) for method in METHODS if method in data.methods)
     heads = ("", "CPU-s per 1000 scenarios", "of it choosing goals", "peak memory [MB]")
     notes = (
-        f"Ten samples of each of {data.scenes} scenarios, {len(runs)} runs, mean and range; another machine or run has others.",
+        f"{'All' if samples is None else samples} samples of each of {data.rolled_out} scenarios, mean and range over the runs "
+        f"in which the stage ran, of {len(runs)}; a figure without a range is of one run. Other machines have others.",
         COSTS_NOTE,
     )
     return Table(f"costs-{data.name}", f"What generating costs: {data.title}", heads, lines, notes)

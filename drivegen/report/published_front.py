@@ -41,7 +41,8 @@ def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled, in_use: fl
         f"and its row is of {'all seeds' if len(data.seeds) > 1 else 'that seed'}.",
         "Bold: on the front, that is, no other row has a lower mean-sADE and a diversity as near to 1, or the reverse.",
         *_beaten(
-            [names.get("drivegen", ""), *(f"DriveGen, temperature {t:g}" for t in curve)], dict(zip(found, bold, strict=True))
+            [names.get("drivegen", ""), *(f"DriveGen, temperature {t:g}" for t in curve)],
+            {name: bool(best) for name, best, both in zip(found, bold, error + diversity, strict=True) if np.isfinite(both)},
         ),
     )
     picture = _picture(data, at, pooled, in_use)
@@ -50,7 +51,7 @@ def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled, in_use: fl
 
 
 def _beaten(ours: Sequence[str], bold: Mapping[str, bool]) -> list[str]:
-    """Which of DriveGen's rows another one beats, in a sentence."""
+    """Which of DriveGen's rows another one beats, in a sentence; `bold` holds those that were measured."""
     known = [name for name in ours if name in bold]
     beaten = [name.removeprefix("DriveGen, ") for name in known if not bold[name]]
     if not beaten:

@@ -14,8 +14,10 @@ from drivegen.report.published import (
     FIVE,
     MARKS,
     METHODS,
+    SAFETY,
     DataSet,
     Pooled,
+    badness,
     mark,
     resampling_of,
 )
@@ -38,8 +40,7 @@ from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, row
 
 HEADS = ("min-sADE [m] \u2193", "min-sFDE \u2193", "mean-sADE \u2193", "mean-sFDE \u2193", "diversity \u2192 1")
 
-
-FEW = "So few scenes show that it runs; they rank nothing, and intervals over so few are too narrow."
+_CAUTION = "So few scenes show that it runs; they rank nothing, and intervals over so few are too narrow."
 """Under every table of a data set that is given scene by scene."""
 
 
@@ -52,7 +53,7 @@ def tables(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) 
 
 def few(data: DataSet, found: Sequence[Table]) -> list[Table]:
     """The tables, with a word of caution under each where a data set has few scenes."""
-    return [replace(table, notes=(*table.notes, FEW)) if data.by_scene else table for table in found]
+    return [replace(table, notes=(*table.notes, _CAUTION)) if data.by_scene else table for table in found]
 
 
 def transfer(one: DataSet, pooled_one: Pooled, other: DataSet, pooled_other: Pooled) -> Table:
@@ -80,7 +81,7 @@ _ANCHORS = ("random_agent", "drivegen_without_goals")
 def _order(methods: Sequence[str], metric: str, one: Pooled, other: Pooled) -> tuple[str, str]:
     """Spearman's rho of those of the methods that both have, and how many these are."""
     known = [m for m in methods if metric in one[m] and metric in other[m]]
-    a, b = (np.array([_badness(pooled[m][metric].value, metric) for m in known]) for pooled in (one, other))
+    a, b = (np.array([badness(metric, pooled[m][metric].value) for m in known]) for pooled in (one, other))
     rho = rank_correlation(a, b)
     return f"{rho:.2f}" if np.isfinite(rho) else NOT_MEASURED, str(len(known))
 
@@ -159,14 +160,6 @@ def _paired(data: DataSet, draws: int, rng: np.random.Generator) -> Table:
     return Table(f"paired-{data.name}", title, ("DriveGen less", *HEADS[:4]), tuple(lines), ("Below zero DriveGen is better.",))
 
 
-_SAFETY = {
-    "collision_per_vehicle": "in collision",
-    "off_road_per_vehicle": "off road",
-    "illegal_per_vehicle": "any violation",
-    "illegal_per_scene": "scenes with any",
-}
-
-
 def _trust(data: DataSet, pooled: Pooled) -> list[Table]:
     """What the paper leaves out, in the report's words."""
     likelihoods = {name: horizon_words(name) for metrics in pooled.values() for name in metrics if is_likelihood(name)}
@@ -174,7 +167,7 @@ def _trust(data: DataSet, pooled: Pooled) -> list[Table]:
         (
             "safety",
             "Safety of what is generated",
-            _SAFETY,
+            {**SAFETY, "illegal_per_scene": "scenes with any"},
             "Shares of vehicles, and of scenes, that the legal checker objects to.",
         ),
         ("realism", "Realism in the manner of WOSAC", REALISM, f"{REALISM_NOTE} {_weights()}"),
@@ -235,7 +228,3 @@ def cell(found: Interval | None, digits: int = 2) -> Cell:
         return Cell(NOT_MEASURED)
     text = f"{found.value:.{digits}f}"
     return Cell(text, f"{found.low:.{digits}f} to {found.high:.{digits}f}") if np.isfinite(found.low) else Cell(text)
-
-
-def _badness(value: float, metric: str) -> float:
-    return abs(value - 1) if metric == "diversity" else value

@@ -32,7 +32,8 @@ class Row:
 class Table:
     """`name` is the file name in reports/tables, `columns` the headings, the first one of the row's names.
 
-    A table that is not `repeatable` holds times, which differ from run to run: it stands in the page and nowhere else.
+    A table that is not `repeatable` holds times, which differ from run to run: the report shows it in its page and writes no file
+    of it. Published tables are files all the same, those of costs and models with the times of the runs that are published.
     `picture` is an SVG that a published table shows, beside it under the same name; empty where there is none.
     """
 

@@ -38,3 +38,10 @@ def test_the_temperature_in_use_is_named_and_those_that_are_beaten_stand_below_t
     assert table.picture.startswith(b"<?xml")
     assert "![Error against diversity: some scenes](front-x.svg)" in table.markdown()
     assert "temperature in use" in front(data, at, pooled, None).markdown()
+
+
+def test_a_row_that_was_not_measured_is_not_said_to_be_beaten():
+    pooled = {"drivegen": {"mean_sade": Interval(1.9, 1, 2)}}
+    data = DataSet("x", "some scenes", "", (7,), {"drivegen": results(1.9, 0.95)}, by_scene=False)
+    notes = front(data, {0.5: results(2.0, 0.9), 1.0: results(3.0, 0.8)}, pooled, 0.4).notes
+    assert notes[-1].endswith("DriveGen at temperature 1.")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegen.report.plots import apart
+from drivegen.report.plots import SERIES, apart, front
 
 LINE = 0.4
 
@@ -23,3 +23,9 @@ def test_no_two_near_labels_come_within_a_line_of_one_another():
     for i, (x, _) in enumerate(places):
         for j in range(i):
             assert abs(places[j][0] - x) >= 0.15 or abs(raised[i] - raised[j]) >= LINE - 1e-9
+
+
+def test_no_method_is_missing_from_the_front_however_many_there_are():
+    points = {f"method {n}": (1.0, float(n)) for n in range(len(SERIES) + 1)}
+    picture = front([("0.5", 0.9, 2.0)], points).decode()
+    assert all(f"<!-- {name} -->" in picture for name in points)

@@ -1,5 +1,7 @@
 """Published tables beside the errors: who is best in what, what was trained for how long, what generating costs, goals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -42,7 +44,7 @@ def pooled_of(data: DataSet):
 
 def test_losses_stand_beside_wins_and_the_log_does_not_compete():
     data = data_set()
-    table = best(data, pooled_of(data), 50, rng(7, "best"))
+    [table] = best(data, pooled_of(data), 50, rng(7, "best"))
     found = {row.cells[0].text: [cell.text for cell in row.cells[1:]] for row in table.rows}
     assert found["min-sADE [m]"] == ["1.000", "BITS", "2.000", "-1.000", "better"]
     assert found["NLL at 1 s"] == ["2.000", "BITS", "1.000", "+1.000", "worse"]
@@ -50,6 +52,47 @@ def test_losses_stand_beside_wins_and_the_log_does_not_compete():
     assert found["energy score at the end [m]"][1:] == ["TrafficGen", "0.500", "+0.500", "worse"]
     assert found["distance: speed [m/s]"][-2:] == ["not paired", "behind"]
     assert table.notes[0].startswith("Of 8 measures: behind 1, better 4, level 1, worse 2.")
+    assert "(errors: 4, likelihoods: 1)" in table.notes[-1]
+
+
+def with_scenes(results: Results, metric: str, *values: float) -> Results:
+    return replace(results, values={**results.values, metric: np.array([values])})
+
+
+def test_who_is_better_is_said_by_the_pairs_and_not_by_means_over_other_scenes():
+    """DriveGen is worse wherever both have the measure; the other one's mean has bad scenes that DriveGen lacks."""
+    data, nan = data_set(), np.nan
+    methods = {
+        "drivegen": with_scenes(data.methods["drivegen"], "nll_1s", 2, 2, 2, 2, nan, nan, nan, nan),
+        "bits": with_scenes(data.methods["bits"], "nll_1s", 1, 1, 1, 1, 9, 9, 9, 9),
+    }
+    methods["drivegen"] = with_scenes(methods["drivegen"], "realism", *[0.5] * 4, *[nan] * 4)
+    methods["bits"] = with_scenes(methods["bits"], "realism", *[0.6] * 4, *[0.1] * 4)
+    data = replace(data, methods=methods)
+    [table] = best(data, pooled_of(data), 50, rng(7, "best"))
+    found = {row.cells[0].text: [cell.text for cell in row.cells[1:]] for row in table.rows}
+    assert found["NLL at 1 s"] == ["2.000", "BITS", "5.000", "+1.000", "worse"]
+    assert found["realism: score"] == ["0.500", "BITS", "0.350", "-0.100", "worse"]
+
+
+def test_what_drivegen_has_no_number_of_is_no_row_and_no_row_is_no_table():
+    data = data_set()
+    methods = {**data.methods, "drivegen": with_scenes(data.methods["drivegen"], "nll_1s", *[np.nan] * 8)}
+    data = replace(data, methods=methods)
+    [table] = best(data, pooled_of(data), 50, rng(7, "best"))
+    assert "NLL at 1 s" not in {row.cells[0].text for row in table.rows}
+    assert "nan" not in table.markdown()
+    alone = replace(data, methods={"drivegen": methods["drivegen"]})
+    assert best(alone, pooled_of(alone), 50, rng(7, "best")) == []
+
+
+def test_without_an_interval_nobody_is_better_or_worse():
+    data = data_set()
+    one = tuple(f"rec-00{n}" for n in range(8))
+    data = replace(data, methods={name: replace(found, scenarios=one) for name, found in data.methods.items()})
+    [table] = best(data, pooled_of(data), 50, rng(7, "best"))
+    assert {row.cells[-1].text for row in table.rows} == {"ahead", "behind", "level"}
+    assert "or there is no interval" in table.notes[0]
 
 
 def test_only_who_plans_with_a_checker_has_a_share_of_rejected():
@@ -66,6 +109,17 @@ def test_what_only_a_whole_set_has_comes_with_the_shuffles():
     assert found["joint.order"] == Interval(0.9, 0.8, 1.0)
     assert found["shuffled.headway"].value == 0.4
     assert "auc" not in found
+
+
+def test_an_interval_that_is_null_is_none():
+    """JSON has no NaN: what is of one recording has ends that are null."""
+    found = set_numbers({"distance.speed": 0.5, "distance.speed.low": None, "distance.speed.high": None})
+    assert found["distance.speed"].value == 0.5
+    assert np.isnan([found["distance.speed"].low, found["distance.speed"].high]).all()
+    run = {"moving": {"vehicles": 9.0, "nll": 2.0, "nll.low": None, "nll.high": None, "hit_1": None}}
+    table = goals("x", "some scenes", {"learned": [run]})
+    [line] = [row for row in table.rows if row.cells[0].text == "learned"]
+    assert (line.cells[table.columns.index("NLL [nat]")].text, line.cells[table.columns.index("NLL [nat]")].note) == ("2.00", "")
 
 
 def test_few_scenes_are_said_to_be_few_under_every_table():
@@ -111,10 +165,21 @@ def test_a_thousand_scenarios_cost_what_both_of_drivegens_stages_took():
         "rollout_rival/bits": {"cpu_seconds": 1.6, "peak_megabytes": 500.0},
     }
     dearer = {**run, "rollout_rival/bits": {"cpu_seconds": 3.2, "peak_megabytes": 500.0}}
-    rows = {row.cells[0].text: [cell.text for cell in row.cells[1:]] for row in costs(data_set(), [run, dearer]).rows}
+    rows = {row.cells[0].text: [cell.text for cell in row.cells[1:]] for row in costs(data_set(), [run, dearer], 10).rows}
     assert rows["DriveGen"] == ["150 (150 to 150)", "50 (50 to 50)", "1\u202f000 (1\u202f000 to 1\u202f000)"]
     assert rows["BITS"] == ["300 (200 to 400)", "\u2013", "500 (500 to 500)"]
     assert rows["TrafficGen"][0] == "not measured here: restored from cache"
+
+
+def test_scenes_that_are_not_averaged_cost_all_the_same_and_what_ran_once_has_no_range():
+    run = {"rollout_rival/bits": {"cpu_seconds": 1.6, "peak_megabytes": 500.0}}
+    others = {"bits": replace(results(0.4, min_sade=1.0), scenarios=("a-000", "b-000"))}
+    table = costs(data_set(left_out=others), [run, {}], 6)
+    [line] = [row for row in table.rows if row.cells[0].text == "BITS"]
+    assert line.cells[1].text == "160"  # of 8 and 2
+    assert table.notes[0].startswith(
+        "6 samples of each of 10 scenarios, mean and range over the runs in which the stage ran, of 2:"
+    )
 
 
 def test_goals_of_all_seeds_are_one_row_and_selectors_that_did_not_run_are_named():
@@ -127,6 +192,13 @@ def test_goals_of_all_seeds_are_one_row_and_selectors_that_did_not_run_are_named
     column = table.columns.index("NLL [nat]")
     assert (rows["learned"][column].text, rows["learned"][column].note) == ("3.00", "1.00 to 5.00")
     assert rows["vlm"][1].text == "not measured"
+    assert "worse than choosing at random" not in table.notes[-1]
+
+
+def test_where_no_vehicle_moves_goals_are_not_measured():
+    still = [{"moving": {"vehicles": 0.0, "left_out": 0.0}}]
+    table = goals("x", "some scenes", {"learned": still, "random": still})
+    assert {cell.text for cell in table.rows[0].cells[3:]} == {"not measured"}
     assert "worse than choosing at random" not in table.notes[-1]
 
 

@@ -94,6 +94,17 @@ def test_tables_mark_the_under_trained_and_what_nobody_measured(runs, tmp_path):
     assert "INCOMPLETE: from 5 of 9 runs; not there: absent/7" in (tmp_path / "out/README.md").read_text()
 
 
+def test_runs_that_nobody_asks_for_any_more_are_not_counted(runs, tmp_path):
+    for name in ("here/9", "there/t0.5"):
+        run(runs / name, {"drivegen": [1.0, 1, 1]})
+    asked = params(data={"here": about("Here"), "there": about("There", front=False)})
+    publish.main(asked, runs, tmp_path / "out")
+    assert "From all 5 runs that `publish`" in (tmp_path / "out/README.md").read_text()
+    made = orjson.loads((tmp_path / "out/provenance.json").read_bytes())
+    assert set(made["runs"]) == {"here/7", "here/8", "here/t0.5", "there/7", "there/8"}
+    assert not (tmp_path / "out/front-there.md").exists()
+
+
 def test_trained_on_less_and_on_more_is_compared_over_the_seeds_that_both_have(runs, tmp_path):
     shutil.rmtree(runs / "there/8")
     publish.main(params(), runs, tmp_path / "out")
