@@ -25,6 +25,12 @@ def test_first_frames_stand_in_a_table_of_their_own():
     assert table.rows[3].cells[-1].text == "25.0 %"
     assert not any(cell.best for line in table.rows for cell in line.cells)
     assert not found.missing
+    assert "over 2 recordings, which are few" in table.notes[0]
+
+
+def test_one_recording_is_said_to_give_no_intervals():
+    (table,) = section(Evidence(results={"initial_states": {"scenes": 3, "recordings": 1, "methods": {}}})).tables
+    assert "One recording gives no intervals." in table.notes[0]
 
 
 def test_nothing_measured_is_said():

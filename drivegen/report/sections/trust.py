@@ -70,10 +70,10 @@ REALISM_NOTE = (
 )
 SCORES_NOTE = (
     "Energy scores: of each vehicle's way and end, and of all vehicles at once; a method does best by sampling what it "
-    "believes. They suppose samples drawn independently; DriveGen's tempo is spread evenly over its ten samples and "
-    "SceneTransformer draws its futures without repetition, which makes spread look larger and so favours both; all others draw "
-    "independently. NLL: of the log, in nats per vehicle, under a Gaussian kernel on the samples whose bandwidth is, for each "
-    "scenario, the one that is likeliest for all of other recordings; the log's own is bounded by the finest bandwidth."
+    "believes. They suppose samples drawn independently; the tempo of DriveGen and of its variants is spread evenly over their "
+    "samples and SceneTransformer draws its futures without repetition, which makes spread look larger and so favours these; all "
+    "others draw independently. NLL: of the log, in nats per vehicle, under a Gaussian kernel on the samples whose bandwidth is, "
+    "for each scenario, the one that is likeliest for all of other recordings; the log's own is bounded by the finest bandwidth."
 )
 DISTANCES_NOTE = (
     "Wasserstein-1 distances of generated from logged motion over all scenes, of manoeuvres the Jensen-Shannon "

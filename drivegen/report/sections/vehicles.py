@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from drivegen.report import plots
+from drivegen.report.averaged import over_recordings
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.table import Cell, Row, Table, measured, number, row
@@ -114,9 +115,9 @@ def _first_frames(started: Mapping[str, Any]) -> Table:
     rows = [_first_frame(text, methods[name]) for name, text in _PLACED.items() if name in methods]
     notes = (
         f"As many vehicles as the log has, on the maps of {started['scenes']} test scenes. Speed to the lane's middle: "
-        "Wasserstein-1 distances to the logs', of all vehicles but the target, with 95 % bootstrap intervals over "
-        f"{started['recordings']} recordings; "
-        "heading is against the lane's. The last two are shares of vehicles. All methods draw anew where vehicles would overlap.",
+        "Wasserstein-1 distances to the logs', of all vehicles but the target; heading is against the lane's. "
+        f"{over_recordings(started['recordings'])} The last two are shares of vehicles. All methods draw anew where vehicles "
+        "would overlap.",
         "All are given the log's target, but in the two rows that say otherwise; in mode paper DriveGen takes nothing but sizes "
         "from logs. The bound's code says roughly where every logged vehicle stands and how fast it is.",
     )
