@@ -178,7 +178,7 @@ def test_scenes_that_are_not_averaged_cost_all_the_same_and_what_ran_once_has_no
     [line] = [row for row in table.rows if row.cells[0].text == "BITS"]
     assert line.cells[1].text == "160"  # of 8 and 2
     assert table.notes[0].startswith(
-        "6 samples of each of 10 scenarios, mean and range over the runs in which the stage ran, of 2:"
+        "6 samples of each of 10 scenarios, mean and range over the runs in which the stage ran, of 2;"
     )
 
 
