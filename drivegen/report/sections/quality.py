@@ -84,8 +84,11 @@ def rows_of(methods: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 def name_of(method: str, methods: Mapping[str, Mapping[str, Any]]) -> str:
     """The method in words, marked where constant velocity is no worse."""
-    name = NAMES.get(method, method.replace("_", " "))
-    return name + mark(method, methods.get(method, {}), methods.get("constant_velocity", {}))
+    return _plain_name(method) + mark(method, methods.get(method, {}), methods.get("constant_velocity", {}))
+
+
+def _plain_name(method: str) -> str:
+    return NAMES.get(method, method.replace("_", " "))
 
 
 def _realism(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table:
@@ -145,7 +148,7 @@ def _diversity(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Tab
 
 def _map_of_methods(methods: Mapping[str, dict[str, Any]]) -> Figure:
     ours = {
-        name_of(method, methods): (float(values["diversity_ratio"]), float(values["min_sade"]))
+        _plain_name(method): (float(values["diversity_ratio"]), float(values["min_sade"]))
         for method, values in methods.items()
         if values.get("diversity_ratio") is not None and values.get("min_sade") is not None and method not in _OFF_THE_PLOT
     }
