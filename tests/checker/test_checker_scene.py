@@ -251,10 +251,20 @@ def test_giving_way_is_a_matter_of_time_between_leaving_and_arriving(start, ille
     assert not flags[0] & Violation.COLLISION
 
 
+@pytest.mark.parametrize(("start", "illegal"), [(60.0, False), (47.2, True)])
+def test_who_went_first_is_past_and_who_comes_at_the_same_step_has_priority(start, illegal):
+    """The boxes reach the conflict point, 91.75 m and 88.25 m along, at step 39, and at step 26 or 39."""
+    roads = stop_crossing()
+    roads.control[8:11] = LaneControl.YIELD
+    flags, _ = judge(roads, drive(STRAIGHT, 66, 6, STEPS), drive(joined(roads, 1, 11, 5), start, 10, STEPS))
+    assert bool(flags[0] & Violation.STOP_OR_YIELD) == illegal
+
+
 def test_who_follows_through_the_same_gate_has_no_priority():
     roads = stop_crossing()
     roads.control[8:11] = LaneControl.YIELD
-    assert judge(roads, drive(STRAIGHT, 66, 6, STEPS), drive(STRAIGHT, 58, 6, STEPS))[0] == [0, 0]
+    # it reaches the point where other ways join about 0.3 s after the first has left it; who has priority is owed 0.5 s
+    assert judge(roads, drive(STRAIGHT, 66, 6, STEPS), drive(STRAIGHT, 59, 6, STEPS))[0] == [0, 0]
 
 
 def test_candidates_are_judged_against_what_is_committed_only():
