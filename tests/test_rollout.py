@@ -10,12 +10,14 @@ from drivegen.checker.scene import check_samples
 from drivegen.equipment import Equipment
 from drivegen.errors import UnusableInput
 from drivegen.generate import choose, recorded_choices, roll_out, tempered
-from drivegen.goals.candidates import Manoeuvre
+from drivegen.goals.candidates import Manoeuvre, candidates
 from drivegen.goals.joint import draw_together
 from drivegen.goals.packing import pack
+from drivegen.lanes.graph import LaneGraph
 from drivegen.rollout import Choices, Rollout, RolloutSettings, _steps_to_avoid_target
 from drivegen.samples import Samples, Violation
 from drivegen.scenario import TARGET
+from tests.checking import LIMITS
 from tests.models import candidate_settings, two_lanes
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
@@ -114,6 +116,23 @@ def test_motion_ends_at_the_goal(equipment, choices):
         for n, found in enumerate(choice.candidates):
             away = np.hypot(*(samples.motion.position[:, n, -1] - found.position[samples.goal[:, n]]).T)
             assert away.max() < 1.0
+
+
+def test_of_what_is_illegal_the_least_is_kept_whenever_it_came():
+    road = straight_road()
+    line = road.centreline[0].astype(np.float64)
+    late, early = drive(line, 10, 10, 101, 1.2), drive(line, 10, 20, 101)  # too fast from some step on, or from the first
+    aside = np.float32([[0, -3]]) * (np.arange(101) > 90)[:, None]
+    worse = replace(late, position=late.position + aside)  # too fast, and off the road
+    scene = scenario(road, stack([drive(line, 10, 10, 101)]))
+    found = candidates(LaneGraph.of(road), scene, 0, candidate_settings())
+    odds = [np.full(len(found), 1 / len(found), np.float32)]
+    rollout = Rollout(Choices(scene, [found], odds, odds), LIMITS, SETTINGS, 1, 7)
+    for tried, kept in (([worse], 0), ([early], 1), ([early, late], 2), ([worse, early], 2)):
+        goals = [next(i for i, motion in enumerate((worse, early, late)) if motion is one) for one in tried]
+        rollout.commit(np.array([(0, 0, goal, 0) for goal in goals]), stack(tried))
+        assert rollout.goal.tolist() == [[kept]]
+    np.testing.assert_array_equal(rollout.result("drivegen").motion.position[0, 0], late.position)
 
 
 def test_the_target_is_nobodys_partner_in_corner_cases(equipment, choices):
