@@ -126,6 +126,17 @@ def test_assumed_boxes_of_parked_cars_shrink_together_until_they_are_apart() -> 
     assert scenario.notes == {"overlaps": "1", "shrunk": "2"}
 
 
+def test_a_box_that_shrank_does_not_grow_again_beside_one_that_needs_less() -> None:
+    sizes = select(recording([parked(100, 0), parked(104.2, 0), parked(108.56, 0)]), SETTINGS).vehicles.size
+    np.testing.assert_allclose(sizes[:, 0] / ASSUMED_SIZE[VehicleKind.CAR][0], (0.9, 0.9, 0.94), rtol=1e-5)
+
+
+@pytest.mark.parametrize(("smallest", "left"), [(0.8, 2), (0.82, 1)])
+def test_boxes_shrink_as_far_as_they_may_and_no_farther(smallest: float, left: int) -> None:
+    log = recording([parked(100, 0), parked(103.75, 0)])  # 0.80 of 4.63 m is short enough, 0.82 is not
+    assert len(names(log, replace(SETTINGS, smallest_shrink=smallest))) == left
+
+
 @pytest.mark.parametrize("case", ["too deep", "moving", "measured"])
 def test_other_overlaps_drop_the_farther_vehicle(case: str) -> None:
     size = np.full((3, 3), np.nan, np.float32)
