@@ -44,6 +44,13 @@ def test_targets_are_spread_until_every_long_track_is_shown_but_a_few() -> None:
     assert len(targets) <= 5
 
 
+@pytest.mark.parametrize(("few", "targets"), [(3, 1), (4, 2)])
+def test_four_cars_that_no_scenario_shows_are_worth_another_and_three_are_not(few: int, targets: int) -> None:
+    motion = row_of_cars(NEIGHBOURHOOD + few)
+    motion.position[NEIGHBOURHOOD:, :, 0] += 1000
+    assert len(spread_targets(cars(NEIGHBOURHOOD + few), motion)) == targets
+
+
 def test_targets_do_not_depend_on_the_order_of_tracks() -> None:
     motion = row_of_cars(40)
     rng = np.random.default_rng(3)
