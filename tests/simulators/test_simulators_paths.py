@@ -58,6 +58,15 @@ def test_a_target_off_all_lanes_goes_straight_on():
     assert np.isnan(paths.speed_limit).all()
 
 
+def test_boxes_are_seen_from_the_segment_beside_them_at_a_corner_and_at_both_ends():
+    line = np.array([(x, 0.0) for x in range(51)] + [(50.0, y) for y in range(1, 51)])
+    places = np.array([(49.7, -0.5), (50.5, 0.3), (-3.0, 1.0), (49.0, 53.0)])
+    log = stack([drive(line, 5, 5, 11), *(drive(np.array([place, place + np.array([1.0, 0.0])]), 0, 0, 11) for place in places)])
+    frame = replay([scenario(road_map([line]), log)], [log], packed([line], [np.full(101, np.nan)]), 1).frame
+    for t in (0, 1):  # after a search of the whole path and after one from the last point
+        np.testing.assert_allclose(frame[:2, t, 0, :4].T, [(49.7, -0.5), (50.3, -0.5), (-3.0, 1.0), (103.0, 1.0)], atol=1e-4)
+
+
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 10_000))
 def test_replayed_boxes_are_projected_like_by_exhaustive_search(seed):
