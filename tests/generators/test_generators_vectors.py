@@ -158,6 +158,16 @@ def test_smoothing_is_a_projection_that_keeps_smooth_curves() -> None:
     assert np.abs(table @ zigzag)[:-2].max() < 0.4
 
 
+def test_who_stands_and_who_hardly_moves_is_parked_only_if_both_are_true() -> None:
+    line = straight_road(600).centreline[0].astype(np.float64)
+    scene = scenario(straight_road(600), stack([drive(line, 100 * k, speed, 101) for k, speed in enumerate((0.0, 0.0, 2.0))]))
+    position = np.zeros((1, 3, STEPS, 2), np.float32)
+    position[0, :, :, 0] = np.outer((0.9, 1.1, 0.9), np.linspace(0, 1, STEPS))
+    motion = trajectories(scene, position, np.zeros_like(position))
+    gone = motion.position[0, :, -1, 0] - scene.vehicles.position[:, 0]
+    np.testing.assert_allclose(gone, (0, 1.1, 0.9), atol=1e-4)
+
+
 def test_parked_vehicles_stay_and_longer_scenarios_go_straight_on() -> None:
     line = straight_road(600).centreline[0].astype(np.float64)
     scene = scenario(straight_road(600), stack([drive(line, 10, 8, 131), drive(line, 100, 0, 131)]))
