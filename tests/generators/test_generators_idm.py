@@ -37,6 +37,12 @@ def test_at_a_crossing_there_is_a_way_for_each_turn() -> None:
     assert len(Ways.of(scene, 2, 0).point) == 2
 
 
+def test_who_stands_beside_the_lanes_is_parked_not_who_stands_on_one_or_drives() -> None:
+    aside = LINE + np.array([0.0, 2.5])
+    cars = [drive(LINE, 50, 0, 11), drive(aside, 100, 0, 11), drive(aside, 150, 8, 11), drive(LINE, 200, 8, 11)]
+    assert Ways.of(scenario(straight_road(600, 1), stack(cars)), 1, 0).parked.tolist() == [False, True, False, False]
+
+
 def test_on_a_free_road_everybody_approaches_his_own_wish(idm: Plugin) -> None:
     samples = generated(idm, scenario(straight_road(600, 1), stack([drive(LINE, 10, 8, 101)])))
     last = samples.motion.speed[:, 0, -1]
