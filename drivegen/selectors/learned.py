@@ -7,6 +7,9 @@ its probabilities mean what they say. A share `floor` of them follows the hand-m
 learnt from no ranker should be surer than that. Every log is learnt from twice, the second time without signals, rules of
 way and, half of the times, limits, as data sets without these layers have it (`_twins`). The ranker may also be taught by
 another selector's recorded odds; its description then says whose.
+
+The simulated corpus has nobody parked, so no ranker learns from it what that is: who stands beside all lanes is taken to
+stay, as the rival `idm` takes it.
 """
 
 import json
@@ -24,7 +27,7 @@ from torch import Tensor
 
 from drivegen import seeds
 from drivegen.errors import MissingTool, UnusableInput
-from drivegen.goals.candidates import Candidates
+from drivegen.goals.candidates import STANDING, Candidates, Manoeuvre
 from drivegen.lanes.graph import LaneGraph
 from drivegen.scenario import Scenario
 from drivegen.selectors._features import NAMES, features
@@ -42,6 +45,9 @@ WEIGHTS, ABOUT = "ranker.safetensors", "ranker.json"
 
 CHUNK = 64
 """Lists are ranked in chunks of this many, padded, so that a result does not depend on its neighbours."""
+
+BESIDE, PARKED = 2.0, 0.9
+"""Who stands farther than this from the middle of every lane [m] is parked, and stays with at least this probability."""
 
 TEMPERATURES = np.exp(np.linspace(-1.0, 1.5, 51))
 """Tried on the validation split."""
@@ -120,7 +126,9 @@ class Plugin(FirstFrameSelector):
         x, there = padded(features(scenario, candidates))
         lists = (np.ascontiguousarray(x[..., self._columns]), there, padded_odds([c.prior for c in candidates]))
         chunks = [self._chunk(*(a[i : i + CHUNK] for a in lists)) for i in range(0, len(x), CHUNK)]
-        return [p[: len(c)] for p, c in zip(np.concatenate(chunks), candidates, strict=True)]
+        odds = [p[: len(c)] for p, c in zip(np.concatenate(chunks), candidates, strict=True)]
+        standing = scenario.vehicles.speed < STANDING
+        return [_staying(p, c) if stands else p for p, c, stands in zip(odds, candidates, standing.tolist(), strict=True)]
 
     def _chunk(self, *lists: NDArray[np.generic]) -> NDArray[np.float32]:
         """Probabilities (b, MOST) of x, there and prior of at most CHUNK lists, computed at full size."""
@@ -171,6 +179,15 @@ class _Listwise:
     def validation(self, model: torch.nn.Module) -> float:
         x, there, label, _ = self.held_out
         return float(_cross_entropy(model(x, there), label)) if len(x) else float("nan")
+
+
+def _staying(odds: NDArray[np.float32], c: Candidates) -> NDArray[np.float32]:
+    """The odds (C,) of a vehicle that stands, raised for staying where it is parked."""
+    stay = c.manoeuvre == Manoeuvre.STAY
+    mass = float(odds[stay].sum())
+    if not stay.any() or mass >= PARKED or np.abs(c.offset).min(initial=np.inf) <= BESIDE:
+        return odds
+    return np.where(stay, PARKED / stay.sum(), odds * (1 - PARKED) / (1 - mass)).astype(np.float32)
 
 
 def _cross_entropy(log_probability: Tensor, label: Tensor) -> Tensor:

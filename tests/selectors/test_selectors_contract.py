@@ -5,13 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 
 from drivegen import plugins
 from drivegen.errors import MissingTool, UnusableInput
-from drivegen.goals.candidates import candidates
+from drivegen.goals.candidates import Manoeuvre, candidates
 from drivegen.lanes.graph import LaneGraph
 from drivegen.roadmap import LaneControl
 from drivegen.selectors._features import NAMES, features
+from drivegen.selectors._ranker import Ranker
 from drivegen.selectors._twins import twin
 from drivegen.selectors.learned import Lists, Plugin, Settings
 from drivegen.selectors.log import logged_ends
@@ -153,6 +155,22 @@ def test_the_floor_is_the_prior_and_kept_with_the_weights(trained, tmp_path):
         assert np.allclose(q, 0.9 * p + 0.1 * c.prior, atol=1e-6)
     with pytest.raises(UnusableInput, match="floor"):
         replace(LEARNING, floor=1.0)
+
+
+def test_who_stands_beside_the_lanes_is_parked_and_stays():
+    """Two standing cars, one on its lane and one three metres beside it, by a net that knows nothing."""
+    roads = scenes.straight_road(400, 1)
+    log = scenes.stack([scenes.drive(scenes.joined(roads, 0), start, 0.0, 101) for start in (40, 90)])
+    log.position[1, :, 1] -= 3.0
+    scene = scenes.scenario(roads, log)
+    net = Ranker(len(NAMES), 16)
+    torch.nn.init.zeros_(net.scored[-1].weight)
+    graph, found = offered(scene)
+    odds = Plugin(net).rank(graph, scene, found)
+    on_lane, beside = (p[c.manoeuvre == Manoeuvre.STAY].sum() for c, p in zip(found, odds, strict=True))
+    assert on_lane < 0.5
+    assert np.isclose(beside, 0.9)
+    assert all(np.isclose(p.sum(), 1.0, atol=1e-5) for p in odds)
 
 
 def test_a_log_is_learnt_from_with_its_signals_and_rules_and_without():
