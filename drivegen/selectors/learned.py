@@ -127,8 +127,8 @@ class Plugin(FirstFrameSelector):
         lists = (np.ascontiguousarray(x[..., self._columns]), there, padded_odds([c.prior for c in candidates]))
         chunks = [self._chunk(*(a[i : i + CHUNK] for a in lists)) for i in range(0, len(x), CHUNK)]
         odds = [p[: len(c)] for p, c in zip(np.concatenate(chunks), candidates, strict=True)]
-        standing = scenario.vehicles.speed < STANDING
-        return [_staying(p, c) if stands else p for p, c, stands in zip(odds, candidates, standing.tolist(), strict=True)]
+        standing = (scenario.vehicles.speed[: len(odds)] < STANDING).tolist()
+        return [_staying(p, c) if stands else p for p, c, stands in zip(odds, candidates, standing, strict=True)]
 
     def _chunk(self, *lists: NDArray[np.generic]) -> NDArray[np.float32]:
         """Probabilities (b, MOST) of x, there and prior of at most CHUNK lists, computed at full size."""
