@@ -1,0 +1,52 @@
+"""What stages rollout_rival and rollout_baseline do: K futures of every test scenario by a generator that follows no goals.
+
+They are two only because their deps differ: a rival that is trained again must not run the baselines again.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from drivegen import plugins
+from drivegen.errors import UnusableInput
+from drivegen.settings import Count
+from drivegen.store.samples import write_samples
+from drivegen.store.scenarios import read_shard, shards
+from drivegen.verdicts import judged, read_limits
+from stages._door import require, spread
+
+
+@dataclass(frozen=True)
+class Params:
+    """`samples`: futures of each scenario, as many as of every method."""
+
+    seed: int
+    workers: Count
+    samples: Count
+
+
+@dataclass(frozen=True)
+class Task:
+    """One shard by one generator."""
+
+    shard: Path
+    models: Path
+    out: Path
+    params: Params
+
+
+def main(params: Params, scenarios: Path, models: Path, generated: Path) -> dict[str, float]:
+    """Generate and judge shard after shard."""
+    tasks = [Task(shard, models, generated, params) for shard in shards(require(scenarios, "run the ingest stage"))]
+    made = [count for _, count in spread(_generate_shard, tasks, params.workers, f"rollout {generated.name}")]
+    return {"scenarios": float(sum(made))}
+
+
+def _generate_shard(task: Task) -> int:
+    name, scenarios = task.out.name, read_shard(task.shard)
+    plugin = plugins.load("generators", name)
+    if plugin.selector is not None:
+        raise UnusableInput(f"generator {name!r} follows goals: of the lists in params.yaml it belongs in run.own")
+    limits = read_limits(task.models)
+    made = plugin(task.models, None).generate(scenarios, task.params.samples, task.params.seed)
+    write_samples(task.out / task.shard.name, [judged(s, m, limits) for s, m in zip(scenarios, made, strict=True)])
+    return len(scenarios)
