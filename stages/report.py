@@ -5,7 +5,6 @@ selector), folder of maps, costs, the page to write, the folder of tables to wri
 "not measured".
 """
 
-import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -25,12 +24,11 @@ from drivegen.report.published import METHODS
 from drivegen.samples import NO_GOAL, Samples
 from drivegen.scenario import Scenario
 from drivegen.settings import Index
-from drivegen.store.costs import COST
 from drivegen.store.draw import Drawn, by_method, draw_scenes
 from drivegen.store.files import whole
 from drivegen.store.goals import read_goals
 from drivegen.store.results import run_id
-from drivegen.store.warehouse import read_parts
+from drivegen.store.runs import read_costs, read_curve
 from stages._door import enter
 
 _PINNED = ("drivegen", "numpy", "torch", "libsumo", "pyarrow", "duckdb", "opencv-python-headless")
@@ -88,7 +86,7 @@ def main(
         else (),
         maps=tuple(_map(folder) for folder in sorted(maps.glob("*/map.png"))[: params.maps]),
         curves=tuple(_curve(curves, file) for file in sorted(curves.rglob("*.csv"))),
-        costs=_costs(costs),
+        costs=read_costs(costs),
         recordings=tuple(Link(**link) for link in results.get("recordings", [])),
         provenance={
             "seed": str(params.seed),
@@ -154,18 +152,8 @@ def _map(file: Path) -> Picture:
     return Picture(file.parent.name.replace("_", " "), str(words.get("text", "")), shrunk(file.read_bytes(), MAP_WIDTH))
 
 
-def _costs(folder: Path) -> dict[str, dict[str, float]]:
-    found: dict[str, dict[str, float]] = {}
-    for cost in read_parts(sorted(folder.glob("*.parquet")), COST).to_pylist():
-        found.setdefault(f"{cost['stage']}/{cost['item']}", {})[cost["name"]] = cost["value"]
-    return found
-
-
 def _curve(folder: Path, file: Path) -> Curve:
-    with file.open(newline="") as lines:
-        rows = list(csv.DictReader(lines))
-    columns = {name: [float(row[name] or "nan") for row in rows] for name in (rows[0] if rows else {})}
-    return Curve(file.relative_to(folder).with_suffix("").as_posix(), columns)
+    return Curve(file.relative_to(folder).with_suffix("").as_posix(), read_curve(file))
 
 
 def _write(path: Path, text: str) -> None:
