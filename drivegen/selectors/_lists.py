@@ -13,8 +13,10 @@ from drivegen.lanes.graph import LaneGraph
 from drivegen.scenario import Scenario
 from drivegen.selectors._features import NAMES, features
 from drivegen.selectors._labels import ends
-from drivegen.selectors._ranker import MOST
 from drivegen.selectors._twins import twin
+
+MOST = 40
+"""Lists are padded to this many candidates, so that a result does not depend on its batch."""
 
 
 @dataclass(frozen=True)

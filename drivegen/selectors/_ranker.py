@@ -3,9 +3,6 @@
 import torch
 from torch import Tensor, nn
 
-MOST = 40
-"""Lists are padded to this many candidates, so that a result does not depend on its batch."""
-
 
 class Ranker(nn.Module):
     """Two layers per candidate, the list's mean and maximum beside them (Zaheer et al., "Deep Sets"), two more layers."""

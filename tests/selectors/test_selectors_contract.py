@@ -12,7 +12,9 @@ from drivegen.errors import MissingTool, UnusableInput
 from drivegen.goals.candidates import Manoeuvre, candidates
 from drivegen.lanes.graph import LaneGraph
 from drivegen.roadmap import LaneControl
+from drivegen.selectors import _list_files
 from drivegen.selectors._features import NAMES, features
+from drivegen.selectors._list_files import read_lists, write_lists
 from drivegen.selectors._ranker import Ranker
 from drivegen.selectors._twins import twin
 from drivegen.selectors.learned import Lists, Plugin, Settings
@@ -188,6 +190,28 @@ def test_a_log_is_learnt_from_with_its_signals_and_rules_and_without():
     assert 10 <= sum(kept) <= 30
     assert all(np.isnan(t.map.speed_limit).all() for t, known in zip(twins, kept, strict=True) if not known)
     assert twin(scene).log is scene.log
+
+
+def test_lists_come_back_from_their_file_as_they_were(tmp_path):
+    """With their padding, and whoever taught them; the same lists are the same bytes."""
+    made = lists(np.linspace(3, 14, 6))
+    taught = replace(made, taught=np.where(np.isfinite(made.distance), np.float32(0.25), np.float32(0)), doubt=made.doubt + 0.5)
+    for given, teacher in ((made, ""), (taught, "somebody"), (Lists.none(), "")):
+        write_lists(tmp_path / "lists.parquet", given, teacher)
+        found, who = read_lists(tmp_path / "lists.parquet")
+        assert who == teacher
+        for name in Lists.__dataclass_fields__:
+            np.testing.assert_array_equal(getattr(found, name), getattr(given, name), err_msg=name)
+            assert getattr(found, name).dtype == np.float32
+        write_lists(tmp_path / "again.parquet", found, who)
+        assert (tmp_path / "again.parquet").read_bytes() == (tmp_path / "lists.parquet").read_bytes()
+
+
+def test_lists_of_other_features_are_not_learnt_from(tmp_path, monkeypatch):
+    write_lists(tmp_path / "lists.parquet", lists([5.0]))
+    monkeypatch.setattr(_list_files, "NAMES", (*NAMES[:-1], "something new"))
+    with pytest.raises(UnusableInput, match="run the goal_lists stage again"):
+        read_lists(tmp_path / "lists.parquet")
 
 
 def test_a_candidate_that_others_goals_exclude_is_told_apart():

@@ -13,7 +13,7 @@ from drivegen.lanes.graph import LaneGraph
 from drivegen.selectors.learned import Plugin as Learned
 from drivegen.store.goals import read_goals
 from drivegen.store.scenarios import write_shard
-from stages import goals, train_selector
+from stages import goal_lists, goals, train_selector
 from tests import scenes
 from tests.goals.test_goals_candidates import SETTINGS
 from tests.selectors.test_selectors_contract import LEARNING
@@ -24,14 +24,21 @@ def several(name):
     return [replace(scenes.busy_crossing(), scenario_id=f"{name}-{letter}") for letter in "ab"]
 
 
+def listed(goals="", name=""):
+    return goal_lists.Params(1, SETTINGS, goal_lists.Teacher(goals, name))
+
+
 @pytest.fixture(scope="module")
 def trained(tmp_path_factory):
     root = tmp_path_factory.mktemp("run")
     for split in ("train", "val", "test"):
         write_shard(root / "scenarios" / split / "shard-00000.parquet", several(split))
     short = replace(LEARNING, training=replace(LEARNING.training, steps=20, report_every=10))
-    params = train_selector.Params(7, 1, SETTINGS, train_selector.Teacher("", ""), short)
-    train_selector.main(params, root / "scenarios", root / "selector", root / "train.json", root / "curve.csv")
+    goal_lists.main(listed(), root / "scenarios", root / "lists")
+    train_selector.main(
+        train_selector.Params(7, SETTINGS, short),
+        *(root / name for name in ("scenarios", "lists", "selector", "train.json", "curve.csv")),
+    )
     return root
 
 
@@ -63,9 +70,9 @@ def test_a_selector_can_be_taught_by_recorded_odds_and_says_by_whose(trained, tm
     out = tmp_path / "goals" / "prior"
     goals.main(goals.Params(7, 1, 0, SETTINGS, ASKING), scenarios / "train", taught, out, tmp_path / "p.json")
     long = replace(LEARNING, training=replace(LEARNING.training, steps=200, report_every=100))
-    teacher = train_selector.Teacher(str(out), "language model little")
-    params = train_selector.Params(7, 1, SETTINGS, teacher, long)
-    train_selector.main(params, scenarios, taught, tmp_path / "train.json", tmp_path / "curve.csv")
+    goal_lists.main(listed(str(out), "language model little"), scenarios, tmp_path / "lists")
+    params = train_selector.Params(7, SETTINGS, long)
+    train_selector.main(params, scenarios, tmp_path / "lists", taught, tmp_path / "train.json", tmp_path / "curve.csv")
     selector = Learned.load(taught)
     assert selector.described == "learned selector (distilled from language model little)"
     assert orjson.loads((tmp_path / "train.json").read_bytes())["described"] == selector.described
@@ -77,12 +84,12 @@ def test_a_selector_can_be_taught_by_recorded_odds_and_says_by_whose(trained, tm
     for c, p in zip(found, selector.rank(graph, scene, found), strict=True):
         assert np.abs(p - c.prior).sum() < np.abs(1 / len(c) - c.prior).sum()  # it is the prior that was learnt
     with pytest.raises(UnusableInput, match="belong together"):
-        train_selector.Teacher("somewhere", "")
+        goal_lists.Teacher("somewhere", "")
 
 
 def test_odds_of_other_scenarios_teach_nothing(trained, tmp_path):
     scenarios = trained / "scenarios"
     goals.main(goals.Params(7, 1, 0, SETTINGS, ASKING), scenarios / "val", tmp_path, tmp_path / "prior", tmp_path / "p.json")
-    params = train_selector.Params(7, 1, SETTINGS, train_selector.Teacher(str(tmp_path / "prior"), "prior"), LEARNING)
     with pytest.raises(UnusableInput, match="other scenarios"):
-        train_selector.main(params, scenarios, tmp_path / "model", tmp_path / "train.json", tmp_path / "curve.csv")
+        goal_lists.main(listed(str(tmp_path / "prior"), "prior"), scenarios, tmp_path / "lists")
+    assert not (tmp_path / "lists").exists()
