@@ -20,15 +20,13 @@ from drivegen.goals.traffic import Ahead, Neighbours, look_ahead
 from drivegen.lanes.frenet import from_frenet, to_frenet
 from drivegen.lanes.graph import LaneGraph
 from drivegen.lanes.line import SPACING, Route
+from drivegen.lanes.parked import STANDING
 from drivegen.lanes.routes import feasible_routes
 from drivegen.roadmap import NO_LANE
 from drivegen.scenario import DT, Scenario
 from drivegen.settings import Count, Positive
 
 NO_ROUTE = -1
-
-STANDING = 0.5
-"""Slower than this [m/s] a vehicle stands."""
 
 NO_MOVE = 0.5
 """Who ends within this distance [m] along its route has stayed."""

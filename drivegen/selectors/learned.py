@@ -8,7 +8,7 @@ learnt from no ranker should be surer than that. Every log is learnt from twice,
 way and, half of the times, limits, as data sets without these layers have it (`_twins`). The ranker may also be taught by
 another selector's recorded odds; its description then says whose.
 
-The simulated corpus has nobody parked, so no ranker learns from it what that is: who stands beside all lanes is taken to
+The simulated corpus has nobody parked, so no ranker learns from it what that is: who is parked (`lanes.parked`) is taken to
 stay, as the rival `idm` takes it.
 """
 
@@ -27,8 +27,9 @@ from torch import Tensor
 
 from drivegen import seeds
 from drivegen.errors import MissingTool, UnusableInput
-from drivegen.goals.candidates import STANDING, Candidates, Manoeuvre
+from drivegen.goals.candidates import Candidates, Manoeuvre
 from drivegen.lanes.graph import LaneGraph
+from drivegen.lanes.parked import parked
 from drivegen.scenario import Scenario
 from drivegen.selectors._features import NAMES, features
 from drivegen.selectors._lists import Lists, padded, padded_odds
@@ -46,8 +47,8 @@ WEIGHTS, ABOUT = "ranker.safetensors", "ranker.json"
 CHUNK = 64
 """Lists are ranked in chunks of this many, padded, so that a result does not depend on its neighbours."""
 
-BESIDE, PARKED = 2.0, 0.9
-"""Who stands farther than this from the middle of every lane [m] is parked, and stays with at least this probability."""
+PARKED_STAYS = 0.9
+"""Who is parked stays with at least this probability."""
 
 TEMPERATURES = np.exp(np.linspace(-1.0, 1.5, 51))
 """Tried on the validation split."""
@@ -116,19 +117,14 @@ class Plugin(FirstFrameSelector):
         net.temperature.fill_(_temperature(net.eval(), calibration, settings.floor))
         return cls(net, settings.floor, described=f"learned selector (distilled from {teacher})" if teacher else ""), curve
 
-    def rank(
-        self,
-        graph: LaneGraph,  # noqa: ARG002 protocol
-        scenario: Scenario,
-        candidates: Sequence[Candidates],
-    ) -> list[NDArray[np.float32]]:
-        """Calibrated probabilities."""
+    def rank(self, graph: LaneGraph, scenario: Scenario, candidates: Sequence[Candidates]) -> list[NDArray[np.float32]]:
+        """Calibrated probabilities, raised for staying where a vehicle is parked."""
         x, there = padded(features(scenario, candidates))
         lists = (np.ascontiguousarray(x[..., self._columns]), there, padded_odds([c.prior for c in candidates]))
         chunks = [self._chunk(*(a[i : i + CHUNK] for a in lists)) for i in range(0, len(x), CHUNK)]
         odds = [p[: len(c)] for p, c in zip(np.concatenate(chunks), candidates, strict=True)]
-        standing = (scenario.vehicles.speed[: len(odds)] < STANDING).tolist()
-        return [_staying(p, c) if stands else p for p, c, stands in zip(odds, candidates, standing, strict=True)]
+        stays = parked(graph, scenario.vehicles)[: len(odds)]
+        return [_staying(p, c) if stay else p for p, c, stay in zip(odds, candidates, stays, strict=True)]
 
     def _chunk(self, *lists: NDArray[np.generic]) -> NDArray[np.float32]:
         """Probabilities (b, MOST) of x, there and prior of at most CHUNK lists, computed at full size."""
@@ -182,12 +178,12 @@ class _Listwise:
 
 
 def _staying(odds: NDArray[np.float32], c: Candidates) -> NDArray[np.float32]:
-    """The odds (C,) of a vehicle that stands, raised for staying where it is parked."""
+    """The odds (C,) of a parked vehicle, raised for staying to PARKED_STAYS where they are lower."""
     stay = c.manoeuvre == Manoeuvre.STAY
     mass = float(odds[stay].sum())
-    if not stay.any() or mass >= PARKED or np.abs(c.offset).min(initial=np.inf) <= BESIDE:
+    if not stay.any() or mass >= PARKED_STAYS:
         return odds
-    return np.where(stay, PARKED / stay.sum(), odds * (1 - PARKED) / (1 - mass)).astype(np.float32)
+    return np.where(stay, PARKED_STAYS / stay.sum(), odds * (1 - PARKED_STAYS) / (1 - mass)).astype(np.float32)
 
 
 def _cross_entropy(log_probability: Tensor, label: Tensor) -> Tensor:

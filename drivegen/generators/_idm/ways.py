@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from drivegen.geometry import project, unit
 from drivegen.lanes.graph import LaneGraph
+from drivegen.lanes.parked import parked
 from drivegen.lanes.routes import SPACING, feasible_routes
 from drivegen.scenario import DT, Scenario
 
@@ -22,9 +23,6 @@ GAIN = 1.25
 BLEND_SECONDS, BLEND_LEAST = 3.0, 15.0
 """[s], [m] A vehicle's offset from the way's line fades out over this."""
 
-PARKED_SPEED, PARKED_OFFSET = 0.1, 1.8
-"""[m/s], [m] A vehicle that stands farther than this from every centreline is parked and stays."""
-
 
 @dataclass(frozen=True)
 class Ways:
@@ -34,7 +32,7 @@ class Ways:
         start: (N + 1,) first way of each vehicle, and W; each has one at least.
         point: (W, P, 2) float32 [m], the vehicle's own offset faded out. limit: (W, P) float32 [m/s], NaN unknown.
         lane: (W, P) int32 lane under each point, -1 where there is none.
-        parked: (N,) bool vehicles that never move.
+        parked: (N,) bool vehicles that never move, by `lanes.parked`.
     """
 
     start: NDArray[np.intp]
@@ -47,12 +45,10 @@ class Ways:
     def of(cls, scenario: Scenario, most: int, lane_changes: int) -> "Ways":
         """At most `most` ways of each vehicle with at most `lane_changes` lane changes."""
         graph, vehicles = LaneGraph.of(scenario.map), scenario.vehicles
-        away = graph.distance_to_lanes(vehicles.position)
         found = [_of_vehicle(graph, scenario, n, most, lane_changes) for n in range(len(vehicles))]
         start = np.cumsum([0, *(len(ways) for ways in found)])
         points, limits, lanes = zip(*(way for ways in found for way in ways), strict=True)
-        parked = (vehicles.speed < PARKED_SPEED) & (away > PARKED_OFFSET)
-        return cls(start, np.stack(points), np.stack(limits), np.stack(lanes), np.asarray(parked))
+        return cls(start, np.stack(points), np.stack(limits), np.stack(lanes), parked(graph, vehicles))
 
 
 _Way = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.int32]]
