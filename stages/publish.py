@@ -147,10 +147,11 @@ def _trained(runs: Path, known: Iterable[DataSet]) -> list[Trained]:
         for seed in data.seeds:
             place = runs / data.name / str(seed)
             trained_on = _json(place / METRICS / "ingest.json")["trained_on"]
+            lists = read_costs(place / COSTS).get("goal_lists/goal_lists", {}).get("cpu_seconds")
             for model in read_models(place):
                 key = (trained_on, model.name, seed)
                 if key not in found or (model.took and not found[key].model.took):
-                    found[key] = Trained(trained_on, seed, model)
+                    found[key] = Trained(trained_on, seed, model, lists)
     return list(found.values())
 
 
@@ -162,9 +163,7 @@ def _at_temperature(folder: Path) -> Results | None:
 def _chosen_by(method: str) -> str:
     """Who chose goals, as the method's plugin or its selector says."""
     plugin = plugins.load("generators", method)
-    if plugin.selector is None:
-        return str(plugin.backend)
-    return str(plugins.load("selectors", plugin.selector).described)
+    return str(plugin.backend if plugin.selector is None else plugins.load("selectors", plugin.selector).described)
 
 
 def _provenance(params: Params, runs: Path) -> dict[str, Any]:

@@ -21,11 +21,15 @@ _TUNING = (
 
 @dataclass(frozen=True)
 class Trained:
-    """A model of one training seed; `trained_on` is the data in words."""
+    """A model of one training seed; `trained_on` is the data in words.
+
+    `lists`: CPU-seconds of stage goal_lists in the same run, whose output all seeds share; None where it did not run there.
+    """
 
     trained_on: str
     seed: int
     model: Model
+    lists: float | None = None
 
 
 def models(trained: Sequence[Trained]) -> list[Table]:
@@ -107,9 +111,11 @@ def _budget(groups: Mapping[str, list[Trained]]) -> str:
     known = [seconds for seconds in rivals if seconds is not None]
     if not ours or not known or len(known) < len(rivals):
         return ""
+    lists = max((one.lists for group in groups.values() for one in group if one.lists is not None), default=None)
+    shared = "" if lists is None else f", after {lists:.0f} once for the goal lists, which all seeds share"
     return (
         f"Budget: whole stages took {min(known):.0f} to {max(known):.0f} CPU-seconds for a rival that learns traffic, and "
-        f"{_each([f'{seconds:.0f}' for seconds in ours])} for DriveGen's two models together. IDM's fit has two numbers."
+        f"{_each([f'{seconds:.0f}' for seconds in ours])} for DriveGen's two models together{shared}. IDM's fit has two numbers."
     )
 
 

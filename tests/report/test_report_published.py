@@ -150,6 +150,8 @@ def test_models_stand_with_size_time_and_whether_each_seed_is_flat():
         "whole stages took 100 to 120 CPU-seconds for a rival that learns traffic, and 120 for" in note for note in table.notes
     )
     assert table.picture.startswith(b"<?xml")
+    [table] = models([replace(one, lists=30.0) if one.seed == 7 else one for one in found])
+    assert any("models together, after 30 once for the goal lists, which all seeds share." in note for note in table.notes)
 
 
 def test_what_nobody_timed_says_so_and_gives_no_budget():
