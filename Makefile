@@ -31,7 +31,7 @@ fuzz: $(INSTALLED)       ## nightly: 10 000 mutated descriptions, specifications
 	@DRIVEGEN_FUZZ=450 $(BIN)/pytest tests/maps -k fuzz
 
 clean:           ## remove what the pipeline made; DVC's cache stays, so `make run` brings it back
-	@find data reports -mindepth 1 -maxdepth 1 -not -name raw -not -name versions -not -name published -exec rm -rf {} + 2>/dev/null || true
+	@find data reports -mindepth 1 -maxdepth 1 -not -name raw -not -name versions -not -name published -not -name README.md -exec rm -rf {} + 2>/dev/null || true
 	@rm -rf .drivegen .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
 lock: $(INSTALLED)       ## write the versions that are installed now into constraints.txt
