@@ -5,7 +5,9 @@ import pytest
 from drivegen.errors import UnusableInput
 from drivegen.maps.build import build_spec
 from drivegen.maps.compile import draw
-from drivegen.maps.spec import Alignment, Corridor, Junction, MapSpec
+from drivegen.maps.spec import MapSpec
+from drivegen.maps.spec_alignment import Alignment
+from drivegen.maps.spec_streets import Corridor, Junction
 from drivegen.maps.writers.offline import Plugin
 
 

@@ -14,7 +14,8 @@ from drivegen import seeds
 from drivegen.maps.build import build_spec
 from drivegen.maps.checks import failures
 from drivegen.maps.compile import compile_map, draw
-from drivegen.maps.spec import Corridor, MapSpec
+from drivegen.maps.spec import MapSpec
+from drivegen.maps.spec_streets import Corridor
 from drivegen.sumo.demand import Demand, draw_demand
 from drivegen.sumo.network import Network
 from drivegen.sumo.traffic import Run, simulate

@@ -5,7 +5,10 @@ import pytest
 
 from drivegen.maps.build import build_spec
 from drivegen.maps.diversity import FEATURES, described, junction_arms, summary, windows
-from drivegen.maps.spec import Alignment, Corridor, Crossing, MapSpec
+from drivegen.maps.spec import MapSpec
+from drivegen.maps.spec_alignment import Alignment
+from drivegen.maps.spec_crossings import Crossing
+from drivegen.maps.spec_streets import Corridor
 from drivegen.roadmap import RoadMap
 
 

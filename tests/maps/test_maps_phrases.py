@@ -8,7 +8,10 @@ from drivegen.errors import UnusableInput
 from drivegen.maps.examine import examine
 from drivegen.maps.overlaps import overlapping
 from drivegen.maps.refine import refine
-from drivegen.maps.spec import Corridor, Crossing, Fork, Highway, Interchange, MapSpec
+from drivegen.maps.spec import MapSpec
+from drivegen.maps.spec_crossings import Crossing
+from drivegen.maps.spec_highways import Fork, Highway, Interchange
+from drivegen.maps.spec_streets import Corridor
 from drivegen.maps.writers.offline import Plugin
 from drivegen.sumo.network import read_network
 

@@ -8,7 +8,9 @@ import pytest
 from drivegen.errors import UnusableInput
 from drivegen.maps.build import ACCOUNT, build_map
 from drivegen.maps.refine import refine, refine_map
-from drivegen.maps.spec import Crossing, Highway, Interchange, MapSpec, Roundabout
+from drivegen.maps.spec import MapSpec
+from drivegen.maps.spec_crossings import Crossing, Roundabout
+from drivegen.maps.spec_highways import Highway, Interchange
 from drivegen.maps.spec_quadrants import QuadrantInterchange
 from drivegen.maps.writers.offline import Plugin
 

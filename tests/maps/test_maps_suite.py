@@ -9,7 +9,8 @@ from typer.testing import CliRunner
 from drivegen import cli
 from drivegen.errors import UnusableInput
 from drivegen.maps.examine import WrittenNetwork
-from drivegen.maps.spec import Crossing, MapSpec, Roundabout
+from drivegen.maps.spec import MapSpec
+from drivegen.maps.spec_crossings import Crossing, Roundabout
 from drivegen.maps.suite.cases import HELD_OUT, OWN, Case, first_try, outside_cases, own_cases
 from drivegen.maps.suite.table import counted, published
 from drivegen.maps.suite.trials import tried

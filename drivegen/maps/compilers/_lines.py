@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.geometry import Floats, arc_length
-from drivegen.maps.spec import Alignment
+from drivegen.maps.spec_alignment import Alignment
 from drivegen.sumo.plain import Point
 
 Line = NDArray[np.float64]

@@ -9,7 +9,8 @@ from drivegen.geometry import arc_length, resample, rotate
 from drivegen.maps.compilers import _lines as lines
 from drivegen.maps.compilers.crossings import LANE_WIDTH, MAIN, MINOR, NODE_TYPES, add_arm, open_pockets
 from drivegen.maps.compilers.roundabouts import add_ring
-from drivegen.maps.spec import NO_TURN_LANES, RING_LANE, Arm, Corridor, Junction, TurnLanes
+from drivegen.maps.spec_crossings import RING_LANE, Arm
+from drivegen.maps.spec_streets import NO_TURN_LANES, Corridor, Junction, TurnLanes
 from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
 
 _STRAIGHT = 2  # points of a straight line

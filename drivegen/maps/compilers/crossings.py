@@ -3,7 +3,7 @@
 import numpy as np
 
 from drivegen.maps.compilers import _lines as lines
-from drivegen.maps.spec import Arm, Crossing
+from drivegen.maps.spec_crossings import Arm, Crossing
 from drivegen.maps.spec_values import Control
 from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
 

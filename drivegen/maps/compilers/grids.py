@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 from drivegen.maps.compilers.crossings import MAIN, NODE_TYPES
-from drivegen.maps.spec import Grid
+from drivegen.maps.spec_streets import Grid
 from drivegen.sumo.plain import Edge, Node, PlainNetwork
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drivegen.maps.compilers import _lines as lines
-from drivegen.maps.spec import Fork, Highway, HighwayEvent
+from drivegen.maps.spec_highways import Fork, Highway, HighwayEvent
 from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
 
 LANE_WIDTH = 3.5

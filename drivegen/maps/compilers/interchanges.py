@@ -5,7 +5,8 @@ from itertools import pairwise
 from drivegen.maps.compilers import _lines as lines
 from drivegen.maps.compilers.crossings import MAIN, MINOR, NODE_TYPES
 from drivegen.maps.compilers.highways import LANE_WIDTH, add_carriageway
-from drivegen.maps.spec import Alignment, Highway, HighwayEvent, Interchange
+from drivegen.maps.spec_alignment import Alignment
+from drivegen.maps.spec_highways import Highway, HighwayEvent, Interchange
 from drivegen.sumo.plain import Edge, Node, PlainNetwork
 
 HEIGHT = 6.0

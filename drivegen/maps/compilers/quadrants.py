@@ -18,7 +18,8 @@ from drivegen.maps.compilers._quadrant_plans import ACCELERATION, WEST, Plan, St
 from drivegen.maps.compilers.crossings import MAIN, MINOR, NODE_TYPES
 from drivegen.maps.compilers.highways import LANE_WIDTH, RampEnds, add_backwards, add_carriageway
 from drivegen.maps.compilers.interchanges import HEIGHT
-from drivegen.maps.spec import Alignment, Highway, HighwayEvent
+from drivegen.maps.spec_alignment import Alignment
+from drivegen.maps.spec_highways import Highway, HighwayEvent
 from drivegen.maps.spec_quadrants import QUADRANTS, QuadrantInterchange
 from drivegen.maps.spec_values import Control
 from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point

@@ -4,7 +4,7 @@ import numpy as np
 
 from drivegen.maps.compilers import _lines as lines
 from drivegen.maps.compilers.crossings import MAIN, add_arm
-from drivegen.maps.spec import RING_LANE, Roundabout
+from drivegen.maps.spec_crossings import RING_LANE, Roundabout
 from drivegen.sumo.plain import Edge, Node, PlainNetwork, Point
 from drivegen.sumo.plain import Roundabout as Ring
 

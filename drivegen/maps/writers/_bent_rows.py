@@ -1,7 +1,7 @@
 """Junctions along a road that bends: where they lie against its bends, and on which side their roads join."""
 
 from drivegen.errors import UnusableInput
-from drivegen.maps.spec import Alignment
+from drivegen.maps.spec_alignment import Alignment
 from drivegen.maps.writers._facts import Facts
 from drivegen.maps.writers._phrases import Phrase
 from drivegen.maps.writers._sentence import Sentence

@@ -6,21 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import combinations
 
-from drivegen.maps.spec import (
-    Alignment,
-    Arm,
-    Corridor,
-    Crossing,
-    Fork,
-    Grid,
-    Highway,
-    Interchange,
-    Junction,
-    MapSpec,
-    Roundabout,
-    TurnLanes,
-)
+from drivegen.maps.spec import MapSpec
+from drivegen.maps.spec_alignment import Alignment
+from drivegen.maps.spec_crossings import Arm, Crossing, Roundabout
+from drivegen.maps.spec_highways import Fork, Highway, Interchange
 from drivegen.maps.spec_quadrants import QuadrantInterchange
+from drivegen.maps.spec_streets import Corridor, Grid, Junction, TurnLanes
 
 _BESIDE = ("on_ramp", "off_ramp", "weaving")
 ISLAND = 8.0
