@@ -6,7 +6,7 @@ The paper does the same one vehicle at a time; the batch turns sixteen times ten
 thousands of scenarios.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,6 +22,7 @@ from drivegen.lanes.graph import LaneGraph
 from drivegen.lanes.routes import Route
 from drivegen.planners._requests import Goals, plan_requests
 from drivegen.planners.base import Planner, PlanRequests
+from drivegen.rejected import Rejections
 from drivegen.rollout import Choices, Probabilities, Rollout, RolloutSettings
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario, Trajectories
@@ -82,13 +83,18 @@ def roll_out(
     seed: int,
     method: str,
     targets: Sequence[Trajectories] | None = None,
+    rejections: Mapping[str, Rejections] | None = None,
 ) -> list[Samples]:
     """K = `samples` futures of every scenario; the result for one depends on it and the seed alone.
 
-    `targets`, if given, are the targets' motions (K, T), known beforehand: only the others are planned.
+    `targets`, if given, are the targets' motions (K, T), known beforehand: only the others are planned. `rejections`, by
+    scenario, are told what is turned down in theirs.
     """
     known = targets if targets is not None else [None] * len(choices)
-    rollouts = [Rollout(choice, limits, settings, samples, seed, at) for choice, at in zip(choices, known, strict=True)]
+    noted = [(rejections or {}).get(choice.scenario.scenario_id) for choice in choices]
+    rollouts = [
+        Rollout(choice, limits, settings, samples, seed, at, note) for choice, at, note in zip(choices, known, noted, strict=True)
+    ]
     for turn in range(settings.rounds):
         wanted = [rollout.wanted(turn) for rollout in rollouts]
         if not any(len(w) for w in wanted):

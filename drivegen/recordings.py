@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.recording import GoalMarks, record_scenario
+from drivegen.rejected import Rejected
 from drivegen.render.bird_eye import draw_bird_eye
 from drivegen.samples import Samples
 from drivegen.scenario import TARGET, Scenario
@@ -15,12 +16,14 @@ IMAGE = 640
 """Side of the target's bird-eye image in a recording [pixels]."""
 
 
-def record_sample(path: Path, scenario: Scenario, samples: Samples, sample: int, goals: GoalColumns) -> None:
-    """Write the recording of sample number `sample`, whose goals were drawn from `goals`."""
+def record_sample(
+    path: Path, scenario: Scenario, samples: Samples, sample: int, goals: GoalColumns, rejected: Rejected | None = None
+) -> None:
+    """Write the recording of sample number `sample`, whose goals were drawn from `goals`, with what was `rejected` for it."""
     marks, lane = _marks(goals, samples, sample)
     seen = marks.vehicle == TARGET
     image, _ = draw_bird_eye(scenario, TARGET, marks.position[seen], lane[seen], IMAGE)
-    record_scenario(path, scenario, samples, sample, marks, image)
+    record_scenario(path, scenario, samples, sample, marks, image, rejected)
 
 
 def _marks(goals: GoalColumns, samples: Samples, sample: int) -> tuple[GoalMarks, NDArray[np.int32]]:

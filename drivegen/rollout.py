@@ -20,6 +20,7 @@ from drivegen.geometry import to_vehicle_frame, wrap_angle
 from drivegen.goals.candidates import Candidates
 from drivegen.goals.joint import PENALTY, draw_together, gumbel, in_tempo, tempos
 from drivegen.goals.outlook import Outlooks
+from drivegen.rejected import Rejections
 from drivegen.samples import NO_GOAL, Samples, Violation
 from drivegen.scenario import TARGET, Scenario, Trajectories
 from drivegen.settings import Index, Within
@@ -83,6 +84,7 @@ class Rollout:
     `motion` (K, N, T) holds committed vehicles only (valid False elsewhere), `spare` the least illegal trajectory of
     each pending one. Q candidates of all vehicles stand one below the other; `start` (N + 1,) are the rows of each vehicle.
     Where the motion of the `target` (K, T) is known, it stands from the beginning and is neither planned nor moved aside.
+    What is turned down is noted in `rejections`, if given.
     """
 
     def __init__(
@@ -93,9 +95,10 @@ class Rollout:
         samples: int,
         seed: int,
         target: Trajectories | None = None,
+        rejections: Rejections | None = None,
     ) -> None:
         scenario, count = choice.scenario, len(choice.scenario.vehicles)
-        self.choice, self.settings, self.turn = choice, settings, 0
+        self.choice, self.settings, self.turn, self.rejections = choice, settings, 0, rejections
         self.checker = SceneChecker(scenario, limits)
         self.motion = Trajectories.empty(samples, count, scenario.steps)
         self.spare = Trajectories.empty(samples, count, scenario.steps)
@@ -167,22 +170,33 @@ class Rollout:
     def _judge(self, k: int, n: int, candidate: NDArray[np.int64], motion: Trajectories, found: Severities) -> None:
         """Commit the first legal trajectory of vehicle n in sample k, or make way for one, or keep the least illegal."""
         violation = found.violation
-        legal = np.flatnonzero(violation == 0)
-        if len(legal):
-            self.attempts[k, n] += int(legal[0]) + 1
-            self._settle(k, n, int(candidate[legal[0]]), motion[int(legal[0])])
-            return
-        self.attempts[k, n] += len(violation)
-        np.add.at(self.failed[k], self.start[n] + candidate, 1)
-        blocked = np.flatnonzero(violation == Violation.COLLISION)
-        if len(blocked) and self._evict(k, n, motion[int(blocked[0])]):
-            self._settle(k, n, int(candidate[blocked[0]]), motion[int(blocked[0])])
+        taken, tried = self._taken(k, n, candidate, motion, violation)
+        self.attempts[k, n] += tried
+        if self.rejections is not None:
+            for i in range(tried):
+                if i != taken:
+                    self.rejections.add(k, n, int(violation[i]), motion.position[i])
+        if taken is not None:
+            self._settle(k, n, int(candidate[taken]), motion[taken])
             return
         badness = _badness(violation, found.first_step, motion.steps)
         chosen = int(badness.argmin())
         if badness[chosen] < self.badness[k, n]:
             self.badness[k, n], self.goal[k, n] = badness[chosen], candidate[chosen]
             _put(self.spare, (k, n), motion[chosen])
+
+    def _taken(
+        self, k: int, n: int, candidate: NDArray[np.int64], motion: Trajectories, violation: NDArray[np.uint16]
+    ) -> tuple[int | None, int]:
+        """Which trajectory to commit, None if no way was made for any, and how many were tried until it was found."""
+        legal = np.flatnonzero(violation == 0)
+        if len(legal):
+            return int(legal[0]), int(legal[0]) + 1
+        np.add.at(self.failed[k], self.start[n] + candidate, 1)
+        blocked = np.flatnonzero(violation == Violation.COLLISION)
+        if len(blocked) and self._evict(k, n, motion[int(blocked[0])]):
+            return int(blocked[0]), len(violation)
+        return None, len(violation)
 
     def _settle(self, k: int, n: int, candidate: int, motion: Trajectories) -> None:
         self.pending[k, n], self.goal[k, n] = False, candidate
@@ -198,6 +212,8 @@ class Rollout:
         self.evictions[k, others] += 1
         self.pending[k, others] = True
         for other in others.tolist():
+            if self.rejections is not None:
+                self.rejections.add(k, other, Violation.COLLISION, self.motion.position[k, other], made_way=True)
             _put(self.spare, (k, other), self.motion[k, other])
             self.badness[k, other] = 1.0  # it was legal: nothing illegal is as good
         self.motion.valid[k, others] = False

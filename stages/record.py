@@ -1,7 +1,8 @@
 """Stage record: Rerun recordings of a few scenes drawn by seed, generated against logged and all methods together (a leaf).
 
-argv: scenarios of one split, samples (a folder a method), the goals that DriveGen's were drawn from, the folder of recordings,
-the list of recordings (JSON, for the report: .rrd files differ in bytes at every write, their list does not).
+argv: scenarios of one split, samples (a folder a method), what was turned down on the way to them (a file a method), the goals
+that DriveGen's were drawn from, the folder of recordings, the list of recordings (JSON, for the report: .rrd files differ in
+bytes at every write, their list does not).
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from drivegen.settings import Index
 from drivegen.store.draw import Drawn, by_method, draw_scenes
 from drivegen.store.files import write_json
 from drivegen.store.goals import GoalColumns, read_goals
+from drivegen.store.rejected import rejected_by_method, rejected_of
 from stages._door import enter, require
 
 METHOD = "drivegen"
@@ -29,15 +31,19 @@ class Params:
     compared: Index
 
 
-def main(params: Params, scenarios: Path, generated: Path, goals: Path, out: Path, listing: Path) -> dict[str, float]:
+def main(
+    params: Params, scenarios: Path, generated: Path, rejected: Path, goals: Path, out: Path, listing: Path
+) -> dict[str, float]:
     """Record sample 0 of each drawn scene."""
     drawn_from = require(generated / METHOD, "run the rollout stage")
     scenes = draw_scenes(params.seed, scenarios, drawn_from, max(params.scenes, params.compared))
+    turned_down = rejected_by_method(rejected)
     links = []
     for drawn in scenes[: params.scenes]:
         scenario, samples = drawn.scenario, drawn.samples
         file = out / f"{scenario.scenario_id}.rrd"
-        record_sample(file, scenario, samples, 0, _goals_of(drawn, goals))
+        mine = rejected_of(scenario.scenario_id, turned_down).get(METHOD)
+        record_sample(file, scenario, samples, 0, _goals_of(drawn, goals), mine)
         text = f"{scenario.scenario_id}, {scenario.city}: {samples.method} against the log"
         links.append({"text": text, "href": f"{out.name}/{file.name}"})
     compared = scenes[: params.compared]
@@ -45,7 +51,8 @@ def main(params: Params, scenarios: Path, generated: Path, goals: Path, out: Pat
         scenario = drawn.scenario
         file = out / f"{scenario.scenario_id}-methods.rrd"
         ours_first = sorted(methods.keys() - {LOG}, key=lambda name: (not name.startswith(METHOD), name))
-        record_comparison(file, scenario, {name: methods[name] for name in ours_first})
+        shown = {name: methods[name] for name in ours_first}
+        record_comparison(file, scenario, shown, rejected_of(scenario.scenario_id, turned_down))
         text = f"{scenario.scenario_id}, {scenario.city}: {len(methods)} methods side by side"
         links.append({"text": text, "href": f"{out.name}/{file.name}"})
     write_json(listing, links)

@@ -1,8 +1,8 @@
 """Stage report: one HTML page and a folder of Markdown tables from whatever has been measured.
 
-argv: folder of results (JSON), folder of curves (CSV), test scenarios, samples (a folder a method), recorded goals (a folder a
-selector), folder of maps, costs, the page to write, the folder of tables to write. Where a folder is absent its section reads
-"not measured".
+argv: folder of results (JSON), folder of curves (CSV), test scenarios, samples (a folder a method), what was turned down on the
+way to them (a file a method), recorded goals (a folder a selector), folder of maps, costs, the page to write, the folder of
+tables to write. Where a folder is absent its section reads "not measured".
 """
 
 from collections.abc import Mapping
@@ -16,17 +16,18 @@ import orjson
 from numpy.typing import NDArray
 
 from drivegen.errors import UnusableInput
+from drivegen.rejected import Rejected
 from drivegen.render.contact_sheet import contact_sheet
 from drivegen.render.png import png, shrunk
 from drivegen.render.scene_picture import scene_picture, view_of
 from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_page
 from drivegen.report.published import METHODS
 from drivegen.samples import NO_GOAL, Samples
-from drivegen.scenario import Scenario
 from drivegen.settings import Index
 from drivegen.store.draw import Drawn, by_method, draw_scenes
 from drivegen.store.files import whole
 from drivegen.store.goals import read_goals
+from drivegen.store.rejected import rejected_by_method, rejected_of
 from drivegen.store.results import run_id
 from drivegen.store.runs import read_costs, read_curve
 from stages._door import enter
@@ -65,6 +66,7 @@ def main(
     curves: Path,
     scenarios: Path,
     generated: Path,
+    rejected: Path,
     goals: Path,
     maps: Path,
     costs: Path,
@@ -75,12 +77,15 @@ def main(
     results = _results(metrics)
     there = scenarios.exists() and (generated / METHOD).exists()
     drawn = draw_scenes(params.seed, scenarios, generated / METHOD, params.scenes) if there else []
+    found = rejected_by_method(rejected)
+    turned_down = [rejected_of(one.scenario.scenario_id, found) for one in drawn]
     evidence = Evidence(
         results=results,
         source=drawn[0].scenario.source if drawn else "",
-        scenes=tuple(_scene(one.scenario, one.samples) for one in drawn),
+        scenes=tuple(_scene(one, down.get(METHOD)) for one, down in zip(drawn, turned_down, strict=True)),
         comparisons=tuple(
-            _comparison(one, methods, goals) for one, methods in zip(drawn, by_method(drawn, generated), strict=True)
+            _comparison(one, methods, down, goals)
+            for one, methods, down in zip(drawn, by_method(drawn, generated), turned_down, strict=True)
         )
         if drawn
         else (),
@@ -113,13 +118,15 @@ def _results(folder: Path) -> dict[str, Any]:
     return found
 
 
-def _scene(scenario: Scenario, samples: Samples) -> Picture:
-    image = scene_picture(scenario, samples.motion, ~samples.legal, pixels=SCENE_WIDTH)
+def _scene(drawn: Drawn, rejected: Rejected | None) -> Picture:
+    scenario, samples = drawn.scenario, drawn.samples
+    image = scene_picture(scenario, samples.motion, ~samples.legal, pixels=SCENE_WIDTH, rejected=rejected)
     title = f"{scenario.scenario_id} ({scenario.city})"
-    return Picture(title, f"{len(scenario.vehicles)} vehicles, {len(samples.violation)} samples", png(image))
+    said = f"{len(scenario.vehicles)} vehicles, {len(samples.violation)} samples"
+    return Picture(title, said if rejected is None else f"{said}; {rejected.summary}", png(image))
 
 
-def _comparison(drawn: Drawn, methods: Mapping[str, Samples], goals: Path) -> Picture:
+def _comparison(drawn: Drawn, methods: Mapping[str, Samples], rejected: Mapping[str, Rejected], goals: Path) -> Picture:
     """One scene by every method, in the window that the log (or the first method) needs."""
     scenario = drawn.scenario
     moving = scenario.log if scenario.log is not None else drawn.samples.motion
@@ -129,9 +136,12 @@ def _comparison(drawn: Drawn, methods: Mapping[str, Samples], goals: Path) -> Pi
     for name in [m for m in order if m != NO_TRAFFIC]:
         samples = methods[name]
         places = _followed(samples, goals, drawn.shard)
-        panels.append((METHODS.get(name, name), scene_picture(scenario, samples.motion, ~samples.legal, places, view=view)))
+        image = scene_picture(scenario, samples.motion, ~samples.legal, places, view=view, rejected=rejected.get(name))
+        panels.append((METHODS.get(name, name), image))
     title = f"{scenario.scenario_id} ({scenario.city})"
-    return Picture(title, f"{len(scenario.vehicles)} vehicles", png(contact_sheet(panels, PANELS)))
+    counts = [f"{METHODS.get(name, name)}: {rejected[name].summary}" for name in order if name in rejected]
+    said = ". ".join([f"{len(scenario.vehicles)} vehicles", *counts])
+    return Picture(title, said, png(contact_sheet(panels, PANELS)))
 
 
 def _followed(samples: Samples, goals: Path, shard: str) -> NDArray[np.float32] | None:

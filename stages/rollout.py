@@ -1,7 +1,8 @@
 """Stage rollout@<method>: K futures of every test scenario by DriveGen or an ablation of it, which follow recorded goals.
 
 argv: scenarios (folder of shards), models (folder), recorded goals (folder of folders, one a selector), generated
-(folder; its name is the method's). Nobody is dropped: what stays illegal is kept and counted as illegal.
+(folder; its name is the method's), rejected (file: what the checker turned down on the way, in the scenes that the report
+shows). Nobody is dropped: what stays illegal is kept and counted as illegal.
 """
 
 from dataclasses import dataclass
@@ -10,8 +11,11 @@ from pathlib import Path
 from drivegen import plugins
 from drivegen.errors import UnusableInput
 from drivegen.generators.base import Settings
-from drivegen.settings import Count
+from drivegen.rejected import Rejected, Rejections
+from drivegen.settings import Count, Index
+from drivegen.store.draw import draw_places
 from drivegen.store.goals import read_goals
+from drivegen.store.rejected import write_rejected
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, require, spread
@@ -19,41 +23,53 @@ from stages._door import enter, require, spread
 
 @dataclass(frozen=True)
 class Params:
-    """`samples`: futures of each scenario. `generation`: see `generators.base.Settings`."""
+    """`samples`: futures of each scenario. `generation`: see `generators.base.Settings`.
+
+    `rejected`: scenes, the first that pictures draw (`store.draw`), of which is kept what was turned down.
+    """
 
     seed: int
     workers: Count
     samples: Count
+    rejected: Index
     generation: Settings
 
 
 @dataclass(frozen=True)
 class Task:
-    """One shard by one method."""
+    """One shard by one method; `shown` are the rows of which is kept what was turned down."""
 
     shard: Path
     models: Path
     goals: Path
     out: Path
     params: Params
+    shown: tuple[int, ...]
 
 
-def main(params: Params, scenarios: Path, models: Path, goals: Path, generated: Path) -> None:
+def main(params: Params, scenarios: Path, models: Path, goals: Path, generated: Path, rejected: Path) -> None:
     """Generate and judge shard after shard."""
-    tasks = [Task(shard, models, goals, generated, params) for shard in shards(require(scenarios, "run the ingest stage"))]
-    for _ in spread(_generate_shard, tasks, params.workers, f"rollout {generated.name}"):
-        pass
+    files = shards(require(scenarios, "run the ingest stage"))
+    drawn = draw_places(params.seed, scenarios, params.rejected)
+    tasks = [Task(file, models, goals, generated, params, tuple(row for at, row in drawn if at == file)) for file in files]
+    found: dict[tuple[Path, int], Rejected] = {}
+    for task, kept in spread(_generate_shard, tasks, params.workers, f"rollout {generated.name}"):
+        found |= {(task.shard, row): one for row, one in zip(task.shown, kept, strict=True)}
+    write_rejected(rejected, [found[place] for place in drawn])
 
 
-def _generate_shard(task: Task) -> None:
+def _generate_shard(task: Task) -> list[Rejected]:
+    """What was turned down in the rows `task.shown`."""
     scenarios = read_shard(task.shard)
     params = task.params
     generator = plugins.load("generators", task.out.name)(task.models, params.generation)
     if generator.selector is None:
         raise UnusableInput(f"generator {task.out.name!r} knows no goals: put it into run.baselines of params.yaml, not run.own")
     recorded = read_goals(require(task.goals / generator.selector / task.shard.name, "run the goals stage"))
-    samples = generator.follow(scenarios, recorded, params.samples, params.seed)
+    rejections = {scenarios[row].scenario_id: Rejections() for row in task.shown}
+    samples = generator.follow(scenarios, recorded, params.samples, params.seed, rejections)
     write_samples(task.out / task.shard.name, samples)
+    return [rejections[samples[row].scenario_id].replaced_in(samples[row]) for row in task.shown]
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.geometry import Polylines, arc_length, interpolate
+from drivegen.rejected import Rejected
 from drivegen.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap
 from drivegen.samples import Samples, Violation
 from drivegen.scenario import DT, Actors, Scenario, Signals, SignalState, Trajectories, VehicleKind, Vehicles
@@ -179,6 +180,14 @@ def noisy_samples(base: Scenario, count: int = 10, seed: int = 0, method: str = 
     samples.violation[0, :2] = Violation.COLLISION
     samples.first_violation[0, :2] = 40
     return samples
+
+
+def rejected_of(samples: Samples, violation: int = Violation.SPEED) -> Rejected:
+    """As if every vehicle of every sample had first been planned beside where it then went, 2 m to the left on the map."""
+    k, n = (index.ravel().astype(np.int32) for index in np.indices(samples.violation.shape))
+    position = samples.motion.position[k, n] + np.float32([0, 2])
+    flags = np.full(len(k), violation, np.uint16)
+    return Rejected(samples.scenario_id, samples.method, position, k, n, flags, np.zeros(len(k), np.bool_))
 
 
 def _rescaled(motion: Trajectories, pace: float) -> Trajectories:

@@ -6,12 +6,13 @@ is given, as the map is, and a scenario that is made has a program for them. `Pl
 below the folder of trained models.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
 from drivegen.goals.candidates import Settings as CandidateSettings
+from drivegen.rejected import Rejections
 from drivegen.rollout import RolloutSettings
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
@@ -57,5 +58,15 @@ class Generator(Protocol):
 class GoalFollower(Generator, Protocol):
     """A generator that can follow goals which a stage before it recorded."""
 
-    def follow(self, scenarios: Sequence[Scenario], goals: Sequence[GoalColumns], samples: int, seed: int) -> list[Samples]:
-        """K = `samples` judged futures of each scenario by the odds of `goals`, in order."""
+    def follow(
+        self,
+        scenarios: Sequence[Scenario],
+        goals: Sequence[GoalColumns],
+        samples: int,
+        seed: int,
+        rejections: Mapping[str, Rejections] | None = None,
+    ) -> list[Samples]:
+        """K = `samples` judged futures of each scenario by the odds of `goals`, in order.
+
+        `rejections`, by scenario, are told what the checker turned down on the way; they change nothing.
+        """

@@ -1,11 +1,12 @@
 """DriveGen itself: goals from the learned selector, motion from the planner, everything checked (paper, section III)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from drivegen.equipment import Equipment
 from drivegen.generate import choose, recorded_choices, roll_out
 from drivegen.generators.base import Settings
+from drivegen.rejected import Rejections
 from drivegen.rollout import Choices
 from drivegen.samples import Samples
 from drivegen.scenario import Scenario
@@ -29,10 +30,19 @@ class Plugin:
         settings = self._settings
         return self._rolled(choose(scenarios, self._equipment.selector, settings.candidates, settings.temperature), samples, seed)
 
-    def follow(self, scenarios: Sequence[Scenario], goals: Sequence[GoalColumns], samples: int, seed: int) -> list[Samples]:
-        """K = `samples` judged futures of each scenario by the odds recorded for it."""
-        return self._rolled(recorded_choices(scenarios, goals, self._settings.temperature), samples, seed)
+    def follow(
+        self,
+        scenarios: Sequence[Scenario],
+        goals: Sequence[GoalColumns],
+        samples: int,
+        seed: int,
+        rejections: Mapping[str, Rejections] | None = None,
+    ) -> list[Samples]:
+        """K = `samples` judged futures of each scenario by the odds recorded for it; see `GoalFollower.follow`."""
+        return self._rolled(recorded_choices(scenarios, goals, self._settings.temperature), samples, seed, rejections)
 
-    def _rolled(self, choices: Sequence[Choices], samples: int, seed: int) -> list[Samples]:
-        tools, settings = self._equipment, self._settings
-        return roll_out(choices, tools.planner, tools.limits, settings.rollout, samples, seed, self.name)
+    def _rolled(
+        self, choices: Sequence[Choices], samples: int, seed: int, rejections: Mapping[str, Rejections] | None = None
+    ) -> list[Samples]:
+        tools, rollout = self._equipment, self._settings.rollout
+        return roll_out(choices, tools.planner, tools.limits, rollout, samples, seed, self.name, rejections=rejections)

@@ -4,7 +4,9 @@ Entities (frames and time lines as in `record.py`):
 
     world/roads/*, world/signals   shared by all views
     world/methods/NAME/samples     the lines of all samples of a method, red where the checker objects
+    world/methods/NAME/rejected    dashed: what the checker turned down and the method planned again
     world/methods/NAME/traffic     the vehicles of one sample, moving; the log has a view of its own
+    legend                         what the lines are, and how many were turned down for which reason
 """
 
 from collections.abc import Mapping
@@ -16,10 +18,11 @@ import rerun.blueprint as rrb
 
 from drivegen.recording import colours
 from drivegen.recording.blueprint import from_above, playing
-from drivegen.recording.lines import flat, thinned
+from drivegen.recording.lines import flat, log_rejected, thinned
 from drivegen.recording.record import recording_of, view_of
 from drivegen.recording.roads import log_roads, log_signals, surroundings
 from drivegen.recording.traffic import log_boxes
+from drivegen.rejected import Rejected
 from drivegen.samples import Samples
 from drivegen.scenario import TARGET, Scenario, Trajectories
 
@@ -29,15 +32,20 @@ _NEAR_ENOUGH = 0.3
 """Samples' lines are drawn this exactly [m]: a view has hundreds, all faint."""
 
 
-def record_comparison(path: Path, scenario: Scenario, methods: Mapping[str, Samples], sample: int = 0) -> None:
-    """Write `scenario` with the samples of `methods` by name, number `sample` of each moving; its log first, if it has one."""
+def record_comparison(
+    path: Path, scenario: Scenario, methods: Mapping[str, Samples], rejected: Mapping[str, Rejected], sample: int = 0
+) -> None:
+    """Write `scenario` with the samples of `methods` by name, number `sample` of each moving; its log first, if it has one.
+
+    `rejected`, by name, is what was turned down and replaced; methods that plan nothing again have none.
+    """
     logs = {} if scenario.log is None else {LOG: scenario.log}
     moving = {**logs, **{name: samples.motion[sample] for name, samples in methods.items()}}
     centre, extent = view_of(next(iter(moving.values())))
     views = [
         from_above(centre, extent, name, ["/world/roads/**", "/world/signals", f"/world/methods/{name}/**"]) for name in moving
     ]
-    show = playing(rrb.Grid(*views))
+    show = playing(rrb.Grid(*views, rrb.TextDocumentView(origin="/legend", name="Legend")))
     roads, signals = surroundings(scenario, list(moving.values()))
     with recording_of(path, f"{scenario.scenario_id}: methods side by side", show) as recording:
         log_roads(recording, roads)
@@ -46,6 +54,9 @@ def record_comparison(path: Path, scenario: Scenario, methods: Mapping[str, Samp
             _log_traffic(recording, f"world/methods/{name}/traffic", scenario, motion)
         for name, samples in methods.items():
             _log_samples(recording, f"world/methods/{name}/samples", samples)
+        for name, found in rejected.items():
+            log_rejected(recording, f"world/methods/{name}/rejected", found)
+        recording.log("legend", rr.TextDocument(_legend(rejected), media_type="text/markdown"), static=True)
 
 
 def _log_traffic(recording: rr.RecordingStream, path: str, scenario: Scenario, motion: Trajectories) -> None:
@@ -66,3 +77,13 @@ def _log_samples(recording: rr.RecordingStream, path: str, samples: Samples) -> 
             lines.append(flat(thinned(line, _NEAR_ENOUGH), 0.02))
             shades.append((*(legal if samples.legal[k, i] else colours.ILLEGAL)[:3], _FAINT))
     recording.log(path, rr.LineStrips3D(lines, colors=shades, radii=0.1), static=True)
+
+
+def _legend(rejected: Mapping[str, Rejected]) -> str:
+    said = (
+        "**Lines** are all samples over one another: orange the target's, blue the others', red what the checker objects to and "
+        "stays. **Thin pale dashes**: planned, turned down by the checker and replaced, in all samples. Only DriveGen and its "
+        "ablations plan again; of the other methods everything stays."
+    )
+    counts = [f"* {name}: {found.summary}" for name, found in rejected.items()]
+    return "\n".join([said, "", *counts])

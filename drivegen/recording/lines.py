@@ -1,12 +1,18 @@
-"""Lines of a recording: on the ground, and with no more points than can be seen."""
+"""Lines of a recording: on the ground, whole or dashed, and with no more points than can be seen."""
 
 import numpy as np
+import rerun as rr
 from numpy.typing import NDArray
 
 from drivegen.geometry import Floats
+from drivegen.recording import colours
+from drivegen.rejected import Rejected
 
 SEEN = 0.1
 """A line is drawn this exactly [m]: about a pixel of a view that is 100 m wide."""
+
+DASH = 1.5
+"""[m]."""
 
 
 def flat(points: Floats, height: float = 0.0) -> NDArray[np.float32]:
@@ -39,3 +45,10 @@ def thinned(line: Floats, tolerance: float = SEEN) -> Floats:
             kept[a + 1 + far] = True
             chords += [(a, a + 1 + far), (a + 1 + far, b)]
     return line[kept]
+
+
+def log_rejected(recording: rr.RecordingStream, path: str, rejected: Rejected) -> None:
+    """What was turned down, at `path`: thin dashes above all other lines, paler than what is illegal and stayed."""
+    dashes = [flat(dash, 0.08) for dash in rejected.dashes(DASH)]
+    if dashes:
+        recording.log(path, rr.LineStrips3D(dashes, colors=[colours.REJECTED], radii=0.05), static=True)

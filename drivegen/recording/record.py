@@ -8,6 +8,7 @@ Entities (x, y, z in the map's frame, metres; time lines "time" [s] and "step"):
     world/logged           the log as wire frames, where generated traffic is shown
     world/context          pedestrians and cyclists
     world/paths            the lines that vehicles drive
+    world/rejected         dashed: what the checker turned down for this sample, and was planned again
     world/goals/*          candidates and chosen
     bird_eye               the goal selector's image
     plots/speed, plots/clearance, verdicts
@@ -29,8 +30,9 @@ from numpy.typing import NDArray
 from drivegen.errors import UnusableInput
 from drivegen.recording import colours, traffic
 from drivegen.recording.blueprint import layout
-from drivegen.recording.lines import flat
+from drivegen.recording.lines import flat, log_rejected
 from drivegen.recording.roads import log_roads, log_signals, surroundings
+from drivegen.rejected import Rejected
 from drivegen.samples import Samples
 from drivegen.scenario import TARGET, Scenario, Trajectories
 from drivegen.store.files import whole
@@ -65,16 +67,19 @@ def record_scenario(
     sample: int = 0,
     goals: GoalMarks | None = None,
     bird_eye: NDArray[np.uint8] | None = None,
+    rejected: Rejected | None = None,
 ) -> None:
     """Write the recording of `scenario`: its log, or sample number `sample` of `samples` with the log as ghosts.
 
-    `bird_eye` is an (H, W, 3) RGB image. Raises UnusableInput where there is neither a log nor a sample to show.
+    `bird_eye` is an (H, W, 3) RGB image; of `rejected`, what belongs to this sample is shown. Raises UnusableInput where there
+    is neither a log nor a sample to show.
     """
     motion = scenario.log if samples is None else samples.motion[sample]
     if motion is None:
         raise UnusableInput(f"scenario {scenario.scenario_id} has no log: give generated samples to record", reason="no-motion")
     centre, extent = view_of(motion)
     show = layout(centre, extent, image=bird_eye is not None, verdicts=samples is not None)
+    mine = None if rejected is None else rejected.only(rejected.sample == sample)
     roads, signals = surroundings(scenario, [motion] if scenario.log is None else [motion, scenario.log])
     with recording_of(path, f"{scenario.scenario_id} ({scenario.source})", show) as recording:
         log_roads(recording, roads)
@@ -83,11 +88,13 @@ def record_scenario(
         traffic.log_context(recording, scenario.context)
         motions = {"generated" if samples is not None else "logged": motion}
         if samples is not None:
-            traffic.log_verdicts(recording, scenario, samples, sample)
+            traffic.log_verdicts(recording, scenario, samples, sample, mine)
             if scenario.log is not None:
                 traffic.log_ghosts(recording, scenario, scenario.log)
                 motions["logged"] = scenario.log
         traffic.log_speeds(recording, scenario, motions)
+        if mine is not None:
+            log_rejected(recording, "world/rejected", mine)
         if goals is not None:
             _log_goals(recording, goals)
         if bird_eye is not None:

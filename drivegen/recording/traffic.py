@@ -8,6 +8,7 @@ from drivegen.geometry import boxes_gap
 from drivegen.recording import colours
 from drivegen.recording.lines import flat, thinned
 from drivegen.recording.roads import times
+from drivegen.rejected import Rejected
 from drivegen.samples import Samples, Violation
 from drivegen.scenario import TARGET, Actors, Scenario, Trajectories
 
@@ -104,13 +105,20 @@ def clearance(scenario: Scenario, motion: Trajectories) -> NDArray[np.float32]:
     return nearest
 
 
-def log_verdicts(recording: rr.RecordingStream, scenario: Scenario, samples: Samples, sample: int) -> None:
-    """One line a vehicle: legal, or what was violated and when; illegal ones at the step of their violation."""
+def log_verdicts(
+    recording: rr.RecordingStream, scenario: Scenario, samples: Samples, sample: int, rejected: Rejected | None = None
+) -> None:
+    """One line a vehicle: legal, or what was violated and when; illegal ones at the step of their violation.
+
+    `rejected` are those of this sample; a line then says how many of its vehicle's trajectories were turned down, and why.
+    """
     lines = []
     for i, track in enumerate(scenario.vehicles.track_id):
         flags, first = Violation(int(samples.violation[sample, i])), int(samples.first_violation[sample, i])
         who = "target" if i == TARGET else f"vehicle {track}"
         tries = f", {int(samples.attempts[sample, i])} planned" if samples.attempts[sample, i] > 1 else ""
+        if rejected is not None and (own := rejected.only(rejected.vehicle == i)):
+            tries += f", {own.summary}"
         if samples.dropped[sample, i]:
             lines.append((0, f"{who}: left out, nothing legal was found{tries}", "WARN"))
         elif flags is Violation.NONE:

@@ -1,6 +1,7 @@
 """A picture of one scenario from above: road, what was logged, K samples over one another, goals and rejects.
 
-Colours: target orange, others blue, the log black and dashed, illegal samples red, goals violet. RGB, on white.
+Colours: target orange, others blue, the log black and dashed, illegal samples red, what was planned and turned down before
+them pale red, thin and dashed, goals violet. RGB, on white.
 """
 
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.geometry import Floats, box_corners
+from drivegen.rejected import Rejected
 from drivegen.roadmap import RoadMap
 from drivegen.scenario import TARGET, Scenario, SignalState, Trajectories
 
@@ -26,10 +28,13 @@ TARGET_COLOUR: Colour = (234, 105, 20)
 SOCIAL_COLOUR: Colour = (37, 112, 196)
 ACTOR_COLOUR: Colour = (96, 140, 30)
 ILLEGAL_COLOUR: Colour = (214, 40, 70)
+REJECTED_COLOUR: Colour = (246, 128, 152)
 LOG_COLOUR: Colour = (30, 34, 40)
 GOAL_COLOUR: Colour = (124, 66, 214)
 SIGNAL_COLOURS = {SignalState.GREEN: (38, 166, 91), SignalState.YELLOW: (230, 170, 20), SignalState.RED: ILLEGAL_COLOUR}
 
+_DASH = 5.0
+"""Length of the dashes of what was rejected [pixels]."""
 _SHIFT = 4
 """Fractional bits of OpenCV's pixel coordinates."""
 _FAR = 20_000.0
@@ -77,11 +82,12 @@ def scene_picture(
     goals: Floats | None = None,
     pixels: int = 720,
     view: View | None = None,
+    rejected: Rejected | None = None,
 ) -> Image:
     """(pixels, pixels, 3) of `scenario` with samples (K, N, T) over its log.
 
-    `illegal` (K, N) draws those samples red; `goals` (C, 2) [m] are marked. Boxes stand at the first step. Without a `view`
-    it is fitted to what moves.
+    `illegal` (K, N) draws those samples red; `goals` (C, 2) [m] are marked; what was `rejected` and
+    replaced lies above the samples. Boxes stand at the first step. Without a `view` it is fitted to what moves.
     """
     if view is None:
         shown = [motion for motion in (scenario.log, samples) if motion is not None]
@@ -92,6 +98,8 @@ def scene_picture(
     _draw_signals(image, view, scenario)
     if samples is not None:
         image = _draw_samples(image, view, samples, illegal)
+    if rejected is not None:
+        _draw_rejected(image, view, rejected)
     if scenario.log is not None:
         for i in range(len(scenario.vehicles)):
             _draw_dashed(image, view, scenario.log.position[i][scenario.log.valid[i]], LOG_COLOUR)
@@ -130,18 +138,24 @@ def _draw_samples(image: Image, view: View, samples: Trajectories, illegal: NDAr
     worlds, vehicles = samples.valid.shape[:2]
     bad = np.zeros((worlds, vehicles), np.bool_) if illegal is None else illegal
     strength = 0.35 if worlds > 1 else 0.9
-    for rejected in (False, True):
+    for red in (False, True):
         for world in range(worlds):
             layer = image.copy()
-            for i in np.flatnonzero(bad[world] == rejected):
+            for i in np.flatnonzero(bad[world] == red):
                 base = TARGET_COLOUR if i == TARGET else SOCIAL_COLOUR
-                colour = ILLEGAL_COLOUR if rejected else base
+                colour = ILLEGAL_COLOUR if red else base
                 path = samples.position[world, i][samples.valid[world, i]]
                 cv2.polylines(layer, [view.fixed(path)], False, colour, 2, cv2.LINE_AA, _SHIFT)
                 if len(path):
                     cv2.circle(layer, view.fixed(path[-1]).tolist(), 3 << _SHIFT, colour, -1, cv2.LINE_AA, _SHIFT)
             image = cv2.addWeighted(layer, strength, image, 1 - strength, 0)
     return image
+
+
+def _draw_rejected(image: Image, view: View, rejected: Rejected) -> None:
+    """Thin pale dashes, which show on lines of samples too."""
+    dashes = rejected.dashes(_DASH / view.scale)
+    cv2.polylines(image, list(view.fixed(dashes)), False, REJECTED_COLOUR, 1, cv2.LINE_AA, _SHIFT)
 
 
 def _draw_boxes(image: Image, view: View, scenario: Scenario) -> None:

@@ -22,19 +22,24 @@ class Drawn:
     samples: Samples
 
 
-def draw_scenes(seed: int, scenarios: Path, generated: Path, count: int) -> list[Drawn]:
-    """`count` scenes of all shards below `scenarios` (fewer if there are fewer) with their samples; in a random order.
+def draw_places(seed: int, scenarios: Path, count: int) -> list[tuple[Path, int]]:
+    """The shards and rows of `count` scenes of all shards below `scenarios` (fewer if there are fewer); in a random order.
 
-    The first scenes are the same whatever the count. Reads only the shards that scenes are drawn from. Raises
-    UnusableInput where `generated` lacks one.
+    The first scenes are the same whatever the count.
     """
-    files = shards(scenarios)
-    places = [(file, row) for file in files for row in range(pq.read_metadata(file).num_rows)]
+    places = [(file, row) for file in shards(scenarios) for row in range(pq.read_metadata(file).num_rows)]
     order = rng(seed, "draw").permutation(len(places))[:count]
+    return [places[int(place)] for place in order]
+
+
+def draw_scenes(seed: int, scenarios: Path, generated: Path, count: int) -> list[Drawn]:
+    """The scenes at `draw_places` with their samples, in that order; reads only the shards that they are in.
+
+    Raises UnusableInput where `generated` lacks one.
+    """
     read: dict[Path, tuple[list[Scenario], dict[str, Samples]]] = {}
     drawn = []
-    for place in order:
-        file, row = places[int(place)]
+    for file, row in draw_places(seed, scenarios, count):
         if file not in read:
             read[file] = read_shard(file), {s.scenario_id: s for s in read_samples(generated / file.name)}
         scenes, samples = read[file]

@@ -12,13 +12,14 @@ from drivegen.render.scene_picture import (
     GOAL_COLOUR,
     ILLEGAL_COLOUR,
     PAPER,
+    REJECTED_COLOUR,
     SOCIAL_COLOUR,
     TARGET_COLOUR,
     View,
     scene_picture,
     view_of,
 )
-from tests.scenes import busy_crossing, noisy_samples
+from tests.scenes import busy_crossing, noisy_samples, rejected_of
 
 
 def has(image, colour, tolerance=30) -> int:
@@ -40,6 +41,22 @@ def test_illegal_samples_are_red():
     legal = scene_picture(scene, samples, np.zeros((1, 8), np.bool_))
     illegal = scene_picture(scene, samples, np.ones((1, 8), np.bool_))
     assert has(illegal, ILLEGAL_COLOUR, 60) > has(legal, ILLEGAL_COLOUR, 60) + 200
+
+
+def test_what_was_rejected_is_drawn_where_it_would_have_gone_in_thin_dashes_of_its_own_colour():
+    scene = busy_crossing()
+    samples = noisy_samples(scene, 1)
+    down = rejected_of(samples)
+    target = down.only(down.vehicle == 0)
+    view = view_of(scene.log, 720)
+    plain, marked = (scene_picture(scene, samples.motion, view=view, rejected=one) for one in (None, target))
+    changed = (plain != marked).any(axis=-1)
+    assert has(marked, REJECTED_COLOUR) > has(plain, REJECTED_COLOUR) + 20
+    way = (view.fixed(target.position[0]) / 16).astype(int)
+    beside = np.abs(np.argwhere(changed)[:, None, ::-1] - way).max(axis=-1).min(axis=1)
+    assert beside.max() <= 8  # nothing else is touched
+    drawn = changed[way[:, 1], way[:, 0]]
+    assert 0.15 < drawn.mean() < 0.6  # dashes, not a line
 
 
 def test_the_target_s_box_stands_where_the_view_says():

@@ -14,12 +14,13 @@ from drivegen.errors import UnusableInput
 from drivegen.metrics.scene import Settings
 from drivegen.samples import Samples
 from drivegen.store.costs import COST, write_cost
+from drivegen.store.rejected import write_rejected
 from drivegen.store.results import RESULT
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
 from drivegen.store.warehouse import query
 from stages import collect, evaluate, report
-from tests.scenes import busy_crossing, noisy_samples
+from tests.scenes import busy_crossing, noisy_samples, rejected_of
 
 MEASURED = Settings(horizons=(1.0, 3.0), bandwidths=(0.5, 1.0, 2.0, 4.0), box_scales=(0.9, 1.0, 1.1))
 PARAMS = evaluate.Params(seed=7, workers=1, draws=50, splits=4, measured=MEASURED)
@@ -28,14 +29,16 @@ PARAMS = evaluate.Params(seed=7, workers=1, draws=50, splits=4, measured=MEASURE
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     """Two shards of scenes with two methods' samples, all evaluated."""
-    root = tmp_path_factory.mktemp("run")
+    root, down = tmp_path_factory.mktemp("run"), []
     for shard, ids in (("shard-00000.parquet", "abc"), ("shard-00001.parquet", "de")):
         scenes = [busy_crossing(60, f"scene-{letter}") for letter in ids]
         write_shard(root / "test" / shard, scenes)
         noisy = [noisy_samples(scene, 4, seed=i, method="drivegen") for i, scene in enumerate(scenes)]
         write_samples(root / "generated" / "drivegen" / shard, noisy)
+        down += [rejected_of(one) for one in noisy]
         logs = [Samples.without_goals(scene.scenario_id, "log", scene.log[np.newaxis]) for scene in scenes]
         write_samples(root / "generated" / "log" / shard, logs)
+    write_rejected(root / "rejected" / "drivegen.parquet", down)
     for method in ("drivegen", "log"):
         run(root, method)
     return root
@@ -173,7 +176,7 @@ def test_what_was_restored_from_the_cache_is_no_number_and_no_gap(made, tmp_path
 
 
 def report_of(made, out):
-    places = [made / folder for folder in ("metrics", "plots", "test", "generated", "goals", "maps", "costs")]
+    places = [made / folder for folder in ("metrics", "plots", "test", "generated", "rejected", "goals", "maps", "costs")]
     report.main(report.Params(seed=7, scenes=2, maps=4), *places, out / "index.html", out / "tables")
     return (out / "index.html").read_text()
 
@@ -187,6 +190,7 @@ def test_the_report_shows_what_was_measured(made, tmp_path):
     assert f"{summary['min_sade']:.2f}" in page
     assert "hand-made scenes" in page
     assert page.count("data:image/png") == 4  # each scene large, and by every method
+    assert page.count("32 turned down: 32 speed") == 4  # in the caption of each
     assert "Training: selector" in page
     assert (tmp_path / "one/tables/quality.md").read_text().startswith("### Table I")
     assert report_of(made, tmp_path / "two") == page

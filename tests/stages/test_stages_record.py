@@ -8,10 +8,11 @@ import rerun as rr
 
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.store.goals import COLUMNS, GoalColumns, write_goals
+from drivegen.store.rejected import write_rejected
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
 from stages import record
-from tests.scenes import busy_crossing, noisy_samples
+from tests.scenes import busy_crossing, noisy_samples, rejected_of
 
 SHARD = "shard-00000.parquet"
 PARAMS = record.Params(seed=7, scenes=2, compared=1)
@@ -41,8 +42,15 @@ def made(tmp_path_factory):
     for method in ("drivegen", "log", "other"):
         write_samples(root / "generated" / method / SHARD, samples)
     write_goals(root / "goals" / SHARD, [goals_of(scene) for scene in scenes])
-    record.main(PARAMS, root / "test", root / "generated", root / "goals", root / "recordings", root / "recordings.json")
+    write_rejected(root / "rejected" / "drivegen.parquet", [rejected_of(one) for one in samples])
+    recorded(root, root / "recordings.json")
     return root
+
+
+def recorded(root, listing, goals="goals"):
+    """Run the stage; recordings lie beside their list."""
+    places = [root / folder for folder in ("test", "generated", "rejected", goals)]
+    record.main(PARAMS, *places, listing.parent / "recordings", listing)
 
 
 def test_the_list_names_what_was_recorded(made):
@@ -64,21 +72,44 @@ def test_methods_stand_side_by_side_on_one_clock(made):
     (file,) = (made / "recordings").glob("*-methods.rrd")
     chunks = [chunk for chunk in rr.chunk.RrdReader(file).stream() if "/world/methods" in chunk.entity_path]
     paths = {chunk.entity_path.removeprefix("/world/methods/") for chunk in chunks}
-    assert paths == {"log/traffic", "drivegen/traffic", "drivegen/samples", "other/traffic", "other/samples"}
+    assert paths == {"log/traffic", *(f"drivegen/{what}" for what in ("traffic", "samples", "rejected"))} | {
+        "other/traffic",
+        "other/samples",
+    }
     lines = next(chunk for chunk in chunks if chunk.entity_path.endswith("other/samples")).to_record_batch()
     assert len(lines.column("LineStrips3D:strips").to_pylist()[0]) == 16  # two samples of eight vehicles
     assert all("time" in chunk.timeline_names for chunk in chunks if not chunk.is_static)
 
 
+def test_what_was_turned_down_is_shown_dashed_and_counted_where_there_is_any(made):
+    (compared,) = (made / "recordings").glob("*-methods.rrd")
+    alone = next(file for file in (made / "recordings").iterdir() if not file.stem.endswith("-methods"))
+    chunks = {chunk.entity_path: chunk.to_record_batch() for chunk in rr.chunk.RrdReader(compared).stream() if chunk.is_static}
+    (legend,) = chunks["/legend"].column("TextDocument:text").to_pylist()[0]
+    assert "* drivegen: 16 turned down: 16 speed" in legend
+    assert "* other" not in legend
+    for file, where in ((compared, "/world/methods/drivegen/rejected"), (alone, "/world/rejected")):
+        chunks = {c.entity_path: c.to_record_batch() for c in rr.chunk.RrdReader(file).stream() if c.is_static}
+        dashes = np.array(chunks[where].column("LineStrips3D:strips").to_pylist()[0])
+        assert dashes.shape[1:] == (2, 3)
+        assert np.hypot(*np.diff(dashes[..., :2], axis=1)[:, 0].T).max() < 1.6
+    lines = [
+        c.to_record_batch().column("TextLog:text").to_pylist()
+        for c in rr.chunk.RrdReader(alone).stream()
+        if c.entity_path == "/verdicts"
+    ]
+    assert all("1 turned down: 1 speed" in row[0] for rows in lines for row in rows)
+
+
 def test_the_same_scenes_are_drawn_again(made, tmp_path):
-    record.main(PARAMS, made / "test", made / "generated", made / "goals", tmp_path / "recordings", tmp_path / "again.json")
+    recorded(made, tmp_path / "again.json")
     assert (tmp_path / "again.json").read_bytes() == (made / "recordings.json").read_bytes()
 
 
 def test_missing_goals_are_named(made, tmp_path):
     with pytest.raises(MissingTool, match="run the goals stage"):
-        record.main(PARAMS, made / "test", made / "generated", tmp_path, tmp_path / "out", tmp_path / "x.json")
+        recorded(made, tmp_path / "x.json", tmp_path)
     write_goals(tmp_path / SHARD, [goals_of(busy_crossing(60, "another"))])
     with pytest.raises(UnusableInput, match="lacks scenario"):
-        record.main(PARAMS, made / "test", made / "generated", tmp_path, tmp_path / "out", tmp_path / "x.json")
+        recorded(made, tmp_path / "x.json", tmp_path)
     assert not (tmp_path / "x.json").exists()

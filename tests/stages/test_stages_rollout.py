@@ -9,6 +9,8 @@ import pytest
 
 from drivegen.errors import MissingTool, UnusableInput
 from drivegen.generators.base import Settings
+from drivegen.store.draw import draw_scenes
+from drivegen.store.rejected import read_rejected
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, write_shard
 from stages import corner, goals, rollout, rollout_baseline, ship
@@ -35,10 +37,12 @@ def quick(generation: Settings) -> Settings:
     return replace(generation, rollout=replace(generation.rollout, attempts=2, rounds=3))
 
 
-def generated(root: Path, models: Path, method: str, out: str = "generated") -> list[Path]:
+def generated(root: Path, models: Path, method: str, out: str = "generated", **changes: int) -> list[Path]:
+    """The shards of a method; what was turned down is in a file beside their folder."""
     params = read_params("rollout", rollout.Params)
     params = replace(params, workers=1, samples=2, generation=quick(params.generation))
-    rollout.main(params, root / "test", models, root / "goals", root / out / method)
+    places = [root / "test", models, root / "goals", root / out / method, root / out / f"{method}.parquet"]
+    rollout.main(replace(params, **changes), *places)
     return sorted((root / out / method).iterdir())
 
 
@@ -78,6 +82,25 @@ def test_rollout_gives_the_same_bytes_again_and_its_goals_are_those_recorded(roo
             generated(root, models, "drivegen_without_goals", "none")
     finally:
         (root / "goals" / "hidden").rename(root / "goals" / "random")
+
+
+def test_what_was_turned_down_is_kept_of_the_scenes_that_pictures_draw_and_changes_no_sample(root: Path, models: Path) -> None:
+    method = "drivegen_without_goals"  # goals at random: much is turned down
+    shards = {}
+    for out, changes in (("none", {"rejected": 0}), ("two", {"rejected": 2}), ("spread", {"rejected": 2, "workers": 2})):
+        shards[out] = [file.read_bytes() for file in generated(root, models, method, out, **changes)]
+    assert shards["none"] == shards["two"] == shards["spread"]
+    files = [root / out / f"{method}.parquet" for out in shards]
+    assert files[1].read_bytes() == files[2].read_bytes()
+    assert read_rejected(files[0]) == []
+    found = read_rejected(files[1])
+    drawn = draw_scenes(7, root / "test", root / "two" / method, 2)
+    assert [one.scenario_id for one in found] == [one.scenario.scenario_id for one in drawn]
+    assert sum(map(len, found)) > 0
+    for one, scene in zip(found, drawn, strict=True):
+        assert one.method == method
+        assert len(one) == int((scene.samples.attempts - 1).sum())
+        assert one.violation.all()
 
 
 def test_ship_lets_out_legal_scenarios_and_counts_everything(root: Path, models: Path, tmp_path: Path) -> None:

@@ -12,9 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.errors import UnusableInput
+from drivegen.store.rejected import read_rejected, rejected_by_method, write_rejected
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import VERSION, read_shard, shards, write_shard
-from tests.scenes import any_scenario, noisy_samples
+from tests.scenes import any_scenario, noisy_samples, rejected_of
 
 
 def assert_same(one: Any, other: Any) -> None:
@@ -117,3 +118,16 @@ def test_a_file_that_is_no_shard_of_ours_is_refused_by_name(tmp_path: Path, what
 def test_an_old_shard_says_which_version_it_is_and_what_to_do(tmp_path: Path) -> None:
     with pytest.raises(UnusableInput, match=f"version 0, this DriveGen reads {VERSION}: run the stage"):
         read_shard(broken(tmp_path)["old"])
+
+
+def test_rejected_trajectories_come_back_bit_by_bit_by_method_and_scenario(tmp_path: Path) -> None:
+    written = [rejected_of(noisy_samples(any_scenario(seed, f"any-{seed}"), 2, seed)) for seed in (1, 2)]
+    written.append(written[0].only(np.zeros(len(written[0]), np.bool_)))  # a scene in which nothing was turned down
+    write_rejected(tmp_path / "drivegen.parquet", written)
+    for one, other in zip(written, read_rejected(tmp_path / "drivegen.parquet"), strict=True):
+        assert_same(one, other)
+    write_rejected(tmp_path / "drivegen.parquet", written[:2])
+    write_rejected(tmp_path / "other.parquet", [])
+    found = rejected_by_method(tmp_path)
+    assert {method: list(scenes) for method, scenes in found.items()} == {"drivegen": ["any-1", "any-2"], "other": []}
+    assert rejected_by_method(tmp_path / "absent") == {}

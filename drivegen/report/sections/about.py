@@ -27,7 +27,9 @@ def scenes(evidence: Evidence) -> Section:
     """Pictures of test scenes."""
     lead = (
         "Test scenes drawn by seed, not chosen. Orange: the target; blue: the others; boxes stand at the first frame. Lines are "
-        "all samples over one another, red where the checker objects; black dashes are the log, longer when faster."
+        "all samples over one another, red where the checker objects; black dashes are the log, longer when faster. Thin pale "
+        "dashes are what was planned, turned down by the checker and replaced, in all samples; a trajectory that broke several "
+        "rules is counted for each. Who made way was legal, and was taken back because another vehicle found no way past it."
     )
     figures = tuple(Figure.png(picture, wide=True) for picture in evidence.scenes)
     return Section("scenes", "Scenes", lead, (), figures, missing="" if figures else not_measured("rollout"))
@@ -37,7 +39,9 @@ def comparisons(evidence: Evidence) -> Section:
     """The same scenes by every method."""
     lead = (
         "The same scenes by every method, in one window each. Lines are all samples over one another, red where the checker "
-        "objects; black dashes are the log; diamonds are the goals that DriveGen's samples follow."
+        "objects; black dashes are the log; diamonds are the goals that DriveGen's samples follow. Only DriveGen and its "
+        "ablations plan again: thin pale dashes are what they planned, the checker turned down, and another trajectory replaced. "
+        "The other methods plan once; what the checker would reject of theirs stays, and is red."
     )
     figures = tuple(Figure.png(picture, wide=True) for picture in evidence.comparisons)
     return Section("methods", "Methods side by side", lead, (), figures, missing="" if figures else not_measured("rollout"))
