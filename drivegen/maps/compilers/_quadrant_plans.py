@@ -22,9 +22,10 @@ WEST = 2
 """The quadrant of a trumpet's loop, in the north-west."""
 
 _DIRECT_RADIUS = 180.0
-"""Of a direct ramp without a loop between it and the corner [m]."""
+"""Of a direct ramp without a loop between it and the corner [m]: it leaves and joins beyond the lanes beside loops."""
 
 _CLEARANCE = 8.0
+"""Between a loop and the direct ramp around it where they are nearest [m]: shoulders and a verge."""
 
 _AROUND, _JOINING, _JOINING_RADIUS = 135.0, 45.0, 120.0
 """Turns of the ramp around a trumpet's loop, to the left and back [degrees], and the radius of the latter [m]."""
@@ -32,9 +33,16 @@ _AROUND, _JOINING, _JOINING_RADIUS = 135.0, 45.0, 120.0
 _ANGLE = 40.0
 """At which ramps to a street lie between their bends [degrees]."""
 
-_SETBACK, _BESIDE_LOOP, _BEFORE_BEND, _OFF_LOOP = 12.0, 15.0, 40.0, 30.0
-_WITHOUT_LOOP = 70.0
-"""Distance from the highway to the crossing of direct ramps, where no loop lies between [m]."""
+_SETBACK = 12.0
+"""Straight part of a loop before the street's edge [m]: it meets the street squarely, and two cars may wait there."""
+
+_BESIDE_LOOP, _BEFORE_BEND = 15.0, 40.0
+"""[m] From the street a direct ramp runs along the highway until so far beyond the loop, lest it bend towards that; without a
+loop, for so long."""
+
+_OFF_LOOP, _WITHOUT_LOOP = 30.0, 70.0
+"""[m] The crossing of direct ramps lies so far beyond the loops, as seen from the highway, for the ramps' own width and a
+queue between both crossings; without loops, so far from the highway."""
 
 
 @dataclass(frozen=True)

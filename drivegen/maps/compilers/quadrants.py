@@ -25,6 +25,8 @@ from drivegen.maps.spec_values import Control
 from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
 
 _DECELERATION = 150.0
+"""Length of the lane from which a direct ramp leaves [m]."""
+
 _BESIDE_LOOP = 150.0
 """Length of the lane before or behind a loop that has no other one on the far side of the bridge [m]."""
 

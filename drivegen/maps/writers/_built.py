@@ -124,7 +124,6 @@ def _line(found: Built, line: Alignment, straight: float) -> None:
         arcs = [math.radians(abs(angle)) * radius for angle, radius in line.curves]
         found.lengths |= {line.length - sum(arcs), (line.length - sum(arcs)) / legs, *arcs}
         found.counts["left_bend"] = sum(turn > 0 for turn in line.turns)
-        found.counts["hairpin"] = len(line.turns) * (line.shape == "hairpin")
 
 
 def _along(found: Built, places: list[float], end: float) -> None:
@@ -158,7 +157,6 @@ def _turn_lanes(found: Built, turns: TurnLanes, lanes: int, both_ways: int) -> N
 def _joined(found: Built, junction: Junction) -> None:
     found.road(junction.side_lanes, junction.side_lanes, junction.side_speed)
     found.lengths.add(junction.side_length)
-    found.counts["side"] += len(junction.sides)
     found.counts["dead_end"] += junction.dead_end * len(junction.sides)
     if junction.form == "roundabout":
         _ring(found, 2 + len(junction.sides), junction.diameter)
@@ -169,7 +167,7 @@ def _joined(found: Built, junction: Junction) -> None:
 
 def _grid(found: Built, road: Grid) -> None:
     found.road(road.lanes, 0 if road.one_way else road.lanes, road.speed)
-    found.counts.update({"grid": 1, "rows": road.rows, "columns": road.columns, "streets": road.rows + road.columns})
+    found.counts["grid"] = 1
     found.lengths |= {road.spacing * k for k in range(1, max(road.rows, road.columns) + 2)} | {road.beyond or road.spacing}
     for _ in range(road.rows * road.columns):
         _place(found, 4, road.control)
@@ -198,8 +196,8 @@ def _highway(found: Built, road: Highway) -> None:
     _along(found, marks, road.alignment.length)
     found.positions |= {event.position + event.length for event in road.events if event.kind in _BESIDE}
     ends = [event.position + (event.length if event.kind in _BESIDE else 0.0) for event in road.events]
-    following = [*marks[1:], road.alignment.length]
-    between = {after - before for before, after in zip(ends, following, strict=False)}
+    following = [*marks[1:], road.alignment.length][: len(ends)]  # without events there is nothing before the road's end
+    between = {after - before for before, after in zip(ends, following, strict=True)}
     found.lengths |= between
     found.distances |= between | {event.length for event in road.events if event.kind == "weaving"}
 
@@ -220,8 +218,8 @@ def _interchange(found: Built, road: Interchange) -> None:
     found.road(road.road_lanes, road.road_lanes, road.road_speed)
     found.road(road.ramp_lanes, 0, road.ramp_speed)
     found.lengths.add(road.road_length)
-    pairs = {"diamond": 2, "terminal": 1}.get(road.form, 1)
-    found.counts.update({"interchange": 1, "off_ramp": pairs, "on_ramp": 0 if road.form == "terminal" else pairs})
+    off_ramps, on_ramps = {"diamond": (2, 2), "half_diamond": (1, 1), "side": (1, 1), "terminal": (1, 0)}[road.form]
+    found.counts.update({"interchange": 1, "off_ramp": off_ramps, "on_ramp": on_ramps})
     for arms in {"diamond": (4, 4), "half_diamond": (3, 3), "side": (4,), "terminal": (3,)}[road.form]:
         _place(found, arms, road.control)
 
@@ -233,6 +231,6 @@ def _quadrants(found: Built, road: QuadrantInterchange) -> None:
     found.speeds.add(road.loop_speed)
     found.lengths |= {road.loop_radius, 2 * road.loop_radius, road.median}
     ramps = len(road.loops) + len(road.directs) - road.trumpet
-    found.counts.update({"interchange": 1, "median": 1, "on_ramp": ramps, "off_ramp": ramps, "loop": len(road.loops)})
+    found.counts.update({"interchange": 1, "median": 1, "on_ramp": ramps, "off_ramp": ramps})
     for arms in road.terminals:
         _place(found, arms, road.control or "yield")
