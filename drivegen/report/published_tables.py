@@ -21,21 +21,7 @@ from drivegen.report.published import (
     mark,
     resampling_of,
 )
-from drivegen.report.sections.trust import (
-    BOXES,
-    BOXES_NOTE,
-    DISTANCES,
-    DISTANCES_NOTE,
-    JOINT,
-    JOINT_NOTE,
-    REALISM,
-    REALISM_NOTE,
-    SCORES,
-    SCORES_NOTE,
-    has,
-    horizon_words,
-    is_likelihood,
-)
+from drivegen.report.sections.trust import REALISM, has, readings
 from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, row
 
 HEADS = ("min-sADE [m] \u2193", "min-sFDE \u2193", "mean-sADE \u2193", "mean-sFDE \u2193", "diversity \u2192 1")
@@ -162,23 +148,13 @@ def _paired(data: DataSet, draws: int, rng: np.random.Generator) -> Table:
 
 def _trust(data: DataSet, pooled: Pooled) -> list[Table]:
     """What the paper leaves out, in the report's words."""
-    likelihoods = {name: horizon_words(name) for metrics in pooled.values() for name in metrics if is_likelihood(name)}
-    found = (
-        (
-            "safety",
-            "Safety of what is generated",
-            {**SAFETY, "illegal_per_scene": "scenes with any"},
-            "Shares of vehicles, and of scenes, that the legal checker objects to.",
-        ),
-        ("realism", "Realism in the manner of WOSAC", REALISM, f"{REALISM_NOTE} {_weights()}"),
-        ("scores", "Proper scores", SCORES | dict(sorted(likelihoods.items())), SCORES_NOTE),
-        ("joint", "Joint consistency: samples beside the same samples shuffled", JOINT, JOINT_NOTE),
-        ("distances", "Distances of distributions, and a classifier", DISTANCES, DISTANCES_NOTE),
-        ("boxes", "What collision rates owe to box sizes, and what is rejected", BOXES, BOXES_NOTE),
-    )
-    return [
-        _plain(f"{name}-{data.name}", f"{title}: {data.title}", columns, pooled, (note,)) for name, title, columns, note in found
-    ]
+    safety = {**SAFETY, "illegal_per_scene": "scenes with any"}
+    note = "Shares of vehicles, and of scenes, that the legal checker objects to."
+    tables = [_plain(f"safety-{data.name}", f"Safety of what is generated: {data.title}", safety, pooled, (note,))]
+    for one in readings(name for metrics in pooled.values() for name in metrics):
+        notes = (f"{one.note} {_weights()}" if one.name == "realism" else one.note,)
+        tables.append(_plain(f"{one.name}-{data.name}", f"{one.title}: {data.title}", one.columns, pooled, notes))
+    return tables
 
 
 def _weights() -> str:

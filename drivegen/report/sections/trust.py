@@ -1,7 +1,7 @@
 """What the paper leaves out: proper scores, realism, joint consistency, distances of distributions, a classifier, boxes."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
 from drivegen.report.averaged import taken_over
 from drivegen.report.evidence import Evidence
@@ -93,6 +93,28 @@ JOINT_NOTE = (
 )
 
 
+class Reading(NamedTuple):
+    """One table of measures that the paper leaves out: `columns` are headings by key."""
+
+    name: str
+    title: str
+    columns: Mapping[str, str]
+    note: str
+    digits: int = 2
+
+
+def readings(measured_keys: Iterable[str]) -> tuple[Reading, ...]:
+    """The five tables; that of proper scores has a column for every likelihood among the keys that were measured."""
+    likelihoods = {name: horizon_words(name) for name in sorted(set(measured_keys)) if is_likelihood(name)}
+    return (
+        Reading("realism", "Realism in the manner of WOSAC", REALISM, REALISM_NOTE),
+        Reading("scores", "Proper scores", SCORES | likelihoods, SCORES_NOTE),
+        Reading("joint", "Joint consistency: samples beside the same samples shuffled", JOINT, JOINT_NOTE, 3),
+        Reading("distances", "Distances of distributions, and a classifier", DISTANCES, DISTANCES_NOTE),
+        Reading("boxes", "What collision rates owe to box sizes, and what is rejected", BOXES, BOXES_NOTE, 3),
+    )
+
+
 def section(evidence: Evidence) -> Section:
     """Five tables over all methods; one that has not run says so."""
     methods = ordered(evidence.below("quality_details"))
@@ -102,68 +124,17 @@ def section(evidence: Evidence) -> Section:
     )
     if not methods:
         return Section("trust", "Trust in the numbers", lead, missing=not_measured("evaluate"))
-    likelihoods = {name: horizon_words(name) for values in methods.values() for name in values if is_likelihood(name)}
-    found = (
-        _table(
-            "realism",
-            "Realism in the manner of WOSAC, adapted to Argoverse 2",
-            REALISM,
-            methods,
-            evidence,
-            REALISM_NOTE,
-        ),
-        _table(
-            "scores",
-            "Proper scores",
-            SCORES | dict(sorted(likelihoods.items())),
-            methods,
-            evidence,
-            SCORES_NOTE,
-        ),
-        _table(
-            "joint",
-            "Joint consistency: samples beside the same samples shuffled",
-            JOINT,
-            methods,
-            evidence,
-            JOINT_NOTE,
-            digits=3,
-        ),
-        _table(
-            "distances",
-            "Distances of distributions, and a classifier",
-            DISTANCES,
-            methods,
-            evidence,
-            DISTANCES_NOTE,
-        ),
-        _table(
-            "boxes",
-            "What collision rates owe to box sizes, and what is rejected",
-            BOXES,
-            methods,
-            evidence,
-            BOXES_NOTE,
-            digits=3,
-        ),
-    )
-    return Section("trust", "Trust in the numbers", lead, found)
+    found = readings(name for values in methods.values() for name in values)
+    return Section("trust", "Trust in the numbers", lead, tuple(_table(one, methods, evidence) for one in found))
 
 
-def _table(
-    name: str,
-    title: str,
-    columns: Mapping[str, str],
-    methods: Mapping[str, dict[str, Any]],
-    evidence: Evidence,
-    note: str,
-    digits: int = 2,
-) -> Table:
+def _table(reading: Reading, methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table:
     lines = [
-        row(name_of(method, methods), *(_cell(method, values, key, digits) for key in columns), origin="ours")
+        row(name_of(method, methods), *(_cell(method, values, key, reading.digits) for key in reading.columns), origin="ours")
         for method, values in rows_of(methods).items()
     ]
-    return Table(name, title, ("", *columns.values()), tuple(lines), (*evidence.trained_on, *taken_over(methods), note))
+    notes = (*evidence.trained_on, *taken_over(methods), reading.note)
+    return Table(reading.name, reading.title, ("", *reading.columns.values()), tuple(lines), notes)
 
 
 def _cell(method: str, values: dict[str, Any], key: str, digits: int) -> Cell:
