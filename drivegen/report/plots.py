@@ -1,8 +1,8 @@
 """Plots as SVG with the same bytes for the same numbers; matplotlib without pyplot and without a display."""
 
 import io
-import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import TypeVar
 
 import matplotlib as mpl
 import numpy as np
@@ -12,6 +12,8 @@ from matplotlib.figure import Figure
 
 INK, FAINT, OURS, THEIRS, LOG = "#1f2733", "#d7dce3", "#ea6914", "#7d8aa0", "#1f2733"
 SERIES = ("#ea6914", "#2570c4", "#7c42d6", "#26a65b", "#d62846", "#8a6d3b", "#0f8b8d", "#555b66")
+
+Thing = TypeVar("Thing")
 
 _STYLE = {
     "font.family": "sans-serif",
@@ -55,6 +57,12 @@ class Canvas:
         self._style.__exit__(None, None, None)
 
 
+def coloured(things: Collection[Thing], colours: Sequence[str] = SERIES) -> Iterator[tuple[Thing, str]]:
+    """Each thing with a colour, none left out: where there are more things than colours these come again from the first."""
+    for n, thing in enumerate(things):
+        yield thing, colours[n % len(colours)]
+
+
 def realism_against_diversity(ours: Mapping[str, tuple[float, float]], theirs: Mapping[str, tuple[float, float]]) -> bytes:
     """(diversity ratio, min-sADE) of each method; right in the middle and low is good."""
     with Canvas(5.6, 3.6) as (canvas, axes):
@@ -87,7 +95,7 @@ def front(curve: Sequence[tuple[str, float, float]], points: Mapping[str, tuple[
                 axes.annotate(
                     place[0], place[1:], away, textcoords="offset points", fontsize=7.5, color=OURS, ha="center", va="center"
                 )
-        for (name, (x, y)), colour in zip(points.items(), itertools.cycle(SERIES[1:]), strict=False):
+        for (name, (x, y)), colour in coloured(points.items(), SERIES[1:]):
             axes.scatter([x], [y], s=42, color=colour, zorder=2, edgecolor="white", linewidth=0.8, label=name)
         axes.set_xlabel("diversity ratio (1 = as diverse as the real set)")
         axes.set_ylabel("mean-sADE [m]")
@@ -110,7 +118,7 @@ def curves(columns: Mapping[str, Sequence[float]], over: str) -> bytes:
     """Lines of every column over the column `over`; on a logarithmic axis where values span two decades."""
     with Canvas(5.6, 2.8) as (canvas, axes):
         names = [name for name in columns if name != over]
-        for name, colour in zip(names, SERIES, strict=False):
+        for name, colour in coloured(names):
             points = [(x, y) for x, y in zip(columns[over], columns[name], strict=True) if y == y]
             if points:
                 axes.plot(*zip(*points, strict=True), color=colour, lw=1.4, label=name.replace("_", " "))
@@ -133,9 +141,9 @@ def panels(
     with Canvas(2.9 * columns, 2.0 * max(rows, 1), max(rows, 1), columns) as (canvas, _):
         for axes in canvas.axes[len(series) :]:
             axes.set_visible(False)
-        for n, (axes, (title, group)) in enumerate(zip(canvas.axes, series.items(), strict=False)):
+        for n, (axes, (title, group)) in enumerate(zip(canvas.axes[: len(series)], series.items(), strict=True)):
             axes.set_title(title, fontsize=9)
-            for (name, (xs, ys)), colour in zip(group.items(), SERIES, strict=False):
+            for (name, (xs, ys)), colour in coloured(group.items()):
                 axes.plot(xs, ys, color=colour, lw=1.2, label=name)
             axes.set_xlabel(across)
             axes.set_ylabel(up if n % columns == 0 else "")
@@ -166,7 +174,7 @@ def bars(groups: Mapping[str, float], label: str, errors: Mapping[str, tuple[flo
 def shares(series: Mapping[str, Sequence[float]], label: str) -> bytes:
     """Cumulative shares: each series holds quantiles at evenly spaced shares from 0 to 1; the first is drawn as the log's."""
     with Canvas(5.6, 2.8) as (canvas, axes):
-        for (name, quantiles), colour in zip(series.items(), (LOG, *SERIES), strict=False):
+        for (name, quantiles), colour in coloured(series.items(), (LOG, *SERIES)):
             steps = len(quantiles) - 1
             axes.plot(quantiles, [i / max(steps, 1) for i in range(len(quantiles))], color=colour, lw=1.5, label=name)
         axes.set_xlabel(label)
@@ -179,7 +187,7 @@ def shares(series: Mapping[str, Sequence[float]], label: str) -> bytes:
 def lines(series: Mapping[str, tuple[Sequence[float], Sequence[float]]], across: str, up: str) -> bytes:
     """Named lines (x, y) of their own places, both axes from zero; NaNs are left out."""
     with Canvas(5.6, 2.8) as (canvas, axes):
-        for (name, (xs, ys)), colour in zip(series.items(), SERIES, strict=False):
+        for (name, (xs, ys)), colour in coloured(series.items()):
             points = [(x, y) for x, y in zip(xs, ys, strict=True) if y == y]
             if points:
                 axes.plot(*zip(*points, strict=True), color=colour, lw=1.4, marker="o", ms=3, label=name.replace("_", " "))

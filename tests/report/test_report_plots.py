@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegen.report.plots import SERIES, apart, front
+from drivegen.report.plots import SERIES, apart, coloured, curves, front, lines, panels, shares
 
 LINE = 0.4
 
@@ -29,3 +29,25 @@ def test_no_method_is_missing_from_the_front_however_many_there_are():
     points = {f"method {n}": (1.0, float(n)) for n in range(len(SERIES) + 1)}
     picture = front([("0.5", 0.9, 2.0)], points).decode()
     assert all(f"<!-- {name} -->" in picture for name in points)
+
+
+MANY = [f"series {n}" for n in range(len(SERIES) + 2)]
+LINE_OF = {name: ([0.0, 1.0], [1.0, 2.0]) for name in MANY}
+
+
+@pytest.mark.parametrize(
+    "picture",
+    [
+        curves({"step": [0.0, 1.0], **{name: [1.0, 2.0] for name in MANY}}, "step"),
+        lines(LINE_OF, "x", "y"),
+        panels({"group": LINE_OF}, "x", "y"),
+        shares({name: [1.0, 2.0] for name in MANY}, "x"),
+    ],
+    ids=["curves", "lines", "panels", "shares"],
+)
+def test_no_line_is_missing_where_there_are_more_than_colours(picture: bytes):
+    assert [name for name in MANY if f"<!-- {name} -->" not in picture.decode()] == []
+
+
+def test_colours_come_again_in_their_order():
+    assert [colour for _, colour in coloured(range(5), ("a", "b"))] == ["a", "b", "a", "b", "a"]
