@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from drivegen import plugins
 from drivegen.drivers.base import Driver
 from drivegen.errors import UnusableInput
-from drivegen.metrics.driving import comfort, run_numbers, spread_over_runs, spread_over_samples
-from drivegen.metrics.intervals import bootstrap_means, percentiles, recording, resamplings
+from drivegen.metrics.driving import driving_summary, run_numbers, spread_over_samples
+from drivegen.metrics.intervals import recording
 from drivegen.scenario import Scenario, Trajectories
 from drivegen.seeds import rng
 from drivegen.simulators.base import AT_FAULT, CollisionKind, DrivingOutcome, with_off_road
@@ -62,7 +62,12 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
         run = Run(run_id(asdict(params), inputs), "drive", method, name, params.seed, SIMULATOR)
         metrics = _per_scenario(drives)
         tables.append(result_rows(run, drives.scenarios, metrics))
-        numbers |= {f"{method}.{key}": value for key, value in _summary(drives, metrics, params, method).items()}
+        recordings, random = (
+            [recording(scenario) for scenario in drives.scenarios],
+            rng(params.seed, "drive", "bootstrap", method),
+        )
+        summed = driving_summary(metrics, recordings, drives.outcome.motion, drives.scene, params.draws, random)
+        numbers |= {f"{method}.{key}": value for key, value in summed.items()}
     write_results(results, tables)
     write_json(summary, numbers)
 
@@ -130,23 +135,6 @@ def _per_scenario(drives: Drives) -> dict[str, NDArray[np.float64]]:
     count = np.bincount(drives.scene)
     means = {name: np.bincount(drives.scene, np.asarray(value, np.float64)) / count for name, value in per_run.items()}
     return means | {"spread_over_samples": spread_over_samples(outcome.motion, drives.scene)}
-
-
-def _summary(drives: Drives, metrics: dict[str, NDArray[np.float64]], params: Params, method: str) -> dict[str, float]:
-    """Means over scenarios with their intervals, both readings of Comfort, and Div over all runs."""
-    random = rng(params.seed, "drive", "bootstrap", method)
-    names, recordings = sorted(metrics), [recording(name) for name in drives.scenarios]
-    intervals = bootstrap_means(np.stack([metrics[name] for name in names], axis=1), recordings, params.draws, random)
-    out = {"scenarios": float(len(recordings)), "recordings": float(len(set(recordings))), "runs": float(len(drives.scene))}
-    for name, interval in zip(names, intervals, strict=True):
-        out |= {name: interval.value, f"{name}.low": interval.low, f"{name}.high": interval.high}
-    out["comfort_absolute"] = comfort(out["absolute_acceleration"])
-    out["comfort_signed"] = comfort(out["acceleration"])
-    times = resamplings(recordings, params.draws, random)
-    weights = np.concatenate([np.ones((1, len(recordings))), times])[:, drives.scene]
-    spread_value, *spreads = spread_over_runs(drives.outcome.motion, weights)
-    low, high = percentiles(np.array(spreads))
-    return out | {"spread_over_runs": float(spread_value), "spread_over_runs.low": low, "spread_over_runs.high": high}
 
 
 if __name__ == "__main__":

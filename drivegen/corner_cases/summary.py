@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from drivegen.corner_cases.rounds import COUNTED, Drive
 from drivegen.metrics.displacement import scene_errors
-from drivegen.metrics.driving import comfort, run_numbers, spread_over_runs
-from drivegen.metrics.intervals import bootstrap_means, percentiles, recording, resamplings
+from drivegen.metrics.driving import driving_summary, run_numbers
+from drivegen.metrics.intervals import recording
 from drivegen.rollout import Choices
 from drivegen.scenario import TARGET, Trajectories
 from drivegen.simulators.base import AT_FAULT, CollisionKind
@@ -37,34 +37,17 @@ class RoundSummary:
     def joined(cls, parts: "Sequence[RoundSummary]") -> "RoundSummary":
         """Scenarios of all parts, in order."""
         names = parts[0].metrics
-        before = np.cumsum([0, *(p.scenarios for p in parts)])
+        before = np.cumsum([0, *(len(p.recordings) for p in parts)])[:-1]
         return cls(
             {n: np.concatenate([p.metrics[n] for p in parts]) for n in names},
             [name for p in parts for name in p.recordings],
             Trajectories.joined([p.motion for p in parts]),
-            np.concatenate([p.scene + first for p, first in zip(parts, before, strict=False)]),
+            np.concatenate([p.scene + first for p, first in zip(parts, before, strict=True)]),
         )
 
-    @property
-    def scenarios(self) -> int:
-        """C."""
-        return len(self.recordings)
-
     def numbers(self, draws: int, random: np.random.Generator) -> dict[str, float]:
-        """Each metric's mean over scenarios, both readings of Comfort, and Div over runs, with intervals over recordings."""
-        names = sorted(self.metrics)
-        intervals = bootstrap_means(np.stack([self.metrics[n] for n in names], axis=1), self.recordings, draws, random)
-        count = float(len(set(self.recordings)))
-        out = {"scenarios": float(self.scenarios), "recordings": count, "runs": float(len(self.scene))}
-        for name, interval in zip(names, intervals, strict=True):
-            out |= {name: interval.value, f"{name}.low": interval.low, f"{name}.high": interval.high}
-        out["comfort_absolute"] = comfort(out["absolute_acceleration"])
-        out["comfort_signed"] = comfort(out["acceleration"])
-        times = resamplings(self.recordings, draws, random)
-        weights = np.concatenate([np.ones((1, self.scenarios)), times])[:, self.scene]
-        spread, *spreads = spread_over_runs(self.motion, weights)
-        low, high = percentiles(np.array(spreads))
-        return out | {"spread_over_runs": float(spread), "spread_over_runs.low": low, "spread_over_runs.high": high}
+        """See `driving_summary`."""
+        return driving_summary(self.metrics, self.recordings, self.motion, self.scene, draws, random)
 
 
 def summarise(choices: Sequence[Choices], drives: Sequence[Drive]) -> RoundSummary:

@@ -13,12 +13,14 @@ positions p_i(t), speeds v_i(t) and accelerations a_i(t) = (v_i(t + 1) - v_i(t))
   averaged over scenarios (`spread_over_samples`) [m]. A step counts where at least two runs are valid.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.geometry import rotate
+from drivegen.metrics.intervals import bootstrap_means, percentiles, resamplings
 from drivegen.scenario import DT, Trajectories
 
 
@@ -53,6 +55,33 @@ def run_numbers(motion: Trajectories) -> RunNumbers:
         hardest_braking=np.where(steps > 0, np.where(both, -change, 0.0).max(axis=1, initial=0.0), np.nan),
         seconds=steps * DT,
     )
+
+
+def driving_summary(
+    metrics: Mapping[str, NDArray[np.float64]],
+    recordings: Sequence[str],
+    motion: Trajectories,
+    scene: NDArray[np.integer],
+    draws: int,
+    rng: np.random.Generator,
+) -> dict[str, float]:
+    """Means with their ends "NAME.low" and "NAME.high" over recordings, both readings of Comfort, Div over all runs, counts.
+
+    `metrics` holds each of C scenarios' mean over its runs, (C,) by name, `absolute_acceleration` and `acceleration` among
+    them; `recordings` (C,) where each was cut from. `motion` (S, T) is that of the driven targets, `scene` (S,) the scenario
+    of each run. Intervals come from `draws` bootstrap draws.
+    """
+    names, count = sorted(metrics), len(recordings)
+    intervals = bootstrap_means(np.stack([metrics[name] for name in names], axis=1), recordings, draws, rng)
+    out = {"scenarios": float(count), "recordings": float(len(set(recordings))), "runs": float(len(scene))}
+    for name, interval in zip(names, intervals, strict=True):
+        out |= {name: interval.value, f"{name}.low": interval.low, f"{name}.high": interval.high}
+    out["comfort_absolute"] = comfort(out["absolute_acceleration"])
+    out["comfort_signed"] = comfort(out["acceleration"])
+    weights = np.concatenate([np.ones((1, count)), resamplings(recordings, draws, rng)])[:, scene]
+    spread, *spreads = spread_over_runs(motion, weights)
+    low, high = percentiles(np.array(spreads))
+    return out | {"spread_over_runs": float(spread), "spread_over_runs.low": low, "spread_over_runs.high": high}
 
 
 def comfort(mean_acceleration: float) -> float:

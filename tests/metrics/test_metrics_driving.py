@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.geometry import rotate
-from drivegen.metrics.driving import comfort, run_numbers, spread_over_runs, spread_over_samples
+from drivegen.metrics.driving import comfort, driving_summary, run_numbers, spread_over_runs, spread_over_samples
 from drivegen.scenario import Trajectories
 from tests.scenes import drive, stack
 
@@ -69,6 +69,26 @@ def test_spread_over_samples_is_within_scenes():
     assert spread[0] == pytest.approx(np.mean(2 * np.arange(41) * 0.1), rel=1e-4)
     assert spread[1] == pytest.approx(0.0, abs=1e-4)
     assert np.isnan(spread[2])
+
+
+def test_a_summary_counts_runs_and_has_intervals_over_recordings():
+    """Three scenarios of two recordings, one run in the first and two in the others."""
+    runs, scene = stack([drive(LINE, 0, v, 41) for v in (3, 5, 7, 9, 11)]), np.array([0, 1, 1, 2, 2])
+    metrics = {
+        "collision": np.array([0.0, 0.5, 1.0]),
+        "absolute_acceleration": np.full(3, 0.5),
+        "acceleration": np.full(3, -0.25),
+    }
+    found = driving_summary(metrics, ["a", "a", "b"], runs, scene, 200, np.random.default_rng(7))
+    assert (found["scenarios"], found["recordings"], found["runs"]) == (3, 2, 5)
+    assert found["collision"] == pytest.approx(0.5)
+    assert (found["collision.low"], found["collision.high"]) == pytest.approx((0.25, 1.0))  # all of a, all of b
+    assert (found["comfort_absolute"], found["comfort_signed"]) == pytest.approx((2.0, 4.0))
+    assert found["spread_over_runs"] == pytest.approx(spread_over_runs(runs, np.ones((1, 5)))[0])
+    ends = [spread_over_runs(runs, times[None])[0] for times in (np.array([2.0, 2, 2, 0, 0]), np.array([0, 0, 0, 2.0, 2]))]
+    assert (found["spread_over_runs.low"], found["spread_over_runs.high"]) == pytest.approx(
+        (min(ends), max([*ends, found["spread_over_runs"]]))
+    )
 
 
 @settings(max_examples=25, deadline=None)
