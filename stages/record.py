@@ -1,20 +1,18 @@
 """Stage record: Rerun recordings of a few scenes drawn by seed, generated against logged and all methods together (a leaf).
 
-argv: scenarios of one split, samples (a folder a method), what was turned down on the way to them (a file a method), the goals
-that DriveGen's were drawn from, the folder of recordings, the list of recordings (JSON, for the report: .rrd files differ in
-bytes at every write, their list does not).
+argv: scenarios of one split, samples (a folder a method), what was turned down on the way to them (a file a method),
+recorded goals (a folder a selector), the folder of recordings, the list of recordings (JSON, for the report: .rrd files differ
+in bytes at every write, their list does not).
 """
 
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivegen.errors import UnusableInput
 from drivegen.recording import LOG, record_comparison
 from drivegen.recordings import record_sample
 from drivegen.settings import Index
-from drivegen.store.draw import Drawn, by_method, draw_scenes
+from drivegen.store.draw import GOALS_OF, by_method, draw_scenes, followed_goals, goals_of
 from drivegen.store.files import write_json
-from drivegen.store.goals import GoalColumns, read_goals
 from drivegen.store.rejected import rejected_by_method, rejected_of
 from stages._door import enter, require
 
@@ -43,7 +41,8 @@ def main(
         scenario, samples = drawn.scenario, drawn.samples
         file = out / f"{scenario.scenario_id}.rrd"
         mine = rejected_of(scenario.scenario_id, turned_down).get(METHOD)
-        record_sample(file, scenario, samples, 0, _goals_of(drawn, goals), mine)
+        offered = goals_of(scenario.scenario_id, require(goals / GOALS_OF[METHOD] / drawn.shard, "run the goals stage"))
+        record_sample(file, scenario, samples, 0, offered, mine)
         text = f"{scenario.scenario_id}, {scenario.city}: {samples.method} against the log"
         links.append({"text": text, "href": f"{out.name}/{file.name}"})
     compared = scenes[: params.compared]
@@ -52,19 +51,13 @@ def main(
         file = out / f"{scenario.scenario_id}-methods.rrd"
         ours_first = sorted(methods.keys() - {LOG}, key=lambda name: (not name.startswith(METHOD), name))
         shown = {name: methods[name] for name in ours_first}
-        record_comparison(file, scenario, shown, rejected_of(scenario.scenario_id, turned_down))
+        places = {name: followed_goals(one, goals, drawn.shard) for name, one in shown.items()}
+        known = {name: found for name, found in places.items() if found is not None}
+        record_comparison(file, scenario, shown, known, rejected_of(scenario.scenario_id, turned_down))
         text = f"{scenario.scenario_id}, {scenario.city}: {len(methods)} methods side by side"
         links.append({"text": text, "href": f"{out.name}/{file.name}"})
     write_json(listing, links)
     return {"scenarios": float(len(scenes))}
-
-
-def _goals_of(drawn: Drawn, goals: Path) -> GoalColumns:
-    shard = require(goals / drawn.shard, "run the goals stage")
-    found = [one for one in read_goals(shard) if one.scenario_id == drawn.scenario.scenario_id]
-    if not found:
-        raise UnusableInput(f"{shard} lacks scenario {drawn.scenario.scenario_id}: run the goals stage again")
-    return found[0]
 
 
 if __name__ == "__main__":

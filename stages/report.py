@@ -11,9 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import orjson
-from numpy.typing import NDArray
 
 from drivegen.errors import UnusableInput
 from drivegen.rejected import Rejected
@@ -22,11 +20,10 @@ from drivegen.render.png import png, shrunk
 from drivegen.render.scene_picture import scene_picture, view_of
 from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_page
 from drivegen.report.published import METHODS
-from drivegen.samples import NO_GOAL, Samples
+from drivegen.samples import Samples
 from drivegen.settings import Index
-from drivegen.store.draw import Drawn, by_method, draw_scenes
+from drivegen.store.draw import Drawn, by_method, draw_scenes, followed_goals
 from drivegen.store.files import whole
-from drivegen.store.goals import read_goals
 from drivegen.store.rejected import rejected_by_method, rejected_of
 from drivegen.store.results import run_id
 from drivegen.store.runs import read_costs, read_curve
@@ -46,9 +43,6 @@ METHOD = "drivegen"
 
 NO_TRAFFIC = "random_agent"
 """An anchor of the measures; there is nothing to see."""
-
-GOALS_OF = {"drivegen": "learned", "drivegen_vlm": "vlm", "drivegen_without_goals": "random"}
-"""Whose recorded goals a method follows."""
 
 
 @dataclass(frozen=True)
@@ -135,25 +129,13 @@ def _comparison(drawn: Drawn, methods: Mapping[str, Samples], rejected: Mapping[
     order = [*(m for m in METHODS if m in methods), *(m for m in methods if m not in METHODS)]
     for name in [m for m in order if m != NO_TRAFFIC]:
         samples = methods[name]
-        places = _followed(samples, goals, drawn.shard)
+        places = followed_goals(samples, goals, drawn.shard)
         image = scene_picture(scenario, samples.motion, ~samples.legal, places, view=view, rejected=rejected.get(name))
         panels.append((METHODS.get(name, name), image))
     title = f"{scenario.scenario_id} ({scenario.city})"
     counts = [f"{METHODS.get(name, name)}: {rejected[name].summary}" for name in order if name in rejected]
     said = ". ".join([f"{len(scenario.vehicles)} vehicles", *counts])
     return Picture(title, said, png(contact_sheet(panels, PANELS)))
-
-
-def _followed(samples: Samples, goals: Path, shard: str) -> NDArray[np.float32] | None:
-    """The places (C, 2) [m] of the goals that the samples follow; None where the method has none."""
-    file = goals / GOALS_OF.get(samples.method, "") / shard
-    if not file.is_file():
-        return None
-    columns = next(one for one in read_goals(file) if one.scenario_id == samples.scenario_id).columns
-    first = np.concatenate([[0], np.cumsum(columns["candidates"])[:-1]])
-    rows = np.unique((samples.goal + first)[samples.goal != NO_GOAL])
-    places: NDArray[np.float32] = columns["position"].reshape(-1, 2)[rows]
-    return places
 
 
 def _map(file: Path) -> Picture:

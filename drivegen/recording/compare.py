@@ -4,6 +4,7 @@ Entities (frames and time lines as in `record.py`):
 
     world/roads/*, world/signals   shared by all views
     world/methods/NAME/samples     the lines of all samples of a method, red where the checker objects
+    world/methods/NAME/goals       the places that the samples of a method follow, where it has goals
     world/methods/NAME/rejected    dashed: what the checker turned down and the method planned again
     world/methods/NAME/traffic     the vehicles of one sample, moving; the log has a view of its own
     legend                         what the lines are, and how many were turned down for which reason
@@ -15,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
+from numpy.typing import NDArray
 
 from drivegen.recording import colours
 from drivegen.recording.blueprint import from_above, playing
@@ -33,11 +35,17 @@ _NEAR_ENOUGH = 0.3
 
 
 def record_comparison(
-    path: Path, scenario: Scenario, methods: Mapping[str, Samples], rejected: Mapping[str, Rejected], sample: int = 0
+    path: Path,
+    scenario: Scenario,
+    methods: Mapping[str, Samples],
+    goals: Mapping[str, NDArray[np.float32]],
+    rejected: Mapping[str, Rejected],
+    sample: int = 0,
 ) -> None:
     """Write `scenario` with the samples of `methods` by name, number `sample` of each moving; its log first, if it has one.
 
-    `rejected`, by name, is what was turned down and replaced; methods that plan nothing again have none.
+    `goals` (C, 2) [m], by name, are the places that samples follow; methods without goals have none. `rejected`, by name, is
+    what was turned down and replaced; methods that plan nothing again have none.
     """
     logs = {} if scenario.log is None else {LOG: scenario.log}
     moving = {**logs, **{name: samples.motion[sample] for name, samples in methods.items()}}
@@ -54,6 +62,9 @@ def record_comparison(
             _log_traffic(recording, f"world/methods/{name}/traffic", scenario, motion)
         for name, samples in methods.items():
             _log_samples(recording, f"world/methods/{name}/samples", samples)
+        for name, places in goals.items():
+            points = rr.Points3D(flat(places, 0.2), colors=[colours.CHOSEN], radii=0.5)
+            recording.log(f"world/methods/{name}/goals", points, static=True)
         for name, found in rejected.items():
             log_rejected(recording, f"world/methods/{name}/rejected", found)
         recording.log("legend", rr.TextDocument(_legend(rejected), media_type="text/markdown"), static=True)
@@ -82,8 +93,8 @@ def _log_samples(recording: rr.RecordingStream, path: str, samples: Samples) -> 
 def _legend(rejected: Mapping[str, Rejected]) -> str:
     said = (
         "**Lines** are all samples over one another: orange the target's, blue the others', red what the checker objects to and "
-        "stays. **Thin pale dashes**: planned, turned down by the checker and replaced, in all samples. Only DriveGen and its "
-        "ablations plan again; of the other methods everything stays."
+        "stays. **Violet points**: the goals that samples follow. **Thin pale dashes**: planned, turned down by the checker and "
+        "replaced, in all samples. Only DriveGen and its ablations plan again; of the other methods everything stays."
     )
     counts = [f"* {name}: {found.summary}" for name, found in rejected.items()]
     return "\n".join([said, "", *counts])

@@ -3,14 +3,20 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 
 from drivegen.errors import UnusableInput
-from drivegen.samples import Samples
+from drivegen.samples import NO_GOAL, Samples
 from drivegen.scenario import Scenario
 from drivegen.seeds import rng
+from drivegen.store.goals import GoalColumns, read_goals
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
+
+GOALS_OF = {"drivegen": "learned", "drivegen_vlm": "vlm", "drivegen_without_goals": "random"}
+"""The selector whose recorded goals a method follows."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,30 @@ def by_method(drawn: list[Drawn], generated: Path) -> list[dict[str, Samples]]:
                 if one.shard == shard:
                     methods[folder.name] = _of(one.scenario, samples, folder / shard)
     return found
+
+
+def goals_of(scenario_id: str, shard: Path) -> GoalColumns:
+    """What a selector recorded for a scene; raises UnusableInput where its shard lacks it."""
+    found = [one for one in read_goals(shard) if one.scenario_id == scenario_id]
+    if not found:
+        raise UnusableInput(f"{shard} lacks scenario {scenario_id}: run the goals stage again")
+    return found[0]
+
+
+def followed_goals(samples: Samples, goals: Path, shard: str) -> NDArray[np.float32] | None:
+    """The places (C, 2) [m] of the goals that the samples follow, each once; None where the method has none.
+
+    `goals` is the folder of what selectors recorded (a folder each), `shard` the file in it. Raises UnusableInput where that
+    lacks the scene.
+    """
+    file = goals / GOALS_OF.get(samples.method, "") / shard
+    if not file.is_file():
+        return None
+    columns = goals_of(samples.scenario_id, file).columns
+    first = np.concatenate([[0], np.cumsum(columns["candidates"])[:-1]])
+    rows = np.unique((samples.goal + first)[samples.goal != NO_GOAL])
+    places: NDArray[np.float32] = columns["position"].reshape(-1, 2)[rows]
+    return places
 
 
 def _of(scenario: Scenario, samples: dict[str, Samples], place: Path) -> Samples:

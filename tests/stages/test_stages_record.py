@@ -1,6 +1,7 @@
 """Stage record on a small shard, read back."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -40,8 +41,8 @@ def made(tmp_path_factory):
         one.goal[:] = 2
     write_shard(root / "test" / SHARD, scenes)
     for method in ("drivegen", "log", "other"):
-        write_samples(root / "generated" / method / SHARD, samples)
-    write_goals(root / "goals" / SHARD, [goals_of(scene) for scene in scenes])
+        write_samples(root / "generated" / method / SHARD, [replace(one, method=method) for one in samples])
+    write_goals(root / "goals" / "learned" / SHARD, [goals_of(scene) for scene in scenes])
     write_rejected(root / "rejected" / "drivegen.parquet", [rejected_of(one) for one in samples])
     recorded(root, root / "recordings.json")
     return root
@@ -72,12 +73,14 @@ def test_methods_stand_side_by_side_on_one_clock(made):
     (file,) = (made / "recordings").glob("*-methods.rrd")
     chunks = [chunk for chunk in rr.chunk.RrdReader(file).stream() if "/world/methods" in chunk.entity_path]
     paths = {chunk.entity_path.removeprefix("/world/methods/") for chunk in chunks}
-    assert paths == {"log/traffic", *(f"drivegen/{what}" for what in ("traffic", "samples", "rejected"))} | {
+    assert paths == {"log/traffic", *(f"drivegen/{what}" for what in ("traffic", "samples", "goals", "rejected"))} | {
         "other/traffic",
         "other/samples",
     }
     lines = next(chunk for chunk in chunks if chunk.entity_path.endswith("other/samples")).to_record_batch()
     assert len(lines.column("LineStrips3D:strips").to_pylist()[0]) == 16  # two samples of eight vehicles
+    goals = next(chunk for chunk in chunks if chunk.entity_path.endswith("drivegen/goals")).to_record_batch()
+    assert len(goals.column("Points3D:positions").to_pylist()[0]) == 8  # both samples follow the same goal of each
     assert all("time" in chunk.timeline_names for chunk in chunks if not chunk.is_static)
 
 
@@ -109,7 +112,7 @@ def test_the_same_scenes_are_drawn_again(made, tmp_path):
 def test_missing_goals_are_named(made, tmp_path):
     with pytest.raises(MissingTool, match="run the goals stage"):
         recorded(made, tmp_path / "x.json", tmp_path)
-    write_goals(tmp_path / SHARD, [goals_of(busy_crossing(60, "another"))])
+    write_goals(tmp_path / "learned" / SHARD, [goals_of(busy_crossing(60, "another"))])
     with pytest.raises(UnusableInput, match="lacks scenario"):
         recorded(made, tmp_path / "x.json", tmp_path)
     assert not (tmp_path / "x.json").exists()
