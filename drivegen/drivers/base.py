@@ -86,15 +86,6 @@ class Observation:
     present: Tensor
     paths: Paths
 
-    def path_ahead(self, distances: Tensor) -> Tensor:
-        """(S, D, 2) path points at `distances` (D,) [m] ahead as seen from the target: x along the path, y left [m]."""
-        points = self.paths.position(self.along[:, None] + distances)
-        here = self.paths.position(self.along[:, None])
-        heading = self.paths.heading.gather(1, self.paths.row(self.along[:, None]))
-        dx, dy = (points - here).unbind(-1)
-        cos, sin = heading.cos(), heading.sin()
-        return torch.stack([cos * dx + sin * dy, cos * dy - sin * dx - self.offset[:, None]], -1)
-
     def limits_ahead(self, distances: Tensor) -> Tensor:
         """(S, D) speed limits [m/s] at `distances` (D,) [m] ahead of the target's front, NaN unknown."""
         front = self.along + 0.5 * self.length
