@@ -49,12 +49,15 @@ def pooled_mean(values: Floats, resampling: Resampling) -> Interval:
 
 
 def envelope(intervals: list[Interval]) -> Interval:
-    """One interval for a number of whole sets, one a seed: their mean, from the lowest end to the highest. Wider than needed."""
+    """One interval for a number of whole sets, one a seed: their mean, from the lowest end to the highest. Wider than needed.
+
+    Seeds without a number are left out; if one of the others has no ends (NaN), the envelope has none.
+    """
     known = [interval for interval in intervals if np.isfinite(interval.value)]
     if not known:
         return Interval(np.nan, np.nan, np.nan)
     mean = float(np.mean([interval.value for interval in known]))
-    return Interval(mean, float(min(i.low for i in known)), float(max(i.high for i in known)))
+    return Interval(mean, float(np.min([i.low for i in known])), float(np.max([i.high for i in known])))
 
 
 def rank_correlation(one: Floats, other: Floats) -> float:

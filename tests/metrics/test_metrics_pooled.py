@@ -60,6 +60,15 @@ def test_an_envelope_holds_every_seed():
     assert (found.value, found.low, found.high) == (2.0, 0.5, 4.0)
 
 
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_an_envelope_has_no_ends_where_one_seed_has_none(place: int):
+    seeds = [Interval(1.0, 0.5, 1.2), Interval(3.0, 2.0, 4.0)]
+    seeds.insert(place, Interval(5.0, np.nan, np.nan))
+    found = envelope(seeds)
+    assert found.value == 3.0
+    assert np.isnan([found.low, found.high]).all()
+
+
 @pytest.mark.parametrize(
     ("one", "other", "rho"), [([1, 2, 3], [10, 20, 30], 1.0), ([1, 2, 3], [3, 2, 1], -1.0), ([1, 2], [1, 2], np.nan)]
 )
