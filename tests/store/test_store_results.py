@@ -1,9 +1,12 @@
 """Long rows, their names, and the warehouse over them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from drivegen import plugins
 from drivegen.errors import UnusableInput
 from drivegen.lm.ledger import CALLS
 from drivegen.store.costs import COST, write_cost
@@ -80,6 +83,18 @@ def test_views_average_per_method_and_by_kind_of_scene(tmp_path):
     by_label = query(made, "select label, mean from metrics_by_label where metric = 'min_sade' order by label").to_pylist()
     assert by_label == [{"label": "fast_road", "mean": 6.0}, {"label": "junction", "mean": 1.5}]
     assert query(made, "select cpu_seconds_per_scenario as s from cost_per_item").to_pylist() == [{"s": 2.0}]
+
+
+def test_choosing_goals_is_counted_for_every_method_that_follows_a_selectors(tmp_path):
+    selectors = {name: plugins.load("generators", name).selector for name in plugins.names("generators")}
+    following = {name: selector for name, selector in selectors.items() if selector is not None}
+    assert len(following) > 2
+    for n, (method, selector) in enumerate(following.items()):
+        write_cost(tmp_path / "costs", "goals", selector, {"cpu_seconds": 3.0 * (n + 1)})
+        write_cost(tmp_path / "costs", "rollout", method, {"cpu_seconds": 30.0})
+    made = warehouse(tmp_path, *(rows(replace(RUN, method=name), min_sade=[1.0, 2.0, 6.0]) for name in selectors))
+    found = {row["method"]: row["of_it_choosing_goals"] for row in query(made, "from cost_of_methods").to_pylist()}
+    assert found == {**dict.fromkeys(selectors, 0.0), **{name: 1000.0 * (n + 1) for n, name in enumerate(following)}}
 
 
 def test_a_warehouse_is_replaced_as_a_whole(tmp_path):

@@ -48,7 +48,7 @@ with took as (
     from costs group by stage, item),
 seen as (select method, count(distinct scenario) as scenarios from results where stage = 'evaluate' group by method),
 follows(method, selector) as (
-    values ('drivegen', 'learned'), ('drivegen_without_goals', 'random'), ('drivegen_true_goals', 'log'))
+    values ('drivegen', 'learned'), ('drivegen_vlm', 'vlm'), ('drivegen_without_goals', 'random'), ('drivegen_true_goals', 'log'))
 select seen.method, scenarios,
        if(selector is null, 0, 1000 * chosen.cpu / scenarios) as of_it_choosing_goals,
        1000 * made.cpu / scenarios + of_it_choosing_goals as cpu_seconds_per_1000,
