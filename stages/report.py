@@ -26,7 +26,7 @@ from drivegen.store.draw import Drawn, by_method, draw_scenes, followed_goals
 from drivegen.store.files import whole
 from drivegen.store.rejected import rejected_by_method, rejected_of
 from drivegen.store.results import run_id
-from drivegen.store.runs import read_costs, read_curve
+from drivegen.store.runs import read_costs, read_curve, read_param
 from stages._door import enter
 
 _PINNED = ("drivegen", "numpy", "torch", "libsumo", "pyarrow", "duckdb", "opencv-python-headless")
@@ -76,6 +76,7 @@ def main(
     evidence = Evidence(
         results=results,
         source=drawn[0].scenario.source if drawn else "",
+        samples=read_param(Path(), "rollout.samples"),
         scenes=tuple(_scene(one, down.get(METHOD)) for one, down in zip(drawn, turned_down, strict=True)),
         comparisons=tuple(
             _comparison(one, methods, down, goals)

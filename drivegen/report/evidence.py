@@ -37,6 +37,7 @@ class Evidence:
     Attributes:
         results: contents of the JSON files below reports/metrics, by path without suffix, e.g. "quality/drivegen".
         source: the data set in words, as in every scenario; "" if there is none yet.
+        samples: futures of each scenario by every method; None if unknown.
         scenes: pictures of scenarios drawn by seed. comparisons: the same scenes by every method.
         maps: pictures of generated maps.
         curves: training curves. recordings: links to .rrd files.
@@ -46,6 +47,7 @@ class Evidence:
 
     results: Mapping[str, Any] = field(default_factory=dict)
     source: str = ""
+    samples: int | None = None
     scenes: tuple[Picture, ...] = ()
     comparisons: tuple[Picture, ...] = ()
     maps: tuple[Picture, ...] = ()

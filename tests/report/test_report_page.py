@@ -1,6 +1,7 @@
 """The page: complete whatever is missing, self-contained, the same for the same evidence."""
 
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -48,6 +49,7 @@ FULL = Evidence(
         "maps": {"roundabout": {"text": "a roundabout <script>", "valid": True}},
     },
     source="hand-made scenes",
+    samples=4,
     scenes=(Picture("Scene <1>", "16 vehicles", DOT),),
     maps=(Picture("roundabout", "a roundabout", DOT),),
     curves=(Curve("train_planner/route_fm", {"step": [1.0, 2.0], "train": [1.0, 0.5], "validation": [1.1, float("nan")]}),),
@@ -224,3 +226,11 @@ def test_a_round_says_in_words_what_made_the_driver_fail():
     (row,) = tables["corner-1-knowledge"].rows
     assert [c.text for c in row.cells] == ["behaviour", "turning left", "9", "2", "0.200"]
     assert row.cells[-1].note == "0.050\u20130.500"
+
+
+@pytest.mark.parametrize(
+    ("samples", "said"), [(4, ">4 samples of every test scenario"), (None, ">Samples of every test scenario")]
+)
+def test_the_page_says_how_many_samples_there_are_if_it_is_known(samples: int | None, said: str):
+    page = build_page(all_sections(replace(FULL, samples=samples)), FULL.source)
+    assert said in page
