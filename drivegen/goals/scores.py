@@ -3,7 +3,7 @@
 The label of a vehicle is the candidate nearest to its logged end. Only vehicles that are seen (nearly) to the end of the
 horizon can be scored, since candidates are meant for its last step. What is equally likely is ranked by lot: figures are
 expectations over it. Intervals are bootstrapped over recordings, because vehicles of one share its traffic. How far away ends
-are depends on the horizon, so only vehicles of the horizon that most have are averaged.
+are depends on the horizon, so only vehicles of the horizon that most scenes have are averaged, as in `metrics.whole`.
 """
 
 from collections.abc import Sequence
@@ -39,6 +39,7 @@ class Judged:
         distance: V arrays (C,) [m] of each candidate from the logged end. probability: V arrays (C,).
         manoeuvre: V arrays (C,). moved: (V,) bool. steps: (V,) length of the scenario.
         recording: (V,) str that the scenario was cut from.
+        scene_steps: (S,) length of every scenario with a log, also of those without such a vehicle.
     """
 
     distance: list[NDArray[np.float32]]
@@ -47,6 +48,7 @@ class Judged:
     moved: NDArray[np.bool_]
     steps: NDArray[np.intp]
     recording: NDArray[np.str_]
+    scene_steps: NDArray[np.intp]
 
     @classmethod
     def joined(cls, parts: "Sequence[Judged]") -> "Judged":
@@ -58,6 +60,7 @@ class Judged:
             np.concatenate([np.zeros(0, np.bool_), *(part.moved for part in parts)]),
             np.concatenate([np.zeros(0, np.intp), *(part.steps for part in parts)]),
             np.concatenate([np.zeros(0, np.str_), *(part.recording for part in parts)]),
+            np.concatenate([np.zeros(0, np.intp), *(part.scene_steps for part in parts)]),
         )
 
 
@@ -71,9 +74,9 @@ def scorable(scenario: Scenario) -> NDArray[np.bool_]:
 
 def judge(scenario: Scenario, candidates: Sequence[Candidates], probabilities: Sequence[NDArray[np.float32]]) -> Judged:
     """Compare all vehicles' candidates with where the log ended."""
-    rows = np.flatnonzero(scorable(scenario)).tolist()
-    if scenario.log is None or len(rows) == 0:
+    if scenario.log is None:
         return Judged.joined([])
+    rows = np.flatnonzero(scorable(scenario)).tolist()
     end = scenario.log.position[rows, scenario.log.last_valid()[rows]]
     return Judged(
         [np.hypot(*(candidates[n].position - place).T) for n, place in zip(rows, end, strict=True)],
@@ -82,6 +85,7 @@ def judge(scenario: Scenario, candidates: Sequence[Candidates], probabilities: S
         np.hypot(*(end - scenario.vehicles.position[rows]).T) > MOVING,
         np.full(len(rows), scenario.steps, np.intp),
         np.full(len(rows), recording(scenario.scenario_id)),
+        np.array([scenario.steps], np.intp),
     )
 
 
@@ -92,7 +96,7 @@ def scores(judged: Judged, seed: int = 0, draws: int = 0) -> dict[str, dict[str,
     """
     rows = [_row(*row) for row in zip(judged.distance, judged.probability, judged.manoeuvre, strict=True)]
     table = np.array(rows).reshape(-1, len(METRICS) + 2)
-    usual = judged.steps == usual_length(judged.steps) if len(table) else np.zeros(0, np.bool_)
+    usual = judged.steps == usual_length(judged.scene_steps) if len(table) else np.zeros(0, np.bool_)
     groups = {"all": np.ones(len(table), np.bool_), "moving": judged.moved}
     found = {}
     for name, group in groups.items():

@@ -203,13 +203,26 @@ def test_scores_are_drawn_by_recording_and_not_averaged_over_horizons():
         judge(replace(SCENE, scenario_id=name), found, odds)
         for name, odds in zip(names, ([c.prior for c in found], [c.prior for c in found], sure), strict=True)
     ]
-    short = replace(parts[0], steps=parts[0].steps - 30)
+    short = replace(parts[0], steps=parts[0].steps - 30, scene_steps=parts[0].scene_steps - 30)
     table = scores(Judged.joined([*parts, short]), 7, 200)["all"]
     vehicles = len(SCENE.vehicles)
     assert (table["vehicles"], table["left_out"], table["recordings"]) == (3 * vehicles, vehicles, 2)
     one, other = (scores(part)["all"]["nll"] for part in (parts[0], parts[2]))
     assert table["nll"] == pytest.approx((2 * one + other) / 3)
     assert [table["nll.low"], table["nll.high"]] == pytest.approx(sorted([one, other]))  # draws of one recording alone
+
+
+def test_the_usual_horizon_is_that_of_most_scenes_however_many_vehicles_they_have():
+    found = all_candidates(SCENE, GRAPH)
+    full = judge(SCENE, found, [c.prior for c in found])
+    unseen = np.zeros_like(SCENE.log.valid)
+    unseen[:, 0] = True
+    nobody = judge(replace(SCENE, log=replace(SCENE.log, valid=unseen)), found, [c.prior for c in found])
+    assert len(full.steps) == len(SCENE.vehicles)
+    assert (len(nobody.steps), nobody.scene_steps.tolist()) == (0, full.scene_steps.tolist())
+    short = replace(nobody, scene_steps=nobody.scene_steps - 30)
+    table = scores(Judged.joined([full, short, short]))["all"]
+    assert (table["vehicles"], table["left_out"]) == (0, len(SCENE.vehicles))
 
 
 @settings(max_examples=10, deadline=None)
