@@ -35,6 +35,8 @@ SIGNAL_COLOURS = {SignalState.GREEN: (38, 166, 91), SignalState.YELLOW: (230, 17
 
 _DASH = 5.0
 """Length of the dashes of what was rejected [pixels]."""
+_MARGIN = 10.0
+"""Around what is shown [m]."""
 _SHIFT = 4
 """Fractional bits of OpenCV's pixel coordinates."""
 _FAR = 20_000.0
@@ -61,18 +63,28 @@ class View:
         return fixed
 
 
-def view_of(motion: Trajectories, pixels: int, narrowest: float = 60.0, widest: float = 150.0) -> View:
-    """A window around all valid motion (..., N, T), cut to `widest` metres about the target."""
+def view_of(motion: Trajectories, pixels: int, narrowest: float = 60.0, widest: float = 200.0) -> View:
+    """A window around all valid motion (..., N, T); at most `widest` metres of it, those where most vehicles are longest.
+
+    The target's beginning is always in it.
+    """
     target = motion.position[..., TARGET, :, :][motion.valid[..., TARGET, :]]
     points = motion.position[motion.valid]
-    low, high = points.min(axis=0), points.max(axis=0)
-    if (high - low).max() > widest - 20:
-        low, high = (
-            np.maximum(low, target.mean(axis=0) - widest / 2 + 10),
-            np.minimum(high, target.mean(axis=0) + widest / 2 - 10),
-        )
-    width = float(np.clip((high - low).max() + 20, narrowest, widest))
-    return View((low + high) / 2, width, pixels)
+    extent = float(np.ptp(points, axis=0).max()) + 2 * _MARGIN
+    width = float(np.clip(extent, narrowest, widest))
+    centre = [_busiest(points[:, axis], float(target[0, axis]), width - 2 * _MARGIN) for axis in (0, 1)]
+    return View(np.array(centre), width, pixels)
+
+
+def _busiest(values: Floats, within: float, width: float) -> float:
+    """The middle of the interval of `width` that holds most of `values` (n,), of those that hold `within`."""
+    low, high = float(values.min()), float(values.max())
+    if high - low <= width:
+        return (low + high) / 2
+    ordered = np.sort(values)
+    begins = np.clip(ordered, within - width, within)
+    held = np.searchsorted(ordered, begins + width, "right") - np.searchsorted(ordered, begins, "left")
+    return float(begins[held.argmax()] + width / 2)
 
 
 def scene_picture(
