@@ -19,7 +19,7 @@ from drivegen.goals.candidates import Candidates, Manoeuvre, candidates
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.packing import unpack
 from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.routes import Route
+from drivegen.lanes.line import Route
 from drivegen.planners._requests import Goals, plan_requests
 from drivegen.planners.base import Planner, PlanRequests
 from drivegen.rejected import Rejections
@@ -168,8 +168,8 @@ class _GoalTable:
     def of(cls, candidates: list[Candidates], first_route: int) -> "_GoalTable":
         """Route numbers count on from `first_route`; -1 stays where a candidate has none."""
         start = np.cumsum([0, *map(len, candidates)])
-        route_start = first_route + np.cumsum([0, *(len(c.routes) for c in candidates)])
-        route = [np.where(c.route < 0, -1, c.route + first) for c, first in zip(candidates, route_start, strict=False)]
+        route_start = first_route + np.cumsum([0, *(len(c.routes) for c in candidates)])[:-1]
+        route = [np.where(c.route < 0, -1, c.route + first) for c, first in zip(candidates, route_start, strict=True)]
         names = ("position", "heading", "speed", "step", "s", "d")
         position, heading, speed, step, s, d = (np.concatenate([getattr(c, name) for c in candidates]) for name in names)
         return cls(start, (position, heading, speed, step, np.concatenate(route), s, d))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drivegen.geometry import Floats
 from drivegen.goals.reach import Dynamics, speed_caps
-from drivegen.goals.traffic import Ahead, Queue
+from drivegen.goals.traffic import STAND, Ahead, Queue
 from drivegen.lanes.line import SPACING, Route
 from drivegen.scenario import DT, Signals, SignalState
 
@@ -35,9 +35,6 @@ CALM_SHARE = 0.8
 
 LEAST_KEEN, MOST_KEEN = 0.4, 1.3
 """Who drives less than this share of what the road allows is held up by something; nobody wants to drive more than that."""
-
-STAND = 1.0
-"""Who stops at a line stands this far before it [m]."""
 
 LATERAL = 4.0
 """Most lateral acceleration in bends [m/s2]."""

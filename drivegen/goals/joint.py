@@ -22,6 +22,7 @@ PENALTY = 8.0
 """A pair that excludes each other is exp(8), 3000 times, less likely."""
 
 SWEEPS = 4
+"""How often every vehicle draws again, given the others."""
 
 
 def draw_together(

@@ -97,7 +97,7 @@ class Outlooks:
 
 def _own_offset(candidates: Candidates) -> NDArray[np.float32]:
     """(C,) offset [m] of the vehicle itself from each candidate's route."""
-    routes = np.append(candidates.offset, np.float32(0.0))
+    routes = np.append(candidates.offset, np.float32(0.0))  # the last is that of NO_ROUTE, -1
     return np.asarray(routes[candidates.route])
 
 
@@ -122,8 +122,8 @@ def _along_routes(candidates: Sequence[Candidates], s: Floats, d: Floats) -> tup
     routes = [route for c in candidates for route in c.routes]
     if not routes:
         return np.zeros((*s.shape, 2)), np.zeros(s.shape)
-    first_route = np.cumsum([0, *(len(c.routes) for c in candidates)])
-    number = np.concatenate([np.maximum(c.route, 0) + first for c, first in zip(candidates, first_route, strict=False)])
+    first_route = np.cumsum([0, *(len(c.routes) for c in candidates)])[:-1]
+    number = np.concatenate([np.maximum(c.route, 0) + first for c, first in zip(candidates, first_route, strict=True)])
     number = np.minimum(number, len(routes) - 1)
     line, angle = np.concatenate([r.line for r in routes]), np.concatenate([r.heading for r in routes])
     lengths = np.array([len(r.line) for r in routes])

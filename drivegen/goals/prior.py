@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.goals.reach import Dynamics, speed_caps, stopping_distance, travelled
-from drivegen.goals.traffic import Ahead
+from drivegen.goals.traffic import HALTED, Ahead
 from drivegen.lanes.line import SPACING, Route
 
 FREE, STEADY, FOLLOW, ANY, BEHIND, RED, ENTRY = 0.4, 0.3, 0.3, 0.4, 0.5, 1.0, 0.3
@@ -87,7 +87,7 @@ def shares(routes: Sequence[Route]) -> list[float]:
 def _stops(ahead: Ahead) -> list[tuple[float, float]]:
     """Where the vehicle may stop, with weights."""
     behind = max(ahead.leader_gap - GAP, 0.0)
-    halts = [(behind, BEHIND)] if ahead.leader_speed < 1.0 else []
+    halts = [(behind, BEHIND)] if ahead.leader_speed < HALTED else []
     return [*halts, (ahead.red_s, RED), (ahead.entry_s, ENTRY)]
 
 

@@ -14,6 +14,12 @@ from drivegen.scenario import Scenario, SignalState
 IN_LANE = 1.4
 """A vehicle whose middle is this near to the line [m] is on the route."""
 
+STAND = 1.0
+"""Who stops at a line stands this far before it [m]."""
+
+HALTED = 1.0
+"""Who is slower than this [m/s] in a queue is taken to have halted: queues creep."""
+
 SAME_WAY = np.pi / 3
 """A vehicle with a heading farther from the line's than this [rad] leads nobody."""
 
@@ -95,7 +101,7 @@ class Queue:
 def look_ahead(scenario: Scenario, route: Route, neighbours: Neighbours, length: float) -> Ahead:
     """What a vehicle of `length` [m] at s = 0 finds on `route`."""
     gap, speed = _leader(Queue.on(route, neighbours), length)
-    front = length / 2 + 1.0
+    front = length / 2 + STAND
     closed = np.isin(scenario.signals.state[:, 0], (SignalState.RED, SignalState.YELLOW))
     return Ahead(gap, speed, _first_entry(route, scenario.signals.lane[closed]) - front, _first_wait(route, scenario.map) - front)
 

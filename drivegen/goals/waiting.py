@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.goals.traffic import Ahead, Queue
+from drivegen.goals.traffic import HALTED, STAND, Ahead, Queue
 from drivegen.lanes.line import SPACING, Route
 from drivegen.scenario import DT, Signals, SignalState
 
@@ -18,6 +18,9 @@ NEVER = 12.0
 
 IN_SIGHT = 60.0
 """Where nothing makes a line to wait at, the queue is who is within this distance [m]; no gap is told farther."""
+
+AT_LINE = 8.0
+"""Who has halted with its front within this distance of a line [m] waits there: nobody else has room before it."""
 
 NOBODY = 15.0
 """The speed [m/s] that stands for that of a vehicle where there is none."""
@@ -54,7 +57,7 @@ class Waiting:
         """For a vehicle of `length` [m] and `speed` [m/s], with what is `ahead` and the whole `queue` on `route`."""
         line, closed = _next_signal(route, signals)
         if closed is None:
-            line, times = ahead.entry_s + length / 2 + 1.0, (0.0, NEVER, 1.0)  # `Ahead` tells it for a centre that stands
+            line, times = ahead.entry_s + length / 2 + STAND, (0.0, NEVER, 1.0)  # `Ahead` tells it for a centre that stands
         else:
             times = (_first(~closed), _first(closed), float(1 - closed.mean()))
         last = line if np.isfinite(line) else IN_SIGHT
@@ -69,7 +72,7 @@ class Waiting:
     @property
     def explained(self) -> bool:
         """Whether the queue's head stands at the line of a signal that is closed now."""
-        return self.head_speed < 1.0 and self.opens > 0 and self.head_gap < 8.0
+        return self.head_speed < HALTED and self.opens > 0 and self.head_gap < AT_LINE
 
 
 def _next_signal(route: Route, signals: Signals) -> tuple[float, NDArray[np.bool_] | None]:

@@ -17,9 +17,10 @@ from drivegen.goals.forecast import Habit, forecast
 from drivegen.goals.outlook import Outlooks
 from drivegen.goals.prior import GAP, shares
 from drivegen.goals.reach import Dynamics, speed_caps
-from drivegen.goals.traffic import Neighbours, Queue
+from drivegen.goals.traffic import HALTED, Neighbours, Queue
 from drivegen.goals.waiting import IN_SIGHT, NEVER, NOBODY, Waiting
 from drivegen.lanes.line import SPACING, Route
+from drivegen.lanes.parked import STANDING
 from drivegen.roadmap import LaneControl
 from drivegen.scenario import DT, TARGET, Scenario, VehicleKind
 
@@ -32,6 +33,8 @@ AROUND = 60.0
 USUAL_LIMIT = 13.9
 """Taken for the limit where a map has none [m/s]."""
 
+ALLOWED = Dynamics(acceleration=3.0, braking=50.0, lateral=3.0, limit_factor=1.3)
+"""What bends and limits allow at most. Braking is as good as unbounded: every cap stays where it is, none is felt before."""
 
 MARKS = (*(habit.name.lower() for habit in Habit), "steady", "leader", "red", "entry")
 """Places on a route that candidates are compared with."""
@@ -41,6 +44,9 @@ WAITS = (
     "start", "explained", "on_route", "standing_on_route",
 )  # fmt: skip
 """What the vehicle waits for on the candidate's route (`goals/waiting.py`) and who is on it."""
+
+OFF_LANE, NO_SHARE = 4.0, 0.1
+"""Stand for the offset [m] and the share of the prior where there is no route."""
 
 STARTING = 1.5
 """Each vehicle of a queue drives off this much later than the one before it [s]."""
@@ -97,8 +103,8 @@ class _Roads:
             way = (abs(float(offset)), _braking(route, speed), route.length, share, float(drive.speed[Habit.USUAL]))
             rows.append((*marks, *traffic, *way))
             waits.append(_waits(Waiting.on(route, speed, length, ahead, queue, scenario.signals), speed, queue))
-        nowhere = (*[steady] * (len(Habit) + 1), FAR, FAR, FAR)
-        rows.append((*nowhere, USUAL_LIMIT, FAR, 0.0, 0.0, 0.0, 4.0, 0.0, FAR, 0.1, speed))
+        marks, traffic = (*[steady] * (len(Habit) + 1), FAR, FAR, FAR), (USUAL_LIMIT, FAR, 0.0, 0.0, 0.0)
+        rows.append((*marks, *traffic, OFF_LANE, 0.0, FAR, NO_SHARE, speed))  # of no route
         waits.append(_waits(_NOTHING, speed, Queue(np.zeros(0), np.zeros(0), np.zeros(0))))
         table = np.array(rows).clip(-FAR, 3 * FAR)
         return cls(table[:, : len(MARKS)], np.array(waits), *table[:, len(MARKS) :].T)
@@ -160,7 +166,7 @@ def _motion(scenario: Scenario, vehicle: int, c: Candidates, pace: Floats, roads
     """What the candidate asks of the vehicle's speed; `pace` (C,) [m/s] is the mean speed on the way."""
     speed = np.full(len(c), max(float(scenario.vehicles.speed[vehicle]), 0.0))
     relative = [pace / roads.limit, 2 * (pace - speed) / seconds, c.speed / roads.limit]
-    own = [speed / 15, speed < 0.5, speed / roads.limit, roads.end_speed / roads.limit]
+    own = [speed / 15, speed < STANDING, speed / roads.limit, roads.end_speed / roads.limit]
     return [*relative, *own, _flow(scenario, vehicle) / roads.limit]
 
 
@@ -182,12 +188,12 @@ def _way(c: Candidates, turn: Floats, along: Floats, roads: _Roads) -> list[Floa
 def _waits(what: Waiting, speed: float, queue: Queue) -> tuple[float, ...]:
     """The WAITS of one route."""
     queued = STARTING * what.queued
-    start = what.opens + queued if what.opens > 0 else queued if what.head_speed < 1 else 0.0
+    start = what.opens + queued if what.opens > 0 else queued if what.head_speed < HALTED else 0.0
     to_line = min(what.line / (5.0 + speed**2 / 5.0), 3.0)
     signal = (float(what.signal), what.opens / 5, what.closes / 5, what.open_share, to_line)
     head = (what.queued / 4, float(np.tanh(what.head_gap / 15)), what.head_speed / 10)
     beyond = (float(np.tanh(what.beyond_gap / 20)), what.beyond_speed / 10)
-    on_route = (len(queue.s) / 4, float((queue.speed < 1).sum()) / 4)
+    on_route = (len(queue.s) / 4, float((queue.speed < HALTED).sum()) / 4)
     return (*signal, *head, *beyond, min(start, 15.0) / 5, float(what.explained), *on_route)
 
 
@@ -209,7 +215,7 @@ def _limit(route: Route) -> float:
 
 def _braking(route: Route, speed: float) -> float:
     """Deceleration [m/s2] that the route's bends and limits ask for."""
-    caps = speed_caps(route, speed, Dynamics(3.0, 50.0, 3.0, 1.3))
+    caps = speed_caps(route, speed, ALLOWED)
     s = np.arange(len(caps)) * SPACING + 1.0
     return float(np.max((speed**2 - caps.astype(np.float64) ** 2) / (2 * s), initial=0.0))
 

@@ -139,7 +139,7 @@ def about_vehicle(case: Case, wanted: int, pixels: int, before: tuple[str | Imag
     def check(answer: Ranking) -> None:
         _check(answer, len(case.candidates), "")
 
-    asked = f"Rank the {_wanted(case, wanted)} {wording.wanted} places."
+    asked = f"Rank the {min(wanted, len(case.candidates))} {wording.wanted} places."
     return Prompt(wording.version, wording.instructions, (*before, *_shown(case, pixels, wording), asked), Ranking, check)
 
 
@@ -159,10 +159,6 @@ def about_scenario(
     parts = [part for case in cases for part in _shown(case, pixels, wording)]
     asked = f"For each of these {len(cases)} vehicles rank the {wanted} {wording.wanted} places, or all where it has fewer."
     return Prompt(wording.version, wording.instructions, (*before, *parts, asked), Rankings, check)
-
-
-def _wanted(case: Case, wanted: int) -> int:
-    return min(wanted, len(case.candidates))
 
 
 def _check(answer: Ranking, count: int, whose: str) -> None:

@@ -16,6 +16,7 @@ from drivegen.goals.candidates import NO_ROUTE, Candidates, manoeuvres
 from drivegen.goals.traffic import Neighbours, look_ahead
 from drivegen.lanes.frenet import to_frenet
 from drivegen.lanes.graph import LaneGraph
+from drivegen.lanes.line import SPACING
 from drivegen.lanes.routes import match_route
 from drivegen.roadmap import NO_LANE
 from drivegen.scenario import Scenario, Trajectories
@@ -75,7 +76,7 @@ def _with_logged_end(graph: LaneGraph, scenario: Scenario, vehicle: int, given: 
     else:
         s, d = to_frenet(route, position[None])[0]
         number, leaves = len(given.routes), bool(s > route.exit_s)
-        lane = int(route.lane[min(max(int(s), 0), len(route.lane) - 1)])
+        lane = int(route.lane[min(max(int(s / SPACING), 0), len(route.lane) - 1)])
         kind = manoeuvres(route, float(s), float(track.speed[last]))
         start = scenario.vehicles.position[vehicle]
         around = Neighbours.of(scenario, vehicle).near(start, route.length + 20.0)
