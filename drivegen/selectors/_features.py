@@ -103,8 +103,8 @@ class _Roads:
             way = (abs(float(offset)), _braking(route, speed), route.length, share, float(drive.speed[Habit.USUAL]))
             rows.append((*marks, *traffic, *way))
             waits.append(_waits(Waiting.on(route, speed, length, ahead, queue, scenario.signals), speed, queue))
-        marks, traffic = (*[steady] * (len(Habit) + 1), FAR, FAR, FAR), (USUAL_LIMIT, FAR, 0.0, 0.0, 0.0)
-        rows.append((*marks, *traffic, OFF_LANE, 0.0, FAR, NO_SHARE, speed))  # of no route
+        nowhere = (*[steady] * (len(Habit) + 1), FAR, FAR, FAR)
+        rows.append((*nowhere, USUAL_LIMIT, FAR, 0.0, 0.0, 0.0, OFF_LANE, 0.0, FAR, NO_SHARE, speed))
         waits.append(_waits(_NOTHING, speed, Queue(np.zeros(0), np.zeros(0), np.zeros(0))))
         table = np.array(rows).clip(-FAR, 3 * FAR)
         return cls(table[:, : len(MARKS)], np.array(waits), *table[:, len(MARKS) :].T)
