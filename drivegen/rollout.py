@@ -206,7 +206,7 @@ class Rollout:
         """Make way for a trajectory that only collides: whether all in its way could be sent to the next round."""
         if self.turn + 1 == self.settings.rounds:
             return False
-        others = np.flatnonzero(self.checker.partners(n, motion, self.motion[k]))
+        others = np.flatnonzero(self.checker.partners(n, motion, self._others(k, n)))
         if (self.evictions[k, others] >= self.settings.evictions).any() or len(others) == 0:
             return False
         self.evictions[k, others] += 1

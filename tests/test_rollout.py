@@ -150,6 +150,22 @@ def test_who_comes_from_behind_avoids_the_target_always_the_others_until_its_dri
     assert _steps_to_avoid_target(scene, None).tolist() == [101] * 4
 
 
+@pytest.mark.parametrize(("target_steps", "sent_away"), [(None, [1, 1, 0]), (20, [0, 1, 0])])
+def test_nobody_is_sent_away_whom_a_vehicle_need_not_avoid(target_steps, sent_away):
+    """An oncoming car runs into one that stands, and later into the target, which it avoids for two seconds only."""
+    road = straight_road()
+    line = road.centreline[0].astype(np.float64)
+    cars = stack([drive(line, 100, 8, 101), drive(line, 150, 0, 101), drive(line[::-1], 125, 5, 101)])
+    scene = scenario(road, cars)
+    found = [candidates(LaneGraph.of(road), scene, n, candidate_settings()) for n in range(3)]
+    odds = [np.full(len(c), 1 / len(c), np.float32) for c in found]
+    rollout = Rollout(Choices(scene, found, odds, odds), LIMITS, replace(SETTINGS, target_steps=target_steps), 1, 7)
+    for n in range(2):
+        rollout._settle(0, n, 0, cars[n])
+    assert rollout._evict(0, 2, cars[2])
+    assert rollout.evictions[0].tolist() == sent_away
+
+
 def test_recorded_goals_of_other_scenarios_are_refused(choices):
     columns = pack("another", "random", choices[0].candidates, choices[0].natural)
     with pytest.raises(UnusableInput, match="other scenarios"):
