@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from drivegen import seeds
 from drivegen.checker.limits import Limits
 from drivegen.errors import UnusableInput
-from drivegen.goals.candidates import Candidates, Manoeuvre, candidates
+from drivegen.goals.candidates import Candidates, candidates
 from drivegen.goals.candidates import Settings as CandidateSettings
+from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.packing import unpack
 from drivegen.lanes.graph import LaneGraph
 from drivegen.lanes.line import Route

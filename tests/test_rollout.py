@@ -10,8 +10,9 @@ from drivegen.checker.scene import check_samples
 from drivegen.equipment import Equipment
 from drivegen.errors import UnusableInput
 from drivegen.generate import choose, recorded_choices, roll_out, tempered
-from drivegen.goals.candidates import Manoeuvre, candidates
+from drivegen.goals.candidates import candidates
 from drivegen.goals.joint import draw_together
+from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.packing import pack
 from drivegen.lanes.graph import LaneGraph
 from drivegen.rollout import Choices, Rollout, RolloutSettings, _steps_to_avoid_target

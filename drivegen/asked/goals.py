@@ -13,7 +13,7 @@ from drivegen.asked.offered import HARD, HARDEST, offered, side_of
 from drivegen.asked.request import Manoeuvre
 from drivegen.geometry import to_vehicle_frame, wrap_angle
 from drivegen.goals.candidates import NO_ROUTE, Candidates
-from drivegen.goals.candidates import Manoeuvre as Way
+from drivegen.goals.manoeuvres import Manoeuvre as Way
 from drivegen.lanes.frenet import to_frenet
 from drivegen.lanes.graph import LaneGraph
 from drivegen.lanes.line import SPACING, Route

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from drivegen.asked.request import Manoeuvre
 from drivegen.geometry import to_vehicle_frame
-from drivegen.goals.candidates import SETTLE, Candidates, manoeuvres
+from drivegen.goals.candidates import SETTLE, Candidates
+from drivegen.goals.manoeuvres import manoeuvres
 from drivegen.goals.reach import end_speed
 from drivegen.lanes.frenet import from_frenet
 from drivegen.lanes.line import SPACING

@@ -6,7 +6,6 @@ goals on arcs ahead of it.
 """
 
 from dataclasses import dataclass, replace
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from drivegen.geometry import Floats, rotate, wrap_angle
 from drivegen.goals.cover import cover
 from drivegen.goals.kerb import kerb_place
+from drivegen.goals.manoeuvres import Manoeuvre, manoeuvres
 from drivegen.goals.prior import Places, places, shares
 from drivegen.goals.reach import Dynamics, end_speed, stopping_distance
 from drivegen.goals.traffic import Ahead, Neighbours, look_ahead
@@ -27,18 +27,10 @@ from drivegen.scenario import DT, Scenario
 from drivegen.settings import Count, Positive
 
 NO_ROUTE = -1
-
-NO_MOVE = 0.5
-"""Who ends within this distance [m] along its route has stayed."""
+"""The route of a candidate off the lanes."""
 
 MAY_STAY = 2.0
 """A vehicle slower than this [m/s] may end where it is."""
-
-TURN = np.deg2rad(35)
-"""Heading change inside junctions from which on a way is a turn [rad] ..."""
-
-U_TURN = np.deg2rad(140)
-"""... or, with what bends before and behind them, a U-turn: a narrow one begins before its junction does."""
 
 SETTLE = 25.0
 """A vehicle's offset from its lane's middle fades with this length [m]."""
@@ -55,27 +47,11 @@ CURVATURES = (-1 / 8, -1 / 20, 0.0, 1 / 20, 1 / 8)
 MOST_ARC = 30.0
 """Arcs end after this distance [m]: nobody crosses a car park for longer."""
 
-
 MOST_HALTS = 6
 """Places to stop at (red light, standing leader, junction) that are always offered, at most."""
 
 FINER = (1.05, 0.5)
 """Shares of the spacing that candidates stand for; the second adds more of them while there is room."""
-
-
-class Manoeuvre(IntEnum):
-    """What a vehicle does on its way to a candidate."""
-
-    KEEP = 0
-    LEFT = 1
-    RIGHT = 2
-    CHANGE_LEFT = 3
-    CHANGE_RIGHT = 4
-    U_TURN = 5
-    STOP = 6
-    STAY = 7
-    OFF_LANE = 8
-    PARK = 9
 
 
 @dataclass(frozen=True)
@@ -232,24 +208,6 @@ def _on_route(number: int, route: Route, where: Places, offset: float, speed: fl
         mass=where.mass,
         halt=where.stop,
     )
-
-
-def manoeuvres(route: Route | None, s: Floats | float, final: Floats | float) -> NDArray[np.uint8]:
-    """Manoeuvre (...) of ending on `route` at `s` (...) [m] with `final` (...) [m/s]; OFF_LANE without a route.
-
-    Turns inside junctions count before lane changes, both before stopping.
-    """
-    if route is None:
-        return np.full(np.shape(s), Manoeuvre.OFF_LANE, np.uint8)
-    at = np.clip(np.asarray(s) / SPACING, 0, len(route.line) - 1).astype(int)
-    turned, shift = route.turned[at], route.shift[at]
-    kind = np.where(np.asarray(final) < STANDING, Manoeuvre.STOP, Manoeuvre.KEEP)
-    kind = np.where(shift > 0, Manoeuvre.CHANGE_LEFT, np.where(shift < 0, Manoeuvre.CHANGE_RIGHT, kind))
-    kind = np.where(turned > TURN, Manoeuvre.LEFT, np.where(turned < -TURN, Manoeuvre.RIGHT, kind))
-    back = (np.abs(route.heading[at] - route.heading[0]) > U_TURN) & (np.abs(turned) > U_TURN / 2)  # some of it on the way in
-    kind = np.where(back, Manoeuvre.U_TURN, kind)
-    still = (np.asarray(s) < NO_MOVE) & (np.asarray(final) < STANDING)
-    return np.where(still, Manoeuvre.STAY, kind).astype(np.uint8)
 
 
 def _stay(position: Floats, heading: float, routes: list[Route], offset: NDArray[np.float32], speed: float) -> _Table:

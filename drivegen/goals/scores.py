@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen import seeds
-from drivegen.goals.candidates import Candidates, Manoeuvre
+from drivegen.goals.candidates import Candidates
+from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.metrics.intervals import percentiles, recording, resamplings, usual_length
 from drivegen.scenario import Scenario
 

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.geometry import Floats, wrap_angle
-from drivegen.goals.candidates import Candidates, Manoeuvre
+from drivegen.goals.candidates import Candidates
 from drivegen.goals.forecast import Habit, forecast
+from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.outlook import Outlooks
 from drivegen.goals.prior import GAP, shares
 from drivegen.goals.reach import Dynamics, speed_caps

@@ -15,7 +15,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from drivegen import seeds
 from drivegen.errors import UnusableInput
 from drivegen.geometry import to_vehicle_frame
-from drivegen.goals.candidates import Candidates, Manoeuvre
+from drivegen.goals.candidates import Candidates
+from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.prior import shares
 from drivegen.lm.prompt import Image, Prompt, fenced
 from drivegen.render.bird_eye import EXTENT, draw_bird_eye

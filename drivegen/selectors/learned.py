@@ -27,7 +27,8 @@ from torch import Tensor
 
 from drivegen import seeds
 from drivegen.errors import MissingTool, UnusableInput
-from drivegen.goals.candidates import Candidates, Manoeuvre
+from drivegen.goals.candidates import Candidates
+from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.lanes.graph import LaneGraph
 from drivegen.lanes.parked import parked
 from drivegen.scenario import Scenario

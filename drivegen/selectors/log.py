@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.errors import UnusableInput
-from drivegen.goals.candidates import NO_ROUTE, Candidates, manoeuvres
+from drivegen.goals.candidates import NO_ROUTE, Candidates
+from drivegen.goals.manoeuvres import manoeuvres
 from drivegen.goals.traffic import Neighbours, look_ahead
 from drivegen.lanes.frenet import to_frenet
 from drivegen.lanes.graph import LaneGraph

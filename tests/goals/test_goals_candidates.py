@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.errors import UnusableInput
-from drivegen.goals.candidates import Manoeuvre, Settings, candidates
+from drivegen.goals.candidates import Settings, candidates
 from drivegen.goals.cover import cover
+from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.packing import pack, unpack
 from drivegen.goals.reach import Dynamics, end_speed
 from drivegen.goals.scores import Judged, judge, scores

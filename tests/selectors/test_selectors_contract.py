@@ -9,7 +9,8 @@ import torch
 
 from drivegen import plugins
 from drivegen.errors import MissingTool, UnusableInput
-from drivegen.goals.candidates import Manoeuvre, candidates
+from drivegen.goals.candidates import candidates
+from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.lanes.graph import LaneGraph
 from drivegen.roadmap import LaneControl
 from drivegen.selectors import _list_files
