@@ -12,7 +12,7 @@ from drivegen.lanes.graph import LaneGraph
 from drivegen.planners._requests import examples_from_logs
 from drivegen.planners.base import Planner
 from drivegen.scenario import Scenario
-from drivegen.selectors.learned import Lists
+from drivegen.selectors._lists import Lists
 from drivegen.selectors.learned import Plugin as Learned
 from drivegen.selectors.learned import Settings as LearnedSettings
 from drivegen.settings import build

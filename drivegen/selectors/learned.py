@@ -41,8 +41,6 @@ from drivegen.training.curve import LossRow
 from drivegen.training.loop import Settings as Training
 from drivegen.training.loop import train
 
-__all__ = ["Lists", "Plugin", "Settings"]
-
 WEIGHTS, ABOUT = "ranker.safetensors", "ranker.json"
 
 CHUNK = 64

@@ -16,9 +16,10 @@ from drivegen.roadmap import LaneControl
 from drivegen.selectors import _list_files
 from drivegen.selectors._features import NAMES, features
 from drivegen.selectors._list_files import read_lists, write_lists
+from drivegen.selectors._lists import Lists
 from drivegen.selectors._ranker import Ranker
 from drivegen.selectors._twins import twin
-from drivegen.selectors.learned import Lists, Plugin, Settings
+from drivegen.selectors.learned import Plugin, Settings
 from drivegen.selectors.log import logged_ends
 from drivegen.training.loop import Settings as Training
 from tests import scenes
