@@ -34,7 +34,7 @@ def test_it_drives_to_the_goals_that_the_model_chose(models: Path, tmp_path: Pat
         Path("params.yaml").write_text(yaml.safe_dump({"lm": lm}))
         goals.main(replace(choosing, workers=1), Path("test"), models / "selector", Path("goals/vlm"), Path("vlm.json"))
     rolling = replace(rolling, workers=1, samples=2)
-    rollout.main(rolling, Path("test"), models, Path("goals"), Path("generated/drivegen_vlm"))
+    rollout.main(rolling, Path("test"), models, Path("goals"), Path("generated/drivegen_vlm"), Path("rejected.parquet"))
     [made] = read_samples(Path("generated/drivegen_vlm") / SHARD)
     [recorded] = read_goals(Path("goals/vlm") / SHARD)
     assert made.method == "drivegen_vlm"
