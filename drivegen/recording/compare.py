@@ -21,12 +21,13 @@ from numpy.typing import NDArray
 from drivegen.recording import colours
 from drivegen.recording.blueprint import from_above, playing
 from drivegen.recording.lines import flat, log_rejected, thinned
-from drivegen.recording.record import recording_of, view_of
+from drivegen.recording.record import NARROWEST, WIDEST, recording_of
 from drivegen.recording.roads import log_roads, log_signals, surroundings
 from drivegen.recording.traffic import log_boxes
 from drivegen.rejected import Rejected
 from drivegen.samples import Samples
 from drivegen.scenario import TARGET, Scenario, Trajectories
+from drivegen.window import window
 
 LOG = "log"
 _FAINT = 90
@@ -49,7 +50,7 @@ def record_comparison(
     """
     logs = {} if scenario.log is None else {LOG: scenario.log}
     moving = {**logs, **{name: samples.motion[sample] for name, samples in methods.items()}}
-    centre, extent = view_of(next(iter(moving.values())))
+    centre, extent = window(next(iter(moving.values())), NARROWEST, WIDEST)
     views = [
         from_above(centre, extent, name, ["/world/roads/**", "/world/signals", f"/world/methods/{name}/**"]) for name in moving
     ]

@@ -34,10 +34,11 @@ from drivegen.recording.lines import flat, log_rejected
 from drivegen.recording.roads import log_roads, log_signals, surroundings
 from drivegen.rejected import Rejected
 from drivegen.samples import Samples
-from drivegen.scenario import TARGET, Scenario, Trajectories
+from drivegen.scenario import TARGET, Scenario
 from drivegen.store.files import whole
+from drivegen.window import window
 
-MIN_EXTENT, MAX_EXTENT = 60.0, 260.0
+NARROWEST, WIDEST = 60.0, 260.0
 """Limits of the first view's width [m]."""
 
 
@@ -77,7 +78,7 @@ def record_scenario(
     motion = scenario.log if samples is None else samples.motion[sample]
     if motion is None:
         raise UnusableInput(f"scenario {scenario.scenario_id} has no log: give generated samples to record", reason="no-motion")
-    centre, extent = view_of(motion)
+    centre, extent = window(motion, NARROWEST, WIDEST)
     show = layout(centre, extent, image=bird_eye is not None, verdicts=samples is not None)
     mine = None if rejected is None else rejected.only(rejected.sample == sample)
     roads, signals = surroundings(scenario, [motion] if scenario.log is None else [motion, scenario.log])
@@ -116,14 +117,6 @@ def recording_of(path: Path, name: str, show: rrb.Blueprint) -> Iterator[rr.Reco
     recording.disconnect()
     with whole(path) as temporary:
         temporary.write_bytes(raw)
-
-
-def view_of(motion: Trajectories) -> tuple[NDArray[np.float32], float]:
-    """Where to look, and how wide: the target's path and the vehicles around it."""
-    path = motion.position[TARGET][motion.valid[TARGET]]
-    centre = (path.min(axis=0) + path.max(axis=0)) / 2
-    reach = np.abs(motion.position[motion.valid] - centre).max(axis=1)
-    return centre, float(np.clip(2.2 * np.quantile(reach, 0.8), MIN_EXTENT, MAX_EXTENT))
 
 
 def _log_goals(recording: rr.RecordingStream, goals: GoalMarks) -> None:

@@ -14,6 +14,7 @@ from drivegen.geometry import Floats, box_corners
 from drivegen.rejected import Rejected
 from drivegen.roadmap import RoadMap
 from drivegen.scenario import TARGET, Scenario, SignalState, Trajectories
+from drivegen.window import window
 
 Image = NDArray[np.uint8]
 Colour = tuple[int, int, int]
@@ -33,10 +34,10 @@ LOG_COLOUR: Colour = (30, 34, 40)
 GOAL_COLOUR: Colour = (124, 66, 214)
 SIGNAL_COLOURS = {SignalState.GREEN: (38, 166, 91), SignalState.YELLOW: (230, 170, 20), SignalState.RED: ILLEGAL_COLOUR}
 
+NARROWEST, WIDEST = 60.0, 200.0
+"""Of pictures [m]."""
 _DASH = 5.0
 """Length of the dashes of what was rejected [pixels]."""
-_MARGIN = 10.0
-"""Around what is shown [m]."""
 _SHIFT = 4
 """Fractional bits of OpenCV's pixel coordinates."""
 _FAR = 20_000.0
@@ -63,28 +64,9 @@ class View:
         return fixed
 
 
-def view_of(motion: Trajectories, pixels: int, narrowest: float = 60.0, widest: float = 200.0) -> View:
-    """A window around all valid motion (..., N, T); at most `widest` metres of it, those where most vehicles are longest.
-
-    The target's beginning is always in it.
-    """
-    target = motion.position[..., TARGET, :, :][motion.valid[..., TARGET, :]]
-    points = motion.position[motion.valid]
-    extent = float(np.ptp(points, axis=0).max()) + 2 * _MARGIN
-    width = float(np.clip(extent, narrowest, widest))
-    centre = [_busiest(points[:, axis], float(target[0, axis]), width - 2 * _MARGIN) for axis in (0, 1)]
-    return View(np.array(centre), width, pixels)
-
-
-def _busiest(values: Floats, within: float, width: float) -> float:
-    """The middle of the interval of `width` that holds most of `values` (n,), of those that hold `within`."""
-    low, high = float(values.min()), float(values.max())
-    if high - low <= width:
-        return (low + high) / 2
-    ordered = np.sort(values)
-    begins = np.clip(ordered, within - width, within)
-    held = np.searchsorted(ordered, begins + width, "right") - np.searchsorted(ordered, begins, "left")
-    return float(begins[held.argmax()] + width / 2)
+def view_of(motion: Trajectories, pixels: int) -> View:
+    """The window of the picture: see `drivegen.window`."""
+    return View(*window(motion, NARROWEST, WIDEST), pixels)
 
 
 def scene_picture(

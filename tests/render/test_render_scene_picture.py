@@ -80,19 +80,6 @@ def test_everything_seen_lies_inside_the_view():
     assert inside.max() < 100
 
 
-def test_a_scene_too_wide_is_shown_where_most_of_it_happens_with_the_target_s_beginning():
-    """A target that drives 400 m away from seven that stand: they stay in the picture, and so does where it began."""
-    scene = busy_crossing()
-    position = np.repeat(scene.log.position[:, :1], scene.steps, axis=1)
-    position[0, :, 0] = position[0, 0, 0] + np.linspace(0, 400, scene.steps)
-    moved = replace(scene.log, position=position, valid=np.ones_like(scene.log.valid))
-    view = view_of(moved, 100)
-    assert view.width == 200
-    shown = view.fixed(position[:, 0]) / 16
-    assert shown.min() >= 0
-    assert shown.max() <= 100
-
-
 def test_a_picture_is_the_same_every_time_and_is_a_png_in_the_right_colours():
     scene = busy_crossing()
     samples = noisy_samples(scene)
