@@ -62,10 +62,8 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
         run = Run(run_id(asdict(params), inputs), "drive", method, name, params.seed, SIMULATOR)
         metrics = _per_scenario(drives)
         tables.append(result_rows(run, drives.scenarios, metrics))
-        recordings, random = (
-            [recording(scenario) for scenario in drives.scenarios],
-            rng(params.seed, "drive", "bootstrap", method),
-        )
+        recordings = [recording(scenario) for scenario in drives.scenarios]
+        random = rng(params.seed, "drive", "bootstrap", method)
         summed = driving_summary(metrics, recordings, drives.outcome.motion, drives.scene, params.draws, random)
         numbers |= {f"{method}.{key}": value for key, value in summed.items()}
     write_results(results, tables)

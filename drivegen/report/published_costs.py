@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from drivegen.report.published import METHODS, DataSet
-from drivegen.report.sections.quality import SELECTORS
 from drivegen.report.table import RESTORED, Row, Table, number, row
+from drivegen.store.draw import GOALS_OF
 
 COSTS_NOTE = (
     "Whole stages over all their processes: starting them, reading scenarios and writing samples are in it, and the log's own "
@@ -38,13 +38,13 @@ def _line(method: str, runs: Sequence[Took], scenes: int) -> Row:
     for run in runs:
         stages = ("rollout", "rollout_baseline", "rollout_rival")
         made = next((run[at] for stage in stages if (at := f"{stage}/{method}") in run), None)
-        chosen = run.get(f"goals/{SELECTORS[method]}") if method in SELECTORS else {}
+        chosen = run.get(f"goals/{GOALS_OF[method]}") if method in GOALS_OF else {}
         if not made or chosen is None:
             continue
         whole.append((made["cpu_seconds"] + chosen.get("cpu_seconds", 0.0)) / scenes * 1000)
         choosing.append(chosen.get("cpu_seconds", 0.0) / scenes * 1000)
         memory.append(max(made["peak_megabytes"], chosen.get("peak_megabytes", 0.0)))
-    return row(METHODS[method], _range(whole), _range(choosing) if method in SELECTORS else "–", _range(memory), origin="ours")
+    return row(METHODS[method], _range(whole), _range(choosing) if method in GOALS_OF else "–", _range(memory), origin="ours")
 
 
 def _range(values: Sequence[float]) -> str:

@@ -15,8 +15,8 @@ from drivegen.store.goals import GoalColumns, read_goals
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
 
-GOALS_OF = {"drivegen": "learned", "drivegen_vlm": "vlm", "drivegen_without_goals": "random"}
-"""The selector whose recorded goals a method follows."""
+GOALS_OF = {"drivegen": "learned", "drivegen_vlm": "vlm", "drivegen_without_goals": "random", "drivegen_true_goals": "log"}
+"""The selector whose recorded goals a method follows, as its plugin says; the others choose none, or their own."""
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from drivegen import plugins
 from drivegen.errors import UnusableInput
 from drivegen.lm.ledger import CALLS
 from drivegen.store.costs import COST, write_cost
+from drivegen.store.draw import GOALS_OF
 from drivegen.store.results import RESULT, Run, result_rows, run_id, write_results
 from drivegen.store.warehouse import build, query, read_parts, result_parts
 
@@ -83,6 +84,11 @@ def test_views_average_per_method_and_by_kind_of_scene(tmp_path):
     by_label = query(made, "select label, mean from metrics_by_label where metric = 'min_sade' order by label").to_pylist()
     assert by_label == [{"label": "fast_road", "mean": 6.0}, {"label": "junction", "mean": 1.5}]
     assert query(made, "select cpu_seconds_per_scenario as s from cost_per_item").to_pylist() == [{"s": 2.0}]
+
+
+def test_whose_goals_a_method_follows_is_what_its_plugin_says():
+    selectors = {name: plugins.load("generators", name).selector for name in plugins.names("generators")}
+    assert {name: selector for name, selector in selectors.items() if selector is not None} == GOALS_OF
 
 
 def test_choosing_goals_is_counted_for_every_method_that_follows_a_selectors(tmp_path):

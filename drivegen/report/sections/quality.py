@@ -10,6 +10,7 @@ from drivegen.report.evidence import Evidence
 from drivegen.report.published import MARKS, METHODS, mark
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.table import NOT_MEASURED, Cell, Table, measured, number, row
+from drivegen.store.draw import GOALS_OF
 
 NAMES = {
     **METHODS,
@@ -21,9 +22,6 @@ NAMES = {
 
 _BOUNDS = ("log", "drivegen_true_goals", "lctgen_log_code", "random_agent")
 """Methods that are told what happened, and one that is no traffic: bounds, not rivals."""
-
-SELECTORS = {"drivegen": "learned", "drivegen_vlm": "vlm", "drivegen_without_goals": "random", "drivegen_true_goals": "log"}
-"""Whose goals a method follows, as its plugin says; the others choose none, or their own."""
 
 _COLUMNS = ("min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity_ratio")
 
@@ -114,7 +112,7 @@ def _realism(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table
 
 def _chosen_by(method: str, evidence: Evidence) -> str:
     """Who chose goals, in the selector's own words where the goals stage has written them down."""
-    selector = SELECTORS.get(method)
+    selector = GOALS_OF.get(method)
     if selector is None:
         return "\u2013"
     said = evidence.results.get(f"goals/{selector}")

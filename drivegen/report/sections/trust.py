@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 from drivegen.report.averaged import taken_over
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section, not_measured
-from drivegen.report.sections.quality import SELECTORS, name_of, ordered, rows_of
+from drivegen.report.sections.quality import name_of, ordered, rows_of
 from drivegen.report.table import Cell, Table, measured, row
+from drivegen.store.draw import GOALS_OF
 
 REALISM = {
     "realism": "score",
@@ -143,7 +144,7 @@ def _cell(method: str, values: dict[str, Any], key: str, digits: int) -> Cell:
 
 def has(method: str, key: str) -> bool:
     """Whether a measure means anything for a method: nothing is rejected where no checker looks on."""
-    return key != "rejected" or method in SELECTORS
+    return key != "rejected" or method in GOALS_OF
 
 
 def is_likelihood(name: str) -> bool:
