@@ -21,8 +21,8 @@ lint: $(INSTALLED)       ## the part of `make test` that needs no running
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports --no-logo
 
-tables: $(INSTALLED)     ## the published tables: every data set, several training seeds, pooled into reports/published
-	@$(BIN)/python -m flows tables
+tables: $(INSTALLED)     ## the published tables: every data set, several training seeds, pooled into reports/published; PART=maps: single pieces
+	@$(BIN)/python -m flows tables --part $(or $(PART),all)
 
 bench: $(INSTALLED)      ## speed, each row beside its reference; fails if a row misses its target
 	@$(BIN)/drivegen bench

@@ -1,12 +1,12 @@
 """DriveGen: endless, diverse, realistic traffic scenarios, and corner cases for a given driver without retraining.
 
-Start reading at `scenario.py` (what a scenario is), then `generate.py` (how one is made). The pipeline's table of
+Start reading at `core/scenario.py` (what a scenario is), then `traffic.py` (how one is made). The pipeline's table of
 contents is `dvc.yaml` beside this package.
 """
 
-from drivegen.errors import DriveGenError, MissingTool, UnusableInput
-from drivegen.roadmap import LaneControl, LaneKind, RoadMap
-from drivegen.scenario import Actors, Scenario, Signals, SignalState, Trajectories, VehicleKind, Vehicles
+from drivegen.core.errors import DriveGenError, MissingTool, UnusableInput
+from drivegen.core.roadmap import LaneControl, LaneKind, RoadMap
+from drivegen.core.scenario import Actors, Scenario, Signals, SignalState, Trajectories, VehicleKind, Vehicles
 
 __all__ = [
     "Actors",

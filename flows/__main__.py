@@ -4,6 +4,7 @@ import argparse
 import os
 import signal
 import sys
+from collections.abc import Callable
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -11,7 +12,13 @@ from typing import Any
 
 from flows import server
 
-REPORT = Path("reports/index.html")
+MADE: dict[str, Callable[[Any], str]] = {
+    "experiment": lambda _: f"Report: {Path('reports/index.html').resolve()}",
+    "regenerate": lambda state: f"New version: {Path(state.result()).resolve()}",
+    "iterate": lambda state: f"Collision rate of each round: {', '.join(f'{rate:.3f}' for rate in state.result())}",
+    "tables": lambda state: str(state.message),
+}
+"""What each flow says it has made."""
 
 
 def main(argv: list[str]) -> int:
@@ -29,8 +36,7 @@ def main(argv: list[str]) -> int:
     if not state.is_completed():
         print(f"flows: {arguments.flow}: {state.message}", file=sys.stderr)
         return 1
-    if REPORT.exists():
-        print(f"Report: {REPORT.resolve()}")
+    print(MADE[arguments.flow](state))
     return 0
 
 
@@ -47,6 +53,7 @@ def _parser() -> argparse.ArgumentParser:
     real = Path(os.environ.get("DRIVEGEN_REAL_DATA", "../shared/data"))
     said = "folder of real recordings (publish.data says which of its folders); what is not there is left out"
     tables.add_argument("--real", type=Path, default=real, help=said)
+    tables.add_argument("--part", choices=("all", "maps"), default="all", help="maps: what measures single pieces alone")
     return parser
 
 
@@ -63,7 +70,7 @@ def _run(arguments: argparse.Namespace) -> Any:
     if arguments.flow == "tables":
         from flows.tables import tables
 
-        return tables(real=arguments.real, return_state=True)
+        return tables(real=arguments.real, part=arguments.part, return_state=True)
     from flows.iterate import iterate
 
     return iterate(min_gain=arguments.min_gain, return_state=True)

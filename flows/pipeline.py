@@ -21,6 +21,9 @@ import networkx as nx
 import yaml
 from dvc.repo import Repo
 
+MEASURES = "stages/dvc.yaml"
+"""The stages that only measure us: `make tables PART=maps` runs them, `make run` and a plain `dvc repro` do not."""
+
 _BUSY = ("is busy", "Unable to acquire lock")
 _UNCHANGED = ("didn't change, skipping", "is cached - skipping run")
 _HINTS = ("To track the changes with git", "git add ", "To enable auto staging", "Use `dvc push`", "dvc config core.autostage")
@@ -57,14 +60,14 @@ class Pipeline:
         return [name for name in self.needs if name in reached]
 
 
-def read(root: Path = Path()) -> Pipeline:
-    """Read dvc.yaml and compare it with the workspace, in this process: about half a second when nothing changed."""
+def read(root: Path = Path(), measures: bool = False) -> Pipeline:
+    """Read dvc.yaml, and `MEASURES` if wanted, and compare them with the workspace: half a second when nothing changed."""
     with _repo(root) as repo:
         graph = repo.index.graph  # an edge (a, b) means that a depends on b
-        order = list(nx.topological_sort(graph.reverse(copy=True)))
-        needs = {stage.name: sorted(d.name for d in graph.successors(stage)) for stage in order}
+        order = [s for s in nx.topological_sort(graph.reverse(copy=True)) if measures or s.path_in_repo != MEASURES]
+        needs = {_name(stage): sorted(_name(d) for d in graph.successors(stage)) for stage in order}
         changed = repo.status()
-        stale = {stage.name for stage in order if stage.addressing in changed}
+        stale = {_name(stage) for stage in order if stage.addressing in changed}
     for stage, before in needs.items():
         if stale.intersection(before):
             stale.add(stage)
@@ -125,7 +128,7 @@ def discard(stages: Collection[str], root: Path) -> None:
 
 def forget_all_but(stages: Collection[str], root: Path) -> None:
     """Leave only `stages` in dvc.lock: DVC reads and writes all of it round every stage, two seconds where it has fifty."""
-    kept = {name: entry for name, entry in locked(root).items() if name in stages}
+    kept = {name: entry for name, entry in locked(root).items() if name in stages and not name.startswith(MEASURES)}
     with (root / "dvc.lock").open("w") as file:
         yaml.dump({"schema": "2.0", "stages": kept}, file, yaml.CSafeDumper, sort_keys=False)
 
@@ -159,10 +162,12 @@ def metrics(stage: str, root: Path = Path()) -> dict[str, Any]:
 
 
 def locked(root: Path) -> dict[str, Any]:
-    """What dvc.lock says of each stage; nothing where there is none."""
-    lock = root / "dvc.lock"
-    said = yaml.load(lock.read_text(), yaml.CSafeLoader) if lock.exists() else None
-    return dict((said or {}).get("stages", {}))
+    """What dvc.lock, and that of `MEASURES`, say of each stage; nothing where there is none."""
+    entries: dict[str, Any] = {}
+    for lock, prefix in ((root / "dvc.lock", ""), ((root / MEASURES).with_suffix(".lock"), f"{MEASURES}:")):
+        read = yaml.load(lock.read_text(), yaml.CSafeLoader) if lock.exists() else None
+        entries |= {f"{prefix}{name}": entry for name, entry in ((read or {}).get("stages") or {}).items()}
+    return entries
 
 
 def _repo(root: Path) -> Repo:
@@ -171,7 +176,12 @@ def _repo(root: Path) -> Repo:
 
 
 def _find(repo: Repo, stage: str) -> Any:
-    return next(s for s in repo.index.stages if s.name == stage)
+    return next(s for s in repo.index.stages if _name(s) == stage)
+
+
+def _name(stage: Any) -> str:
+    """How `dvc repro` knows a stage in its workspace's folder, wherever we stand."""
+    return str(stage.name) if stage.path_in_repo != MEASURES else f"{MEASURES}:{stage.name}"
 
 
 def _overlap(one: str, other: str) -> bool:

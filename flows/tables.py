@@ -24,8 +24,17 @@ from flows.provenance import Times, note_code
 ROOMS = Path(".drivegen/tables")
 PUBLISHED = Path("reports/published")
 
-MEASURED = ("evaluate", "goals", "train_selector", "train_planner", "train_generator")
+MEASURED = ("evaluate", "evaluate_rival", "evaluate_baseline", "goals", "train_selector", "train_planner", "train_generator")
 """Stages whose results the tables show; what they need is run, too."""
+
+ALL, MAPS = PARTS = ("all", "maps")
+"""What can be asked for: the paper's tables, or those of single pieces, maps from words first."""
+
+PIECES = "pieces"
+"""The workspace of the second part."""
+
+OF_PIECES = ("map_suite", "map_diversity", "initial_states", "asked")
+"""Stages that measure nothing but a piece; they are in a file of their own, `pipeline.MEASURES`."""
 
 FRONT = ("evaluate",)
 """Those of a run at another temperature."""
@@ -41,12 +50,13 @@ class Room:
 
 
 @flow(name="tables", task_runner=RUNNER)  # type: ignore[arg-type]  # Prefect's own generics disagree
-def tables(real: Path) -> Any:
-    """Run every room and pool them into reports/published; `real` is the folder of real recordings."""
+def tables(real: Path, part: str = ALL) -> Any:
+    """Run every room of a part and pool them into reports/published; `real` is the folder of real recordings."""
     values = yaml.safe_load(Path("params.yaml").read_text())
     rows: list[dict[str, str]] = []
     done: list[Room] = []
-    for room in rooms(values["publish"], real.resolve()):
+    wanted = [pieces(values["publish_maps"])] if part == MAPS else rooms(values["publish"], real.resolve())
+    for room in wanted:
         rows.append({"run": room.name, "why": _bring_up(room, done)})
         done.append(room)
         if rows[-1]["why"]:
@@ -54,13 +64,24 @@ def tables(real: Path) -> Any:
     create_table_artifact(rows, key="tables", description="Runs behind the published tables")
     if failed := [f"{row['run']}: {row['why']}" for row in rows if row["why"]]:
         return Failed(message="; ".join(failed))
-    pipeline.run_door("publish", [ROOMS, PUBLISHED], get_run_logger().info)
+    if part == MAPS:
+        pipeline.run_door("publish_maps", [ROOMS / PIECES / "reports", PUBLISHED], get_run_logger().info)
+    else:
+        pipeline.run_door("publish", [ROOMS, PUBLISHED], get_run_logger().info)
     return Completed(message=f"{PUBLISHED} from {len(rows)} runs")
+
+
+def pieces(publish: dict[str, Any]) -> Room:
+    """The run that measures single pieces: maps and traffic from words, placement, planners and selectors that nothing uses."""
+    return Room(PIECES, publish["params"], (*OF_PIECES, "train_planner", "goals"))
 
 
 def rooms(publish: dict[str, Any], real: Path) -> Iterator[Room]:
     """Every data set that is there with every training seed, then DriveGen alone at other temperatures with the first seed."""
-    for name, data in publish["data"].items():
+    data_sets = publish["data"]
+    if isinstance(data_sets, str):  # the name of a file stands for what is in it
+        data_sets = yaml.safe_load(Path(data_sets).read_text())
+    for name, data in data_sets.items():
         folder = real / data["folder"]
         if data["folder"] and not folder.is_dir():
             continue
@@ -70,7 +91,7 @@ def rooms(publish: dict[str, Any], real: Path) -> Iterator[Room]:
         for seed in publish["seeds"]:
             yield Room(f"{name}/{seed}", {**params, "run.training_seed": seed}, MEASURED)
         for temperature in publish["temperatures"] if data["front"] else ():
-            alone = {"run.methods": ["drivegen"], "rollout.generation.temperature": temperature}
+            alone = {"run.own": ["drivegen"], "rollout.generation.temperature": temperature}
             yield Room(f"{name}/t{temperature}", {**params, "run.training_seed": publish["seeds"][0], **alone}, FRONT)
 
 
@@ -104,8 +125,8 @@ def _bring_up(room: Room, done: list[Room]) -> str:
         shutil.copy2(ROOMS / like.name / "dvc.lock", root / "dvc.lock")
         workspace.share_compiled(ROOMS / done[-1].name, root)
     pipeline.restore(root)
-    plan = pipeline.read(root)
-    wanted = [stage for stage in plan.needs if stage.partition("@")[0] in room.measured]
+    plan = pipeline.read(root, measures=room.name == PIECES)
+    wanted = [stage for stage in plan.needs if stage.rpartition(":")[2].partition("@")[0] in room.measured]
     needed = {name for stage in wanted for name in (*plan.upstream(stage), stage)}
     stale, idle = needed & plan.stale, set(plan.needs) - needed
     pipeline.discard((stale & set(wanted)) | idle, root)  # a run that is stopped must not be pooled with another's figures

@@ -23,9 +23,10 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import TypeVar
 
-from drivegen.errors import DriveGenError, MissingTool, UnusableInput
-from drivegen.settings import build as build
-from drivegen.settings import read_params as read_params
+from drivegen.core.errors import DriveGenError, MissingTool, UnusableInput
+from drivegen.core.settings import build as build
+from drivegen.core.settings import read_params as read_params
+from drivegen.core.settings import read_section as read_section
 from drivegen.store.costs import write_cost
 
 P = TypeVar("P")

@@ -6,12 +6,12 @@ They are two only because their deps differ: a rival that is trained again must 
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivegen import plugins
-from drivegen.errors import UnusableInput
-from drivegen.settings import Count
+from drivegen.checker.verdicts import judged, read_limits
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.settings import Count
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, shards
-from drivegen.verdicts import judged, read_limits
 from stages._door import require, spread
 
 
@@ -44,7 +44,7 @@ def main(params: Params, scenarios: Path, models: Path, generated: Path) -> dict
 def _generate_shard(task: Task) -> int:
     name, scenarios = task.out.name, read_shard(task.shard)
     plugin = plugins.load("generators", name)
-    if plugin.selector is not None:
+    if plugin.about.goals is not None:
         raise UnusableInput(f"generator {name!r} follows goals: of the lists in params.yaml it belongs in run.own")
     limits = read_limits(task.models)
     made = plugin(task.models, None).generate(scenarios, task.params.samples, task.params.seed)

@@ -1,6 +1,6 @@
 """Stage `asked`: our own suite of traffic in words, on some of the maps: what was asked against what was got, and its price.
 
-argv: maps (a folder with <name>/map.net.xml), assets, models, table (JSON). Every request is read by the offline rules, placed
+argv: maps (a folder with <name>/map.net.xml), assets, models, table (JSON). Every request is read by `drivegen.words`, placed
 on maps in turn, and rolled out twice from the same first frame: with the goals that realise its manoeuvres, and with the
 selector's own, so that the price of the words is seen beside what the same scene costs without them.
 """
@@ -8,19 +8,19 @@ selector's own, so that the price of the words is seen beside what the same scen
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivegen.asked.offline import READER
 from drivegen.asked.start import Settings as AskedSettings
-from drivegen.asked.suite import Bench, held_out, offers, suite, summary
-from drivegen.assets.table import Table
-from drivegen.equipment import Equipment
-from drivegen.errors import MissingTool
+from drivegen.asked.suite import Bench, offers, suite, summary
+from drivegen.core.errors import MissingTool
+from drivegen.core.settings import Count
 from drivegen.generators.base import Settings as GeneratorSettings
-from drivegen.initialise import Initialiser
-from drivegen.initialise import Settings as InitialSettings
-from drivegen.settings import Count
+from drivegen.placement.scenes import Initialiser
+from drivegen.placement.scenes import Settings as InitialSettings
+from drivegen.placement.table import Table
+from drivegen.rollout.models import Equipment
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
 from drivegen.sumo.network import Network
+from drivegen.words.read import READER, read
 from stages._door import enter, read_params, require
 
 SOURCE, SELECTOR = "DriveGen (map from words)", "learned"
@@ -46,7 +46,15 @@ def main(params: Params, maps: Path, assets: Path, models: Path, out: Path) -> d
     table = Table.from_arrow(read_assets(require(assets, "run the assets stage")), str(assets))
     initial, generation = read_params("place.initial", InitialSettings), read_params("ship.generation", GeneratorSettings)
     tools = Equipment.open(models, generation.planner, SELECTOR)
-    bench = Bench(params.settings, generation, tools, params.vehicles, params.samples, params.seed)
+    bench = Bench(
+        lambda text: read(text, params.seed).traffic,
+        params.settings,
+        generation,
+        tools,
+        params.vehicles,
+        params.samples,
+        params.seed,
+    )
     there = [name for name in params.maps if (maps / name / "map.net.xml").exists()]
     if not there:
         raise MissingTool(f"{maps} holds none of the maps {', '.join(params.maps)}: run the maps stage")
@@ -60,10 +68,10 @@ def main(params: Params, maps: Path, assets: Path, models: Path, out: Path) -> d
         chosen = [fit[(number + i) % len(fit)] for i in range(min(params.per_request, len(fit)))]
         rows += [bench.row(request, name, initialisers[name]) for name in chosen]
     told = summary(rows)
-    of_suite = {"requests": len(requests), "maps": there, "reader": READER, "held_out": held_out()}
+    of_suite = {"requests": len(requests), "maps": there, "reader": READER}
     write_json(out, {**of_suite, **told, "rows": rows})
-    read = f"{told['read_as_meant']} of {told['scenes']} read as meant"
-    print(f"asked: {read}; {told['got']:.0%} of what was asked for was got")
+    meant = f"{told['read_as_meant']} of {told['scenes']} read as meant"
+    print(f"asked: {meant}; {told['got']:.0%} of what was asked for was got")
     return {"scenes": float(len(rows))}
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from drivegen.assets.gaps import measure_gaps
-from drivegen.assets.table import build_table
-from drivegen.settings import Count
+from drivegen.core.settings import Count
+from drivegen.placement.gaps import measure_gaps
+from drivegen.placement.table import build_table
 from drivegen.store.assets import write_assets
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, require

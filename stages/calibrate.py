@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from drivegen.checker.calibration import calibrate, logged_severities, pass_rates
 from drivegen.checker.limits import RULES, Limits
-from drivegen.errors import UnusableInput
-from drivegen.settings import Count, Share
+from drivegen.core.errors import UnusableInput
+from drivegen.core.settings import Count, Share
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, spread_splits

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from drivegen.lm.ledger import CALLS
-from drivegen.report.table import RESTORED
+from drivegen.report.table import RESTORED, Table, row
 from drivegen.store.costs import COST
 from drivegen.store.files import whole
 from drivegen.store.results import RESULT
-from drivegen.store.warehouse import build, query, read_parts, result_parts
+from drivegen.warehouse.database import build, query, read_parts, result_parts
 from stages._door import enter, require
 
 
@@ -73,10 +73,10 @@ def _markdown(warehouse: Path, results: Path) -> Iterator[str]:
     yield "Seconds of processors over all processes, of this machine and this run: another run has others."
     yield _NOTE
     for view, title, columns in _TABLES:
-        yield from ("", f"### {title}", "", _line(columns.values()), _line(["---"] + ["---:"] * (len(columns) - 1)))
         rows = query(warehouse, f"from {view}").to_pylist()
-        for row in [*rows, *(_elsewhere(rows, results) if view == _TRAINING else ())]:
-            yield _line(_cell(row, name) for name in columns)
+        rows += _elsewhere(rows, results) if view == _TRAINING else ()
+        lines = tuple(row(*(_cell(one, name) for name in columns)) for one in rows)
+        yield "\n" + Table(view, title, tuple(columns.values()), lines).markdown().rstrip("\n")
     yield ""
 
 
@@ -89,10 +89,6 @@ def _elsewhere(rows: list[dict[str, Any]], results: Path) -> Iterator[dict[str, 
     for file in sorted(results.glob("train_*/*.json")):
         if (file.parent.name, file.stem) not in here[1]:
             yield {"stage": file.parent.name, "item": file.stem}
-
-
-def _line(cells: Any) -> str:
-    return "| " + " | ".join(cells) + " |"
 
 
 def _cell(row: Mapping[str, Any], name: str) -> str:

@@ -7,13 +7,13 @@ counts of labels (JSON), the few numbers that DVC shows (JSON).
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.seeds import rng
+from drivegen.core.settings import Count
 from drivegen.metrics.road_edge import RoadEdges
 from drivegen.metrics.scene import Scored, Settings, score
 from drivegen.metrics.whole import columns, summary
-from drivegen.render.drivable import CELL, road_field
-from drivegen.seeds import rng
-from drivegen.settings import Count
+from drivegen.roads.drivable import CELL, road_field
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, run_id, write_results
 from drivegen.store.samples import read_samples
@@ -82,7 +82,7 @@ def _score_shard(task: Task) -> list[Scored]:
             raise UnusableInput(f"{task.generated} lacks scenario {scenario.scenario_id}: run the rollout stage again")
         if scenario.log is not None:
             field = road_field(scenario.map)
-            edges = RoadEdges(field.outside, field.origin, CELL)
+            edges = RoadEdges(field.outside, field.origin, CELL, field.beyond_rim)
             stream = rng(task.params.seed, "evaluate", "any", scenario.scenario_id)
             out.append(score(scenario, scenario.log, by_id[scenario.scenario_id], edges, task.params.measured, stream))
     return out

@@ -8,13 +8,13 @@ selector recorded for the train split (stage goals) are the labels of train.parq
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.settings import Count
 from drivegen.goals.candidates import Settings as CandidateSettings
+from drivegen.goals.list_files import write_lists
+from drivegen.goals.lists import Lists
 from drivegen.goals.packing import unpack
-from drivegen.lanes.graph import LaneGraph
-from drivegen.selectors._list_files import write_lists
-from drivegen.selectors._lists import Lists
-from drivegen.settings import Count
+from drivegen.roads.graph import LaneGraph
 from drivegen.store.folders import whole_folder
 from drivegen.store.goals import read_goals
 from drivegen.store.scenarios import read_shard, shards

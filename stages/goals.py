@@ -11,20 +11,20 @@ from typing import Any
 
 import pyarrow.parquet as pq
 
-from drivegen import plugins
+from drivegen.core import plugins
+from drivegen.core.scenario import Scenario
+from drivegen.core.settings import Count
 from drivegen.goals.candidates import Candidates, Settings, candidates
 from drivegen.goals.packing import pack
 from drivegen.goals.scores import Judged, judge, scores
-from drivegen.lanes.graph import LaneGraph
 from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prices import RANKING_TOKENS
 from drivegen.lm.settings import RecordSettings, RoleSettings
-from drivegen.scenario import Scenario
+from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.base import Selector
 from drivegen.selectors.vlm import Plugin as AskingSelector
 from drivegen.selectors.vlm import Settings as AskingSettings
-from drivegen.settings import Count
 from drivegen.store.files import write_json
 from drivegen.store.goals import write_goals
 from drivegen.store.scenarios import read_shard, shards
@@ -102,7 +102,7 @@ def _shard_goals(task: Task) -> Judged:
         graph, _, found = _offered(scenario, task.settings)
         offered = selector.offer(graph, scenario, found)
         probabilities = selector.rank(graph, scenario, offered)
-        packed.append(pack(scenario.scenario_id, task.goals.name, offered, probabilities))
+        packed.append(pack(scenario, task.goals.name, offered, probabilities))
         judged.append(judge(scenario, offered, probabilities))
     write_goals(task.goals / task.shard.name, packed)
     return Judged.joined(judged)

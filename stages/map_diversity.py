@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from drivegen import seeds
 from drivegen.av2.maps import read_map
-from drivegen.errors import MissingTool
+from drivegen.core import seeds
+from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.settings import Count, Positive
 from drivegen.maps.diversity import summary, windows
-from drivegen.roadmap import RoadMap
-from drivegen.settings import Count, Positive
 from drivegen.store.files import write_json
 from drivegen.sumo.network import read_network
-from stages._door import enter, require
+from stages._door import enter, read_section, require
 
 MADE, SUMO, ARGOVERSE = "maps from words", "SUMO's real networks", "Argoverse 2"
 
@@ -26,7 +26,7 @@ class Params:
 
     Attributes:
         radius: of a window [m]. per_made, per_network, per_log: windows out of every map from words, network, Argoverse 2 log.
-        networks: real ones by name, as paths below SUMO_HOME. argoverse2: a folder of logs, "" for none.
+        networks: names of real ones in `corpus.networks`. argoverse2: a folder of logs, "" for none.
     """
 
     seed: int
@@ -34,7 +34,7 @@ class Params:
     per_made: Count
     per_network: Count
     per_log: Count
-    networks: dict[str, str]
+    networks: tuple[str, ...]
     argoverse2: str
 
 
@@ -42,7 +42,10 @@ def main(params: Params, maps: Path, table: Path) -> None:
     """Measure every source; one that is not there stands in the table as not measured."""
     made = sorted(maps.glob("*/map.net.xml"))
     logs = sorted(Path(params.argoverse2).rglob("log_map_archive_*.json")) if params.argoverse2 else []
-    real = {name: _home() / path for name, path in sorted(params.networks.items())}
+    places = {name: path for split in read_section("corpus.networks.real").values() for name, path in split.items()}
+    if unknown := set(params.networks) - set(places):
+        raise UnusableInput(f"map_diversity.networks names {min(unknown)!r}, which is no real network of corpus.networks")
+    real = {name: _home() / places[name] for name in sorted(params.networks)}
     found = {
         MADE: _measured(params, {f.parent.name: read_network(f.read_bytes(), str(f)) for f in made}, params.per_made),
         SUMO: _measured(params, {name: _network(name, file) for name, file in real.items()}, params.per_network),

@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drivegen import plugins
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.settings import Count
 from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prices import MAP_TOKENS
 from drivegen.lm.settings import RecordSettings, RoleSettings
 from drivegen.maps.build import build_map
-from drivegen.settings import Count
 from drivegen.store.files import write_json
+from drivegen.words.writer import asking_writer, writer_called
 from stages._door import enter, read_params, spread
 
 CALLS = FOLDER / "maps.parquet"
@@ -54,7 +54,7 @@ def main(params: Params, out: Path, table: Path) -> None:
     if model is None:
         rows = [row for _, row in spread(_build, tasks, params.workers, "maps")]
     else:  # in one process: one budget, one list of calls
-        questions = plugins.load("maps.writers", params.writer)(model).first_questions(task.text for task in tasks)
+        questions = asking_writer(params.writer, model).first_questions(task.text for task in tasks)
         print(model.forecast(questions, MAP_TOKENS), flush=True)
         with model.ledger.kept(CALLS):
             model.ask_ahead(questions, sample=params.seed)
@@ -77,10 +77,16 @@ def _build(task: _Task) -> dict[str, Any]:
     """One map; the row says who wrote it and how far it got."""
     row: dict[str, Any] = {"name": task.name, "text": task.text, "understood": False, "network": False, "as_asked": False}
     try:
-        built = build_map(task.text, task.seed, task.writer, folder=task.folder, model=task.model)
+        built = build_map(task.text, task.seed, writer_called(task.writer, task.model), task.folder)
     except UnusableInput as error:
         # What netconvert refuses was understood; what the writer refuses was not.
-        return {**row, "writer": task.writer, "reason": error.reason, "understood": error.reason.startswith("netconvert")}
+        return {
+            **row,
+            "writer": task.writer,
+            "reason": error.reason,
+            "why": str(error),
+            "understood": error.reason.startswith("netconvert"),
+        }
     found = built.structure
     told = {"writer": built.account["backend"], "kind": built.account["kind"], "reason": ""}
     told |= {"ignored": built.account["ignored"], "failed": built.account["failed"]}

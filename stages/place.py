@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from drivegen.assets.gaps import Gaps, headways, measure_gaps
-from drivegen.assets.place import MODES
-from drivegen.assets.table import Table
-from drivegen.errors import MissingTool, UnusableInput
-from drivegen.initialise import Initialiser, Settings
-from drivegen.scenario import Scenario
-from drivegen.settings import Count
+from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.scenario import Scenario
+from drivegen.core.settings import Count
+from drivegen.placement.gaps import Gaps, headways, measure_gaps
+from drivegen.placement.place import MODES
+from drivegen.placement.scenes import Initialiser, Settings
+from drivegen.placement.table import Table
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards, write_shard

@@ -5,34 +5,23 @@ what was measured), folder to write: scenario_quality.json, a list of {data, met
 selector}; every table as Markdown, its picture as SVG; README.md; provenance.json.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import orjson
-
-from drivegen import plugins
-from drivegen.errors import UnusableInput
-from drivegen.report import published, published_tables
-from drivegen.report.published import DataSet, Pooled, Results
-from drivegen.report.published_best import best
-from drivegen.report.published_costs import costs
-from drivegen.report.published_front import front
-from drivegen.report.published_goals import goals
-from drivegen.report.published_index import index
-from drivegen.report.published_training import Trained, models
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.methods import Method, read_methods
+from drivegen.core.seeds import rng
+from drivegen.report import published
+from drivegen.report.published import DataSet, Pooled
+from drivegen.report.published_all import PooledSets, models_and_costs, tables_of, trainings, transfers
+from drivegen.report.published_files import write_published
+from drivegen.report.published_runs import read_data_set
 from drivegen.report.table import Table
-from drivegen.seeds import rng
-from drivegen.store.files import whole, write_json
-from drivegen.store.results import run_id
-from drivegen.store.runs import COSTS, METRICS, read_codes, read_costs, read_models, read_param, read_scores
-from drivegen.store.scenarios import read_shard, shards
+from drivegen.warehouse.provenance import describe_runs
 from stages._door import enter, require
-
-SCENARIOS = Path("data/scenarios/test")
-_PINNED = ("drivegen", "numpy", "torch", "libsumo", "numba")
 
 
 @dataclass(frozen=True)
@@ -59,12 +48,17 @@ class Params:
 
     Attributes:
         draws: bootstrap draws. seeds: of training. temperatures: at which the front of error and diversity is measured.
-        params: what differs from params.yaml in every run. data: data sets, in the order of the tables.
-        transfer: pairs of data sets whose order of methods is compared. training: pairs of data sets with the same scenes, by
-            models that learnt from less and from more.
+        params: what differs from params.yaml in every run.
+        data: data sets, in the order of the tables. transfer: pairs of them whose order of methods is compared.
+        training: pairs of data sets with the same scenes, by models that learnt from less and from more.
+        own, rivals, baselines, selectors: of `run`, the order of rows.
     """
 
     seed: int
+    own: tuple[str, ...]
+    rivals: tuple[str, ...]
+    baselines: tuple[str, ...]
+    selectors: tuple[str, ...]
     draws: int
     seeds: tuple[int, ...]
     temperatures: tuple[float, ...]
@@ -73,126 +67,52 @@ class Params:
     transfer: tuple[tuple[str, ...], ...]
     training: tuple[tuple[str, ...], ...]
 
+    @property
+    def methods(self) -> dict[str, Method]:
+        """Every generator in the order of the tables."""
+        return read_methods([*self.own, *self.rivals, *self.baselines])
+
+    @property
+    def runs(self) -> Iterator[str]:
+        """Every run that tables are made from, as <data set>/<training seed> or <data set>/t<temperature>."""
+        yield from (f"{name}/{seed}" for name in self.data for seed in self.seeds)
+        yield from (f"{name}/t{t}" for name, about in self.data.items() if about.front for t in self.temperatures)
+
 
 def main(params: Params, runs: Path, out: Path) -> None:
     """Read every run, pool, write."""
     require(runs, "run `make tables`, which makes the runs and then calls this")
-    rows: list[dict[str, Any]] = []
-    tables: list[Table] = []
-    known: dict[str, tuple[DataSet, Pooled]] = {}
-    for name, about in params.data.items():
-        data = _data_set(runs / name, name, about, params)
-        if data is not None:
-            pooled = published.pool(data, params.draws, rng(params.seed, "publish", "pool", name))
-            known[name] = (data, pooled)
-            rows += published.rows(data, pooled)
-            tables += published_tables.few(data, _tables(data, pooled, runs / name, params))
+    pooled_sets = _pool(params, runs)
+    rows = [row for data, pooled in pooled_sets.values() for row in published.rows(data, pooled)]
     if not rows:
         raise UnusableInput(f"{runs} holds no run that was evaluated: run `make tables`", reason="no-runs")
-    tables += [published_tables.transfer(*known[a], *known[b]) for a, b in params.transfer if a in known and b in known]
-    for less, more in params.training:
-        if less in known and more in known:
-            stream = rng(params.seed, "publish", "training", more)
-            found = published_tables.training(known[less][0], known[more][0], params.draws, stream)
-            tables += published_tables.few(known[more][0], [found])
-    tables += models(_trained(runs, [data for data, _ in known.values()]))
-    most = max((data for data, _ in known.values()), key=lambda data: data.scenes)
-    rooms = [runs / most.name / str(seed) for seed in most.seeds]
-    tables.append(costs(most, [read_costs(room / COSTS) for room in rooms], read_param(rooms[0], "rollout.samples")))
-    _write(out, rows, tables, {name: data.title for name, (data, _) in known.items()}, _provenance(params, runs))
-    missing = [name for name in params.data if name not in known] or ["none"]
-    print(f"publish: {len(rows)} figures of {', '.join(known)}; not measured: {', '.join(missing)}")
+    tables = _tables(params, runs, pooled_sets)
+    titles = {name: data.title for name, (data, _) in pooled_sets.items()}
+    provenance = {"seed": params.seed, "bootstrap_draws": params.draws, **describe_runs(runs, params.runs)}
+    write_published(out, rows, tables, titles, provenance)
+    missing = [name for name in params.data if name not in pooled_sets] or ["none"]
+    print(f"publish: {len(rows)} figures of {', '.join(pooled_sets)}; not measured: {', '.join(missing)}")
 
 
-def _tables(data: DataSet, pooled: Pooled, folder: Path, params: Params) -> list[Table]:
-    """All tables of one data set alone, the headline first."""
-    streams = {what: rng(params.seed, "publish", what, data.name) for what in ("paired", "best")}
-    first, paired, *others = published_tables.tables(data, pooled, params.draws, streams["paired"])
-    found = [first, paired, *best(data, pooled, params.draws, streams["best"]), *others]
-    at = {t: results for t in params.temperatures if (results := _at_temperature(folder / f"t{t}"))}
-    if at and params.data[data.name].front:
-        found.append(front(data, at, pooled, read_param(folder / str(data.seeds[0]), "rollout.generation.temperature")))
-    files = sorted(file for seed in data.seeds for file in (folder / str(seed) / METRICS / "goals").glob("*.json"))
-    chosen = {stem: [_json(file) for file in files if file.stem == stem] for stem in dict.fromkeys(file.stem for file in files)}
-    return [*found, goals(data.name, data.title, chosen)] if chosen else found
+def _pool(params: Params, runs: Path) -> PooledSets:
+    """Every data set that was run, pooled."""
+    pooled_sets: dict[str, tuple[DataSet, Pooled]] = {}
+    for name, about in params.data.items():
+        data = read_data_set(runs / name, about.title, params.seeds, params.methods, by_scene=about.by_scene)
+        if data is not None:
+            pooled_sets[name] = (data, published.pool(data, params.draws, rng(params.seed, "publish", "pool", name)))
+    return pooled_sets
 
 
-def _data_set(folder: Path, name: str, about: About, params: Params) -> DataSet | None:
-    """All seeds of a data set; None where it was not run."""
-    seeds = tuple(seed for seed in params.seeds if (folder / str(seed) / METRICS / "quality").is_dir())
-    if not seeds:
-        return None
-    places = [folder / str(seed) / METRICS for seed in seeds]
-    methods = sorted({file.stem for place in places for file in (place / "quality").glob("*.parquet")})
-    results, left_out = published.split({m: _results(places, m) for m in methods if m in published.METHODS})
-    ingest = _json(places[0] / "ingest.json")
-    said = f"Models were trained on: {ingest['trained_on']}." + (f" {ingest['note']}." if ingest["note"] else "")
-    scenes = folder / str(seeds[0]) / SCENARIOS
-    logs = (scene for shard in (shards(scenes) if scenes.is_dir() else ()) for scene in read_shard(shard))
-    return DataSet(name, about.title, said, seeds, results, about.by_scene, published.tracks(logs, results), left_out)
-
-
-def _results(places: list[Path], method: str) -> Results:
-    """One method over its seeds, scenes in the first seed's order."""
-    scenarios, values = read_scores([place / "quality" / f"{method}.parquet" for place in places])
-    details = [published.set_numbers(_json(place / "quality_details" / f"{method}.json")) for place in places]
-    sets = {key: [found[key] for found in details if key in found] for key in details[0]}
-    return Results(scenarios, values, sets, _chosen_by(method))
-
-
-def _trained(runs: Path, known: Iterable[DataSet]) -> list[Trained]:
-    """Every model that was trained, once: runs of other data take it over, and only the run that trained it has its times."""
-    found: dict[tuple[str, str, int], Trained] = {}
-    for data in known:
-        for seed in data.seeds:
-            place = runs / data.name / str(seed)
-            trained_on = _json(place / METRICS / "ingest.json")["trained_on"]
-            lists = read_costs(place / COSTS).get("goal_lists/goal_lists", {}).get("cpu_seconds")
-            for model in read_models(place):
-                key = (trained_on, model.name, seed)
-                if key not in found or (model.took and not found[key].model.took):
-                    found[key] = Trained(trained_on, seed, model, lists)
-    return list(found.values())
-
-
-def _at_temperature(folder: Path) -> Results | None:
-    known = (folder / METRICS / "quality" / "drivegen.parquet").exists()
-    return _results([folder / METRICS], "drivegen").averaged if known else None
-
-
-def _chosen_by(method: str) -> str:
-    """Who chose goals, as the method's plugin or its selector says."""
-    plugin = plugins.load("generators", method)
-    return str(plugin.backend if plugin.selector is None else plugins.load("selectors", plugin.selector).described)
-
-
-def _provenance(params: Params, runs: Path) -> dict[str, Any]:
-    """What the tables were made from and what they lack; no times and no paths, so the same runs give the same bytes."""
-    wanted = [f"{name}/{seed}" for name in params.data for seed in params.seeds]
-    wanted += [f"{name}/t{t}" for name, about in params.data.items() if about.front for t in params.temperatures]
-    there = {name: runs / name for name in sorted(wanted) if (runs / name / METRICS).is_dir()}
-    return {
-        "seed": params.seed,
-        "bootstrap_draws": params.draws,
-        "runs": {name: run_id({}, [place / METRICS]) for name, place in there.items()},
-        "code": read_codes(there),
-        "runs_missing": [name for name in wanted if name not in there],
-        "versions": {name: version(name) for name in _PINNED},
-    }
-
-
-def _write(out: Path, rows: list[dict[str, Any]], tables: list[Table], titles: dict[str, str], made: dict[str, Any]) -> None:
-    write_json(out / "scenario_quality.json", rows)
-    write_json(out / "provenance.json", made)
-    texts = {f"{table.name}.md": table.markdown().encode() for table in tables}
-    texts |= {f"{table.name}.svg": table.picture for table in tables if table.picture}
-    for name, text in {**texts, "README.md": index(tables, titles, made).encode()}.items():
-        with whole(out / name) as temporary:
-            temporary.write_bytes(text)
-
-
-def _json(path: Path) -> Any:
-    return orjson.loads(path.read_bytes())
+def _tables(params: Params, runs: Path, pooled_sets: PooledSets) -> list[Table]:
+    """The tables of each data set, then those over several."""
+    selectors, tables = plugins.names("selectors", params.selectors), []
+    for name, (data, pooled) in pooled_sets.items():
+        temperatures = params.temperatures if params.data[name].front else ()
+        tables += tables_of(data, pooled, runs / name, temperatures, selectors, params.draws, params.seed)
+    tables += transfers(pooled_sets, params.transfer)
+    tables += trainings(pooled_sets, params.training, params.draws, params.seed)
+    return [*tables, *models_and_costs(pooled_sets, runs, params.methods)]
 
 
 if __name__ == "__main__":

@@ -8,10 +8,11 @@ in bytes at every write, their list does not).
 from dataclasses import dataclass
 from pathlib import Path
 
+from drivegen.core.methods import read_methods
+from drivegen.core.settings import Index
 from drivegen.recording import LOG, record_comparison
-from drivegen.recordings import record_sample
-from drivegen.settings import Index
-from drivegen.store.draw import GOALS_OF, by_method, draw_scenes, followed_goals, goals_of
+from drivegen.recording.sample import record_sample
+from drivegen.store.draw import by_method, draw_scenes, followed_goals, goals_of
 from drivegen.store.files import write_json
 from drivegen.store.rejected import rejected_by_method, rejected_of
 from stages._door import enter, require
@@ -36,12 +37,13 @@ def main(
     drawn_from = require(generated / METHOD, "run the rollout stage")
     scenes = draw_scenes(params.seed, scenarios, drawn_from, max(params.scenes, params.compared))
     turned_down = rejected_by_method(rejected)
+    selectors = {name: method.goals for name, method in read_methods().items()}
     links = []
     for drawn in scenes[: params.scenes]:
         scenario, samples = drawn.scenario, drawn.samples
         file = out / f"{scenario.scenario_id}.rrd"
         mine = rejected_of(scenario.scenario_id, turned_down).get(METHOD)
-        offered = goals_of(scenario.scenario_id, require(goals / GOALS_OF[METHOD] / drawn.shard, "run the goals stage"))
+        offered = goals_of(scenario.scenario_id, require(goals / str(selectors[METHOD]) / drawn.shard, "run the goals stage"))
         record_sample(file, scenario, samples, 0, offered, mine)
         text = f"{scenario.scenario_id}, {scenario.city}: {samples.method} against the log"
         links.append({"text": text, "href": f"{out.name}/{file.name}"})
@@ -51,9 +53,9 @@ def main(
         file = out / f"{scenario.scenario_id}-methods.rrd"
         ours_first = sorted(methods.keys() - {LOG}, key=lambda name: (not name.startswith(METHOD), name))
         shown = {name: methods[name] for name in ours_first}
-        places = {name: followed_goals(one, goals, drawn.shard) for name, one in shown.items()}
-        known = {name: found for name, found in places.items() if found is not None}
-        record_comparison(file, scenario, shown, known, rejected_of(scenario.scenario_id, turned_down))
+        places = {name: followed_goals(one, selectors.get(name), goals, drawn.shard) for name, one in shown.items()}
+        recorded = {name: place for name, place in places.items() if place is not None}
+        record_comparison(file, scenario, shown, recorded, rejected_of(scenario.scenario_id, turned_down))
         text = f"{scenario.scenario_id}, {scenario.city}: {len(methods)} methods side by side"
         links.append({"text": text, "href": f"{out.name}/{file.name}"})
     write_json(listing, links)

@@ -5,51 +5,39 @@ way to them (a file a method), recorded goals (a folder a selector), folder of m
 tables to write. Where a folder is absent its section reads "not measured".
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
-import orjson
-
-from drivegen.errors import UnusableInput
-from drivegen.rejected import Rejected
-from drivegen.render.contact_sheet import contact_sheet
-from drivegen.render.png import png, shrunk
-from drivegen.render.scene_picture import scene_picture, view_of
-from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_page
-from drivegen.report.published import METHODS
-from drivegen.samples import Samples
-from drivegen.settings import Index
-from drivegen.store.draw import Drawn, by_method, draw_scenes, followed_goals
+from drivegen.core import plugins
+from drivegen.core.methods import Method, read_methods
+from drivegen.core.settings import Index
+from drivegen.report import Evidence, Link, Picture, all_sections, build_page
+from drivegen.report.measured import read_curves, read_results
+from drivegen.report.pictures import compare_methods, picture_scene, read_map_pictures
+from drivegen.store.draw import by_method, draw_scenes
 from drivegen.store.files import whole
 from drivegen.store.rejected import rejected_by_method, rejected_of
 from drivegen.store.results import run_id
-from drivegen.store.runs import read_costs, read_curve, read_param
+from drivegen.warehouse.runs import read_costs, read_param
 from stages._door import enter
 
 _PINNED = ("drivegen", "numpy", "torch", "libsumo", "pyarrow", "duckdb", "opencv-python-headless")
 
-
-SCENE_WIDTH, PANEL_WIDTH, MAP_WIDTH = 700, 330, 640
-"""Widths of pictures in the page [pixels]; a panel is one method of several on one scene."""
-
-PANELS = 3
-"""Methods in a row."""
-
 METHOD = "drivegen"
 """Whose samples are shown large."""
-
-NO_TRAFFIC = "random_agent"
-"""An anchor of the measures; there is nothing to see."""
 
 
 @dataclass(frozen=True)
 class Params:
-    """`scenes` pictures of test scenes, `maps` pictures of maps at most."""
+    """`scenes` pictures of test scenes, `maps` pictures of maps at most; names that give the rows of tables their order."""
 
     seed: int
+    own: tuple[str, ...]
+    rivals: tuple[str, ...]
+    baselines: tuple[str, ...]
+    selectors: tuple[str, ...]
+    planners: tuple[str, ...]
     scenes: Index
     maps: Index
 
@@ -68,24 +56,20 @@ def main(
     tables: Path,
 ) -> None:
     """Gather, write the page and the tables."""
-    results = _results(metrics)
-    there = scenarios.exists() and (generated / METHOD).exists()
-    drawn = draw_scenes(params.seed, scenarios, generated / METHOD, params.scenes) if there else []
-    found = rejected_by_method(rejected)
-    turned_down = [rejected_of(one.scenario.scenario_id, found) for one in drawn]
+    results = read_results(metrics)
+    methods = read_methods([*params.own, *params.rivals, *params.baselines])
+    source, scenes, comparisons = _scenes(params, methods, scenarios, generated, rejected, goals)
     evidence = Evidence(
         results=results,
-        source=drawn[0].scenario.source if drawn else "",
+        source=source,
+        methods=methods,
+        selectors=tuple(plugins.names("selectors", params.selectors)),
+        planners=tuple(plugins.names("planners", params.planners)),
         samples=read_param(Path(), "rollout.samples"),
-        scenes=tuple(_scene(one, down.get(METHOD)) for one, down in zip(drawn, turned_down, strict=True)),
-        comparisons=tuple(
-            _comparison(one, methods, down, goals)
-            for one, methods, down in zip(drawn, by_method(drawn, generated), turned_down, strict=True)
-        )
-        if drawn
-        else (),
-        maps=tuple(_map(folder) for folder in sorted(maps.glob("*/map.png"))[: params.maps]),
-        curves=tuple(_curve(curves, file) for file in sorted(curves.rglob("*.csv"))),
+        scenes=scenes,
+        comparisons=comparisons,
+        maps=read_map_pictures(maps, params.maps),
+        curves=read_curves(curves),
         costs=read_costs(costs),
         recordings=tuple(Link(**link) for link in results.get("recordings", [])),
         provenance={
@@ -103,50 +87,20 @@ def main(
     print(f"report: {page.resolve().as_uri()}")
 
 
-def _results(folder: Path) -> dict[str, Any]:
-    found = {}
-    for file in sorted(folder.rglob("*.json")):
-        try:
-            found[file.relative_to(folder).with_suffix("").as_posix()] = orjson.loads(file.read_bytes())
-        except orjson.JSONDecodeError as error:
-            raise UnusableInput(f"{file} is not JSON: remove it and run its stage again", reason="truncated") from error
-    return found
-
-
-def _scene(drawn: Drawn, rejected: Rejected | None) -> Picture:
-    scenario, samples = drawn.scenario, drawn.samples
-    image = scene_picture(scenario, samples.motion, ~samples.legal, pixels=SCENE_WIDTH, rejected=rejected)
-    title = f"{scenario.scenario_id} ({scenario.city})"
-    said = f"{len(scenario.vehicles)} vehicles, {len(samples.violation)} samples"
-    return Picture(title, said if rejected is None else f"{said}; {rejected.summary}", png(image))
-
-
-def _comparison(drawn: Drawn, methods: Mapping[str, Samples], rejected: Mapping[str, Rejected], goals: Path) -> Picture:
-    """One scene by every method, in the window that the log (or the first method) needs."""
-    scenario = drawn.scenario
-    moving = scenario.log if scenario.log is not None else drawn.samples.motion
-    view = view_of(moving, PANEL_WIDTH)
-    panels = []
-    order = [*(m for m in METHODS if m in methods), *(m for m in methods if m not in METHODS)]
-    for name in [m for m in order if m != NO_TRAFFIC]:
-        samples = methods[name]
-        places = followed_goals(samples, goals, drawn.shard)
-        image = scene_picture(scenario, samples.motion, ~samples.legal, places, view=view, rejected=rejected.get(name))
-        panels.append((METHODS.get(name, name), image))
-    title = f"{scenario.scenario_id} ({scenario.city})"
-    counts = [f"{METHODS.get(name, name)}: {rejected[name].summary}" for name in order if name in rejected]
-    said = ". ".join([f"{len(scenario.vehicles)} vehicles", *counts])
-    return Picture(title, said, png(contact_sheet(panels, PANELS)))
-
-
-def _map(file: Path) -> Picture:
-    about = file.with_suffix(".json")
-    words = orjson.loads(about.read_bytes()) if about.exists() else {}
-    return Picture(file.parent.name.replace("_", " "), str(words.get("text", "")), shrunk(file.read_bytes(), MAP_WIDTH))
-
-
-def _curve(folder: Path, file: Path) -> Curve:
-    return Curve(file.relative_to(folder).with_suffix("").as_posix(), read_curve(file))
+def _scenes(
+    params: Params, methods: dict[str, Method], scenarios: Path, generated: Path, rejected: Path, goals: Path
+) -> tuple[str, tuple[Picture, ...], tuple[Picture, ...]]:
+    """The data set in words, pictures of test scenes drawn by seed, and the same scenes by every method; empty without any."""
+    complete = scenarios.exists() and (generated / METHOD).exists()
+    drawn = draw_scenes(params.seed, scenarios, generated / METHOD, params.scenes) if complete else []
+    if not drawn:
+        return "", (), ()
+    rejected_scenes = rejected_by_method(rejected)
+    rejections = [rejected_of(one.scenario.scenario_id, rejected_scenes) for one in drawn]
+    large = [picture_scene(one, of_scene.get(METHOD)) for one, of_scene in zip(drawn, rejections, strict=True)]
+    each = zip(drawn, by_method(drawn, generated), rejections, strict=True)
+    small = [compare_methods(one, samples, methods, of_scene, goals) for one, samples, of_scene in each]
+    return drawn[0].scenario.source, tuple(large), tuple(small)
 
 
 def _write(path: Path, text: str) -> None:

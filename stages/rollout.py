@@ -8,11 +8,11 @@ shows). Nobody is dropped: what stays illegal is kept and counted as illegal.
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivegen import plugins
-from drivegen.errors import UnusableInput
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.rejections import Rejected, Rejections
+from drivegen.core.settings import Count, Index
 from drivegen.generators.base import Settings
-from drivegen.rejected import Rejected, Rejections
-from drivegen.settings import Count, Index
 from drivegen.store.draw import draw_places
 from drivegen.store.goals import read_goals
 from drivegen.store.rejected import write_rejected
@@ -63,9 +63,9 @@ def _generate_shard(task: Task) -> list[Rejected]:
     scenarios = read_shard(task.shard)
     params = task.params
     generator = plugins.load("generators", task.out.name)(task.models, params.generation)
-    if generator.selector is None:
+    if generator.about.goals is None:
         raise UnusableInput(f"generator {task.out.name!r} knows no goals: put it into run.baselines of params.yaml, not run.own")
-    recorded = read_goals(require(task.goals / generator.selector / task.shard.name, "run the goals stage"))
+    recorded = read_goals(require(task.goals / generator.about.goals / task.shard.name, "run the goals stage"))
     rejections = {scenarios[row].scenario_id: Rejections() for row in task.shown}
     samples = generator.follow(scenarios, recorded, params.samples, params.seed, rejections)
     write_samples(task.out / task.shard.name, samples)

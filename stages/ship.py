@@ -7,10 +7,10 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivegen import plugins
+from drivegen.core import plugins
+from drivegen.core.settings import Count
 from drivegen.generators.base import Settings
-from drivegen.settings import Count
-from drivegen.shipping import ShipSettings, ship
+from drivegen.rollout.shipping import ShipSettings, ship
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards, write_shard
 from stages._door import enter, require, spread

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from drivegen import plugins
-from drivegen.errors import UnusableInput
-from drivegen.generators._learned import Learned
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.settings import Count
+from drivegen.generators.shared.learned import Learned
 from drivegen.metrics.displacement import scene_errors, summarise
-from drivegen.settings import Count
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training.curve import kept, write_curve

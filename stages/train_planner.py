@@ -5,35 +5,30 @@ argv: scenarios (folder with train and val), the checker's limits (JSON), model 
 An interrupted training goes on from `.drivegen/checkpoints/`, in a folder named after everything that it depends on.
 """
 
-import hashlib
 import shutil
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import orjson
 from numpy.typing import NDArray
 
-from drivegen import plugins
-from drivegen.checker.limits import Limits
-from drivegen.checker.scene import SceneChecker
-from drivegen.errors import UnusableInput
-from drivegen.lanes.graph import LaneGraph
-from drivegen.planners._requests import examples_from_logs
-from drivegen.planners._scores import drawn_tracks, score
+from drivegen.checker.verdicts import SingleJudge, read_limits_file
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.settings import Count, Share
 from drivegen.planners.base import Examples, Planner, PlanRequests
-from drivegen.samples import Violation
-from drivegen.scenario import Scenario, Trajectories
-from drivegen.settings import Count, Share
+from drivegen.planners.shared.requests import examples_from_logs
+from drivegen.planners.shared.scores import drawn_tracks, score
+from drivegen.roads.graph import LaneGraph
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
-from drivegen.training import loop
+from drivegen.training import checkpoint
 from drivegen.training.curve import write_curve
-from stages._door import build, enter, require, spread_splits
+from drivegen.training.timing import timed
+from stages._door import build, enter, spread_splits
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
 
@@ -60,64 +55,43 @@ class Params:
 
 def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Path, curve: Path) -> dict[str, float]:
     """Train, save, score."""
-    name = model.name
-    plugin = plugins.load("planners", name)
-    if name not in params.planners:
-        raise UnusableInput(f"params.yaml: train_planner.planners has no settings for {name!r}")
-    settings = build(plugin.Settings, params.planners[name], f"params.yaml: train_planner.planners.{name}")
+    planner, settings = _untrained(model.name, params)
+    single = SingleJudge(read_limits_file(limits))
     train, validation = _examples(scenarios, params)
-    checkpoints = CHECKPOINTS / _key(params, settings, scenarios)
-    judge = _Judge(require(limits, "run the calibrate stage"))
-    planner: Planner = plugin(settings)
-    took: dict[str, float] = {"planned": 0.0}
-    with _timed("training", took):
-        rows = planner.fit(train, validation, params.training_seed, checkpoints, _say(name))
+    data = [*shards(scenarios / "train"), *shards(scenarios / "val")]
+    inputs = (model.name, asdict(settings), params.training_seed, params.seen)
+    checkpoints = CHECKPOINTS / checkpoint.name_of(inputs, data, checkpoint.source_digest("drivegen", "stages"))
+    costs: dict[str, float] = {"planned": 0.0}
+    with timed("training", costs):
+        rows = planner.fit(train, validation, params.training_seed, checkpoints, _say(model.name))
     planner.save(model)
     write_curve(curve, rows, error="ade")
     counts = {"train_tracks": len(train), "validation_tracks": len(validation), "steps": rows[-1].step}
     epochs = round(rows[-1].step * settings.training.batch / max(len(train), 1), 2)
-    drawn = drawn_tracks(validation, params.scored, params.scored_scenes.get(name), params.training_seed)
 
     def sample(scenes: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
-        with _timed("planning", took):
-            took["planned"] += len(requests)
+        with timed("planning", costs):
+            costs["planned"] += len(requests)
             return planner.sample(scenes, requests)
 
+    def judge(scenes: Sequence[Scenario], requests: PlanRequests, motion: Trajectories) -> dict[str, NDArray[np.bool_]]:
+        return single(scenes, requests.scenario, requests.vehicle, motion)
+
+    drawn = drawn_tracks(validation, params.scored, params.scored_scenes.get(model.name), params.training_seed)
     scores = score(sample, validation, drawn, params.samples, params.training_seed, judge)
-    write_json(metrics, {"planner": name, **counts, "epochs": epochs, "validation_loss": rows[-1].validation, **scores})
+    about = {"planner": model.name, **counts, "epochs": epochs, "validation_loss": rows[-1].validation}
+    write_json(metrics, {**about, **scores})
     shutil.rmtree(checkpoints, ignore_errors=True)
-    return {**{key: float(value) for key, value in counts.items()}, **took}
+    return {**{key: float(value) for key, value in counts.items()}, **costs}
 
 
-@contextmanager
-def _timed(what: str, took: dict[str, float]) -> Iterator[None]:
-    """Add what the block takes to `took`: `<what>_cpu_seconds` and, where there is a GPU, `<what>_gpu_seconds` (wall time)."""
-    cpu, wall = time.process_time(), time.perf_counter()
-    yield
-    took[f"{what}_cpu_seconds"] = took.get(f"{what}_cpu_seconds", 0.0) + time.process_time() - cpu
-    if loop.device().type == "cuda":
-        took[f"{what}_gpu_seconds"] = took.get(f"{what}_gpu_seconds", 0.0) + time.perf_counter() - wall
-
-
-class _Judge:
-    """The checker's rules that need no other vehicle: `off_road` and `illegal` (any of them, off the road included)."""
-
-    def __init__(self, limits: Path) -> None:
-        self.limits = Limits.from_json(orjson.loads(limits.read_bytes()), str(limits))
-        self.checkers: dict[str, SceneChecker] = {}
-
-    def __call__(
-        self, scenarios: Sequence[Scenario], requests: PlanRequests, motion: Trajectories
-    ) -> dict[str, NDArray[np.bool_]]:
-        violation = np.zeros(len(requests), np.uint16)
-        for number in np.unique(requests.scenario).tolist():
-            scenario = scenarios[number]
-            if scenario.scenario_id not in self.checkers:
-                self.checkers[scenario.scenario_id] = SceneChecker(scenario, self.limits)
-            rows = np.flatnonzero(requests.scenario == number)
-            found = self.checkers[scenario.scenario_id].alone(requests.vehicle[rows], motion[rows].until(scenario.steps))
-            violation[rows] = found.violation
-        return {"off_road": (violation & int(Violation.OFF_ROAD)) > 0, "illegal": violation > 0}
+def _untrained(name: str, params: Params) -> tuple[Planner, Any]:
+    """The planner plugin called `name` and its settings; raises UnusableInput where params know none."""
+    plugin = plugins.load("planners", name)
+    if name not in params.planners:
+        raise UnusableInput(f"params.yaml: train_planner.planners has no settings for {name!r}")
+    settings = build(plugin.Settings, params.planners[name], f"params.yaml: train_planner.planners.{name}")
+    return plugin(settings), settings
 
 
 def _examples(scenarios: Path, params: Params) -> tuple[Examples, Examples]:
@@ -136,16 +110,6 @@ def _shard_examples(task: tuple[Path, float, int]) -> Examples:
     shard, seen, seed = task
     scenarios = read_shard(shard)
     return examples_from_logs(scenarios, [LaneGraph.of(s.map) for s in scenarios], seen, seed)
-
-
-def _key(params: Params, settings: Any, scenarios: Path) -> str:
-    """A name for everything that the weights depend on: settings, seed, data and the code that learns."""
-    digest = hashlib.sha256(repr((asdict(settings), params.training_seed, params.seen)).encode())
-    root = Path(__file__).parents[1] / "drivegen"
-    code = sorted(path for folder in ("planners", "training", "lanes", "render") for path in (root / folder).glob("*.py"))
-    for path in [*code, *shards(scenarios / "train"), *shards(scenarios / "val")]:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:24]
 
 
 def _say(name: str) -> Callable[[str], None]:

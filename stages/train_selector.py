@@ -12,10 +12,10 @@ from pathlib import Path
 
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.candidates import candidates
+from drivegen.goals.list_files import read_lists
+from drivegen.goals.lists import Lists
 from drivegen.goals.scores import Judged, judge, scores
-from drivegen.lanes.graph import LaneGraph
-from drivegen.selectors._list_files import read_lists
-from drivegen.selectors._lists import Lists
+from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.base import Selector
 from drivegen.selectors.learned import Plugin, Settings
 from drivegen.selectors.prior import Plugin as Prior

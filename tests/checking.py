@@ -1,10 +1,18 @@
-"""What tests of the checker and of drivers share: plain limits, an IDM, a road with an oncoming lane."""
+"""What several tests share: plain limits, an IDM, a road with an oncoming lane, how far off the road what was made is."""
+
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegen.checker.limits import Limits
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.scenario import Actors, Scenario
 from drivegen.drivers import idm
-from drivegen.roadmap import RoadMap
+from drivegen.metrics.road_edge import RoadEdges, edge_distance
+from drivegen.metrics.surroundings import Boxes
+from drivegen.roads.drivable import CELL, road_field
+from drivegen.sumo.network import Network
 from tests.scenes import LANE_WIDTH, road_map
 
 LIMITS = Limits(
@@ -44,3 +52,18 @@ def two_way_road(length: float = 300.0) -> RoadMap:
     there = np.stack([xs, np.zeros_like(xs)], axis=1)
     back = np.stack([xs[::-1], np.full_like(xs, LANE_WIDTH)], axis=1)
     return road_map([there, back])
+
+
+def off_the_road(scenario: Scenario, network: Network) -> NDArray[np.float32]:
+    """(N, T) [m] how far the outermost corner of each vehicle's box is off the road of the whole network, 0 where it is gone."""
+    field = road_field(network.map)
+    assert scenario.log is not None
+    shift = (scenario.map.origin - network.map.origin).astype(np.float32)
+    motion = replace(scenario.log, position=scenario.log.position + shift)[np.newaxis]
+    boxes = Boxes.of(motion, scenario.vehicles.size, Actors.none(scenario.steps))
+    edges = RoadEdges(field.outside, field.origin, CELL, field.beyond_rim)
+    return np.maximum(np.where(motion.valid, edge_distance(boxes, len(scenario.vehicles), edges), 0), 0)[0]
+
+
+FARTHEST_OFF = 1.0
+"""No step of a vehicle that is made lies farther off the road than this [m]."""

@@ -3,22 +3,21 @@
 from pathlib import Path
 
 import numpy as np
-import yaml
 
-from drivegen import plugins
+from drivegen.core import plugins
+from drivegen.core.scenario import Scenario
+from drivegen.core.settings import build
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.candidates import candidates
-from drivegen.lanes.graph import LaneGraph
-from drivegen.planners._requests import examples_from_logs
+from drivegen.goals.lists import Lists
 from drivegen.planners.base import Planner
-from drivegen.scenario import Scenario
-from drivegen.selectors._lists import Lists
+from drivegen.planners.shared.requests import examples_from_logs
+from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.learned import Plugin as Learned
 from drivegen.selectors.learned import Settings as LearnedSettings
-from drivegen.settings import build
 from drivegen.store.files import write_json
 from stages import train_selector
-from stages._door import read_params
+from stages._door import read_params, read_section
 from tests.checking import LIMITS
 from tests.scenes import busy_crossing, drive, joined, scenario, stack, straight_road
 
@@ -36,7 +35,7 @@ def write_models(folder: Path) -> Path:
 
 def planner(scenes: list[Scenario]) -> Planner:
     """A small route_fm after a few steps."""
-    params = yaml.safe_load((ROOT / "params.yaml").read_text())["train_planner"]["planners"]["route_fm"]
+    params = read_section("train_planner.planners.route_fm", ROOT / "params.yaml")
     training = params["training"] | {"steps": 40, "batch": 16, "warmup": 5, "average": 0.9, "report_every": 20}
     plugin = plugins.load("planners", "route_fm")
     small = params | {"width": 32, "blocks": 1, "euler_steps": 2, "training": training}
@@ -48,7 +47,7 @@ def planner(scenes: list[Scenario]) -> Planner:
 
 def selector(scenes: list[Scenario]) -> Learned:
     """A small learned selector after a few steps."""
-    params = yaml.safe_load((ROOT / "params.yaml").read_text())["train_selector"]["learned"]
+    params = read_section("train_selector.learned", ROOT / "params.yaml")
     training = params["training"] | {"steps": 40, "batch": 16, "warmup": 5, "report_every": 20, "checkpoint_every": 20}
     settings = build(LearnedSettings, params | {"width": 16, "training": training}, "tests/models.py")
     offered = candidate_settings()

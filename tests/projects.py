@@ -5,7 +5,7 @@ from pathlib import Path
 
 import yaml
 
-from drivegen.assets.table import build_table
+from drivegen.placement.table import build_table
 from drivegen.store.assets import write_assets
 from tests.scenes import busy_crossing
 

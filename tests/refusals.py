@@ -1,6 +1,6 @@
 """What every refusal of a file must be."""
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 
 
 def assert_one_sentence(refusal: UnusableInput, place: str) -> None:

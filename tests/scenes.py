@@ -5,23 +5,29 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import Polylines, arc_length, interpolate
-from drivegen.rejected import Rejected
-from drivegen.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap
-from drivegen.samples import Samples, Violation
-from drivegen.scenario import DT, Actors, Scenario, Signals, SignalState, Trajectories, VehicleKind, Vehicles
+from drivegen.core.geometry import Polylines, arc_length, interpolate
+from drivegen.core.rejections import Rejected
+from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap, open_ends
+from drivegen.core.samples import Samples, Violation
+from drivegen.core.scenario import DT, Actors, Scenario, Signals, SignalState, Trajectories, VehicleKind, Vehicles
 
 LANE_WIDTH = 3.5
 LIMIT = 13.9
 
 
-def road_map(lines, links=(), in_junction=(), control=(), neighbours=(), drivable=(), stop_lines=(), stop_lane=()) -> RoadMap:
-    """Lanes of 3.5 m about `lines` (list of (P, 2)); `neighbours` are pairs (left lane, right lane) of one direction."""
+def road_map(
+    lines, links=(), in_junction=(), control=(), neighbours=(), drivable=(), stop_lines=(), stop_lane=(), whole=False
+) -> RoadMap:
+    """Lanes of 3.5 m about `lines` (list of (P, 2)); `neighbours` are pairs (left lane, right lane) of one direction.
+
+    A stretch of road that goes on at every end without a link, or the `whole` network.
+    """
     lines = [np.asarray(line, np.float64) for line in lines]
     count = len(lines)
     neighbour = np.full((count, 2), NO_LANE, np.int32)
     for left, right in neighbours:
         neighbour[right, 0], neighbour[left, 1] = left, right
+    links = np.array(sorted(links), np.int32).reshape(-1, 2)
     controls = np.full(count, LaneControl.FREE, np.uint8)
     for lane, kind in control:
         controls[lane] = kind
@@ -35,10 +41,11 @@ def road_map(lines, links=(), in_junction=(), control=(), neighbours=(), drivabl
         speed_limit=np.full(count, LIMIT, np.float32),
         in_junction=np.isin(np.arange(count), in_junction),
         control=controls,
-        links=np.array(sorted(links), np.int32).reshape(-1, 2),
+        links=links,
         neighbour=neighbour,
         same_direction=neighbour >= 0,
         may_change=neighbour >= 0,
+        cut=open_ends(links, count) & (not whole),
         drivable=Polylines.of([np.asarray(outline, np.float64) for outline in drivable]),
         crossings=Polylines.of([]),
         stop_lines=np.asarray(stop_lines, np.float32).reshape(-1, 2, 2),
@@ -53,16 +60,16 @@ def beside(line: NDArray[np.floating], offset: float) -> NDArray[np.floating]:
     return line + offset * np.stack([-step[:, 1], step[:, 0]], axis=1)
 
 
-def straight_road(length: float = 300.0, lanes: int = 2) -> RoadMap:
-    """`lanes` lanes side by side along +x from x = 0; lane 0 is the rightmost, centred on y = 0."""
+def straight_road(length: float = 300.0, lanes: int = 2, whole: bool = False) -> RoadMap:
+    """`lanes` lanes side by side along +x from x = 0; lane 0 is the rightmost, centred on y = 0. `whole`: see `road_map`."""
     xs = np.arange(0, length + 1, 10.0)
     lines = [np.stack([xs, np.full_like(xs, i * LANE_WIDTH)], axis=1) for i in range(lanes)]
     low, high = -LANE_WIDTH / 2, (lanes - 0.5) * LANE_WIDTH
     outline = [(0, low), (length, low), (length, high), (0, high)]
-    return road_map(lines, neighbours=[(i + 1, i) for i in range(lanes - 1)], drivable=[outline])
+    return road_map(lines, neighbours=[(i + 1, i) for i in range(lanes - 1)], drivable=[outline], whole=whole)
 
 
-def crossing(arm: float = 80.0, half: float = 10.0, control: LaneControl = LaneControl.SIGNAL) -> RoadMap:
+def crossing(arm: float = 80.0, half: float = 10.0, control: LaneControl = LaneControl.SIGNAL, whole: bool = False) -> RoadMap:
     """Four arms of one lane each way about the origin, with all turns; right-hand traffic.
 
     Lanes 0..3 come in heading 0, 90, 180, 270 degrees, 4..7 go out likewise; then for each way in: straight, left, right.
@@ -87,7 +94,7 @@ def crossing(arm: float = 80.0, half: float = 10.0, control: LaneControl = LaneC
     ]
     bars.append([(y, x) for x, y in bars[0]][::-1])
     stop_lane = [8 + 3 * k for k in range(4)]
-    return road_map(lines, links, list(range(8, 20)), controls, (), bars, stops, stop_lane)
+    return road_map(lines, links, list(range(8, 20)), controls, (), bars, stops, stop_lane, whole)
 
 
 def _turned(line: NDArray[np.floating], quarter: int) -> NDArray[np.floating]:

@@ -9,8 +9,8 @@ import pyarrow.feather
 
 from drivegen.av2.export import export_scenario
 from drivegen.av2.maps import write_map
+from drivegen.core.scenario import Scenario
 from drivegen.datasets.sumo_corpus import write_part
-from drivegen.scenario import Scenario
 from tests import commonroad_files
 from tests.scenes import busy_crossing
 

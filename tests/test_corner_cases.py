@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivegen.core.scenario import DT, Trajectories
 from drivegen.corner_cases.encounters import Behaviour, Direction, encounters
 from drivegen.corner_cases.knowledge import SHAPE, Knowledge, wilson
 from drivegen.corner_cases.pressure import PressureSettings, lean, risk
 from drivegen.corner_cases.rounds import Drive, _to_the_end, taught
 from drivegen.corner_cases.summary import RoundSummary
-from drivegen.scenario import DT, Trajectories
 from drivegen.simulators.base import NO_PARTNER, CollisionKind, DrivingOutcome
 
 CAR = np.array([4.5, 1.9, 1.5], np.float32)
@@ -145,18 +145,19 @@ def test_a_round_teaches_what_the_driver_might_have_prevented_and_of_whom():
     runs = drive((0, 0), 0.0, 5.0)[np.newaxis][np.zeros(5, int)]
     outcome = DrivingOutcome(
         np.array(kinds, np.uint8), np.array([40, 5, 40, 40, -1], np.int16), np.array([1, 1, 2, 2, NO_PARTNER], np.int32),
-        runs, np.zeros(5, np.float32),
+        np.zeros(5, np.bool_), runs, np.zeros(5, np.float32),
     )  # fmt: skip
     choice = SimpleNamespace(scenario=SimpleNamespace(vehicles=range(3)))
     found = taught(Drive(None, runs, outcome), choice)
     assert found.tolist() == [[True, False], [False, False], [False, False], [False, True], [False, False]]
 
 
-def test_where_a_run_ended_the_target_is_left_standing():
-    run = drive((0, 0), 0.0, 10.0)[np.newaxis]
+def test_where_a_run_ended_the_target_is_left_standing_unless_it_left_the_map():
+    run = drive((0, 0), 0.0, 10.0)[np.newaxis][[0, 0]]
     run.valid[:, 41:] = False
-    stays = _to_the_end(run)
-    assert stays.valid.all()
+    stays = _to_the_end(SimpleNamespace(target=run, outcome=SimpleNamespace(left_map=np.array([False, True]))))
+    assert stays.valid[0].all()
+    np.testing.assert_array_equal(stays.valid[1], run.valid[1])
     np.testing.assert_array_equal(stays.position[0, :41], run.position[0, :41])
     np.testing.assert_allclose(stays.position[0, 41:], np.tile([40.0, 0.0], (60, 1)), atol=1e-4)
     assert (stays.speed[0, :41] == 10).all()

@@ -9,7 +9,10 @@ from pathlib import Path
 import pytest
 import yaml
 
+from drivegen.store.scenarios import read_shard, shards
+from drivegen.sumo.network import Network
 from flows import workspace
+from tests.checking import FARTHEST_OFF, off_the_road
 
 ROOT = Path(__file__).parents[1]
 LEAVES = ("drivegen.duckdb", "reports/costs.md", "reports/recordings", "reports/index.html")
@@ -50,6 +53,14 @@ def hashes(root: Path) -> dict[str, str]:
 def test_the_report_and_the_tables_are_there(tiny):
     assert "<html" in (tiny / "reports" / "index.html").read_text()
     assert list((tiny / "reports" / "tables").glob("*.md"))
+
+
+def test_no_shipped_vehicle_is_off_the_road_of_its_whole_network(tiny):
+    networks = {file.parent.name: Network.read(file.read_bytes(), str(file)) for file in tiny.glob("data/maps/*/map.net.xml")}
+    shipped = [scenario for shard in shards(tiny / "data" / "shipped") for scenario in read_shard(shard)]
+    assert shipped
+    for scenario in shipped:
+        assert off_the_road(scenario, networks[scenario.city]).max() <= FARTHEST_OFF, scenario.scenario_id
 
 
 def test_nothing_is_left_to_do_for_dvc(tiny):

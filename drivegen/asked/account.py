@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivegen.asked.achieved import does, queued, stands
-from drivegen.asked.request import Group, Kind, TrafficRequest
 from drivegen.asked.start import AskedStart
 from drivegen.asked.wishes import Fill
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import TARGET, VehicleKind
 from drivegen.goals.candidates import NO_ROUTE, Candidates
-from drivegen.lanes.line import Route
-from drivegen.samples import Samples
-from drivegen.scenario import TARGET, VehicleKind
+from drivegen.roads.line import Route
+from drivegen.words.request import Density, Group, Kind, TrafficRequest
 
 SPEED_SHARE = 0.2
 """A speed is met within this share of it, or within SPEED_LEAST [m/s]."""
@@ -41,7 +41,9 @@ def first_frame(request: TrafficRequest, start: AskedStart, densities: dict[str,
     """What is seen at the first frame: numbers, kinds, density, speeds, places, queues."""
     vehicles = start.scenario.vehicles
     items = _numbers(request, start)
-    if request.density is not None:
+    if request.density is Density.NONE:
+        items.append(Item("density", "nobody but the target", len(vehicles) == 1))
+    elif request.density is not None:
         radius = densities[request.density].radius
         away = np.hypot(*(vehicles.position - vehicles.position[TARGET]).T)
         got = bool((away <= radius + 1.0).sum() >= CROWD * len(start.cast))

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.asked.goals import Duty
-from drivegen.asked.request import Manoeuvre
-from drivegen.assets.where import ALIKE, BESIDE, FARTHEST, NEAREST, TOLERANCE, TOLERANCE_SHARE, Relation
-from drivegen.geometry import to_vehicle_frame, wrap_angle
-from drivegen.lanes.frenet import to_frenet
-from drivegen.lanes.line import Route
-from drivegen.scenario import DT, TARGET, Trajectories, Vehicles
+from drivegen.core.geometry import to_vehicle_frame, wrap_angle
+from drivegen.core.scenario import DT, TARGET, Trajectories, Vehicles
+from drivegen.placement.where import ALIKE, BESIDE, FARTHEST, NEAREST, TOLERANCE, TOLERANCE_SHARE, Relation
+from drivegen.roads.frenet import to_frenet
+from drivegen.roads.line import Route
+from drivegen.words.request import Manoeuvre
 
 BRAKING = 3.0
 """A vehicle brakes hard when it slows down by more than this [m/s2] over BRAKING_STEPS steps."""
@@ -91,12 +91,12 @@ def does(duty: Duty, motion: Trajectories, target_routes: Sequence[Route], own_r
     """Whether the vehicle does its duty in the motion (N, T) of one sample, in time.
 
     `target_routes`, the one that the target follows first, and `own_route` keep their lanes: what "in its lane" means for the
-    target and for the vehicle.
+    target and for the vehicle. Who leaves the map is looked at until then.
     """
-    track = motion[duty.vehicle]
-    if not track.valid.all() or not motion[TARGET].valid.all():
+    track, target = (_there(motion[n]) for n in (duty.vehicle, TARGET))
+    if not track.steps or not target.steps:
         return False
-    last = len(track.valid) if duty.within is None else min(len(track.valid), round((duty.within + SLACK) / DT) + 1)
+    last = track.steps if duty.within is None else min(track.steps, round((duty.within + SLACK) / DT) + 1)
     if duty.manoeuvre is Manoeuvre.STOPPED:
         return bool((track.speed < STANDING).all())
     if duty.manoeuvre is Manoeuvre.HARD_BRAKING:
@@ -112,7 +112,12 @@ def does(duty: Duty, motion: Trajectories, target_routes: Sequence[Route], own_r
     if duty.manoeuvre is Manoeuvre.TURN_LEFT_ACROSS:
         across = any(_crosses(route, track, last) for route in target_routes)
         return bool((turned[:last] > TURNED).any() and across)
-    return bool(target_routes) and _before_target(duty, track, motion[TARGET], target_routes[0], last)
+    return bool(target_routes) and _before_target(duty, track, target, target_routes[0], last)
+
+
+def _there(track: Trajectories) -> Trajectories:
+    """A vehicle's track until it leaves the map; of no steps if it is not there from the beginning."""
+    return track.until(int(np.argmin(np.append(track.valid, False))))
 
 
 def _crosses(route: Route, track: Trajectories, last: int) -> bool:
@@ -123,8 +128,9 @@ def _crosses(route: Route, track: Trajectories, last: int) -> bool:
 
 def _before_target(duty: Duty, track: Trajectories, target: Trajectories, route: Route, last: int) -> bool:
     """Cutting in and overtaking, measured along the target's way."""
-    s, d = to_frenet(route, track.position).T
-    own, _ = to_frenet(route, target.position).T
+    both = min(track.steps, target.steps)
+    s, d = to_frenet(route, track.position[:both]).T
+    own, _ = to_frenet(route, target.position[:both]).T
     if duty.manoeuvre is Manoeuvre.CUT_IN:
         return bool(abs(d[0]) > OUT and ((np.abs(d) < INTO) & (s > own))[:last].any())
     return bool(s[0] < own[0] and (s > own + 2.0)[:last].any())

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.asked.offered import HARD, HARDEST, offered, side_of
-from drivegen.asked.request import Manoeuvre
-from drivegen.geometry import to_vehicle_frame, wrap_angle
+from drivegen.core.geometry import to_vehicle_frame, wrap_angle
+from drivegen.core.scenario import DT, TARGET, Scenario, SignalState
 from drivegen.goals.candidates import NO_ROUTE, Candidates
 from drivegen.goals.manoeuvres import Manoeuvre as Way
-from drivegen.lanes.frenet import to_frenet
-from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.line import SPACING, Route
-from drivegen.rollout import Choices
-from drivegen.scenario import DT, TARGET, Scenario, SignalState
+from drivegen.roads.frenet import to_frenet
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.line import SPACING, Route
+from drivegen.rollout.scene import Choices
 from drivegen.selectors.base import Selector
+from drivegen.words.request import Manoeuvre
 
 SETTLED, ROOM = 0.5, 20.0
 """Who has changed lanes is so near [m] to the middle of the new one, and took at least so far [m] to get there."""

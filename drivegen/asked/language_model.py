@@ -1,18 +1,18 @@
 """A language model reads the words of traffic: the same typed request as the answer's schema, validated.
 
-It is the model of the role `maps`, which reads the road out of the same description. Where no usable answer comes, the
-offline rules read the words, and that is said.
+It is the model of the role `maps`, which reads the road out of the same description. Where no usable answer comes, that is an
+error that names the failure.
 """
 
+from dataclasses import dataclass
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from drivegen.asked import offline
-from drivegen.asked.reading import Reading
-from drivegen.asked.request import TrafficRequest
+from drivegen.core.errors import UnusableInput
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prompt import NoAnswer, Prompt, fenced
+from drivegen.words.request import TrafficRequest
 
 VERSION = "traffic-1"
 """Of the wording below; a changed wording is a new version, for recorded answers belong to the old one."""
@@ -48,25 +48,25 @@ class TrafficAnswer(_Part):
     understood: Annotated[tuple[Phrase, ...], Field(max_length=60)] = ()
 
 
-def read(text: str, model: LanguageModel | None, sample: int = 0) -> Reading:
-    """The traffic that `text` asks for, read by the model; by the offline rules where there is none or it has no answer."""
-    if model is None or len(text) > _LONGEST:
-        return offline.read(text)
+@dataclass(frozen=True)
+class Reading:
+    """What a model read: the request, phrases with what each was taken to mean, and who read it, as it stands in tables."""
+
+    request: TrafficRequest
+    understood: tuple[tuple[str, str], ...]
+    reader: str
+
+
+def read(text: str, model: LanguageModel, sample: int = 0) -> Reading:
+    """The traffic that `text` asks for, read by the model. Raises UnusableInput where it gives no usable answer."""
+    if len(text) > _LONGEST:
+        raise UnusableInput(f"the description is longer than {_LONGEST} characters", reason="too-long")
     try:
         answer = model.ask(prompt(text), sample)
     except NoAnswer as failure:
-        found = offline.read(text)
-        why = (
-            f"the {model.description} failed: {failure.reason}" if failure.reason != "no-model" else "there is no language model"
-        )
-        return Reading(found.request, found.understood, found.rest, f"{found.reader}, for {why}")
+        raise UnusableInput(f"the traffic could not be read by the {model.description}: {failure}", failure.reason) from None
     understood = tuple((_line(p.phrase), _line(p.meaning)) for p in answer.understood if _in(p.phrase, text))
-    rest = text
-    for phrase in sorted((p.phrase for p in answer.understood if _in(p.phrase, text)), key=len, reverse=True):
-        at = rest.lower().find(phrase.lower())
-        if at >= 0:
-            rest = f"{rest[:at]} , {rest[at + len(phrase) :]}"
-    return Reading(answer.request, understood, rest if understood else text, model.description)
+    return Reading(answer.request, understood, model.description)
 
 
 def prompt(text: str) -> Prompt[TrafficAnswer]:

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.asked.request import Manoeuvre
-from drivegen.geometry import to_vehicle_frame
+from drivegen.core.geometry import to_vehicle_frame
+from drivegen.core.scenario import DT, TARGET, Scenario
 from drivegen.goals.candidates import SETTLE, Candidates
 from drivegen.goals.manoeuvres import manoeuvres
 from drivegen.goals.reach import end_speed
-from drivegen.lanes.frenet import from_frenet
-from drivegen.lanes.line import SPACING
-from drivegen.scenario import DT, TARGET, Scenario
+from drivegen.roads.frenet import from_frenet
+from drivegen.roads.line import SPACING
+from drivegen.words.request import Manoeuvre
 
 HARD, HARDEST = 3.0, 4.5
 """Who stops within its speed's square over twice the first [m/s2] has to brake hard; nobody is asked for more than the second."""

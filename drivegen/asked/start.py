@@ -6,18 +6,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen import seeds
 from drivegen.asked.goals import Duty, Ordered, ordered
-from drivegen.asked.request import TrafficRequest
 from drivegen.asked.wishes import Cast, Fill, cast
-from drivegen.generate import choose
+from drivegen.core import seeds
+from drivegen.core.scenario import Scenario
+from drivegen.core.settings import Count
 from drivegen.generators.base import Settings as GeneratorSettings
-from drivegen.initialise import Initialiser
-from drivegen.lanes.graph import LaneGraph
-from drivegen.rollout import Choices
-from drivegen.scenario import Scenario
+from drivegen.placement.scenes import Initialiser
+from drivegen.roads.graph import LaneGraph
+from drivegen.rollout.batch import choose
+from drivegen.rollout.scene import Choices
 from drivegen.selectors.base import Selector
-from drivegen.settings import Count
+from drivegen.words.request import TrafficRequest
 
 UNLIKELY = 0.05
 """A start is good enough where the selector itself gives the goals of every manoeuvre at least this probability."""

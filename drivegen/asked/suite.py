@@ -5,7 +5,7 @@ and with the selector's own goals. The difference in illegal vehicles, and the p
 goals that the words demand, are the price in realism.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.resources import files
 from typing import Any
@@ -14,20 +14,19 @@ import numpy as np
 import orjson
 from numpy.typing import NDArray
 
-from drivegen.asked import offline
 from drivegen.asked.account import Item, first_frame, manoeuvres
-from drivegen.asked.request import TrafficRequest
 from drivegen.asked.start import AskedStart, Settings, start
-from drivegen.assets.gaps import gaps_of
-from drivegen.assets.ways import Ways, turns
-from drivegen.equipment import Equipment
-from drivegen.errors import UnusableInput
-from drivegen.generate import roll_out
+from drivegen.core.errors import UnusableInput
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.samples import Samples
 from drivegen.generators.base import Settings as GeneratorSettings
-from drivegen.initialise import Initialiser
-from drivegen.roadmap import RoadMap
-from drivegen.rollout import Choices
-from drivegen.samples import Samples
+from drivegen.placement.gaps import gaps_of
+from drivegen.placement.scenes import Initialiser
+from drivegen.placement.ways import Ways, turns
+from drivegen.rollout.batch import roll_out
+from drivegen.rollout.models import Equipment
+from drivegen.rollout.scene import Choices
+from drivegen.words.request import TrafficRequest
 
 LEFT_TURN = np.deg2rad(35)
 """A piece of a way across a junction that bends to the left by more than this belongs to a left turn [rad]."""
@@ -40,35 +39,17 @@ class Request:
     Attributes:
         text, means: its words, and what they mean. road: what it must offer: "any", "lanes" side by side, a "junction" with ways
             that bend to the left, or a "crossing", where one turns left before those who come the other way (a ring has none).
-        held_out: written by somebody who had not read the rules, who then mended them.
-        first_try: of those held out, whether the rules understood it before they were mended.
     """
 
     text: str
     means: TrafficRequest
     road: str
-    held_out: bool = False
-    first_try: bool | None = None
 
 
 def suite() -> list[Request]:
     """All requests."""
     rows = orjson.loads(files("drivegen.asked").joinpath("suite.json").read_bytes())
-    return [Request(**{**row, "means": TrafficRequest.model_validate(row["means"])}) for row in rows]
-
-
-def held_out() -> dict[str, int]:
-    """How many requests are held out, how many of them the rules understood at the first try, and how many now."""
-    rows = [request for request in suite() if request.held_out]
-    now = sum(_understood(request) for request in rows)
-    return {"requests": len(rows), "first_try": sum(bool(request.first_try) for request in rows), "now": now}
-
-
-def _understood(request: Request) -> bool:
-    try:
-        return as_meant(offline.read(request.text).request, request.means)
-    except UnusableInput:
-        return False
+    return [Request(row["text"], TrafficRequest.model_validate(row["means"]), row["road"]) for row in rows]
 
 
 def offers(road_map: RoadMap) -> set[str]:
@@ -105,8 +86,9 @@ def _plain(request: TrafficRequest) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class Bench:
-    """What requests are tried with: `vehicles` in all where none are said, `samples` futures of each."""
+    """What requests are tried with: `read` turns words into a request, `vehicles` in all where none are said."""
 
+    read: Callable[[str], TrafficRequest]
     settings: Settings
     generation: GeneratorSettings
     tools: Equipment
@@ -121,9 +103,9 @@ class Bench:
         that things which nobody read are not counted one by one.
         """
         try:
-            read = offline.read(request.text).request
+            read = self.read(request.text)
         except UnusableInput as error:
-            return {"text": request.text, "map": name, "read_as_meant": False, "reason": error.reason, "items": []}
+            return {"text": request.text, "map": name, "read_as_meant": not request.means, "reason": error.reason, "items": []}
         row = {"text": request.text, "map": name, "read_as_meant": as_meant(read, request.means), "reason": ""}
         if not read or not request.means:
             return {**row, "items": []}

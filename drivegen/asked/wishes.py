@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivegen.asked.request import MOST, Density, Group, Kind, Manoeuvre, TrafficRequest
-from drivegen.assets.where import FARTHEST, Relation, Side, Wish
-from drivegen.errors import UnusableInput
-from drivegen.scenario import TARGET
-from drivegen.settings import Count, Positive
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import TARGET
+from drivegen.core.settings import Count, Positive
+from drivegen.placement.where import FARTHEST, Relation, Side, Wish
+from drivegen.words.request import MOST, Density, Group, Kind, Manoeuvre, TrafficRequest
 
 _PLACE = {
     Manoeuvre.HARD_BRAKING: Relation.AHEAD,
@@ -95,7 +95,7 @@ def cast(request: TrafficRequest, densities: Mapping[str, Fill], vehicles: int, 
             wishes.append(_wish(asked, which, len(kinds), request.speed, random))
             kinds.append(asked.kind)
             group.append(number)
-    if not _says_how_many(request):
+    if request.density is not Density.NONE and not _says_how_many(request):
         more = max((fill.vehicles if fill else vehicles) - len(kinds), 0)
         kinds += [Kind.VEHICLE] * more
         wishes += [Wish(speed=_about(request.speed, random)) for _ in range(more)]
@@ -104,7 +104,7 @@ def cast(request: TrafficRequest, densities: Mapping[str, Fill], vehicles: int, 
 
 
 def _fill(density: Density | None, densities: Mapping[str, Fill]) -> Fill | None:
-    if density is None:
+    if density in (None, Density.NONE):
         return None
     if density not in densities:
         raise UnusableInput(f"params.yaml says nothing of the density {density} (asked.settings.densities)")

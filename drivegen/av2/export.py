@@ -10,8 +10,8 @@ from pathlib import Path
 from drivegen.av2.maps import write_map
 from drivegen.av2.signals import write_signals
 from drivegen.av2.tracks import track_table
-from drivegen.errors import UnusableInput
-from drivegen.scenario import Scenario, Trajectories
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.store.files import whole, write_table
 
 _SAFE = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,199}")

@@ -12,8 +12,8 @@ from drivegen.av2.maps import read_map
 from drivegen.av2.schema import CONSTANTS, REQUIRED, SIZE_COLUMNS, WORDS
 from drivegen.av2.signals import read_signals
 from drivegen.av2.tracks import read_log
-from drivegen.errors import UnusableInput
-from drivegen.recorded import RecordedLog
+from drivegen.core.errors import UnusableInput
+from drivegen.core.recorded_log import RecordedLog
 
 _TEXT = [*WORDS, *CONSTANTS]
 

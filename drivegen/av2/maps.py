@@ -2,7 +2,8 @@
 
 Official keys are those of av2's `map/{lane_segment,drivable_area,pedestrian_crossing}.py`. Sensor maps have no
 centrelines: the midline of the boundaries stands in, as in av2. Keys of our own, ignored by av2 and read back here:
-`origin`, `dangling_links`, `stop_lines`, and per lane `speed_limit` [m/s] and `control`.
+`origin`, `dangling_links`, `stop_lines`, and per lane `speed_limit` [m/s], `control` and `cut`. Official maps are cut-outs of a
+city: every end without a link is taken for cut.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -15,9 +16,9 @@ import orjson
 from numpy.typing import NDArray
 
 from drivegen.av2.schema import CROSSABLE_MARKS
-from drivegen.errors import UnusableInput
-from drivegen.geometry import Floats, Polylines, arc_length, interpolate
-from drivegen.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import Floats, Polylines, arc_length, interpolate
+from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap, open_ends
 
 MIDLINE_SPACING = 2.0
 """Distance between points of a midline [m], about that of the official centrelines."""
@@ -87,6 +88,7 @@ def _build(tree: Mapping[str, Any]) -> RoadMap:
         neighbour=neighbour,
         same_direction=same_direction,
         may_change=may_change,
+        cut=_cut(lanes, links),
         drivable=_local(_outlines(tree.get("drivable_areas", {}).values()), origin),
         crossings=_local(_crossings(tree.get("pedestrian_crossings", {}).values()), origin),
         stop_lines=(ends - origin).astype(np.float32),
@@ -170,6 +172,15 @@ def _neighbours(
     return neighbour, same_direction, may_change
 
 
+def _cut(lanes: Sequence[Mapping[str, Any]], links: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """(L, 2) as the file says of each lane, all ends without a link where it does not say."""
+    unsaid = open_ends(links, len(lanes)).tolist()
+    cut = [lane.get("cut", ends) for lane, ends in zip(lanes, unsaid, strict=True)]
+    if not all(isinstance(ends, list) and [type(end) for end in ends] == [bool, bool] for ends in cut):
+        raise ValueError("`cut` of a lane is not a pair of true and false")
+    return np.array(cut, np.bool_).reshape(-1, 2)
+
+
 def _outlines(areas: Iterable[Mapping[str, Any]]) -> Lines:
     """Closed outlines without the repeated first point that some files have."""
     outlines = [area["area_boundary"] for area in areas]
@@ -210,6 +221,7 @@ def write_map(road_map: RoadMap) -> bytes:
             "right_neighbor_id": beside[1],
             "successors": successors[i],
             "control": LaneControl(int(road_map.control[i])).name,
+            "cut": road_map.cut[i].tolist(),
             "speed_limit": None if np.isnan(limit) else limit,
         }
     return orjson.dumps(

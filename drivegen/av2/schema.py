@@ -7,7 +7,7 @@ from enum import IntEnum
 
 import pyarrow as pa
 
-from drivegen.scenario import VehicleKind
+from drivegen.core.scenario import VehicleKind
 
 OBSERVED_STEPS = 50
 """Steps that the official challenge shows to a predictor; the flag `observed` marks them."""

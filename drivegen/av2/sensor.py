@@ -14,9 +14,9 @@ import pyarrow.feather
 from numpy.typing import NDArray
 
 from drivegen.av2.maps import read_map
-from drivegen.errors import UnusableInput
-from drivegen.roadmap import RoadMap
-from drivegen.scenario import DT, Trajectories, VehicleKind
+from drivegen.core.errors import UnusableInput
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.scenario import DT, Trajectories, VehicleKind
 
 EGO_TRACK = "AV"
 

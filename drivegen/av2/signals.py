@@ -8,9 +8,9 @@ import numpy as np
 import orjson
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
-from drivegen.roadmap import RoadMap
-from drivegen.scenario import Signals
+from drivegen.core.errors import UnusableInput
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.scenario import Signals
 
 LETTERS = "UGYR"
 """The letter of each SignalState."""

@@ -25,11 +25,11 @@ from drivegen.av2.schema import (
     TYPE_OF_KIND,
     TrackCategory,
 )
-from drivegen.errors import UnusableInput
-from drivegen.geometry import wrap_angle
-from drivegen.recorded import NO_TRACK, RecordedLog
-from drivegen.roadmap import RoadMap
-from drivegen.scenario import DT, TARGET, Scenario, Signals, Trajectories, VehicleKind
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import wrap_angle
+from drivegen.core.recorded_log import NO_TRACK, RecordedLog
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.scenario import DT, TARGET, Scenario, Signals, Trajectories, VehicleKind
 
 FARTHEST = 50_000.0
 """Positions farther from the map's origin than this [m] are a broken file: float32 would lose the centimetres."""

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from types import ModuleType
 
 from drivegen.bench._row import Row
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 
 __all__ = ["Row", "measure", "parts", "unmeasured"]
 

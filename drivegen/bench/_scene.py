@@ -4,15 +4,15 @@ from functools import cache
 
 import numpy as np
 
-from drivegen.geometry import interpolate
-from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.routes import feasible_routes
-from drivegen.maps.compile import compile_map
-from drivegen.maps.spec import MapSpec
-from drivegen.roadmap import RoadMap
-from drivegen.samples import Samples
-from drivegen.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
-from drivegen.seeds import rng
+from drivegen.core.geometry import interpolate
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
+from drivegen.core.seeds import rng
+from drivegen.layouts.compile import compile_map
+from drivegen.layouts.spec import MapSpec
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.routes import feasible_routes
 from drivegen.sumo.network import read_network
 
 STEPS = 101

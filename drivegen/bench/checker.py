@@ -8,8 +8,8 @@ from drivegen.bench import _scene
 from drivegen.bench._row import Row, cpu_seconds
 from drivegen.checker.limits import Limits
 from drivegen.checker.scene import SceneChecker
-from drivegen.geometry import boxes_overlap
-from drivegen.scenario import Trajectories
+from drivegen.core.geometry import boxes_overlap
+from drivegen.core.scenario import Trajectories
 
 SCENES = 4
 LIMITS = Limits(

@@ -15,22 +15,22 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from drivegen.assets.place import PlaceSettings
-from drivegen.assets.table import build_table
 from drivegen.bench import _scene
 from drivegen.bench._row import Row
-from drivegen.equipment import Equipment
-from drivegen.generate import choose, roll_out
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.reach import Dynamics
-from drivegen.initialise import Initialiser
-from drivegen.initialise import Settings as InitialSettings
-from drivegen.maps.compile import compile_map
-from drivegen.maps.spec import MapSpec
-from drivegen.rollout import RolloutSettings
-from drivegen.samples import Samples
-from drivegen.scenario import Scenario
-from drivegen.shipping import ShipSettings, ship
+from drivegen.layouts.compile import compile_map
+from drivegen.layouts.spec import MapSpec
+from drivegen.placement.place import PlaceSettings
+from drivegen.placement.scenes import Initialiser
+from drivegen.placement.scenes import Settings as InitialSettings
+from drivegen.placement.table import build_table
+from drivegen.rollout.batch import choose, roll_out
+from drivegen.rollout.models import Equipment
+from drivegen.rollout.scene import RolloutSettings
+from drivegen.rollout.shipping import ShipSettings, ship
 from drivegen.store.scenarios import write_shard
 from drivegen.sumo.network import Network
 

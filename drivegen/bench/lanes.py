@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from drivegen.bench import _scene
 from drivegen.bench._row import Row, cpu_seconds
-from drivegen.lanes.routes import feasible_routes
+from drivegen.roads.routes import feasible_routes
 
 SCENES = 8
 REACH = 150.0

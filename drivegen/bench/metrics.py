@@ -8,16 +8,16 @@ from numpy.typing import NDArray
 
 from drivegen.bench import _scene
 from drivegen.bench._row import Row, cpu_seconds
-from drivegen.geometry import boxes_gap
+from drivegen.core.geometry import boxes_gap
+from drivegen.core.scenario import Trajectories
+from drivegen.core.seeds import rng
 from drivegen.metrics.displacement import scene_errors
 from drivegen.metrics.diversity import own_frames, plain_differences, random_pairs, squared_differences
 from drivegen.metrics.features import scene_features
 from drivegen.metrics.realism import realism
 from drivegen.metrics.road_edge import RoadEdges
 from drivegen.metrics.surroundings import Boxes, surroundings
-from drivegen.render.drivable import CELL, road_field
-from drivegen.scenario import Trajectories
-from drivegen.seeds import rng
+from drivegen.roads.drivable import CELL, road_field
 
 TURNS = 50
 SCENES = 20
@@ -40,9 +40,9 @@ def rows() -> Iterator[Row]:
     yield Row("diversity of a pair of scenes", value, "ms", 0.1, True, reference, "all pairs of vehicles, plain norm")
 
     field = road_field(scenario.map)
-    edges = RoadEdges(field.outside, field.origin, CELL)
+    edges = RoadEdges(field.outside, field.origin, CELL, field.beyond_rim)
     value = cpu_seconds(lambda: realism(scene_features(scenario, motion, log, edges)[0])) * 1e3
-    boxes = Boxes.of(motion, log.valid, scenario.vehicles.size, scenario.context)
+    boxes = Boxes.of(motion, scenario.vehicles.size, scenario.context)
     reference = cpu_seconds(lambda: _gaps_pair_by_pair(motion, scenario.vehicles.size[:, :2]), turns=1) * 1e3
     nearest = cpu_seconds(lambda: surroundings(boxes, len(scenario.vehicles))) * 1e3
     yield Row("distances to nearest boxes", nearest, "ms", 4.0, True, reference, "exact gaps of all pairs, on arrays")

@@ -2,14 +2,14 @@
 
 from collections.abc import Iterator
 
-from drivegen.assets.gaps import measure_gaps
-from drivegen.assets.place import MODES, PlaceSettings
-from drivegen.assets.table import build_table
 from drivegen.bench import _scene
 from drivegen.bench._row import Row, cpu_seconds
-from drivegen.initialise import Initialiser, Settings
-from drivegen.maps.compile import compile_map
-from drivegen.maps.spec import MapSpec
+from drivegen.layouts.compile import compile_map
+from drivegen.layouts.spec import MapSpec
+from drivegen.placement.gaps import measure_gaps
+from drivegen.placement.place import MODES, PlaceSettings
+from drivegen.placement.scenes import Initialiser, Settings
+from drivegen.placement.table import build_table
 from drivegen.sumo.network import Network
 
 SCENES, VEHICLES = 50, 16

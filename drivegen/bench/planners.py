@@ -6,7 +6,6 @@ import numpy as np
 
 from drivegen.bench import _scene
 from drivegen.bench._row import Row, cpu_seconds
-from drivegen.planners._requests import examples_from_logs
 from drivegen.planners.base import Examples
 from drivegen.planners.paper import PaperSettings
 from drivegen.planners.paper import Plugin as Paper
@@ -14,6 +13,7 @@ from drivegen.planners.poly_fm import Plugin as PolyFm
 from drivegen.planners.poly_fm import PolyFmSettings
 from drivegen.planners.route_fm import Plugin as RouteFm
 from drivegen.planners.route_fm import RouteFmSettings
+from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.training.loop import Settings as Training
 
 SCENES, SAMPLES = 16, 10

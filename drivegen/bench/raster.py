@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from drivegen.bench import _scene
 from drivegen.bench._row import Row, cpu_seconds
-from drivegen.geometry import rotate
-from drivegen.render.raster import CHANNELS, RasterMap, raster
+from drivegen.core.geometry import rotate
+from drivegen.roads.raster import CHANNELS, RasterMap, raster
 
 EXTENT = 100.0
 SCENES = 2

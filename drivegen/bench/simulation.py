@@ -4,12 +4,12 @@ from collections.abc import Iterator
 
 from drivegen.bench import _scene
 from drivegen.bench._row import Row, cpu_seconds
+from drivegen.core.scenario import Scenario
 from drivegen.drivers.idm import Plugin as Idm
 from drivegen.drivers.idm import Settings
-from drivegen.scenario import Scenario
-from drivegen.simulators._paths import target_paths
 from drivegen.simulators.base import Simulator
 from drivegen.simulators.batch import Plugin as Batch
+from drivegen.simulators.shared.paths import target_paths
 from drivegen.simulators.sumo import Plugin as Sumo
 
 MANY, FEW = 1024, 8

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from drivegen.checker.limits import FLAGS, RULES, Limits
 from drivegen.checker.scene import SceneChecker
-from drivegen.errors import UnusableInput
-from drivegen.samples import Violation
-from drivegen.scenario import Scenario
+from drivegen.core.errors import UnusableInput
+from drivegen.core.samples import Violation
+from drivegen.core.scenario import Scenario
 
 _DECIMALS = 1000
 

@@ -6,8 +6,8 @@ At 10 Hz boxes of a car's length do not jump through each other below 45 m/s of 
 import numpy as np
 from numba import njit
 
-from drivegen.boxes import bounds, depth
 from drivegen.checker.limits import NEVER
+from drivegen.core.boxes import bounds, depth
 
 
 @njit(cache=True)

@@ -19,7 +19,7 @@ from drivegen.checker.limits import (
     SPEED,
     VELOCITY_ERROR,
 )
-from drivegen.scenario import DT
+from drivegen.core.scenario import DT
 
 HALF = 5
 """Steps to either side of a window's centre."""

@@ -11,8 +11,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.roadmap import LaneControl, RoadMap
-from drivegen.scenario import Signals, SignalState
+from drivegen.core.roadmap import LaneControl, RoadMap
+from drivegen.core.scenario import Signals, SignalState
 
 HALF_WIDTH = 2.5
 """Half the width over which a gate is crossed [m]."""

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
-from drivegen.samples import Violation
+from drivegen.core.errors import UnusableInput
+from drivegen.core.samples import Violation
 
 
 @dataclass(frozen=True)
@@ -53,16 +53,16 @@ class Limits:
 
     def severities(self) -> NDArray[np.float64]:
         """(R,) the largest severity that is allowed, in the order of RULES; the yield gap negated: less is worse."""
-        values = np.array([getattr(self, name) for name in RULES], np.float64)
+        values = np.array([*(getattr(self, name) for name in LIMITED), ALL_FINITE], np.float64)
         values[YIELD_GAP] = -values[YIELD_GAP]
         return values
 
     @classmethod
     def from_severities(cls, values: NDArray[np.floating]) -> "Limits":
         """The inverse of `severities`."""
-        signed = [float(v) for v in values]
+        signed = [float(v) for v in values[: len(LIMITED)]]
         signed[YIELD_GAP] = -signed[YIELD_GAP]
-        return cls(**dict(zip(RULES, signed, strict=True)))
+        return cls(**dict(zip(LIMITED, signed, strict=True)))
 
     def to_json(self) -> dict[str, float]:
         """A plain mapping, for `store.files.write_json`."""
@@ -71,16 +71,23 @@ class Limits:
     @classmethod
     def from_json(cls, values: Any, place: str) -> "Limits":
         """Limits from a parsed JSON file; raises UnusableInput naming `place` and the key at fault."""
-        if not isinstance(values, dict) or set(values) != set(RULES):
-            raise UnusableInput(f"{place} does not hold the limits {', '.join(RULES)}: run the calibrate stage again")
+        if not isinstance(values, dict) or set(values) != set(LIMITED):
+            raise UnusableInput(f"{place} does not hold the limits {', '.join(LIMITED)}: run the calibrate stage again")
         for name, value in values.items():
             if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
                 raise UnusableInput(f"{place}: {name} must be a finite number, not {value!r}")
         return cls(**{name: float(value) for name, value in values.items()})
 
 
-RULES = tuple(f.name for f in fields(Limits))
-"""Names of the rules; their order is that of every (.., R) array of severities."""
+LIMITED = tuple(f.name for f in fields(Limits))
+"""The rules that have a limit."""
+
+RULES = (*LIMITED, "not_finite")
+"""Names of the rules; their order is that of every (.., R) array of severities. The last one says that a number of the
+trajectory is not finite: 1 where one is not, and no log can move its limit."""
+
+ALL_FINITE = 0.0
+"""The limit of the last rule."""
 
 (
     OVERLAP,
@@ -98,6 +105,7 @@ RULES = tuple(f.name for f in fields(Limits))
     RED_GRACE,
     STOP_SPEED,
     YIELD_GAP,
+    NOT_FINITE,
 ) = range(len(RULES))
 
 FLAGS = (
@@ -116,6 +124,7 @@ FLAGS = (
     Violation.RED_LIGHT,
     Violation.STOP_OR_YIELD,
     Violation.STOP_OR_YIELD,
+    Violation.NOT_FINITE,
 )
 """(R,) the flag that each rule sets."""
 

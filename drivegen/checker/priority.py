@@ -8,11 +8,11 @@ time: from the moment when the vehicle leaves a conflict point to the one when a
 import numpy as np
 from numba import njit
 
-from drivegen.boxes import bounds
 from drivegen.checker.dynamics import exceed
 from drivegen.checker.gates import HALF_WIDTH
 from drivegen.checker.limits import NEVER, RED_GRACE, STOP_SPEED, YIELD_GAP
-from drivegen.scenario import DT
+from drivegen.core.boxes import bounds
+from drivegen.core.scenario import DT
 
 LINE_MARGIN = 1.0
 """Fronts may stand this far beyond a line [m]: drivers do, and positions are noisy."""

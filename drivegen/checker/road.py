@@ -4,8 +4,8 @@ import numpy as np
 from numba import njit
 
 from drivegen.checker.limits import NEVER, OFF_ROAD, OVER_LIMIT, WRONG_WAY
-from drivegen.render.drivable import CELL, LIMIT_UNIT, SECTORS
-from drivegen.scenario import DT
+from drivegen.core.scenario import DT
+from drivegen.roads.drivable import CELL, LIMIT_UNIT, SECTORS
 
 STRIDE = 2
 """Every second step is looked at [steps]."""
@@ -14,7 +14,7 @@ OFF_ROAD_STEPS = 5
 """A vehicle is off the road only if a corner is for this many steps, three looks, in a row."""
 
 START_TOLERANCE = 0.3
-"""A vehicle that starts with a corner farther out than this [m] (parked on a drive, a cropped map) is not judged."""
+"""Who starts with a corner farther out than this [m] (parked on a drive, a cropped map) is judged once it is on the road."""
 
 WRONG_WAY_SPEED = 1.0
 """Driving against the lanes counts above this speed [m/s]."""
@@ -27,7 +27,9 @@ _AGREEING = np.array(
 )
 _STILL = 0.05
 """Less change of position [m] and direction than this needs no new look-up."""
-_LEAST = np.float32(-1e9)
+LEAST = np.float32(-1e9)
+"""Signed distance [m] where all is road."""
+
 _BLUR = np.float32(0.3)
 """Distances between cells are off by no more than this, nearly always [m]."""
 _PER_METRE = np.float32(1 / CELL)
@@ -38,11 +40,11 @@ _NEVER = np.float32(NEVER)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _outside(field, x, y):  # type: ignore[no-untyped-def]
-    """Signed distance to the road [m] at column x, row y, between four cells; beyond the raster everything is road."""
+def _outside(field, around, x, y):  # type: ignore[no-untyped-def]
+    """Signed distance to the road [m] at column x, row y, between four cells; `around` beyond the raster."""
     j, i = int(x), int(y)
     if x < 0 or y < 0 or i >= field.shape[0] - 1 or j >= field.shape[1] - 1:
-        return _LEAST
+        return around
     u, v = x - j, y - i
     upper = field[i, j] + u * (field[i, j + 1] - field[i, j])
     lower = field[i + 1, j] + u * (field[i + 1, j + 1] - field[i + 1, j])
@@ -50,28 +52,30 @@ def _outside(field, x, y):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def corner_outside(field, origin, x, y, cos, sin, length, width):  # type: ignore[no-untyped-def]
+def corner_outside(field, around, origin, x, y, cos, sin, length, width):  # type: ignore[no-untyped-def]
     """Signed distance of the outermost corner of a box to the road [m]; exact only where it matters, near the edge."""
     column, row = (x - origin[0]) * _PER_METRE, (y - origin[1]) * _PER_METRE
-    centre = _outside(field, column, row)
+    centre = _outside(field, around, column, row)
     if centre < -_HALF * np.sqrt(length * length + width * width) - _BLUR:
         return centre
     half = np.float32(0.5 * _PER_METRE)
     ax, ay, bx, by = length * half * cos, length * half * sin, -width * half * sin, width * half * cos
-    front = max(_outside(field, column + ax + bx, row + ay + by), _outside(field, column + ax - bx, row + ay - by))
-    rear = max(_outside(field, column - ax + bx, row - ay + by), _outside(field, column - ax - bx, row - ay - by))
+    front = max(
+        _outside(field, around, column + ax + bx, row + ay + by), _outside(field, around, column + ax - bx, row + ay - by)
+    )
+    rear = max(_outside(field, around, column - ax + bx, row - ay + by), _outside(field, around, column - ax - bx, row - ay - by))
     return max(front, rear)
 
 
 @njit(cache=True, error_model="numpy")
-def judge(outside, directions, limits, origin, position, heading, direction, velocity, valid, size, limit, worst, first):  # type: ignore[no-untyped-def]
+def judge(outside, around, directions, limits, origin, position, heading, direction, velocity, valid, size, limit, worst, first):  # type: ignore[no-untyped-def]
     """Fill the road rules of `worst`, `first` (B, R) for B trajectories (B, T, ...) of boxes `size` (B, 2).
 
     `direction` (B, T, 2) are unit vectors of `heading` (B, T).
     """
     for b in range(valid.shape[0]):
         worst[b, OFF_ROAD], first[b, OFF_ROAD] = _judge_edges(
-            outside, origin, position[b], direction[b], valid[b], size[b, 0], size[b, 1], limit[OFF_ROAD]
+            outside, around, origin, position[b], direction[b], valid[b], size[b, 0], size[b, 1], limit[OFF_ROAD]
         )
         # An array of results costs more than the look-ups: both rules of the lanes come back as numbers.
         worst[b, WRONG_WAY], first[b, WRONG_WAY], worst[b, OVER_LIMIT], first[b, OVER_LIMIT] = _judge_lanes(
@@ -80,25 +84,26 @@ def judge(outside, directions, limits, origin, position, heading, direction, vel
 
 
 @njit(cache=True, error_model="numpy")
-def _judge_edges(outside, origin, position, direction, valid, length, width, limit):  # type: ignore[no-untyped-def]
+def _judge_edges(outside, around, origin, position, direction, valid, length, width, limit):  # type: ignore[no-untyped-def]
     """(farthest out for three looks in a row [m], first step beyond `limit` or -1)."""
-    worst, first, looked = _NEVER, -1, 0
+    worst, first, arrived = _NEVER, -1, False
     last_x = last_y = last_cos = last_sin = np.float32(np.inf)  # what `now` was found for: most vehicles at rest stay so
-    now = before = earlier = _LEAST  # how far out the last three looks were
+    now = before = earlier = LEAST  # how far out the last three looks were
     for t in range(0, valid.shape[0], STRIDE):
         if not valid[t]:
-            now = before = earlier = _LEAST
+            now = before = earlier = LEAST
             continue
         x, y = position[t, 0], position[t, 1]
         earlier, before = before, now
         cos, sin = direction[t, 0], direction[t, 1]
         if abs(x - last_x) + abs(y - last_y) + abs(cos - last_cos) + abs(sin - last_sin) > _STILL:
-            now = corner_outside(outside, origin, x, y, cos, sin, length, width)
+            now = corner_outside(outside, around, origin, x, y, cos, sin, length, width)
             last_x, last_y, last_cos, last_sin = x, y, cos, sin
-        if looked == 0 and now > START_TOLERANCE:
-            break
-        looked += 1
-        if earlier > _LEAST:
+        if not arrived and now > START_TOLERANCE:
+            before = LEAST
+            continue
+        arrived = True
+        if earlier > LEAST:
             lasting = min(now, before, earlier)
             worst = max(worst, lasting)
             if first < 0 and lasting > limit:

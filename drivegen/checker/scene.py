@@ -1,8 +1,9 @@
 """The entrance to the legal checker: one `SceneChecker` per scenario, asked for one vehicle or for whole samples.
 
 What the arrays mean: `violation` are `samples.Violation` flags, 0 is legal; `first` is the first step at which the
-trajectory is illegal, -1 if it is legal. A pair of boxes that overlaps at its first common step is not judged until it
-has come apart, and nobody is judged off-road who starts there: initial states are given.
+trajectory is illegal, -1 if it is legal. A trajectory with a number that is not finite at a valid step is illegal, and
+that step is nobody's obstacle. A pair of boxes that overlaps at its first common step is not judged until it has come
+apart, and who starts off the road is judged once it is on it: initial states are given.
 """
 
 from dataclasses import dataclass
@@ -13,10 +14,10 @@ from numpy.typing import NDArray
 
 from drivegen.checker import collisions, dynamics, priority, road
 from drivegen.checker.gates import Gates
-from drivegen.checker.limits import FLAGS, NEVER, OVERLAP, OVERLAP_CONTEXT, RULES, Limits
-from drivegen.geometry import unit
-from drivegen.render.drivable import RoadField, road_field
-from drivegen.scenario import TARGET, Scenario, Trajectories
+from drivegen.checker.limits import FLAGS, NEVER, NOT_FINITE, OVERLAP, OVERLAP_CONTEXT, RULES, Limits
+from drivegen.core.geometry import unit
+from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.roads.drivable import RoadField, road_field
 
 NOBODY = -1
 
@@ -105,7 +106,7 @@ class SceneChecker:
 
     def alone(self, vehicle: NDArray[np.integer], motion: Trajectories) -> Severities:
         """Rules that need no other vehicle, for B trajectories (B, T) of the vehicles (B,); a start for `among_committed`."""
-        return self._judge_alone(_arrays(motion), self.size[vehicle])
+        return self._judge_alone(_arrays(motion), motion.valid, self.size[vehicle])
 
     def among_committed(
         self,
@@ -144,7 +145,7 @@ class SceneChecker:
         position, heading, _, valid = arrays = _arrays(motion)
         samples, count, _ = valid.shape
         skip = TARGET if ignore_target else NOBODY
-        flat = self._judge_alone(_flat(arrays), np.tile(self.size, (samples, 1)))
+        flat = self._judge_alone(_flat(arrays), motion.valid.reshape(-1, motion.steps), np.tile(self.size, (samples, 1)))
         found = Severities(flat.worst.reshape(samples, count, -1), flat.first.reshape(samples, count, -1))
         worst, first = _nothing(samples, count)
         collisions.among(position, heading, valid, self.size, skip, self.limit[OVERLAP], worst, first)
@@ -152,20 +153,26 @@ class SceneChecker:
         priority.judge_samples(self._gates, *arrays, self.size, skip, self.limit, found.worst, found.first)
         return found
 
-    def _judge_alone(self, arrays: "_Arrays", size: NDArray[np.float32]) -> Severities:
-        """All rules that need no other vehicle, for B trajectories; context actors are part of the scenario."""
+    def _judge_alone(self, arrays: "_Arrays", stated: NDArray[np.bool_], size: NDArray[np.float32]) -> Severities:
+        """All rules that need no other vehicle, for B trajectories; context actors are part of the scenario.
+
+        `stated` (B, T) are the steps that the trajectories call valid, whether their numbers are finite or not.
+        """
         position, heading, velocity, valid = arrays
-        direction = unit(heading).astype(np.float32)
+        direction = unit(np.where(valid, heading, np.float32(0))).astype(np.float32)
         worst, first = _nothing(len(size), len(RULES))
         dynamics.judge(position, direction, velocity, valid, self.limit, worst, first)
         field = self.field
-        rasters = (field.outside, field.directions, field.limit, field.origin)
+        rasters = (field.outside, np.maximum(np.float32(field.around), road.LEAST), field.directions, field.limit, field.origin)
         road.judge(*rasters, position, heading, direction, velocity, valid, size, self.limit, worst, first)
         if len(self._context_size):
             hit, when = _nothing(len(size))
             people = (self._context[0], self._context[1], self._context[3], self._context_size)
             collisions.against(position, heading, valid, size, *people, self.limit[OVERLAP_CONTEXT], hit, when)
             worst[:, OVERLAP_CONTEXT], first[:, OVERLAP_CONTEXT] = hit, when
+        broken = stated & ~valid
+        worst[:, NOT_FINITE] = np.where(broken.any(axis=1), 1.0, NEVER)
+        first[:, NOT_FINITE] = np.where(broken.any(axis=1), broken.argmax(axis=1), -1)
         return Severities(worst, first)
 
 
@@ -174,10 +181,12 @@ _Arrays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], N
 
 
 def _arrays(motion: Trajectories) -> _Arrays:
+    """The arrays of a motion; a step with a number that is not finite is none, or a kernel would look up cell NaN."""
     position, heading, velocity = (
         np.ascontiguousarray(a, np.float32) for a in (motion.position, motion.heading, motion.velocity)
     )
-    return position, heading, velocity, np.ascontiguousarray(motion.valid, np.bool_)
+    finite = np.isfinite(position).all(axis=-1) & np.isfinite(heading) & np.isfinite(velocity).all(axis=-1)
+    return position, heading, velocity, np.ascontiguousarray(motion.valid & finite)
 
 
 def _flat(arrays: _Arrays) -> _Arrays:

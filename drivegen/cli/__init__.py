@@ -16,7 +16,7 @@ from typing import Annotated
 
 import typer
 
-from drivegen.errors import DriveGenError
+from drivegen.core.errors import DriveGenError
 
 COMMANDS = {
     "map": "Roads from words or files, edits, other formats.",
@@ -24,6 +24,7 @@ COMMANDS = {
     "export": "The pipeline's scenarios as folders.",
     "view": "Look at a scenario folder or a log.",
     "estimate": "What language models would cost.",
+    "weights": "Trained models as one file, to carry along.",
     "doctor": "What is installed, what is missing.",
     "bench": "How fast it is; maps from words as asked.",
 }
@@ -55,16 +56,24 @@ def main() -> None:
 
 
 def build(words: list[str]) -> typer.Typer:
-    """The command line with the command that `words` begin with, or with all of them."""
+    """The command line with the command that `words` begin with; without one, with the list of all, none of them imported."""
     app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
     app.callback(context_settings={"help_option_names": ["-h", "--help"]})(drivegen)
-    for name in words[:1] if words and words[0] in COMMANDS else COMMANDS:
-        command = importlib.import_module(f"drivegen.cli.{name}").command
-        if isinstance(command, typer.Typer):  # one with commands of its own
-            app.add_typer(command, name=name, short_help=COMMANDS[name])
-        else:
-            app.command(name, short_help=COMMANDS[name])(command)
+    if not words or words[0] not in COMMANDS:
+        for name, purpose in COMMANDS.items():
+            app.command(name, short_help=purpose)(_listed)
+        return app
+    name = words[0]
+    command = importlib.import_module(f"drivegen.cli.{name}").command
+    if isinstance(command, typer.Typer):  # one with commands of its own
+        app.add_typer(command, name=name, short_help=COMMANDS[name])
+    else:
+        app.command(name, short_help=COMMANDS[name])(command)
     return app
+
+
+def _listed() -> None:
+    """What stands for a command in the list of them: importing all of their libraries takes seconds."""
 
 
 def _version(asked: bool) -> None:

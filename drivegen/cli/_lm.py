@@ -11,12 +11,12 @@ from pydantic import BaseModel, Field
 from rich.console import Console
 from typer import Option
 
+from drivegen.core.settings import read_params
 from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prompt import Prompt
 from drivegen.lm.records import Mode
 from drivegen.lm.settings import RecordSettings, RoleSettings, overridden
-from drivegen.settings import read_params
 
 Words = Annotated[
     str | None,

@@ -2,12 +2,14 @@
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from typer import Option
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.layouts.spec import MapSpec
 from drivegen.maps.build import NETWORK
+from drivegen.words.saying import sentences
 
 
 class Mode(StrEnum):
@@ -39,3 +41,9 @@ def network_of(place: Path) -> Path:
 def name_of(network: Path) -> str:
     """What scenarios on a network are called after: its file, or its folder where the file is called as in every map."""
     return network.resolve().parent.name if network.name == NETWORK else network.name.split(".")[0]
+
+
+def said_back(account: dict[str, Any]) -> list[str]:
+    """A map's specification in plain sentences; none of networks that have no such specification."""
+    spec = MapSpec.model_validate(account["spec"]) if account.get("spec") else None
+    return [] if spec is None or spec.road.kind == "graph" else sentences(spec)

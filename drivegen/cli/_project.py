@@ -4,16 +4,16 @@ from dataclasses import replace
 from pathlib import Path
 
 from drivegen.asked.start import Settings as AskedSettings
-from drivegen.assets.gaps import Gaps
-from drivegen.assets.table import Table
-from drivegen.equipment import Equipment
-from drivegen.errors import MissingTool
+from drivegen.core.errors import MissingTool
+from drivegen.core.settings import build, read_section
 from drivegen.generators.base import Settings as GeneratorSettings
-from drivegen.initialise import Settings as InitialSettings
-from drivegen.make import SELECTOR
-from drivegen.selection import Settings as SelectionSettings
-from drivegen.settings import build, read_section
+from drivegen.ingest.selection import Settings as SelectionSettings
+from drivegen.placement.gaps import Gaps
+from drivegen.placement.scenes import Settings as InitialSettings
+from drivegen.placement.table import Table
+from drivegen.rollout.models import Equipment
 from drivegen.store.assets import read_assets
+from drivegen.traffic import SELECTOR
 
 MODELS = Path("data/models")
 ASSETS, GAPS = Path("data/assets.parquet"), Path("data/gaps.parquet")

@@ -8,24 +8,23 @@ from rich.console import Console
 from rich.table import Table
 from typer import Context, Exit, Option, Typer
 
-from drivegen import plugins
 from drivegen.bench import measure, unmeasured
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
 from drivegen.cli._maps import MapMode, Mode, writer_of
+from drivegen.core.seeds import LARGEST
 from drivegen.lm.prices import MAP_TOKENS
-from drivegen.maps.suite.cases import Case, first_try, outside_cases, own_cases
-from drivegen.maps.suite.table import STEPS, not_measured, published, seconds
+from drivegen.maps.suite.cases import Case, outside_cases, own_cases
+from drivegen.maps.suite.table import COUNTS, not_measured, published, seconds
 from drivegen.maps.suite.trials import tried
 from drivegen.maps.writers.base import MapWriter
-from drivegen.seeds import LARGEST
 from drivegen.store.files import write_json
+from drivegen.words.judge import traffic_lacking
+from drivegen.words.writer import Writer, asking_writer
 
 command = Typer(rich_markup_mode=None)
 
 _WIDTH = 120
 """Of the table of maps at least, also where it goes to a file: what is cut off cannot be read."""
-
-_COLUMNS = ("roads", *STEPS, "repaired_after_1", "repaired_after_2", "repaired_after_3", "declined", "to_refuse", "refused")
 
 
 @command.callback(invoke_without_command=True)
@@ -67,21 +66,21 @@ def maps(
     seed: Annotated[int, Option(min=0, max=LARGEST, help="What descriptions leave open is drawn from it.")] = 7,
     every: Annotated[int, Option(min=1, help="Only every n-th description.")] = 1,
 ) -> None:
-    """How often a map from words is the map that was asked for, by suite and by kind, for the offline rules and for --lm."""
+    """How often words become what they ask for, at once and after the offered sentence, by the phrase table and by --lm."""
     folder = outside or _beside_the_real_data()
     cases = [*own_cases(), *(outside_cases(folder) if folder else [])][::every]
-    found = [_tried(plugins.load("maps.writers", "offline")(), cases, seed)]
+    found = [_tried(Writer(), cases, seed)]
     if lm is None:
         found.append(not_measured("language model"))
     else:
         with calling("bench-maps", "maps", lm, max_usd) as model:
-            writer = plugins.load("maps.writers", writer_of(map_mode))(model)
+            writer = asking_writer(writer_of(map_mode), model)
             announce(model, writer.first_questions(case.text for case in cases), MAP_TOKENS)
             found.append(_tried(writer, cases, seed))
     for one in found:
         _print(one)
     if json is not None:
-        write_json(json, {"descriptions": len(cases), "first_try": first_try(), "writers": found})
+        write_json(json, {"descriptions": len(cases), "writers": found})
 
 
 def _beside_the_real_data() -> Path | None:
@@ -93,7 +92,7 @@ def _beside_the_real_data() -> Path | None:
 
 def _tried(writer: MapWriter, cases: list[Case], seed: int) -> dict[str, Any]:
     with Console(stderr=True).status(f"{len(cases)} descriptions: {writer.description} ..."):
-        trials = tried(cases, writer, seed)
+        trials = tried(cases, writer, seed, traffic_lacking)
     return {**published(writer.description, trials), "cpu_seconds": seconds(trials)}
 
 
@@ -103,17 +102,12 @@ def _print(found: dict[str, Any]) -> None:
     if not found["measured"]:
         console.print("not measured: name a model with --lm\n", highlight=False)
         return
-    groups = [*found["suites"].items(), *found["kinds"].items()]
-    columns = [name for name in _COLUMNS if not name.startswith("repaired") or any(counts[name] for _, counts in groups)]
-    heads = [name.replace("_", "\n", 1).replace("_", " ") for name in columns]
-    table = Table("", *heads, "right", "CPU s\neach", box=None, pad_edge=False)
-    for column in table.columns:
-        column.no_wrap = True
-    for name, counts in groups:
-        share, took = f"{counts['share_right']:.0%}", f"{found['cpu_seconds'][name]:.2f}"
-        table.add_row(name, *(str(counts[column]) for column in columns), share, took)
+    table = Table("", *(name.replace("_", " ") for name in COUNTS), "CPU s each", box=None, pad_edge=False)
+    for name, counts in found["groups"].items():
+        table.add_row(name, *(str(counts[column]) for column in COUNTS), f"{found['cpu_seconds'][name]:.2f}")
     console.print(table)
     for case in found["failed"]:
-        why = "; ".join(case["wrong"])
-        console.print(f"{case['suite']}: {case['text']}: {why}", highlight=False, markup=False, soft_wrap=True)
+        why = case["refused"] or "; ".join(case["wrong"])
+        word = "declined" if case["refused"] else "WRONG"
+        console.print(f"{word}: {case['group']}: {case['text']}: {why}", highlight=False, markup=False, soft_wrap=True)
     console.print()

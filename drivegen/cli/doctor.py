@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.markup import escape
 from typer import Exit, Option
 
-from drivegen.errors import DriveGenError
+from drivegen.core.errors import DriveGenError
 from drivegen.sumo.netconvert import plain_to_net
 from drivegen.sumo.plain import Edge, Node, PlainNetwork
 

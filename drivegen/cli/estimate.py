@@ -10,25 +10,25 @@ from rich.console import Console
 
 from drivegen.asked import language_model
 from drivegen.cli._lm import MaxUsd, Words, model, role
+from drivegen.core.scenario import TARGET, Scenario
+from drivegen.core.settings import build, read_section
 from drivegen.corner_cases.asking import WORDING as CORNER
 from drivegen.corner_cases.asking import in_words
 from drivegen.corner_cases.collisions import PIXELS
 from drivegen.corner_cases.knowledge import SHAPE, Knowledge
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.candidates import candidates
-from drivegen.lanes.graph import LaneGraph
 from drivegen.lm.backends.base import Request
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prices import MAP_TOKENS, RANKING_TOKENS, TRAFFIC_TOKENS, Estimate, estimate, in_dollars
 from drivegen.lm.prompt import Image
 from drivegen.lm.settings import RoleSettings
 from drivegen.maps.writers.language_model import prompt
+from drivegen.questions.goals import LIKELIEST, Case, Wording, about_scenario, about_vehicle, examples
 from drivegen.render.png import png
-from drivegen.scenario import TARGET, Scenario
-from drivegen.selectors._vlm_question import LIKELIEST, Case, Wording, about_scenario, about_vehicle, examples
+from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.vlm import LAYOUTS
 from drivegen.selectors.vlm import Settings as AskingSettings
-from drivegen.settings import build, read_section
 from drivegen.store.scenarios import count, read_shard, shards
 
 _SCENES = 3

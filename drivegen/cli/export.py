@@ -13,11 +13,11 @@ from rich.console import Console
 from typer import Argument, Option
 
 from drivegen.av2.export import export_scenario
-from drivegen.errors import UnusableInput
-from drivegen.geometry import boxes_overlap
-from drivegen.samples import Samples
-from drivegen.scenario import TARGET, Scenario, Trajectories
-from drivegen.shipping import sample_id
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import boxes_overlap
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.rollout.shipping import sample_id
 from drivegen.store import samples as samples_store
 from drivegen.store.folders import whole_folder
 from drivegen.store.samples import read_samples
@@ -111,22 +111,26 @@ def _futures(
     for row, futures in enumerate(samples):
         if futures.scenario_id not in known:
             raise UnusableInput(f"{wanted.of} lacks scenario {futures.scenario_id}: these futures are of others, see --of")
-        scenario, own = known[futures.scenario_id], None if driven is None else driven[row].motion[:, TARGET]
+        scenario, own = known[futures.scenario_id], None if driven is None else driven[row]
         for k in range(len(futures.dropped)):
-            if wanted.collisions and own is not None and not _collided(scenario, futures.motion[k], own[k]):
+            if wanted.collisions and own is not None and not _collided(scenario, futures.motion[k], own, k):
                 continue
-            motion = futures.motion[k] if own is None or not wanted.driven else _with_target(futures.motion[k], own[k])
+            traffic = futures.motion[k]
+            motion = traffic if own is None or not wanted.driven else _with_target(traffic, own.motion[k, TARGET])
             kept = np.flatnonzero(motion.valid.any(-1))
             yield replace(
                 scenario, scenario_id=sample_id(scenario.scenario_id, k), vehicles=scenario.vehicles[kept], log=motion[kept]
             )
 
 
-def _collided(scenario: Scenario, traffic: Trajectories, driven: Trajectories) -> bool:
-    """Whether a driven target (T,) ran into anyone: its run ends there, be it in the last frame, where it would end anyway."""
-    last = scenario.steps - 1
+def _collided(scenario: Scenario, traffic: Trajectories, own: Samples, k: int) -> bool:
+    """Whether the target as it was driven in run k of `own` ran into anyone.
+
+    Unless it left the map its run ends there, be it in the last frame, where it would end anyway.
+    """
+    driven, last = own.motion[k, TARGET], scenario.steps - 1
     if driven.last_valid() < last:
-        return True
+        return not own.left_map[k, TARGET]
     others, people = traffic[TARGET + 1 :], scenario.context
     size = scenario.vehicles.size[:, :2]
     return any(

@@ -9,26 +9,30 @@ from typing import Annotated, Any
 
 from rich.console import Console
 from rich.progress import Progress
-from typer import BadParameter, Option
+from typer import BadParameter, Exit, Option
 
-from drivegen import plugins, seeds
 from drivegen.asked import language_model
-from drivegen.asked.reading import Reading
 from drivegen.av2.folder import read_folder
 from drivegen.cli import _project
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
-from drivegen.cli._maps import name_of, network_of
-from drivegen.equipment import Equipment
-from drivegen.errors import UnusableInput
+from drivegen.cli._maps import name_of, network_of, said_back
+from drivegen.core import seeds
+from drivegen.core.errors import UnusableInput
 from drivegen.generators.base import Settings
-from drivegen.initialise import Initialiser
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prices import MAP_TOKENS, TRAFFIC_TOKENS
-from drivegen.make import Start, from_log, from_network, from_words, make, row, write_sample
-from drivegen.maps.build import NETWORK, build_map
+from drivegen.maps.build import NETWORK, BuiltMap, build_map, build_spec
+from drivegen.placement.scenes import Initialiser
+from drivegen.rollout.models import Equipment
 from drivegen.store.files import write_json
 from drivegen.store.folders import whole_folder
 from drivegen.sumo.network import Network
+from drivegen.traffic import Start, from_log, from_network, from_words, make, row, write_sample
+from drivegen.words.read import Words as Description
+from drivegen.words.read import read
+from drivegen.words.request import TrafficRequest
+from drivegen.words.traffic import request_sentences
+from drivegen.words.writer import OFFLINE, Writer, asking_writer
 
 METRICS, MAP, TRAFFIC = "metrics.json", "map", "traffic.json"
 """Of a folder of generated scenarios: a row per sample, the road that was drawn from words, the traffic that they asked for."""
@@ -51,13 +55,17 @@ def command(
     lm: Words = None,
     max_usd: MaxUsd = None,
 ) -> None:
-    """Generate traffic for --scenario, --map or --text, or for --map as --text asks, with the models that `make run` trained."""
+    """Generate traffic for --scenario, --map or --text, or for --map as --text asks, with the models that `make run` trained.
+
+    What was read of the words is said back, then for each thing that was asked for whether it was done. Exits 2 where a word is
+    not read, 1 where nothing of what was asked for was done.
+    """
     if (scenario is None) == (map is None and text is None):
         raise BadParameter("give exactly one of --scenario, --map and --text (--text may come with --map)")
     if lm is not None and text is None:
         raise BadParameter("--lm reads words: give --text")
     console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
-    model = calling("generate", "maps", lm, max_usd) if lm is not None else nullcontext()
+    model = calling("generate", "maps", lm, max_usd) if lm not in (None, OFFLINE) else nullcontext()
     with whole_folder(out) as folder, model as reader, _progress(console) as progress:
         task = progress.add_task("reading", total=None)
         settings = _project.generation(scored=scenario is not None)
@@ -70,7 +78,11 @@ def command(
             write_sample(traffic, k, folder)
         rows = [{**row(traffic, k), "seed": seed} for k in range(samples)]
         write_json(folder / METRICS, rows)
+    for line in _done(rows):
+        console.print(line)
     console.print(f"{out}: {_summary(rows)}")
+    if (items := _items(rows)) and not any(item["got"] for item in items):
+        raise Exit(1)
 
 
 def _progress(console: Console) -> Progress:
@@ -99,52 +111,87 @@ class _Wanted:
 
 def _new(wanted: _Wanted, folder: Path, tools: Equipment, settings: Settings, console: Console) -> Start:
     """Vehicles on a network: as the words ask for, on the road that they describe where no network is given."""
-    if wanted.reader is not None:
-        _announce(wanted.reader, str(wanted.text), road=wanted.net is None)
-    words = language_model.read(wanted.text, wanted.reader, wanted.seed) if wanted.text is not None else None
-    network, name, source = _road(wanted, words, folder, console)
+    asked = _asked(wanted, console)
+    network, name, source = _road(wanted, asked, folder, console)
     initial, seed = _project.initial(wanted.vehicles), wanted.seed
     table, gaps = _project.assets(), _project.gaps(initial)
-    if words is None or not words.request:
+    for sentence in request_sentences(asked.request):
+        console.print(f"reads: {sentence}")
+    if not asked.request:
         start = from_network(network, _as_id(name), source, table, initial, seed, gaps)
     else:
         initialiser = Initialiser(network, _as_id(name), source, table, initial, gaps)
         name = f"{_as_id(name)}-0000"
-        start = from_words(initialiser, name, words.request, _project.asked(), wanted.vehicles, tools, settings, seed)
-        write_json(folder / TRAFFIC, _told(words, start))
-        if wanted.reader is not None:
-            console.print(f"traffic read by: {words.reader}")
-        for phrase, meaning in words.understood:
-            console.print(f"understood: {phrase}: {meaning}")
+        start = from_words(initialiser, name, asked.request, _project.asked(), wanted.vehicles, tools, settings, seed)
+        write_json(folder / TRAFFIC, _told(asked, start))
     if start.left_out:
         reasons = ", ".join(f"{count} {reason}" for reason, count in start.left_out.items())
         console.print(f"not placed: {sum(start.left_out.values())} vehicles ({reasons})")
     return start
 
 
+@dataclass(frozen=True)
+class _Asked:
+    """What was read of the words: the traffic, by whom, and the road where no language model reads it."""
+
+    request: TrafficRequest
+    reader: str
+    words: Description | None = None
+
+
+def _asked(wanted: _Wanted, console: Console) -> _Asked:
+    """Read the words of a request. Raises UnusableInput where they cannot be, or say nothing of what is wanted."""
+    if wanted.text is None:
+        return _Asked(TrafficRequest(), "")
+    if wanted.reader is not None:
+        _announce(wanted.reader, wanted.text, road=wanted.net is None)
+        reading = language_model.read(wanted.text, wanted.reader, wanted.seed)
+        console.print(f"traffic read by: {reading.reader}")
+        asked = _Asked(reading.request, reading.reader)
+    else:
+        words = read(wanted.text, wanted.seed)
+        asked = _Asked(words.traffic, Writer.description, words)
+        if wanted.net is not None and words.road is not None:
+            alone = " ".join(request_sentences(words.traffic)) or "There is dense traffic."
+            raise UnusableInput(f"a road is described, and --map names one\ntry: {alone}", reason="not-understood")
+        if wanted.net is None and words.road is None:
+            raise UnusableInput(
+                f"no road is described: name one, or give --map\ntry: A road. {' '.join(words.sentences())}",
+                reason="not-understood",
+            )
+    if wanted.net is not None and not asked.request:
+        raise UnusableInput(f"no traffic is described in {wanted.text!r}", reason="not-understood")
+    return asked
+
+
 def _announce(reader: LanguageModel, text: str, *, road: bool) -> None:
     """What the questions will cost: of the traffic, and of the road where the words describe that too."""
-    questions = [language_model.prompt(text), *(plugins.load("maps.writers", _WRITER)(reader).first_questions([text] * road))]
+    questions = [language_model.prompt(text), *(asking_writer(_WRITER, reader).first_questions([text] * road))]
     announce(reader, questions, (TRAFFIC_TOKENS + MAP_TOKENS * road) // len(questions))
 
 
-def _road(wanted: _Wanted, words: Reading | None, folder: Path, console: Console) -> tuple[Network, str, str]:
+def _road(wanted: _Wanted, asked: _Asked, folder: Path, console: Console) -> tuple[Network, str, str]:
     """The network, its name and where it is from; a road that was drawn from words is kept in `folder`."""
     if wanted.net is not None:
         net = network_of(wanted.net)
-        if words is not None and not words.request:
-            raise UnusableInput(f"no traffic that I know is described in {wanted.text!r}", reason="not-understood")
-        if words is not None and words.rest:
-            console.print(f"ignored: {words.rest}")
         return _read(net), name_of(net), f"DriveGen ({name_of(net)})"
-    assert words is not None
-    writer = "offline" if wanted.reader is None else _WRITER
-    built = build_map(words.rest, wanted.seed, writer, folder=folder / MAP, model=wanted.reader)
+    built = _drawn(wanted, asked)
+    built.save(folder / MAP)
     if wanted.reader is not None:
         console.print(f"road written by: {built.account['backend']}")
-    if ignored := built.account["ignored"]:
-        console.print(f"ignored: {'; '.join(ignored)}")
+        if ignored := built.account["ignored"]:
+            console.print(f"ignored: {'; '.join(ignored)}")
+    for sentence in said_back(built.account):
+        console.print(f"reads: {sentence}")
     return Network.read(built.network, NETWORK), str(wanted.text), "DriveGen (map from words)"
+
+
+def _drawn(wanted: _Wanted, asked: _Asked) -> BuiltMap:
+    """The road that the words describe."""
+    if asked.words is not None and asked.words.road is not None:
+        account: dict[str, Any] = {"text": wanted.text, "seed": wanted.seed, "backend": Writer.description, "ignored": []}
+        return build_spec(asked.words.road, {**account, "sentences": asked.words.sentences()})
+    return build_map(str(wanted.text), wanted.seed, asking_writer(_WRITER, wanted.reader))
 
 
 def _read(net: Path) -> Network:
@@ -157,17 +204,32 @@ def _read(net: Path) -> Network:
         raise UnusableInput(f"{error}: bring other formats in with `drivegen map import`", error.reason) from None
 
 
-def _told(words: Reading, start: Start) -> dict[str, Any]:
-    """What was understood of the words of traffic and by whom, and what was got of it at the first frame."""
-    understood = [{"phrase": phrase, "meaning": meaning} for phrase, meaning in words.understood]
-    request = words.request.model_dump(mode="json", exclude_defaults=True)
+def _told(asked: _Asked, start: Start) -> dict[str, Any]:
+    """What was read of the words of traffic and by whom, and what was got of it at the first frame."""
+    request = asked.request.model_dump(mode="json", exclude_defaults=True)
     got = [asdict(item) for item in start.got]
-    return {"reader": words.reader, "understood": understood, "request": request, "first_frame": got}
+    return {"reader": asked.reader, "sentences": request_sentences(asked.request), "request": request, "first_frame": got}
 
 
 def _as_id(name: str) -> str:
     """A name that can begin a scenario's id: of a file or of a road in words."""
     return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:40].strip("-") or "map"
+
+
+def _items(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Everything that the words asked for, in every scenario that was written."""
+    return [item for r in rows if not r["rejected"] for item in r.get("asked", [])]
+
+
+def _done(rows: list[dict[str, Any]]) -> list[str]:
+    """For each thing that the words asked for, whether it was done: one line."""
+    items = _items(rows)
+    asked, got = Counter(item["what"] for item in items), Counter(item["what"] for item in items if item["got"])
+    lines = []
+    for what, count in asked.items():
+        some = f" in {got[what]} of {count}" if 0 < got[what] < count else ""
+        lines.append(f"{'done' if got[what] else 'not done'}{some}: {what}")
+    return lines
 
 
 def _summary(rows: list[dict[str, Any]]) -> str:
@@ -179,10 +241,6 @@ def _summary(rows: list[dict[str, Any]]) -> str:
         said.append(f"not written for want of a legal target: {len(rows) - len(written)}")
     if dropped := sum(r["dropped"] for r in written):
         said.append(f"vehicles left out because nothing legal was found: {dropped}")
-    if items := [item for r in written for item in r.get("asked", [])]:
-        missing = Counter(item["what"] for item in items if not item["got"])
-        said.append(f"got {len(items) - missing.total()} of {len(items)} things that the words asked for")
-        said += [f"not got in {count} of {len(written)}: {what}" for what, count in missing.items()]
     if rows[0]["sade"] is not None:
         said.append("sADE " + f"min {min(r['sade'] for r in rows):.2f} m, mean {sum(r['sade'] for r in rows) / len(rows):.2f} m")
     return "; ".join(said)

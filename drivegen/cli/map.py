@@ -8,18 +8,19 @@ from rich.console import Console
 from typer import Argument, BadParameter, Option, Typer
 from typer.core import TyperGroup
 
-from drivegen import plugins
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
-from drivegen.cli._maps import MapMode, Mode, network_of, writer_of
-from drivegen.errors import UnusableInput
+from drivegen.cli._maps import MapMode, Mode, network_of, said_back, writer_of
+from drivegen.core.errors import UnusableInput
+from drivegen.core.seeds import LARGEST
 from drivegen.lm.prices import MAP_TOKENS
 from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
 from drivegen.maps.imports import Window, import_map
 from drivegen.maps.opendrive import Extent, export_opendrive, read_back
 from drivegen.maps.refine import refine_map
-from drivegen.seeds import LARGEST
 from drivegen.store.files import whole
 from drivegen.sumo.network import read_network
+from drivegen.words.edits import edited
+from drivegen.words.writer import OFFLINE, Writer, asking_writer
 
 WORDS, WINDOW_RADIUS = "words", 150.0
 _FILES = f"{NETWORK} (SUMO), {ACCOUNT} (understood, ignored) and {PICTURE}"
@@ -63,13 +64,17 @@ def words(
     max_usd: MaxUsd = None,
     force: Force = False,
 ) -> None:
-    """Draw the road that TEXT describes; exits 2, saying what it can do, where the text is not understood.
+    """Draw the road that TEXT describes, and say back what was read, defaults included. Exits 2 where a word of TEXT is not read;
+    the last line is then a sentence to try.
 
-    The word `words` can be left out.
+    The word `words` can be left out. Lanes: 'N lanes in each direction' is always right. 'N lanes' are in each direction, 'a
+    four-lane road' has four in both directions together. On motorways, one-way roads, ramps, forks and rings every number of
+    lanes is that of one carriageway.
     """
     _check_free(out, force=force)
     account = _drawn(text, seed, out, lm, map_mode, max_usd).account
     _tell("written by", account["backend"])
+    _tell("reads", *said_back(account))
     _tell("understood", *(f"{told['phrase']}: {told['meaning']}" for told in account["understood"]))
     for word in ("assumed", "ignored", "failed"):
         _tell(word, *filter(None, ["; ".join(map(str, account[word]))]))
@@ -105,10 +110,12 @@ def refine(
     folder: Annotated[Path, Argument(metavar="DIR", help="A folder that `drivegen map` made from words.")],
     text: Annotated[str, Argument(help='The edit, e.g. "add a lane" or "make it a roundabout".')],
 ) -> None:
-    """Edit a map in words, in place; map.json keeps the history. Exits 2, saying what it can do, and changes nothing."""
-    built = refine_map(folder, text)
+    """Edit a map in words, in place, and say back what it is; map.json keeps the history. Exits 2 with an edit to try, and
+    changes nothing, where a word of it is not read.
+    """
+    built = refine_map(folder, text, edited)
     built.save(folder)
-    _tell("understood", *(f"{told['phrase']}: {told['meaning']}" for told in built.account["history"][-1]["understood"]))
+    _tell("reads", *said_back(built.account))
     _tell("failed", *built.account["failed"])
     _tell_written(folder)
 
@@ -141,11 +148,12 @@ def _check_free(folder: Path, *, force: bool) -> None:
 
 
 def _drawn(text: str, seed: int, out: Path, lm: str | None, mode: Mode, max_usd: float | None) -> BuiltMap:
-    if lm is None:
-        return build_map(text, seed, folder=out)
-    with calling("map", "maps", lm, max_usd) as model:
-        announce(model, plugins.load("maps.writers", writer_of(mode))(model).first_questions([text]), MAP_TOKENS)
-        return build_map(text, seed, writer_of(mode), folder=out, model=model)
+    if lm in (None, OFFLINE):
+        return build_map(text, seed, Writer(), out)
+    with calling("map", "maps", str(lm), max_usd) as model:
+        writer = asking_writer(writer_of(mode), model)
+        announce(model, writer.first_questions([text]), MAP_TOKENS)
+        return build_map(text, seed, writer, out)
 
 
 def _map_of(folder: Path) -> Path:

@@ -12,10 +12,10 @@ from rich.console import Console
 from typer import Argument, Option
 
 from drivegen.av2.folder import read_folder
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.datasets.argoverse2_sensor import read_whole_log
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.ingest.selection import Settings, select
 from drivegen.recording.record import record_scenario
-from drivegen.selection import Settings, select
 
 EVERYTHING = Settings(target="focal", max_vehicles=128, first_step=0, horizon=10_000, map_radius=None, smallest_shrink=0.7)
 """All vehicles over the whole recording, on the whole map."""

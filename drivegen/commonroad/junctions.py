@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.commonroad.values import references
-from drivegen.geometry import Polylines
+from drivegen.core.geometry import Polylines
 
 TURNS = {"successorsRight": "right", "successorsStraight": "straight", "successorsLeft": "left"}
 """An intersection's groups of ways, and the word that a traffic light calls their direction by."""

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from drivegen.commonroad import junctions, rules
 from drivegen.commonroad.values import Points, identity, points, references, refuse, value
-from drivegen.errors import UnusableInput
-from drivegen.geometry import Polylines, arc_length, interpolate
-from drivegen.roadmap import NO_LANE, LaneKind, RoadMap
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import Polylines, arc_length, interpolate
+from drivegen.core.roadmap import NO_LANE, LaneKind, RoadMap, open_ends
 
 KINDS = {"busLane": LaneKind.BUS, "bicycleLane": LaneKind.BIKE}
 """Lanelet types that are lanes for some only; all others but those below are for all vehicles."""
@@ -96,6 +96,7 @@ def read_map(root: Element, place: str) -> tuple[RoadMap, rules.Lights]:
         neighbour=neighbour,
         same_direction=same,
         may_change=may_change,
+        cut=open_ends(links, len(lanes)),  # recordings show a stretch of road
         drivable=Polylines.of([_outline(one) - origin for one in found if _is_road(one)]),
         crossings=Polylines.of([_corners(one) - origin for one in found if "crosswalk" in one.types]),
         stop_lines=(ruled.stop_lines - origin).astype(np.float32),

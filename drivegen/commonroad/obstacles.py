@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.commonroad.values import Points, centre, identity, pair, points, refuse, required, value
-from drivegen.geometry import rotate, unit, wrap_angle
-from drivegen.scenario import DT, Trajectories, VehicleKind
+from drivegen.core.geometry import rotate, unit, wrap_angle
+from drivegen.core.scenario import DT, Trajectories, VehicleKind
 
 KINDS = {
     "car": VehicleKind.CAR,

@@ -7,9 +7,9 @@ problems are left out: their vehicle has no box and no trajectory.
 from drivegen.commonroad.lanelets import read_map
 from drivegen.commonroad.obstacles import read_tracks
 from drivegen.commonroad.values import number, refuse
-from drivegen.recorded import NO_TRACK, RecordedLog
-from drivegen.safe_xml import parse
-from drivegen.scenario import DT, Signals
+from drivegen.core.recorded_log import NO_TRACK, RecordedLog
+from drivegen.core.safe_xml import parse
+from drivegen.core.scenario import DT, Signals
 
 VERSIONS = ("2018b", "2020a")
 

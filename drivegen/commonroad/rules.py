@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from drivegen.commonroad.junctions import ways
 from drivegen.commonroad.values import Points, identity, number, points, references, refuse, required, value
-from drivegen.roadmap import LaneControl
-from drivegen.scenario import SignalState
+from drivegen.core.roadmap import LaneControl
+from drivegen.core.scenario import SignalState
 
 SIGNS = {
     "205": LaneControl.YIELD,

@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element  # the type only: parsing is safe_xml'
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 
 Points = NDArray[np.float64]
 

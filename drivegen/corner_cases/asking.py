@@ -10,15 +10,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.scenario import TARGET
 from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.corner_cases.pressure import bounded
 from drivegen.lm.model import LanguageModel
+from drivegen.lm.prices import RANKING_TOKENS
 from drivegen.lm.prompt import Image, fenced
-from drivegen.rollout import Choices
-from drivegen.scenario import TARGET
-from drivegen.selectors._vlm_account import Account
-from drivegen.selectors._vlm_asking import Asking, Scene, Settings
-from drivegen.selectors._vlm_question import THE_PICTURE, Wording
+from drivegen.questions.account import Account
+from drivegen.questions.asking import Asking, Scene, Settings
+from drivegen.questions.goals import THE_PICTURE, Wording
+from drivegen.rollout.scene import Choices
 
 _INSTRUCTIONS = """\
 You test the driving algorithm of the target vehicle. For another vehicle of the same scene you get a picture from above and a
@@ -36,6 +37,9 @@ WORDING = Wording(
     "most dangerous",
 )
 """Where vehicles would endanger the target."""
+
+FORECAST_SCENES = 3
+"""Scenes whose questions are really made for the forecast of what calls will cost."""
 
 
 def asking(
@@ -70,6 +74,14 @@ def in_words(knowledge: Knowledge) -> str:
 def scene_of(choice: Choices, leaning: Choices) -> Scene:
     """What is asked about one scenario, `leaning` being its choices under the statistical re-weighting."""
     return Scene(choice.scenario, choice.candidates, leaning.used)
+
+
+def forecast(asking: Asking, choices: Sequence[Choices], scenarios: int) -> str:
+    """What the calls about so many `scenarios` will cost, from the questions about the first FORECAST_SCENES of `choices`."""
+    first = choices[:FORECAST_SCENES]
+    prompts = [prompt for choice in first for prompt in asking.questions(scene_of(choice, choice))]
+    answer = RANKING_TOKENS * sum(len(c.candidates) - 1 for c in first) // max(len(prompts), 1)
+    return asking.model.forecast(prompts, answer, scenarios / len(first))
 
 
 def endanger(

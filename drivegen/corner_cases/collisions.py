@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import DT, TARGET, Scenario, Trajectories
 from drivegen.corner_cases.encounters import LOOK_BACK, Behaviour, Direction
 from drivegen.corner_cases.knowledge import Knowledge, speed_names
 from drivegen.corner_cases.rounds import Drive, encounters_of, taught
 from drivegen.render.png import png
 from drivegen.render.scene_picture import View, scene_picture
-from drivegen.rollout import Choices
-from drivegen.samples import Samples
-from drivegen.scenario import DT, TARGET, Scenario, Trajectories
+from drivegen.rollout.scene import Choices
 from drivegen.simulators.base import CollisionKind
 from drivegen.store.files import whole
 

@@ -12,8 +12,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import Floats, to_vehicle_frame, unit, wrap_angle
-from drivegen.scenario import DT, Trajectories
+from drivegen.core.geometry import Floats, to_vehicle_frame, unit, wrap_angle
+from drivegen.core.scenario import DT, Trajectories
 
 LOOK_BACK = 30
 """Steps before the closest approach over which behaviour is judged (3 s)."""

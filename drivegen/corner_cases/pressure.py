@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.scenario import DT
+from drivegen.core.settings import NotNegative, Positive
 from drivegen.corner_cases.encounters import Encounters
 from drivegen.corner_cases.knowledge import Knowledge
-from drivegen.scenario import DT
-from drivegen.settings import NotNegative, Positive
 
 FLOOR = 0.1
 """What is far away or too early has this share of the base rate for a risk, so that no goal becomes impossible."""

@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.checker.limits import Limits
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.corner_cases.encounters import Encounters, encounters
 from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.corner_cases.pressure import PressureSettings, lean, risk
 from drivegen.drivers.base import Driver
-from drivegen.generate import plan_all_goals, roll_out
 from drivegen.planners.base import Planner
-from drivegen.rollout import Choices, RolloutSettings
-from drivegen.samples import Samples
-from drivegen.scenario import TARGET, Trajectories
+from drivegen.rollout.batch import plan_all_goals, roll_out
+from drivegen.rollout.scene import Choices, RolloutSettings
 from drivegen.simulators.base import CollisionKind, DrivingOutcome, Simulator
 
 METHOD = "drivegen_cs"
@@ -30,7 +30,7 @@ METHOD = "drivegen_cs"
 COUNTED = (CollisionKind.FRONT, CollisionKind.SIDE, CollisionKind.HIT_IN_SIDE)
 """Collisions that knowledge is made of: being run into from behind or while standing teaches nothing about the driver."""
 
-_OF_VEHICLES = ("violation", "first_violation", "goal", "natural", "used", "attempts", "dropped")
+_OF_VEHICLES = ("violation", "first_violation", "goal", "natural", "used", "attempts", "dropped", "left_map")
 """What samples say of each vehicle (K, N), its motion apart."""
 
 
@@ -52,7 +52,7 @@ class Drive:
     def driven(self) -> Samples:
         """The samples with the target's row alone, as it was driven."""
         rows: dict[str, Any] = {name: getattr(self.samples, name)[:, :1] for name in _OF_VEHICLES}
-        return replace(self.samples, motion=self.target[:, None], **rows)
+        return replace(self.samples, motion=self.target[:, None], **rows | {"left_map": self.outcome.left_map[:, None]})
 
 
 def lean_on(
@@ -94,7 +94,7 @@ def play(
 ) -> list[Drive]:
     """Generate K = `samples` futures of every scenario and let the driver drive the target through each, after a rehearsal."""
     first = roll_out(choices, planner, limits, settings, samples, seed, METHOD)
-    rehearsed = [_to_the_end(drive.target) for drive in _drive(choices, first, driver, simulator)]
+    rehearsed = [_to_the_end(drive) for drive in _drive(choices, first, driver, simulator)]
     around = roll_out(choices, planner, limits, settings, samples, seed, METHOD, rehearsed)
     traffic = [_with_planned_target(made, planned) for made, planned in zip(around, first, strict=True)]
     return _drive(choices, traffic, driver, simulator)
@@ -111,16 +111,10 @@ def _drive(choices: Sequence[Choices], traffic: Sequence[Samples], driver: Drive
     ]
 
 
-def _to_the_end(driven: Trajectories) -> Trajectories:
-    """The motion (K, T) with the target left standing where its run ended."""
-    stopped = np.arange(driven.steps) > driven.last_valid()[:, None]
-    at = np.minimum(np.arange(driven.steps), driven.last_valid()[:, None])
-    return Trajectories(
-        np.take_along_axis(driven.position, at[..., None], axis=1),
-        np.take_along_axis(driven.heading, at, axis=1),
-        np.where(stopped[..., None], 0.0, driven.velocity).astype(np.float32),
-        np.ones_like(driven.valid),
-    )
+def _to_the_end(drive: Drive) -> Trajectories:
+    """The target's motion (K, T), standing where its run ended in a collision and gone where it left the map."""
+    driven = drive.target
+    return replace(driven.standing_after_end(), valid=driven.valid | ~drive.outcome.left_map[:, None])
 
 
 def _with_planned_target(around: Samples, planned: Samples) -> Samples:
@@ -164,6 +158,4 @@ def _blocks(count: int, size: int) -> list[NDArray[np.intp]]:
 
 
 def _rows(outcome: DrivingOutcome, rows: NDArray[np.intp]) -> DrivingOutcome:
-    return DrivingOutcome(
-        outcome.kind[rows], outcome.step[rows], outcome.partner[rows], outcome.motion[rows], outcome.off_road[rows]
-    )
+    return DrivingOutcome(*(getattr(outcome, f.name)[rows] for f in fields(DrivingOutcome)))

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.intervals import recording
+from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.corner_cases.rounds import COUNTED, Drive
 from drivegen.metrics.displacement import scene_errors
 from drivegen.metrics.driving import driving_summary, run_numbers
-from drivegen.metrics.intervals import recording
-from drivegen.rollout import Choices
-from drivegen.scenario import TARGET, Trajectories
+from drivegen.rollout.scene import Choices
 from drivegen.simulators.base import AT_FAULT, CollisionKind
 
 
@@ -53,7 +53,8 @@ class RoundSummary:
 def summarise(choices: Sequence[Choices], drives: Sequence[Drive]) -> RoundSummary:
     """Per scenario: collisions by kind, the driver's numbers, and the price: how legal, likely and realistic traffic was.
 
-    `collision` counts every run that ends in one, `collision.counted` those that knowledge is made of. `log_ratio` is the
+    `collision` counts every run that ends in one, `collision.counted` those that knowledge is made of, `left_map` those that
+    end because the target has driven out of the map. `log_ratio` is the
     mean over social vehicles of log(used / natural), 0 where nothing was leaned on; `min_sade` and `mean_sade` [m] are those
     of the social vehicles against the log, NaN without one.
     """
@@ -77,6 +78,7 @@ def _row(choice: Choices, drive: Drive) -> dict[str, float]:
             "collision.counted": float((np.isin(outcome.kind, COUNTED) & ~outcome.in_first_second).mean()),
             "collision.at_fault": float(np.isin(outcome.kind, AT_FAULT).mean()),
             "collision.in_first_second": float(outcome.in_first_second.mean()),
+            "left_map": float(outcome.left_map.mean()),
             "distance": float(numbers.distance.mean()),
             "absolute_acceleration": _mean(numbers.absolute_acceleration),
             "acceleration": _mean(numbers.acceleration),

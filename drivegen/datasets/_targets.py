@@ -7,7 +7,7 @@ and again the moving vehicle, seen for long, whose neighbourhood holds most of t
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.scenario import Trajectories, VehicleKind
+from drivegen.core.scenario import Trajectories, VehicleKind
 
 LONG = 80
 """A track is worth a scenario if it is seen for so many steps from the first one on (8 s), or as long as any if none is."""

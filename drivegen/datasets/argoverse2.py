@@ -8,8 +8,8 @@ import os
 from pathlib import Path
 
 from drivegen.av2.folder import read_folder, scenario_files
-from drivegen.errors import UnusableInput
-from drivegen.recorded import RecordedLog
+from drivegen.core.errors import UnusableInput
+from drivegen.core.recorded_log import RecordedLog
 
 SPLITS = ("train", "val", "test")
 

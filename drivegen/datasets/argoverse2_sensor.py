@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from drivegen.av2.sensor import EGO_TRACK, SensorLog, count_frames, log_files, read_sensor_log
-from drivegen.errors import UnusableInput
-from drivegen.recorded import NO_TRACK, RecordedLog
-from drivegen.scenario import Signals
+from drivegen.core.errors import UnusableInput
+from drivegen.core.recorded_log import NO_TRACK, RecordedLog
+from drivegen.core.scenario import Signals
 
 SPLITS = ("train", "val", "test")
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Protocol
 
-from drivegen.recorded import RecordedLog
+from drivegen.core.recorded_log import RecordedLog
 
 
 class Dataset(Protocol):

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from drivegen.commonroad.recording import read_recording
+from drivegen.core.errors import UnusableInput
+from drivegen.core.recorded_log import RecordedLog
+from drivegen.core.scenario import Signals
 from drivegen.datasets._targets import spread_targets
-from drivegen.errors import UnusableInput
-from drivegen.recorded import RecordedLog
-from drivegen.scenario import Signals
 
 SPLITS = ("train", "val", "test")
 

@@ -16,9 +16,9 @@ from drivegen.av2.maps import read_map, write_map
 from drivegen.av2.schema import COLUMNS, CONSTANTS, REQUIRED, SIZE_COLUMNS, WORDS
 from drivegen.av2.signals import read_signals, write_signals
 from drivegen.av2.tracks import read_log, track_table
-from drivegen.errors import UnusableInput
-from drivegen.recorded import RecordedLog
-from drivegen.scenario import Scenario
+from drivegen.core.errors import UnusableInput
+from drivegen.core.recorded_log import RecordedLog
+from drivegen.core.scenario import Scenario
 from drivegen.store.files import whole, write_table
 
 _MAPS = pa.schema(

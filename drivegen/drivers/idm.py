@@ -13,8 +13,8 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
+from drivegen.core.settings import NotNegative, Positive
 from drivegen.drivers.base import Action, Observation
-from drivegen.settings import NotNegative, Positive
 
 _NO_GAP = 0.001
 _LIMIT_DISTANCES = torch.arange(2.0, 120.0, 6.0)

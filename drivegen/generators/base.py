@@ -3,7 +3,7 @@
 A generator may read a scenario's map, vehicles, signals and context actors, never its log (`log` is the one stated
 exception: it is the reference row). Signals hold the states that will be shown over the whole horizon: they are control that
 is given, as the map is, and a scenario that is made has a program for them. `Plugin(models, settings)` opens what it needs
-below the folder of trained models.
+below the folder of trained models. `ABOUT = Method(...)` in the same file says what it is, in literals: see `core.methods`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from drivegen.core.methods import Method
+from drivegen.core.rejections import Rejections
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario
+from drivegen.core.settings import Positive
 from drivegen.goals.candidates import Settings as CandidateSettings
-from drivegen.rejected import Rejections
-from drivegen.rollout import RolloutSettings
-from drivegen.samples import Samples
-from drivegen.scenario import Scenario
-from drivegen.settings import Positive
+from drivegen.rollout.scene import RolloutSettings
 from drivegen.store.goals import GoalColumns
 
 
@@ -41,12 +42,12 @@ class Generator(Protocol):
     """Makes K futures of each scenario, not yet judged by the checker where `selector` is None.
 
     Attributes:
+        about: what it says of itself, the ABOUT of its file; one that names `goals` can follow them (`GoalFollower`).
         backend: who chose the goals, in words, for the tables ("learned selector", "uniform", "none").
-        selector: the goal selector whose recorded goals it can follow (`GoalFollower`), None if it knows no goals.
     """
 
+    about: Method
     backend: str
-    selector: str | None
 
     def __init__(self, models: Path, settings: Settings) -> None:
         """Raises MissingTool where trained weights are needed and absent."""

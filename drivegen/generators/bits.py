@@ -20,18 +20,28 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from drivegen import seeds
+from drivegen.core import seeds
+from drivegen.core.geometry import rotate, unit
+from drivegen.core.methods import Method
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import DT, Scenario, Trajectories
+from drivegen.core.settings import Count, NotNegative, Positive
 from drivegen.generators._bits.learning import HELD_OUT, BitsObjective, DrivingExamples, Logs
 from drivegen.generators._bits.net import BitsNet, Plan, Seen, told_of
 from drivegen.generators._bits.raster import Painted, rasters
 from drivegen.generators._bits.rules import EVERY, broken
-from drivegen.generators._closed_loop import Crowd, Tracks
-from drivegen.generators._learned import Learned
-from drivegen.geometry import rotate, unit
-from drivegen.samples import Samples
-from drivegen.scenario import DT, Scenario, Trajectories
-from drivegen.settings import Count, NotNegative, Positive
+from drivegen.generators.shared.closed_loop import Crowd, Tracks
+from drivegen.generators.shared.learned import Learned
 from drivegen.training import loop
+
+ABOUT = Method(
+    title="BITS",
+    line="A goal map of a raster, a policy towards each goal, and a choice among predicted ends (Xu et al., ICRA 2023).",
+    kind="learned",
+    goals=None,
+    trains_on="the logs",
+    places=False,
+)
 
 CHUNK = 128
 """Vehicles that go through the network at once, always: sums differ between batch sizes."""
@@ -83,6 +93,7 @@ class Plugin(Learned):
     """See `generators._learned.Learned`."""
 
     name = "bits"
+    about = ABOUT
     Settings = BitsSettings
     Examples = Logs
     settings: BitsSettings

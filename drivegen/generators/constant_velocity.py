@@ -5,9 +5,19 @@ from pathlib import Path
 
 import numpy as np
 
-from drivegen.geometry import unit
-from drivegen.samples import Samples
-from drivegen.scenario import DT, Scenario, Trajectories
+from drivegen.core.geometry import unit
+from drivegen.core.methods import Method
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import DT, Scenario, Trajectories
+
+ABOUT = Method(
+    title="Constant velocity",
+    line="Every vehicle keeps its speed and heading.",
+    kind="rules",
+    goals=None,
+    trains_on="nothing",
+    places=False,
+)
 
 
 def constant_velocity(scenario: Scenario) -> Trajectories:
@@ -28,7 +38,7 @@ class Plugin:
     """Constant velocity; all K samples are the same."""
 
     backend = "none"
-    selector = None
+    about = ABOUT
 
     def __init__(self, models: Path, settings: object) -> None:
         """Needs neither models nor settings."""

@@ -3,25 +3,36 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from drivegen.equipment import Equipment
-from drivegen.generate import choose, recorded_choices, roll_out
+from drivegen.core.methods import Method
+from drivegen.core.rejections import Rejections
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario
 from drivegen.generators.base import Settings
-from drivegen.rejected import Rejections
-from drivegen.rollout import Choices
-from drivegen.samples import Samples
-from drivegen.scenario import Scenario
+from drivegen.rollout.batch import choose, recorded_choices, roll_out
+from drivegen.rollout.models import Equipment
+from drivegen.rollout.scene import Choices
 from drivegen.store.goals import GoalColumns
+
+ABOUT = Method(
+    title="DriveGen",
+    line="Goals by the learned selector, motion towards them by the planner, everything checked and planned again.",
+    kind="ours",
+    goals="learned",
+    trains_on="the logs",
+    places=False,
+)
 
 
 class Plugin:
-    """DriveGen; its ablations differ by the selector alone."""
+    """DriveGen; its ablations differ by `about.goals` alone."""
 
     name = "drivegen"
-    selector = "learned"
+    about = ABOUT
 
     def __init__(self, models: Path, settings: Settings) -> None:
         """Raises MissingTool where weights or limits are absent."""
-        self._equipment = Equipment.open(models, settings.planner, self.selector)
+        assert self.about.goals is not None
+        self._equipment = Equipment.open(models, settings.planner, self.about.goals)
         self._settings = settings
         self.backend = self._equipment.selector.described
 

@@ -18,17 +18,27 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from drivegen import seeds
+from drivegen.core import seeds
+from drivegen.core.methods import Method
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario
+from drivegen.core.settings import Count, Index, Share
 from drivegen.drivers.idm import Plugin as Driver
 from drivegen.drivers.idm import Settings as DriverSettings
 from drivegen.generators._idm.traffic import Crowd, drive, motion
 from drivegen.generators._idm.ways import Ways
-from drivegen.generators._learned import Learned
-from drivegen.lanes.graph import LaneGraph
-from drivegen.samples import Samples
-from drivegen.scenario import Scenario
-from drivegen.settings import Count, Index, Share
+from drivegen.generators.shared.learned import Learned
+from drivegen.roads.graph import LaneGraph
 from drivegen.training import loop
+
+ABOUT = Method(
+    title="IDM",
+    line="Everybody an Intelligent Driver Model on a lane-graph way; wishes fitted to logs.",
+    kind="rules",
+    goals=None,
+    trains_on="the logs",
+    places=False,
+)
 
 WISHES = (0.5, 1.5)
 """A wish is never drawn below or above these shares of the limit."""
@@ -108,6 +118,7 @@ class Plugin(Learned):
     """See the module."""
 
     name = "idm"
+    about = ABOUT
     Settings = IdmSettings
     Examples = Wishes
 

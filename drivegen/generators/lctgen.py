@@ -26,18 +26,28 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from drivegen import seeds
-from drivegen.errors import UnusableInput
+from drivegen.core import seeds
+from drivegen.core.errors import UnusableInput
+from drivegen.core.methods import Method
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario, Vehicles
 from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, logged_code, state_code
 from drivegen.generators._lctgen.learning import LctgenObjective, Taught, Trainable
 from drivegen.generators._lctgen.net import LctgenNet
 from drivegen.generators._lctgen.place import place
-from drivegen.generators._learned import Learned, Placement
-from drivegen.generators._motion import filled_in, trajectories
-from drivegen.generators._vectors import AGENTS, Scenes
-from drivegen.samples import Samples
-from drivegen.scenario import Scenario, Vehicles
+from drivegen.generators.shared.learned import Learned, Placement
+from drivegen.generators.shared.motion import filled_in, trajectories
+from drivegen.generators.shared.vectors import AGENTS, Scenes
 from drivegen.training import loop
+
+ABOUT = Method(
+    title="LCTGen",
+    line="A scenario code, and queries that turn code and map into traffic (Tan et al., CoRL 2023).",
+    kind="learned",
+    goals=None,
+    trains_on="the logs",
+    places=True,
+)
 
 CHUNK = 16
 """Scenes that go through the network at once, always: sums differ between batch sizes."""
@@ -70,6 +80,7 @@ class Plugin(Learned):
     """See the module."""
 
     name = "lctgen"
+    about = ABOUT
     Settings = LctgenSettings
     Examples = Taught
 
@@ -132,14 +143,15 @@ class Plugin(Learned):
             code = logged_code(scenario) if own else fit[int(rng.integers(len(fit)))]
             return self.place(scenario, code[:count], rng)
 
-        bound = {f"{self.name}_log_code": lambda scenario: placed(scenario, True)}
-        return ({self.name: lambda scenario: placed(scenario, False)} if library else {}) | bound
+        title = self.about.title
+        bound = {f"{title}, code from the log (a bound, no method)": lambda scenario: placed(scenario, True)}
+        return ({f"{title}, code of a training log": lambda scenario: placed(scenario, False)} if library else {}) | bound
 
     def bounds(self) -> dict[str, Learned]:
         """Told the log's actions."""
         told = LogCode.__new__(LogCode)
         told.settings, told.net = self.settings, self.net
-        return {"log_code": told}
+        return {told.said: told}
 
     def _knots(self, scenes: Scenes, noise: "Noise", known: NDArray[np.int64] | None) -> NDArray[np.float32]:
         """Knots (CHUNK, K, A, J, 2) in the vehicles' frames."""

@@ -5,16 +5,26 @@ from pathlib import Path
 
 import numpy as np
 
-from drivegen.errors import UnusableInput
-from drivegen.samples import Samples
-from drivegen.scenario import Scenario
+from drivegen.core.errors import UnusableInput
+from drivegen.core.methods import Method
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario
+
+ABOUT = Method(
+    title="Log (recorded futures)",
+    line="The recorded futures, repeated.",
+    kind="bound",
+    goals=None,
+    trains_on="nothing",
+    places=False,
+)
 
 
 class Plugin:
     """Repeats the log; the only generator that may look at it."""
 
     backend = "recorded"
-    selector = None
+    about = ABOUT
 
     def __init__(self, models: Path, settings: object) -> None:
         """Needs neither models nor settings."""

@@ -9,10 +9,20 @@ from pathlib import Path
 
 import numpy as np
 
-from drivegen.geometry import rotate, unit
-from drivegen.samples import Samples
-from drivegen.scenario import DT, Scenario, Trajectories
-from drivegen.seeds import rng
+from drivegen.core.geometry import rotate, unit
+from drivegen.core.methods import Method
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import DT, Scenario, Trajectories
+from drivegen.core.seeds import rng
+
+ABOUT = Method(
+    title="Random agent",
+    line="Every pose is drawn by itself around the first one (Montali et al. 2023).",
+    kind="no traffic",
+    goals=None,
+    trains_on="nothing",
+    places=False,
+)
 
 MEAN, SPREAD = 1.0, 0.1
 """Of each coordinate [m] and of the heading [rad], relative to the initial pose."""
@@ -22,7 +32,7 @@ class Plugin:
     """Draws poses around the first one."""
 
     backend = "chance"
-    selector = None
+    about = ABOUT
 
     def __init__(self, models: Path, settings: object) -> None:
         """Needs neither models nor settings."""

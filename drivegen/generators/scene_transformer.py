@@ -24,15 +24,25 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from drivegen import seeds
-from drivegen.generators._learned import Learned
-from drivegen.generators._motion import at_knots, filled_in, trajectories
+from drivegen.core import seeds
+from drivegen.core.methods import Method
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario
+from drivegen.core.settings import Count, Share
 from drivegen.generators._scene_transformer.net import SceneTransformerNet
-from drivegen.generators._vectors import Scenes, SceneTensors, local_future
-from drivegen.samples import Samples
-from drivegen.scenario import Scenario
-from drivegen.settings import Count, Share
+from drivegen.generators.shared.learned import Learned
+from drivegen.generators.shared.motion import at_knots, filled_in, trajectories
+from drivegen.generators.shared.vectors import Scenes, SceneTensors, local_future
 from drivegen.training import loop
+
+ABOUT = Method(
+    title="SceneTransformer",
+    line="One network for the joint future of all vehicles, several futures at once (Ngiam et al., ICLR 2022).",
+    kind="learned",
+    goals=None,
+    trains_on="the logs",
+    places=False,
+)
 
 CHUNK = 8
 """Scenes that go through the network at once, always: sums differ between batch sizes."""
@@ -64,6 +74,7 @@ class Plugin(Learned):
     """See the module."""
 
     name = "scene_transformer"
+    about = ABOUT
     Settings = SceneTransformerSettings
     Examples = Scenes
 

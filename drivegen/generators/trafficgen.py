@@ -22,18 +22,28 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from drivegen import seeds
-from drivegen.generators._closed_loop import Tracks
-from drivegen.generators._learned import Learned, Placement
+from drivegen.core import seeds
+from drivegen.core.methods import Method
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import DT, Scenario, Vehicles
+from drivegen.core.settings import Count, Positive
 from drivegen.generators._trafficgen.driving import Driver, rolled_error
 from drivegen.generators._trafficgen.learning import HELD_OUT, Disturbance, Logs, MotionExamples, TrafficGenObjective
 from drivegen.generators._trafficgen.net import KNOT, Modes, MotionNet
 from drivegen.generators._trafficgen.placement import PlacementExamples, PlacementNet, Regions, place
 from drivegen.generators._trafficgen.vectors import LaneVectors
-from drivegen.samples import Samples
-from drivegen.scenario import DT, Scenario, Vehicles
-from drivegen.settings import Count, Positive
+from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.learned import Learned, Placement
 from drivegen.training import loop
+
+ABOUT = Method(
+    title="TrafficGen",
+    line="A vector encoder, modes of motion per vehicle, short steps one after the other (Feng et al., ICRA 2023).",
+    kind="learned",
+    goals=None,
+    trains_on="the logs",
+    places=True,
+)
 
 SCENES = 16
 """Scenarios that are driven on together; bounds memory."""
@@ -89,6 +99,7 @@ class Plugin(Learned):
     """See `generators._learned.Learned`."""
 
     name = "trafficgen"
+    about = ABOUT
     Settings = TrafficGenSettings
     Examples = Logs
     settings: TrafficGenSettings
@@ -136,7 +147,7 @@ class Plugin(Learned):
     def placements(self, logs: Sequence[Scenario], seed: int) -> dict[str, Placement]:
         """See `Learned`."""
         del logs
-        return {self.name: lambda scenario: self.place(scenario, len(scenario.vehicles), seed)}
+        return {self.about.title: lambda scenario: self.place(scenario, len(scenario.vehicles), seed)}
 
     def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         """K = `samples` futures of each scenario, driven in closed loop."""

@@ -10,21 +10,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import Floats, rotate, wrap_angle
+from drivegen.core.geometry import Floats, rotate, wrap_angle
+from drivegen.core.roadmap import NO_LANE
+from drivegen.core.scenario import DT, Scenario
+from drivegen.core.settings import Count, Positive
 from drivegen.goals.cover import cover
 from drivegen.goals.kerb import kerb_place
 from drivegen.goals.manoeuvres import Manoeuvre, manoeuvres
 from drivegen.goals.prior import Places, places, shares
 from drivegen.goals.reach import Dynamics, end_speed, stopping_distance
 from drivegen.goals.traffic import Ahead, Neighbours, look_ahead
-from drivegen.lanes.frenet import from_frenet, to_frenet
-from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.line import SPACING, Route
-from drivegen.lanes.parked import STANDING
-from drivegen.lanes.routes import feasible_routes
-from drivegen.roadmap import NO_LANE
-from drivegen.scenario import DT, Scenario
-from drivegen.settings import Count, Positive
+from drivegen.roads.frenet import from_frenet, to_frenet
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.line import SPACING, Route
+from drivegen.roads.parked import STANDING
+from drivegen.roads.routes import feasible_routes
 
 NO_ROUTE = -1
 """The route of a candidate off the lanes."""

@@ -12,11 +12,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.geometry import Floats
+from drivegen.core.geometry import Floats
+from drivegen.core.scenario import DT, Signals, SignalState
 from drivegen.goals.reach import Dynamics, speed_caps
 from drivegen.goals.traffic import STAND, Ahead, Queue
-from drivegen.lanes.line import SPACING, Route
-from drivegen.scenario import DT, Signals, SignalState
+from drivegen.roads.line import SPACING, Route
 
 ACCELERATION, BRAKING, HEADWAY, MIN_GAP = 1.6, 2.5, 1.1, 2.0
 """A usual driver's acceleration and comfortable braking [m/s2], time gap [s] and gap at a standstill [m]."""

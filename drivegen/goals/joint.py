@@ -16,7 +16,7 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
-from drivegen import seeds
+from drivegen.core import seeds
 
 PENALTY = 8.0
 """A pair that excludes each other is exp(8), 3000 times, less likely."""

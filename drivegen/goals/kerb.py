@@ -1,7 +1,7 @@
 """Where a vehicle may pull over: at the right edge of its lane, as soon as it can stop gently, if nothing drives to its right."""
 
-from drivegen.lanes.line import SPACING, Route
-from drivegen.roadmap import NO_LANE, RoadMap
+from drivegen.core.roadmap import NO_LANE, RoadMap
+from drivegen.roads.line import SPACING, Route
 
 GENTLE = 2.0
 """Braking of who pulls over [m/s2]."""

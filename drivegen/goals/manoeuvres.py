@@ -5,9 +5,9 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import Floats
-from drivegen.lanes.line import SPACING, Route
-from drivegen.lanes.parked import STANDING
+from drivegen.core.geometry import Floats
+from drivegen.roads.line import SPACING, Route
+from drivegen.roads.parked import STANDING
 
 NO_MOVE = 0.5
 """Who ends within this distance [m] along its route has stayed."""

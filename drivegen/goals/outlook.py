@@ -2,7 +2,8 @@
 
 A vehicle is expected to keep to the candidate's route: its speed goes from the present one to the goal's by a smooth ramp
 that covers the distance, its offset from the route's line fades into the goal's. Two candidates exclude each other where
-the boxes of their outlooks meet: a follower can't end beyond its leader, nor two vehicles cross at once.
+the boxes of their outlooks meet: a follower can't end beyond its leader, nor two vehicles cross at once. Who leaves the map on
+the way is in nobody's way from then on.
 """
 
 from collections.abc import Sequence
@@ -12,11 +13,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.boxes import bounds, depth
-from drivegen.geometry import Floats, wrap_angle
+from drivegen.core.boxes import bounds, depth
+from drivegen.core.geometry import Floats, wrap_angle
+from drivegen.core.scenario import DT, TARGET, Scenario, Trajectories
 from drivegen.goals.candidates import Candidates
-from drivegen.lanes.line import SPACING
-from drivegen.scenario import DT, TARGET, Scenario, Trajectories
+from drivegen.roads.leaving import Exits
+from drivegen.roads.line import SPACING
 
 STRIDE = 4
 """Every fourth step is looked at [steps]."""
@@ -30,6 +32,7 @@ class Outlooks:
         start: (N + 1,) int64 rows of each vehicle. owner: (Q,) int64 the vehicle of each row.
         distance: (Q,) [m] to the goal along its route, straight where it has none.
         position: (Q, S, 2) float32 [m], heading: (Q, S) float32 [rad], at every STRIDE-th step.
+        valid: (Q, S) bool, until the vehicle leaves the map.
         size: (Q, 2) float32 length, width [m].
         target_steps: (N,) int64 the target is in vehicle n's way before this step only.
     """
@@ -39,6 +42,7 @@ class Outlooks:
     distance: Floats
     position: NDArray[np.float32]
     heading: NDArray[np.float32]
+    valid: NDArray[np.bool_]
     size: NDArray[np.float32]
     target_steps: NDArray[np.int64]
 
@@ -56,7 +60,7 @@ class Outlooks:
         routed = np.concatenate([c.route >= 0 for c in candidates])
         distance = np.where(routed, np.maximum(s, 0.0), np.hypot(way[:, 0], way[:, 1]))
         time = np.arange(0, scenario.steps, STRIDE) * DT
-        gone = _distances(time, np.maximum(step, 1) * DT, distance, vehicles.speed[owner], speed)
+        gone = distances(time, np.maximum(step, 1) * DT, distance, vehicles.speed[owner], speed)
         share = gone / np.maximum(distance, 1e-6)[:, None]
         fade = np.clip(share, 0.0, 1.0)
         position, heading = _along_routes(candidates, gone, offset[:, None] + (d - offset)[:, None] * fade**2 * (3 - 2 * fade))
@@ -65,22 +69,26 @@ class Outlooks:
         position = np.where(routed[:, None, None], position, straight)
         heading = np.where(routed[:, None], heading, own[:, None] + wrap_angle(turn - own)[:, None] * fade)
         position[:, 0], heading[:, 0] = vehicles.position[owner], own
+        size = np.ascontiguousarray(vehicles.size[owner, :2], np.float32)
+        whole = np.ones(heading.shape, np.bool_)
+        way_there = Trajectories(position.astype(np.float32), heading.astype(np.float32), np.zeros_like(position), whole)
+        seen = Exits.of(scenario.map).leave(way_there, size[:, 0])
         return cls(
             start=np.cumsum([0, *counts]),
             owner=owner,
             distance=distance,
-            position=position.astype(np.float32),
-            heading=heading.astype(np.float32),
-            size=np.ascontiguousarray(vehicles.size[owner, :2], np.float32),
+            position=seen.position,
+            heading=seen.heading,
+            valid=seen.valid,
+            size=size,
             target_steps=target_steps,
         )
 
     def exclusions(self) -> NDArray[np.bool_]:
         """(Q, Q) whether two candidates of different vehicles exclude each other."""
         met = np.zeros((len(self.owner), len(self.owner)), np.bool_)
-        valid = np.ones(self.heading.shape, np.bool_)
         last = -(-self.target_steps // STRIDE)[self.owner]
-        _exclusions(self.position, self.heading, valid, self.size, self.owner, last, met)
+        _exclusions(self.position, self.heading, self.valid, self.size, self.owner, last, met)
         return met
 
     def meetings(self, vehicle: int, committed: Trajectories, sizes: NDArray[np.float32]) -> NDArray[np.int64]:
@@ -91,7 +99,8 @@ class Outlooks:
         valid[vehicle] = False
         valid[TARGET, -(-self.target_steps[vehicle] // STRIDE) :] = False
         met = np.zeros(rows.stop - rows.start, np.int64)
-        _meetings(self.position[rows], self.heading[rows], self.size[rows], position, heading, valid, sizes, met)
+        own = (self.position[rows], self.heading[rows], self.valid[rows], self.size[rows])
+        _meetings(*own, position, heading, valid, sizes, met)
         return met
 
 
@@ -101,7 +110,7 @@ def _own_offset(candidates: Candidates) -> NDArray[np.float32]:
     return np.asarray(routes[candidates.route])
 
 
-def _distances(time: Floats, duration: Floats, distance: Floats, v0: Floats, v1: Floats) -> Floats:
+def distances(time: Floats, duration: Floats, distance: Floats, v0: Floats, v1: Floats) -> Floats:
     """(Q, S) distance [m] gone at `time` (S,) towards goals at `distance` (Q,) after `duration` (Q,).
 
     Where both ramps alone cover more than the distance, each is shortened and the vehicle stands between them.
@@ -142,7 +151,7 @@ def _along_routes(candidates: Sequence[Candidates], s: Floats, d: Floats) -> tup
 
 
 @njit(cache=True)
-def _meet(pos_a, head_a, size_a, a, pos_b, head_b, size_b, b, valid_b, last):  # type: ignore[no-untyped-def]
+def _meet(pos_a, head_a, valid_a, size_a, a, pos_b, head_b, valid_b, size_b, b, last):  # type: ignore[no-untyped-def]
     """Whether the boxes of rows a and b meet before sample `last`, once they have been apart."""
     length_a, width_a, length_b, width_b = size_a[a, 0], size_a[a, 1], size_b[b, 0], size_b[b, 1]
     reach = np.float32(0.5) * (
@@ -151,7 +160,7 @@ def _meet(pos_a, head_a, size_a, a, pos_b, head_b, size_b, b, valid_b, last):  #
     reach *= reach
     apart = False
     for t in range(min(last, head_a.shape[1])):
-        if not valid_b[b, t]:
+        if not (valid_a[a, t] and valid_b[b, t]):
             continue
         dx, dy = pos_b[b, t, 0] - pos_a[a, t, 0], pos_b[b, t, 1] - pos_a[a, t, 1]
         touching = dx * dx + dy * dy <= reach
@@ -178,13 +187,13 @@ def _exclusions(position, heading, valid, size, owner, target_last, met):  # typ
             if low_y > boxes[b, 3] + theirs or high_y < boxes[b, 1] - theirs:
                 continue
             last = target_last[a] if owner[b] == TARGET else position.shape[1]
-            found = _meet(position, heading, size, a, position, heading, size, b, valid, last)
+            found = _meet(position, heading, valid, size, a, position, heading, valid, size, b, last)
             met[a, b], met[b, a] = found, found
 
 
 @njit(cache=True)
-def _meetings(position, heading, size, other_position, other_heading, other_valid, other_size, met):  # type: ignore[no-untyped-def]
-    boxes = bounds(position, np.ones(heading.shape, np.bool_))
+def _meetings(position, heading, valid, size, other_position, other_heading, other_valid, other_size, met):  # type: ignore[no-untyped-def]
+    boxes = bounds(position, valid)
     others = bounds(other_position, other_valid)
     for a in range(len(heading)):
         for b in range(len(other_heading)):
@@ -193,5 +202,5 @@ def _meetings(position, heading, size, other_position, other_heading, other_vali
             along = max(boxes[a, 1] - others[b, 3], others[b, 1] - boxes[a, 3])
             if max(across, along) <= reach:
                 met[a] += _meet(
-                    position, heading, size, a, other_position, other_heading, other_size, b, other_valid, heading.shape[1]
+                    position, heading, valid, size, a, other_position, other_heading, other_valid, other_size, b, heading.shape[1]
                 )

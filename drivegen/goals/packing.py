@@ -6,26 +6,33 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Candidates
+from drivegen.goals.departures import departures
 from drivegen.goals.traffic import Ahead
-from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.line import Piece, Route, build_route
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.leaving import Exits
+from drivegen.roads.line import Piece, Route, build_route
 from drivegen.store.goals import GoalColumns
 
 _PER_CANDIDATE = ("position", "heading", "speed", "route", "s", "d", "step", "manoeuvre", "lane", "leaves_map", "prior")
 
 
 def pack(
-    scenario_id: str, selector: str, candidates: Sequence[Candidates], probabilities: Sequence[NDArray[np.float32]]
+    scenario: Scenario, selector: str, candidates: Sequence[Candidates], probabilities: Sequence[NDArray[np.float32]]
 ) -> GoalColumns:
-    """Columns of all vehicles' candidates, one vehicle after the other."""
+    """Columns of all vehicles' candidates, one vehicle after the other, with where and when each leaves the map."""
+    exits = Exits.of(scenario.map)
+    shown = [departures(scenario, n, c, exits) for n, c in enumerate(candidates)]
     routes = [route for c in candidates for route in c.routes]
     pieces = [piece for route in routes for piece in route.pieces]
     ahead = [(a.leader_gap, a.leader_speed, a.red_s, a.entry_s) for c in candidates for a in c.ahead]
     columns = {name: np.concatenate([getattr(c, name) for c in candidates]) for name in _PER_CANDIDATE} | {
         "candidates": np.array([len(c) for c in candidates]),
         "probability": np.concatenate(list(probabilities)),
+        "place": np.concatenate([one.place for one in shown]),
+        "leaves_after": np.concatenate([one.after for one in shown]),
         "routes": np.array([len(c.routes) for c in candidates]),
         "offset": np.concatenate([c.offset for c in candidates]),
         "ahead": np.array(ahead, np.float64).reshape(-1, 4),
@@ -34,7 +41,7 @@ def pack(
         "piece.change": np.array([p.change for p in pieces], np.int32),
         "piece.metres": np.array([(p.begin, p.end, p.half_blend) for p in pieces], np.float64).reshape(-1, 3),
     }
-    return GoalColumns(scenario_id, selector, columns)
+    return GoalColumns(scenario.scenario_id, selector, columns)
 
 
 def unpack(graph: LaneGraph, goals: GoalColumns) -> tuple[list[Candidates], list[NDArray[np.float32]]]:
@@ -48,7 +55,8 @@ def unpack(graph: LaneGraph, goals: GoalColumns) -> tuple[list[Candidates], list
     whole = {name: columns[name] for name in (*_PER_CANDIDATE[1:], "probability")}
     metres, ahead = columns["piece.metres"].reshape(-1, 3), columns["ahead"].reshape(-1, 4)
     lengths = [
-        (len(columns["position"]), 2 * total),
+        *((len(columns[name]), 2 * total) for name in ("position", "place")),
+        (len(columns["leaves_after"]), total),
         *((len(values), total) for values in whole.values()),
         (len(route_counts), len(counts)),
         *((len(values), route_counts.sum()) for values in (columns["offset"], ahead, columns["pieces"])),

@@ -11,8 +11,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.lanes.line import SPACING, Route
-from drivegen.settings import Positive
+from drivegen.core.settings import Positive
+from drivegen.roads.line import SPACING, Route
 
 UNLIMITED = 25.0
 """Where a map has no speed limits, nobody is expected to want more than this [m/s] or than he already drives."""

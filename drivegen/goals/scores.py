@@ -13,11 +13,11 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen import seeds
+from drivegen.core import seeds
+from drivegen.core.intervals import percentiles, recording, resamplings, usual_length
+from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Candidates
 from drivegen.goals.manoeuvres import Manoeuvre
-from drivegen.metrics.intervals import percentiles, recording, resamplings, usual_length
-from drivegen.scenario import Scenario
 
 SEEN = 0.95
 """A track counts if it is seen up to this share of the horizon."""

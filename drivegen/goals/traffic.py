@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import Floats, wrap_angle
-from drivegen.lanes.frenet import to_frenet
-from drivegen.lanes.line import SPACING, Route
-from drivegen.roadmap import LaneControl, RoadMap
-from drivegen.scenario import Scenario, SignalState
+from drivegen.core.geometry import Floats, wrap_angle
+from drivegen.core.roadmap import LaneControl, RoadMap
+from drivegen.core.scenario import Scenario, SignalState
+from drivegen.roads.frenet import to_frenet
+from drivegen.roads.line import SPACING, Route
 
 IN_LANE = 1.4
 """A vehicle whose middle is this near to the line [m] is on the route."""

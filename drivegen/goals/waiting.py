@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.scenario import DT, Signals, SignalState
 from drivegen.goals.traffic import HALTED, STAND, Ahead, Queue
-from drivegen.lanes.line import SPACING, Route
-from drivegen.scenario import DT, Signals, SignalState
+from drivegen.roads.line import SPACING, Route
 
 NEVER = 12.0
 """Stands for later than the horizon [s]."""

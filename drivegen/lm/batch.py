@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from datetime import timedelta
 from typing import TYPE_CHECKING
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.lm.backends.base import Reply, Request
 from drivegen.lm.client import MOST_BYTES, Line, as_reply, messages_of, parameters_of, reason_of
 from drivegen.lm.keys import endpoint

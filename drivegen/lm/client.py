@@ -8,7 +8,7 @@ import asyncio
 from collections.abc import AsyncIterator, Callable
 from typing import TYPE_CHECKING, Any, get_args
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.lm.backends.base import Output, Reply, Request
 from drivegen.lm.keys import endpoint, scrubbed
 from drivegen.lm.prompt import Image, NoAnswer, Reason, encodable

@@ -8,7 +8,7 @@ from typing import Any, cast
 import orjson
 from pydantic import BaseModel
 
-from drivegen import plugins
+from drivegen.core import plugins
 from drivegen.lm.backends.base import Backend, Output, Reply, Request, Turn
 from drivegen.lm.batch import DISCOUNT
 from drivegen.lm.ledger import UNKNOWN, Call, Ledger

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import orjson
 
-from drivegen import plugins
+from drivegen.core import plugins
 from drivegen.lm.backends.base import Backend, Request
 from drivegen.lm.batch import DISCOUNT
 from drivegen.lm.prompt import Image

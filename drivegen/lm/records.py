@@ -13,7 +13,7 @@ from typing import Any
 
 import orjson
 
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.lm.backends.base import Reply, Request
 from drivegen.lm.prompt import Image
 from drivegen.store.files import write_json

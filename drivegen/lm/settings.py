@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import get_args
 
-from drivegen import plugins
-from drivegen.errors import UnusableInput
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
 from drivegen.lm.backends.base import Output
 from drivegen.lm.records import Mode, Records
 

@@ -11,8 +11,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
-from drivegen.roadmap import NO_LANE, LaneKind, RoadMap
+from drivegen.core.errors import UnusableInput
+from drivegen.core.roadmap import NO_LANE, LaneKind, RoadMap
 from drivegen.sumo.netconvert import plain_to_net
 from drivegen.sumo.plain import Connection, Edge, Lane, Node, PlainNetwork, Point, point_shape
 

@@ -1,24 +1,20 @@
 """From words, or from a specification, to a map on disk: `map.net.xml` (SUMO), `map.json` (the account), `map.png`."""
 
-from collections.abc import Set
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from drivegen import plugins
+from drivegen.core.roadmap import RoadMap
+from drivegen.layouts.spec import MapSpec
 from drivegen.maps.checks import Check, failures
 from drivegen.maps.examine import NETWORK as NETWORK
 from drivegen.maps.examine import WrittenNetwork, examine
-from drivegen.maps.spec import MapSpec
 from drivegen.maps.structure import Structure
 from drivegen.maps.writers.base import MapWriter, Understanding
 from drivegen.render.map_picture import draw_map, encode_png
-from drivegen.roadmap import RoadMap
 from drivegen.store.files import as_json, write_together
 from drivegen.sumo.network import read_network
-
-if TYPE_CHECKING:
-    from drivegen.lm.model import LanguageModel
 
 ACCOUNT, PICTURE = "map.json", "map.png"
 """Names of the files of a map's folder, beside its `NETWORK`."""
@@ -42,8 +38,8 @@ class BuiltMap:
 
     @property
     def as_asked(self) -> bool:
-        """Whether every check passed."""
-        return all(c.passed for c in self.checks)
+        """Whether every check passed, and nothing of the description is contradicted."""
+        return not self.account["failed"]
 
     def save(self, folder: Path) -> None:
         """Write the three files into `folder`, all or none: those of an older map stay where they cannot be written."""
@@ -51,30 +47,27 @@ class BuiltMap:
         write_together(folder, {NETWORK: self.network, PICTURE: picture, ACCOUNT: as_json(self.account)})
 
 
-def build_map(
-    text: str,
-    seed: int,
-    writer: str = "offline",
-    vehicle_words: Set[str] = frozenset(),
-    folder: Path | None = None,
-    model: "LanguageModel | None" = None,
-) -> BuiltMap:
-    """The map that `text` describes, saved into `folder` if one is given; `model` is for the writer `language_model`.
+def build_map(text: str, seed: int, writer: MapWriter, folder: Path | None = None) -> BuiltMap:
+    """The map that `text` describes, by `writer`, saved into `folder` if one is given.
 
     Raises UnusableInput (not understood, impossible) or MissingTool (netconvert).
     """
-    plugin: MapWriter = plugins.load("maps.writers", writer)(model)
-    understanding = plugin.write(text, seed, vehicle_words)
-    built = build_spec(understanding.spec, {"text": text, "seed": seed, "backend": understanding.writer, **_told(understanding)})
+    understanding = writer.write(text, seed)
+    account = {"text": text, "seed": seed, "backend": understanding.writer, **_told(understanding)}
+    built = build_spec(understanding.spec, account, understanding.contradictions)
     if folder is not None:
         built.save(folder)
     return built
 
 
-def build_spec(spec: MapSpec | WrittenNetwork, account: dict[str, Any]) -> BuiltMap:
-    """The map of a specification, or of a network that was written; `account` is what is known about where it comes from."""
+def build_spec(spec: MapSpec | WrittenNetwork, account: dict[str, Any], contradictions: Sequence[str] = ()) -> BuiltMap:
+    """The map of a specification, or of a network that was written.
+
+    `account` is what is known about where it comes from, `contradictions` what of the description it contradicts.
+    """
     found = examine(spec)
-    told = {**account, **_source(spec), "checks": found.checks, "failed": failures(found.checks), "structure": found.structure}
+    told = {**account, **_source(spec), "checks": found.checks, "failed": [*failures(found.checks), *contradictions]}
+    told["structure"] = found.structure
     return BuiltMap(found.network, read_network(found.network, NETWORK), found.structure, found.checks, told)
 
 
@@ -89,5 +82,6 @@ def _told(understanding: Understanding) -> dict[str, Any]:
         "understood": [{"phrase": phrase, "meaning": meaning} for phrase, meaning in understanding.understood],
         "assumed": list(understanding.assumed),
         "ignored": list(understanding.ignored),
+        "sentences": list(understanding.sentences),
         "repairs": understanding.repairs,
     }

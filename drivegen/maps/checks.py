@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drivegen.maps.spec import MapSpec
-from drivegen.maps.spec_crossings import Arm, Crossing, Roundabout
-from drivegen.maps.spec_graph import Graph
-from drivegen.maps.spec_highways import Fork, Highway, Interchange
-from drivegen.maps.spec_quadrants import QuadrantInterchange
-from drivegen.maps.spec_streets import Corridor, Grid
+from drivegen.layouts.crossings import Arm, Crossing, Roundabout
+from drivegen.layouts.graph import Graph
+from drivegen.layouts.highways import Fork, Highway, Interchange
+from drivegen.layouts.quadrants import QuadrantInterchange
+from drivegen.layouts.spec import MapSpec
+from drivegen.layouts.streets import Corridor, Grid
 from drivegen.maps.structure import Structure
 
 _TOLERANCE = 0.15

@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.crop import Cropper
-from drivegen.geometry import arc_length, line_heading, resample
-from drivegen.roadmap import NO_LANE, RoadMap
+from drivegen.core.crop import Cropper
+from drivegen.core.geometry import arc_length, line_heading, resample
+from drivegen.core.roadmap import NO_LANE, RoadMap
 
 FEATURES = ("lanes", "arms", "curvature", "length", "connectivity")
 """Most lanes side by side in one direction; roads that meet at the largest junction, 0 without; degrees turned per 100 m

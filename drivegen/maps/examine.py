@@ -3,10 +3,10 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from drivegen.layouts.compile import draw
+from drivegen.layouts.spec import MapSpec
 from drivegen.maps.checks import Check, check, check_asked, check_sound
-from drivegen.maps.compile import draw
 from drivegen.maps.overlaps import overlapping
-from drivegen.maps.spec import MapSpec
 from drivegen.maps.structure import Structure, measure
 from drivegen.sumo.netconvert import plain_to_net
 from drivegen.sumo.plain import PlainNetwork

@@ -11,12 +11,12 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from drivegen.av2.maps import read_map
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.safe_xml import parse, unpack
 from drivegen.maps.argoverse2 import to_network
 from drivegen.maps.build import BuiltMap
 from drivegen.maps.opendrive import read_opendrive
 from drivegen.maps.structure import measure
-from drivegen.safe_xml import parse, unpack
 from drivegen.sumo.netconvert import NetconvertRefused, convert
 from drivegen.sumo.network import read_network
 

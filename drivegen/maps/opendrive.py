@@ -12,8 +12,8 @@ from xml.etree.ElementTree import Element, tostring
 
 import numpy as np
 
-from drivegen.roadmap import LaneKind, RoadMap
-from drivegen.safe_xml import parse
+from drivegen.core.roadmap import LaneKind, RoadMap
+from drivegen.core.safe_xml import parse
 from drivegen.sumo.netconvert import convert
 from drivegen.sumo.network import Network, read_network
 

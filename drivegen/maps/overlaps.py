@@ -12,8 +12,8 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import resample
-from drivegen.safe_xml import parse
+from drivegen.core.geometry import resample
+from drivegen.core.safe_xml import parse
 from drivegen.sumo.plain import Point
 
 _STEP = 2.0

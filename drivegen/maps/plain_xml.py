@@ -10,8 +10,8 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any, TypeVar
 from xml.etree.ElementTree import Element
 
-from drivegen.errors import UnusableInput
-from drivegen.safe_xml import parse
+from drivegen.core.errors import UnusableInput
+from drivegen.core.safe_xml import parse
 from drivegen.sumo.plain import Connection, Edge, Lane, Node, PlainNetwork, Point, Roundabout
 
 MAX_BYTES = 64 * 1024

@@ -13,9 +13,9 @@ from itertools import accumulate, pairwise
 from typing import TypeVar
 from xml.etree.ElementTree import Element
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.safe_xml import parse
 from drivegen.maps.overlaps import bridges
-from drivegen.safe_xml import parse
 
 _LOOP = (225.0, 315.0)
 """A way that turns so far to one side is a loop [degrees]."""
@@ -29,7 +29,8 @@ class Structure:
     """A network in numbers.
 
     Attributes:
-        arms: roads that meet at each junction, most first. signals: junctions with traffic lights.
+        arms: roads that meet at each junction, most first. approach_lanes: lanes of the roads into the largest one, ahead of
+            their turn lanes. signals: junctions with traffic lights.
         roundabouts: roads that meet each declared ring. ring_lanes: most common number of lanes on rings, 0 without.
         merges, diverges: places where edges join into one, or one splits, and nobody has another way to go.
         lane_drops, lane_gains: places where one edge goes on as one of fewer or more lanes.
@@ -43,6 +44,7 @@ class Structure:
     """
 
     arms: tuple[int, ...]
+    approach_lanes: tuple[int, ...]
     signals: int
     roundabouts: tuple[int, ...]
     ring_lanes: int
@@ -154,6 +156,7 @@ class _Graph:
         points = [p for edge in edges for p in edge.shape]
         return Structure(
             arms=tuple(sorted(arms.values(), reverse=True)),
+            approach_lanes=self._approaches(max(sorted(arms), key=lambda node: arms[node])) if arms else (),
             signals=len(self.lit & set(arms)),
             roundabouts=tuple(self._ring_arms(nodes, ids) for nodes, ids in self.rings),
             ring_lanes=_mode((self.edges[e].lanes, 1.0) for e in sorted(ring_edges)) if ring_edges else 0,
@@ -174,6 +177,14 @@ class _Graph:
             size=max(max(p[i] for p in points) - min(p[i] for p in points) for i in (0, 1)),
             stuck=tuple(self._stuck()),
         )
+
+    def _approaches(self, node: str) -> tuple[int, ...]:
+        """Lanes of the roads into a node; where turn lanes begin on the way, those before."""
+        found = []
+        for edge in self.entering[node]:
+            before = [b for b in self.back[edge] if self.on[b] == {edge} and len(self.back[edge]) == 1]
+            found.append(min([self.edges[edge].lanes, *(self.edges[b].lanes for b in before)]))
+        return tuple(found)
 
     def _only(self, edge: str, towards: dict[str, set[str]], away: dict[str, set[str]]) -> bool:
         others = towards.get(edge, set())

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.intervals import Interval, percentiles, resamplings
 from drivegen.metrics import encroachment
 from drivegen.metrics.encroachment import post_encroachment
 from drivegen.metrics.features import Features
-from drivegen.metrics.intervals import Interval, percentiles, resamplings
 from drivegen.metrics.labels import manoeuvre
 
 BINS = 240
@@ -78,23 +78,27 @@ def scene_counts(features: Features) -> SceneCounts:
     for row, part, weight in ((0, features.motion[-1:], weights[0]), (1, features.motion[:-1], weights[1])):
         for k, n in np.ndindex(part.valid.shape[:2]):
             manoeuvres[row, MANOEUVRES.index(manoeuvre(part[k, n]))] += weight
-    known = features.known[1]
-    close = (features.around.time_to_collision < CLOSE_CALL)[:, known]
-    shares = np.array([close[-1:].mean(), close[:-1].mean()]) if known.any() else np.full(2, np.nan)
-    return SceneCounts(numbers, manoeuvres, shares)
+    close = [_close_calls(features[-1:]), _close_calls(features[:-1])]
+    return SceneCounts(numbers, manoeuvres, np.array(close))
+
+
+def _close_calls(features: Features) -> float:
+    """Share of vehicle steps; NaN without any."""
+    times = features.around.time_to_collision[features.known[1]]
+    return float((times < CLOSE_CALL).mean()) if len(times) else np.nan
 
 
 def _values(features: Features) -> dict[str, NDArray[np.float32]]:
     moves, around, (known, speeds, accelerations, jerks) = features.kinematics, features.around, features.known
     follows = speeds & (moves.speed > MOVING) & np.isfinite(around.gap)
-    times = around.time_to_collision[:, speeds]
+    times = around.time_to_collision[speeds]
     headways = around.gap[follows] / moves.speed[follows]
     encounters = post_encroachment(features.motion, known)
     return {
-        "speed": moves.speed[:, speeds].ravel(),
-        "acceleration": moves.acceleration[:, accelerations].ravel(),
-        "lateral_acceleration": moves.lateral[:, speeds].ravel(),
-        "jerk": moves.jerk[:, jerks].ravel(),
+        "speed": moves.speed[speeds],
+        "acceleration": moves.acceleration[accelerations],
+        "lateral_acceleration": moves.lateral[speeds],
+        "jerk": moves.jerk[jerks],
         "headway": headways[headways < LONGEST_HEADWAY],
         "time_to_collision": times[times < LONGEST_TIME_TO_COLLISION],
         "post_encroachment": np.concatenate(encounters),

@@ -22,9 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import to_vehicle_frame
-from drivegen.metrics.intervals import Interval, percentiles, resamplings
-from drivegen.scenario import Trajectories
+from drivegen.core.geometry import to_vehicle_frame
+from drivegen.core.intervals import Interval, percentiles, resamplings
+from drivegen.core.scenario import Trajectories
 
 Pairs = NDArray[np.intp]
 

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import rotate
-from drivegen.metrics.intervals import bootstrap_means, percentiles, resamplings
-from drivegen.scenario import DT, Trajectories
+from drivegen.core.geometry import rotate
+from drivegen.core.intervals import bootstrap_means, percentiles, resamplings
+from drivegen.core.scenario import DT, Trajectories
 
 
 @dataclass(frozen=True)

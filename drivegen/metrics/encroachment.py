@@ -8,8 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.boxes import bounds
-from drivegen.scenario import DT, Trajectories
+from drivegen.core.boxes import bounds
+from drivegen.core.scenario import DT, Trajectories
 
 SAME_PLACE = 2.0
 """Centres this near are at the same place [m]."""
@@ -21,12 +21,11 @@ LONGEST = 10.0
 
 
 def post_encroachment(motion: Trajectories, known: NDArray[np.bool_]) -> list[NDArray[np.float32]]:
-    """The times [s] of one sample after the other, one for each pair that has one: K arrays, from motion (K, N, T)."""
-    mask = np.ascontiguousarray(known)
+    """The times [s] of one sample after the other, one for each pair that has one: K arrays, from motion, known (K, N, T)."""
     cos, sin = np.cos(motion.heading), np.sin(motion.heading)
     out = []
     for k in range(len(motion.valid)):
-        position = np.ascontiguousarray(motion.position[k])
+        position, mask = np.ascontiguousarray(motion.position[k]), np.ascontiguousarray(known[k])
         steps = _pairs(position, cos[k], sin[k], mask, bounds(position, mask), paces(position, mask), round(LONGEST / DT))
         out.append((steps * DT).astype(np.float32))
     return out

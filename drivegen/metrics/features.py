@@ -2,6 +2,7 @@
 
 The log is taken as one more sample, so that both sides are measured by the same code. Generated motion takes the log's mask:
 a step that the log did not observe counts for nobody. (Waymo masks the log only; a published bug counted such steps as off-road.)
+A vehicle that has left the map does not move, is near nobody and in nobody's way; that it stands at its exit is for errors alone.
 """
 
 from dataclasses import dataclass
@@ -10,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.metrics.displacement import scored_steps
 from drivegen.metrics.kinematics import Kinematics, kinematics, within
 from drivegen.metrics.road_edge import RoadEdges, edge_distance
 from drivegen.metrics.surroundings import Boxes, Surroundings, surroundings
-from drivegen.scenario import Scenario, Trajectories
 
 
 @dataclass(frozen=True)
@@ -22,9 +23,9 @@ class Features:
     """Features of K samples of N vehicles over T steps, each (K, N, T).
 
     Attributes:
-        motion: the samples, valid where the log is. kinematics: differences of positions and headings.
+        motion: the samples, valid where the log is until they leave the map. kinematics: differences of positions and headings.
         around: the other boxes. edge: signed distance of the outermost corner to the road's edge [m].
-        known: masks (N, T) of the steps at which a feature of order 0, 1 (speed), 2 (acceleration), 3 (jerk) counts: the
+        known: masks (K, N, T) of the steps at which a feature of order 0, 1 (speed), 2 (acceleration), 3 (jerk) counts: the
             first frame is given to everybody and never counts.
     """
 
@@ -41,17 +42,17 @@ class Features:
             Kinematics(*(values[index] for values in vars(self.kinematics).values())),
             Surroundings(*(values[index] for values in vars(self.around).values())),
             self.edge[index],
-            self.known,
+            tuple(mask[index] for mask in self.known),
         )
 
 
 def joined(samples: Trajectories, log: Trajectories) -> Trajectories:
-    """Samples (K, N, T) and the log (N, T) as K + 1 samples, the log last, all valid where the log is."""
+    """Samples (K, N, T) and the log (N, T) as K + 1 samples, the log last, none valid where the log is not."""
     return Trajectories(
         np.concatenate([samples.position, log.position[None]]),
         np.concatenate([samples.heading, log.heading[None]]),
         np.concatenate([samples.velocity, log.velocity[None]]),
-        np.broadcast_to(log.valid, (len(samples.valid) + 1, *log.valid.shape)),
+        np.concatenate([samples.valid & log.valid, log.valid[None]]),
     )
 
 
@@ -64,9 +65,9 @@ def scene_features(
     """
     both = joined(samples, log)
     count = len(scenario.vehicles)
-    boxes = Boxes.of(both, log.valid, scenario.vehicles.size, scenario.context)
+    boxes = Boxes.of(both, scenario.vehicles.size, scenario.context)
     scored = scored_steps(log)
-    known = tuple(within(log.valid, order) & scored for order in range(4))
+    known = tuple(within(both.valid, order) & scored for order in range(4))
     around = surroundings(boxes, count)
     edge = np.full(both.valid.shape, np.nan, np.float32) if edges is None else edge_distance(boxes, count, edges)
     return Features(both, kinematics(both), around, edge, known), boxes

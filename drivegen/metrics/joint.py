@@ -17,15 +17,15 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.boxes import bounds
+from drivegen.core.boxes import bounds
+from drivegen.core.intervals import Interval, percentiles, resamplings
+from drivegen.core.scenario import DT, Scenario, Trajectories
 from drivegen.metrics.displacement import scored_steps
 from drivegen.metrics.distributions import SceneCounts, distances, scene_counts
 from drivegen.metrics.encroachment import LONGEST, SAME_PLACE, nearest_visits, paces
 from drivegen.metrics.features import Features, scene_features
-from drivegen.metrics.intervals import Interval, percentiles, resamplings
 from drivegen.metrics.proper import energy_scores
 from drivegen.metrics.surroundings import Boxes, touching
-from drivegen.scenario import DT, Scenario, Trajectories
 
 SAME_TIME = 0.3
 """Visits of a conflict point that are nearer in time than this have no order [s]."""
@@ -94,9 +94,10 @@ def orders(samples: Trajectories, log: Trajectories) -> tuple[int, int]:
     come (within SAME_PLACE), or if one comes while the other one, where its log ends, is still on its way there.
     """
     known = np.ascontiguousarray(scored_steps(log))
+    seen = np.ascontiguousarray(samples.valid & known)
     cos, sin = np.cos(samples.heading), np.sin(samples.heading)
     position, truth = np.ascontiguousarray(samples.position), np.ascontiguousarray(log.position)
-    right, told = _orders(position, cos, sin, truth, known, round(LONGEST / DT), round(SAME_TIME / DT))
+    right, told = _orders(position, cos, sin, seen, truth, known, round(LONGEST / DT), round(SAME_TIME / DT))
     return int(right), int(told)
 
 
@@ -116,16 +117,16 @@ def _known(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @njit(cache=True)
-def _orders(position, cos, sin, truth, known, longest, same):  # type: ignore[no-untyped-def]
+def _orders(position, cos, sin, seen, truth, known, longest, same):  # type: ignore[no-untyped-def]
     right, told = 0, 0
     for k in range(position.shape[0]):
-        box, pace = bounds(position[k], known), paces(position[k], known)
+        box, pace = bounds(position[k], seen[k]), paces(position[k], seen[k])
         for a in range(known.shape[0]):
             for b in range(a):
                 apart = max(box[a, 0] - box[b, 2], box[b, 0] - box[a, 2], box[a, 1] - box[b, 3], box[b, 1] - box[a, 3])
                 if apart >= SAME_PLACE:
                     continue
-                least, s, t = nearest_visits(position[k], cos[k], sin[k], known, a, b, pace[b], longest)
+                least, s, t = nearest_visits(position[k], cos[k], sin[k], seen[k], a, b, pace[b], longest)
                 if same <= least <= longest:
                     later = _later(position[k], truth, known, a, b, s, t)
                     told += abs(later) >= same

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import wrap_angle
-from drivegen.scenario import DT, Trajectories
+from drivegen.core.geometry import wrap_angle
+from drivegen.core.scenario import DT, Trajectories
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import to_vehicle_frame, wrap_angle
-from drivegen.roadmap import RoadMap
-from drivegen.scenario import DT, TARGET, Scenario, Trajectories
+from drivegen.core.geometry import to_vehicle_frame, wrap_angle
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.scenario import DT, TARGET, Scenario, Trajectories
 
 ON_LANE = 3.0
 """A lane whose centreline comes this near the target's path is a lane that it drives on [m]."""

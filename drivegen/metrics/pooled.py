@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.metrics.intervals import Interval, counts, percentiles, resamplings
+from drivegen.core.intervals import Interval, counts, percentiles, resamplings
 
 Floats = NDArray[np.float64]
 

@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.scenario import DT, Trajectories
 from drivegen.metrics.displacement import scored_steps
-from drivegen.scenario import DT, Trajectories
 
 Floats = NDArray[np.float64]
 

@@ -6,7 +6,8 @@ Features, bins, pseudocounts and weights are those of the challenge's 2025 confi
 
 * the traffic light feature (weight 0.05) is dropped, and the other weights are divided by 0.95;
 * K samples as the pipeline draws them, not 32 (each empty bin costs a little less), over the scenario's own horizon;
-* steps that the log did not observe count for nobody, in the samples as in the log;
+* steps that the log did not observe count for nobody, in the samples as in the log, nor do those of a sample that has left the
+  map; the log's steps are all asked about;
 * in two dimensions, at speeds taken over x and y.
 
 So scores compare methods on the same scenarios with the same K, never with a leaderboard. The log itself does not reach 1: a
@@ -68,9 +69,9 @@ def realism(features: Features) -> dict[str, float]:
     scores = {}
     for name, values in _over_time(features).items():
         shape = HISTOGRAMS[name]
-        known = features.known[shape.order]
+        known = np.ascontiguousarray(features.known[shape.order])
         total = _log_likelihood(values, known, shape.low, shape.high, shape.bins, shape.pseudocount)
-        steps = known.sum()
+        steps = known[-1].sum()
         scores[name] = float(np.exp(total / steps)) if steps else float("nan")
     scored = features.known[0]
     indicators: dict[str, NDArray[np.bool_]] = {
@@ -79,7 +80,7 @@ def realism(features: Features) -> dict[str, float]:
     }
     for name, happens in indicators.items():
         ever = np.logical_and(happens, scored).max(axis=-1)
-        scores[name] = bernoulli_likelihood(ever[:, scored.max(axis=-1)])
+        scores[name] = bernoulli_likelihood(ever[:, scored[-1].max(axis=-1)])
     return {"score": sum(WEIGHTS[name] * value for name, value in scores.items()), **scores}
 
 
@@ -105,21 +106,19 @@ def _over_time(features: Features) -> dict[str, NDArray[np.float32]]:
 
 @njit(cache=True, error_model="numpy")
 def _log_likelihood(values, known, low, high, bins, pseudocount):  # type: ignore[no-untyped-def]
-    """Sum over the N vehicles and known steps (N, T) of the log likelihood of the last of the K + 1 samples (K + 1, N, T)."""
+    """Sum over the N vehicles and known steps of the log likelihood of the last of the K + 1 samples, all (K + 1, N, T)."""
     total, per_unit = 0.0, bins / (high - low)
     samples = values.shape[0] - 1
     counts = np.empty(bins)
     for n in range(values.shape[1]):
         counts[:] = pseudocount
-        steps = 0
         for t in range(values.shape[2]):
-            if known[n, t]:
-                steps += 1
-                for k in range(samples):
+            for k in range(samples):
+                if known[k, n, t]:
                     counts[_bin(values[k, n, t], low, per_unit, bins)] += 1
-        everything = np.log(samples * steps + bins * pseudocount)
+        everything = np.log(counts.sum())
         for t in range(values.shape[2]):
-            if known[n, t]:
+            if known[samples, n, t]:
                 total += np.log(counts[_bin(values[samples, n, t], low, per_unit, bins)]) - everything
     return total
 

@@ -1,15 +1,17 @@
 """How far boxes are from the edge of the road, looked up in a raster of signed distances.
 
 The raster is handed in (`render.drivable.road_field` makes one per map). A place beyond its border has the distance of the
-border's nearest cell: lanes go on there, and so does what is no road.
+border's nearest cell: where a map is cut off lanes go on there, and so does what is no road.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from drivegen.core.geometry import Floats
 from drivegen.metrics.surroundings import Boxes
 
 
@@ -20,16 +22,18 @@ class RoadEdges:
     Attributes:
         outside: (H, W) float32 [m], negative on the road. origin: (2,) float32 centre of the first cell [m].
         cell: edge of a cell [m].
+        beyond_rim: which points (..., 2) lie where the map is cut off, so that nothing is known of them.
     """
 
     outside: NDArray[np.float32]
     origin: NDArray[np.float32]
     cell: float
+    beyond_rim: Callable[[Floats], NDArray[np.bool_]]
 
 
 def edge_distance(boxes: Boxes, vehicles: int, edges: RoadEdges) -> NDArray[np.float32]:
     """(K, N, T) signed distance of each vehicle's outermost corner to the road's edge [m]: above 0 it is off the road."""
-    out = np.zeros((len(boxes.position), vehicles, boxes.valid.shape[1]), np.float32)
+    out = np.zeros((len(boxes.position), vehicles, boxes.valid.shape[2]), np.float32)
     road = (edges.outside, edges.origin, np.float32(1 / edges.cell))
     _outermost(boxes.position, boxes.cos, boxes.sin, boxes.valid, boxes.size, *road, out)
     return out
@@ -41,7 +45,7 @@ def _outermost(position, cos, sin, valid, size, outside, origin, per_metre, out)
         for n in range(out.shape[1]):
             length, width = size[n, 0] / 2, size[n, 1] / 2
             for t in range(out.shape[2]):
-                if not valid[n, t]:
+                if not valid[k, n, t]:
                     continue
                 farthest = np.float32(-np.inf)
                 for along in (-length, length):

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivegen.core.samples import Samples, Violation
 from drivegen.metrics.surroundings import Boxes, centres_meet, overlapping_at_first, touching
-from drivegen.samples import Samples, Violation
 
 COLLISIONS = Violation.COLLISION | Violation.COLLISION_WITH_CONTEXT
 
@@ -28,6 +28,7 @@ class SafetyRates:
         off_road_per_vehicle, off_road_per_scene: the same for leaving the drivable area.
         illegal_per_vehicle, illegal_per_scene: the same for any violation, or left out.
         dropped_per_vehicle: of (sample, vehicle) that were left out.
+        left_map_per_vehicle: of (sample, vehicle) that drove out by an exit of the map before the end: nothing illegal.
     """
 
     collision_per_vehicle: float
@@ -37,6 +38,7 @@ class SafetyRates:
     illegal_per_vehicle: float
     illegal_per_scene: float
     dropped_per_vehicle: float
+    left_map_per_vehicle: float
 
 
 def safety_rates(samples: Samples) -> SafetyRates:
@@ -52,6 +54,7 @@ def safety_rates(samples: Samples) -> SafetyRates:
         float(illegal.mean()),
         float(illegal.any(axis=1).mean()),
         float(samples.dropped.mean()),
+        float(samples.left_map.mean()),
     )
 
 

@@ -5,8 +5,10 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.metrics.classifier import TrackPairs, track_pairs
-from drivegen.metrics.displacement import scene_errors, scored_steps, summarise
+from drivegen.metrics.displacement import scene_errors, scored_steps, standing_at_exit, summarise
 from drivegen.metrics.distributions import SceneCounts, scene_counts
 from drivegen.metrics.features import scene_features
 from drivegen.metrics.joint import SceneJoint, scene_joint
@@ -15,8 +17,6 @@ from drivegen.metrics.proper import energy_scores, log_densities
 from drivegen.metrics.realism import realism
 from drivegen.metrics.road_edge import RoadEdges
 from drivegen.metrics.safety import box_rates, safety_rates, violation_shares
-from drivegen.samples import Samples
-from drivegen.scenario import Scenario, Trajectories
 
 
 @dataclass(frozen=True)
@@ -60,17 +60,19 @@ def score(
     scenario: Scenario, log: Trajectories, samples: Samples, edges: RoadEdges, settings: Settings, rng: np.random.Generator
 ) -> Scored:
     """Measure one scene's samples against its log; `rng` draws the sample that stands for all where one does, and shuffles."""
-    sade, sfde = scene_errors(samples.motion, log)
+    motion = standing_at_exit(samples.motion, log)
+    sade, sfde = scene_errors(motion, log)
     drawn = int(rng.integers(len(sade)))
-    features, boxes = scene_features(scenario, samples.motion, log, edges)
+    features, boxes = scene_features(scenario, motion, log, edges)
     counts = scene_counts(features)
     joint = scene_joint(scenario, log, features, boxes, rng)
     metrics = {
         **asdict(summarise(sade, sfde)),
-        **asdict(energy_scores(samples.motion, log)),
+        **asdict(energy_scores(motion, log)),
         **{f"realism.{name}".removesuffix(".score"): value for name, value in realism(features).items()},
         **asdict(safety_rates(samples)),
         **{f"violation.{kind}": share for kind, share in violation_shares(samples).items()},
+        "beyond_rim": float(edges.beyond_rim(samples.motion.position)[samples.motion.valid].mean()),
         **box_rates(boxes, len(log.valid), settings.box_scales),
         **joint.metrics,
         "close_call": float(counts.close_call[1]),
@@ -84,10 +86,8 @@ def score(
         "vehicles": float(len(scenario.vehicles)),
         **label(scenario, log).as_rows(),
     }
-    best, any_sample = (
-        replace(samples.motion[k], valid=samples.motion[k].valid & log.valid) for k in (int(np.argmin(sade)), drawn)
-    )
+    best, any_sample = (replace(motion[k], valid=log.valid) for k in (int(np.argmin(sade)), drawn))
     tracks = track_pairs(features, drawn)
     horizons, bandwidths = np.array(settings.horizons), np.array(settings.bandwidths)
-    densities = log_densities(samples.motion, log, horizons, bandwidths)
+    densities = log_densities(motion, log, horizons, bandwidths)
     return Scored(scenario.scenario_id, metrics, log, best, any_sample, counts, tracks, densities, joint)

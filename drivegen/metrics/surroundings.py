@@ -10,10 +10,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.boxes import separation
-from drivegen.geometry import Floats, boxes_overlap
+from drivegen.core.boxes import separation
+from drivegen.core.geometry import Floats, boxes_overlap
+from drivegen.core.scenario import Actors, Trajectories
 from drivegen.metrics.kinematics import kinematics, within
-from drivegen.scenario import Actors, Trajectories
 
 FARTHEST = 40.0
 """Boxes farther away than this count as this far [m]."""
@@ -56,7 +56,7 @@ class Boxes:
 
     Attributes:
         position: (K, M, T, 2). cos, sin: (K, M, T) of headings. speed: (K, M, T), NaN where a step beside is
-            not known. valid: (M, T). size: (M, 2) [m].
+            not known. valid: (K, M, T). size: (M, 2) [m].
     """
 
     position: NDArray[np.float32]
@@ -67,8 +67,8 @@ class Boxes:
     size: NDArray[np.float32]
 
     @classmethod
-    def of(cls, motion: Trajectories, known: NDArray[np.bool_], size: Floats, context: Actors) -> "Boxes":
-        """From samples (K, N, T), the steps at which each vehicle counts (N, T), sizes (N, 2 or 3) and context actors."""
+    def of(cls, motion: Trajectories, size: Floats, context: Actors) -> "Boxes":
+        """From samples (K, N, T), sizes (N, 2 or 3) and context actors; a vehicle counts where it is valid."""
         repeat = np.zeros(len(motion.valid), np.intp)
         people = context.motion[np.newaxis][repeat]
         heading = np.concatenate([motion.heading, people.heading], axis=1)
@@ -76,14 +76,14 @@ class Boxes:
             np.ascontiguousarray(np.concatenate([motion.position, people.position], axis=1)),
             np.cos(heading),
             np.sin(heading),
-            np.concatenate([_known_speed(motion, known), _known_speed(people, context.motion.valid)], axis=1),
-            np.concatenate([known, context.motion.valid]),
+            np.concatenate([_known_speed(motion), _known_speed(people)], axis=1),
+            np.concatenate([motion.valid, people.valid], axis=1),
             np.ascontiguousarray(np.concatenate([size[:, :2], context.size[:, :2]]), np.float32),
         )
 
 
-def _known_speed(motion: Trajectories, known: NDArray[np.bool_]) -> NDArray[np.float32]:
-    return np.where(within(known, 1), kinematics(motion).speed, np.float32(np.nan))
+def _known_speed(motion: Trajectories) -> NDArray[np.float32]:
+    return np.where(within(motion.valid, 1), kinematics(motion).speed, np.float32(np.nan))
 
 
 def surroundings(boxes: Boxes, vehicles: int) -> Surroundings:
@@ -102,7 +102,7 @@ def touching(boxes: Boxes, vehicles: int, scales: NDArray[np.floating]) -> NDArr
 
     Two boxes that overlap at their first common step are not judged until they have come apart: that is given, not planned.
     """
-    hit = np.zeros((len(scales), len(boxes.position), len(boxes.valid)), np.bool_)
+    hit = np.zeros((len(scales), *boxes.valid.shape[:2]), np.bool_)
     arrays = (boxes.position, boxes.cos, boxes.sin, boxes.valid, boxes.size)
     _touch(*arrays, vehicles, np.ascontiguousarray(scales, np.float64), hit)
     return hit[:, :, :vehicles]
@@ -110,7 +110,7 @@ def touching(boxes: Boxes, vehicles: int, scales: NDArray[np.floating]) -> NDArr
 
 def overlapping_at_first(boxes: Boxes, vehicles: int) -> NDArray[np.bool_]:
     """(N,) whether a vehicle's box overlaps another one at the first frame, as it is given."""
-    here = boxes.valid[:, 0]
+    here = boxes.valid[0, :, 0]
     place, cos, sin = boxes.position[0, :, 0].astype(np.float64), boxes.cos[0, :, 0], boxes.sin[0, :, 0]
     heading, size = np.arctan2(sin, cos), boxes.size
     mine = (place[:vehicles, None], heading[:vehicles, None], size[:vehicles, None])
@@ -123,9 +123,9 @@ def centres_meet(boxes: Boxes, vehicles: int) -> NDArray[np.bool_]:
     """(K, N) av2's `compute_world_collisions` among the vehicles: centres nearer than SAME_CENTRE at some step."""
     hit = np.zeros((len(boxes.position), vehicles), np.bool_)
     for i in range(1, vehicles):
-        both = boxes.valid[i] & boxes.valid[:i]
+        both = boxes.valid[:, i, None] & boxes.valid[:, :i]
         step = boxes.position[:, i, None] - boxes.position[:, :i]
-        near = ((step[..., 0] ** 2 + step[..., 1] ** 2 < SAME_CENTRE**2) & both).any(axis=-1)
+        near = np.asarray(((step[..., 0] ** 2 + step[..., 1] ** 2 < SAME_CENTRE**2) & both).any(axis=-1))
         hit[:, i] |= near.any(axis=1)
         hit[:, :i] |= near
     return hit
@@ -139,12 +139,12 @@ def _find_nearest(position, cos, sin, valid, size, vehicles, nearest):  # type: 
         at_most = nearest[k].copy()
         for a in range(cos.shape[1]):
             for b in range(min(a, vehicles)):
-                _bound(position[k, a], position[k, b], valid[a], valid[b], inner[a] + inner[b], at_most[a], at_most[b])
+                _bound(position[k, a], position[k, b], valid[k, a], valid[k, b], inner[a] + inner[b], at_most[a], at_most[b])
         at_most[vehicles:] = -np.inf  # nobody asks what is around context actors
         for a in range(cos.shape[1]):
             for b in range(min(a, vehicles)):
                 for t in range(cos.shape[2]):
-                    if not (valid[a, t] and valid[b, t]):
+                    if not (valid[k, a, t] and valid[k, b, t]):
                         continue
                     dx, dy = position[k, b, t, 0] - position[k, a, t, 0], position[k, b, t, 1] - position[k, a, t, 1]
                     if np.sqrt(dx * dx + dy * dy) - outer[a] - outer[b] <= max(at_most[a, t], at_most[b, t]):
@@ -173,7 +173,7 @@ def _find_leaders(position, cos, sin, speed, valid, size, gap, closing):  # type
         for a in range(gap.shape[1]):
             for b in range(cos.shape[1]):
                 for t in range(cos.shape[2]):
-                    if a == b or not (valid[a, t] and valid[b, t]):
+                    if a == b or not (valid[k, a, t] and valid[k, b, t]):
                         continue
                     dx, dy = position[k, b, t, 0] - position[k, a, t, 0], position[k, b, t, 1] - position[k, a, t, 1]
                     heading_a, heading_b = (cos[k, a, t], sin[k, a, t]), (cos[k, b, t], sin[k, b, t])
@@ -208,7 +208,7 @@ def _touch(position, cos, sin, valid, size, vehicles, scales, hit):  # type: ign
                 reach, seen = radius[a] + radius[b], False
                 inherited[:] = False
                 for t in range(steps):
-                    if not (valid[a, t] and valid[b, t]):
+                    if not (valid[k, a, t] and valid[k, b, t]):
                         continue
                     dx, dy = position[k, b, t, 0] - position[k, a, t, 0], position[k, b, t, 1] - position[k, a, t, 1]
                     if dx * dx + dy * dy > reach * reach:

@@ -10,6 +10,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.intervals import Interval, bootstrap_means, recording, usual_length
+from drivegen.core.seeds import rng
 from drivegen.metrics.classifier import telling_apart
 from drivegen.metrics.distributions import distances
 from drivegen.metrics.diversity import (
@@ -20,11 +22,9 @@ from drivegen.metrics.diversity import (
     ratio,
     squared_differences,
 )
-from drivegen.metrics.intervals import Interval, bootstrap_means, recording, usual_length
 from drivegen.metrics.joint import joint_figures
 from drivegen.metrics.proper import likeliest_for_others
 from drivegen.metrics.scene import Scored, Settings
-from drivegen.seeds import rng
 
 TOTALS = ("agent_steps", "vehicles")
 

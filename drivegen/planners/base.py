@@ -8,7 +8,7 @@ from typing import Any, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.scenario import Scenario, Trajectories
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.training.curve import LossRow
 
 ROUTE_SPACING = 1.0

@@ -27,17 +27,17 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from drivegen import seeds
-from drivegen.errors import UnusableInput
-from drivegen.planners._diffusion import SAMPLERS, alpha_bars, sampled
-from drivegen.planners._noise import normals
-from drivegen.planners._paper_examples import DiffusionObjective, Rasters
-from drivegen.planners._paper_net import PaperNet
-from drivegen.planners._paper_states import SCALES, conditions, from_states
-from drivegen.planners._scores import drawn_tracks, probe
+from drivegen.core import seeds
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.settings import Count, Positive, build
+from drivegen.planners._paper.diffusion import SAMPLERS, alpha_bars, sampled
+from drivegen.planners._paper.examples import DiffusionObjective, Rasters
+from drivegen.planners._paper.net import PaperNet
+from drivegen.planners._paper.states import SCALES, conditions, from_states
 from drivegen.planners.base import Examples, PlanRequests
-from drivegen.scenario import Scenario, Trajectories
-from drivegen.settings import Count, Positive, build
+from drivegen.planners.shared.noise import normals
+from drivegen.planners.shared.scores import drawn_tracks, probe
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
 from drivegen.training.weights import fill, read_weights, write_weights

@@ -13,17 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.planners._bends import bent_frames, encode, straight_on
-from drivegen.planners._flow import FlowNet
-from drivegen.planners._flow_planner import Coefficients, FlowPlanner, FlowSettings
-from drivegen.planners._latent import expanded
-from drivegen.planners._motion import GRID, decode
-from drivegen.planners._poly_net import PolylineEncoder, own_features
-from drivegen.planners._polylines import surroundings
-from drivegen.planners._profile import spline
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.settings import Count
+from drivegen.planners._poly_fm.bends import bent_frames, encode, straight_on
+from drivegen.planners._poly_fm.net import PolylineEncoder, own_features
+from drivegen.planners._poly_fm.polylines import surroundings
 from drivegen.planners.base import Examples, PlanRequests
-from drivegen.scenario import Scenario, Trajectories
-from drivegen.settings import Count
+from drivegen.planners.shared.flow import FlowNet
+from drivegen.planners.shared.flow_planner import Coefficients, FlowPlanner, FlowSettings
+from drivegen.planners.shared.latent import expanded
+from drivegen.planners.shared.motion import GRID, decode
+from drivegen.planners.shared.profile import spline
 
 GROUPS = ("along", "bend_x", "bend_y")
 

@@ -13,17 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.planners._features import FEATURES, features
-from drivegen.planners._fitting import encode
-from drivegen.planners._flow import FlowNet, dense_encoder
-from drivegen.planners._flow_planner import Coefficients, FlowPlanner, FlowSettings
-from drivegen.planners._latent import expanded
-from drivegen.planners._motion import GRID, Residuals, decode
-from drivegen.planners._paths import Frames
-from drivegen.planners._profile import spline
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.settings import Count
+from drivegen.planners._route_fm.features import FEATURES, features
 from drivegen.planners.base import Examples, PlanRequests
-from drivegen.scenario import Scenario, Trajectories
-from drivegen.settings import Count
+from drivegen.planners.shared.fitting import encode
+from drivegen.planners.shared.flow import FlowNet, dense_encoder
+from drivegen.planners.shared.flow_planner import Coefficients, FlowPlanner, FlowSettings
+from drivegen.planners.shared.latent import expanded
+from drivegen.planners.shared.motion import GRID, Residuals, decode
+from drivegen.planners.shared.paths import Frames
+from drivegen.planners.shared.profile import spline
 
 
 @dataclass(frozen=True)

@@ -18,16 +18,16 @@ import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
+from drivegen.core.rejections import Rejected
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.core.viewport import window
 from drivegen.recording import colours
 from drivegen.recording.blueprint import from_above, playing
 from drivegen.recording.lines import flat, log_rejected, thinned
 from drivegen.recording.record import NARROWEST, WIDEST, recording_of
 from drivegen.recording.roads import log_roads, log_signals, surroundings
 from drivegen.recording.traffic import log_boxes
-from drivegen.rejected import Rejected
-from drivegen.samples import Samples
-from drivegen.scenario import TARGET, Scenario, Trajectories
-from drivegen.window import window
 
 LOG = "log"
 _FAINT = 90

@@ -4,9 +4,9 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from drivegen.geometry import Floats
+from drivegen.core.geometry import Floats
+from drivegen.core.rejections import Rejected
 from drivegen.recording import colours
-from drivegen.rejected import Rejected
 
 SEEN = 0.1
 """A line is drawn this exactly [m]: about a pixel of a view that is 100 m wide."""

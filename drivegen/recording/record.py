@@ -27,16 +27,16 @@ import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.rejections import Rejected
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import TARGET, Scenario
+from drivegen.core.viewport import window
 from drivegen.recording import colours, traffic
 from drivegen.recording.blueprint import layout
 from drivegen.recording.lines import flat, log_rejected
 from drivegen.recording.roads import log_roads, log_signals, surroundings
-from drivegen.rejected import Rejected
-from drivegen.samples import Samples
-from drivegen.scenario import TARGET, Scenario
 from drivegen.store.files import whole
-from drivegen.window import window
 
 NARROWEST, WIDEST = 60.0, 260.0
 """Limits of the first view's width [m]."""
@@ -47,10 +47,11 @@ class GoalMarks:
     """C candidate goals of a scene's vehicles, as they are drawn.
 
     Attributes:
-        position: (C, 2) float32 [m].
+        position: (C, 2) float32 [m], at the exit for a goal beyond it.
         vehicle: (C,) int32 whose goal it is.
         number: (C,) int32 its number in the bird-eye image.
         probability: (C,) float32 the selector's.
+        leaves_after: (C,) float32 [s] until the vehicle leaves the map, inf where it does not.
         chosen: (C,) bool whether it was followed.
     """
 
@@ -58,6 +59,7 @@ class GoalMarks:
     vehicle: NDArray[np.int32]
     number: NDArray[np.int32]
     probability: NDArray[np.float32]
+    leaves_after: NDArray[np.float32]
     chosen: NDArray[np.bool_]
 
 
@@ -127,8 +129,13 @@ def _log_goals(recording: rr.RecordingStream, goals: GoalMarks) -> None:
         points = rr.Points3D(flat(goals.position[rest], 0.2), colors=shades, radii=0.35)
         recording.log("world/goals/candidates", points, static=True)
     if chosen.any():
-        labels = [f"{n}: {p:.0%}" for n, p in zip(goals.number[chosen], goals.probability[chosen], strict=True)]
+        columns = (goals.number[chosen], goals.probability[chosen], goals.leaves_after[chosen])
+        labels = [f"{n}: {p:.0%}{_departure(after)}" for n, p, after in zip(*columns, strict=True)]
         points = rr.Points3D(
             flat(goals.position[chosen], 0.2), colors=[colours.CHOSEN], radii=0.9, labels=labels, show_labels=True
         )
         recording.log("world/goals/chosen", points, static=True)
+
+
+def _departure(after: float) -> str:
+    return f", leaves the map after {after:.1f} s" if np.isfinite(after) else ""

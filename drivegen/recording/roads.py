@@ -9,12 +9,12 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from drivegen.crop import Cropper
-from drivegen.geometry import Floats, arc_length, interpolate
+from drivegen.core.crop import Cropper
+from drivegen.core.geometry import Floats, arc_length, interpolate
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.scenario import DT, Scenario, Signals, Trajectories
 from drivegen.recording import colours
 from drivegen.recording.lines import closed, flat, thinned
-from drivegen.roadmap import RoadMap
-from drivegen.scenario import DT, Scenario, Signals, Trajectories
 
 SIGHT = 50.0
 """Roads are drawn where they come this near to a vehicle [m] ..."""

@@ -4,13 +4,13 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from drivegen.geometry import boxes_gap
+from drivegen.core.geometry import boxes_gap
+from drivegen.core.rejections import Rejected
+from drivegen.core.samples import Samples, Violation
+from drivegen.core.scenario import DT, TARGET, Actors, Scenario, Trajectories
 from drivegen.recording import colours
 from drivegen.recording.lines import flat, thinned
 from drivegen.recording.roads import times
-from drivegen.rejected import Rejected
-from drivegen.samples import Samples, Violation
-from drivegen.scenario import TARGET, Actors, Scenario, Trajectories
 
 FREE = 50.0
 """A clearance beyond this is drawn as this [m]."""
@@ -116,7 +116,9 @@ def log_verdicts(
     for i, track in enumerate(scenario.vehicles.track_id):
         flags, first = Violation(int(samples.violation[sample, i])), int(samples.first_violation[sample, i])
         who = "target" if i == TARGET else f"vehicle {track}"
-        tries = f", {int(samples.attempts[sample, i])} planned" if samples.attempts[sample, i] > 1 else ""
+        left = int(samples.motion.valid[sample, i].sum()) * DT
+        gone = f", leaves the map after {left:.1f} s" if samples.left_map[sample, i] else ""
+        tries = f"{gone}, {int(samples.attempts[sample, i])} planned" if samples.attempts[sample, i] > 1 else gone
         if rejected is not None and (own := rejected.only(rejected.vehicle == i)):
             tries += f", {own.summary}"
         if samples.dropped[sample, i]:

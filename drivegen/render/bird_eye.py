@@ -11,10 +11,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import Floats, Polylines, box_corners, to_vehicle_frame, unit
+from drivegen.core.geometry import Floats, Polylines, box_corners, to_vehicle_frame, unit
+from drivegen.core.roadmap import LaneKind, RoadMap
+from drivegen.core.scenario import TARGET, Scenario, SignalState
 from drivegen.render.marks import place_marks
-from drivegen.roadmap import LaneKind, RoadMap
-from drivegen.scenario import TARGET, Scenario, SignalState
 
 Picture = NDArray[np.uint8]
 Colour = tuple[int, int, int]

@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import Floats, arc_length, interpolate
+from drivegen.core.geometry import Floats, arc_length, interpolate
+from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap
 from drivegen.render.stop_lines import shown_stop_lines
-from drivegen.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap
 
 Picture = NDArray[np.uint8]
 Colour = tuple[int, int, int]

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 
 
 def png(image: NDArray[np.uint8]) -> bytes:

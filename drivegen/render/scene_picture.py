@@ -10,11 +10,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import Floats, box_corners
-from drivegen.rejected import Rejected
-from drivegen.roadmap import RoadMap
-from drivegen.scenario import TARGET, Scenario, SignalState, Trajectories
-from drivegen.window import window
+from drivegen.core.geometry import Floats, box_corners
+from drivegen.core.rejections import Rejected
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.scenario import TARGET, Scenario, SignalState, Trajectories
+from drivegen.core.viewport import window
 
 Image = NDArray[np.uint8]
 Colour = tuple[int, int, int]
@@ -65,7 +65,7 @@ class View:
 
 
 def view_of(motion: Trajectories, pixels: int) -> View:
-    """The window of the picture: see `drivegen.window`."""
+    """The window of the picture: see `drivegen.core.viewport`."""
     return View(*window(motion, NARROWEST, WIDEST), pixels)
 
 

@@ -6,8 +6,8 @@ where only who turns left has to yield. Whoever sees a line across a lane takes 
 
 import numpy as np
 
-from drivegen.geometry import Floats, wrap_angle
-from drivegen.roadmap import LaneControl, RoadMap
+from drivegen.core.geometry import Floats, wrap_angle
+from drivegen.core.roadmap import LaneControl, RoadMap
 
 STRAIGHT_ON = np.pi / 4
 """Whoever turns by less [rad] across a junction drives straight on."""

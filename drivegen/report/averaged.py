@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from drivegen.scenario import DT
+from drivegen.core.scenario import DT
 
 FEW = 20
 """Of fewer recordings intervals are called too narrow."""

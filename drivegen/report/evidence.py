@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from drivegen.core.methods import BOUND, Method
+
 
 @dataclass(frozen=True)
 class Picture:
@@ -37,6 +39,7 @@ class Evidence:
     Attributes:
         results: contents of the JSON files below reports/metrics, by path without suffix, e.g. "quality/drivegen".
         source: the data set in words, as in every scenario; "" if there is none yet.
+        methods: what every generator says of itself, in the tables' order. selectors, planners: names, likewise.
         samples: futures of each scenario by every method; None if unknown.
         scenes: pictures of scenarios drawn by seed. comparisons: the same scenes by every method.
         maps: pictures of generated maps.
@@ -47,6 +50,9 @@ class Evidence:
 
     results: Mapping[str, Any] = field(default_factory=dict)
     source: str = ""
+    methods: Mapping[str, Method] = field(default_factory=dict)
+    selectors: tuple[str, ...] = ()
+    planners: tuple[str, ...] = ()
     samples: int | None = None
     scenes: tuple[Picture, ...] = ()
     comparisons: tuple[Picture, ...] = ()
@@ -60,6 +66,20 @@ class Evidence:
         """Results whose path begins with `folder/`, by the rest of it, sorted."""
         prefix = folder + "/"
         return {path.removeprefix(prefix): value for path, value in sorted(self.results.items()) if path.startswith(prefix)}
+
+    def title(self, method: str) -> str:
+        """A method in words; results of a generator that is gone stand under its plain name."""
+        return self.methods[method].title if method in self.methods else method.replace("_", " ")
+
+    def ordered(self, measured: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+        """Values by method in the tables' order; those of generators that are gone come last."""
+        names = [name for name in self.methods if name in measured]
+        return {name: dict(measured[name]) for name in [*names, *sorted(set(measured) - set(self.methods))]}
+
+    def rows(self, measured: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+        """The same with an empty row for every method that was not measured; bounds that were not are left out."""
+        missing: dict[str, Any] = {name: {} for name, method in self.methods.items() if method.kind != BOUND}
+        return self.ordered(missing | dict(measured))
 
     @property
     def trained_on(self) -> tuple[str, ...]:

@@ -8,33 +8,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.metrics.intervals import Interval, recording, usual_length
+from drivegen.core.intervals import Interval, recording, usual_length
+from drivegen.core.methods import BOUND, LEARNED, Method
+from drivegen.core.scenario import Scenario
 from drivegen.metrics.pooled import Resampling, envelope, pooled_mean
 from drivegen.report.averaged import scenes_and_recordings
-from drivegen.scenario import Scenario
 
 Floats = NDArray[np.float64]
 
 FIVE = ("min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity")
 """The paper's columns."""
 
-METHODS = {
-    "drivegen": "DriveGen",
-    "drivegen_vlm": "DriveGen, goals by a vision-language model",
-    "drivegen_without_goals": "DriveGen w/o gs",
-    "scene_transformer": "SceneTransformer",
-    "bits": "BITS",
-    "trafficgen": "TrafficGen",
-    "lctgen": "LCTGen",
-    "idm": "IDM",
-    "constant_velocity": "Constant velocity",
-    "random_agent": "Random agent",
-    "log": "Log (recorded futures)",
-}
-"""All rows of every table; one that nobody ran reads "not measured"."""
+OURS = "drivegen"
+"""Whose differences to the others are published."""
 
-RIVALS = ("scene_transformer", "bits", "trafficgen", "lctgen")
-_FLOOR = "constant_velocity"
+FLOOR = "constant_velocity"
+"""What a method must beat to count."""
+
 MARKS = (
     "A rival that does not beat constant velocity in min-sADE is marked under-trained: beating it counts for nothing.",
     "That is lenient, for it is the best of several samples against one. Behind in the mean: its mean-sADE does not beat "
@@ -43,6 +33,11 @@ MARKS = (
 """Notes on what `mark` puts behind names."""
 
 SAFETY = {"collision_per_vehicle": "in collision", "off_road_per_vehicle": "off road", "illegal_per_vehicle": "any violation"}
+EDGES = {"left_map_per_vehicle": "left the map", "beyond_rim": "steps beyond the rim"}
+EDGES_MEAN = (
+    "Who drives out where the road network itself ends has left the map: that is no violation. Where a map is cut off the road "
+    "goes on, though nobody knows how: nothing is claimed of the steps that vehicles are beyond that rim."
+)
 """Shares of vehicles that the legal checker objects to."""
 
 AIMS = {"diversity": 1.0, "auc": 0.5}
@@ -94,7 +89,8 @@ class DataSet:
 
     Attributes:
         name, title: in the JSON, and in words. trained_on: what models were trained on, in words.
-        seeds: of training. methods: results by name. by_scene: too few scenes for means; every scene is a row.
+        seeds: of training. about: every generator, in the tables' order. methods: results by name, of some of these.
+        by_scene: too few scenes for means; every scene is a row.
         tracks: how many vehicles are scored, in words; "" where nobody counted.
         left_out: results by name on scenes of another length, which are shown scene by scene and not averaged.
     """
@@ -103,10 +99,21 @@ class DataSet:
     title: str
     trained_on: str
     seeds: tuple[int, ...]
+    about: Mapping[str, Method]
     methods: Mapping[str, Results]
     by_scene: bool
     tracks: str = ""
     left_out: Mapping[str, Results] = field(default_factory=dict)
+
+    @property
+    def rows(self) -> dict[str, Method]:
+        """The rows of a table: whoever was measured or could be; one that nobody ran reads "not measured"."""
+        return {name: method for name, method in self.about.items() if name in self.methods or method.kind != BOUND}
+
+    @property
+    def generators(self) -> dict[str, Method]:
+        """Whoever was measured and is told nothing of what happened."""
+        return {name: method for name, method in self.about.items() if name in self.methods and method.kind != BOUND}
 
     @property
     def scenes(self) -> int:
@@ -196,11 +203,13 @@ def resampling_of(data: DataSet, draws: int, rng: np.random.Generator) -> Resamp
     return Resampling.of(len(data.seeds), [recording(name) for name in scenarios], draws, rng)
 
 
-def mark(method: str, errors: Mapping[str, float | None], floor: Mapping[str, float | None]) -> str:
+def mark(name: str, about: Method | None, errors: Mapping[str, float | None], floor: Mapping[str, float | None]) -> str:
     """What stands behind a method's name, "" if nothing, from its `errors` and constant velocity's by metric; see MARKS."""
-    if method in RIVALS and _no_better(errors, floor, "min_sade"):
+    if name == FLOOR or about is None or not about.competes:
+        return ""
+    if about.kind == LEARNED and _no_better(errors, floor, "min_sade"):
         return ", under-trained"
-    if method not in (_FLOOR, "log", "random_agent") and _no_better(errors, floor, "mean_sade"):
+    if _no_better(errors, floor, "mean_sade"):
         return ", behind in the mean"
     return ""
 

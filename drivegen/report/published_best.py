@@ -5,15 +5,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from drivegen.metrics.intervals import Interval
+from drivegen.core.intervals import Interval
 from drivegen.metrics.pooled import Resampling, pooled_mean
-from drivegen.report.published import AIMS, METHODS, SAFETY, DataSet, Pooled, badness, resampling_of
+from drivegen.report.published import AIMS, OURS, SAFETY, DataSet, Pooled, badness, resampling_of
 from drivegen.report.sections.trust import DISTANCES, JOINT, REALISM, SCORES, horizon_words, is_likelihood
 from drivegen.report.table import Cell, Row, Table, row
-
-OURS = "drivegen"
-_BOUNDS = ("log", "random_agent")
-"""Perfect by definition, and no traffic."""
 
 _ERRORS = {"min_sade": "min-sADE [m]", "min_sfde": "min-sFDE [m]", "mean_sade": "mean-sADE [m]", "mean_sfde": "mean-sFDE [m]"}
 
@@ -26,7 +22,8 @@ def best(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) ->
     resampling = resampling_of(data, draws, rng)
     found: dict[str, tuple[Row, str]] = {}
     for metric, words in _measures(pooled).items():
-        others = {m: pooled[m][metric] for m in METHODS if _compared(m, metric, pooled)}
+        rivals = (name for name, method in data.about.items() if name != OURS and method.competes)
+        others = {name: pooled[name][metric] for name in rivals if _known(name, metric, pooled)}
         if others and _known(OURS, metric, pooled):
             found[metric] = _line(data, pooled[OURS][metric], others, metric, words, resampling)
     if not found:
@@ -62,10 +59,6 @@ def _measures(pooled: Pooled) -> dict[str, str]:
     return {**_ERRORS, **aims, **safety, **order, **realism, **scores, **distances}
 
 
-def _compared(method: str, metric: str, pooled: Pooled) -> bool:
-    return method not in (OURS, *_BOUNDS) and _known(method, metric, pooled)
-
-
 def _known(method: str, metric: str, pooled: Pooled) -> bool:
     found = pooled.get(method, {}).get(metric)
     return found is not None and bool(np.isfinite(found.value))
@@ -83,8 +76,7 @@ def _line(
         note = f"{found.low:.3f} to {found.high:.3f}" if np.isfinite(found.low) else ""
         difference = Cell(f"{found.value:+.3f}", note)
         verdict = _verdict(-badness(metric, found.value), significant=found.low > 0 or found.high < 0)
-    name = METHODS[rival]
-    figures = (f"{mine.value:.3f}", name, f"{others[rival].value:.3f}")
+    figures = (f"{mine.value:.3f}", data.about[rival].title, f"{others[rival].value:.3f}")
     return row(Cell(words), *figures, difference, Cell(verdict, best=verdict == "better"), origin="ours"), verdict
 
 

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from drivegen.report.published import METHODS, DataSet
+from drivegen.core.methods import Method
+from drivegen.report.published import DataSet
 from drivegen.report.table import RESTORED, Row, Table, number, row
-from drivegen.store.draw import GOALS_OF
 
 COSTS_NOTE = (
     "Whole stages over all their processes: starting them, reading scenarios and writing samples are in it, and the log's own "
@@ -23,7 +23,7 @@ def costs(data: DataSet, runs: Sequence[Took], samples: int | None) -> Table:
 
     `samples` of each scene were drawn; None if unknown.
     """
-    lines = tuple(_line(method, runs, data.rolled_out) for method in METHODS if method in data.methods)
+    lines = tuple(_line(name, data.rows[name], runs, data.rolled_out) for name in data.rows if name in data.methods)
     heads = ("", "CPU-s per 1000 scenarios", "of it choosing goals", "peak memory [MB]")
     notes = (
         f"{'All' if samples is None else samples} samples of each of {data.rolled_out} scenarios, mean and range over the runs "
@@ -33,18 +33,17 @@ def costs(data: DataSet, runs: Sequence[Took], samples: int | None) -> Table:
     return Table(f"costs-{data.name}", f"What generating costs: {data.title}", heads, lines, notes)
 
 
-def _line(method: str, runs: Sequence[Took], scenes: int) -> Row:
+def _line(name: str, method: Method, runs: Sequence[Took], scenes: int) -> Row:
     whole, choosing, memory = [], [], []
     for run in runs:
-        stages = ("rollout", "rollout_baseline", "rollout_rival")
-        made = next((run[at] for stage in stages if (at := f"{stage}/{method}") in run), None)
-        chosen = run.get(f"goals/{GOALS_OF[method]}") if method in GOALS_OF else {}
+        made = next((took for at, took in run.items() if at.startswith("rollout") and at.endswith(f"/{name}")), None)
+        chosen = run.get(f"goals/{method.goals}") if method.goals else {}
         if not made or chosen is None:
             continue
         whole.append((made["cpu_seconds"] + chosen.get("cpu_seconds", 0.0)) / scenes * 1000)
         choosing.append(chosen.get("cpu_seconds", 0.0) / scenes * 1000)
         memory.append(max(made["peak_megabytes"], chosen.get("peak_megabytes", 0.0)))
-    return row(METHODS[method], _range(whole), _range(choosing) if method in GOALS_OF else "–", _range(memory), origin="ours")
+    return row(method.title, _range(whole), _range(choosing) if method.goals else "–", _range(memory), origin="ours")
 
 
 def _range(values: Sequence[float]) -> str:

@@ -4,15 +4,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from drivegen.core.intervals import Interval
+from drivegen.core.methods import ABLATION
 from drivegen.metrics.front import on_front
-from drivegen.metrics.intervals import Interval
 from drivegen.report import plots
-from drivegen.report.published import FIVE, METHODS, DataSet, Pooled, Results
+from drivegen.report.published import FIVE, OURS, DataSet, Pooled, Results
 from drivegen.report.published_tables import HEADS, cell, label
 from drivegen.report.table import Cell, Table, row
-
-_OFF_THE_PLOT = ("log", "random_agent", "drivegen", "drivegen_without_goals")
-"""What goes at random is so far off that nothing else could be told apart; DriveGen is the curve."""
 
 
 def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled, in_use: float | None) -> Table:
@@ -22,10 +20,10 @@ def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled, in_use: fl
     """
     curve = {t: {metric: _one_seed(results, metric) for metric in FIVE} for t, results in sorted(at.items())}
     found = {f"DriveGen, temperature {t:g}": cells for t, cells in curve.items()}
-    methods = [m for m in METHODS if m in pooled and m != "log"]
-    names = {m: label(m, pooled) for m in methods}
-    if "drivegen" in names:
-        names["drivegen"] = f"DriveGen, temperature {in_use:g} (in use)" if in_use is not None else "DriveGen, temperature in use"
+    methods = [name for name in data.generators if name in pooled]
+    names = {m: label(m, data, pooled) for m in methods}
+    if OURS in names:
+        names[OURS] = f"DriveGen, temperature {in_use:g} (in use)" if in_use is not None else "DriveGen, temperature in use"
     found |= {names[m]: {metric: pooled[m].get(metric) for metric in FIVE} for m in methods}
     error, diversity = (
         np.array([np.nan if (point := cells[metric]) is None else point.value for cells in found.values()])
@@ -41,11 +39,11 @@ def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled, in_use: fl
         f"and its row is of {'all seeds' if len(data.seeds) > 1 else 'that seed'}.",
         "Bold: on the front, that is, no other row has a lower mean-sADE and a diversity as near to 1, or the reverse.",
         *_beaten(
-            [names.get("drivegen", ""), *(f"DriveGen, temperature {t:g}" for t in curve)],
+            [names.get(OURS, ""), *(f"DriveGen, temperature {t:g}" for t in curve)],
             {name: bool(best) for name, best, both in zip(found, bold, error + diversity, strict=True) if np.isfinite(both)},
         ),
     )
-    picture = _picture(data, at, pooled, in_use)
+    picture = _picture(data, at, in_use)
     title = f"Error against diversity: {data.title}"
     return Table(f"front-{data.name}", title, ("", *HEADS), tuple(lines), notes, picture=picture)
 
@@ -59,21 +57,26 @@ def _beaten(ours: Sequence[str], bold: Mapping[str, bool]) -> list[str]:
     return [f"Not on the front, so another row is no worse in either and better in one: DriveGen at {'; '.join(beaten)}."]
 
 
-def _picture(data: DataSet, at: Mapping[float, Results], pooled: Pooled, in_use: float | None) -> bytes:
-    """(diversity, mean-sADE) of the first training seed: DriveGen along its temperatures, every other method a point."""
+def _picture(data: DataSet, at: Mapping[float, Results], in_use: float | None) -> bytes:
+    """(diversity, mean-sADE) of the first training seed: DriveGen along its temperatures, every other method a point.
+
+    What goes at random is so far off that nothing else could be told apart, and is left out.
+    """
     seeds = dict(at)
-    if in_use is not None and "drivegen" in data.methods:
-        seeds[in_use] = data.methods["drivegen"]
+    if in_use is not None and OURS in data.methods:
+        seeds[in_use] = data.methods[OURS]
     curve = []
     for temperature in sorted(seeds):
         error, diversity = (_one_seed(seeds[temperature], metric) for metric in ("mean_sade", "diversity"))
         if error is not None and diversity is not None:
             curve.append((f"{temperature:g}", diversity.value, error.value))
     points = {}
-    for method in [m for m in METHODS if m in pooled and m not in _OFF_THE_PLOT]:
-        error, diversity = (_one_seed(data.methods[method], metric) for metric in ("mean_sade", "diversity"))
+    for name, method in data.generators.items():
+        if name == OURS or method.kind == ABLATION or not method.competes:
+            continue
+        error, diversity = (_one_seed(data.methods[name], metric) for metric in ("mean_sade", "diversity"))
         if error is not None and diversity is not None:
-            points[METHODS[method]] = (diversity.value, error.value)
+            points[method.title] = (diversity.value, error.value)
     return plots.front(curve, points)
 
 

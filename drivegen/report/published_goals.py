@@ -9,17 +9,17 @@ from drivegen.metrics.pooled import envelope
 from drivegen.report.averaged import vehicles_over
 from drivegen.report.published import interval_of
 from drivegen.report.published_tables import cell
-from drivegen.report.sections.models import NOTES, SCORES, SELECTORS
+from drivegen.report.sections.models import NOTES, SCORES
 from drivegen.report.table import NOT_MEASURED, Table, number, row
 
 _OWN = NOTES[:-1]
 """Without the label bias of a model that sees numbers: the table has no such column."""
 
 
-def goals(name: str, title: str, found: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
-    """One row a selector; `found` holds by selector what its stage measured, one a training seed."""
+def goals(name: str, title: str, selectors: Sequence[str], found: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
+    """One row a selector, measured or not; `found` holds by selector what its stage measured, one a training seed."""
     lines = []
-    for selector in [*SELECTORS, *sorted(set(found) - set(SELECTORS))]:
+    for selector in [*selectors, *sorted(set(found) - set(selectors))]:
         runs = [run["moving"] for run in found.get(selector, ())]
         cells = (cell(envelope([interval_of(run, key) for run in runs])) for key in SCORES)
         said = str(found[selector][0].get("described", selector)) if runs else NOT_MEASURED

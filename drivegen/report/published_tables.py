@@ -5,15 +5,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivegen.metrics.intervals import Interval, recording
+from drivegen.core.intervals import Interval, recording
+from drivegen.core.methods import ABLATION, BOUND, NO_TRAFFIC
 from drivegen.metrics.pooled import Resampling, pooled_mean, rank_correlation
 from drivegen.metrics.realism import WEIGHTS
 from drivegen.report import paper
 from drivegen.report.averaged import seconds
 from drivegen.report.published import (
+    EDGES,
+    EDGES_MEAN,
     FIVE,
+    FLOOR,
     MARKS,
-    METHODS,
+    OURS,
     SAFETY,
     DataSet,
     Pooled,
@@ -44,23 +48,25 @@ def few(data: DataSet, found: Sequence[Table]) -> list[Table]:
 
 def transfer(one: DataSet, pooled_one: Pooled, other: DataSet, pooled_other: Pooled) -> Table:
     """Whether both data sets put the methods in the same order: Spearman's rho, per column of the paper."""
-    methods = [m for m in METHODS if m in pooled_one and m in pooled_other and m != "log"]
-    rivals = [m for m in methods if m not in _ANCHORS]
+    shared = pooled_one.keys() & pooled_other.keys()
+    methods = [name for name, method in one.about.items() if name in shared and method.kind != BOUND]
+    anchors = [name for name in methods if one.about[name].kind in _ANCHORS]
+    rivals = [name for name in methods if name not in anchors]
     lines = []
     for metric, head in zip(FIVE, HEADS, strict=True):
         both = (_order(group, metric, pooled_one, pooled_other) for group in (methods, rivals))
         lines.append(row(head.split(" ")[0], *(text for found in both for text in found)))
     title = f"Order of the methods: {one.title} against {other.title}"
     heads = ("", "Spearman's rho", "methods", "without anchors", "methods")
-    anchors = " and ".join(METHODS[m] for m in _ANCHORS)
+    named = " and ".join(one.about[name].title for name in anchors)
     notes = (
         "1: the same order; 0: none in common. The log's own row is left out; diversity is ranked by its distance from 1.",
-        f"Anchors, left out on the right, are {anchors}: what is far off on every data set makes orders alike by itself.",
+        f"Anchors, left out on the right, are {named}: what is far off on every data set makes orders alike by itself.",
     )
     return Table(f"transfer-{one.name}-{other.name}", title, heads, tuple(lines), notes)
 
 
-_ANCHORS = ("random_agent", "drivegen_without_goals")
+_ANCHORS = (NO_TRAFFIC, ABLATION)
 """No traffic, and DriveGen with a part taken out: neither is a method that anybody proposes."""
 
 
@@ -88,7 +94,7 @@ def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator)
     trained = [[data.seeds.index(seed) for seed in seeds] for data in (less, more)]
     resampling = Resampling.of(len(seeds), [recording(scene) for scene in shared], draws, rng)
     lines = []
-    for method in [m for m in METHODS if m in less.methods and m in more.methods and m != "log"]:
+    for method in [name for name in less.generators if name in more.methods]:
         before, after = (
             {metric: data.methods[method].values[metric][np.ix_(rows, at)] for metric in ("min_sade", "mean_sade")}
             for data, rows, at in zip((less, more), trained, columns, strict=True)
@@ -98,7 +104,7 @@ def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator)
             for metric in before
             for values in (before[metric], after[metric], after[metric] - before[metric])
         ]
-        lines.append(row(METHODS[method], *cells, origin="ours"))
+        lines.append(row(less.about[method].title, *cells, origin="ours"))
     count = len({recording(scene) for scene in shared})
     notes = (f"{len(shared)} scenes of {count} recordings that both have. Less: {less.trained_on} More: {more.trained_on}",)
     return Table(name, title, ("", *heads), tuple(lines), notes)
@@ -113,8 +119,8 @@ def _nothing_shared(less: DataSet, more: DataSet, scenes: bool) -> str:
 
 def _quality(data: DataSet, pooled: Pooled) -> Table:
     ours = [
-        row(label(m, pooled), _chosen(data, m), *(cell(pooled.get(m, {}).get(metric)) for metric in FIVE), origin="ours")
-        for m in METHODS
+        row(label(m, data, pooled), _chosen(data, m), *(cell(pooled.get(m, {}).get(metric)) for metric in FIVE), origin="ours")
+        for m in data.rows
     ]
     theirs = [row(name, paper.MARK, *(f"{v:.2f}" for v in values), origin="paper") for name, values in paper.QUALITY.items()]
     notes = (
@@ -134,26 +140,26 @@ def _quality(data: DataSet, pooled: Pooled) -> Table:
 
 def _paired(data: DataSet, draws: int, rng: np.random.Generator) -> Table:
     """DriveGen less each other method, scene by scene and seed by seed: negative is better."""
-    resampling, ours, lines = resampling_of(data, draws, rng), data.methods.get("drivegen"), []
-    for method in [m for m in METHODS if m in data.methods and m not in ("drivegen", "log")]:
+    resampling, ours, lines = resampling_of(data, draws, rng), data.methods.get(OURS), []
+    for method in [name for name in data.generators if name != OURS]:
         other = data.methods[method]
         cells = [
             cell(pooled_mean(ours.values[metric] - other.values[metric], resampling)) if ours else Cell(NOT_MEASURED)
             for metric in FIVE[:4]
         ]
-        lines.append(row(METHODS[method], *cells, origin="ours"))
+        lines.append(row(data.about[method].title, *cells, origin="ours"))
     title = f"DriveGen less the others, paired: {data.title}"
     return Table(f"paired-{data.name}", title, ("DriveGen less", *HEADS[:4]), tuple(lines), ("Below zero DriveGen is better.",))
 
 
 def _trust(data: DataSet, pooled: Pooled) -> list[Table]:
     """What the paper leaves out, in the report's words."""
-    safety = {**SAFETY, "illegal_per_scene": "scenes with any"}
+    safety = {**SAFETY, "illegal_per_scene": "scenes with any", **EDGES}
     note = "Shares of vehicles, and of scenes, that the legal checker objects to."
-    tables = [_plain(f"safety-{data.name}", f"Safety of what is generated: {data.title}", safety, pooled, (note,))]
+    tables = [_plain(f"safety-{data.name}", "Safety of what is generated", safety, data, pooled, (note, EDGES_MEAN))]
     for one in readings(name for metrics in pooled.values() for name in metrics):
         notes = (f"{one.note} {_weights()}" if one.name == "realism" else one.note,)
-        tables.append(_plain(f"{one.name}-{data.name}", f"{one.title}: {data.title}", one.columns, pooled, notes))
+        tables.append(_plain(f"{one.name}-{data.name}", one.title, one.columns, data, pooled, notes))
     return tables
 
 
@@ -162,17 +168,21 @@ def _weights() -> str:
     return f"Weights: {', '.join(named)}."
 
 
-def _plain(name: str, title: str, columns: Mapping[str, str], pooled: Pooled, notes: tuple[str, ...]) -> Table:
+def _plain(name: str, title: str, columns: Mapping[str, str], data: DataSet, pooled: Pooled, notes: tuple[str, ...]) -> Table:
     lines = [
-        row(label(m, pooled), *(cell(pooled.get(m, {}).get(c), 3) if has(m, c) else "–" for c in columns), origin="ours")
-        for m in METHODS
+        row(
+            label(m, data, pooled),
+            *(cell(pooled.get(m, {}).get(c), 3) if has(method, c) else "–" for c in columns),
+            origin="ours",
+        )
+        for m, method in data.rows.items()
     ]
-    return Table(name, title, ("", *columns.values()), tuple(lines), notes)
+    return Table(name, f"{title}: {data.title}", ("", *columns.values()), tuple(lines), notes)
 
 
 def _by_scene(data: DataSet) -> Table:
     """Scenes that are too few to average, and those of another length, each a row: the errors of each method, mean over seeds."""
-    methods = [m for m in METHODS if m in data.methods]
+    methods = [name for name in data.rows if name in data.methods]
     lines: list[Row] = []
     for found in (data.methods if data.by_scene else {}, data.left_out):
         for n, scene in enumerate(found[methods[0]].scenarios if found else ()):
@@ -181,17 +191,17 @@ def _by_scene(data: DataSet) -> Table:
             lines.append(row(length, *(f"{low:.2f} / {mean:.2f}" for low, mean in both), origin="ours"))
     notes = ("min-sADE / mean-sADE [m].", *((data.over,) if data.left_out else ()))
     return Table(
-        f"scenes-{data.name}", f"Scene by scene: {data.title}", ("", *(METHODS[m] for m in methods)), tuple(lines), notes
+        f"scenes-{data.name}", f"Scene by scene: {data.title}", ("", *(data.about[m].title for m in methods)), tuple(lines), notes
     )
 
 
-def label(method: str, pooled: Pooled) -> str:
+def label(method: str, data: DataSet, pooled: Pooled) -> str:
     """The method in words, marked where constant velocity is no worse."""
     mine, floor = (
         {metric: found.value for metric, found in pooled.get(m, {}).items() if metric in ("min_sade", "mean_sade")}
-        for m in (method, "constant_velocity")
+        for m in (method, FLOOR)
     )
-    return METHODS[method] + mark(method, mine, floor)
+    return data.about[method].title + mark(method, data.about[method], mine, floor)
 
 
 def _chosen(data: DataSet, method: str) -> str:

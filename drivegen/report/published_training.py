@@ -1,13 +1,13 @@
 """What was trained, how large it is, how long it took and whether its loss is flat: every seed, DriveGen beside its rivals."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from drivegen.core.methods import LEARNED, Method
 from drivegen.report import plots
-from drivegen.report.published import METHODS, RIVALS
 from drivegen.report.sections.generators import FLAT_NOTE, flat
 from drivegen.report.table import Cell, Row, Table, number, row, taken
-from drivegen.store.runs import Model
+from drivegen.warehouse.runs import Model
 
 OURS = {"train_planner/route_fm": "DriveGen: planner", "train_selector/train_selector": "DriveGen: goal selector"}
 """DriveGen's two models."""
@@ -32,15 +32,16 @@ class Trained:
     lists: float | None = None
 
 
-def models(trained: Sequence[Trained]) -> list[Table]:
-    """One table with curves for each data that models were trained on."""
+def models(trained: Sequence[Trained], about: Mapping[str, Method]) -> list[Table]:
+    """One table with curves for each data that models were trained on; `about` is every generator in the tables' order."""
     sources = dict.fromkeys(one.trained_on for one in trained)
-    return [_models(source, [one for one in trained if one.trained_on == source]) for source in sources]
+    return [_models(source, [one for one in trained if one.trained_on == source], about) for source in sources]
 
 
-def _models(source: str, trained: list[Trained]) -> Table:
-    groups = _by_name(trained)
-    lines = [_line(_words(name), group) for name, group in groups.items()]
+def _models(source: str, trained: list[Trained], about: Mapping[str, Method]) -> Table:
+    titles = OURS | {f"train_generator/{name}": method.title for name, method in about.items()}
+    groups = _by_name(trained, titles)
+    lines = [_line(titles.get(name, name), group) for name, group in groups.items()]
     mine = [groups[name] for name in OURS if name in groups]
     if len(mine) == len(OURS):
         lines.insert(len(OURS), _together(mine))
@@ -49,13 +50,13 @@ def _models(source: str, trained: list[Trained]) -> Table:
         f"Where there are several numbers, they are of training seeds {seeds}. Parameters: all numbers in the weights' files.",
         FLAT_NOTE,
         "CPU-seconds are of one machine and of one run: another one has others.",
-        *filter(None, [_budget(groups)]),
+        *filter(None, [_budget(groups, about)]),
         _TUNING,
     )
     columns = ("", "parameters", "steps", "CPU-s of the whole stage", "CPU-s of training alone", "flat")
     title = f"What was trained on {source}: size, time, and whether the loss is flat"
     drawn = {
-        _words(name): {
+        titles.get(name, name): {
             f"seed {one.seed}": (one.model.curve["step"], one.model.curve["validation"]) for one in group if one.model.curve
         }
         for name, group in groups.items()
@@ -65,9 +66,9 @@ def _models(source: str, trained: list[Trained]) -> Table:
     )
 
 
-def _by_name(trained: list[Trained]) -> dict[str, list[Trained]]:
-    """Models by name, DriveGen's first, each with its seeds in order."""
-    names = dict.fromkeys([*OURS, *(f"train_generator/{m}" for m in METHODS), *sorted(one.model.name for one in trained)])
+def _by_name(trained: list[Trained], first: Iterable[str]) -> dict[str, list[Trained]]:
+    """Models by name, those of `first` in their order, each with its seeds in order."""
+    names = dict.fromkeys([*first, *sorted(one.model.name for one in trained)])
     found = {name: sorted((one for one in trained if one.model.name == name), key=lambda one: one.seed) for name in names}
     return {name: group for name, group in found.items() if group}
 
@@ -104,10 +105,11 @@ def _whole(mine: list[list[Trained]]) -> list[float]:
     return [sum(one.model.took["cpu_seconds"] for one in seeds) for seeds in zip(*mine, strict=True)]
 
 
-def _budget(groups: Mapping[str, list[Trained]]) -> str:
+def _budget(groups: Mapping[str, list[Trained]], about: Mapping[str, Method]) -> str:
     """Who trained for how long, from what the stages took."""
     ours = _whole([groups[name] for name in OURS if name in groups])
-    rivals = [one.model.took.get("cpu_seconds") for m in RIVALS for one in groups.get(f"train_generator/{m}", [])]
+    learned = [f"train_generator/{name}" for name, method in about.items() if method.kind == LEARNED]
+    rivals = [one.model.took.get("cpu_seconds") for name in learned for one in groups.get(name, [])]
     known = [seconds for seconds in rivals if seconds is not None]
     if not ours or not known or len(known) < len(rivals):
         return ""
@@ -122,10 +124,6 @@ def _budget(groups: Mapping[str, list[Trained]]) -> str:
 def _each(texts: Sequence[str]) -> str:
     """The texts, or the one that they all are."""
     return texts[0] if len(set(texts)) == 1 else ", ".join(texts)
-
-
-def _words(name: str) -> str:
-    return OURS.get(name) or METHODS.get(name.rpartition("/")[2], name)
 
 
 def _slug(text: str) -> str:

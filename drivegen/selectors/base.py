@@ -7,9 +7,9 @@ from typing import Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Candidates
-from drivegen.lanes.graph import LaneGraph
-from drivegen.scenario import Scenario
+from drivegen.roads.graph import LaneGraph
 
 
 class Selector(Protocol):

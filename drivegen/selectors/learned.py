@@ -25,21 +25,22 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file, save_file
 from torch import Tensor
 
-from drivegen import seeds
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.core import seeds
+from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Candidates
+from drivegen.goals.features import NAMES, features
+from drivegen.goals.lists import Lists, padded, padded_odds
 from drivegen.goals.manoeuvres import Manoeuvre
-from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.parked import parked
-from drivegen.scenario import Scenario
-from drivegen.selectors._features import NAMES, features
-from drivegen.selectors._lists import Lists, padded, padded_odds
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.parked import parked
 from drivegen.selectors._ranker import Ranker
 from drivegen.selectors.base import FirstFrameSelector
 from drivegen.store.files import whole, write_json
 from drivegen.training.curve import LossRow
 from drivegen.training.loop import Settings as Training
 from drivegen.training.loop import train
+from drivegen.training.weights import check_finite
 
 WEIGHTS, ABOUT = "ranker.safetensors", "ranker.json"
 
@@ -132,7 +133,11 @@ class Plugin(FirstFrameSelector):
         return _floored(self.net(x, there), prior, float(self.net.temperature), self.floor)[:count].numpy()
 
     def save(self, folder: Path) -> None:
-        """Weights as safetensors, and what they belong to; equal weights give equal bytes."""
+        """Weights as safetensors, and what they belong to; equal weights give equal bytes.
+
+        Raises UnusableInput where a weight is not finite.
+        """
+        check_finite({name: tensor.numpy() for name, tensor in self.net.state_dict().items()}, "the trained goal selector")
         with whole(folder / WEIGHTS) as temporary:
             save_file(self.net.state_dict(), temporary)
         known = [NAMES[column] for column in self._columns]
@@ -151,6 +156,7 @@ class Plugin(FirstFrameSelector):
                 raise UnusableInput(f"{folder} was trained on other features: run the train_selector stage again")
             net = Ranker(len(known), int(about["width"]))
             net.load_state_dict(load_file(folder / WEIGHTS))
+            check_finite({name: tensor.numpy() for name, tensor in net.state_dict().items()}, str(folder / WEIGHTS))
             return cls(net, float(about.get("floor", 0.0)), known, str(about["described"]))
         except (ValueError, KeyError, TypeError, RuntimeError, SafetensorError) as error:
             what = str(error).splitlines()[0]

@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.roadmap import NO_LANE
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.goals.candidates import NO_ROUTE, Candidates
 from drivegen.goals.manoeuvres import manoeuvres
 from drivegen.goals.traffic import Neighbours, look_ahead
-from drivegen.lanes.frenet import to_frenet
-from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.line import SPACING
-from drivegen.lanes.routes import match_route
-from drivegen.roadmap import NO_LANE
-from drivegen.scenario import Scenario, Trajectories
+from drivegen.roads.frenet import to_frenet
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.line import SPACING
+from drivegen.roads.routes import match_route
 from drivegen.selectors.base import Untrained
 
 

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Candidates
-from drivegen.lanes.graph import LaneGraph
-from drivegen.scenario import Scenario
+from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.base import FirstFrameSelector, Untrained
 
 

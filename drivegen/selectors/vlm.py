@@ -12,16 +12,16 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Candidates
-from drivegen.lanes.graph import LaneGraph
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prompt import Prompt, fenced
-from drivegen.scenario import Scenario
-from drivegen.selectors._vlm_account import Account
-from drivegen.selectors._vlm_asking import LAYOUTS as LAYOUTS
-from drivegen.selectors._vlm_asking import Asking, Scene
-from drivegen.selectors._vlm_asking import Settings as Settings
-from drivegen.selectors._vlm_question import LIKELIEST, examples
+from drivegen.questions.account import Account
+from drivegen.questions.asking import LAYOUTS as LAYOUTS
+from drivegen.questions.asking import Asking, Scene
+from drivegen.questions.asking import Settings as Settings
+from drivegen.questions.goals import LIKELIEST, examples
+from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.base import FirstFrameSelector
 from drivegen.selectors.learned import Plugin as Learned
 

@@ -1,7 +1,7 @@
 """The protocol of a simulator: let a driver steer the target of many scenarios through replayed traffic.
 
 Social vehicles and context actors are replayed whatever the target does (they don't react); the target follows its path
-(`_paths.py`) with the driver's speed. A run ends for the target at its first collision.
+(`_paths.py`) with the driver's speed. A run ends for the target at its first collision, or where it leaves the map.
 """
 
 from collections.abc import Sequence
@@ -12,10 +12,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.geometry import box_corners
+from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.drivers.base import Driver
-from drivegen.geometry import box_corners
-from drivegen.render.drivable import RoadField, road_field
-from drivegen.scenario import TARGET, Scenario, Trajectories
+from drivegen.roads.drivable import RoadField, road_field
 
 NO_PARTNER = -1
 
@@ -72,13 +72,16 @@ class DrivingOutcome:
         step: (S,) int16 of it, -1 if none.
         partner: (S,) int32 index into the scenario's vehicles, or number of vehicles + index into its context actors;
             NO_PARTNER if none.
-        motion: Trajectories (S, T) of the targets, valid up to and including the collision; shorter scenarios end earlier.
+        left_map: (S,) bool the target has driven out by an exit of the map, which ends its run well.
+        motion: Trajectories (S, T) of the targets, valid up to and including the collision, or until it left the map; shorter
+            scenarios end earlier.
         off_road: (S,) float32 share of valid steps with a corner off the drivable area; NaN until `with_off_road` judges it.
     """
 
     kind: NDArray[np.uint8]
     step: NDArray[np.int16]
     partner: NDArray[np.int32]
+    left_map: NDArray[np.bool_]
     motion: Trajectories
     off_road: NDArray[np.float32]
 
@@ -89,6 +92,7 @@ class DrivingOutcome:
             np.concatenate([part.kind for part in parts]),
             np.concatenate([part.step for part in parts]),
             np.concatenate([part.partner for part in parts]),
+            np.concatenate([part.left_map for part in parts]),
             Trajectories.joined([part.motion for part in parts]),
             np.concatenate([part.off_road for part in parts]),
         )

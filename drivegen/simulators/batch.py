@@ -11,12 +11,12 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from drivegen.core.scenario import DT, Scenario, Trajectories
 from drivegen.drivers.base import Driver, Observation, Paths
-from drivegen.scenario import DT, Scenario, Trajectories
-from drivegen.simulators._contact import outcome
-from drivegen.simulators._paths import target_paths
-from drivegen.simulators._replay import Replay, replay
 from drivegen.simulators.base import DrivingOutcome, TargetPaths
+from drivegen.simulators.shared.contact import outcome
+from drivegen.simulators.shared.paths import target_paths
+from drivegen.simulators.shared.replay import Replay, replay
 
 CHUNK = 512
 """Scenarios that advance together."""
@@ -56,7 +56,7 @@ class Plugin:
         others = replay(scenarios, traffic, paths, CHUNK)
         with torch.inference_mode():
             track = _drive(driver, others, _padded(paths, CHUNK), self._device)
-        return outcome(_trajectories(track, others, steps), others, len(scenarios))
+        return outcome(_trajectories(track, others, steps), others, scenarios)
 
 
 def _drive(driver: Driver, others: Replay, paths: Paths, device: torch.device) -> tuple[Tensor, Tensor, Tensor]:

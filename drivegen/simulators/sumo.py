@@ -10,14 +10,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import Floats, interpolate, line_heading, unit
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.drivers.base import PATH_SPACING, Driver, SumoDriver
-from drivegen.errors import UnusableInput
-from drivegen.geometry import Floats, interpolate, line_heading, unit
-from drivegen.scenario import Scenario, Trajectories
-from drivegen.simulators._contact import outcome
-from drivegen.simulators._paths import target_paths
-from drivegen.simulators._replay import Replay, replay
 from drivegen.simulators.base import DrivingOutcome, TargetPaths
+from drivegen.simulators.shared.contact import outcome
+from drivegen.simulators.shared.paths import target_paths
+from drivegen.simulators.shared.replay import Replay, replay
 from drivegen.sumo.closed_loop import ClosedLoopRun, drive
 
 LEAD_IN = 200.0
@@ -48,7 +48,7 @@ class Plugin:
         motion = Trajectories.empty(len(scenarios), max(moves.steps for moves in traffic))
         for s, (front, speed) in enumerate(drive(runs, driver.vehicle_type())):
             _fill(motion[s], runs[s], front, speed, others, s)
-        return outcome(motion, others, len(scenarios))
+        return outcome(motion, others, scenarios)
 
 
 def _run(others: Replay, paths: TargetPaths, s: int, desired_speed: float) -> ClosedLoopRun:

@@ -7,16 +7,13 @@ import numpy as np
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
-from drivegen.samples import NO_GOAL, Samples
-from drivegen.scenario import Scenario
-from drivegen.seeds import rng
+from drivegen.core.errors import UnusableInput
+from drivegen.core.samples import NO_GOAL, Samples
+from drivegen.core.scenario import Scenario
+from drivegen.core.seeds import rng
 from drivegen.store.goals import GoalColumns, read_goals
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
-
-GOALS_OF = {"drivegen": "learned", "drivegen_vlm": "vlm", "drivegen_without_goals": "random", "drivegen_true_goals": "log"}
-"""The selector whose recorded goals a method follows, as its plugin says; the others choose none, or their own."""
 
 
 @dataclass(frozen=True)
@@ -76,19 +73,20 @@ def goals_of(scenario_id: str, shard: Path) -> GoalColumns:
     return found[0]
 
 
-def followed_goals(samples: Samples, goals: Path, shard: str) -> NDArray[np.float32] | None:
-    """The places (C, 2) [m] of the goals that the samples follow, each once; None where the method has none.
+def followed_goals(samples: Samples, selector: str | None, goals: Path, shard: str) -> NDArray[np.float32] | None:
+    """The places (C, 2) [m] of the goals that the samples follow, each once, those beyond an exit at the exit.
 
-    `goals` is the folder of what selectors recorded (a folder each), `shard` the file in it. Raises UnusableInput where that
-    lacks the scene.
+    None where there are none.
+
+    `selector` recorded them, None where the method follows none. `goals` is the folder of what selectors recorded (a folder
+    each), `shard` the file in it. Raises UnusableInput where that lacks the scene.
     """
-    file = goals / GOALS_OF.get(samples.method, "") / shard
-    if not file.is_file():
+    if selector is None or not (file := goals / selector / shard).is_file():
         return None
     columns = goals_of(samples.scenario_id, file).columns
     first = np.concatenate([[0], np.cumsum(columns["candidates"])[:-1]])
     rows = np.unique((samples.goal + first)[samples.goal != NO_GOAL])
-    places: NDArray[np.float32] = columns["position"].reshape(-1, 2)[rows]
+    places: NDArray[np.float32] = columns["place"].reshape(-1, 2)[rows]
     return places
 
 

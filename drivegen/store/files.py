@@ -12,7 +12,7 @@ import orjson
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 
 
 @contextmanager

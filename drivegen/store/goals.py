@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from drivegen.store.lists import column, read_shard_table, write_shard_table
 
 KIND = "goals"
-VERSION = 1
+VERSION = 2
 
 COLUMNS: Mapping[str, pa.DataType] = {
     "candidates": pa.int32(),  # per vehicle: number of them, all vehicles' one after the other
@@ -31,6 +31,8 @@ COLUMNS: Mapping[str, pa.DataType] = {
     "leaves_map": pa.bool_(),
     "prior": pa.float32(),
     "probability": pa.float32(),
+    "place": pa.float32(),  # where it is shown: at the exit by which the vehicle leaves the map, else its position
+    "leaves_after": pa.float32(),  # [s], inf where it does not
     "routes": pa.int32(),  # per vehicle
     "offset": pa.float32(),
     "ahead": pa.float64(),

@@ -15,7 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.store.files import whole
 
 _KIND = b"drivegen"

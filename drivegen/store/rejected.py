@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from drivegen.rejected import Rejected
+from drivegen.core.rejections import Rejected
 from drivegen.store.lists import Shard, column, read_shard_table, write_shard_table
 
 KIND = "rejected"

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from drivegen.samples import Samples
-from drivegen.scenario import Trajectories
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Trajectories
 from drivegen.store.lists import Shard, column, read_shard_table, write_shard_table
 
 KIND = "samples"
-VERSION = 1
+VERSION = 2
 
 _SHAPE = ("samples", "vehicles", "steps")
 
@@ -31,6 +31,7 @@ _ARRAYS: dict[str, pa.DataType] = {
     "used": pa.float32(),
     "attempts": pa.uint8(),
     "dropped": pa.bool_(),
+    "left_map": pa.bool_(),
 }
 
 

@@ -15,14 +15,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
-from drivegen.geometry import Polylines
-from drivegen.roadmap import RoadMap
-from drivegen.scenario import Actors, Scenario, Signals, Trajectories, Vehicles
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import Polylines
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.scenario import Actors, Scenario, Signals, Trajectories, Vehicles
 from drivegen.store.lists import Shard, column, read_shard_table, write_shard_table
 
 KIND = "scenarios"
-VERSION = 1
+VERSION = 2
 
 _BOOL, _BYTE, _INT, _LONG = pa.bool_(), pa.uint8(), pa.int32(), pa.int64()
 _FLOAT, _DOUBLE, _WORD = pa.float32(), pa.float64(), pa.string()
@@ -42,6 +42,7 @@ _ARRAYS: dict[str, pa.DataType] = {
     "map.neighbour": _INT,
     "map.same_direction": _BOOL,
     "map.may_change": _BOOL,
+    "map.cut": _BOOL,
     "map.stop_lines": _FLOAT,
     "map.stop_lane": _INT,
     **{f"map.{layer}.{part}": kind for layer in _LINE_LAYERS for part, kind in _LINES.items()},
@@ -159,6 +160,7 @@ def _map(shard: Shard, row: int) -> RoadMap:
         neighbour=shard["map.neighbour"][row].reshape(-1, 2),
         same_direction=shard["map.same_direction"][row].reshape(-1, 2),
         may_change=shard["map.may_change"][row].reshape(-1, 2),
+        cut=shard["map.cut"][row].reshape(-1, 2),
         stop_lines=shard["map.stop_lines"][row].reshape(-1, 2, 2),
         stop_lane=shard["map.stop_lane"][row],
         dangling=shard["map.dangling"][row],

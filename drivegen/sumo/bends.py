@@ -10,8 +10,8 @@ from xml.etree.ElementTree import Element, tostring
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import arc_length, resample
-from drivegen.safe_xml import parse
+from drivegen.core.geometry import arc_length, resample
+from drivegen.core.safe_xml import parse
 from drivegen.sumo.net_lanes import lane_number, lane_shape
 
 COMFORTABLE = 2.5

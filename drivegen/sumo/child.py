@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 
 _PASSED_ON = ("PATH", "HOME", "LD_LIBRARY_PATH", "SUMO_HOME")
 _LONGEST_MESSAGE = 300

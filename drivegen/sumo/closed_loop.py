@@ -15,8 +15,8 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import arc_length
-from drivegen.scenario import DT
+from drivegen.core.geometry import arc_length
+from drivegen.core.scenario import DT
 from drivegen.sumo import child, closed_loop_process
 
 _PROGRAM = Path(closed_loop_process.__file__)  # run, never called; imported so that whoever follows imports finds it

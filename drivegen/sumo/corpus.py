@@ -9,11 +9,11 @@ from itertools import islice
 
 import numpy as np
 
-from drivegen import seeds
-from drivegen.crop import Cropper
-from drivegen.errors import UnusableInput
-from drivegen.scenario import DT, Scenario
-from drivegen.settings import Count, NotNegative, Positive
+from drivegen.core import seeds
+from drivegen.core.crop import Cropper
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import DT, Scenario
+from drivegen.core.settings import Count, NotNegative, Positive
 from drivegen.sumo.bends import with_human_speeds
 from drivegen.sumo.demand import Demand, draw_demand, vehicles_at_begin
 from drivegen.sumo.netconvert import convert

@@ -12,9 +12,9 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
-from drivegen.roadmap import LaneKind
-from drivegen.scenario import VehicleKind
+from drivegen.core.errors import UnusableInput
+from drivegen.core.roadmap import LaneKind
+from drivegen.core.scenario import VehicleKind
 from drivegen.sumo.drivers import CYCLED, draw_types
 from drivegen.sumo.network import Network
 

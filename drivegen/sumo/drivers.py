@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from drivegen.scenario import VehicleKind
+from drivegen.core.scenario import VehicleKind
 
 SHARES = {
     VehicleKind.CAR: 0.82,

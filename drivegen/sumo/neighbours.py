@@ -5,8 +5,8 @@ from collections import defaultdict
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import Polylines, interpolate, project
-from drivegen.roadmap import NO_LANE, LaneControl
+from drivegen.core.geometry import Polylines, interpolate, project
+from drivegen.core.roadmap import NO_LANE, LaneControl
 from drivegen.sumo.net_lanes import NetLanes
 
 _GAP = 1.5

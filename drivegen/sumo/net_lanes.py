@@ -6,8 +6,8 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
-from drivegen.roadmap import LaneKind
+from drivegen.core.errors import UnusableInput
+from drivegen.core.roadmap import LaneKind
 from drivegen.sumo.strips import crossing_corners
 
 Points = NDArray[np.float64]

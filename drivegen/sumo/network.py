@@ -11,11 +11,11 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
-from drivegen.geometry import Floats, Polylines
-from drivegen.roadmap import LaneControl, LaneKind, RoadMap
-from drivegen.safe_xml import parse
-from drivegen.scenario import Signals
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import Floats, Polylines
+from drivegen.core.roadmap import LaneControl, LaneKind, RoadMap
+from drivegen.core.safe_xml import parse
+from drivegen.core.scenario import Signals
 from drivegen.sumo import net_lanes, strips
 from drivegen.sumo.neighbours import neighbours
 from drivegen.sumo.net_lanes import NetLanes
@@ -112,6 +112,7 @@ def _assemble(root: Element, lanes: NetLanes, place: str) -> Network:
         neighbour=neighbour,
         same_direction=same,
         may_change=may_change,
+        cut=np.zeros((len(lanes), 2), np.bool_),
         drivable=Polylines.of(area),
         crossings=Polylines.of([shape - origin for shape in lanes.crossings]),
         stop_lines=strips.stop_lines(left, right, stopping[:, 0]),

@@ -7,8 +7,8 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
-from drivegen.scenario import SignalState
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import SignalState
 
 _SHOWN = {
     **dict.fromkeys("gG", SignalState.GREEN),

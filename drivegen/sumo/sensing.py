@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import box_corners, rotate
-from drivegen.scenario import Actors, Scenario, Trajectories
+from drivegen.core.geometry import box_corners, rotate
+from drivegen.core.scenario import Actors, Scenario, Trajectories
 
 
 @dataclass(frozen=True)

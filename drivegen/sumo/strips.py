@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import Polylines
+from drivegen.core.geometry import Polylines
 
 Points = NDArray[np.float64]
 

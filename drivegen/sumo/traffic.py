@@ -17,9 +17,9 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from drivegen.errors import MissingTool
-from drivegen.geometry import unit, wrap_angle
-from drivegen.scenario import DT, Trajectories, VehicleKind
+from drivegen.core.errors import MissingTool
+from drivegen.core.geometry import unit, wrap_angle
+from drivegen.core.scenario import DT, Trajectories, VehicleKind
 from drivegen.sumo import child
 from drivegen.sumo.child import SimulationFailed
 from drivegen.sumo.programs import decode

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.crop import Cropper
-from drivegen.geometry import boxes_overlap, wrap_angle
-from drivegen.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
-from drivegen.settings import Count, NotNegative, Positive, Share
+from drivegen.core.crop import Cropper
+from drivegen.core.geometry import boxes_overlap, wrap_angle
+from drivegen.core.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
+from drivegen.core.settings import Count, NotNegative, Positive, Share
 from drivegen.sumo.network import Network
 from drivegen.sumo.traffic import Traffic
 

@@ -6,7 +6,10 @@ random number from (seed, step).
 """
 
 import dataclasses
+import hashlib
 import json
+import sys
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,7 +18,7 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
 from torch import Tensor, nn
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.store.files import whole
 from drivegen.training.curve import LossRow
 
@@ -72,6 +75,31 @@ def read(
         return Progress(**state, curve=curve)
     except (SafetensorError, RuntimeError, KeyError, TypeError, ValueError) as error:
         raise UnusableInput(f"checkpoint {path} does not fit this training ({error}): remove it to start anew") from None
+
+
+def name_of(inputs: object, files: Iterable[Path], code: str) -> str:
+    """A name for an interrupted training, which changes with all that its weights depend on.
+
+    `inputs` (settings, seed, ...) count by their `repr`, `files` by their bytes; `code` is a digest such as `source_digest`.
+    """
+    digest = hashlib.sha256(f"{inputs!r}\n{code}\n".encode())
+    for path in files:
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()[:24]
+
+
+def source_digest(*packages: str) -> str:
+    """Hex digest of the source of all modules of `packages` that are loaded, that which `python -m` runs included.
+
+    It depends neither on where the packages lie nor on the order in which their modules were loaded.
+    """
+    loaded = [module for name, module in list(sys.modules.items()) if name.split(".")[0] in {*packages, "__main__"}]
+    specs = [spec for module in loaded if (spec := module.__spec__) is not None]
+    sources = {spec.name: spec.origin for spec in specs if spec.has_location and spec.name.split(".")[0] in packages}
+    digest = hashlib.sha256()
+    for name, origin in sorted(sources.items()):
+        digest.update(f"{name} {hashlib.sha256(Path(str(origin)).read_bytes()).hexdigest()}\n".encode())
+    return digest.hexdigest()
 
 
 def _below(prefix: str, tensors: dict[str, Tensor]) -> dict[str, Tensor]:

@@ -7,6 +7,7 @@ with W processes each takes its W-th part of the very batch that one process wou
 """
 
 import copy
+import math
 import os
 from collections.abc import Callable
 from contextlib import nullcontext
@@ -19,10 +20,11 @@ import torch
 import torch.distributed as dist
 from torch import Tensor, nn
 from torch.nn.parallel import DistributedDataParallel
+from torch.optim.swa_utils import get_ema_multi_avg_fn
 
-from drivegen import seeds
-from drivegen.errors import UnusableInput
-from drivegen.settings import Count, Index, NotNegative, Positive, Share
+from drivegen.core import seeds
+from drivegen.core.errors import UnusableInput
+from drivegen.core.settings import Count, Index, NotNegative, Positive, Share
 from drivegen.training import checkpoint
 from drivegen.training.curve import LossRow, kept
 
@@ -92,7 +94,8 @@ def train(
     `probe` is asked for each row's `error` of the averaged network, in evaluation mode.
 
     With `path`, progress is kept there every `checkpoint_every` steps and taken up from there; the file of a training
-    that ended well is left to the caller to remove. Raises UnusableInput where there is nothing to learn from.
+    that ended well is left to the caller to remove. Raises UnusableInput where there is nothing to learn from, and as soon as
+    the loss is not finite.
     """
     if objective.size == 0:
         raise UnusableInput("there is no example to learn from", reason="no-examples")
@@ -152,7 +155,7 @@ class _Run(Generic[Net]):
         self._average()
         self.progress.step += 1
         self.progress.since += 1
-        self.progress.loss_since += self._mean(loss.detach())
+        self.progress.loss_since += self._finite(self._mean(loss.detach()))
 
     def close_row(self, probe: Callable[[Net], float] | None) -> LossRow:
         """Add the row of the loss curve that ends at this step."""
@@ -171,12 +174,22 @@ class _Run(Generic[Net]):
     def _average(self) -> None:
         """Move the average towards the weights; early on faster, so that it forgets where it started."""
         decay = min(self.settings.average, (1 + self.progress.step) / (10 + self.progress.step))
-        torch._foreach_lerp_(list(self.averaged.parameters()), [p.detach() for p in self.model.parameters()], 1 - decay)
+        move = get_ema_multi_avg_fn(decay)  # type: ignore[no-untyped-call]
+        move(list(self.averaged.parameters()), [p.detach() for p in self.model.parameters()], self.progress.step)
         for mine, theirs in zip(self.averaged.buffers(), self.model.buffers(), strict=True):
             mine.copy_(theirs)
 
     def _autocast(self) -> torch.autocast | nullcontext[None]:
         return torch.autocast(self.device.type, torch.bfloat16) if self.settings.bf16 else nullcontext()
+
+    def _finite(self, loss: float) -> float:
+        if not math.isfinite(loss):
+            when, rate = f"step {self.progress.step} of {self.settings.steps}", f"{self.settings.learning_rate:g}"
+            raise UnusableInput(
+                f"training stopped: the loss is {loss} at {when}; lower learning_rate ({rate}) or raise warmup",
+                reason="not-finite",
+            )
+        return loss
 
     def _mean(self, loss: Tensor) -> float:
         if self.world > 1:

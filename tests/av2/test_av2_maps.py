@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.av2.maps import read_map, write_map
-from drivegen.errors import UnusableInput
-from drivegen.roadmap import NO_LANE, LaneControl, RoadMap
+from drivegen.core.errors import UnusableInput
+from drivegen.core.roadmap import NO_LANE, LaneControl, RoadMap
 from tests.refusals import assert_one_sentence
 from tests.scenes import any_scenario, crossing, straight_road
 

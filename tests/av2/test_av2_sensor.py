@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drivegen.av2.sensor import EGO_CENTRE, EGO_SIZE, fitted_velocity, read_sensor_log
-from drivegen.errors import UnusableInput
-from drivegen.scenario import VehicleKind
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import VehicleKind
 from tests.small_datasets import EGO_SPEED, sensor_log
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from drivegen import bench
 from drivegen.bench import Row, _row, _scene, generation
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from drivegen.checker.calibration import calibrate, logged_severities, pass_rates
-from drivegen.checker.limits import FLAGS, RULES, Limits
+from drivegen.checker.limits import FLAGS, LIMITED, RULES, Limits
 from drivegen.checker.scene import check_samples
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from tests.checking import LIMITS
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
@@ -42,7 +42,7 @@ def test_limits_follow_the_quantile_but_never_fall_below_the_floor(logs):
     lenient = calibrate([logged_severities(log, LIMITS) for log in logs], LIMITS, 0.999).limits
     assert lenient.braking > 10
     assert strict.braking == LIMITS.braking
-    assert all(getattr(strict, rule) >= getattr(LIMITS, rule) for rule in RULES if rule != "yield_gap")
+    assert all(getattr(strict, rule) >= getattr(LIMITS, rule) for rule in LIMITED if rule != "yield_gap")
     assert strict.yield_gap == LIMITS.yield_gap
 
 

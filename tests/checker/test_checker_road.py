@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.checker.road import corner_outside
-from drivegen.geometry import box_corners, rotate
-from drivegen.render.drivable import road_field
+from drivegen.checker.road import LEAST, corner_outside
+from drivegen.core.geometry import box_corners, rotate
+from drivegen.roads.drivable import road_field
 from tests.scenes import LANE_WIDTH, road_map
 
 
@@ -18,6 +18,7 @@ def test_the_outermost_corner_is_found_within_a_cell(road, heading, aside):
     x, y = rotate(np.array([3.0, aside]), np.float64(road))
     found = corner_outside(
         field.outside,
+        LEAST,
         field.origin,
         np.float32(x),
         np.float32(y),

@@ -5,9 +5,9 @@ import pytest
 
 from drivegen.checker.limits import NEVER, RULES
 from drivegen.checker.scene import SceneChecker, check_samples
-from drivegen.roadmap import LaneControl
-from drivegen.samples import Violation
-from drivegen.scenario import Actors, Signals, SignalState, Trajectories
+from drivegen.core.roadmap import LaneControl
+from drivegen.core.samples import Violation
+from drivegen.core.scenario import Actors, Signals, SignalState, Trajectories
 from tests.checking import LIMITS, two_way_road
 from tests.scenes import LANE_WIDTH, beside, crossing, drive, joined, scenario, stack, straight_road
 
@@ -74,6 +74,30 @@ def test_an_overlap_in_the_first_frame_is_inherited_until_the_boxes_part():
 def test_a_vehicle_that_is_left_out_collides_with_nobody():
     a, b = drive(LINE, 50, 10, STEPS), drive(LINE, 52, 0, STEPS)
     assert judge(ROAD, a, replace(b, valid=np.zeros(STEPS, np.bool_)))[0][0] == Violation.NONE
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("name", ["position", "heading", "velocity"])
+def test_one_number_that_is_not_finite_makes_a_trajectory_illegal(name, value):
+    broken = drive(LINE, 10, 10, STEPS)
+    getattr(broken, name)[37] = value
+    flags, first = judge(ROAD, broken, drive(LINE, 100, 10, STEPS))
+    assert flags == [Violation.NOT_FINITE, Violation.NONE]
+    assert first[0] == 37
+
+
+def test_what_is_not_finite_at_a_step_that_is_not_valid_is_nobodys_business():
+    motion = drive(LINE, 10, 10, STEPS)
+    motion.position[80:], motion.valid[80:] = np.nan, False
+    assert judge(ROAD, motion)[0] == [Violation.NONE]
+
+
+def test_a_committed_vehicle_that_is_not_finite_is_no_obstacle_and_no_crash():
+    checker = SceneChecker(scenario(ROAD, stack([drive(LINE, 10, 10, STEPS)] * 2)), LIMITS)
+    nowhere = drive(LINE, 20, 10, STEPS)
+    nowhere.position[:] = np.nan
+    violation, _ = checker.check(0, drive(LINE, 10, 10, STEPS)[np.newaxis], stack([nowhere]), checker.size[1:])
+    assert violation.tolist() == [Violation.NONE]
 
 
 def test_people_are_avoided():
@@ -311,3 +335,26 @@ def test_nothing_valid_is_nothing_judged():
     assert (found.worst == NEVER).all()
     assert found.violation.tolist() == [[0]]
     assert found.first_step.tolist() == [[-1]]
+
+
+def test_where_the_network_ends_the_road_ends_and_where_it_is_cut_it_does_not():
+    onward = drive(LINE, 250, 8, STEPS)  # over the end at 300 m, straight on
+    assert judge(ROAD, onward) == ([Violation.NONE], [-1])
+    flags, first = judge(straight_road(whole=True), onward)
+    assert flags == [Violation.OFF_ROAD]
+    assert 60 < first[0] < 75  # its front is out after 6 s
+    beyond = drive(np.array([[0.0, 0.0], [400.0, 0.0]]), 250, 30, STEPS)  # out of the raster, too
+    assert Violation.OFF_ROAD in judge(straight_road(whole=True), beyond)[0][0]
+    assert Violation.OFF_ROAD not in judge(ROAD, beyond)[0][0]
+
+
+def test_who_starts_off_the_road_is_judged_once_it_is_on_it():
+    way = np.array([[20.0, -6.0], [40.0, -6.0], [70.0, 0.0], [110.0, 0.0], [140.0, -9.0], [300.0, -9.0]])
+    flags, first = judge(
+        ROAD, drive(way, 0, 12, STEPS), limits=replace(LIMITS, curvature=9, lateral_acceleration=99, side_slip=9)
+    )
+    assert Violation.OFF_ROAD in flags[0]
+    assert 90 < 20 + 1.2 * first[0] < 160  # the way out, not the way in
+    parked = drive(way, 0, 0, STEPS)
+    parked.position[50:] = drive(way[:4], 0, 12, STEPS).position[:51]
+    assert Violation.OFF_ROAD not in judge(ROAD, parked)[0][0]

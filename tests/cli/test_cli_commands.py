@@ -1,7 +1,6 @@
 """The command line as a user meets it: exit codes, one sentence, no traceback."""
 
 import importlib.metadata
-import json
 import os
 import re
 import shlex
@@ -22,7 +21,7 @@ from drivegen import cli
 from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder
 from drivegen.cli import doctor
-from drivegen.scenario import Actors, Trajectories, VehicleKind
+from drivegen.core.scenario import Actors, Trajectories, VehicleKind
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import read_shard, write_shard
 from tests import scenes
@@ -99,14 +98,18 @@ def test_what_the_pipeline_ships_is_exported_in_the_official_layout(tmp_path):
 
 @pytest.fixture
 def corner_round(tmp_path) -> Path:
-    """Two futures of one scene; in the second the driver collides at step 7, in front of where it was planned to be."""
+    """Three futures of one scene; in the second the driver collides at step 7, in front of where it was planned to be.
+
+    In the third it leaves the map at step 9.
+    """
     scene = scenes.busy_crossing(20, "recording:3")
-    made = scenes.noisy_samples(scene, 2, seed=1, method="drivegen_cs")
+    made = scenes.noisy_samples(scene, 3, seed=1, method="drivegen_cs")
     made.motion.valid[:, 2] = False  # left out of both
     drove = made.motion[:, :1]
     drove = replace(drove, valid=drove.valid.copy(), position=drove.position + np.float32([1.0, 0.0]))
-    drove.valid[1, :, 8:] = False
+    drove.valid[1, :, 8:] = drove.valid[2, :, 9:] = False
     columns = {name: getattr(made, name)[:, :1] for name in vars(made) if name not in ("scenario_id", "method", "motion")}
+    columns["left_map"] = np.array([[False], [False], [True]])
     write_shard(tmp_path / "data" / "scenarios" / "test" / "shard-00000.parquet", [scene])
     write_samples(tmp_path / "round" / "samples" / "shard-00000.parquet", [made])
     write_samples(tmp_path / "round" / "driven" / "shard-00000.parquet", [replace(made, motion=drove, **columns)])
@@ -129,7 +132,7 @@ def exported(folder: Path, *words: str) -> dict[str, tuple[int, int, float]]:
 def test_futures_are_exported_one_by_one_and_of_a_round_what_collided_as_it_was_driven(corner_round):
     planned = exported(corner_round, "round/samples")
     vehicles = len(scenes.busy_crossing(20).vehicles) - 1
-    assert sorted(planned) == ["recording-3-s00", "recording-3-s01"]
+    assert sorted(planned) == ["recording-3-s00", "recording-3-s01", "recording-3-s02"]
     assert {seen[:2] for seen in planned.values()} == {(vehicles, 20)}
     assert exported(corner_round, "round") == planned
     assert exported(corner_round, "round", "--collisions") == {"recording-3-s01": planned["recording-3-s01"]}
@@ -204,7 +207,7 @@ def test_without_models_generate_says_who_makes_them(tmp_path):
     [
         (["view", "nowhere"], 2, "drivegen: nowhere is no folder"),
         (["view", "."], 2, "holds 0 files scenario_<id>.parquet"),
-        (["map", "sing me a song", "--out", "m"], 2, "drivegen: no road that I know"),
+        (["map", "sing me a song", "--out", "m"], 2, "drivegen: I do not read 'sing'"),
         (["map", "--out", "m"], 2, "Missing argument"),
         (["generate", "--out", "o"], 2, "give exactly one of --scenario, --map and --text"),
         (["generate", "--out", "o", "--map", "x", "--scenario", "y"], 2, "give exactly one of"),
@@ -268,21 +271,23 @@ def test_a_command_that_is_stopped_leaves_nothing_half_written(tmp_path, number)
     assert not list(tmp_path.iterdir())
 
 
-def test_map_writes_three_files_and_says_what_it_ignored(tmp_path):
-    done = run("map", "a T-junction with purple cows", "--out", "m", "--seed", "3", cwd=tmp_path)
+def test_map_writes_three_files_and_refuses_what_it_does_not_read(tmp_path):
+    refused = run("map", "a T-junction with purple cows", "--out", "m", "--seed", "3", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "I do not read 'purple'" in refused.stderr
+    assert not (tmp_path / "m").exists()
+    done = run("map", "a T-junction", "--out", "m", "--seed", "3", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    account = json.loads((tmp_path / "m" / "map.json").read_text())
-    assert "purple" in " ".join(account["ignored"])
-    assert "purple" in done.stdout
+    assert "A T-junction with side roads that give way" in done.stdout
     assert {file.name for file in (tmp_path / "m").iterdir()} == {"map.net.xml", "map.json", "map.png"}
 
 
 def test_the_table_of_maps_is_whole_where_the_terminal_is_narrow(tmp_path):
     done = run("bench", "maps", "--every", "400", cwd=tmp_path, COLUMNS="60", DRIVEGEN_REAL_DATA="")
     assert done.returncode == 0, done.stderr
-    assert "understood" in done.stdout
+    assert "right after offer" in done.stdout
     assert "…" not in done.stdout
-    assert re.search(r"^own( +\d+)+ +100% ", done.stdout, re.MULTILINE)
+    assert re.search(r"^own, plain( +\d+){5}", done.stdout, re.MULTILINE)
 
 
 def test_the_doctor_finds_this_installation_sound_and_says_what_is_not_made_yet(tmp_path):

@@ -41,7 +41,7 @@ def test_a_description_needs_no_command_and_options_may_come_first(folder, tmp_p
 
 
 def test_a_description_may_begin_with_the_name_of_a_command(tmp_path):
-    assert "roundabout" in run("import a roundabout with three arms", "--out", tmp_path)
+    assert "roundabout" in run("roundabout with three arms", "--out", tmp_path)
 
 
 def test_an_edit_changes_the_map_in_place_and_is_kept_in_its_history(tmp_path):
@@ -108,11 +108,11 @@ def test_opendrive_is_written_and_read(folder, tmp_path):
         (["import", "FOLDER/map.net.xml", "--out", "o", "--radius", "nan"], "radius must be between 10 and 5000 m"),
         (["import", "--out", "o"], "Missing argument"),
         (["refine", "nowhere", "add a lane"], "make the map first"),
-        (["refine", "FOLDER", "sing me a song"], "no edit that I know"),
+        (["refine", "FOLDER", "sing me a song"], "I do not read"),
         (["export", "nowhere", "--to", "sumo", "--out", "x"], "nowhere is not there: `drivegen map` makes maps"),
         (["a straight road", "--out", "FOLDER"], "holds a map already: name another folder"),
         (["import", "FOLDER/map.net.xml", "--out", "FOLDER"], "holds a map already: name another folder"),
-        (["refine", "FOLDER", "limit 9999 km/h"], "speed must be less than or equal to"),
+        (["refine", "FOLDER", "limit 9999 km/h"], "must be less than or equal to"),
         (["import", "FOLDER", "--out", "o"], "holds 0 files log_map_archive_<id>.json"),
         (["export", "FOLDER", "--to", "lanelet", "--out", "x"], "'lanelet'"),
     ],

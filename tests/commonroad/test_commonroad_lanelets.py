@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.commonroad.recording import read_recording
-from drivegen.errors import UnusableInput
-from drivegen.recorded import RecordedLog
-from drivegen.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap
-from drivegen.scenario import SignalState
+from drivegen.core.errors import UnusableInput
+from drivegen.core.recorded_log import RecordedLog
+from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap
+from drivegen.core.scenario import SignalState
 from tests.commonroad_files import CARS, ROAD, car, lanelet, points, xml
 
 STRAIGHT = ([(0.0, 2.0), (50.0, 2.0)], [(0.0, -2.0), (50.0, -2.0)])

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from drivegen.commonroad.recording import read_recording
-from drivegen.errors import UnusableInput
-from drivegen.recorded import RecordedLog
-from drivegen.scenario import VehicleKind
+from drivegen.core.errors import UnusableInput
+from drivegen.core.recorded_log import RecordedLog
+from drivegen.core.scenario import VehicleKind
 from tests.commonroad_files import BOX, ROAD, car, obstacle, points, state, xml
 
 

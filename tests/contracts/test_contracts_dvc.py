@@ -19,6 +19,7 @@ from stages import _door
 
 ROOT = Path(__file__).parents[2]
 LOADED = re.compile(r"""\bload\(\s*"([\w.]+)",""")
+NAMED = re.compile(r"""\bplugins\.names\(\s*"([\w.]+)",""")
 UNTRACKED = [str(_door.COST_FOLDER), ".drivegen/calls"]
 """Read, but no dep: times differ from run to run, of calls of language models too."""
 
@@ -29,11 +30,11 @@ def imports() -> grimp.ImportGraph:
 
 
 def stages() -> dict[str, list]:
-    """Stages of dvc.yaml by word: the items of a matrix together."""
+    """Stages of dvc.yaml by the word of their command: the items of a matrix, and of several with the same door, together."""
     found: dict[str, list] = {}
     with Repo(str(ROOT)) as repo:
         for stage in repo.index.stages:
-            found.setdefault(stage.addressing.split("@")[0], []).append(stage)
+            found.setdefault(stage.cmd.split()[1], []).append(stage)
     return found
 
 
@@ -56,12 +57,23 @@ def modules_at(path: str) -> set[str]:
 
 
 def needed(stage) -> set[str]:
-    """Everything that the stage's module imports, and what the plugins among its deps import."""
-    word = stage.cmd.split()[1]
-    plugins = {m for path in code_deps(stage) for m in modules_at(path) if (path_of(m).parent / "base.py").exists()}
-    start = {f"stages.{word}", *plugins}
-    closure = start.union(*(imports().find_upstream_modules(module) for module in start))
+    """Everything that the stage's module imports, and what those plugins among its deps import that it loads by name."""
+    listed = {module for path in code_deps(stage) for module in modules_at(path)}
+    start, closure = set(), {f"stages.{stage.cmd.split()[1]}"}
+    while start != closure:
+        start = closure
+        closure = start.union(*(imports().find_upstream_modules(module) for module in start))
+        rooms = {f"drivegen.{folder}" for module in closure for folder in LOADED.findall(path_of(module).read_text())}
+        closure |= {module for module in listed if module.rpartition(".")[0] in rooms}
     return {module for module in closure if path_of(module).read_text().strip() and path_of(module).name != "__init__.py"}
+
+
+def folders_read(stage) -> set[str]:
+    """Folders of plugins whose names are listed, or that are asked what they say of themselves: their files are not run."""
+    texts = [path_of(module).read_text() for module in needed(stage) if module != "drivegen.core.methods"]
+    rooms = {name for text in texts for name in NAMED.findall(text)}
+    rooms |= {"generators" for text in texts if "read_methods(" in text}
+    return {f"drivegen/{room.replace('.', '/')}" for room in rooms}
 
 
 @pytest.mark.parametrize("word", STAGES)
@@ -69,6 +81,7 @@ def test_the_stage_is_called_like_its_file_and_its_command(word):
     assert (ROOT / "stages" / f"{word}.py").exists()
     for stage in STAGES[word]:
         assert stage.cmd.split()[:2] == ["stages/run", word]
+        assert re.fullmatch(rf"{word}(_[a-z]+)?(@.+)?", stage.name)
 
 
 @pytest.mark.parametrize("word", STAGES)
@@ -77,7 +90,11 @@ def test_what_a_stage_imports_is_listed_and_nothing_else(word):
     for stage in STAGES[word]:
         listed = {path: modules_at(path) for path in code_deps(stage)}
         missing = sorted(str(path_of(m).relative_to(ROOT)) for m in needed(stage).difference(*listed.values()))
-        useless = sorted(path for path, modules in listed.items() if modules and not modules & wanted_by_any)
+        useless = sorted(
+            path
+            for path, modules in listed.items()
+            if modules and not modules & wanted_by_any and path not in folders_read(stage)
+        )
         assert (missing, useless) == ([], []), f"{stage.addressing}: add the first, remove the second"
 
 
@@ -88,8 +105,14 @@ def test_plugins_that_are_loaded_by_name_are_listed(word):
         folders = {folder for module in needed(stage) for folder in LOADED.findall(path_of(module).read_text())}
         for folder in folders:
             place = f"drivegen/{folder.replace('.', '/')}"
-            chosen = [p for p in code_deps(stage) if p == place or re.fullmatch(rf"{place}/[a-z]\w*\.py", p)]
+            chosen = [p for p in code_deps(stage) if f"{place}/".startswith(f"{p}/") or re.fullmatch(rf"{place}/[a-z]\w*\.py", p)]
             assert [p for p in chosen if not p.endswith("/base.py")], f"{stage.addressing}: which {place} does it load?"
+
+
+@pytest.mark.parametrize("word", STAGES)
+def test_folders_of_plugins_that_are_read_and_not_run_are_listed(word):
+    for stage in STAGES[word]:
+        assert folders_read(stage) - set(code_deps(stage)) == set(), stage.addressing
 
 
 @pytest.mark.parametrize("word", STAGES)
@@ -128,8 +151,8 @@ def test_params_are_those_that_the_stage_reads_and_the_file_holds(word):
     for stage in STAGES[word]:
         listed = {name for dep in stage.deps if isinstance(dep, ParamsDependency) for name in dep.params}
         shared = {name.removeprefix("run.") for name in listed if name.startswith("run.")}
-        assert shared == own & {"seed", "training_seed"}, stage.addressing
-        assert {name.split(".")[0] for name in listed} & {word} or not own - {"seed", "training_seed", "workers"}, (
+        assert shared == (own & set(_door.read_section("run"))) - {"workers", *_door.read_section(word)}, stage.addressing
+        assert {name.split(".")[0] for name in listed} & {word} or not own - {*shared, "workers"}, (
             f"{stage.addressing}: params must list {word!r}"
         )
     assert params is not None

@@ -8,24 +8,26 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 
 PLANTED = {
-    "drivegen/geometry.py": "from drivegen.scenario import Scenario",
+    "drivegen/core/geometry.py": "from drivegen.core.scenario import Scenario",
     "drivegen/unplaced.py": "import json",
     "drivegen/goals/planted.py": "from drivegen.planners.base import Planner",
     "drivegen/metrics/planted.py": "import torch",
     "drivegen/checker/planted.py": "import cv2",
     "drivegen/maps/planted.py": "import openai",
-    "drivegen/seeds.py": "import prefect",
+    "drivegen/core/seeds.py": "import prefect",
+    "drivegen/words/planted.py": "from drivegen.maps import build",
     "stages/planted.py": "import prefect\nfrom stages.collect import main",
     "flows/planted.py": "import drivegen",
 }
 NOTICED = (
-    "drivegen.geometry -> drivegen.scenario",
+    "drivegen.core.geometry -> drivegen.core.scenario",
     "- drivegen.unplaced",
     "drivegen.goals.planted -> drivegen.planners.base",
     "drivegen.metrics.planted -> torch",
     "drivegen.checker.planted -> cv2",
     "drivegen.maps.planted -> openai",
-    "drivegen.seeds -> prefect",
+    "drivegen.words.planted -> drivegen.maps.build",
+    "drivegen.core.seeds -> prefect",
     "stages.planted -> prefect",
     "stages.planted -> stages.collect",
     "flows.planted -> drivegen",

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from drivegen import plugins
+from drivegen.core import plugins
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = sorted(".".join(base.parent.relative_to(ROOT / "drivegen").parts) for base in (ROOT / "drivegen").rglob("base.py"))

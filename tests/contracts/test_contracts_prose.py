@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 MACHINE = re.compile(r"(?<![\w.])/(work|root|home|Users|mnt|workspace)/\w")
 UNFINISHED = re.compile(r"\b(TO" r"DO|FIX" r"ME|XX" r"X|raise NotImplemented" r"Error)\b")
 LONGEST_FILE = 400
-LONGEST_STAGE = 200
+LONGEST_STAGE = 120
 
 
 def texts() -> list[Path]:
@@ -31,7 +31,8 @@ def test_no_file_holds_what_does_not_belong_there(pattern):
 
 def test_files_can_be_read_in_one_sitting():
     lengths = {file.relative_to(ROOT): len(file.read_text().splitlines()) for file in texts() if file.suffix == ".py"}
-    too_long = {str(name): n for name, n in lengths.items() if n > (LONGEST_STAGE if name.parts[0] == "stages" else LONGEST_FILE)}
+    doors = {name for name in lengths if name.parts[0] == "stages" and not name.name.startswith("_")}
+    too_long = {str(name): n for name, n in lengths.items() if n > (LONGEST_STAGE if name in doors else LONGEST_FILE)}
     assert too_long == {}
 
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import boxes_overlap, project
+from drivegen.core.scenario import SizeSource, Trajectories, VehicleKind
 from drivegen.datasets import commonroad
-from drivegen.datasets._splits import SPLITS, Plan, items
 from drivegen.datasets._targets import LEAST_NEW, LONG, NEIGHBOURHOOD, spread_targets
-from drivegen.errors import UnusableInput
-from drivegen.geometry import boxes_overlap, project
-from drivegen.scenario import SizeSource, Trajectories, VehicleKind
-from drivegen.selection import Settings, select
+from drivegen.ingest.selection import Settings, select
+from drivegen.ingest.splits import SPLITS, Plan, items
 from tests.commonroad_files import ROAD, car, xml
 
 REAL = Path(os.environ.get("DRIVEGEN_REAL_DATA", Path(__file__).parents[2].parent / "shared" / "data")) / "commonroad"

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivegen import plugins
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.recorded_log import NO_TRACK
 from drivegen.datasets.base import Dataset
-from drivegen.errors import UnusableInput
-from drivegen.recorded import NO_TRACK
-from drivegen.selection import PLANNED_KINDS, Settings, select
+from drivegen.ingest.selection import PLANNED_KINDS, Settings, select
 from tests.small_datasets import BUILDERS
 
 NAMES = plugins.names("datasets")

@@ -8,11 +8,11 @@ import pytest
 
 from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder
+from drivegen.core.geometry import project
+from drivegen.core.roadmap import LaneKind
+from drivegen.core.scenario import SizeSource, VehicleKind
 from drivegen.datasets import argoverse2, argoverse2_sensor
-from drivegen.geometry import project
-from drivegen.roadmap import LaneKind
-from drivegen.scenario import SizeSource, VehicleKind
-from drivegen.selection import Settings, select
+from drivegen.ingest.selection import Settings, select
 
 REAL = Path(os.environ.get("DRIVEGEN_REAL_DATA", Path(__file__).parents[2].parent / "shared" / "data")) / "argoverse2"
 FORECASTING, SENSOR = REAL / "motion-forecasting", REAL / "sensor"

@@ -7,11 +7,12 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import resample, wrap_angle
+from drivegen.core.recorded_log import RecordedLog
+from drivegen.core.scenario import TARGET
 from drivegen.datasets.sumo_corpus import Plugin, write_part
-from drivegen.errors import UnusableInput
-from drivegen.geometry import resample, wrap_angle
-from drivegen.recorded import RecordedLog
-from drivegen.scenario import TARGET
+from drivegen.layouts.corpus import Networks
 from drivegen.sumo.corpus import CorpusSettings
 from drivegen.sumo.sensing import SensingSettings, sensed
 from drivegen.sumo.windows import WindowSettings, moves, overlapping_pairs, thrown
@@ -28,8 +29,7 @@ PARAMS = Params(
     workers=1,
     scenarios={"train": 5, "test": 2},
     per_part=3,
-    real={"test": {"square": "tools/game/square/square.net.xml"}},
-    own={"train": {"cross": CROSS}},
+    networks=Networks(real={"test": {"square": "tools/game/square/square.net.xml"}}, own={"train": {"cross": CROSS}}),
     density={"real": (10.0, 15.0), "own": (10.0, 15.0)},
     own_share=0.5,
     settings=CorpusSettings(
@@ -106,7 +106,7 @@ def test_two_workers_write_the_same_bytes(corpus, tmp_path):
 def test_a_network_in_two_splits_is_refused(tmp_path):
     twice = {"train": {"a": "tools/game/square/square.net.xml"}, "test": {"b": "tools/game/square/square.net.xml"}}
     with pytest.raises(UnusableInput, match="train and test"):
-        main(replace(PARAMS, real=twice), tmp_path)
+        main(replace(PARAMS, networks=replace(PARAMS.networks, real=twice)), tmp_path)
 
 
 def test_a_density_for_something_else_is_refused(tmp_path):
@@ -134,8 +134,9 @@ def test_a_jump_and_a_spin_are_seen(logs):
 
 
 def test_unsound_networks_are_refused_by_name(tmp_path):
+    unsound = {"train": {"cross": {"kind": "crossing", "arms": []}}}
     with pytest.raises(UnusableInput, match="'cross'"):
-        main(replace(PARAMS, own={"train": {"cross": {"kind": "crossing", "arms": []}}}), tmp_path)
+        main(replace(PARAMS, networks=replace(PARAMS.networks, own=unsound)), tmp_path)
 
 
 def test_what_was_written_is_read_back(tmp_path):

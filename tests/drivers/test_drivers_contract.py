@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 
-from drivegen import plugins
+from drivegen.core import plugins
 from drivegen.simulators.batch import Plugin as Batch
 from stages._door import read_params
 from stages.drive import Params, make_driver

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import yaml
 
+from drivegen.core.settings import read_section
 from flows.tables import FRONT, MEASURED, nearest, rooms
 
 PUBLISH = {
@@ -31,7 +32,7 @@ def test_every_data_set_is_run_with_every_seed_and_its_front_with_the_first(tmp_
         "ingest.roots": {"real": str(tmp_path / "recordings")}, "run.training_seed": 8,
     }  # fmt: skip
     assert (found["real/8"].measured, found["corpus/t0.5"].measured) == (MEASURED, FRONT)
-    assert found["corpus/t0.5"].params["run.methods"] == ["drivegen"]
+    assert found["corpus/t0.5"].params["run.own"] == ["drivegen"]
 
 
 def test_a_run_begins_with_what_one_of_the_same_training_seed_made(tmp_path: Path) -> None:
@@ -49,9 +50,10 @@ def test_the_parameters_that_runs_replace_are_in_params_yaml(tmp_path: Path) -> 
     from flows.workspace import overridden
 
     values = yaml.safe_load((Path(__file__).parents[2] / "params.yaml").read_text())
-    for data in values["publish"]["data"].values():
+    data_sets = read_section("publish.data")
+    for data in data_sets.values():
         (tmp_path / data["folder"]).mkdir(parents=True, exist_ok=True)
     asked = list(rooms(values["publish"], tmp_path))
-    assert len(asked) >= 3 * len(values["publish"]["data"])
+    assert len(asked) >= 3 * len(data_sets)
     for room in asked:
         overridden(values, room.params)  # raises KeyError for a name that is not there

@@ -46,7 +46,7 @@ rounds:
 
 EVALUATE = """
   evaluate:
-    foreach: ${run.methods}
+    foreach: ${run.own}
     do:
       cmd: echo ${item} ${run.training_seed} ${rollout.generation.temperature} > data/table-${item}
       deps:
@@ -60,7 +60,7 @@ EVALUATE = """
 
 PUBLISH = """
   training_seed: 7
-  methods: [drivegen, log]
+  own: [drivegen, log]
 rollout: {generation: {temperature: 1.0}}
 publish:
   seeds: [7, 8]

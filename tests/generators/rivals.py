@@ -3,12 +3,10 @@
 from functools import cache
 from pathlib import Path
 
-import yaml
-
-from drivegen import plugins
-from drivegen.generators._learned import Learned
-from drivegen.scenario import Scenario
-from drivegen.settings import build
+from drivegen.core import plugins
+from drivegen.core.scenario import Scenario
+from drivegen.core.settings import build, read_section
+from drivegen.generators.shared.learned import Learned
 from tests.models import two_lanes
 from tests.scenes import busy_crossing
 
@@ -23,7 +21,7 @@ def scenes() -> list[Scenario]:
 @cache
 def trained(name: str, steps: int = 12) -> tuple[Learned, float, float]:
     """The generator and its training loss at the beginning and at the end."""
-    values = yaml.safe_load((ROOT / "params.yaml").read_text())["train_generator"]["generators"][name]
+    values = read_section(f"train_generator.generators.{name}", ROOT / "params.yaml")
     if "training" in values:
         values["training"] |= {"steps": steps, "batch": 16, "warmup": 2, "report_every": steps // 4, "checkpoint_every": steps}
     plugin = plugins.load("generators", name)

@@ -8,12 +8,12 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivegen.core.scenario import Scenario, Signals, SignalState
 from drivegen.generators._bits.learning import way_loss
 from drivegen.generators._bits.net import CELLS, HOLD, BitsNet, Plan, cell_of, told_of, unicycle
 from drivegen.generators._bits.raster import BEHIND, COLUMNS, PIXEL, ROWS, Painted, rasters
 from drivegen.generators._bits.rules import broken
-from drivegen.generators._closed_loop import Crowd, Tracks
-from drivegen.scenario import Scenario, Signals, SignalState
+from drivegen.generators.shared.closed_loop import Crowd, Tracks
 from tests.generators.rivals import trained
 from tests.scenes import any_scenario, busy_crossing, drive, road_map, scenario, stack
 

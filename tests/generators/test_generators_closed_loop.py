@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from drivegen.generators._closed_loop import Tracks
-from drivegen.scenario import Trajectories
+from drivegen.core.scenario import Trajectories
+from drivegen.generators.shared.closed_loop import Tracks
 from tests.models import two_lanes
 from tests.scenes import any_scenario, busy_crossing
 

@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivegen import plugins
-from drivegen.errors import MissingTool, UnusableInput
-from drivegen.generators._learned import Learned
+from drivegen.core import plugins
+from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.geometry import boxes_overlap
+from drivegen.core.methods import BOUND, LOGS, NOTHING, read_methods
+from drivegen.core.samples import NO_GOAL, Samples
+from drivegen.core.scenario import TARGET, Scenario
 from drivegen.generators.base import Generator, Settings
-from drivegen.geometry import boxes_overlap
-from drivegen.samples import NO_GOAL, Samples
-from drivegen.scenario import TARGET, Scenario
+from drivegen.generators.shared.learned import Learned
 from stages import rollout
 from stages._door import read_params
 from tests.generators.rivals import scenes as three_scenes
@@ -67,9 +68,9 @@ def made(generator: Generator, scenes: list[Scenario]) -> list[Samples]:
     return generator.generate(scenes, SAMPLES, 7)
 
 
-def looks_at_the_log(generator: Generator) -> bool:
-    """The reference row and the upper bound do, and say so in their docstrings."""
-    return generator.selector == "log" or generator.backend == "recorded"
+@pytest.mark.parametrize("name", NAMES)
+def test_what_its_file_says_of_it_is_what_it_says_itself(name: str) -> None:
+    assert plugins.load("generators", name).about == read_methods()[name]
 
 
 def assert_same(one: Samples, other: Samples) -> None:
@@ -102,7 +103,7 @@ def test_every_future_begins_in_the_given_state(scenes: list[Scenario], made: li
 
 def test_goals_and_their_probabilities_are_recorded_together(generator: Generator, made: list[Samples]) -> None:
     for samples in made:
-        if generator.selector is None:
+        if generator.about.goals is None:
             assert (samples.goal == NO_GOAL).all()
             assert np.isnan(samples.natural).all()
         else:
@@ -128,13 +129,13 @@ def test_another_seed_gives_other_futures_where_anything_is_drawn(
 ) -> None:
     other = generator.generate(scenes, SAMPLES, 8)
     differs = any((a.motion.position != b.motion.position).any() for a, b in zip(made, other, strict=True))
-    draws = generator.selector is not None or isinstance(generator, Learned) or generator.backend == "chance"
+    draws = generator.about.goals is not None or isinstance(generator, Learned) or generator.backend == "chance"
     assert differs == draws
 
 
 def test_only_those_who_say_so_look_at_the_log(generator: Generator, scenes: list[Scenario], made: list[Samples]) -> None:
     blind = [replace(s, log=None) for s in scenes]
-    if looks_at_the_log(generator):
+    if generator.about.kind == BOUND:
         with pytest.raises(UnusableInput):
             generator.generate(blind, SAMPLES, 7)
         return
@@ -148,7 +149,8 @@ def test_only_those_who_say_so_look_at_the_log(generator: Generator, scenes: lis
 @pytest.mark.parametrize("name", NAMES)
 def test_what_needs_models_names_the_remedy_where_there_are_none(name: str, settings: Settings, tmp_path: Path) -> None:
     plugin = plugins.load("generators", name)
-    if plugin.selector is None and not learns(name):
+    assert (plugin.about.trains_on == LOGS) == (plugin.about.goals is not None or learns(name))
+    if plugin.about.trains_on == NOTHING:
         assert plugin(tmp_path, settings).backend
     else:
         with pytest.raises(MissingTool, match="make run"):
@@ -215,10 +217,10 @@ def test_who_places_vehicles_keeps_the_target_and_overlaps_nobody(generator: Gen
             np.testing.assert_array_equal(placement(scene).position, found.position)
 
 
-def test_two_rivals_place_vehicles() -> None:
+def test_who_says_that_it_places_vehicles_does() -> None:
     logs = three_scenes()
-    found = {name: set(trained(name)[0].placements(logs, 7)) for name in NAMES if learns(name) and name != "lctgen_log_code"}
-    assert {name: ways for name, ways in found.items() if ways} == {
-        "trafficgen": {"trafficgen"},
-        "lctgen": {"lctgen", "lctgen_log_code"},
-    }
+    learned = [name for name in NAMES if learns(name) and plugins.load("generators", name).name == name]
+    ways = {name: set(trained(name)[0].placements(logs, 7)) for name in learned}
+    assert {name for name in learned if ways[name]} == {name for name in learned if read_methods()[name].places}
+    assert ways["trafficgen"] == {"TrafficGen"}
+    assert ways["lctgen"] == {"LCTGen, code of a training log", "LCTGen, code from the log (a bound, no method)"}

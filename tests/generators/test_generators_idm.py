@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario, Signals, SignalState
 from drivegen.generators._idm.ways import POINTS, Ways
 from drivegen.generators.idm import Plugin
-from drivegen.samples import Samples
-from drivegen.scenario import Scenario, Signals, SignalState
 from tests.generators.rivals import trained
 from tests.scenes import LIMIT, crossing, drive, joined, scenario, stack, straight_road
 

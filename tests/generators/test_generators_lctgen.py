@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 import torch
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import boxes_overlap
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.generators._lctgen.codes import PARTS, Action, Direction, logged_actions, state_code
 from drivegen.generators._lctgen.learning import NO_PIECE, places
 from drivegen.generators._lctgen.maps import library_codes, map_code, retrieved
 from drivegen.generators._lctgen.net import ContextGating
 from drivegen.generators._lctgen.words import written
-from drivegen.generators._vectors import AGENTS, Scenes
 from drivegen.generators.lctgen import CHUNK, Plugin
-from drivegen.geometry import boxes_overlap
-from drivegen.scenario import Scenario, Trajectories
+from drivegen.generators.shared.vectors import AGENTS, Scenes
 from tests.generators.rivals import same, scenes, trained
 from tests.scenes import busy_crossing, crossing, drive, scenario, stack, straight_road
 

@@ -8,17 +8,17 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen import seeds
-from drivegen.generators._closed_loop import Tracks
+from drivegen.core import seeds
+from drivegen.core.geometry import boxes_overlap, rotate
+from drivegen.core.scenario import Scenario, Signals, SignalState
 from drivegen.generators._trafficgen.driving import between_knots, rolled_error
 from drivegen.generators._trafficgen.learning import RECOVERY, Disturbance, MotionExamples, motion_loss
 from drivegen.generators._trafficgen.net import ACCELERATION, BRAKING, CURVATURE, DT_KNOT, LATERAL, Gates, Modes, driven
 from drivegen.generators._trafficgen.placement import PlacementExamples
 from drivegen.generators._trafficgen.vectors import REACH, LaneVectors, Surroundings
+from drivegen.generators.shared.closed_loop import Tracks
 from drivegen.generators.trafficgen import driver
-from drivegen.geometry import boxes_overlap, rotate
 from drivegen.metrics.displacement import scene_errors
-from drivegen.scenario import Scenario, Signals, SignalState
 from tests.generators.rivals import scenes, trained
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 

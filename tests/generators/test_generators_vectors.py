@@ -8,13 +8,13 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.errors import UnusableInput
-from drivegen.generators._motion import DEGREES, KNOTS, at_knots, filled_in, smoothing_table, trajectories
-from drivegen.generators._pieces import PIECE, POINTS, Pieces
-from drivegen.generators._relative import REACH, surroundings
-from drivegen.generators._vectors import ACTORS, AGENTS, PIECES, STEPS, Scenes, local_future
-from drivegen.geometry import Polylines, rotate, wrap_angle
-from drivegen.scenario import Scenario, Signals, SignalState
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import Polylines, rotate, wrap_angle
+from drivegen.core.scenario import Scenario, Signals, SignalState
+from drivegen.generators.shared.motion import DEGREES, KNOTS, at_knots, filled_in, smoothing_table, trajectories
+from drivegen.generators.shared.pieces import PIECE, POINTS, Pieces
+from drivegen.generators.shared.relative import REACH, surroundings
+from drivegen.generators.shared.vectors import ACTORS, AGENTS, PIECES, STEPS, Scenes, local_future
 from tests.generators.rivals import scenes
 from tests.scenes import busy_crossing, crossing, drive, scenario, stack, straight_road
 

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 import yaml
 
-from drivegen import plugins
+from drivegen.core import plugins
+from drivegen.core.methods import read_methods
 from drivegen.goals.packing import unpack
-from drivegen.lanes.graph import LaneGraph
-from drivegen.report.sections.quality import name_of, rows_of
+from drivegen.report.evidence import Evidence
+from drivegen.report.sections.quality import name_of
 from drivegen.report.table import NOT_MEASURED, number, row
+from drivegen.roads.graph import LaneGraph
 from drivegen.store.goals import read_goals
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import write_shard
@@ -51,8 +53,8 @@ def test_without_a_model_it_says_that_nobody_was_asked(models: Path) -> None:
 
 
 def test_nobodys_run_is_a_row_that_reads_not_measured() -> None:
-    methods = {"drivegen": {"min_sade": 1.0}}
-    found = rows_of(methods)
-    assert found["drivegen_vlm"] == {}
-    line = row(name_of("drivegen_vlm", methods), number(found["drivegen_vlm"].get("min_sade"), 2))
+    evidence, measured = Evidence(methods=read_methods()), {"drivegen": {"min_sade": 1.0}}
+    rows = evidence.rows(measured)
+    assert rows["drivegen_vlm"] == {}
+    line = row(name_of("drivegen_vlm", measured, evidence), number(rows["drivegen_vlm"].get("min_sade"), 2))
     assert [cell.text for cell in line.cells] == ["DriveGen, goals by a vision-language model", NOT_MEASURED]

@@ -9,16 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import Signals, SignalState
 from drivegen.goals.candidates import Settings, candidates
 from drivegen.goals.cover import cover
 from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.packing import pack, unpack
 from drivegen.goals.reach import Dynamics, end_speed
 from drivegen.goals.scores import Judged, judge, scores
-from drivegen.lanes.frenet import from_frenet
-from drivegen.lanes.graph import LaneGraph
-from drivegen.scenario import Signals, SignalState
+from drivegen.roads.frenet import from_frenet
+from drivegen.roads.graph import LaneGraph
 from drivegen.store.goals import read_goals, write_goals
 from tests import scenes
 
@@ -233,7 +233,7 @@ def test_goals_come_back_from_the_store_as_they_went_in(tmp_path_factory, seed):
     graph = LaneGraph.of(scene.map)
     found = all_candidates(scene, graph)
     path = tmp_path_factory.mktemp("goals") / "shard-00000.parquet"
-    columns = pack(scene.scenario_id, "prior", found, [c.prior for c in found])
+    columns = pack(scene, "prior", found, [c.prior for c in found])
     write_goals(path, [columns, columns])
     first = path.read_bytes()
     write_goals(path, [columns, columns])
@@ -252,7 +252,7 @@ def test_goals_come_back_from_the_store_as_they_went_in(tmp_path_factory, seed):
 
 
 def test_goals_of_another_map_are_refused():
-    columns = pack("s", "prior", all_candidates(SCENE, GRAPH), [c.prior for c in all_candidates(SCENE, GRAPH)])
+    columns = pack(SCENE, "prior", all_candidates(SCENE, GRAPH), [c.prior for c in all_candidates(SCENE, GRAPH)])
     with pytest.raises(UnusableInput, match="do not fit its map"):
         unpack(LaneGraph.of(scenes.straight_road()), columns)
 
@@ -260,8 +260,8 @@ def test_goals_of_another_map_are_refused():
 @pytest.mark.skipif(not REAL.exists(), reason="real Argoverse 2 data is not there")
 def test_real_tracks_end_near_a_candidate():
     from drivegen.datasets.argoverse2 import Plugin
-    from drivegen.selection import Settings as Selection
-    from drivegen.selection import select
+    from drivegen.ingest.selection import Settings as Selection
+    from drivegen.ingest.selection import select
 
     data, wanted = Plugin(REAL / "motion-forecasting"), Selection("focal", 64, 0, 100, None, 0.5)
     nearest = []

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivegen.core.scenario import Signals, SignalState
 from drivegen.goals.forecast import Habit, forecast
 from drivegen.goals.traffic import Neighbours, Queue, look_ahead
-from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.routes import feasible_routes
-from drivegen.scenario import Signals, SignalState
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.routes import feasible_routes
 from tests import scenes
 
 LENGTH = 4.6

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from drivegen.core.scenario import DT, Scenario, Trajectories
 from drivegen.goals.candidates import Candidates, candidates
 from drivegen.goals.outlook import STRIDE, Outlooks
-from drivegen.lanes.graph import LaneGraph
-from drivegen.scenario import DT, Scenario, Trajectories
+from drivegen.roads.graph import LaneGraph
 from tests import scenes
 from tests.goals.test_goals_candidates import SETTINGS
 

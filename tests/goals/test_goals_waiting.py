@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from drivegen.core.roadmap import LaneControl
+from drivegen.core.scenario import Signals, SignalState
 from drivegen.goals.traffic import Neighbours, Queue, look_ahead
 from drivegen.goals.waiting import IN_SIGHT, NEVER, NOBODY, Waiting
-from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.routes import feasible_routes
-from drivegen.roadmap import LaneControl
-from drivegen.scenario import Signals, SignalState
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.routes import feasible_routes
 from tests import scenes
 
 LENGTH = 4.6

@@ -5,7 +5,7 @@ from unittest.mock import Mock
 
 import pytest
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.lm import batch
 from drivegen.lm.prices import estimate, price
 from drivegen.lm.prompt import NoAnswer, OverBudget

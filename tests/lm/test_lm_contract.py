@@ -5,8 +5,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from drivegen import plugins
-from drivegen.errors import UnusableInput
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
 from drivegen.lm.prompt import NoAnswer, OverBudget
 from drivegen.lm.records import Mode
 from tests.lm.asking import GOOD, model, question, settings

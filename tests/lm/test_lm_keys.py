@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.lm.keys import secret
 from drivegen.lm.prompt import NoAnswer
 from drivegen.lm.records import Mode

@@ -4,7 +4,7 @@ import socket
 
 import pytest
 
-from drivegen.errors import MissingTool
+from drivegen.core.errors import MissingTool
 from drivegen.lm.prompt import NoAnswer, OverBudget, fenced
 from drivegen.lm.records import Mode
 from tests.lm.asking import GOOD, model, question

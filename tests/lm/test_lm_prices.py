@@ -5,15 +5,15 @@ import sys
 
 import pytest
 
-from drivegen import plugins
-from drivegen.errors import UnusableInput
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
 from drivegen.lm.ledger import CALLS, Ledger
 from drivegen.lm.prices import estimate, input_tokens, price
 from drivegen.lm.prompt import OverBudget
 from drivegen.lm.settings import RecordSettings, overridden
 from drivegen.store.costs import COST
 from drivegen.store.results import RESULT
-from drivegen.store.warehouse import build, query, read_parts
+from drivegen.warehouse.database import build, query, read_parts
 from tests.lm.asking import GOOD, model, question, settings
 from tests.lm.chat_server import Says, serving
 

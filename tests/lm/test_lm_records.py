@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import settings as examples
 from hypothesis import strategies as st
 
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.lm.backends.base import Reply, Request, Turn
 from drivegen.lm.prompt import NoAnswer
 from drivegen.lm.records import Mode, Records, key_of

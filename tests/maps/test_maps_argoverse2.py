@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from drivegen.av2.maps import read_map
-from drivegen.geometry import project
+from drivegen.core.geometry import project
+from drivegen.core.roadmap import RoadMap
 from drivegen.maps.argoverse2 import to_network, to_plain
-from drivegen.roadmap import RoadMap
 from drivegen.sumo.network import Network
 from tests.scenes import straight_road
 

@@ -10,12 +10,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from drivegen import seeds
+from drivegen.core import seeds
+from drivegen.layouts.compile import compile_map, draw
+from drivegen.layouts.spec import MapSpec
+from drivegen.layouts.streets import Corridor
 from drivegen.maps.build import build_spec
 from drivegen.maps.checks import failures
-from drivegen.maps.compile import compile_map, draw
-from drivegen.maps.spec import MapSpec
-from drivegen.maps.spec_streets import Corridor
 from drivegen.sumo.demand import Demand, draw_demand
 from drivegen.sumo.network import Network
 from drivegen.sumo.traffic import Run, simulate

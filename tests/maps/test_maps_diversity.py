@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from drivegen.core.roadmap import RoadMap
+from drivegen.layouts.alignment import Alignment
+from drivegen.layouts.crossings import Crossing
+from drivegen.layouts.spec import MapSpec
+from drivegen.layouts.streets import Corridor
 from drivegen.maps.build import build_spec
 from drivegen.maps.diversity import FEATURES, described, junction_arms, summary, windows
-from drivegen.maps.spec import MapSpec
-from drivegen.maps.spec_alignment import Alignment
-from drivegen.maps.spec_crossings import Crossing
-from drivegen.maps.spec_streets import Corridor
-from drivegen.roadmap import RoadMap
 
 
 def drawn(road) -> RoadMap:

@@ -5,10 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.maps.build import build_map
 from drivegen.maps.imports import Window, import_map
 from drivegen.maps.opendrive import export_opendrive
+from drivegen.words.writer import Writer
 
 OSM = b"""<?xml version="1.0"?><osm version="0.6">
 <node id="1" lat="52.0000" lon="13.0000"/><node id="2" lat="52.0000" lon="13.0030"/>
@@ -21,7 +22,7 @@ OSM = b"""<?xml version="1.0"?><osm version="0.6">
 
 @pytest.fixture(scope="module")
 def grid() -> bytes:
-    return build_map("a 3 by 3 grid of streets with blocks of 200 m and one lane each", 7).network
+    return build_map("a 3 by 3 grid of streets with blocks of 200 m and one lane each", 7, Writer()).network
 
 
 def test_a_sumo_network_keeps_its_bytes_gzipped_or_not(grid: bytes) -> None:

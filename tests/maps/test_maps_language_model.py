@@ -1,16 +1,18 @@
-"""The language-model map writer against a server of the tests: typed answers, repair, refusal, fallback, replay."""
+"""The language-model map writer against a server of the tests: typed answers, repair, refusal, failure, replay."""
 
 import json
 
 import pytest
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.layouts.spec import MapSpec
+from drivegen.layouts.values import CONVENTION
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.records import Mode
 from drivegen.maps.build import build_map
-from drivegen.maps.spec import MapSpec
 from drivegen.maps.writers._examples import EXAMPLES, most_like
-from drivegen.maps.writers.language_model import Plugin
+from drivegen.maps.writers.language_model import Plugin, prompt
+from drivegen.words.writer import asking_writer
 from tests.lm.asking import model
 from tests.lm.chat_server import Says, serving
 
@@ -24,13 +26,13 @@ def says(road, **more) -> Says:
 
 
 def asked(tmp_path, url, mode=Mode.AUTO) -> LanguageModel:
-    return model(tmp_path / "records", url, mode, output="prompted", retries=0, prompt="roads-1")
+    return model(tmp_path / "records", url, mode, output="prompted", retries=0, prompt="roads-2")
 
 
 def test_the_models_specification_becomes_the_map_and_the_account_names_the_model(tmp_path):
     said = [{"phrase": "traffic lights", "meaning": "signals"}, {"phrase": "never said", "meaning": "x"}]
     with serving([says(CROSSING, understood=said, assumed=["50 km/h\u001b[2J"])]) as server:
-        built = build_map(TEXT, 7, "language_model", model=asked(tmp_path, server.url))
+        built = build_map(TEXT, 7, Plugin(asked(tmp_path, server.url)))
         [request] = server.requests
     assert built.as_asked
     assert built.structure.signals == 1
@@ -38,7 +40,7 @@ def test_the_models_specification_becomes_the_map_and_the_account_names_the_mode
     assert built.account["understood"] == [{"phrase": "traffic lights", "meaning": "signals"}]
     assert built.account["assumed"] == ["50 km/h [2J"]
     assert f"<description>\n{TEXT}\n</description>" in str(request["messages"][-1]).replace("\\n", "\n")
-    again = build_map(TEXT, 7, "language_model", model=asked(tmp_path, "http://127.0.0.1:9", Mode.REPLAY))
+    again = build_map(TEXT, 7, Plugin(asked(tmp_path, "http://127.0.0.1:9", Mode.REPLAY)))
     assert (again.network, again.account) == (built.network, built.account)
 
 
@@ -58,15 +60,68 @@ def test_what_cannot_be_built_goes_back_to_the_model_in_a_few_lines(tmp_path):
     assert '"from_lane":5' in complaints[1].replace("\\", "").rsplit("<answer>", 1)[1]
 
 
-def test_no_answer_means_the_offline_rules_and_that_is_said(tmp_path):
+def test_no_answer_is_an_error_that_names_the_failure(tmp_path):
     with serving([Says("I would rather not.")]) as server:
         lm = asked(tmp_path, server.url)
-        understanding = Plugin(lm).write("a roundabout with four arms", 7)
-    assert understanding.spec.road.kind == "roundabout"
-    assert understanding.writer == (
-        "offline rules (no language model), for the language model little-model failed: invalid-answer"
-    )
+        with pytest.raises(UnusableInput, match="no map by the language model little-model") as refusal:
+            Plugin(lm).write("a roundabout with four arms", 7)
+    assert refusal.value.reason == "invalid-answer"
     assert lm.ledger.outcomes["invalid-answer"] == 1
+    with pytest.raises(UnusableInput, match="there is no language model"):
+        Plugin().write("a roundabout with four arms", 7)
+
+
+def highway(lanes, speed, length):
+    return {"kind": "highway", "lanes": lanes, "speed": speed / 3.6, "alignment": {"length": length}}
+
+
+FAST = "a motorway with four lanes in each direction, 130 km/h, 3 km long; ten cars and a truck that brakes hard"
+
+
+def test_what_contradicts_the_text_goes_back_to_the_model(tmp_path):
+    with serving([says(highway(3, 100, 1000)), says(highway(4, 130, 3000))]) as server:
+        built = build_map(FAST, 7, asking_writer("language_model", asked(tmp_path, server.url)))
+        whole, repair = (str(request["messages"][-1]["content"]) for request in server.requests)
+    assert FAST in whole
+    wrong = repair.rsplit("<wrong>", 1)[1]
+    assert all(words in wrong for words in ("four lanes in each direction", "130 kmh", "3 km long"))
+    assert (built.account["failed"], built.account["repairs"]) == ([], 1)
+    assert (built.structure.lanes, built.as_asked) == (4, True)
+
+
+def test_a_contradiction_that_the_model_keeps_is_told_and_a_worse_answer_does_not_count(tmp_path):
+    with serving([says(highway(4, 130, 1000)), says(highway(4, 130, 1000))]) as server:
+        built = build_map(FAST, 7, asking_writer("language_model", asked(tmp_path, server.url)))
+    assert not built.as_asked
+    assert ["3 km long" in line for line in built.account["failed"]] == [True]
+    nodes = [{"name": n, "x": x, "y": 0} for n, x in (("a", 0), ("b", 200), ("c", 400))]
+    roads = [{"name": "r", "start": "a", "end": "b"}, {"name": "s", "start": "b", "end": "c"}]
+    links = [{"at": "b", "from_road": "r", "from_lane": 5, "to_road": "s", "to_lane": 5}]
+    worse = says({"kind": "graph", "nodes": nodes, "roads": roads, "links": links})
+    with serving([says(highway(4, 130, 1000)), worse, worse]) as server:
+        writer = asking_writer("language_model", asked(tmp_path / "worse", server.url))
+        understanding = writer.write(FAST, 7)
+    assert understanding.spec.road.kind == "highway"
+    assert understanding.repairs == 0
+    assert len(understanding.contradictions) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "kinds"),
+    [
+        ("a motorway, two km, ends at a roundabout", {"highway", "roundabout"}),
+        ("a grid of streets beside a cloverleaf, a diamond and a fork", {"grid", "quadrant_interchange", "interchange", "fork"}),
+        ("a hairpin, then a T-junction", {"corridor", "crossing"}),
+    ],
+)
+def test_examples_hold_one_of_each_kind_that_is_named(text, kinds):
+    assert {road["kind"] for _, road in most_like(text, 1)} == kinds
+
+
+def test_the_question_says_how_lanes_are_counted_and_what_fields_mean():
+    instructions = prompt("a crossing").instructions
+    assert CONVENTION in instructions
+    assert all(f'"{field}"' in instructions for field in ("main", "position", "pocket", "control", "keeps", "diameter"))
 
 
 def test_a_model_may_say_that_there_is_no_road(tmp_path):
@@ -80,9 +135,9 @@ def test_every_example_is_a_specification_and_the_likest_comes_last():
         MapSpec.model_validate({"road": road})
         assert most_like(text, 3)[-1][0] == text
     assert most_like("", 3) == most_like("", 3)
-    assert "roundabouts in a row" in most_like("three roundabouts in a row", 1)[0][0]
+    assert "roundabouts in a row" in most_like("three roundabouts in a row", 1)[-1][0]
 
 
 def test_a_wording_that_does_not_exist_is_refused(tmp_path):
-    with pytest.raises(UnusableInput, match="roads-1"):
+    with pytest.raises(UnusableInput, match="roads-2"):
         Plugin(model(tmp_path, prompt="roads-0"))

@@ -4,13 +4,14 @@ import json
 
 import pytest
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.maps.build import ACCOUNT, build_map
 from drivegen.maps.examine import WrittenNetwork
 from drivegen.maps.refine import refine_map
 from drivegen.maps.writers._examples import EXAMPLES
 from drivegen.maps.writers.language_model_xml import Plugin, _shown
 from drivegen.sumo import netconvert
+from drivegen.words.edits import edited
 from tests.lm.asking import model
 from tests.lm.chat_server import Says, serving
 
@@ -26,7 +27,7 @@ def says(**answer) -> Says:
 
 
 def asked(tmp_path, url, **more):
-    return model(tmp_path / "records", url, output="prompted", retries=0, prompt="roads-1", **more)
+    return model(tmp_path / "records", url, output="prompted", retries=0, prompt="roads-2", **more)
 
 
 def fenced(request) -> list[str]:
@@ -38,7 +39,7 @@ def fenced(request) -> list[str]:
 
 def test_the_models_xml_becomes_the_map_and_the_account_keeps_our_serialisation(tmp_path):
     with serving([says()]) as server:
-        built = build_map(TEXT, 7, "language_model_xml", folder=tmp_path / "map", model=asked(tmp_path, server.url))
+        built = build_map(TEXT, 7, Plugin(asked(tmp_path, server.url)), tmp_path / "map")
     assert built.as_asked
     assert built.structure.lanes == 2
     account = json.loads((tmp_path / "map" / ACCOUNT).read_text())
@@ -47,7 +48,7 @@ def test_the_models_xml_becomes_the_map_and_the_account_keeps_our_serialisation(
     assert 'id="ab"' in account["xml"]["net.edg.xml"]
     assert account["asked"] == {"left_hand": False, "lanes": 2, "length": 400, "one_way": True}
     with pytest.raises(UnusableInput, match="cannot be refined"):
-        refine_map(tmp_path / "map", "add a lane")
+        refine_map(tmp_path / "map", "add a lane", edited)
 
 
 def test_netconvert_never_sees_the_models_text(tmp_path, monkeypatch):
@@ -83,17 +84,19 @@ def test_an_error_that_repeats_ends_the_rounds_and_ten_lines_go_back_at_most(tmp
     many = "".join(EDGE.format(f"e{i}", "a", "z") for i in range(30))
     with serving([says(edges=f"<edges>{many}</edges>")]) as server:
         lm = asked(tmp_path, server.url)
-        understanding = Plugin(lm).write(TEXT, 7)
+        with pytest.raises(UnusableInput, match="repeats an error") as refusal:
+            Plugin(lm).write(TEXT, 7)
         assert len(server.requests) == 2
         assert len(fenced(server.requests[1])) == 10
-    assert understanding.writer.startswith("offline rules")
-    assert understanding.writer.endswith("little-model, writing XML failed: invalid-answer")
+    assert "little-model, writing XML" in str(refusal.value)
+    assert refusal.value.reason == "invalid-answer"
 
 
 def test_four_answers_at_most_are_asked_for(tmp_path):
     wrong = [says(edges=EDGES.replace('speed="13.9"', f'speed="{900 + i}"')) for i in range(9)]
     with serving(wrong) as server:
-        assert Plugin(asked(tmp_path, server.url)).write(TEXT, 7).writer.startswith("offline rules")
+        with pytest.raises(UnusableInput, match="mended nothing in 3 rounds"):
+            Plugin(asked(tmp_path, server.url)).write(TEXT, 7)
         assert len(server.requests) == 4
 
 

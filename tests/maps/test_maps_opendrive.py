@@ -7,6 +7,7 @@ import pytest
 from drivegen.maps.build import build_map
 from drivegen.maps.opendrive import Extent, export_opendrive, read_back, read_opendrive
 from drivegen.sumo.network import read_network
+from drivegen.words.writer import Writer
 
 KINDS = (
     "four-way crossing with signals, two lanes each way and left turn lanes",
@@ -19,7 +20,7 @@ KINDS = (
 
 @pytest.mark.parametrize("text", KINDS)
 def test_a_map_comes_back_with_its_lanes_ways_and_lengths(text: str) -> None:
-    built = build_map(text, 7)
+    built = build_map(text, 7, Writer())
     before, after = Extent.of(built.road_map), read_back(export_opendrive(built.network), "a.xodr")
     assert before.lanes[0] > 0
     assert after.holds(before)
@@ -29,7 +30,7 @@ def test_a_map_comes_back_with_its_lanes_ways_and_lengths(text: str) -> None:
 @pytest.fixture(scope="module")
 def shared() -> bytes:
     """A crossing of streets, each with a lane for cars, one for bicycles and lorries and one for buses and trams."""
-    network = build_map("four-way crossing with three lanes each way, no turn lanes", 7).network
+    network = build_map("four-way crossing with three lanes each way, no turn lanes", 7, Writer()).network
     network = re.sub(
         rb'(<lane id="[^:"][^"]*_0" [^>]*?)(?: (?:dis)?allow="[^"]*")?( speed)', rb'\1 allow="bicycle delivery"\2', network
     )

@@ -4,10 +4,10 @@ import re
 
 import pytest
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.layouts.spec import MapSpec
 from drivegen.maps.examine import examine
 from drivegen.maps.overlaps import overlapping
-from drivegen.maps.spec import MapSpec
 from drivegen.maps.structure import measure
 
 ARMS = [{"angle": angle, "lanes_in": 3, "lanes_out": 3, "left_turn_lane": True} for angle in (0, 30, 90, 180, 270)]

@@ -2,30 +2,28 @@
 
 import pytest
 
-from drivegen import plugins
-from drivegen.errors import UnusableInput
-from drivegen.maps.spec import MapSpec
-from drivegen.maps.writers.base import MapWriter
-
-WRITERS = plugins.names("maps.writers")
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.layouts.spec import MapSpec
+from drivegen.words.writer import OFFLINE, writer_called
 
 
-@pytest.fixture(params=WRITERS)
-def writer(request: pytest.FixtureRequest) -> MapWriter:
-    return plugins.load("maps.writers", request.param)()
-
-
-def test_a_writer_says_who_it_is_and_draws_a_plain_crossing(writer: MapWriter) -> None:
+def test_the_writer_without_a_model_draws_and_says_what_it_read():
+    writer = writer_called(OFFLINE)
     understanding = writer.write("a four-way intersection with traffic lights", 7)
-    assert writer.description
     assert isinstance(understanding.spec, MapSpec)
-    assert all(phrase and meaning for phrase, meaning in understanding.understood)
-
-
-def test_a_writer_gives_the_same_specification_for_the_same_words_and_seed(writer: MapWriter) -> None:
+    assert understanding.writer == writer.description
+    assert understanding.sentences
     assert writer.write("a hairpin", 7) == writer.write("a hairpin", 7)
-
-
-def test_a_writer_stops_where_no_road_is_described(writer: MapWriter) -> None:
-    with pytest.raises(UnusableInput):
+    with pytest.raises(UnusableInput, match="\ntry: "):
         writer.write("the meaning of life", 7)
+    with pytest.raises(UnusableInput, match="only traffic"):
+        writer.write("ten cars", 7)
+
+
+@pytest.mark.parametrize("name", plugins.names("maps.writers"))
+def test_a_writer_without_its_model_says_so(name):
+    writer = writer_called(name)
+    assert writer.description
+    with pytest.raises(UnusableInput, match="there is no language model"):
+        writer.write("a four-way intersection with traffic lights", 7)

@@ -7,16 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivegen.core.seeds import rng
 from drivegen.metrics.classifier import TRACK_FEATURES, TrackPairs, _auc, folds, telling_apart, track_pairs
 from drivegen.metrics.features import scene_features
 from drivegen.metrics.road_edge import RoadEdges
-from drivegen.render.drivable import CELL, road_field
-from drivegen.seeds import rng
+from drivegen.roads.drivable import CELL, road_field
 from tests.scenes import busy_crossing, noisy_samples
 
 SCENE = busy_crossing(81)
 FIELD = road_field(SCENE.map)
-EDGES = RoadEdges(FIELD.outside, FIELD.origin, CELL)
+EDGES = RoadEdges(FIELD.outside, FIELD.origin, CELL, FIELD.beyond_rim)
 
 
 def pairs_of(motion) -> TrackPairs:

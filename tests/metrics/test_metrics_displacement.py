@@ -5,10 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.errors import UnusableInput
-from drivegen.geometry import rotate
-from drivegen.metrics.displacement import FIRST_SCORED, scene_errors, summarise
-from drivegen.scenario import Trajectories
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import rotate
+from drivegen.core.scenario import Trajectories
+from drivegen.metrics.displacement import FIRST_SCORED, scene_errors, standing_at_exit, summarise
+from drivegen.metrics.proper import energy_scores
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -161,3 +162,34 @@ def test_other_vehicles_than_the_log_are_refused():
     samples, log = drawn(1)
     with pytest.raises(UnusableInput, match="differ in shape"):
         scene_errors(samples[:, :2], log)
+
+
+@given(SEEDS)
+@settings(max_examples=20, deadline=None)
+def test_who_leaves_before_the_log_stands_at_its_exit_in_the_errors(seed):
+    samples, log = drawn(seed, gaps=False)
+    samples.valid[1, 2, 4:] = False
+    standing = motion(samples.position.copy())
+    standing.position[1, 2, 4:] = samples.position[1, 2, 3]
+    for found, wanted in zip(scene_errors(samples, log), scene_errors(standing, log), strict=True):
+        np.testing.assert_array_equal(found, wanted)
+    found = energy_scores(standing_at_exit(samples, log), log)
+    assert found == energy_scores(standing, log)
+
+
+def test_where_the_log_has_left_nothing_is_scored():
+    samples, log = drawn(0, gaps=False)
+    log.valid[2, 4:] = False
+    before = scene_errors(samples, log)
+    samples.valid[:, 2, 5:] = False
+    samples.position[:, 2, 5:] = 1e6
+    for found, wanted in zip(scene_errors(samples, log), before, strict=True):
+        np.testing.assert_array_equal(found, wanted)
+
+
+@pytest.mark.parametrize("missing", [slice(None), slice(2, 4), slice(0, 2)])
+def test_a_vehicle_that_is_left_out_or_comes_and_goes_is_refused(missing):
+    samples, log = drawn(0, gaps=False)
+    samples.valid[0, 1, missing] = False
+    with pytest.raises(UnusableInput, match="leaves out"):
+        scene_errors(samples, log)

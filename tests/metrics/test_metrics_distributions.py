@@ -8,6 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import wasserstein_distance
 
+from drivegen.core.scenario import Trajectories
+from drivegen.core.seeds import rng
 from drivegen.metrics.distributions import (
     BINS,
     MANOEUVRES,
@@ -20,8 +22,6 @@ from drivegen.metrics.distributions import (
 )
 from drivegen.metrics.encroachment import post_encroachment
 from drivegen.metrics.features import scene_features
-from drivegen.scenario import Trajectories
-from drivegen.seeds import rng
 from tests.scenes import busy_crossing, noisy_samples
 
 SCENE = busy_crossing(81)

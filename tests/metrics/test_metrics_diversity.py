@@ -4,9 +4,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.geometry import rotate
+from drivegen.core.geometry import rotate
+from drivegen.core.scenario import Trajectories
 from drivegen.metrics.diversity import own_frames, plain_differences, random_pairs, ratio, squared_differences
-from drivegen.scenario import Trajectories
 
 SEEDS = st.integers(0, 2**32 - 1)
 

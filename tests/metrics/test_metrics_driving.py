@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.geometry import rotate
+from drivegen.core.geometry import rotate
+from drivegen.core.scenario import Trajectories
 from drivegen.metrics.driving import comfort, driving_summary, run_numbers, spread_over_runs, spread_over_samples
-from drivegen.scenario import Trajectories
 from tests.scenes import drive, stack
 
 LINE = np.array([[0.0, 0.0], [500.0, 0.0]])

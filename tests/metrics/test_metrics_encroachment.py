@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivegen.core.scenario import DT, Trajectories
 from drivegen.metrics.encroachment import CROSSING, LONGEST, SAME_PLACE, post_encroachment
-from drivegen.scenario import DT, Trajectories
 from tests.scenes import stack
 
 
@@ -23,7 +23,7 @@ def straight(start, heading, speed, steps=60, valid=None) -> Trajectories:
 
 def times(*vehicles) -> list[float]:
     motion = stack(list(vehicles))
-    return post_encroachment(motion[np.newaxis], motion.valid)[0].tolist()
+    return post_encroachment(motion[np.newaxis], motion.valid[np.newaxis])[0].tolist()
 
 
 def test_a_crossing_by_hand():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivegen.metrics.intervals import Interval, bootstrap_means, recording, resamplings, usual_length
+from drivegen.core.intervals import Interval, bootstrap_means, recording, resamplings, usual_length
 
 
 def bootstrap_mean(values: np.ndarray, draws: int, random: np.random.Generator) -> Interval:

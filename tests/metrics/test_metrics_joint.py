@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from drivegen.core.scenario import Trajectories
 from drivegen.metrics.features import scene_features
 from drivegen.metrics.joint import SceneJoint, joint_figures, orders, scene_joint, shuffled
-from drivegen.scenario import Trajectories
 from tests.scenes import crossing, drive, joined, scenario, stack
 
 STEPS, SAMPLES = 81, 12

@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivegen.core.scenario import DT, Trajectories
 from drivegen.metrics.kinematics import kinematics, within
-from drivegen.scenario import DT, Trajectories
 
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from drivegen.core.roadmap import LaneControl
 from drivegen.metrics.labels import conflict_type, label, manoeuvre
-from drivegen.roadmap import LaneControl
 from tests.scenes import busy_crossing, crossing, drive, joined, scenario, stack, straight_road
 
 ROADS = crossing()

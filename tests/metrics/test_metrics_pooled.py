@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivegen.metrics.intervals import Interval
+from drivegen.core.intervals import Interval
 from drivegen.metrics.pooled import Resampling, envelope, pooled_mean, rank_correlation
 
 

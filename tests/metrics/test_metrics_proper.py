@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.geometry import rotate
+from drivegen.core.geometry import rotate
+from drivegen.core.scenario import Trajectories
 from drivegen.metrics.proper import energy_scores, likeliest_for_others, log_densities
-from drivegen.scenario import Trajectories
 
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivegen.core.errors import UnusableInput
+from drivegen.core.seeds import rng
 from drivegen.datasets import argoverse2, commonroad
-from drivegen.errors import UnusableInput
 from drivegen.generators import constant_velocity, random_agent
 from drivegen.generators import log as recorded
+from drivegen.ingest.selection import Settings as Selection
+from drivegen.ingest.selection import select
 from drivegen.metrics.road_edge import RoadEdges
 from drivegen.metrics.scene import Settings, score
 from drivegen.metrics.whole import columns, summary
-from drivegen.render.drivable import CELL, road_field
-from drivegen.seeds import rng
-from drivegen.selection import Settings as Selection
-from drivegen.selection import select
+from drivegen.roads.drivable import CELL, road_field
 
 REAL = Path(os.environ.get("DRIVEGEN_REAL_DATA", Path(__file__).parents[2].parent / "shared" / "data"))
 SELECTION = Selection(target="focal", max_vehicles=16, first_step=0, horizon=100, map_radius=None, smallest_shrink=0.8)
@@ -49,7 +49,16 @@ def measured(scenes, module):
     parts = []
     for scene, samples in zip(scenes, made, strict=True):
         field = road_field(scene.map)
-        parts.append(score(scene, scene.log, samples, RoadEdges(field.outside, field.origin, CELL), MEASURED, rng(7, "test")))
+        parts.append(
+            score(
+                scene,
+                scene.log,
+                samples,
+                RoadEdges(field.outside, field.origin, CELL, field.beyond_rim),
+                MEASURED,
+                rng(7, "test"),
+            )
+        )
     return summary(parts, columns(parts, MEASURED), 7, 20, 4)
 
 

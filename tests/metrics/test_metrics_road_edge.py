@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from drivegen.core.scenario import Actors, Trajectories
 from drivegen.metrics.road_edge import RoadEdges, edge_distance
 from drivegen.metrics.surroundings import Boxes
-from drivegen.render.drivable import CELL, road_field
-from drivegen.scenario import Actors, Trajectories
+from drivegen.roads.drivable import CELL, road_field
 from tests.scenes import LANE_WIDTH, straight_road
 
 SIZE = np.float32([[4.0, 2.0]])
@@ -17,13 +17,15 @@ def at(points, headings, valid=None) -> Boxes:
     heading = np.float32(headings)[None, None]
     known = np.ones(heading.shape[1:], np.bool_) if valid is None else np.array([valid])
     motion = Trajectories(position, heading, np.zeros_like(position), known[None])
-    return Boxes.of(motion, known, SIZE, Actors.none(heading.shape[-1]))
+    return Boxes.of(motion, SIZE, Actors.none(heading.shape[-1]))
 
 
 def half_plane() -> RoadEdges:
     """The road is x < 5; cells of half a metre around the origin."""
     columns = np.arange(-20, 20.5, 0.5, dtype=np.float32)
-    return RoadEdges(np.tile(columns - 5, (len(columns), 1)), np.float32([-20, -20]), 0.5)
+    return RoadEdges(
+        np.tile(columns - 5, (len(columns), 1)), np.float32([-20, -20]), 0.5, lambda points: np.zeros(points.shape[:-1], np.bool_)
+    )
 
 
 def test_the_outermost_corner_counts():
@@ -40,6 +42,6 @@ def test_beyond_the_raster_its_border_holds_and_unknown_steps_are_zero():
 @pytest.mark.parametrize("offset", [0.0, 0.4, 1.0, 2.5])
 def test_on_a_drawn_road_it_is_right_to_a_fraction_of_a_cell(offset):
     field = road_field(straight_road(100.0, 1))
-    edges = RoadEdges(field.outside, field.origin, CELL)
+    edges = RoadEdges(field.outside, field.origin, CELL, field.beyond_rim)
     found = edge_distance(at([(50, offset)], [0]), 1, edges)[0, 0, 0]
     assert found == pytest.approx(offset + 1.0 - LANE_WIDTH / 2, abs=0.7 * CELL)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from drivegen.core.samples import Samples, Violation
+from drivegen.core.scenario import Trajectories
 from drivegen.metrics.features import joined
 from drivegen.metrics.safety import box_rates, safety_rates, violation_shares
 from drivegen.metrics.surroundings import Boxes
-from drivegen.samples import Samples, Violation
-from drivegen.scenario import Trajectories
 from tests.scenes import busy_crossing
 
 
@@ -45,10 +45,10 @@ def test_rates_by_size_of_boxes_leave_the_log_out():
     scene = busy_crossing(41)
     worlds = scene.log[np.newaxis][np.zeros(2, np.intp)]
     worlds.position[0, 1, 20:] = worlds.position[0, 0, 20:] + np.float32([0, 2.0])  # half a width of air beside the target
-    boxes = Boxes.of(joined(worlds, scene.log), scene.log.valid, scene.vehicles.size, scene.context)
+    boxes = Boxes.of(joined(worlds, scene.log), scene.vehicles.size, scene.context)
     found = box_rates(boxes, 8, (0.9, 1.0, 1.1))
     assert [found[f"boxes_{percent}_collision"] for percent in (90, 100, 110)] == [0, 0, 2 / 16]
     assert (found["boxes_overlap_initial"], found["boxes_centres_meet"]) == (0, 0)
     worlds.position[1, 2, 30] = worlds.position[1, 3, 30]
-    boxes = Boxes.of(joined(worlds, scene.log), scene.log.valid, scene.vehicles.size, scene.context)
+    boxes = Boxes.of(joined(worlds, scene.log), scene.vehicles.size, scene.context)
     assert box_rates(boxes, 8, (1.0,))["boxes_centres_meet"] == 2 / 16

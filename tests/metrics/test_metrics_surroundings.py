@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.boxes import depth
-from drivegen.geometry import boxes_gap, boxes_overlap, rotate, to_vehicle_frame
+from drivegen.core.boxes import depth
+from drivegen.core.geometry import boxes_gap, boxes_overlap, rotate, to_vehicle_frame
+from drivegen.core.scenario import DT, Actors, Trajectories
 from drivegen.metrics.features import joined, scene_features
 from drivegen.metrics.surroundings import (
     CORNER_ROUNDING,
@@ -19,7 +20,6 @@ from drivegen.metrics.surroundings import (
     surroundings,
     touching,
 )
-from drivegen.scenario import DT, Actors, Trajectories
 from tests.scenes import busy_crossing, noisy_samples
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -27,18 +27,19 @@ SIZES = np.float32([[4.6, 1.9], [12.0, 2.5], [4.0, 1.7], [4.6, 1.9]])
 
 
 def crowd(seed, samples=2, vehicles=4, steps=9, span=12.0) -> tuple[Trajectories, np.ndarray]:
-    """Boxes that jostle in a small place, with gaps."""
+    """Boxes that jostle in a small place, with gaps, in each sample others."""
     random = np.random.default_rng(seed)
     start = random.uniform(-span, span, (samples, vehicles, 1, 2))
     velocity = random.uniform(-4, 4, (samples, vehicles, 1, 2)).astype(np.float32)
     position = (start + velocity * DT * 5 * np.arange(steps)[:, None]).astype(np.float32)
     heading = random.uniform(-7, 7, (samples, vehicles, steps)).astype(np.float32)
-    valid = random.random((vehicles, steps)) < 0.85
-    return Trajectories(position, heading, np.broadcast_to(velocity, position.shape), np.repeat(valid[None], samples, 0)), valid
+    valid = random.random((samples, vehicles, steps)) < 0.85
+    return Trajectories(position, heading, np.broadcast_to(velocity, position.shape), valid), valid
 
 
 def boxes_of(motion, known, size=SIZES, people=None) -> Boxes:
-    return Boxes.of(motion, known, size, Actors.none(motion.steps) if people is None else people)
+    there = replace(motion, valid=np.broadcast_to(known, motion.valid.shape))
+    return Boxes.of(there, size, Actors.none(motion.steps) if people is None else people)
 
 
 def pedestrian(motion: Trajectories) -> Actors:
@@ -49,8 +50,8 @@ def nearest_by_loops(boxes: Boxes, k, a, t):
     """Smallest gap between boxes whose corners are rounded, one pair after the other."""
     heading = np.arctan2(boxes.sin, boxes.cos).astype(np.float64)
     best = FARTHEST
-    for b in range(len(boxes.valid)):
-        if b == a or not (boxes.valid[a, t] and boxes.valid[b, t]):
+    for b in range(boxes.valid.shape[1]):
+        if b == a or not (boxes.valid[k, a, t] and boxes.valid[k, b, t]):
             continue
         shrink = [CORNER_ROUNDING / 2 * boxes.size[i].min() for i in (a, b)]
         sizes = [boxes.size[i].astype(np.float64) - 2 * s for i, s in zip((a, b), shrink, strict=True)]
@@ -76,8 +77,8 @@ def leader_by_loops(boxes: Boxes, k, a, t):
     """(gap, speed of the box ahead), from the conditions of Waymo's time to collision, corner by corner."""
     heading, best = np.arctan2(boxes.sin, boxes.cos).astype(np.float64), (np.inf, 0.0)
     place = boxes.position[k, a, t].astype(np.float64)
-    for b in range(len(boxes.valid)):
-        if b == a or not (boxes.valid[a, t] and boxes.valid[b, t]):
+    for b in range(boxes.valid.shape[1]):
+        if b == a or not (boxes.valid[k, a, t] and boxes.valid[k, b, t]):
             continue
         angle = abs((heading[k, b, t] - heading[k, a, t] + np.pi) % (2 * np.pi) - np.pi)
         half = boxes.size[b].astype(np.float64) / 2
@@ -156,11 +157,11 @@ def test_what_is_given_overlapping_counts_only_after_coming_apart():
 
 
 def touching_by_loops(boxes, vehicles, scale):
-    hit = np.zeros((len(boxes.position), len(boxes.valid)), np.bool_)
+    hit = np.zeros(boxes.valid.shape[:2], np.bool_)
     heading = np.arctan2(boxes.sin, boxes.cos).astype(np.float64)
-    for k, a, b in np.ndindex(len(hit), len(boxes.valid), len(boxes.valid)):
+    for k, a, b in np.ndindex(*hit.shape, hit.shape[1]):
         inherited, seen = False, False
-        for t in np.flatnonzero(boxes.valid[a] & boxes.valid[b]) if a < b and a < vehicles else ():
+        for t in np.flatnonzero(boxes.valid[k, a] & boxes.valid[k, b]) if a < b and a < vehicles else ():
             box = [(boxes.position[k, i, t].astype(np.float64), heading[k, i, t], boxes.size[i] * scale) for i in (a, b)]
             overlap = bool(boxes_overlap(*box[0], *box[1]))
             inherited = overlap and (inherited or not seen)
@@ -211,7 +212,7 @@ def test_the_order_of_vehicles_and_samples_and_the_frame_do_not_matter(seed):
         motion.valid,
     )
     first = surroundings(boxes_of(motion, known), 4)
-    again = surroundings(boxes_of(turned[worlds][:, actors], known[actors], SIZES[actors]), 4)
+    again = surroundings(boxes_of(turned[worlds][:, actors], known[worlds][:, actors], SIZES[actors]), 4)
     np.testing.assert_allclose(again.nearest, first.nearest[worlds][:, actors], atol=1e-3)
     np.testing.assert_allclose(again.gap, first.gap[worlds][:, actors], atol=1e-2)
 
@@ -226,7 +227,7 @@ def test_the_log_is_the_last_sample_and_lends_its_mask():
     assert (both.valid == log.valid).all()
     features, _ = scene_features(scene, samples, log, None)
     assert np.isnan(features.edge).all()
-    assert not features.known[0][:, 0].any()
-    assert not features.known[1][3, 9:21].any()
-    assert features.known[0][3, 9]
+    assert not features.known[0][..., 0].any()
+    assert not features.known[1][:, 3, 9:21].any()
+    assert features.known[0][:, 3, 9].all()
     assert features[:-1].edge.shape[0] == 3

@@ -6,16 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
-from drivegen import plugins
-from drivegen.errors import MissingTool, UnusableInput
-from drivegen.geometry import wrap_angle
-from drivegen.lanes.graph import LaneGraph
-from drivegen.planners._requests import examples_from_logs
+from drivegen.core import plugins
+from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.geometry import wrap_angle
+from drivegen.core.scenario import Trajectories
 from drivegen.planners.base import Examples, Planner, PlanRequests
-from drivegen.scenario import Trajectories
-from stages._door import build
+from drivegen.planners.shared.requests import examples_from_logs
+from drivegen.roads.graph import LaneGraph
+from stages._door import build, read_section
 from tests.scenes import crossing, drive, joined, scenario, stack
 
 ROOT = Path(__file__).parents[2]
@@ -37,7 +36,7 @@ WAYS = [(0, 8, 4), (0, 9, 5), (0, 10, 7), (2, 14, 6), (2, 15, 7), (1, 11, 5), (3
 
 def tiny(name: str) -> Planner:
     """The planner with its own parameters, but small."""
-    params = yaml.safe_load((ROOT / "params.yaml").read_text())["train_planner"]["planners"][name]
+    params = read_section(f"train_planner.planners.{name}", ROOT / "params.yaml")
     small = {key: FEWER.get(key, value) for key, value in params.items()} | {"training": params["training"] | SHORT}
     plugin = plugins.load("planners", name)
     planner: Planner = plugin(build(plugin.Settings, small, "test"))

@@ -8,8 +8,8 @@ import pytest
 import torch
 from torch import Tensor
 
-from drivegen.planners._flow import FlowNet
 from drivegen.planners.base import Examples, Planner
+from drivegen.planners.shared.flow import FlowNet
 from drivegen.training import loop
 from tests.planners.test_planners_contract import examples, tiny
 

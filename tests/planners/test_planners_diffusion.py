@@ -6,8 +6,8 @@ import pytest
 import torch
 from torch import Tensor
 
-from drivegen.errors import UnusableInput
-from drivegen.planners._diffusion import SAMPLERS, alpha_bars, reverse_step, sampled, second_order_step
+from drivegen.core.errors import UnusableInput
+from drivegen.planners._paper.diffusion import SAMPLERS, alpha_bars, reverse_step, sampled, second_order_step
 from drivegen.planners.paper import Plugin
 from tests.planners.test_planners_contract import examples, same, tiny
 

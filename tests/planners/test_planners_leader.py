@@ -12,12 +12,12 @@ import pytest
 from numpy.typing import NDArray
 
 from drivegen.checker.scene import SceneChecker
-from drivegen.equipment import Equipment
-from drivegen.generate import choose, plan_all_goals
+from drivegen.core.scenario import Scenario
 from drivegen.goals.joint import draw_together, gumbel
 from drivegen.goals.outlook import Outlooks
-from drivegen.rollout import Choices
-from drivegen.scenario import Scenario
+from drivegen.rollout.batch import choose, plan_all_goals
+from drivegen.rollout.models import Equipment
+from drivegen.rollout.scene import Choices
 from tests.models import candidate_settings
 from tests.scenes import drive, joined, scenario, stack, straight_road
 

@@ -7,16 +7,16 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from drivegen.geometry import rotate, wrap_angle
-from drivegen.planners._bends import Bent, bent_frames, encode, straight_on
-from drivegen.planners._latent import expanded, principal
-from drivegen.planners._motion import GRID, decode
-from drivegen.planners._poly_net import own_features
-from drivegen.planners._polylines import MOST, PIECE, POINTS, SCALE, surroundings
-from drivegen.planners._profile import spline
+from drivegen.core.geometry import rotate, wrap_angle
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.planners._poly_fm.bends import Bent, bent_frames, encode, straight_on
+from drivegen.planners._poly_fm.net import own_features
+from drivegen.planners._poly_fm.polylines import MOST, PIECE, POINTS, SCALE, surroundings
 from drivegen.planners.base import Planner, PlanRequests
 from drivegen.planners.poly_fm import GROUPS
-from drivegen.scenario import Scenario, Trajectories
+from drivegen.planners.shared.latent import expanded, principal
+from drivegen.planners.shared.motion import GRID, decode
+from drivegen.planners.shared.profile import spline
 from tests.planners.test_planners_contract import examples, tiny, without_routes
 from tests.planners.test_planners_route_fm import assert_meets_goals, backward
 

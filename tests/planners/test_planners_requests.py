@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.routes import feasible_routes
-from drivegen.planners._requests import Goals, examples_from_logs, plan_requests
+from drivegen.core.scenario import Scenario, Signals, SignalState
 from drivegen.planners.base import ROUTE_POINTS, Examples, PlanRequests
-from drivegen.scenario import Scenario, Signals, SignalState
+from drivegen.planners.shared.requests import Goals, examples_from_logs, plan_requests
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.routes import feasible_routes
 from tests.scenes import crossing, drive, joined, scenario, stack, straight_road
 
 

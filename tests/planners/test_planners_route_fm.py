@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.geometry import wrap_angle
-from drivegen.planners._fitting import encode
-from drivegen.planners._motion import GRID, Residuals, decode
-from drivegen.planners._noise import normals
-from drivegen.planners._paths import Frames
-from drivegen.planners._profile import COEFFICIENTS, base_speed, spline
+from drivegen.core.geometry import wrap_angle
+from drivegen.core.scenario import DT, Trajectories
 from drivegen.planners.base import Planner, PlanRequests
-from drivegen.scenario import DT, Trajectories
+from drivegen.planners.shared.fitting import encode
+from drivegen.planners.shared.motion import GRID, Residuals, decode
+from drivegen.planners.shared.noise import normals
+from drivegen.planners.shared.paths import Frames
+from drivegen.planners.shared.profile import COEFFICIENTS, base_speed, spline
 from tests.planners.test_planners_contract import examples, tiny, without_routes
 
 LOGS = examples()

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from drivegen.lanes.graph import LaneGraph
-from drivegen.planners._requests import examples_from_logs
-from drivegen.planners._scores import MISSED, Sample, drawn_tracks, probe, score
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.planners.base import Examples, PlanRequests
-from drivegen.scenario import Scenario, Trajectories
+from drivegen.planners.shared.requests import examples_from_logs
+from drivegen.planners.shared.scores import MISSED, Sample, drawn_tracks, probe, score
+from drivegen.roads.graph import LaneGraph
 from tests.scenes import drive, scenario, stack, straight_road
 
 ROAD = straight_road(300)

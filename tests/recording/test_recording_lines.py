@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivegen.geometry import project
+from drivegen.core.geometry import project
 from drivegen.recording.lines import closed, flat, thinned
 
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import rerun as rr
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.samples import Violation
+from drivegen.core.scenario import Actors, Signals, SignalState, Trajectories
 from drivegen.recording import GoalMarks, record_scenario
 from drivegen.recording.roads import surroundings
 from drivegen.recording.traffic import FREE, clearance
-from drivegen.samples import Violation
-from drivegen.scenario import Actors, Signals, SignalState, Trajectories
 from tests.scenes import busy_crossing, drive, noisy_samples, road_map, scenario, stack, straight_road
 
 
@@ -47,6 +47,7 @@ def recorded(tmp_path_factory):
         vehicle=np.arange(10, dtype=np.int32) % 8,
         number=np.arange(10, dtype=np.int32),
         probability=np.full(10, 0.25, np.float32),
+        leaves_after=np.where(np.arange(10) == 1, 6.24, np.inf).astype(np.float32),
         chosen=np.arange(10) < 8,
     )
     path = tmp_path_factory.mktemp("recording") / "scene.rrd"
@@ -100,7 +101,7 @@ def test_signals_are_logged_once_while_nothing_changes(recorded):
 
 def test_chosen_goals_carry_number_and_probability(recorded):
     _, found = recorded
-    assert found["/world/goals/chosen"]["Points3D:labels"][0][:2] == ["0: 25%", "1: 25%"]
+    assert found["/world/goals/chosen"]["Points3D:labels"][0][:2] == ["0: 25%", "1: 25%, leaves the map after 6.2 s"]
 
 
 def test_the_layout_is_inside_and_the_file_is_light(recorded):

@@ -10,13 +10,13 @@ import cv2
 import numpy as np
 import pytest
 
-from drivegen.geometry import box_corners, to_vehicle_frame
+from drivegen.core.geometry import box_corners, to_vehicle_frame
+from drivegen.core.scenario import TARGET
 from drivegen.goals.candidates import candidates
-from drivegen.lanes.graph import LaneGraph
 from drivegen.render import bird_eye
 from drivegen.render.bird_eye import EXTENT, draw_bird_eye
 from drivegen.render.png import png
-from drivegen.scenario import TARGET
+from drivegen.roads.graph import LaneGraph
 from tests import scenes
 from tests.models import candidate_settings, two_lanes
 

@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 import pytest
 
-from drivegen.maps.compile import compile_map
-from drivegen.maps.spec import MapSpec
+from drivegen.core.roadmap import LaneControl
+from drivegen.layouts.compile import compile_map
+from drivegen.layouts.spec import MapSpec
 from drivegen.render.map_picture import draw_map, encode_png
 from drivegen.render.stop_lines import shown_stop_lines
-from drivegen.roadmap import LaneControl
 from drivegen.sumo.network import read_network
 
 ARMS = [{"angle": angle, "length": 60} for angle in (0, 90, 180, 270)]

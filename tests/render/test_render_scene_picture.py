@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.render.png import png, shrunk
 from drivegen.render.scene_picture import (
     GOAL_COLOUR,

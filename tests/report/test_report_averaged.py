@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivegen.metrics.intervals import Interval
+from drivegen.core.intervals import Interval
+from drivegen.core.methods import read_methods
+from drivegen.core.seeds import rng
 from drivegen.report.averaged import scenes_and_recordings, taken_over, vehicles_over
 from drivegen.report.published import DataSet, Results, mark, pool, rows, split
 from drivegen.report.published_tables import tables, transfer
-from drivegen.seeds import rng
 
+ABOUT = read_methods()
 SCENES = ("USA_Lanker-2_10_T-1-000", "USA_Lanker-2_10_T-1-001", "USA_US101-12_1_T-1-000", "USA_US101-12_1_T-1-001")
 CAUTION = ", which are few: they hold less than 95 % (about 90 % with ten)"
 FLOOR = {"min_sade": 2.0, "mean_sade": 2.0}
@@ -23,7 +25,7 @@ def results(error: float, steps: tuple[float, ...] = (101, 101, 101, 50)) -> Res
 
 def data_set(**changes: object) -> DataSet:
     averaged, left_out = split({"drivegen": results(1.0), "idm": results(2.0)})
-    data = DataSet("x", "some scenes", "", (7,), averaged, by_scene=False, left_out=left_out)
+    data = DataSet("x", "some scenes", "", (7,), ABOUT, averaged, by_scene=False, left_out=left_out)
     return replace(data, **changes)
 
 
@@ -66,12 +68,16 @@ def test_notes_say_what_they_know():
 
 
 def test_who_beats_constant_velocity_by_the_best_of_ten_alone_has_a_mark_of_its_own():
-    assert mark("bits", {"min_sade": 2.0, "mean_sade": 3.0}, FLOOR) == ", under-trained"
-    assert mark("bits", {"min_sade": 1.9, "mean_sade": 2.0}, FLOOR) == ", behind in the mean"
-    assert mark("bits", {"min_sade": 1.9, "mean_sade": 1.9}, FLOOR) == ""
-    assert mark("drivegen", {"min_sade": 2.5, "mean_sade": 2.5}, FLOOR) == ", behind in the mean"
-    assert mark("constant_velocity", FLOOR, FLOOR) == mark("random_agent", {"mean_sade": 9.0}, FLOOR) == ""
-    assert mark("bits", {"min_sade": 2.0}, {}) == mark("bits", {}, FLOOR) == ""
+    assert mark("bits", ABOUT["bits"], {"min_sade": 2.0, "mean_sade": 3.0}, FLOOR) == ", under-trained"
+    assert mark("bits", ABOUT["bits"], {"min_sade": 1.9, "mean_sade": 2.0}, FLOOR) == ", behind in the mean"
+    assert mark("bits", ABOUT["bits"], {"min_sade": 1.9, "mean_sade": 1.9}, FLOOR) == ""
+    assert mark("drivegen", ABOUT["drivegen"], {"min_sade": 2.5, "mean_sade": 2.5}, FLOOR) == ", behind in the mean"
+    assert (
+        mark("constant_velocity", ABOUT["constant_velocity"], FLOOR, FLOOR)
+        == mark("random_agent", ABOUT["random_agent"], {"mean_sade": 9.0}, FLOOR)
+        == ""
+    )
+    assert mark("bits", ABOUT["bits"], {"min_sade": 2.0}, {}) == mark("bits", ABOUT["bits"], {}, FLOOR) == ""
 
 
 def test_orders_are_compared_with_and_without_anchors():

@@ -1,12 +1,13 @@
 """The section on generators to compare with."""
 
+from drivegen.core.methods import read_methods
 from drivegen.report.evidence import Curve, Evidence
 from drivegen.report.sections.generators import section
 
 LCTGEN = {
     "generator": "lctgen", "parameters": 321960, "train_examples": 600, "steps": 500, "validation_loss": 3.5,
     "validation_min_sade": 5.0, "validation_min_sfde": 12.0, "validation_mean_sade": 6.0, "validation_mean_sfde": 13.0,
-    "log_code.validation_min_sade": 3.0, "log_code.validation_mean_sade": 4.0,
+    "lctgen_log_code.validation_min_sade": 3.0, "lctgen_log_code.validation_mean_sade": 4.0,
 }  # fmt: skip
 STEPS = [100.0, 200.0, 300.0, 400.0]
 
@@ -14,6 +15,7 @@ STEPS = [100.0, 200.0, 300.0, 400.0]
 def made(losses: list[float]):
     return section(
         Evidence(
+            methods=read_methods(),
             results={"train_generator/lctgen": LCTGEN},
             curves=(Curve("train_generator/lctgen", {"step": STEPS, "train": losses, "validation": losses}),),
             costs={"train_generator/lctgen": {"training_cpu_seconds": 71.25}},
@@ -35,7 +37,7 @@ def test_parameters_errors_and_the_bound_stand_in_the_table():
 
 
 def test_what_was_trained_elsewhere_says_so():
-    [_, times] = section(Evidence(results={"train_generator/lctgen": LCTGEN})).tables
+    [_, times] = section(Evidence(results={"train_generator/lctgen": LCTGEN}, methods=read_methods())).tables
     assert [cell.text for cell in times.rows[0].cells] == ["LCTGen", "not measured here: restored from cache"]
 
 

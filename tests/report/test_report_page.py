@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from drivegen.core.methods import read_methods
 from drivegen.render.png import png
 from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_page
 from drivegen.report.paper import MARK
@@ -27,6 +28,7 @@ def quality(error: float, diversity: float) -> dict[str, float]:
 
 
 FULL = Evidence(
+    methods=read_methods(),
     results={
         "quality_details/log": quality(0.0, 1.0),
         "quality_details/constant_velocity": quality(3.0, 0.6),
@@ -158,7 +160,7 @@ def test_methods_that_did_not_run_are_rows_and_goals_have_a_chooser():
 def test_a_rival_that_does_not_beat_constant_velocity_is_marked():
     results = {"quality_details/constant_velocity": quality(3.0, 0.6), "quality_details/bits": quality(3.0, 0.7)}
     results["quality_details/lctgen"] = quality(2.9, 0.7)
-    tables = {table.name: table for section in all_sections(Evidence(results)) for table in section.tables}
+    tables = {table.name: table for section in all_sections(Evidence(results, methods=FULL.methods)) for table in section.tables}
     for name in ("quality", "scores", "safety"):
         names = {row.cells[0].text for row in tables[name].rows if row.origin != "paper"}
         assert {"BITS, under-trained", "LCTGen"} <= names
@@ -199,7 +201,7 @@ def test_sections_have_one_anchor_each():
 def test_tables_say_what_models_were_trained_on():
     note = "argoverse2 has 5 usable training tracks, fewer than 200: not trained on"
     results = {**FULL.results, "ingest": {"trained_on": "SUMO corpus (simulated)", "note": note}}
-    sections = all_sections(Evidence(results))
+    sections = all_sections(Evidence(results, methods=FULL.methods))
     wanted = f"Models were trained on: SUMO corpus (simulated). {note}."
     carry = {table.name for section in sections for table in section.tables if wanted in table.notes}
     assert {"quality", "diversity", "safety", "violations", "corner-cases", "summary"} <= carry
@@ -222,7 +224,7 @@ def test_limits_are_listed_by_rule():
 def test_a_round_says_in_words_what_made_the_driver_fail():
     cell = {"feature": "behaviour", "value": "turning_left", "encounters": 9, "collisions": 2}
     rounds = {"corner/1": {"collision": 0.1, "knowledge": [cell | {"probability": 0.2, "low": 0.05, "high": 0.5}]}}
-    tables = {table.name: table for section in all_sections(Evidence(rounds)) for table in section.tables}
+    tables = {table.name: table for section in all_sections(Evidence(rounds, methods=FULL.methods)) for table in section.tables}
     (row,) = tables["corner-1-knowledge"].rows
     assert [c.text for c in row.cells] == ["behaviour", "turning left", "9", "2", "0.200"]
     assert row.cells[-1].note == "0.050\u20130.500"

@@ -10,6 +10,7 @@ from drivegen.report.sections import planners
 SCORES = {"scored_tracks": 600, "scored_scenes": 118, "steps": 800, "epochs": 30.0, "ade_best": 0.25, "base.ade_best": 0.9}
 FEW = {**SCORES, "scored_tracks": 150, "scored_scenes": 16, "steps": 900, "epochs": 4.2, "base.ade_best": 0.8}
 EVIDENCE = Evidence(
+    planners=("route_fm", "poly_fm", "paper"),
     results={"train_planner/paper": FEW, "train_planner/poly_fm": SCORES, "train_planner/route_fm": SCORES | {"log.jerk": 0.5}},
     curves=(Curve("train_planner/poly_fm", {"step": [0.0, 400.0], "train": [2.0, 1.0], "ade": [float("nan"), 2.0]}),),
     costs={"train_planner/poly_fm": {"training_cpu_seconds": 40.0, "planning_cpu_seconds": 2.0, "planned": 6000.0}},

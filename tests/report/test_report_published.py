@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivegen.metrics.intervals import Interval
+from drivegen.core.intervals import Interval
+from drivegen.core.methods import read_methods
+from drivegen.core.seeds import rng
 from drivegen.report.published import DataSet, Results, pool, set_numbers
 from drivegen.report.published_best import best
 from drivegen.report.published_costs import costs
@@ -13,9 +15,10 @@ from drivegen.report.published_goals import goals
 from drivegen.report.published_index import index
 from drivegen.report.published_tables import few, tables
 from drivegen.report.published_training import Trained, models
-from drivegen.seeds import rng
-from drivegen.store.runs import Model
+from drivegen.warehouse.runs import Model
 
+ABOUT = read_methods()
+SELECTORS = ("random", "prior", "learned", "vlm", "log")
 SCENES = tuple(f"rec{n}-000" for n in range(8))
 
 
@@ -34,7 +37,8 @@ def data_set(**changes: object) -> DataSet:
         "log": results(0.0, min_sade=0.0, nll_1s=0.0, realism=0.9, energy_final=0.0, rejected=0.0),
     }
     return DataSet(**{
-        "name": "x", "title": "some scenes", "trained_on": "", "seeds": (7,), "methods": methods, "by_scene": False, **changes,
+        "name": "x", "title": "some scenes", "trained_on": "", "seeds": (7,), "about": ABOUT, "methods": methods,
+        "by_scene": False, **changes,
     })  # fmt: skip
 
 
@@ -117,7 +121,7 @@ def test_an_interval_that_is_null_is_none():
     assert found["distance.speed"].value == 0.5
     assert np.isnan([found["distance.speed"].low, found["distance.speed"].high]).all()
     run = {"moving": {"vehicles": 9.0, "nll": 2.0, "nll.low": None, "nll.high": None, "hit_1": None}}
-    table = goals("x", "some scenes", {"learned": [run]})
+    table = goals("x", "some scenes", SELECTORS, {"learned": [run]})
     [line] = [row for row in table.rows if row.cells[0].text == "learned"]
     assert (line.cells[table.columns.index("NLL [nat]")].text, line.cells[table.columns.index("NLL [nat]")].note) == ("2.00", "")
 
@@ -141,7 +145,7 @@ def trained(name: str, parameters: int, seconds: float, seed: int = 7, *losses: 
 def test_models_stand_with_size_time_and_whether_each_seed_is_flat():
     found = [trained(name, 100, 60.0) for name in ("train_planner/route_fm", "train_selector/train_selector")]
     found += [trained("train_generator/bits", 7, 100.0), trained("train_generator/bits", 7, 120.0, 8, 9.0, 8.0, 7.0, 6.0)]
-    [table] = models(found)
+    [table] = models(found, ABOUT)
     rows = {row.cells[0].text: [cell.text for cell in row.cells[1:]] for row in table.rows}
     assert rows["BITS"] == ["7", "400", "100, 120", "90, 110", "yes, not yet"]
     assert rows["DriveGen, together"][:3] == ["200", "\u2013", "120"]
@@ -150,12 +154,12 @@ def test_models_stand_with_size_time_and_whether_each_seed_is_flat():
         "whole stages took 100 to 120 CPU-seconds for a rival that learns traffic, and 120 for" in note for note in table.notes
     )
     assert table.picture.startswith(b"<?xml")
-    [table] = models([replace(one, lists=30.0) if one.seed == 7 else one for one in found])
+    [table] = models([replace(one, lists=30.0) if one.seed == 7 else one for one in found], ABOUT)
     assert any("models together, after 30 once for the goal lists, which all seeds share." in note for note in table.notes)
 
 
 def test_what_nobody_timed_says_so_and_gives_no_budget():
-    [table] = models([trained("train_generator/bits", 7, 0.0)])
+    [table] = models([trained("train_generator/bits", 7, 0.0)], ABOUT)
     assert table.rows[0].cells[3].text == "not measured here: restored from cache"
     assert not any("Budget" in note for note in table.notes)
 
@@ -189,7 +193,7 @@ def test_goals_of_all_seeds_are_one_row_and_selectors_that_did_not_run_are_named
         {"described": "learned one", "moving": {"vehicles": 9.0, "nll": nll, "nll.low": nll - 1, "nll.high": nll + 1}}
         for nll in (2.0, 4.0)
     ]
-    table = goals("x", "some scenes", {"learned": seeds})
+    table = goals("x", "some scenes", SELECTORS, {"learned": seeds})
     rows = {row.cells[0].text: row.cells for row in table.rows}
     column = table.columns.index("NLL [nat]")
     assert (rows["learned"][column].text, rows["learned"][column].note) == ("3.00", "1.00 to 5.00")
@@ -199,14 +203,14 @@ def test_goals_of_all_seeds_are_one_row_and_selectors_that_did_not_run_are_named
 
 def test_where_no_vehicle_moves_goals_are_not_measured():
     still = [{"moving": {"vehicles": 0.0, "left_out": 0.0}}]
-    table = goals("x", "some scenes", {"learned": still, "random": still})
+    table = goals("x", "some scenes", SELECTORS, {"learned": still, "random": still})
     assert {cell.text for cell in table.rows[0].cells[3:]} == {"not measured"}
     assert "worse than choosing at random" not in table.notes[-1]
 
 
 def test_a_selector_that_is_worse_than_chance_is_said_to_be():
     found = {name: [{"moving": {"vehicles": 9.0, "nll": nll}}] for name, nll in (("learned", 4.0), ("random", 3.5), ("log", 0.1))}
-    notes = goals("x", "some scenes", found).notes
+    notes = goals("x", "some scenes", SELECTORS, found).notes
     assert notes[-1] == "In NLL the selector learned is worse than choosing at random: 4.00 against 3.50 nat."
     assert sum("worse than choosing at random" in note for note in notes) == 1
 
@@ -216,7 +220,7 @@ def test_a_selector_that_is_worse_than_chance_is_said_to_be():
 )
 def test_the_table_of_contents_goes_by_data_set(missing: list[str], said: str):
     data = data_set()
-    found = [*tables(data, pooled_of(data), 50, rng(7, "paired")), *models([trained("train_generator/bits", 7, 1.0)])]
+    found = [*tables(data, pooled_of(data), 50, rng(7, "paired")), *models([trained("train_generator/bits", 7, 1.0)], ABOUT)]
     text = index(found, {"x": "some scenes"}, {"runs": {"x/7": "1"}, "runs_missing": missing})
     assert said in text
     assert (

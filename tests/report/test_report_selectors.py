@@ -1,5 +1,6 @@
 """The table of goal selectors: the same columns for all, what was not run says so, who chose is told."""
 
+from drivegen.core import plugins
 from drivegen.goals.scores import METRICS
 from drivegen.report.evidence import Evidence
 from drivegen.report.sections import models
@@ -11,14 +12,16 @@ ASKING = {"vehicles": 50, "fallback": {"timeout": 3}, "label_bias": -0.21, "labe
 
 
 def rows(**goals):
-    table = models.selector(Evidence(results={f"goals/{name}": value for name, value in goals.items()})).tables[0]
+    names = tuple(plugins.names("selectors", ("random", "prior", "learned")))
+    results = {f"goals/{name}": value for name, value in goals.items()}
+    table = models.selector(Evidence(results=results, selectors=names)).tables[0]
     assert all(len(row.cells) == len(table.columns) for row in table.rows)
     return {row.cells[0].text: dict(zip(table.columns, row.cells, strict=True)) for row in table.rows}
 
 
 def test_every_score_is_a_column_with_its_interval_and_what_was_not_run_says_so():
     found = rows(learned=ROW)
-    assert list(found) == ["random", "prior", "learned", "vlm", "log"]
+    assert list(found) == ["random", "prior", "learned", "log", "vlm"]
     learned = found["learned"]
     assert learned["chosen by"].text == ROW["described"]
     assert learned["vehicles"].text == "40"

@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 import torch
 
-from drivegen import plugins
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.core import plugins
+from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.roadmap import LaneControl
+from drivegen.goals import list_files
 from drivegen.goals.candidates import candidates
+from drivegen.goals.features import NAMES, features
+from drivegen.goals.list_files import read_lists, write_lists
+from drivegen.goals.lists import Lists
 from drivegen.goals.manoeuvres import Manoeuvre
-from drivegen.lanes.graph import LaneGraph
-from drivegen.roadmap import LaneControl
-from drivegen.selectors import _list_files
-from drivegen.selectors._features import NAMES, features
-from drivegen.selectors._list_files import read_lists, write_lists
-from drivegen.selectors._lists import Lists
+from drivegen.goals.twins import twin
+from drivegen.roads.graph import LaneGraph
 from drivegen.selectors._ranker import Ranker
-from drivegen.selectors._twins import twin
 from drivegen.selectors.learned import Plugin, Settings
 from drivegen.selectors.log import logged_ends
 from drivegen.training.loop import Settings as Training
@@ -211,7 +211,7 @@ def test_lists_come_back_from_their_file_as_they_were(tmp_path):
 
 def test_lists_of_other_features_are_not_learnt_from(tmp_path, monkeypatch):
     write_lists(tmp_path / "lists.parquet", lists([5.0]))
-    monkeypatch.setattr(_list_files, "NAMES", (*NAMES[:-1], "something new"))
+    monkeypatch.setattr(list_files, "NAMES", (*NAMES[:-1], "something new"))
     with pytest.raises(UnusableInput, match="run the goal_lists stage again"):
         read_lists(tmp_path / "lists.parquet")
 

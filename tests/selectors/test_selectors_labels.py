@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drivegen.goals.candidates import candidates
-from drivegen.lanes.graph import LaneGraph
-from drivegen.selectors._labels import LEAST_SEEN, UNSTEADY, ends
+from drivegen.goals.labels import LEAST_SEEN, UNSTEADY, ends
+from drivegen.roads.graph import LaneGraph
 from tests import scenes
 from tests.goals.test_goals_candidates import SETTINGS
 

@@ -1,6 +1,7 @@
 """The vision-language selector against a server of the tests: what it asks, what it makes of answers, what it does without."""
 
 import json
+import re
 from dataclasses import replace
 from datetime import timedelta
 
@@ -9,15 +10,15 @@ import orjson
 import pytest
 import yaml
 
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.goals.candidates import candidates
 from drivegen.goals.outlook import Outlooks
-from drivegen.lanes.graph import LaneGraph
 from drivegen.lm import batch
 from drivegen.lm.prompt import OverBudget
 from drivegen.lm.records import Mode
-from drivegen.selectors._vlm_account import Account, odds, worth_asking
-from drivegen.selectors._vlm_question import Case, examples
+from drivegen.questions.account import Account, odds, worth_asking
+from drivegen.questions.goals import LIKELIEST, Case, about_vehicle, examples
+from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.learned import Plugin as Learned
 from drivegen.selectors.vlm import Plugin, Settings
 from drivegen.store.scenarios import write_shard
@@ -75,6 +76,21 @@ def test_every_question_has_its_picture_and_every_candidate(models, tmp_path):
         assert all(f"\\n{k}: " in mine for k in range(len(c)))
         assert f"\\n{len(c)}: " not in mine
     assert len(set(told)) == len(FOUND)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_place_beyond_an_exit_is_told_as_the_exit_with_a_time(whole):
+    roads = scenes.straight_road(100, 1, whole)
+    scene = scenes.scenario(roads, scenes.stack([scenes.drive(scenes.joined(roads, 0), 40, 14, 101)]))
+    found = candidates(LaneGraph.of(roads), scene, 0, CANDIDATES)
+    asked = about_vehicle(Case.of(scene, 0, found, 7), 3, 256, (), LIKELIEST)
+    [told] = [part for part in asked.parts if isinstance(part, str) and "place: where" in part]
+    out = found.leaves_map.sum()
+    assert out > 0
+    assert told.count("leaves the map here after ") >= out * whole
+    assert told.count("beyond the map") == out * (not whole)
+    farthest = max(int(metres) for metres in re.findall(r": (\d+) m ahead", told))
+    assert (farthest <= 60) == whole  # the end of the road is 60 m ahead
 
 
 def test_numbers_are_drawn_by_seed_scenario_and_vehicle():

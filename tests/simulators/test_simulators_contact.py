@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drivegen.core.scenario import Actors, Trajectories
 from drivegen.drivers.base import Action
-from drivegen.scenario import Actors, Trajectories
 from drivegen.simulators.base import AT_FAULT, FIRST_SECOND, CollisionKind, with_off_road
 from drivegen.simulators.batch import Plugin
 from tests.scenes import LANE_WIDTH, beside, drive, scenario, stack, straight_road

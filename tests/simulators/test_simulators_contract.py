@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from drivegen import plugins
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import Trajectories
 from drivegen.drivers import idm
-from drivegen.errors import UnusableInput
-from drivegen.scenario import Trajectories
-from drivegen.simulators._paths import target_paths
 from drivegen.simulators.base import NO_PARTNER, CollisionKind
+from drivegen.simulators.shared.paths import target_paths
 from tests.checking import IDM
 from tests.scenes import busy_crossing, drive, road_map, scenario, stack, straight_road
 
@@ -125,3 +125,17 @@ def test_sumo_refuses_a_driver_that_it_cannot_play():
 
     with pytest.raises(UnusableInput, match="no model of the driver own"):
         plugins.load("simulators", "sumo")().run(Own(), FOLLOWING[:1], [FOLLOWING[0].log])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_target_that_leaves_the_map_has_finished_its_run(name):
+    logs = [stack([drive(LINE, 850, 10, 101), drive(LINE, 880, 0, 101)]), stack([drive(LINE, 850, 10, 101)])]
+    scenes = [scenario(straight_road(900, whole=whole), log) for log in logs for whole in (False, True)]
+    outcome = plugins.load("simulators", name)().run(DRIVER, scenes, [log for log in logs for _ in range(2)])
+    assert outcome.left_map.tolist() == [False, False, False, True]
+    assert not outcome.collided[3]
+    seen = outcome.motion.valid[3]
+    assert 40 < seen.sum() < 60
+    assert not seen[seen.sum() :].any()
+    assert outcome.motion.position[3, seen.sum() - 1, 0] + 2.3 < 900
+    assert outcome.motion.valid[2].all()

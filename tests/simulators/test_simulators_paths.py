@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.geometry import arc_length, project
-from drivegen.simulators._paths import packed, target_paths
-from drivegen.simulators._replay import replay
+from drivegen.core.geometry import arc_length, project
+from drivegen.simulators.shared.paths import packed, target_paths
+from drivegen.simulators.shared.replay import replay
 from tests.scenes import LIMIT, crossing, drive, joined, road_map, scenario, stack, straight_road
 
 CROSS = crossing()

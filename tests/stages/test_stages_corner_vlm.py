@@ -10,9 +10,10 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.corner_cases.collisions import Collision, telling
 from drivegen.corner_cases.knowledge import SHAPE, Knowledge
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.corner_cases.round_folder import RoundFolder
 from drivegen.lm.prompt import OverBudget
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import write_shard
@@ -75,7 +76,7 @@ def round_one(root, models, tmp_path, monkeypatch):
 
 
 def test_a_round_leaves_pictures_of_collisions_with_words(root):
-    pictures = sorted((root / "0" / corner.COLLISIONS).glob("*.png"))
+    pictures = sorted(RoundFolder(root / "0").collisions.glob("*.png"))
     assert 0 < len(pictures) <= params_of().pictures
     for file in pictures:
         picture = cv2.imdecode(np.frombuffer(file.read_bytes(), np.uint8), cv2.IMREAD_COLOR)
@@ -88,8 +89,8 @@ def test_a_round_leaves_pictures_of_collisions_with_words(root):
 def test_the_model_is_told_and_shown_what_the_round_before_found(root, round_one):
     with serving([says(0, 1)]) as server:
         metrics, _, samples = round_one(server.url, "auto", "first")
-    known = Knowledge.from_json(orjson.loads((root / "0" / corner.KNOWLEDGE).read_bytes()))
-    shown = 1 + len(list((root / "0" / corner.COLLISIONS).glob("*.png")))
+    known = Knowledge.from_json(orjson.loads((root / "0" / "knowledge.json").read_bytes()))
+    shown = 1 + len(list(RoundFolder(root / "0").collisions.glob("*.png")))
     social = sum(s.used.shape[1] - 1 for s in samples)
     assert 0 < len(server.requests) <= social
     for request in server.requests:

@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.store.files import whole
 from stages import _door, asked, corner, evaluate, ingest, place, rollout, train_planner
 

@@ -6,7 +6,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from drivegen.checker.limits import RULES, Limits
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.simulators.base import CollisionKind
 from drivegen.store.results import RESULT
 from drivegen.store.samples import write_samples

@@ -10,16 +10,17 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.samples import Samples
 from drivegen.metrics.scene import Settings
-from drivegen.samples import Samples
 from drivegen.store.costs import COST, write_cost
 from drivegen.store.rejected import write_rejected
 from drivegen.store.results import RESULT
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
-from drivegen.store.warehouse import query
+from drivegen.warehouse.database import query
 from stages import collect, evaluate, report
+from stages._door import read_params
 from tests.scenes import busy_crossing, noisy_samples, rejected_of
 
 MEASURED = Settings(horizons=(1.0, 3.0), bandwidths=(0.5, 1.0, 2.0, 4.0), box_scales=(0.9, 1.0, 1.1))
@@ -177,7 +178,7 @@ def test_what_was_restored_from_the_cache_is_no_number_and_no_gap(made, tmp_path
 
 def report_of(made, out):
     places = [made / folder for folder in ("metrics", "plots", "test", "generated", "rejected", "goals", "maps", "costs")]
-    report.main(report.Params(seed=7, scenes=2, maps=4), *places, out / "index.html", out / "tables")
+    report.main(replace(read_params("report", report.Params), scenes=2, maps=4), *places, out / "index.html", out / "tables")
     return (out / "index.html").read_text()
 
 

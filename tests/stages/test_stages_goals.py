@@ -6,10 +6,10 @@ import numpy as np
 import orjson
 import pytest
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.goals.candidates import candidates
 from drivegen.goals.packing import unpack
-from drivegen.lanes.graph import LaneGraph
+from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.learned import Plugin as Learned
 from drivegen.store.goals import read_goals
 from drivegen.store.scenarios import write_shard

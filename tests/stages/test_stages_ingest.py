@@ -15,9 +15,11 @@ import pytest
 import yaml
 
 from drivegen.av2.export import export_scenario
+from drivegen.core.errors import UnusableInput
 from drivegen.datasets.sumo_corpus import write_part
-from drivegen.errors import UnusableInput
-from drivegen.selection import Settings
+from drivegen.ingest.selection import Settings
+from drivegen.ingest.shards import EMPTY
+from drivegen.ingest.sources import open_dataset
 from drivegen.store.scenarios import read_shard, shards
 from stages import ingest
 from tests.scenes import busy_crossing
@@ -61,7 +63,7 @@ def world(tmp_path: Path) -> Path:
 
 
 def run(world: Path, **changes: object) -> dict:
-    ingest._open.cache_clear()  # a stage is a process of its own
+    open_dataset.cache_clear()  # a stage is a process of its own
     ingest.main(params(world, **changes), world / "corpus", world / "out", world / "ingest.json")
     return json.loads((world / "ingest.json").read_text())
 
@@ -165,10 +167,10 @@ def test_a_data_set_of_short_recordings_has_a_horizon_of_its_own(world: Path) ->
 
 
 def test_an_empty_split_says_so_in_a_file_because_no_cache_keeps_an_empty_folder(world: Path) -> None:
-    note = world / "out" / "val" / ingest.EMPTY
+    note = world / "out" / "val" / EMPTY
     run(world, limits={"train": None, "val": 0, "test": None})
     assert ids(world, "val") == []
-    assert [path.name for path in note.parent.iterdir()] == [ingest.EMPTY]
+    assert [path.name for path in note.parent.iterdir()] == [EMPTY]
     assert note.read_text().startswith("No scene is in this split (source: sumo_corpus)")
     run(world)
     assert ids(world, "val") == ["val-0"]

@@ -5,7 +5,7 @@ from pathlib import Path
 import orjson
 import pytest
 
-from drivegen.errors import MissingTool
+from drivegen.core.errors import MissingTool
 from drivegen.store.scenarios import write_shard
 from stages import assets, initial_states
 from tests.generators.rivals import trained
@@ -14,7 +14,8 @@ from tests.scenes import busy_crossing
 PARAMS = initial_states.Params(seed=7, scenes=2, draws=50)
 FILES = ("scenarios", "assets.parquet", "gaps.parquet", "models")
 
-OURS = {"held-out logs"} | {f"drivegen, mode {mode}{own}" for mode in ("paper", "data") for own in ("", ", the log's target")}
+MODES = [f"DriveGen, mode {mode}{own}" for mode in ("paper", "data") for own in (", a target of its own", "")]
+OURS = ["held-out logs", *MODES]
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +38,9 @@ def run(folder: Path, out: Path) -> dict:
 def test_every_method_places_as_many_as_the_logs_have(folder, tmp_path):
     found = run(folder, tmp_path / "a.json")
     assert found["scenes"] == 2
-    methods = found["methods"]
-    assert set(methods) == {*OURS, "trafficgen", "lctgen", "lctgen_log_code"}
+    methods = {one["name"]: one for one in found["methods"]}
+    lctgen = ["LCTGen, code of a training log", "LCTGen, code from the log (a bound, no method)"]
+    assert list(methods) == [*OURS, *lctgen, "TrafficGen"]
     count = 2 * len(busy_crossing().vehicles)
     for name, values in methods.items():
         assert values["asked"] == count
@@ -59,7 +61,7 @@ def test_who_was_not_trained_has_no_row(folder, tmp_path):
     alone = [folder / name for name in FILES[:3]]
     initial_states.main(PARAMS, *alone, tmp_path / "nothing", tmp_path / "a.json")
     methods = orjson.loads((tmp_path / "a.json").read_bytes())["methods"]
-    assert set(methods) == OURS
+    assert [one["name"] for one in methods] == OURS
 
 
 def test_missing_logs_are_named(folder, tmp_path):

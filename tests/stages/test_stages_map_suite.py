@@ -16,8 +16,8 @@ CROSSING = {"kind": "crossing", "control": "signals", "arms": [{"angle": a} for 
 ROAD = Says(json.dumps({"map": {"road": CROSSING}}))
 NONE = Says(json.dumps({"map": None, "cannot": "no road"}))
 SUITE = [
-    cases.Case(cases.OWN, "crossing", "a crossing with lights", {"arms": [4]}),
-    cases.Case(cases.OWN, "poem", "a poem", None),
+    cases.Case(cases.OWN, "plain", "a crossing with lights", {"arms": 4}),
+    cases.Case(cases.OWN, cases.REFUSE, "a poem", None),
 ]
 
 
@@ -27,7 +27,7 @@ def run(tmp_path, monkeypatch):
     monkeypatch.setattr(map_suite, "own_cases", lambda: SUITE)
 
     def run_stage(models, mode="auto", **role):
-        values = vars(settings(**{"prompt": "roads-1", "output": "prompted", "retries": 0, **role}))
+        values = vars(settings(**{"prompt": "roads-2", "output": "prompted", "retries": 0, **role}))
         lm = {"maps": values, "records": {"mode": mode, "folder": "records"}}
         (tmp_path / "params.yaml").write_text(yaml.safe_dump({"lm": lm}))
         costs = map_suite.main(map_suite.Params(7, ["offline"], models, 1, ""), tmp_path / "table.json")
@@ -40,7 +40,7 @@ def test_a_model_that_nobody_configured_is_not_measured(run):
     table, costs = run(["language_model", "language_model_xml"], backend="offline", model="")
     writers = json.loads(table)["writers"]
     assert writers["language_model_xml"] == {"measured": False, "written_by": "language model xml"}
-    assert writers["offline"]["suites"]["own"]["right"] == 2
+    assert writers["offline"]["groups"]["own, plain"]["right"] == 1
     assert costs["cpu_seconds of offline"] > 0
     assert b"seconds" not in table
 
@@ -50,14 +50,14 @@ def test_a_configured_model_is_measured_and_replayed_to_the_same_bytes(run):
         table, _ = run(["language_model"], base_url=server.url)
     told = json.loads(table)["writers"]["language_model"]
     assert told["written_by"] == "language model little-model"
-    assert (told["suites"]["own"]["as_asked"], told["suites"]["own"]["refused"]) == (1, 1)
+    assert [told["groups"][name]["right"] for name in ("own, plain", "own, refuse")] == [1, 1]
     calls = pq.read_table(FOLDER / "map_suite-language_model.parquet")
     assert calls["outcome"].to_pylist() == ["answered", "answered"]
     assert run(["language_model"], mode="replay", base_url="http://127.0.0.1:9")[0] == table
 
 
-def test_the_offline_rules_answer_is_not_counted_as_the_models(run):
+def test_a_model_that_gives_no_answer_declines(run):
     with serving([Says("I would rather not.")]) as server:
         table, _ = run(["language_model"], base_url=server.url)
-    counts = json.loads(table)["writers"]["language_model"]["suites"]["own"]
-    assert (counts["stood_in_for"], counts["understood"], counts["as_asked"], counts["loads"]) == (1, 0, 0, 1)
+    counts = json.loads(table)["writers"]["language_model"]["groups"]["own, plain"]
+    assert (counts["declined"], counts["right"], counts["wrong"]) == (1, 0, 0)

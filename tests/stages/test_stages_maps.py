@@ -1,4 +1,4 @@
-"""Stage `maps` with a language model as the writer: counted calls, the fallback in the table, a replay without a server."""
+"""Stage `maps` with a language model as the writer: counted calls, the failure in the table, a replay without a server."""
 
 import json
 from datetime import timedelta
@@ -7,6 +7,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 
+from drivegen.core.errors import UnusableInput
 from drivegen.lm import batch
 from stages import maps
 from tests.lm.asking import settings
@@ -23,7 +24,7 @@ def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def run_stage(mode, **role):
-        values = vars(settings(**{"prompt": "roads-1", "output": "prompted", "retries": 0, **role}))
+        values = vars(settings(**{"prompt": "roads-2", "output": "prompted", "retries": 0, **role}))
         lm = {"maps": values, "records": {"mode": mode, "folder": "records"}}
         (tmp_path / "params.yaml").write_text(yaml.safe_dump({"lm": lm}))
         maps.main(maps.Params(7, 2, "language_model", PROMPTS), tmp_path / "maps", tmp_path / "maps.json")
@@ -42,11 +43,13 @@ def test_a_models_maps_are_recorded_and_made_again_without_it(run):
     assert (replayed["replayed"], replayed["cost"]) == (True, "0.000000")
 
 
-def test_without_a_model_the_offline_rules_write_and_the_calls_say_why(run):
-    row, [call] = run("replay", backend="offline", model="")
-    assert row["as_asked"]
-    assert row["writer"] == "offline rules (no language model), for there is no language model"
-    assert call["outcome"] == "no-model"
+def test_without_a_model_nothing_is_drawn_and_the_calls_say_why(run, tmp_path):
+    with pytest.raises(UnusableInput, match="none of the descriptions"):
+        run("replay", backend="offline", model="")
+    [row] = json.loads((tmp_path / "maps.json").read_text())["maps"]
+    assert row["reason"] == "no-model"
+    assert not row["understood"]
+    assert [call["outcome"] for call in pq.read_table(maps.CALLS).to_pylist()] == ["no-model"]
 
 
 def test_what_it_will_cost_is_told_before_the_first_call(run, capsys):

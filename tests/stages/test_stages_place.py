@@ -6,13 +6,13 @@ import numpy as np
 import orjson
 import pytest
 
-from drivegen.assets.place import PlaceSettings
-from drivegen.assets.table import Table
-from drivegen.errors import MissingTool, UnusableInput
-from drivegen.initialise import Settings
-from drivegen.maps.compile import compile_map
-from drivegen.maps.spec import MapSpec
-from drivegen.scenario import SignalState
+from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.scenario import SignalState
+from drivegen.layouts.compile import compile_map
+from drivegen.layouts.spec import MapSpec
+from drivegen.placement.place import PlaceSettings
+from drivegen.placement.scenes import Settings
+from drivegen.placement.table import Table
 from drivegen.store.assets import read_assets
 from drivegen.store.scenarios import read_shard, shards, write_shard
 from stages import assets, place

@@ -7,10 +7,11 @@ import numpy as np
 import orjson
 import pytest
 
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, write_results
 from stages import publish
+from stages._door import read_params
 from stages.publish import About, Params
 
 SCENES = ["USA_Lanker-2_10_T-1-000", "USA_Lanker-2_10_T-1-001", "USA_US101-12_1_T-1-000"]
@@ -25,6 +26,7 @@ def params(**changes: object) -> Params:
     values = {
         "seed": 7, "draws": 50, "seeds": (7, 8), "temperatures": (0.5,), "params": {}, "data": data,
         "transfer": (("here", "there"),), "training": (("here", "there"),),
+        "own": ("drivegen",), "rivals": ("bits",), "baselines": (), "selectors": ("random",),
     }  # fmt: skip
     return Params(**{**values, **changes})
 
@@ -137,6 +139,12 @@ def test_seeds_with_other_scenes_are_refused(runs, tmp_path):
     run(runs / "here/8", {"drivegen": [1.0, 2.0]}, SCENES[:2])
     with pytest.raises(UnusableInput, match="other scenes"):
         publish.main(params(), runs, tmp_path / "out")
+
+
+def test_the_section_of_params_yaml_is_what_the_door_takes(monkeypatch):
+    monkeypatch.chdir(Path(publish.__file__).parents[1])
+    asked = read_params("publish", Params)
+    assert set(asked.runs) >= {f"{name}/{seed}" for name in asked.data for seed in asked.seeds}
 
 
 def test_no_runs_are_said_to_be_missing(tmp_path):

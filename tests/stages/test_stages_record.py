@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import rerun as rr
 
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.store.goals import COLUMNS, GoalColumns, write_goals
 from drivegen.store.rejected import write_rejected
 from drivegen.store.samples import write_samples
@@ -26,6 +26,8 @@ def goals_of(scene, per_vehicle=3) -> GoalColumns:
     columns |= {
         "candidates": np.full(len(scene.vehicles), per_vehicle, np.int32),
         "position": places.ravel(),
+        "place": places.ravel(),
+        "leaves_after": np.full(len(places), np.inf, np.float32),
         "probability": np.tile(np.float32([0.2, 0.3, 0.5]), len(scene.vehicles)),
         "lane": np.zeros(len(places), np.int32),
     }

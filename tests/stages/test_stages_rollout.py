@@ -7,7 +7,7 @@ import numpy as np
 import orjson
 import pytest
 
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.generators.base import Settings
 from drivegen.store.draw import draw_scenes
 from drivegen.store.rejected import read_rejected
@@ -167,7 +167,7 @@ def test_a_rounds_numbers_are_those_that_the_report_and_the_flow_read(rounds: li
 
 
 def test_knowledge_is_pooled_over_rounds(rounds: list[Path]) -> None:
-    seen = [np.sum(orjson.loads((folder / corner.KNOWLEDGE).read_bytes())["encounters"]) for folder in rounds]
+    seen = [np.sum(orjson.loads((folder / "knowledge.json").read_bytes())["encounters"]) for folder in rounds]
     assert 0 < seen[0] < seen[1]
 
 

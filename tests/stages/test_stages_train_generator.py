@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.store.files import write_json
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import write_shard
@@ -56,7 +56,7 @@ def test_it_writes_model_metrics_and_curve_with_the_same_bytes(
     assert (metrics["train_examples"], metrics["validation_examples"], metrics["steps"]) == (4, 2, 4)
     assert metrics["parameters"] > 1000
     assert 0 < metrics["validation_min_sade"] <= metrics["validation_mean_sade"]
-    assert "log_code.validation_min_sade" in metrics
+    assert "lctgen_log_code.validation_min_sade" in metrics
     assert [line.split(",")[0] for line in (tmp_path / "a" / "curve.csv").read_text().splitlines()] == ["step", "2", "4"]
     assert not list((tmp_path / ".drivegen" / "checkpoints").glob("*/*"))
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from drivegen.errors import MissingTool, UnusableInput
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import write_shard
 from stages import train_planner

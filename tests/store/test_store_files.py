@@ -12,7 +12,7 @@ import orjson
 import pyarrow as pa
 import pytest
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.store.files import whole, write_json, write_table, write_together
 
 TABLE = pa.table({"x": np.arange(50_000, dtype=np.float64)})
@@ -49,7 +49,7 @@ def test_an_error_in_the_middle_keeps_the_old_file_and_leaves_no_other(tmp_path)
 
 HANG_IN_THE_MIDDLE = """
 import pathlib, sys, time
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.store.files import whole
 with whole(pathlib.Path(sys.argv[1])) as part:
     part.write_bytes(b"half")
@@ -78,7 +78,7 @@ def test_a_killed_writer_leaves_nothing_that_is_taken_as_done(tmp_path):
 WRITE_TOO_MUCH = """
 import pathlib, resource, signal, sys
 import numpy as np, pyarrow as pa
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.store.files import write_table
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))  # stands in for a full disk

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.store.folders import whole_folder
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from drivegen import plugins
-from drivegen.errors import UnusableInput
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.methods import read_methods
 from drivegen.lm.ledger import CALLS
 from drivegen.store.costs import COST, write_cost
-from drivegen.store.draw import GOALS_OF
 from drivegen.store.results import RESULT, Run, result_rows, run_id, write_results
-from drivegen.store.warehouse import build, query, read_parts, result_parts
+from drivegen.warehouse.database import build, query, read_parts, result_parts
 
 RUN = Run("0123456789ab", "evaluate", "drivegen", "", 7, "learned")
 
@@ -86,13 +86,14 @@ def test_views_average_per_method_and_by_kind_of_scene(tmp_path):
     assert query(made, "select cpu_seconds_per_scenario as s from cost_per_item").to_pylist() == [{"s": 2.0}]
 
 
-def test_whose_goals_a_method_follows_is_what_its_plugin_says():
-    selectors = {name: plugins.load("generators", name).selector for name in plugins.names("generators")}
-    assert {name: selector for name, selector in selectors.items() if selector is not None} == GOALS_OF
+def test_the_warehouse_has_a_row_of_every_generator(tmp_path):
+    made = warehouse(tmp_path, rows(min_sade=[1.0, 2.0, 6.0]))
+    titles = {row["method"]: row["title"] for row in query(made, "from methods").to_pylist()}
+    assert titles == {name: plugins.load("generators", name).about.title for name in plugins.names("generators")}
 
 
 def test_choosing_goals_is_counted_for_every_method_that_follows_a_selectors(tmp_path):
-    selectors = {name: plugins.load("generators", name).selector for name in plugins.names("generators")}
+    selectors = {name: method.goals for name, method in read_methods().items()}
     following = {name: selector for name, selector in selectors.items() if selector is not None}
     assert len(following) > 2
     for n, (method, selector) in enumerate(following.items()):

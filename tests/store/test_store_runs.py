@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from safetensors.numpy import save_file
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.store.costs import write_cost
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, write_results
-from drivegen.store.runs import COSTS, read_codes, read_curve, read_models, read_param, read_scores
+from drivegen.warehouse.runs import COSTS, read_codes, read_curve, read_models, read_param, read_scores
 
 
 def part(file: Path, scenes: list[str], **values: list[float]) -> Path:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.store.rejected import read_rejected, rejected_by_method, write_rejected
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import VERSION, read_shard, shards, write_shard

@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen import seeds
-from drivegen.errors import UnusableInput
-from drivegen.maps.compile import compile_map
-from drivegen.maps.spec import MapSpec
-from drivegen.safe_xml import parse
-from drivegen.scenario import DT, Trajectories
+from drivegen.core import seeds
+from drivegen.core.errors import UnusableInput
+from drivegen.core.safe_xml import parse
+from drivegen.core.scenario import DT, Trajectories
+from drivegen.layouts.compile import compile_map
+from drivegen.layouts.spec import MapSpec
 from drivegen.sumo.bends import COMFORTABLE, bend_speed, with_human_speeds
 from drivegen.sumo.demand import Demand, draw_demand
 from drivegen.sumo.network import Network

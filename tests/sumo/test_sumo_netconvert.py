@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegen.errors import MissingTool
+from drivegen.core.errors import MissingTool
 from drivegen.sumo import netconvert
 from drivegen.sumo.plain import Edge, Node, PlainNetwork
 

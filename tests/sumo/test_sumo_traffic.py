@@ -3,12 +3,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from drivegen import seeds
-from drivegen.errors import UnusableInput
-from drivegen.maps.compile import compile_map
-from drivegen.maps.spec import MapSpec
-from drivegen.roadmap import RoadMap
-from drivegen.scenario import SignalState, VehicleKind
+from drivegen.core import seeds
+from drivegen.core.errors import UnusableInput
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.scenario import SignalState, VehicleKind
+from drivegen.layouts.compile import compile_map
+from drivegen.layouts.spec import MapSpec
 from drivegen.sumo.child import SimulationFailed
 from drivegen.sumo.demand import Demand, draw_demand, vehicles_at_begin
 from drivegen.sumo.network import Network

@@ -16,9 +16,10 @@ import torch
 from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.training.curve import LossRow, kept
 from drivegen.training.loop import Settings, batch_rows, train
+from drivegen.training.weights import WEIGHTS, read_weights, write_weights
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = Settings(
@@ -226,3 +227,30 @@ def test_every_epoch_sees_every_example_once() -> None:
 
 def test_a_batch_larger_than_the_examples_repeats_them() -> None:
     assert len(batch_rows(3, 10, 1, 0)) == 10
+
+
+class Diverging(NoisyCosine):
+    """A loss that is no number from the fourth step on."""
+
+    steps = 0
+
+    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:
+        self.steps += 1
+        return super().loss(model, rows, *drawn) * (float("nan") if self.steps > 3 else 1.0)
+
+
+def test_a_loss_that_is_not_finite_stops_the_training_with_one_sentence(tmp_path):
+    with pytest.raises(UnusableInput, match=r"the loss is nan at step 4 of 60; lower learning_rate \(0.01\)"):
+        train(net(), Diverging(), SETTINGS, 1, tmp_path / "kept.safetensors", lambda _: None)
+    assert not (tmp_path / "kept.safetensors").exists()
+
+
+def test_weights_that_are_not_finite_are_neither_written_nor_read(tmp_path):
+    good = {"a": np.zeros(3, np.float32)}
+    write_weights(tmp_path / "good", "planner", "p", {}, good)
+    with pytest.raises(UnusableInput, match="a has a number that is not finite"):
+        write_weights(tmp_path / "bad", "planner", "p", {}, {"a": np.array([0, np.nan], np.float32)})
+    assert not (tmp_path / "bad").exists()
+    save_file({"a": torch.tensor([1.0, float("inf")])}, tmp_path / "good" / WEIGHTS)
+    with pytest.raises(UnusableInput, match=r"weights\.safetensors: a has a number that is not finite: train it again"):
+        read_weights(tmp_path / "good", "planner", "p")

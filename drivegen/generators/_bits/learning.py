@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
+from drivegen.core.geometry import rotate, wrap_angle
+from drivegen.core.scenario import DT
 from drivegen.generators._bits.net import GOAL, HOLD, Plan, Seen, cell_of, told_of
 from drivegen.generators._bits.raster import Painted, rasters, stretch
-from drivegen.generators._closed_loop import Tracks
-from drivegen.geometry import rotate, wrap_angle
-from drivegen.scenario import DT
+from drivegen.generators.shared.closed_loop import Tracks
 
 HELD_OUT, HELD_OUT_CHUNK = 1024, 128
 """Validation examples that the loss is taken over, drawn once, and how many go through the network at once."""

@@ -6,8 +6,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from drivegen.core.scenario import DT, VehicleKind
 from drivegen.generators._bits.raster import BEHIND, CHANNELS, COLUMNS, FAST, PIXEL, ROWS
-from drivegen.scenario import DT, VehicleKind
 
 GOAL_ROWS, GOAL_COLUMNS = ROWS // 2, COLUMNS // 2
 """Cells of the heat map."""

@@ -11,10 +11,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.generators._closed_loop import Crowd
-from drivegen.geometry import line_heading, resample
-from drivegen.roadmap import LaneControl
-from drivegen.scenario import Scenario, SignalState
+from drivegen.core.geometry import line_heading, resample
+from drivegen.core.roadmap import LaneControl
+from drivegen.core.scenario import Scenario, SignalState
+from drivegen.generators.shared.closed_loop import Crowd
 
 ROWS, COLUMNS = 48, 32
 """Pixels of a vehicle's raster; row 0 is farthest ahead, column 0 leftmost."""

@@ -4,9 +4,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.boxes import depth
+from drivegen.core.boxes import depth
 from drivegen.generators._bits.raster import Painted, painted_at
-from drivegen.generators._closed_loop import Crowd
+from drivegen.generators.shared.closed_loop import Crowd
 
 EVERY = 5
 """Steps between two looks at a plan."""

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.geometry import project, unit
-from drivegen.lanes.graph import LaneGraph
-from drivegen.lanes.parked import parked
-from drivegen.lanes.routes import SPACING, feasible_routes
-from drivegen.scenario import DT, Scenario
+from drivegen.core.geometry import project, unit
+from drivegen.core.scenario import DT, Scenario
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.parked import parked
+from drivegen.roads.routes import SPACING, feasible_routes
 
 POINTS = 400
 """P, points of every way: 10 s at 40 m/s; ways go straight on beyond their lanes."""

@@ -9,9 +9,9 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.generators._vectors import STEPS, Scenes
-from drivegen.geometry import rotate, wrap_angle
-from drivegen.scenario import DT, Scenario
+from drivegen.core.geometry import rotate, wrap_angle
+from drivegen.core.scenario import DT, Scenario
+from drivegen.generators.shared.vectors import STEPS, Scenes
 
 
 class Action(IntEnum):

@@ -9,11 +9,11 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from drivegen.core.geometry import rotate, wrap_angle
 from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, state_code
 from drivegen.generators._lctgen.net import LctgenNet, Placement
-from drivegen.generators._motion import at_knots
-from drivegen.generators._vectors import Scenes, SceneTensors, local_future
-from drivegen.geometry import rotate, wrap_angle
+from drivegen.generators.shared.motion import at_knots
+from drivegen.generators.shared.vectors import Scenes, SceneTensors, local_future
 
 NO_PIECE = -1
 

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
-from drivegen.geometry import line_heading, resample, rotate, wrap_angle
-from drivegen.roadmap import RoadMap
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import line_heading, resample, rotate, wrap_angle
+from drivegen.core.roadmap import RoadMap
 
 FIELDS = ("same", "opposite", "left", "right", "to_junction", "lane")
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor, nn
 
-from drivegen.generators._attention import Block
+from drivegen.core.scenario import DT
 from drivegen.generators._lctgen.codes import PARTS, SIZES, Action
-from drivegen.generators._motion import EVERY, KNOTS, smoothing_table
-from drivegen.generators._pieces import FEATURES, POINTS
-from drivegen.generators._relative import REACH, SurroundingsEncoder, surroundings
-from drivegen.generators._vectors import AGENT_FEATURES, AGENTS, SceneTensors
-from drivegen.scenario import DT
+from drivegen.generators.shared.attention import Block
+from drivegen.generators.shared.motion import EVERY, KNOTS, smoothing_table
+from drivegen.generators.shared.pieces import FEATURES, POINTS
+from drivegen.generators.shared.relative import REACH, SurroundingsEncoder, surroundings
+from drivegen.generators.shared.vectors import AGENT_FEATURES, AGENTS, SceneTensors
 
 SPREAD = 30.0
 """[m] of one unit of the motion head's output at the end of the future."""

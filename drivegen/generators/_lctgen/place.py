@@ -7,12 +7,12 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import boxes_overlap, rotate
+from drivegen.core.scenario import TARGET, Scenario, SizeSource, Vehicles
 from drivegen.generators._lctgen.learning import SCALES
 from drivegen.generators._lctgen.net import LctgenNet
-from drivegen.generators._vectors import AGENTS, Scenes
-from drivegen.geometry import boxes_overlap, rotate
-from drivegen.scenario import TARGET, Scenario, SizeSource, Vehicles
+from drivegen.generators.shared.vectors import AGENTS, Scenes
 
 ATTEMPTS = 20
 """Draws of a vehicle that would stand on another before it is left out."""

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.errors import UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.generators._lctgen.codes import DISTANCE, PARTS, SPEED, Action, Direction
 from drivegen.generators._lctgen.maps import JUNCTIONS
-from drivegen.generators._vectors import AGENTS
+from drivegen.generators.shared.vectors import AGENTS
 
 _NUMBERS = {"a": 1, "an": 1, "one": 1, "two": 2, "three": 3, "four": 4, "five": 5, "six": 6, "seven": 7, "eight": 8, "ten": 10}
 _CROWDS = {"several": 3, "some": 3, "a few": 3, "many": 8, "busy": 12, "crowded": 14, "heavy": 12, "sparse": 4, "light": 4}

@@ -3,11 +3,11 @@
 import torch
 from torch import Tensor, nn
 
-from drivegen.generators._attention import Block
-from drivegen.generators._motion import EVERY, KNOTS, smoothing_table
-from drivegen.generators._relative import OTHER_FEATURES, Surroundings, SurroundingsEncoder, surroundings
-from drivegen.generators._vectors import SceneTensors
-from drivegen.scenario import DT
+from drivegen.core.scenario import DT
+from drivegen.generators.shared.attention import Block
+from drivegen.generators.shared.motion import EVERY, KNOTS, smoothing_table
+from drivegen.generators.shared.relative import OTHER_FEATURES, Surroundings, SurroundingsEncoder, surroundings
+from drivegen.generators.shared.vectors import SceneTensors
 
 SPREAD = 30.0
 """[m] of one unit of the network's output at the end of the future."""

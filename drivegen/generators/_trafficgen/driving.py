@@ -7,12 +7,12 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from drivegen import seeds
-from drivegen.generators._closed_loop import Crowd, Tracks
+from drivegen.core import seeds
+from drivegen.core.geometry import rotate
+from drivegen.core.scenario import DT, Trajectories
 from drivegen.generators._trafficgen.net import KNOT, MotionNet
 from drivegen.generators._trafficgen.vectors import LaneVectors, Surroundings
-from drivegen.geometry import rotate
-from drivegen.scenario import DT, Trajectories
+from drivegen.generators.shared.closed_loop import Crowd, Tracks
 
 CHUNK = 256
 """Vehicles that go through the network at once, always: sums differ between batch sizes."""

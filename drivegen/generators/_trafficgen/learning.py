@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
-from drivegen.generators._closed_loop import Tracks
+from drivegen.core.geometry import rotate, unit, wrap_angle
+from drivegen.core.scenario import DT
+from drivegen.core.settings import NotNegative, Share
 from drivegen.generators._trafficgen.net import KNOT, Modes
 from drivegen.generators._trafficgen.placement import PlacementExamples, Regions, placement_loss
 from drivegen.generators._trafficgen.vectors import LaneVectors, Surroundings
-from drivegen.geometry import rotate, unit, wrap_angle
-from drivegen.scenario import DT
-from drivegen.settings import NotNegative, Share
+from drivegen.generators.shared.closed_loop import Tracks
 
 HELD_OUT, HELD_OUT_CHUNK = 1024, 256
 """Validation examples that the loss is taken over, drawn once, and how many go through the network at once."""

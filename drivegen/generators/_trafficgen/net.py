@@ -5,8 +5,8 @@ from typing import NamedTuple
 import torch
 from torch import Tensor, nn
 
+from drivegen.core.scenario import DT
 from drivegen.generators._trafficgen.vectors import BOX_FEATURES, LANE_FEATURES, PACE
-from drivegen.scenario import DT
 
 KNOT = 5
 """Steps between two knots of a mode: velocity and heading are straight between them."""

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
-from drivegen.generators._closed_loop import Crowd, Tracks
+from drivegen.core.geometry import boxes_overlap, wrap_angle
+from drivegen.core.scenario import TARGET, Scenario, SizeSource, VehicleKind, Vehicles
 from drivegen.generators._trafficgen.net import Encoder
 from drivegen.generators._trafficgen.vectors import REACH, LaneVectors, Surroundings
-from drivegen.geometry import boxes_overlap, wrap_angle
-from drivegen.scenario import TARGET, Scenario, SizeSource, VehicleKind, Vehicles
+from drivegen.generators.shared.closed_loop import Crowd, Tracks
 
 ATTRIBUTES = 6
 """Part of the region passed, offset to its left [m], heading against it [rad], speed [10 m/s], length [5 m], width [2 m]."""

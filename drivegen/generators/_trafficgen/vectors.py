@@ -8,10 +8,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.generators._closed_loop import Crowd
-from drivegen.geometry import resample
-from drivegen.roadmap import LaneControl, RoadMap
-from drivegen.scenario import Scenario, SignalState
+from drivegen.core.geometry import resample
+from drivegen.core.roadmap import LaneControl, RoadMap
+from drivegen.core.scenario import Scenario, SignalState
+from drivegen.generators.shared.closed_loop import Crowd
 
 LANE_FEATURES = 15
 """Both ends, direction, speed limit, whether it is known, junction, yield, stop, signal closed, signal open; and, on

@@ -1,6 +1,7 @@
 """Worked examples for a language model: descriptions with their specifications, and which of them are most like a request."""
 
 import math
+import re
 from collections import Counter
 from typing import Any
 
@@ -110,6 +111,10 @@ EXAMPLES: tuple[tuple[str, dict[str, Any]], ...] = (
         {"kind": "fork", "lanes": 3, "left_lanes": 2, "right_lanes": 1, "speed": 80 * _KMH},
     ),
     (
+        "A diamond interchange: a street with two lanes each way over a three-lane motorway, lights where ramps end.",
+        {"kind": "interchange", "form": "diamond", "lanes": 3, "speed": 120 * _KMH, "road_lanes": 2, "control": "signals"},
+    ),
+    (
         "Two three-lane motorways cross in a full cloverleaf, loops of 50 m radius, 40 km/h on the loops.",
         {
             "kind": "quadrant_interchange",
@@ -158,18 +163,33 @@ EXAMPLES: tuple[tuple[str, dict[str, Any]], ...] = (
 )
 """Words of a description, and the `road` of its specification."""
 
+_NAMES = {
+    "crossing": r"crossing|intersection|junction|crossroads",
+    "roundabout": r"roundabout|rotary|traffic circle",
+    "corridor": r"in a row|staggered|side streets?|cul-de-sac|dead end|bend|curve|hairpin|winding|crossings|roundabouts",
+    "grid": r"grid|blocks?|manhattan",
+    "highway": r"motorway|highway|freeway|autobahn|expressway|dual carriageway",
+    "fork": r"fork|splits?|bifurcation",
+    "interchange": r"diamond|interchange|ramp terminal",
+    "quadrant_interchange": r"cloverleaf|parclo|trumpet",
+}
+"""Words by which descriptions name the kinds."""
+
 
 def most_like(text: str, count: int) -> list[tuple[str, dict[str, Any]]]:
-    """The `count` examples most like `text`, the best last, where a model heeds it most.
+    """The `count` examples most like `text`, the best last, where a model heeds it most; one of each kind named.
 
     Likeness is the cosine between counts of letter triples, each weighted by how rare it is among the examples.
     """
     texts = [Counter(_triples(example)) for example, _ in EXAMPLES]
-    spread = Counter(triple for found in texts for triple in found)
+    spread = Counter(triple for triples in texts for triple in triples)
     weights = {triple: math.log((1 + len(EXAMPLES)) / (1 + n)) for triple, n in spread.items()}
     asked = Counter(_triples(text))
     order = sorted(range(len(EXAMPLES)), key=lambda i: (_cosine(asked, texts[i], weights), -i))
-    return [EXAMPLES[i] for i in order[-count:]]
+    kinds = {name for name, words in _NAMES.items() if re.search(rf"\b({words})s?\b", text.lower())}
+    named = {EXAMPLES[i][1]["kind"]: i for i in order if EXAMPLES[i][1]["kind"] in kinds}.values()
+    order.sort(key=lambda i: i in named)
+    return [EXAMPLES[i] for i in order[-max(count, len(named)) :]]
 
 
 def shown(examples: list[tuple[str, dict[str, Any]]]) -> str:

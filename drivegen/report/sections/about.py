@@ -2,13 +2,12 @@
 
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Figure, Section, not_measured
-from drivegen.report.sections.quality import NAMES, ordered
 from drivegen.report.table import Table, measured, row
 
 
 def summary(evidence: Evidence) -> Section:
     """Three numbers of each method that was evaluated."""
-    methods = ordered(evidence.below("quality_details"))
+    methods = evidence.ordered(evidence.below("quality_details"))
     lead = "DriveGen makes traffic scenarios from words, maps and logs, and corner cases for a given driver without training."
     if evidence.source:
         lead += f" All our numbers below are on: {evidence.source}."
@@ -16,7 +15,7 @@ def summary(evidence: Evidence) -> Section:
         return Section("summary", "In brief", lead, missing=not_measured("evaluate"))
     keys = ("min_sade", "diversity_ratio", "collision_per_vehicle")
     lines = [
-        row(NAMES.get(name, name), *(measured(values, key, 3 if "collision" in key else 2) for key in keys), origin="ours")
+        row(evidence.title(name), *(measured(values, key, 3 if "collision" in key else 2) for key in keys), origin="ours")
         for name, values in methods.items()
     ]
     heads = ("", "min-sADE [m]", "diversity ratio", "vehicles in collision")

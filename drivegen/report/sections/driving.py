@@ -8,7 +8,6 @@ from drivegen.report import paper
 from drivegen.report.averaged import over_recordings
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section, not_measured
-from drivegen.report.sections.quality import NAMES
 from drivegen.report.table import NOT_MEASURED, Table, measured, number, row
 
 PAPER_COLUMNS = {"CR": "collision", "Dis [m]": "distance", "Comfort": "comfort_absolute", "Div": "spread_over_runs"}
@@ -50,12 +49,10 @@ def by_traffic(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def _table(driver: str, traffic: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table:
-    known = [name for name in NAMES if name in traffic]
     lines = []
-    for name in [*known, *sorted(set(traffic) - set(NAMES))]:
-        values = traffic[name]
+    for name, values in evidence.ordered(traffic).items():
         cells = [measured(values, key) for key in _COLUMNS.values()]
-        lines.append(row(NAMES.get(name, name.replace("_", " ")), number(values.get("runs")), *cells, origin="ours"))
+        lines.append(row(evidence.title(name), number(values.get("runs")), *cells, origin="ours"))
     over = tuple({over_recordings(int(values["recordings"])): None for values in traffic.values() if "recordings" in values})
     notes = (*evidence.trained_on, *over)
     return Table(f"driving-{driver}", f"Driver {driver}", ("traffic", "runs", *_COLUMNS), tuple(lines), notes)

@@ -5,7 +5,6 @@ from typing import Any
 
 from drivegen.report import plots
 from drivegen.report.evidence import Curve, Evidence
-from drivegen.report.published import METHODS
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.table import Cell, Row, Table, measured, number, row, taken
 
@@ -15,7 +14,8 @@ _FLAT = 0.05
 FLAT_NOTE = f"Flat: the last quarter of the steps gained at most {_FLAT:.0%} of all that was gained."
 
 _SCORES = ("min_sade", "min_sfde", "mean_sade", "mean_sfde")
-_BOUNDS = {"log_code": "code from the log (a bound, no method)"}
+_BOUND = ".validation_min_sade"
+"""Ends the name of a figure of a bound, which begins with the bound's own name."""
 
 _NOTES = (
     "Trained on the same logs as DriveGen; the weights of the lowest validation loss are kept, TrafficGen's of the lowest error "
@@ -35,23 +35,25 @@ def section(evidence: Evidence) -> Section:
     curves = {curve.title.removeprefix("train_generator/"): curve for curve in evidence.curves}
     rows: list[Row] = []
     for name, values in trained.items():
-        rows.append(_line(name, values, curves.get(name)))
-        rows += [_bound(text, values, key) for key, text in _BOUNDS.items() if f"{key}.validation_min_sade" in values]
+        rows.append(_line(evidence.title(name), values, curves.get(name)))
+        bounds = [key.removesuffix(_BOUND) for key in values if key.endswith(_BOUND)]
+        rows += [_bound(f"{evidence.title(bound)} (a bound, no method)", values, bound) for bound in bounds]
     columns = (
         "generator", "parameters", "train examples", "steps", "validation loss", "flat",
         *(key.replace("_s", "-s").replace("sade", "sADE").replace("sfde", "sFDE") for key in _SCORES),
     )  # fmt: skip
     table = Table("generators", title, columns, tuple(rows), (*_NOTES, *evidence.trained_on))
-    times = {name: evidence.costs.get(f"train_generator/{name}", {}) for name in trained}
-    return Section("generators", title, lead, (table, _times(times)), _figures(trained, curves))
+    times = {evidence.title(name): evidence.costs.get(f"train_generator/{name}", {}) for name in trained}
+    drawn = {evidence.title(name): curves[name] for name in trained if name in curves}
+    return Section("generators", title, lead, (table, _times(times)), _figures(drawn))
 
 
-def _line(name: str, values: Mapping[str, Any], curve: Curve | None) -> Row:
+def _line(title: str, values: Mapping[str, Any], curve: Curve | None) -> Row:
     counts = (number(values.get(key)) for key in ("parameters", "train_examples", "steps"))
     loss = measured(dict(values), "validation_loss", 3)
     settled = "–" if curve is None else flat(curve.columns.get("validation", ()))
     scores = (measured(dict(values), f"validation_{key}", 2) for key in _SCORES)
-    return row(METHODS.get(name, name), *counts, loss, settled, *scores)
+    return row(title, *counts, loss, settled, *scores)
 
 
 def _bound(text: str, values: Mapping[str, Any], key: str) -> Row:
@@ -61,7 +63,7 @@ def _bound(text: str, values: Mapping[str, Any], key: str) -> Row:
 
 def _times(times: Mapping[str, Mapping[str, float]]) -> Table:
     """What training took on this machine."""
-    rows = [row(METHODS.get(name, name), taken(took, "training_cpu_seconds")) for name, took in times.items()]
+    rows = [row(title, taken(took, "training_cpu_seconds")) for title, took in times.items()]
     note = "Training alone, without reading logs and without scoring."
     return Table("generators-times", "Training of generators", ("generator", "CPU-s"), tuple(rows), (note,), repeatable=False)
 
@@ -75,8 +77,9 @@ def flat(losses: Sequence[float]) -> str:
     return "yes" if before - best <= _FLAT * max(seen[0] - best, 0.0) else "not yet"
 
 
-def _figures(trained: Mapping[str, Any], curves: Mapping[str, Curve]) -> tuple[Figure, ...]:
-    drawn = [(name, curves[name]) for name in trained if name in curves and len(curves[name].columns.get("step", ())) > 1]
+def _figures(curves: Mapping[str, Curve]) -> tuple[Figure, ...]:
     return tuple(
-        Figure.svg(f"Training: {METHODS.get(name, name)}", "", plots.curves(curve.columns, "step")) for name, curve in drawn
+        Figure.svg(f"Training: {title}", "", plots.curves(curve.columns, "step"))
+        for title, curve in curves.items()
+        if len(curve.columns.get("step", ())) > 1
     )

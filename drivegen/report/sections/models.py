@@ -10,9 +10,6 @@ from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.sections._generic import tables
 from drivegen.report.table import NOT_MEASURED, Cell, Table, measured, number, row
 
-SELECTORS = ("random", "prior", "learned", "vlm", "log")
-"""Rows of the table of selectors: what was not run says so."""
-
 SCORES = {
     "coverage_2m": "within 2 m",
     "coverage_4m": "within 4 m",
@@ -43,22 +40,22 @@ def selector(evidence: Evidence) -> Section:
     found = evidence.results.get("train_selector")
     goals = {name: value for name, value in evidence.below("goals").items() if isinstance(value, dict)}
     lead = "A selector gives every vehicle's candidate goals odds. The learned one ranks them as drivers in the logs chose them."
-    compared = (_selectors(goals),) if goals else ()
+    compared = (_selectors(goals, evidence.selectors),) if goals else ()
     parts = (*compared, *tables("selector", "Learned selector", found))
     missing = "" if found or goals else not_measured("train_selector")
     return Section("selector", "Goal selection", lead, parts, _curves(evidence, "train_selector"), missing=missing)
 
 
-def _selectors(goals: dict[str, dict[str, Any]]) -> Table:
-    """One row a selector, on the same candidates of the same moving vehicles."""
-    names = [*SELECTORS, *sorted(set(goals) - set(SELECTORS))]
+def _selectors(goals: dict[str, dict[str, Any]], selectors: tuple[str, ...]) -> Table:
+    """One row a selector, on the same candidates of the same moving vehicles; what was not run says so."""
+    names = [*selectors, *sorted(set(goals) - set(selectors))]
     rows = []
     for name in names:
         values = goals.get(name, {})
         moving = values.get("moving", {})
         cells = [measured(moving, key) for key in SCORES]
         count = number(int(moving["vehicles"])) if "vehicles" in moving else NOT_MEASURED
-        rows.append(row(name, _chosen_by(values), count, *cells, _label_bias(name, values)))
+        rows.append(row(name, _chosen_by(values), count, *cells, _label_bias(values)))
     columns = ("selector", "chosen by", "vehicles", *SCORES.values(), "label bias")
     return Table("selectors", "Selectors on test scenes", columns, tuple(rows), (*NOTES, *_over(goals)))
 
@@ -76,12 +73,12 @@ def _chosen_by(values: dict[str, Any]) -> str:
     return f"{said}; learned selector for {stood_in} of {asking['vehicles']} without an answer" if stood_in else said
 
 
-def _label_bias(name: str, values: dict[str, Any]) -> Cell:
+def _label_bias(values: dict[str, Any]) -> Cell:
     """Of a model that sees numbers; the others see none."""
     asking = values.get("asking", {})
     if "label_bias" in asking:
         return Cell(f"{asking['label_bias']:+.2f}", f"\u00b1{asking['label_bias_by_chance']:.2f} by chance")
-    return Cell(NOT_MEASURED if name == "vlm" else "sees no numbers")
+    return Cell("sees no numbers" if values and not asking else NOT_MEASURED)
 
 
 def _curves(evidence: Evidence, folder: str) -> tuple[Figure, ...]:

@@ -8,9 +8,6 @@ from drivegen.report.evidence import Evidence
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, measured, number, row, taken
 
-PLANNERS = ("route_fm", "poly_fm", "paper")
-"""Rows of the table: what was not trained says so."""
-
 PAPER_EPOCHS = 90
 """The paper's training; with less its planner is called under-trained."""
 
@@ -44,12 +41,12 @@ def section(evidence: Evidence) -> Section:
     if not trained:
         return Section("planner", "Planners", lead, missing=not_measured("train_planner"))
     times = {name: evidence.costs.get(f"train_planner/{name}", {}) for name in trained}
-    parts = (_quality(trained, evidence.trained_on), _times(times))
+    parts = (_quality(trained, evidence), _times(times))
     return Section("planner", "Planners", lead, parts, _curves(evidence, times))
 
 
-def _quality(trained: Mapping[str, Mapping[str, Any]], trained_on: tuple[str, ...]) -> Table:
-    """Planners in groups that were scored on the same tracks, each followed by its anchors."""
+def _quality(trained: Mapping[str, Mapping[str, Any]], evidence: Evidence) -> Table:
+    """Planners in groups that were scored on the same tracks, each followed by its anchors; what was not trained says so."""
     groups: dict[tuple[Any, Any], list[str]] = {}
     for name, values in trained.items():
         groups.setdefault((values.get("scored_tracks"), values.get("scored_scenes")), []).append(name)
@@ -59,9 +56,9 @@ def _quality(trained: Mapping[str, Mapping[str, Any]], trained_on: tuple[str, ..
         rows += [_line(_named(name, trained[name]), trained[name], "", tracks, scenes) for name in names]
         rows += [_line(text, first, prefix, tracks, scenes) for text, prefix in (("no residual", "base."), ("log", "log."))]
     missing = [Cell(NOT_MEASURED)] * (len(_COLUMNS) + 2)
-    rows += [row(name, *missing, origin="ours") for name in PLANNERS if name not in trained]
+    rows += [row(name, *missing, origin="ours") for name in evidence.planners if name not in trained]
     columns = ("planner", "steps", *_COLUMNS.values(), "tracks of scenes")
-    return Table("planners", "Planners given the true goal", columns, tuple(rows), (*_NOTES, *trained_on))
+    return Table("planners", "Planners given the true goal", columns, tuple(rows), (*_NOTES, *evidence.trained_on))
 
 
 def _line(text: str, values: Mapping[str, Any], prefix: str, tracks: Any, scenes: Any) -> Row:

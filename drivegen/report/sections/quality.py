@@ -7,45 +7,29 @@ from typing import Any
 from drivegen.report import paper, plots
 from drivegen.report.averaged import taken_over
 from drivegen.report.evidence import Evidence
-from drivegen.report.published import MARKS, METHODS, mark
+from drivegen.report.published import EDGES, EDGES_MEAN, FLOOR, MARKS, mark
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.table import NOT_MEASURED, Cell, Table, measured, number, row
-from drivegen.store.draw import GOALS_OF
-
-NAMES = {
-    **METHODS,
-    "random_agent": "Random agent (no traffic)",
-    "drivegen_true_goals": "DriveGen, true goals",
-    "lctgen_log_code": "LCTGen, code from the log",
-}
-"""Methods in the tables' order; others follow under their own names."""
-
-_BOUNDS = ("log", "drivegen_true_goals", "lctgen_log_code", "random_agent")
-"""Methods that are told what happened, and one that is no traffic: bounds, not rivals."""
 
 _COLUMNS = ("min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity_ratio")
 
 
-_OFF_THE_PLOT = ("log", "random_agent")
-"""Perfect by definition, and so far off that nothing else could be told apart."""
-
-
 def section(evidence: Evidence) -> Section:
     """Tables and plot of realism and diversity."""
-    methods = ordered(evidence.below("quality_details"))
+    methods = evidence.ordered(evidence.below("quality_details"))
     lead = (
         f"{'Samples' if evidence.samples is None else f'{evidence.samples} samples'} of every test scenario from its map, its "
         "first frame and its signals' states, against what was logged. "
         "Distances in metres, mean over scenarios with bootstrap intervals over recordings; every vehicle of every sample counts."
     )
     found = (_realism(methods, evidence), *((_diversity(methods, evidence),) if methods else ()))
-    figures = (_map_of_methods(methods),) if methods else ()
+    figures = (_map_of_methods(methods, evidence),) if methods else ()
     return Section("quality", "Scenario quality", lead, found, figures, missing="" if methods else not_measured("evaluate"))
 
 
 def safety(evidence: Evidence) -> Section:
     """Collision and off-road rates of generated traffic, which the paper does not report."""
-    methods = ordered(evidence.below("quality_details"))
+    methods = evidence.ordered(evidence.below("quality_details"))
     lead = (
         "What the legal checker finds in the same samples. Nobody is dropped here: where nothing legal was found, the least "
         "illegal sample stays and counts. The log's row is what perception noise and box sizes alone amount to."
@@ -53,50 +37,37 @@ def safety(evidence: Evidence) -> Section:
     if not methods:
         return Section("safety", "Safety of generated traffic", lead, missing=not_measured("evaluate"))
     rates = {"collision": "collision", "off_road": "off-road", "illegal": "any violation"}
-    columns = ("", *(f"{word}, per {of}" for word in rates.values() for of in ("vehicle", "scene")))
+    named = {f"{rate}_per_{of}": f"{word}, per {of}" for rate, word in rates.items() for of in ("vehicle", "scene")}
     lines = [
-        row(name_of(method, methods), *(_share(values, f"{rate}_per_{of}") for rate in rates for of in ("vehicle", "scene")))
+        row(name_of(method, methods, evidence), *(_share(values, name) for name in (*named, *EDGES)))
         for method, values in methods.items()
     ]
+    title = "Share of generated vehicles and scenes with a violation, and of those that drive out of the map"
     kinds = sorted({key for values in methods.values() for key in values if key.startswith("violation.")} - _bounds(methods))
-    by_kind = [row(name_of(method, methods), *(_share(values, kind) for kind in kinds)) for method, values in methods.items()]
+    by_kind = [
+        row(name_of(method, methods, evidence), *(_share(values, kind) for kind in kinds)) for method, values in methods.items()
+    ]
     heads = ("", *(kind.removeprefix("violation.").replace("_", " ") for kind in kinds))
     notes = (*evidence.trained_on, *taken_over(methods))
     found = (
-        Table("safety", "Share of generated vehicles and scenes with a violation", columns, tuple(lines), notes),
+        Table("safety", title, ("", *named.values(), *EDGES.values()), tuple(lines), (*notes, EDGES_MEAN)),
         Table("violations", "Share of generated vehicles by violation", heads, tuple(by_kind), notes),
     )
     return Section("safety", "Safety of generated traffic", lead, found)
 
 
-def ordered(methods: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Known methods first, in the table's order."""
-    known = [method for method in NAMES if method in methods]
-    return {method: dict(methods[method]) for method in [*known, *sorted(set(methods) - set(NAMES))]}
-
-
-def rows_of(methods: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Every method that is compared, measured or not, and what else was measured."""
-    compared = {method: dict(methods.get(method, {})) for method in METHODS}
-    return compared | {method: dict(values) for method, values in methods.items() if method not in compared}
-
-
-def name_of(method: str, methods: Mapping[str, Mapping[str, Any]]) -> str:
+def name_of(method: str, measured: Mapping[str, Mapping[str, Any]], evidence: Evidence) -> str:
     """The method in words, marked where constant velocity is no worse."""
-    return _plain_name(method) + mark(method, methods.get(method, {}), methods.get("constant_velocity", {}))
-
-
-def _plain_name(method: str) -> str:
-    return NAMES.get(method, method.replace("_", " "))
+    return evidence.title(method) + mark(method, evidence.methods.get(method), measured.get(method, {}), measured.get(FLOOR, {}))
 
 
 def _realism(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table:
-    best = {key: _best(methods, key) for key in _COLUMNS}
+    best = {key: _best(methods, key, evidence) for key in _COLUMNS}
     ours = []
-    for method, values in rows_of(methods).items():
+    for method, values in evidence.rows(methods).items():
         cells = [replace(measured(values, key), best=method == best[key]) for key in _COLUMNS]
         source = (evidence.source or NOT_MEASURED) if values else NOT_MEASURED
-        ours.append(row(name_of(method, methods), source, _chosen_by(method, evidence), *cells, origin="ours"))
+        ours.append(row(name_of(method, methods, evidence), source, _chosen_by(method, evidence), *cells, origin="ours"))
     theirs = [row(name, paper.MARK, "", *map(number, values), origin="paper") for name, values in paper.QUALITY.items()]
     errors = ("min-sADE \u2193", "min-sFDE \u2193", "mean-sADE \u2193", "mean-sFDE \u2193", "diversity \u2192 1")
     notes = (
@@ -112,18 +83,17 @@ def _realism(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table
 
 def _chosen_by(method: str, evidence: Evidence) -> str:
     """Who chose goals, in the selector's own words where the goals stage has written them down."""
-    selector = GOALS_OF.get(method)
+    selector = evidence.methods[method].goals if method in evidence.methods else None
     if selector is None:
         return "\u2013"
     said = evidence.results.get(f"goals/{selector}")
     return str(said.get("described", selector)) if isinstance(said, Mapping) else selector
 
 
-def _best(methods: Mapping[str, dict[str, Any]], key: str) -> str:
+def _best(methods: Mapping[str, dict[str, Any]], key: str, evidence: Evidence) -> str:
     """The best of those that generate, "" if there are fewer than two; those that are told the truth win nothing."""
-    values = {
-        method: methods[method][key] for method in methods if method not in _BOUNDS and methods[method].get(key) is not None
-    }
+    rivals = [method for method in methods if method in evidence.methods and evidence.methods[method].competes]
+    values = {method: methods[method][key] for method in rivals if methods[method].get(key) is not None}
     badness = {method: abs(value - 1) if key == "diversity_ratio" else value for method, value in values.items()}
     return min(badness, key=badness.__getitem__) if len(badness) > 1 else ""
 
@@ -132,7 +102,7 @@ def _diversity(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Tab
     readings = ("diversity_ratio", "diversity_ratio_plain", "diversity_ratio_any_sample", "diversity_ratio_any_sample_plain")
     heads = ("", "best sample, squared (paper)", "best sample, plain norm", "random sample, squared", "random sample, plain norm")
     lines = [
-        row(name_of(method, methods), *(measured(values, key) for key in readings), origin="ours")
+        row(name_of(method, methods, evidence), *(measured(values, key) for key in readings), origin="ours")
         for method, values in methods.items()
     ]
     pairs = number(next((values["diversity_pairs"] for values in methods.values() if "diversity_pairs" in values), None))
@@ -145,11 +115,13 @@ def _diversity(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Tab
     )
 
 
-def _map_of_methods(methods: Mapping[str, dict[str, Any]]) -> Figure:
+def _map_of_methods(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Figure:
+    """Without the log, which is perfect by definition, and what is so far off that nothing else could be told apart."""
+    shown = {name: values for name, values in methods.items() if name not in evidence.methods or evidence.methods[name].competes}
     ours = {
-        _plain_name(method): (float(values["diversity_ratio"]), float(values["min_sade"]))
-        for method, values in methods.items()
-        if values.get("diversity_ratio") is not None and values.get("min_sade") is not None and method not in _OFF_THE_PLOT
+        evidence.title(name): (float(values["diversity_ratio"]), float(values["min_sade"]))
+        for name, values in shown.items()
+        if values.get("diversity_ratio") is not None and values.get("min_sade") is not None
     }
     theirs = {f"{name} (paper)": (values[4], values[0]) for name, values in paper.QUALITY.items()}
     caption = "Diamonds are ours on this run's data, circles the paper's on Argoverse 2. Low and near 1 is good."

@@ -3,12 +3,12 @@
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
+from drivegen.core.methods import Method
 from drivegen.report.averaged import taken_over
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section, not_measured
-from drivegen.report.sections.quality import name_of, ordered, rows_of
+from drivegen.report.sections.quality import name_of
 from drivegen.report.table import Cell, Table, measured, row
-from drivegen.store.draw import GOALS_OF
 
 REALISM = {
     "realism": "score",
@@ -118,7 +118,7 @@ def readings(measured_keys: Iterable[str]) -> tuple[Reading, ...]:
 
 def section(evidence: Evidence) -> Section:
     """Five tables over all methods; one that has not run says so."""
-    methods = ordered(evidence.below("quality_details"))
+    methods = evidence.ordered(evidence.below("quality_details"))
     lead = (
         "What the paper does not report. The log's own row says what perfect is worth on these data, constant velocity's what "
         "nothing learned is worth. Means over scenarios with bootstrap intervals over recordings."
@@ -131,20 +131,24 @@ def section(evidence: Evidence) -> Section:
 
 def _table(reading: Reading, methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table:
     lines = [
-        row(name_of(method, methods), *(_cell(method, values, key, reading.digits) for key in reading.columns), origin="ours")
-        for method, values in rows_of(methods).items()
+        row(
+            name_of(name, methods, evidence),
+            *(_cell(evidence.methods.get(name), values, key, reading.digits) for key in reading.columns),
+            origin="ours",
+        )
+        for name, values in evidence.rows(methods).items()
     ]
     notes = (*evidence.trained_on, *taken_over(methods), reading.note)
     return Table(reading.name, reading.title, ("", *reading.columns.values()), tuple(lines), notes)
 
 
-def _cell(method: str, values: dict[str, Any], key: str, digits: int) -> Cell:
+def _cell(method: Method | None, values: dict[str, Any], key: str, digits: int) -> Cell:
     return Cell("–") if values and not has(method, key) else measured(values, key, digits)
 
 
-def has(method: str, key: str) -> bool:
-    """Whether a measure means anything for a method: nothing is rejected where no checker looks on."""
-    return key != "rejected" or method in GOALS_OF
+def has(method: Method | None, key: str) -> bool:
+    """Whether a measure means anything for a method: nothing is rejected where no checker looks on, as it does on goals."""
+    return key != "rejected" or (method is not None and method.goals is not None)
 
 
 def is_likelihood(name: str) -> bool:

@@ -17,16 +17,6 @@ _NOTES = (
     "selector's own goals. The suite and the rules that read it were written by the same hand.",
 )
 
-_PLACED = {
-    "held-out logs": "held-out logs",
-    "drivegen, mode paper": "DriveGen, mode paper, a target of its own",
-    "drivegen, mode paper, the log's target": "DriveGen, mode paper",
-    "drivegen, mode data": "DriveGen, mode data, a target of its own",
-    "drivegen, mode data, the log's target": "DriveGen, mode data",
-    "trafficgen": "TrafficGen",
-    "lctgen": "LCTGen, code of a training log",
-    "lctgen_log_code": "LCTGen, code from the log (a bound, no method)",
-}
 _MEASURES = {
     "speed": "speed [m/s]",
     "gap": "gap to the leader [m]",
@@ -59,14 +49,7 @@ def _kinds(asked: Mapping[str, Any]) -> Table:
     rows = [_kind(name, reader, values) for name, values in asked["kinds"].items() if name != "misread"]
     read = f"{asked['read_as_meant']} of {asked['scenes']} readings of {asked['requests']} requests were as meant; "
     placed = f"{asked['vehicles_placed']} of {asked['vehicles_asked']} vehicles were placed."
-    held = asked.get("held_out")
-    unseen = (
-        f"Of {held['requests']} held out, written before the rules were read, {held['first_try']} were read as meant at the "
-        f"first try and {held['now']} after the rules were mended."
-        if isinstance(held, Mapping)
-        else ""
-    )
-    return Table("asked", "Traffic in words", _HEADS, tuple(rows), (read + placed, *filter(None, [unseen]), *_NOTES))
+    return Table("asked", "Traffic in words", _HEADS, tuple(rows), (read + placed, *_NOTES))
 
 
 def _kind(name: str, reader: str, values: Mapping[str, Any]) -> Any:
@@ -111,8 +94,7 @@ def _headway_table(headways: Mapping[str, Any]) -> Table:
 
 def _first_frames(started: Mapping[str, Any]) -> Table:
     heads = ("", "placed", *_MEASURES.values(), "overlapping", "on no lane")
-    methods = started["methods"]
-    rows = [_first_frame(text, methods[name]) for name, text in _PLACED.items() if name in methods]
+    rows = [_first_frame(one["name"], one) for one in started["methods"]]
     notes = (
         f"As many vehicles as the log has, on the maps of {started['scenes']} test scenes. Speed to the lane's middle: "
         "Wasserstein-1 distances to the logs', of all vehicles but the target; heading is against the lane's. "

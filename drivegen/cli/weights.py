@@ -1,0 +1,42 @@
+"""`drivegen weights`: trained models as one file, to carry them to another machine."""
+
+from pathlib import Path
+from typing import Annotated
+
+from rich.console import Console
+from typer import Argument, Option, Typer
+
+from drivegen.cli._project import MODELS
+from drivegen.core.errors import UnusableInput
+from drivegen.store.bundle import pack, unpack
+
+command = Typer(no_args_is_help=True, rich_markup_mode=None)
+
+Bundle = Annotated[Path, Argument(metavar="FILE", help="The file that carries the models.")]
+Models = Annotated[Path, Option(help="The folder of trained models.")]
+
+
+@command.callback()
+def about() -> None:
+    """Carry trained models to another machine: weights depend on the processor in their last bits."""
+
+
+@command.command()
+def save(bundle: Bundle, models: Models = MODELS) -> None:
+    """Pack the trained models into FILE."""
+    _tell(f"{bundle}: {len(pack(models, bundle))} files of {models}")
+
+
+@command.command()
+def load(bundle: Bundle, models: Models = MODELS) -> None:
+    """Put the models of FILE where the pipeline looks for them; exits 2 where models lie there already.
+
+    With the dvc.lock that belongs to them, as git has it, `make run` takes them and trains nothing.
+    """
+    if models.is_dir() and any(models.iterdir()):
+        raise UnusableInput(f"{models} holds models already: move that folder away first, nothing is replaced")
+    _tell(f"{models}: {len(unpack(bundle, models))} files of {bundle}")
+
+
+def _tell(sentence: str) -> None:
+    Console(soft_wrap=True, highlight=False, markup=False).print(sentence)

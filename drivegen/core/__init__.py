@@ -1,0 +1,1 @@
+"""What everybody stands on: scenarios, road maps, trajectories, samples, geometry, seeds, settings, errors, plugins."""

@@ -1,0 +1,66 @@
+"""Find a plugin by its name: the file `drivegen/<folder>/<name>.py` is the plugin `<name>`.
+
+Each plugin module exposes `Plugin`, a class (or factory) that the folder's `base.py` describes by a protocol.
+Adding one is adding one file; the folder's contract test finds it by `names`.
+"""
+
+import ast
+import importlib
+import importlib.util
+import pkgutil
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from drivegen.core.errors import UnusableInput
+
+_NOT_PLUGINS = {"base"}
+
+
+def names(folder: str, first: Iterable[str] = ()) -> list[str]:
+    """All plugin names in `drivegen/<folder>`: those of `first` in their order, then the rest, sorted.
+
+    Files that begin with `_`, `base.py` and folders are none.
+    """
+    package = importlib.import_module(f"drivegen.{folder}")
+    modules = (module.name for module in pkgutil.iter_modules(package.__path__) if not module.ispkg)
+    public = sorted(name for name in modules if name not in _NOT_PLUGINS and not name.startswith("_"))
+    return list(dict.fromkeys([*(name for name in first if name in public), *public]))
+
+
+def load(folder: str, name: str) -> Any:
+    """The `Plugin` of `drivegen/<folder>/<name>.py`.
+
+    Raises UnusableInput for an unknown name (listing the known ones) or a file without `Plugin`.
+    """
+    _expect(folder, name)
+    module = importlib.import_module(f"drivegen.{folder}.{name}")
+    if not hasattr(module, "Plugin"):
+        raise UnusableInput(f"drivegen/{folder}/{name}.py must define `Plugin` (see drivegen/{folder}/base.py)")
+    return module.Plugin
+
+
+def about(folder: str, name: str) -> dict[str, Any]:
+    """What `drivegen/<folder>/<name>.py` says of itself: the keywords of its `ABOUT = ...(...)`. The file is not run.
+
+    Raises UnusableInput for an unknown name, a file without ABOUT and one whose keywords are no literals.
+    """
+    _expect(folder, name)
+    spec = importlib.util.find_spec(f"drivegen.{folder}.{name}")
+    assert spec is not None
+    assert spec.origin is not None
+    try:
+        for node in ast.parse(Path(spec.origin).read_text()).body:
+            match node:
+                case ast.Assign(targets=[ast.Name(id="ABOUT")], value=ast.Call(keywords=keywords)):
+                    return {str(keyword.arg): ast.literal_eval(keyword.value) for keyword in keywords}
+    except (SyntaxError, ValueError) as error:
+        raise UnusableInput(f"drivegen/{folder}/{name}.py: ABOUT must be made of literals ({error})") from None
+    raise UnusableInput(f"drivegen/{folder}/{name}.py must say what it is by `ABOUT = ...` (see drivegen/{folder}/base.py)")
+
+
+def _expect(folder: str, name: str) -> None:
+    if name not in (choices := names(folder)):
+        raise UnusableInput(
+            f"no {folder} plugin is called {name!r}: choose one of {', '.join(choices)}, or write drivegen/{folder}/{name}.py"
+        )

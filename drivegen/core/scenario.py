@@ -1,0 +1,284 @@
+"""What a traffic scenario is: S = {M_s, P, T} (paper, problem formulation), as structs of arrays.
+
+M_s is a `RoadMap`, P are `Vehicles`, T are `Trajectories`; signals M_d and people on foot or bicycle (`Actors`) come
+with it. Vehicle 0 is the target, the others are social vehicles in asset order. Everything is in the map's local
+frame, metres, seconds, radians, at 10 Hz; step 0 is the first frame.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.core.errors import UnusableInput
+from drivegen.core.roadmap import RoadMap
+
+DT = 0.1
+"""Time between steps [s]."""
+
+TARGET = 0
+"""Index of the target vehicle in every scenario."""
+
+
+class VehicleKind(IntEnum):
+    """Kinds of vehicles and of context actors."""
+
+    CAR = 0
+    TRUCK = 1
+    BUS = 2
+    MOTORCYCLE = 3
+    CYCLIST = 4
+    PEDESTRIAN = 5
+
+
+class SignalState(IntEnum):
+    """State of a signal at one step, for the lane that it guards."""
+
+    UNKNOWN = 0
+    GREEN = 1
+    YELLOW = 2
+    RED = 3
+
+
+class SizeSource(IntEnum):
+    """Where a box size comes from: every collision figure depends on it."""
+
+    MEASURED = 0
+    ASSUMED = 1
+    SHRUNK = 2
+
+
+@dataclass(frozen=True)
+class Trajectories:
+    """Motion of boxes' centres; leading dimensions are free: (N, T) a log, (K, N, T) samples.
+
+    Attributes:
+        position: (..., T, 2) float32 [m].
+        heading: (..., T) float32 [rad].
+        velocity: (..., T, 2) float32 [m/s] in the map's frame, not the vehicle's.
+        valid: (..., T) bool, whether the step was observed or generated; elsewhere the numbers mean nothing.
+    """
+
+    position: NDArray[np.float32]
+    heading: NDArray[np.float32]
+    velocity: NDArray[np.float32]
+    valid: NDArray[np.bool_]
+
+    @property
+    def speed(self) -> NDArray[np.float32]:
+        """(..., T) [m/s]."""
+        return np.hypot(self.velocity[..., 0], self.velocity[..., 1])
+
+    @property
+    def steps(self) -> int:
+        """T, the first frame included."""
+        return int(self.valid.shape[-1])
+
+    def __getitem__(self, index: Any) -> "Trajectories":
+        """Index the leading dimensions (never time), as in `samples[k]` or `log[keep]`."""
+        return Trajectories(self.position[index], self.heading[index], self.velocity[index], self.valid[index])
+
+    def until(self, steps: int) -> "Trajectories":
+        """The first `steps` steps."""
+        return self.between(0, steps)
+
+    def between(self, first: int, last: int) -> "Trajectories":
+        """Steps `first` to `last`, the latter not included."""
+        return Trajectories(
+            self.position[..., first:last, :],
+            self.heading[..., first:last],
+            self.velocity[..., first:last, :],
+            self.valid[..., first:last],
+        )
+
+    def last_valid(self) -> NDArray[np.intp]:
+        """(...) index of the last valid step; 0 where none is."""
+        return np.where(self.valid.any(-1), self.steps - 1 - np.argmax(self.valid[..., ::-1], axis=-1), 0)
+
+    def standing_after_end(self, seen: NDArray[np.bool_] | None = None) -> "Trajectories":
+        """The same with every track standing, after its last step of `seen` (..., T), where it was then; valid as before.
+
+        `seen` are the valid steps where it is not given; a track without any stays as it is.
+        """
+        seen = self.valid if seen is None else seen
+        steps = np.arange(self.steps)
+        last = np.where(seen.any(-1), self.steps - 1 - np.argmax(seen[..., ::-1], axis=-1), self.steps - 1)[..., None]
+        at = np.minimum(steps, last)
+        return Trajectories(
+            np.take_along_axis(self.position, at[..., None], axis=-2),
+            np.take_along_axis(self.heading, at, axis=-1),
+            np.where((steps > last)[..., None], np.float32(0), self.velocity),
+            self.valid,
+        )
+
+    @classmethod
+    def empty(cls, *shape: int) -> "Trajectories":
+        """Nothing valid, all zero, of shape (..., T)."""
+        pair = np.zeros((*shape, 2), np.float32)
+        return cls(pair, np.zeros(shape, np.float32), pair.copy(), np.zeros(shape, np.bool_))
+
+    @classmethod
+    def joined(cls, parts: "Sequence[Trajectories]") -> "Trajectories":
+        """All parts (N_i, ..., T) of equally many steps, one after the other along the first dimension."""
+        return cls(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)))
+
+    @property
+    def finite(self) -> bool:
+        """Whether all numbers at valid steps are finite."""
+        return all(bool(np.isfinite(a[self.valid]).all()) for a in (self.position, self.heading, self.velocity))
+
+    def validate(self) -> None:
+        """Raise UnusableInput unless shapes agree and all valid numbers are finite."""
+        shape = self.valid.shape
+        if self.heading.shape != shape or self.position.shape != (*shape, 2) or self.velocity.shape != (*shape, 2):
+            raise UnusableInput("trajectory arrays differ in shape", reason="bad-trajectories")
+        if not self.finite:
+            raise UnusableInput("a trajectory has positions that are not numbers", reason="not-a-number")
+
+
+@dataclass(frozen=True)
+class Vehicles:
+    """Attributes P of N vehicles, the target first: kind, size and initial state.
+
+    Attributes:
+        track_id: (N,) str, the log's ids where there is a log.
+        kind: (N,) uint8 VehicleKind.
+        size: (N, 3) float32 length, width, height [m].
+        size_source: (N,) uint8 SizeSource.
+        position: (N, 2) float32 [m] of the box's centre at step 0.
+        heading: (N,) float32 [rad].
+        speed: (N,) float32 [m/s].
+    """
+
+    track_id: NDArray[np.str_]
+    kind: NDArray[np.uint8]
+    size: NDArray[np.float32]
+    size_source: NDArray[np.uint8]
+    position: NDArray[np.float32]
+    heading: NDArray[np.float32]
+    speed: NDArray[np.float32]
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+    def __getitem__(self, index: Any) -> "Vehicles":
+        """The chosen vehicles, as in `vehicles[keep]`."""
+        arrays = (self.track_id, self.kind, self.size, self.size_source, self.position, self.heading, self.speed)
+        return Vehicles(*(a[index] for a in arrays))
+
+    def validate(self) -> None:
+        """Raise UnusableInput unless there is a vehicle, shapes agree and numbers make sense."""
+        count = len(self)
+        if count == 0:
+            raise UnusableInput("the scenario has no vehicles", reason="no-vehicles")
+        if self.size.shape != (count, 3) or self.position.shape != (count, 2):
+            raise UnusableInput("vehicle arrays differ in length", reason="bad-vehicles")
+        if not all(np.isfinite(a).all() for a in (self.size, self.position, self.heading, self.speed)):
+            raise UnusableInput("a vehicle has an initial state that is not a number", reason="not-a-number")
+        if (self.size <= 0).any():
+            raise UnusableInput("a vehicle has a size of zero or less", reason="bad-vehicles")
+
+
+@dataclass(frozen=True)
+class Actors:
+    """A context actors (pedestrians, cyclists, motorcyclists): replayed as logged, avoided, never planned.
+
+    Attributes:
+        track_id: (A,) str. kind: (A,) uint8 VehicleKind. size: (A, 3) float32 [m].
+        motion: Trajectories of shape (A, T).
+    """
+
+    track_id: NDArray[np.str_]
+    kind: NDArray[np.uint8]
+    size: NDArray[np.float32]
+    motion: Trajectories
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+    @classmethod
+    def none(cls, steps: int) -> "Actors":
+        """No context actors over `steps` steps."""
+        return cls(np.zeros(0, np.str_), np.zeros(0, np.uint8), np.zeros((0, 3), np.float32), Trajectories.empty(0, steps))
+
+
+@dataclass(frozen=True)
+class Signals:
+    """Traffic signals M_d: signal g guards the entry into lane `lane[g]`.
+
+    Attributes:
+        lane: (G,) int32 index into the map's lanes.
+        state: (G, T) uint8 SignalState.
+    """
+
+    lane: NDArray[np.int32]
+    state: NDArray[np.uint8]
+
+    def __len__(self) -> int:
+        return len(self.lane)
+
+    def on_lanes(self, kept: NDArray[np.integer]) -> "Signals":
+        """The signals of the lanes `kept` (K,) only, which are numbered 0..K-1 from now on."""
+        number = {lane: i for i, lane in enumerate(kept.tolist())}
+        inside = np.array([g for g, lane in enumerate(self.lane.tolist()) if lane in number], np.intp)
+        return Signals(np.array([number[lane] for lane in self.lane[inside].tolist()], np.int32), self.state[inside])
+
+    @classmethod
+    def none(cls, steps: int) -> "Signals":
+        """No signals over `steps` steps."""
+        return cls(np.zeros(0, np.int32), np.zeros((0, steps), np.uint8))
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One scenario: where (map), who (vehicles), what happened (log, if it was recorded).
+
+    Attributes:
+        scenario_id: unique within its data set.
+        source: data set and provenance in words, e.g. "Argoverse 2 Motion Forecasting" or "SUMO corpus (simulated)".
+        city: city or network name; map splits are disjoint by it.
+        map: RoadMap.
+        vehicles: (N,) the target first.
+        horizon: number of steps after the first frame; T = horizon + 1.
+        log: Trajectories (N, T) as recorded, or None for a new scenario.
+        context: Actors over the same T steps.
+        signals: Signals over the same T steps.
+        notes: what was adapted on the way in, counted in the report, e.g. {"target": "AV, focal track is no vehicle"}.
+    """
+
+    scenario_id: str
+    source: str
+    city: str
+    map: RoadMap
+    vehicles: Vehicles
+    horizon: int
+    log: Trajectories | None
+    context: Actors
+    signals: Signals
+    notes: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def steps(self) -> int:
+        """T = horizon + 1."""
+        return self.horizon + 1
+
+    def validate(self) -> None:
+        """Raise UnusableInput, naming the scenario, unless all parts are sound and agree with one another."""
+        try:
+            self._validate_parts()
+        except UnusableInput as error:
+            raise UnusableInput(f"scenario {self.scenario_id}: {error}", reason=error.reason) from None
+
+    def _validate_parts(self) -> None:
+        self.map.validate()
+        self.vehicles.validate()
+        self.context.motion.validate()
+        if self.log is not None:
+            self.log.validate()
+            if self.log.valid.shape != (len(self.vehicles), self.steps):
+                raise UnusableInput("log and vehicles differ in shape", reason="bad-trajectories")
+        if self.context.motion.steps != self.steps or self.signals.state.shape != (len(self.signals), self.steps):
+            raise UnusableInput("context or signals do not last as long as the scenario", reason="bad-trajectories")

@@ -1,0 +1,152 @@
+"""Settings dataclasses from params.yaml, strictly: nothing unknown, nothing missing, nothing of the wrong type.
+
+Only doors (a stage, the command line) read params.yaml; everything behind them is handed its dataclass.
+"""
+
+import dataclasses
+import math
+import types
+import typing
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+import yaml
+
+from drivegen.core.errors import MissingTool, UnusableInput
+
+P = TypeVar("P")
+
+PARAMS = Path("params.yaml")
+"""In the project's folder, where every command runs."""
+
+SHARED = "run"
+"""The params section whose keys (seed, workers) every stage may name among its own."""
+
+TRAINING = "training"
+"""The params section whose values hold for every model whose own `training` does not name them."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Within:
+    """Bounds of a number in params.yaml, as in `Annotated[int, Within(1)]`; with `above`, `least` itself is too small."""
+
+    least: float
+    most: float = math.inf
+    above: bool = False
+
+    def __contains__(self, number: float) -> bool:
+        return (self.least < number if self.above else self.least <= number) and number <= self.most
+
+    def __str__(self) -> str:
+        if math.isfinite(self.most):
+            return f"between {self.least:g} and {self.most:g}"
+        return f"above {self.least:g}" if self.above else f"at least {self.least:g}"
+
+
+Count = Annotated[int, Within(1)]
+Index = Annotated[int, Within(0)]
+Positive = Annotated[float, Within(0, above=True)]
+NotNegative = Annotated[float, Within(0)]
+Share = Annotated[float, Within(0, 1)]
+
+
+def read_section(section: str, path: Path = PARAMS) -> dict[str, Any]:
+    """The names and values of a section of params.yaml; `section` may be dotted.
+
+    Where names and values are wanted, the name of a YAML file may stand for what is in it. Raises MissingTool where there is
+    no such file, UnusableInput where it is no YAML or has no such section.
+    """
+    tree = _read(path)
+    for word in section.split("."):
+        if not isinstance(tree, dict) or word not in tree:
+            raise UnusableInput(f"{path} has no section {section!r}")
+        tree = _opened(tree[word])
+    if tree is not None and not isinstance(tree, dict):
+        raise UnusableInput(f"{path}: {section} must have names and values, not {tree!r}")
+    return tree or {}
+
+
+def read_params(section: str, params: type[P], path: Path = PARAMS) -> P:
+    """The params section as a dataclass; `section` may be dotted. Unknown and missing keys are errors that name both."""
+    wanted = {f.name for f in dataclasses.fields(params)}  # type: ignore[arg-type]
+    own = read_section(section, path)
+    shared = read_section(SHARED, path) if SHARED in _read(path) else {}
+    return build(params, {**{k: v for k, v in shared.items() if k in wanted}, **own}, f"{path}: {section}")
+
+
+def build(cls: type[P], values: dict[str, Any], place: str) -> P:
+    """A dataclass from a mapping, nested ones too; raises UnusableInput naming the key at fault."""
+    fields = {f.name: f for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
+    hints = typing.get_type_hints(cls, include_extras=True)
+    if unknown := sorted(set(map(str, values)) - set(fields)):
+        raise UnusableInput(f"{place}: unknown name {unknown[0]!r}; known are {', '.join(sorted(fields))}")
+    if missing := sorted(set(fields) - set(values)):
+        raise UnusableInput(f"{place}: {missing[0]!r} is missing")
+    return cls(**{name: _typed(hints[name], value, f"{place}.{name}") for name, value in values.items()})
+
+
+def _typed(hint: Any, value: Any, place: str) -> Any:
+    if hint is Any:  # checked by whoever knows the value's own types
+        return value
+    origin, inner = typing.get_origin(hint), typing.get_args(hint)
+    value = _written_out(hint, value)
+    if origin is Annotated:
+        return _within(_typed(inner[0], value, place), inner[1:], place)
+    if origin in (typing.Union, types.UnionType):
+        return None if value is None else _typed(next(t for t in inner if t is not type(None)), value, place)
+    if dataclasses.is_dataclass(hint) and isinstance(value, dict):
+        return build(hint, value, place)  # type: ignore[arg-type]
+    if origin in (tuple, list) and isinstance(value, list):
+        return origin(_typed(inner[0], v, f"{place}[{i}]") for i, v in enumerate(value))
+    if origin is dict and isinstance(value, dict):
+        return {k: _typed(inner[1], v, f"{place}.{k}") for k, v in value.items()}
+    if hint is float and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value)
+    kind = origin or hint
+    if isinstance(kind, type) and (not isinstance(value, kind) or (kind is int and isinstance(value, bool))):
+        raise UnusableInput(f"{place} must be {_IN_WORDS.get(kind, kind.__name__)}, not {value!r}")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise UnusableInput(f"{place} must be a finite number, not {value!r}")
+    return value
+
+
+_IN_WORDS: dict[Any, str] = {tuple: "a list", list: "a list", dict: "names and values"}
+
+
+def _within(value: Any, bounds: tuple[Any, ...], place: str) -> Any:
+    for bound in bounds:
+        if isinstance(bound, Within) and value not in bound:
+            raise UnusableInput(f"{place} must be {bound}, not {value!r}")
+    return value
+
+
+def _read(path: Path) -> Any:
+    if not path.exists():
+        raise MissingTool(f"{path} is not here: change into the project's folder, the one with the Makefile")
+    try:
+        tree = yaml.safe_load(path.read_text())
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise UnusableInput(f"{path} is not YAML: {str(error).splitlines()[0]}") from None
+    if not isinstance(tree, dict):
+        raise UnusableInput(f"{path} has no sections")
+    return _trained(tree, tree.get(TRAINING))
+
+
+def _written_out(hint: Any, value: Any) -> Any:
+    """Where names and values are wanted, those in the file that `value` names."""
+    return _opened(value) if typing.get_origin(hint) is dict or dataclasses.is_dataclass(hint) else value
+
+
+def _opened(value: Any) -> Any:
+    """What is in a YAML file, where `value` is the name of one."""
+    return _read(Path(value)) if isinstance(value, str) and value.endswith(".yaml") else value
+
+
+def _trained(tree: Any, default: Any) -> Any:
+    """`tree` with the values of `default` in every `training` that does not name them."""
+    if not isinstance(tree, dict) or not isinstance(default, dict):
+        return tree
+    return {
+        name: {**default, **value} if name == TRAINING and isinstance(value, dict) else _trained(value, default)
+        for name, value in tree.items()
+    }

@@ -1,0 +1,149 @@
+"""What generators that are trained share: learning from examples, weights on disk, opening by `Plugin(models, settings)`.
+
+Such a generator is one subclass of `Learned` with a network, examples and an objective. It reads the first frame only;
+logs are seen by `examples`, in training, alone. It imports neither goals nor planners, so that editing those trains no
+rival anew.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, ClassVar, Protocol, Self
+
+import torch
+from torch import nn
+
+from drivegen.core import seeds
+from drivegen.core.methods import Method
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario, Vehicles
+from drivegen.core.settings import build
+from drivegen.training import loop
+from drivegen.training.curve import LossRow
+from drivegen.training.weights import fill, read_weights, write_weights
+
+Placement = Callable[[Scenario], Vehicles]
+"""Vehicles on a scenario's map around its target, as many as it has where there is room; the target comes first."""
+
+
+class Examples(Protocol):
+    """Logged scenarios as arrays to learn from; picklable, so that shards are read in processes of their own."""
+
+    def __len__(self) -> int:
+        """How many there are."""
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """All of them in order; of no parts, none."""
+
+
+class Learned(ABC):
+    """A generator with trained weights in `models/generators/<name>`; see `generators.base.Generator`.
+
+    Attributes:
+        name: the plugin's. Settings: frozen dataclass with a field `training: loop.Settings`, no defaults; its values
+            stand in params.yaml, `train_generator.generators.<name>`. Examples: what it learns from.
+        about: its ABOUT. backend: it chooses no goals.
+        settings, net: how it was made, and the trained network on the CPU in evaluation mode.
+    """
+
+    name: ClassVar[str]
+    Settings: ClassVar[type]
+    Examples: ClassVar[type[Examples]]
+    about: ClassVar[Method]
+    backend = "none"
+
+    settings: Any
+    net: nn.Module
+
+    def __init__(self, models: Path, settings: object) -> None:
+        """Open the weights; `settings`, of DriveGen's own generation, concern none of them.
+
+        Raises MissingTool where the weights are absent, UnusableInput where they are damaged or do not fit.
+        """
+        del settings
+        folder = models / "generators" / self.name
+        values, tensors = read_weights(folder, "generator", self.name)
+        self.settings = build(self.Settings, values, f"{folder}")
+        self.net = self.network(self.settings)
+        fill(self.net, tensors, folder)
+        self._ready()
+
+    @classmethod
+    @abstractmethod
+    def network(cls, settings: Any) -> nn.Module:
+        """The untrained network; everything that is learnt, scales included, is a parameter or a buffer of it."""
+
+    @classmethod
+    @abstractmethod
+    def examples(cls, settings: Any, scenarios: Sequence[Scenario]) -> Any:
+        """An `Examples` of the scenarios that have a log."""
+
+    @classmethod
+    @abstractmethod
+    def objective(cls, settings: Any, net: Any, train: Any, validation: Any, seed: int) -> loop.Objective:
+        """What is minimised; may set buffers of `net` (already on its device) from the train examples."""
+
+    @classmethod
+    def probe(cls, settings: Any, validation: Any, seed: int) -> Callable[[Any], float] | None:
+        """What tells how good a network is in metres, on the validation examples; None: the validation loss does."""
+        del settings, validation, seed
+        return None
+
+    @abstractmethod
+    def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
+        """See `generators.base.Generator`."""
+
+    @classmethod
+    def fit(
+        cls,
+        settings: Any,
+        train: Any,
+        validation: Any,
+        seed: int,
+        checkpoints: Path | None,
+        report: Callable[[str], None],
+    ) -> tuple[Self, list[LossRow]]:
+        """The trained generator and its loss curve; the weights of `curve.kept` are kept: of the least error by `probe`.
+
+        Same arguments, same weights, also when killed and started again: `checkpoints` is a folder for interrupted
+        work, named by the caller after all inputs; `report` takes progress lines. Raises UnusableInput where there is
+        nothing to learn from.
+        """
+        torch.manual_seed(seeds.derive(seed, "network", cls.name))
+        net = cls.network(settings).to(loop.device())
+        path = None if checkpoints is None else checkpoints / f"{cls.name}.safetensors"
+        objective = cls.objective(settings, net, train, validation, seed)
+        probe = cls.probe(settings, validation, seed)
+        best, curve = loop.train(net, objective, settings.training, seed, path, report, keep_best=True, probe=probe)
+        made = cls.__new__(cls)
+        made.settings, made.net = settings, best.cpu()
+        made._ready()
+        return made, curve
+
+    def bounds(self) -> "dict[str, Learned]":
+        """By their own names, generators with these very weights that are told some of what happened: bounds, no methods."""
+        return {}
+
+    def placements(self, logs: Sequence[Scenario], seed: int) -> dict[str, Placement]:
+        """Its ways to place vehicles, a bound's among them, by their titles in tables; none unless `about.places`.
+
+        `logs` of the train split may be drawn from.
+        """
+        del logs, seed
+        return {}
+
+    def save(self, folder: Path) -> None:
+        """Write settings (JSON) and weights (safetensors) into `folder`, that is `models/generators/<name>`."""
+        tensors = {key: value.numpy() for key, value in self.net.state_dict().items()}
+        write_weights(folder, "generator", self.name, asdict(self.settings), tensors)
+
+    @property
+    def parameters(self) -> int:
+        """How many numbers were learnt."""
+        return sum(p.numel() for p in self.net.parameters())
+
+    def _ready(self) -> None:
+        torch.set_num_threads(1)  # sums depend on the number of threads
+        self.net.eval().requires_grad_(False)

@@ -1,0 +1,275 @@
+"""From a recording to a scenario: choose the target and the social vehicles, settle sizes, cut time and map.
+
+Paper, problem formulation: the first frame of a log gives P, the rest T. The target is the focal track or the AV; the
+social vehicles are the ones nearest to it at the first frame. Every decision that changes what was recorded is noted in
+the scenario and counted by the caller; a recording that yields no scenario is rejected with a countable reason.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.core.crop import Cropper
+from drivegen.core.errors import UnusableInput
+from drivegen.core.geometry import boxes_overlap, wrap_angle
+from drivegen.core.recorded_log import NO_TRACK, RecordedLog
+from drivegen.core.roadmap import NO_LANE
+from drivegen.core.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
+from drivegen.core.settings import Count, Index, Positive, Share
+
+PLANNED_KINDS = (VehicleKind.CAR, VehicleKind.TRUCK, VehicleKind.BUS)
+"""Kinds that are planned; all others are context."""
+
+ASSUMED_SIZE = {
+    VehicleKind.CAR: (4.63, 1.97, 1.74),
+    VehicleKind.TRUCK: (6.93, 2.51, 2.84),
+    VehicleKind.BUS: (10.5, 2.94, 3.47),
+    VehicleKind.MOTORCYCLE: (2.11, 0.77, 1.47),
+    VehicleKind.CYCLIST: (1.70, 0.60, 1.28),
+    VehicleKind.PEDESTRIAN: (0.73, 0.67, 1.77),
+}
+"""Length, width, height [m] where a data set has no boxes (Argoverse 2 Motion Forecasting): mean boxes of nuScenes'
+classes, as the anchors of Zhu et al., "Class-balanced grouping and sampling", 2019, and OpenPCDet have them. The medians
+of the regular vehicles in two Argoverse 2 Sensor logs are 4.35 x 1.96 x 1.62 and 4.16 x 1.82 x 1.70: somewhat smaller."""
+
+FASTEST = 70.0
+"""A road vehicle whose recorded positions or velocities ask for more [m/s] is a tracking error."""
+
+PARKED_SPEED = 0.5
+"""A vehicle that is never faster [m/s] is parked."""
+
+SHORTEST_HORIZON = 10
+"""A recording that goes on for fewer steps after the first frame is rejected: one second is no traffic."""
+
+_PATH_STRIDE = 10
+"""Every so many steps of the target's path the map around it is kept."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How recordings become scenarios.
+
+    Attributes:
+        target: "focal" or "ego", whom to take as target; the other one stands in where it is absent.
+        max_vehicles: target and social vehicles together.
+        first_step: step of the recording that becomes step 0.
+        horizon: steps after it; less where the recording ends before.
+        map_radius: lanes farther from the target's path [m] are left out; None keeps the whole map.
+        smallest_shrink: assumed boxes of overlapping parked vehicles are scaled down to this at most.
+    """
+
+    target: str
+    max_vehicles: Count
+    first_step: Index
+    horizon: Count
+    map_radius: Positive | None
+    smallest_shrink: Share
+
+
+def select(log: RecordedLog, settings: Settings) -> Scenario:
+    """The scenario of one recording, in a frame whose origin is the target's first position, rounded to metres.
+
+    Raises UnusableInput with reason `too-short`, `no-vehicles`, `no-target`, `implausible-target`, `no-lanes` or what
+    `Scenario.validate` finds.
+    """
+    log = _cut_time(log, settings)
+    notes: dict[str, str] = {}
+    target = _target(log, settings.target, notes)
+    size, source = _sizes(log)
+    chosen = _choose(log, target, size, source, settings, notes)
+    log = _in_frame_of(log, target, settings.map_radius)
+    motion = _tidy(log.motion[chosen])
+    scenario = Scenario(
+        scenario_id=log.scenario_id,
+        source=log.source,
+        city=log.city,
+        map=log.map,
+        vehicles=Vehicles(
+            track_id=log.track_id[chosen],
+            kind=log.kind[chosen],
+            size=size[chosen],
+            size_source=source[chosen],
+            position=motion.position[:, 0].copy(),
+            heading=motion.heading[:, 0].copy(),
+            speed=motion.speed[:, 0].copy(),
+        ),
+        horizon=log.motion.steps - 1,
+        log=motion,
+        context=_context(log, size),
+        signals=log.signals,
+        notes=notes,
+    )
+    if touching := _context_overlaps(scenario):
+        notes["context_overlaps"] = str(touching)
+    scenario.validate()
+    return scenario
+
+
+def _cut_time(log: RecordedLog, settings: Settings) -> RecordedLog:
+    first, last = settings.first_step, min(settings.first_step + settings.horizon + 1, log.motion.steps)
+    if last - first <= SHORTEST_HORIZON:
+        raise UnusableInput(
+            f"scenario {log.scenario_id} has {log.motion.steps} steps: too few after step {first}", reason="too-short"
+        )
+    cut = log.motion.between(first, last)
+    return replace(log, motion=cut, signals=Signals(log.signals.lane, log.signals.state[:, first:last]))
+
+
+def _target(log: RecordedLog, wanted: str, notes: dict[str, str]) -> int:
+    """The focal track or the ego, if it is a vehicle and there at step 0; else the other one, noted."""
+    if wanted not in ("focal", "ego"):
+        raise UnusableInput(f"the target must be 'focal' or 'ego', not {wanted!r}")
+    if not np.isin(log.kind, PLANNED_KINDS).any():
+        raise UnusableInput(f"scenario {log.scenario_id} has no vehicles", reason="no-vehicles")
+    names = {"focal": ("focal track", log.focal), "ego": ("AV", log.ego)}
+    (word, first), (other_word, second) = names[wanted], names["ego" if wanted == "focal" else "focal"]
+    problem = _unfit(log, first)
+    if not problem:
+        return first
+    if _unfit(log, second):
+        raise UnusableInput(
+            f"scenario {log.scenario_id}: {word} {problem}, {other_word} {_unfit(log, second)}", reason="no-target"
+        )
+    notes["target"] = f"{other_word}, because the {word} {problem}"
+    return second
+
+
+def _unfit(log: RecordedLog, track: int) -> str:
+    """Why a track cannot be the target; empty if it can."""
+    if track == NO_TRACK:
+        return "is not in the recording"
+    if log.kind[track] not in PLANNED_KINDS:
+        return "is no vehicle"
+    return "" if log.motion.valid[track, 0] else "is absent at the first step"
+
+
+def _sizes(log: RecordedLog) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """Boxes (M, 3) without gaps, and where they come from (M,): flat recordings measure length and width, which is enough."""
+    assumed = np.array([ASSUMED_SIZE[VehicleKind(int(kind))] for kind in log.kind], np.float32).reshape(-1, 3)
+    unknown = np.any(np.isnan(log.size[:, :2]), axis=-1)
+    source = np.where(unknown, SizeSource.ASSUMED, SizeSource.MEASURED).astype(np.uint8)
+    return np.where(unknown[:, None] | np.isnan(log.size), assumed, log.size), source
+
+
+def _choose(
+    log: RecordedLog,
+    target: int,
+    size: NDArray[np.float32],
+    source: NDArray[np.uint8],
+    settings: Settings,
+    notes: dict[str, str],
+) -> NDArray[np.intp]:
+    """The target, then the nearest vehicles at step 0 that can stand beside those already chosen.
+
+    Overlaps that the recording's first frame already has are resolved in this order: the assumed boxes of parked
+    vehicles shrink together, as little as needed; else the farther vehicle is dropped. `size` and `source` are updated.
+    """
+    position, present = log.motion.position[:, 0], log.motion.valid[:, 0]
+    fast = _implausible(log.motion)
+    if fast[target]:
+        raise UnusableInput(f"scenario {log.scenario_id}: the target jumps about", reason="implausible-target")
+    candidate = present & np.isin(log.kind, PLANNED_KINDS)
+    candidate[target] = False
+    far = np.hypot(*(position - position[target]).T)
+    order = np.flatnonzero(candidate & ~fast)
+    order = order[np.argsort(far[order], kind="stable")]
+    parked = (source == SizeSource.ASSUMED) & (np.where(log.motion.valid, log.motion.speed, 0).max(-1) < PARKED_SPEED)
+    chosen, full_size, counts = [target], size.copy(), {"overlaps": 0, "shrunk": 0, "dropped_overlapping": 0}
+    for vehicle in order.tolist():
+        if len(chosen) == settings.max_vehicles:
+            break
+        touched = _touched(log, vehicle, np.array(chosen), size)
+        counts["overlaps"] += len(touched)
+        if len(touched):
+            group = np.append(touched, vehicle)
+            factor = _shrink(log, vehicle, touched, full_size, settings.smallest_shrink) if parked[group].all() else None
+            if factor is None:
+                counts["dropped_overlapping"] += 1
+                continue
+            size[group, :2] = np.minimum(size[group, :2], factor * full_size[group, :2])
+            source[group] = SizeSource.SHRUNK
+            counts["shrunk"] += len(group)
+        chosen.append(vehicle)
+    counts["dropped_implausible"] = int(np.count_nonzero(candidate & fast))
+    notes.update({name: str(count) for name, count in counts.items() if count})
+    return np.array(chosen)
+
+
+def _implausible(motion: Trajectories) -> NDArray[np.bool_]:
+    """(M,) tracks that move faster than any road vehicle, by their velocities or between successive positions."""
+    too_fast = np.any((motion.speed > FASTEST) & motion.valid, axis=-1)
+    step = np.hypot(*np.moveaxis(np.diff(motion.position, axis=1), -1, 0))
+    jumps = (step > FASTEST * DT) & motion.valid[:, 1:] & motion.valid[:, :-1]
+    return np.asarray(too_fast | jumps.any(-1))
+
+
+def _touched(log: RecordedLog, vehicle: int, others: NDArray[np.intp], size: NDArray[np.float32]) -> NDArray[np.intp]:
+    """Those of `others` whose box overlaps the vehicle's at step 0."""
+    position, heading = log.motion.position[:, 0], log.motion.heading[:, 0]
+    overlap = boxes_overlap(
+        position[vehicle], heading[vehicle], size[vehicle, :2], position[others], heading[others], size[others, :2]
+    )
+    return others[overlap]
+
+
+def _shrink(
+    log: RecordedLog, vehicle: int, touched: NDArray[np.intp], size: NDArray[np.float32], smallest: float
+) -> float | None:
+    """The largest factor, in steps of 0.02, by which all these boxes clear one another; None if none is large enough."""
+    for factor in np.arange(0.98, smallest - 1e-9, -0.02):
+        if not len(_touched(log, vehicle, touched, size * np.float32(factor))):
+            return float(factor)
+    return None
+
+
+def _in_frame_of(log: RecordedLog, target: int, radius: float | None) -> RecordedLog:
+    """The recording in a frame near the target, its map cut to `radius` about the target's path."""
+    old = log.map.origin
+    origin = np.round(log.motion.position[target, 0].astype(np.float64) + old)
+    shift = old - origin
+    position = (log.motion.position.astype(np.float64) + shift).astype(np.float32)
+    position[~log.motion.valid] = 0
+    motion = replace(log.motion, position=position)
+    road_map = log.map.moved_to(origin)
+    if radius is None:
+        return replace(log, map=road_map, motion=motion)
+    path = position[target][log.motion.valid[target]][::_PATH_STRIDE]
+    road_map, kept = Cropper(road_map).around(path, radius)
+    if not len(kept):
+        raise UnusableInput(f"scenario {log.scenario_id}: no lane within {radius:g} m of the target", reason="no-lanes")
+    lane = np.full(len(log.map), NO_LANE, np.int32)
+    lane[kept] = np.arange(len(kept), dtype=np.int32)
+    guarded = lane[log.signals.lane]
+    signals = Signals(guarded[guarded != NO_LANE], log.signals.state[guarded != NO_LANE])
+    return replace(log, map=road_map, motion=motion, signals=signals)
+
+
+def _tidy(motion: Trajectories) -> Trajectories:
+    """Headings in [-pi, pi); zeros wherever nothing was recorded, so that equal scenarios have equal bytes."""
+    valid = motion.valid
+    return Trajectories(
+        np.where(valid[..., None], motion.position, 0).astype(np.float32),
+        np.where(valid, wrap_angle(motion.heading), 0).astype(np.float32),
+        np.where(valid[..., None], motion.velocity, 0).astype(np.float32),
+        valid,
+    )
+
+
+def _context(log: RecordedLog, size: NDArray[np.float32]) -> Actors:
+    rows = np.flatnonzero(~np.isin(log.kind, PLANNED_KINDS) & log.motion.valid.any(-1))
+    return Actors(log.track_id[rows], log.kind[rows], size[rows], _tidy(log.motion[rows]))
+
+
+def _context_overlaps(scenario: Scenario) -> int:
+    """Vehicle and context actor pairs that overlap at step 0 already: inherited, left as they are."""
+    vehicles, actors = scenario.vehicles, scenario.context
+    overlap = boxes_overlap(
+        vehicles.position[:, None],
+        vehicles.heading[:, None],
+        vehicles.size[:, None, :2],
+        actors.motion.position[None, :, 0],
+        actors.motion.heading[None, :, 0],
+        actors.size[None, :, :2],
+    )
+    return int(np.count_nonzero(overlap & actors.motion.valid[None, :, 0]))

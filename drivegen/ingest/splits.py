@@ -1,0 +1,100 @@
+"""Which scenes of which data sets make up our train, val and test splits.
+
+Models learn from `train` and are chosen on `val`; `test` is regenerated and measured on. A source that nobody trained on
+is test data as a whole; of one that is trained on, only its held-out split is.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from drivegen.core.errors import UnusableInput
+from drivegen.core.seeds import derive
+from drivegen.datasets.base import Dataset
+from drivegen.ingest.admission import usable_tracks
+from drivegen.ingest.selection import Settings
+
+CORPUS = "sumo_corpus"
+"""The data set that is always there: models learn from it where there is too little else."""
+
+SPLITS = ("train", "val", "test")
+
+VAL_SHARE = 20
+"""One in so many training recordings is held back for validation where a source's own val split is our test split."""
+
+Opened = Callable[[str], Dataset]
+"""Gives a data set by its name, opened."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is trained on, what is measured on.
+
+    Attributes:
+        source: the data set that is measured on.
+        train_on: the data sets that models learn from.
+        held_out: the split of each data set, "val" or "test", that is measured on where the data set is trained on.
+        limits: at most so many scenes per split of ours; None for all.
+    """
+
+    source: str
+    train_on: tuple[str, ...]
+    held_out: dict[str, str]
+    limits: dict[str, int | None]
+
+
+def trained_on(
+    wanted: tuple[str, ...], opened: Opened, selected: Callable[[str], Settings], fewest: int
+) -> tuple[tuple[str, ...], str]:
+    """The data sets to train on, and a sentence where that is not what was asked for.
+
+    A data set with fewer than `fewest` usable training tracks, `selected` as its name says, is left out; if nothing remains,
+    the corpus steps in.
+    """
+    names, notes = [], []
+    for name in wanted:
+        if name != CORPUS and (found := usable_tracks(opened(name), selected(name), fewest)) < fewest:
+            notes.append(f"{name} has {found} usable training tracks, fewer than {fewest}: not trained on")
+        else:
+            names.append(name)
+    return tuple(names or [CORPUS]), "; ".join(notes)
+
+
+def items(plan: Plan, opened: Opened, split: str) -> list[str]:
+    """Items `<data set>/<its split>/<scene>` of one of our splits; where there are too many, drawn by a fixed hash.
+
+    Raises UnusableInput where `held_out` does not speak of a data set that is trained on.
+    """
+    if split == "test":
+        theirs = (_held_out(plan, plan.source),) if plan.source in plan.train_on else SPLITS
+        found = [f"{plan.source}/{word}/{scene}" for word in theirs for scene in opened(plan.source).scenes(word)]
+    else:
+        found = [item for name in plan.train_on for item in _training_items(plan, opened(name), name, split)]
+    limit = plan.limits.get(split)
+    return found if limit is None else sorted(sorted(found, key=lambda item: derive(0, "limit", item))[:limit])
+
+
+def _training_items(plan: Plan, data: Dataset, name: str, split: str) -> list[str]:
+    """Its own train or val split; where val is held out as our test split, a share of train stands in for val."""
+    if name != plan.source or _held_out(plan, name) != "val":
+        return [f"{name}/{split}/{scene}" for scene in data.scenes(split)]
+    scenes = data.scenes("train")
+    held_back = _held_back({_recording(scene) for scene in scenes})
+    return [f"{name}/train/{scene}" for scene in scenes if (_recording(scene) in held_back) == (split == "val")]
+
+
+def _held_back(recordings: set[str]) -> set[str]:
+    """One in `VAL_SHARE` by a fixed hash; of few recordings (but more than one) the one that comes first by it."""
+    drawn = {name: derive(0, "val", name) for name in recordings}
+    found = {name for name, number in drawn.items() if number % VAL_SHARE == 0}
+    return found or ({min(drawn, key=lambda name: (drawn[name], name))} if len(drawn) > 1 else set())
+
+
+def _recording(scene: str) -> str:
+    """Scenes of one recording, called `<recording>:<number>`, stay together."""
+    return scene.partition(":")[0]
+
+
+def _held_out(plan: Plan, name: str) -> str:
+    if plan.held_out.get(name) not in ("val", "test"):
+        raise UnusableInput(f"ingest.held_out must say of {name!r} whether 'val' or 'test' is measured on")
+    return plan.held_out[name]

@@ -1,0 +1,63 @@
+"""The networks that a corpus is simulated on: real ones that come with SUMO, and layouts of our own."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.layouts.compile import compile_map
+from drivegen.layouts.spec import MapSpec
+
+SPLITS = ("train", "val", "test")
+
+REAL, OWN = KINDS = ("real", "own")
+
+
+@dataclass(frozen=True)
+class Networks:
+    """By split and name, `real` networks as paths below SUMO_HOME and our `own` as map specifications."""
+
+    real: dict[str, dict[str, str]]
+    own: dict[str, dict[str, Any]]
+
+    def check(self, scenarios: Iterable[str], density: Iterable[str]) -> None:
+        """Raise UnusableInput unless no network is in two splits, every split is one, and both kinds have a density."""
+        if set(density) != set(KINDS):
+            raise UnusableInput("corpus.density needs a range for `real` and one for `own`, and nothing else")
+        for splits in (scenarios, self.real, self.own):
+            if unknown := set(splits) - set(SPLITS):
+                raise UnusableInput(f"corpus: there is no split {unknown.pop()!r}; there are {', '.join(SPLITS)}")
+        seen: dict[str, str] = {}
+        for split in SPLITS:
+            for name, source in [*self.real.get(split, {}).items(), *self.own.get(split, {}).items()]:
+                for word in (name, str(source)):
+                    if seen.setdefault(word, split) != split or not name.replace("_", "").isalnum():
+                        raise UnusableInput(
+                            f"corpus: network {name!r} is in {seen[word]} and {split}, or its name is no plain word"
+                        )
+
+    def shares(self, split: str, total: int, own_share: float) -> Iterator[tuple[str, str, int]]:
+        """Name, kind and number of scenarios of each network of a split that gets any of its `total`."""
+        real, own = self.real.get(split, {}), self.own.get(split, {})
+        of_own = 0 if not own else total if not real else round(total * own_share)
+        for names, kind, count in ((real, REAL, total - of_own), (own, OWN, of_own)):
+            for i, name in enumerate(names):
+                if share := count * (i + 1) // len(names) - count * i // len(names):
+                    yield name, kind, share
+
+    def read(self, split: str, name: str) -> bytes:
+        """The SUMO network. Raises UnusableInput for an unsound specification, MissingTool where SUMO or its file is missing."""
+        if name not in self.real.get(split, {}):
+            try:
+                return compile_map(MapSpec.model_validate({"road": self.own[split][name]}))
+            except ValueError as error:  # pydantic's
+                raise UnusableInput(f"corpus: the map {name!r} is no sound specification: {error}") from None
+        sumo = find_spec("sumo")
+        if sumo is None or sumo.origin is None:
+            raise MissingTool("the corpus takes its networks from eclipse-sumo: pip install eclipse-sumo==1.28.0")
+        file = Path(sumo.origin).parent / self.real[split][name]
+        if not file.exists():
+            raise MissingTool(f"{file} is not there: network {name!r} of the corpus is not part of this SUMO")
+        return file.read_bytes()

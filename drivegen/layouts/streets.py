@@ -1,0 +1,129 @@
+"""Streets with junctions along them: corridors and grids."""
+
+import math
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import Field, model_validator
+
+from drivegen.layouts.alignment import Alignment
+from drivegen.layouts.crossings import SMALLEST_RING, check_ring, least_diameter
+from drivegen.layouts.values import Control, Lanes, Length, NoOrMoreLanes, Part, Pocket, Side, Speed
+
+LEAST_ROOM = 20.0
+"""Metres of road between two junctions, and between one and the road's ends, at least."""
+
+POCKET_SHARE = 0.4
+"""Turn lanes along a corridor take so much of the way between two junctions at most, for both may have some on it."""
+
+_MOST_ON_A_SIDE = 3
+"""Roads join on one side of a junction at most: they are 45 degrees apart then."""
+
+
+class Junction(Part):
+    """One place along a corridor where side roads join: at `position` along it, on the sides named; several on one side are
+    spread evenly over it, so that three to eight roads meet.
+
+    At a crossing the main road may have turn lanes, in each direction that has a side road to turn to; they are `pocket`
+    long, at most `POCKET_SHARE` of the way from what lies before the crossing. A roundabout has none.
+    """
+
+    position: Annotated[float, Field(ge=30.0, le=10000.0, allow_inf_nan=False)]
+    sides: Annotated[tuple[Side, ...], Field(min_length=1, max_length=6)] = ("left", "right")
+    form: Literal["crossing", "roundabout"] = "crossing"
+    control: Control = "yield"
+    side_lanes: Lanes = 1
+    side_speed: Speed = 50 / 3.6
+    side_length: Length = 120.0
+    left_turn_lane: bool = False
+    right_turn_lane: bool = False
+    pocket: Pocket = 60.0
+    dead_end: bool = False
+    ring_lanes: Annotated[int, Field(ge=1, le=3)] = 1
+    diameter: Annotated[float, Field(ge=SMALLEST_RING, le=120.0, allow_inf_nan=False)] = 40.0
+
+    @model_validator(mode="after")
+    def _lanes_fit_into_the_ring(self) -> "Junction":
+        if max(self.sides.count("left"), self.sides.count("right")) > _MOST_ON_A_SIDE:
+            raise ValueError(f"at most {_MOST_ON_A_SIDE} roads join on one side of a junction along a road")
+        if self.form == "roundabout":
+            check_ring(self.ring_lanes, self.diameter)
+            least = least_diameter([0.0, 180.0, *self.directions], self.ring_lanes)
+            if self.diameter < least:
+                raise ValueError(f"{2 + len(self.sides)} roads need a roundabout of at least {math.ceil(least)} m across")
+        return self
+
+    @property
+    def directions(self) -> tuple[float, ...]:
+        """Directions of the side roads against the corridor's own [degrees, to the left], in the order of `sides`."""
+        found = []
+        for i, side in enumerate(self.sides):
+            step = 180.0 / (1 + self.sides.count(side))
+            found.append(step * (1 + self.sides[:i].count(side)) + (0.0 if side == "left" else 180.0))
+        return tuple(found)
+
+
+class TurnLanes(NamedTuple):
+    """How many turn lanes an approach has on either side, and their length [m]."""
+
+    left: int
+    right: int
+    length: float
+
+
+NO_TURN_LANES = TurnLanes(0, 0, 0.0)
+
+
+class Corridor(Part):
+    """A road of any line with junctions along it: crossings or roundabouts in a row, side streets, a staggered junction.
+
+    Without junctions it is a plain street. `dead_end` closes its far end with a turning place (cul-de-sac).
+    """
+
+    kind: Literal["corridor"] = "corridor"
+    alignment: Alignment = Alignment()
+    lanes: Lanes = 1
+    lanes_back: NoOrMoreLanes = 1
+    speed: Speed = 50 / 3.6
+    junctions: Annotated[tuple[Junction, ...], Field(max_length=12)] = ()
+    dead_end: bool = False
+
+    @model_validator(mode="after")
+    def _junctions_fit(self) -> "Corridor":
+        if min(self._ways()) < LEAST_ROOM:
+            raise ValueError(f"junctions must be in order, at least {LEAST_ROOM:.0f} m apart and that far from the road's ends")
+        if self.lanes_back == 0 and (self.dead_end or any(j.form == "roundabout" for j in self.junctions)):
+            raise ValueError("a one-way street can neither be a dead end nor lead through roundabouts here")
+        return self
+
+    def _ways(self) -> list[float]:
+        """Metres between the road's start, its junctions and its end, the halves of rings left out."""
+        places = [0.0, *(j.position for j in self.junctions), self.alignment.length]
+        rooms = [0.0, *(j.diameter / 2 if j.form == "roundabout" else 0.0 for j in self.junctions), 0.0]
+        return [places[i + 1] - places[i] - (rooms[i] + rooms[i + 1]) for i in range(len(places) - 1)]
+
+    def turn_lanes(self, number: int, back: bool = False) -> TurnLanes:
+        """Those that the road gets ahead of junction `number` (from 0), or on the way `back`: towards sides with a road."""
+        junction, (left, right) = self.junctions[number], ("right", "left") if back else ("left", "right")
+        here = junction.form == "crossing" and (not back or self.lanes_back > 0)
+        return TurnLanes(
+            int(here and junction.left_turn_lane and left in junction.sides),
+            int(here and junction.right_turn_lane and right in junction.sides),
+            min(junction.pocket, POCKET_SHARE * self._ways()[number + back]),
+        )
+
+
+class Grid(Part):
+    """Streets in both directions that cross at `rows` x `columns` places and go on beyond them.
+
+    `beyond` is how far [m]; None: as far as the streets are apart.
+    """
+
+    kind: Literal["grid"] = "grid"
+    rows: Annotated[int, Field(ge=1, le=8)] = 3
+    columns: Annotated[int, Field(ge=1, le=8)] = 3
+    spacing: Annotated[float, Field(ge=40.0, le=1000.0, allow_inf_nan=False)] = 120.0
+    beyond: Annotated[float, Field(ge=20.0, le=1000.0, allow_inf_nan=False)] | None = None
+    lanes: Annotated[int, Field(ge=1, le=4)] = 1
+    speed: Speed = 50 / 3.6
+    control: Control = "yield"
+    one_way: bool = False

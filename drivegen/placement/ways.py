@@ -1,0 +1,132 @@
+"""How far lanes lie apart for somebody who drives from one to another, and what waits at their ends."""
+
+import heapq
+from collections import defaultdict
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.core.geometry import Floats, arc_length, line_heading, wrap_angle
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.scenario import Signals, SignalState
+
+CLOSED = (SignalState.RED, SignalState.YELLOW)
+"""Nobody starts moving just before a signal that shows one of these."""
+
+UNKNOWN_LIMIT = 13.9
+"""Speed limit [m/s] assumed where the map has none: 50 km/h."""
+
+REACH = 120.0
+"""How far ahead vehicles matter to each other [m]."""
+
+
+TURN = (np.deg2rad(50), np.deg2rad(130))
+"""A way across a junction that changes direction by as much is a turn [rad]; more is a U-turn."""
+
+
+class Ways:
+    """Driving distances on one map, without lane changes.
+
+    Attributes:
+        length: (L,) [m] of each lane. onward, back: the lanes that follow and precede each lane.
+    """
+
+    def __init__(self, road_map: RoadMap) -> None:
+        self.length = np.array([arc_length(road_map.centreline[i].astype(np.float64))[-1] for i in range(len(road_map))])
+        self.onward: dict[int, list[int]] = defaultdict(list)
+        self.back: dict[int, list[int]] = defaultdict(list)
+        for before, after in road_map.links.tolist():
+            self.onward[before].append(after)
+            self.back[after].append(before)
+        self._after: dict[int, Floats] = {}
+        self._before: dict[int, Floats] = {}
+
+    def ahead(self, lane: int, along: float, lanes: NDArray[np.int32], alongs: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Driving distance (K,) [m] from one place to others ahead of it; inf where there is none within REACH or so."""
+        if lane not in self._after:
+            self._after[lane] = self._search(self.onward, lane)
+        far = self._after[lane][lanes] + (self.length[lane] - along) + alongs
+        return np.where((lanes == lane) & (alongs >= along), alongs - along, far)
+
+    def behind(self, lane: int, along: float, lanes: NDArray[np.int32], alongs: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Driving distance (K,) [m] from other places to this one ahead of them; inf where there is none within REACH or so."""
+        if lane not in self._before:
+            self._before[lane] = self._search(self.back, lane)
+        far = self._before[lane][lanes] + (self.length[lanes] - alongs) + along
+        return np.where((lanes == lane) & (alongs <= along), along - alongs, far)
+
+    def _search(self, following: Mapping[int, list[int]], lane: int) -> Floats:
+        """(L,) [m] of the lanes between `lane` and every other one, both left out, within REACH; inf beyond."""
+        found = np.full(len(self.length), np.inf)
+        heap = [(0.0, after) for after in following.get(lane, [])]
+        while heap:
+            so_far, here = heapq.heappop(heap)
+            if np.isfinite(found[here]) or so_far > REACH:
+                continue
+            found[here] = so_far
+            for after in following.get(here, []):
+                heapq.heappush(heap, (so_far + float(self.length[here]), after))
+        return found
+
+
+def limits(road_map: RoadMap) -> NDArray[np.float64]:
+    """(L,) [m/s] speed limits, UNKNOWN_LIMIT where the map has none."""
+    known = np.isfinite(road_map.speed_limit)
+    return np.where(known, road_map.speed_limit, UNKNOWN_LIMIT).astype(np.float64)
+
+
+def closed_lanes(signals: Signals) -> NDArray[np.int32]:
+    """Lanes that must not be entered at the first step."""
+    return np.asarray(signals.lane[np.isin(signals.state[:, 0], CLOSED)])
+
+
+def blocked(ways: Ways, closed: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """(L,) which lanes lead into none but `closed` ones (C,)."""
+    shut = np.zeros(len(ways.length), np.bool_)
+    shut[closed] = True
+    onward = (ways.onward.get(lane, []) for lane in range(len(shut)))
+    return np.array([bool(after) and bool(shut[after].all()) for after in onward], np.bool_)
+
+
+def to_junction(road_map: RoadMap, ways: Ways) -> NDArray[np.float64]:
+    """(L,) [m] from each lane's end to where a junction begins; inf where none does within REACH or so, and inside of one."""
+    inside, found = road_map.in_junction, np.full(len(road_map), np.inf)
+    heap = [(0.0, before) for before, after in road_map.links.tolist() if inside[after] and not inside[before]]
+    while heap:
+        away, lane = heapq.heappop(heap)
+        if away >= found[lane] or away > REACH:
+            continue
+        found[lane] = away
+        for before in ways.back.get(lane, []):
+            if not inside[before]:
+                heapq.heappush(heap, (away + float(ways.length[lane]), before))
+    return found
+
+
+def turns(road_map: RoadMap, ways: Ways) -> NDArray[np.bool_]:
+    """(L, 2) whether the junction at each lane's end can be left by a turn to the left, right.
+
+    A way round a ring is several junctions, none of them turned at: what leads round it is no turn.
+    """
+    found = np.zeros((len(road_map), 2), np.bool_)
+    low, high = TURN
+    for lane in np.flatnonzero(~road_map.in_junction).tolist():
+        arrives = line_heading(road_map.centreline[lane][-2:].astype(np.float64))[-1]
+        leaves = [line_heading(road_map.centreline[after][:2].astype(np.float64))[0] for after in _beyond(road_map, ways, lane)]
+        change = wrap_angle(np.array(leaves) - arrives)
+        found[lane] = ((change > low) & (change < high)).any(), ((-change > low) & (-change < high)).any()
+    return found
+
+
+def _beyond(road_map: RoadMap, ways: Ways, lane: int) -> list[int]:
+    """Lanes that a junction at the lane's end leads to."""
+    inside, seen, found = [i for i in ways.onward.get(lane, []) if road_map.in_junction[i]], set[int](), []
+    while inside:
+        here = inside.pop()
+        if not road_map.in_junction[here]:
+            found.append(here)
+        elif here not in seen:
+            seen.add(here)
+            inside += ways.onward.get(here, [])
+    return found

@@ -1,0 +1,1 @@
+"""What several planners are built from."""

@@ -1,0 +1,148 @@
+"""What planners by flow matching share: learning the flow of low-rank residuals, drawing from it, weights in and out.
+
+A planner says how logged tracks become features and spline coefficients, by group of residuals (`_encoded`), what its network
+is (`_new_net`), and how latents that were drawn become motion again (`_planned`).
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import ClassVar, Generic, Self, TypeVar
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from drivegen.core import seeds
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.settings import Count, Share, build
+from drivegen.planners.base import Examples, PlanRequests
+from drivegen.planners.shared.flow import FlowNet, FlowObjective
+from drivegen.planners.shared.latent import Basis, draw, importance, principal, whitened
+from drivegen.planners.shared.noise import normals
+from drivegen.planners.shared.scores import drawn_tracks, probe
+from drivegen.training import loop
+from drivegen.training.curve import LossRow
+from drivegen.training.weights import fill, read_weights, write_weights
+
+WATCHED = 200
+"""Validation tracks that are planned at each row of the loss curve."""
+
+Coefficients = dict[str, NDArray[np.float64]]
+"""Spline coefficients (E, C) of each group of residuals, in the groups' order."""
+
+
+@dataclass(frozen=True)
+class FlowSettings:
+    """Values stand in params.yaml, `train_planner.planners`.
+
+    Attributes:
+        width, blocks, dropout: of the flow's network. draws: noises per example and training step.
+        euler_steps: steps when sampling: 2 for the least error, 8 for the truest spread.
+        training: see `training.loop.Settings`.
+    """
+
+    width: Count
+    blocks: Count
+    dropout: Share
+    draws: Count
+    euler_steps: Count
+    training: loop.Settings
+
+
+S = TypeVar("S", bound=FlowSettings)
+
+
+class FlowPlanner(ABC, Generic[S]):
+    """See `planners.base.Planner`; `name` is the plugin's, `keeps` what tracks must do to be learnt from, in words."""
+
+    name: ClassVar[str]
+    keeps: ClassVar[str]
+    Settings: type[S]
+
+    def __init__(self, settings: S) -> None:
+        self.settings = settings
+        self.basis: Basis = {}
+        self.net = self._new_net()
+
+    def fit(
+        self, train: Examples, validation: Examples, seed: int, checkpoints: Path | None, report: Callable[[str], None]
+    ) -> list[LossRow]:
+        """See `planners.base.Planner`. Raises UnusableInput where fewer tracks move than there are components."""
+        (told, known), (held_told, held) = self._encoded(train), self._encoded(validation)
+        kept, settings, device = self._kept(), self.settings, loop.device()
+        if len(told) < max(kept.values()):
+            raise UnusableInput(f"only {len(told)} logged tracks move: too few to learn from", reason="no-examples")
+        self.basis = {}
+        for group, count in kept.items():
+            self.basis |= principal(known[group], count, group)
+        torch.manual_seed(seeds.derive(seed, "network"))
+        net = self._new_net().to(device)
+        objective = FlowObjective(
+            torch.from_numpy(told).to(device), whitened(known, self.basis).to(device),
+            importance(tuple(kept), self.basis).to(device), settings.draws,
+            (torch.from_numpy(held_told).to(device), whitened(held, self.basis).to(device)), seeds.derive(seed, "validation"),
+        )  # fmt: skip
+        path = None if checkpoints is None else checkpoints / f"{self.name}.safetensors"
+        report(f"{len(told)} of {len(train)} logged tracks move and keep {self.keeps}")
+        drawn = drawn_tracks(validation, WATCHED, None, seed)
+
+        def watched(net: FlowNet) -> float:
+            self.net = net
+            return probe(self.sample, validation, drawn, seed)
+
+        averaged, curve = loop.train(net, objective, settings.training, seed, path, report, probe=watched)
+        self.net = averaged.cpu().eval()
+        return curve
+
+    def sample(self, scenarios: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
+        """See `planners.base.Planner`. Raises UnusableInput if it was never trained."""
+        if not self.basis:
+            raise UnusableInput(f"planner {self.name} has not been trained", reason="untrained")
+        horizon = np.array([s.steps for s in scenarios])[requests.scenario]
+        motion = self._planned(scenarios, requests, int(horizon.max(initial=1)))
+        motion.valid[:] = np.arange(motion.steps) < horizon[:, None]
+        return motion
+
+    def save(self, folder: Path) -> None:
+        """See `planners.base.Planner`."""
+        tensors = {f"net/{k}": v.cpu().numpy() for k, v in self.net.state_dict().items()}
+        tensors |= {f"basis/{k}": v for k, v in self.basis.items()}
+        write_weights(folder, "planner", self.name, asdict(self.settings), tensors)
+
+    @classmethod
+    def load(cls, folder: Path) -> Self:
+        """See `planners.base.Planner`."""
+        values, tensors = read_weights(folder, "planner", cls.name)
+        planner = cls(build(cls.Settings, values, f"{folder}"))
+        planner.basis = {k.removeprefix("basis/"): v for k, v in tensors.items() if k.startswith("basis/")}
+        fill(planner.net, {k.removeprefix("net/"): v for k, v in tensors.items() if k.startswith("net/")}, folder)
+        planner.net.eval()
+        return planner
+
+    def _latents(self, told: NDArray[np.float32], requests: PlanRequests) -> NDArray[np.float32]:
+        """Latents (B, Z) of requests from what the network is told of them (B, F)."""
+        return draw(self.net, told, normals(requests.seed, self._size), self.settings.euler_steps)
+
+    @property
+    def _size(self) -> int:
+        """Z: latents of all groups together, an even number."""
+        return sum(self._kept().values())
+
+    @abstractmethod
+    def _kept(self) -> dict[str, int]:
+        """Principal components that are kept, by group."""
+
+    @abstractmethod
+    def _new_net(self) -> FlowNet:
+        """The network before training."""
+
+    @abstractmethod
+    def _encoded(self, examples: Examples) -> tuple[NDArray[np.float32], Coefficients]:
+        """Features (E, F) and coefficients of the tracks that can be learnt from."""
+
+    @abstractmethod
+    def _planned(self, scenarios: Sequence[Scenario], requests: PlanRequests, steps: int, /) -> Trajectories:
+        """Motion (B, steps) of the requests."""

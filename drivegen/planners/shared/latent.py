@@ -1,0 +1,71 @@
+"""The latent space of a flow: whitened principal components of groups of spline coefficients, and drawing from it."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from drivegen.planners.shared.flow import FlowNet
+from drivegen.training import loop
+
+CHUNK = {"cpu": 256, "cuda": 8192}
+"""Requests that go through the network at once, always: sums differ between batch sizes."""
+
+Basis = dict[str, NDArray[np.float64]]
+"""`<group>_mean` (C,), `<group>_components` (K, C) and `<group>_scale` (K,) of every group, in the groups' order."""
+
+
+def principal(coefficients: NDArray[np.float64], count: int, name: str) -> Basis:
+    """Mean, the first `count` principal components of coefficients (E, C), and their standard deviations."""
+    mean = coefficients.mean(axis=0)
+    value, vector = np.linalg.eigh(np.cov(coefficients.T))
+    components = vector[:, ::-1][:, :count].T
+    components = components * np.sign(components[np.arange(count), np.abs(components).argmax(axis=1)])[:, None]
+    scale = np.sqrt(np.maximum(value[::-1][:count], 1e-10))
+    return {f"{name}_mean": mean, f"{name}_components": np.ascontiguousarray(components), f"{name}_scale": scale}
+
+
+def whitened(coefficients: Mapping[str, NDArray[np.float64]], basis: Basis) -> Tensor:
+    """Latents (E, Z) of the groups' coefficients (E, C), side by side."""
+    parts = [(c - basis[f"{n}_mean"]) @ basis[f"{n}_components"].T / basis[f"{n}_scale"] for n, c in coefficients.items()]
+    return torch.from_numpy(np.concatenate(parts, axis=1).astype(np.float32))
+
+
+def importance(names: tuple[str, ...], basis: Basis) -> Tensor:
+    """Weight (Z,) of each latent in the loss: the root of its scale, so that what moves a vehicle most counts most."""
+    parts = [np.sqrt(basis[f"{name}_scale"] / basis[f"{name}_scale"].max()) for name in names]
+    weight = np.concatenate(parts)
+    return torch.from_numpy(np.asarray(weight / weight.mean(), np.float32))
+
+
+def expanded(latents: NDArray[np.float32], basis: Basis, name: str, table: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Curves (B, U) of a group's latents (B, K) through `table` (U, C); summed one by one: no row depends on another."""
+    components = (basis[f"{name}_scale"][:, None] * basis[f"{name}_components"] @ table.T).astype(np.float32)
+    curves = np.tile((table @ basis[f"{name}_mean"]).astype(np.float32), (len(latents), 1))
+    for k, component in enumerate(components):
+        curves += latents[:, k, None] * component
+    return curves
+
+
+def draw(net: FlowNet, told: NDArray[np.float32], noise: NDArray[np.float32], steps: int) -> NDArray[np.float32]:
+    """Latents (B, Z) from features (B, F) and noise (B, Z), on this process's device, in chunks of one size.
+
+    The last chunk is filled up with zeros. Bytes agree between batches on one device, not between devices.
+    """
+    torch.set_num_threads(1)
+    device = loop.device()
+    net = net.to(device)
+    out = np.empty_like(noise)
+    chunk = CHUNK[device.type]
+    padded = [torch.zeros(chunk, a.shape[1]) for a in (told, noise)]
+    with torch.inference_mode():
+        for low in range(0, len(noise), chunk):
+            count = min(chunk, len(noise) - low)
+            for buffer, array in zip(padded, (told, noise), strict=True):
+                buffer[:count] = torch.from_numpy(array[low : low + count])
+                buffer[count:] = 0
+            found = net.sample(padded[0].to(device), padded[1].to(device), steps)
+            out[low : low + count] = found[:count].cpu().numpy()
+    return out

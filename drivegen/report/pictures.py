@@ -1,0 +1,67 @@
+"""Pictures of the report: scenes large, the same scenes by every method side by side, generated maps."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import orjson
+
+from drivegen.core.methods import NO_TRAFFIC, Method
+from drivegen.core.rejections import Rejected
+from drivegen.core.samples import Samples
+from drivegen.render.contact_sheet import contact_sheet
+from drivegen.render.png import png, shrunk
+from drivegen.render.scene_picture import scene_picture, view_of
+from drivegen.report.evidence import Picture
+from drivegen.store.draw import Drawn, followed_goals
+
+SCENE_WIDTH, PANEL_WIDTH, MAP_WIDTH = 700, 330, 640
+"""Widths of pictures in the page [pixels]; a panel is one method of several on one scene."""
+
+PANELS = 3
+"""Methods in a row."""
+
+
+def picture_scene(drawn: Drawn, rejected: Rejected | None) -> Picture:
+    """A scene with all its samples, and what was turned down on the way to them; None where nothing was kept of that."""
+    scenario, samples = drawn.scenario, drawn.samples
+    image = scene_picture(scenario, samples.motion, ~samples.legal, pixels=SCENE_WIDTH, rejected=rejected)
+    counts = f"{len(scenario.vehicles)} vehicles, {len(samples.violation)} samples"
+    return Picture(_title(drawn), counts if rejected is None else f"{counts}; {rejected.summary}", png(image))
+
+
+def compare_methods(
+    drawn: Drawn, samples: Mapping[str, Samples], about: Mapping[str, Method], rejected: Mapping[str, Rejected], goals: Path
+) -> Picture:
+    """One scene by every generator that makes traffic to see, in the window that the log (or the first method) needs.
+
+    `samples` and `rejected` of this scene by method; `about` is every generator in the tables' order; `goals` the folder of what
+    selectors recorded. Raises UnusableInput where that lacks the scene.
+    """
+    scenario = drawn.scenario
+    moving = scenario.log if scenario.log is not None else drawn.samples.motion
+    view = view_of(moving, PANEL_WIDTH)
+    panels = []
+    visible = {name: method for name, method in about.items() if name in samples and method.kind != NO_TRAFFIC}
+    for name, method in visible.items():
+        mine = samples[name]
+        places = followed_goals(mine, method.goals, goals, drawn.shard)
+        image = scene_picture(scenario, mine.motion, ~mine.legal, places, view=view, rejected=rejected.get(name))
+        panels.append((method.title, image))
+    counts = [f"{method.title}: {rejected[name].summary}" for name, method in visible.items() if name in rejected]
+    caption = ". ".join([f"{len(scenario.vehicles)} vehicles", *counts])
+    return Picture(_title(drawn), caption, png(contact_sheet(panels, PANELS)))
+
+
+def read_map_pictures(folder: Path, most: int) -> tuple[Picture, ...]:
+    """The first `most` pictures <map>/map.png below `folder` by name, each with the words (map.json) that its map is from."""
+    return tuple(_map(file) for file in sorted(folder.glob("*/map.png"))[:most])
+
+
+def _map(file: Path) -> Picture:
+    about = file.with_suffix(".json")
+    words = orjson.loads(about.read_bytes()) if about.exists() else {}
+    return Picture(file.parent.name.replace("_", " "), str(words.get("text", "")), shrunk(file.read_bytes(), MAP_WIDTH))
+
+
+def _title(drawn: Drawn) -> str:
+    return f"{drawn.scenario.scenario_id} ({drawn.scenario.city})"

@@ -1,0 +1,29 @@
+"""The folder of published tables: every figure, every table with its picture, what they were made from, a table of contents."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from drivegen.report.published_index import index
+from drivegen.report.table import Table
+from drivegen.store.files import whole, write_json
+
+
+def write_published(
+    out: Path,
+    rows: Sequence[Mapping[str, Any]],
+    tables: Sequence[Table],
+    titles: Mapping[str, str],
+    provenance: Mapping[str, Any],
+) -> None:
+    """Write scenario_quality.json (`rows`), provenance.json, a Markdown file a table, its picture as SVG, and README.md.
+
+    `titles` are of the data sets in words, by name, in the order of the table of contents.
+    """
+    write_json(out / "scenario_quality.json", list(rows))
+    write_json(out / "provenance.json", dict(provenance))
+    contents = {f"{table.name}.md": table.markdown().encode() for table in tables}
+    contents |= {f"{table.name}.svg": table.picture for table in tables if table.picture}
+    for name, content in {**contents, "README.md": index(tables, titles, provenance).encode()}.items():
+        with whole(out / name) as temporary:
+            temporary.write_bytes(content)

@@ -1,0 +1,109 @@
+"""The runs behind the published tables, read back: what every method scored, who chose goals how well, what was trained."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.methods import Method
+from drivegen.report.published import OURS, DataSet, Results, set_numbers, split, tracks
+from drivegen.report.published_costs import Took
+from drivegen.report.published_training import Trained
+from drivegen.store.scenarios import read_shard, shards
+from drivegen.warehouse.runs import COSTS, METRICS, read_costs, read_models, read_scores
+
+SCENARIOS = Path("data/scenarios/test")
+"""Where a run keeps the scenarios that it is measured on."""
+
+
+def read_data_set(
+    folder: Path, title: str, seeds: Sequence[int], about: Mapping[str, Method], *, by_scene: bool
+) -> DataSet | None:
+    """All seeds of the data set that `folder` is named after, a run each; None where none was evaluated.
+
+    `about` is every generator in the tables' order. Raises UnusableInput for results of one that is not among them.
+    """
+    evaluated = tuple(seed for seed in seeds if (folder / str(seed) / METRICS / "quality").is_dir())
+    if not evaluated:
+        return None
+    places = [folder / str(seed) / METRICS for seed in evaluated]
+    methods = _methods(folder, places, about)
+    results, left_out = split({method: read_results(places, method, _chosen_by(method)) for method in methods})
+    scenes = folder / str(evaluated[0]) / SCENARIOS
+    logs = (scene for shard in (shards(scenes) if scenes.is_dir() else ()) for scene in read_shard(shard))
+    counted = tracks(logs, results)
+    return DataSet(folder.name, title, _trained_on(places[0]), evaluated, about, results, by_scene, counted, left_out)
+
+
+def _methods(folder: Path, places: Sequence[Path], about: Mapping[str, Method]) -> list[str]:
+    """The methods that any seed has results of."""
+    methods = sorted({file.stem for place in places for file in (place / "quality").glob("*.parquet")})
+    if strangers := [method for method in methods if method not in about]:
+        file = f"drivegen/generators/{strangers[0]}.py"
+        raise UnusableInput(f"{folder} has results of {strangers[0]!r}, which is no generator: write {file}, or remove the run")
+    return methods
+
+
+def _trained_on(metrics: Path) -> str:
+    """What a run's models were trained on, in words."""
+    ingest = read_json(metrics / "ingest.json")
+    return f"Models were trained on: {ingest['trained_on']}." + (f" {ingest['note']}." if ingest["note"] else "")
+
+
+def _chosen_by(method: str) -> str:
+    """Who chose goals, as the method's plugin or its selector says."""
+    plugin = plugins.load("generators", method)
+    return str(plugin.backend if plugin.about.goals is None else plugins.load("selectors", plugin.about.goals).described)
+
+
+def read_temperatures(folder: Path, temperatures: Iterable[float]) -> dict[float, Results]:
+    """DriveGen's averaged results in the runs `t<temperature>` of a data set's folder, of those that were evaluated."""
+    places = {temperature: folder / f"t{temperature}" / METRICS for temperature in temperatures}
+    return {
+        temperature: read_results([place], OURS, _chosen_by(OURS)).averaged
+        for temperature, place in places.items()
+        if (place / "quality" / f"{OURS}.parquet").exists()
+    }
+
+
+def read_goal_metrics(folder: Path, seeds: Sequence[int]) -> dict[str, list[Any]]:
+    """What the stage goals measured of each selector, one a seed."""
+    files = sorted(file for seed in seeds for file in (folder / str(seed) / METRICS / "goals").glob("*.json"))
+    names = dict.fromkeys(file.stem for file in files)
+    return {name: [read_json(file) for file in files if file.stem == name] for name in names}
+
+
+def read_results(places: Sequence[Path], method: str, chosen_by: str) -> Results:
+    """One method over its seeds, a folder of results each; scenes in the first seed's order."""
+    scenarios, values = read_scores([place / "quality" / f"{method}.parquet" for place in places])
+    details = [set_numbers(read_json(place / "quality_details" / f"{method}.json")) for place in places]
+    sets = {key: [numbers[key] for numbers in details if key in numbers] for key in details[0]}
+    return Results(scenarios, values, sets, chosen_by)
+
+
+def read_trained(runs: Path, data_sets: Iterable[DataSet]) -> list[Trained]:
+    """Every model that was trained, once: runs of other data take it over, and only the run that trained it has its times."""
+    models: dict[tuple[str, str, int], Trained] = {}
+    for data in data_sets:
+        for seed in data.seeds:
+            place = runs / data.name / str(seed)
+            trained_on = read_json(place / METRICS / "ingest.json")["trained_on"]
+            lists = read_costs(place / COSTS).get("goal_lists/goal_lists", {}).get("cpu_seconds")
+            for model in read_models(place):
+                key = (trained_on, model.name, seed)
+                if key not in models or (model.took and not models[key].model.took):
+                    models[key] = Trained(trained_on, seed, model, lists)
+    return list(models.values())
+
+
+def read_took(runs: Path, data: DataSet) -> list[Took]:
+    """What the stages of each seed of a data set took."""
+    return [read_costs(runs / data.name / str(seed) / COSTS) for seed in data.seeds]
+
+
+def read_json(path: Path) -> Any:
+    """The contents of a JSON file."""
+    return orjson.loads(path.read_bytes())

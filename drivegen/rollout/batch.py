@@ -1,0 +1,197 @@
+"""Scenario rollout: goals drawn, motion planned, legality checked, the illegal planned again (paper, section III-C).
+
+All vehicles of all samples of all scenarios are planned in one batch; then each sample's vehicles are committed in
+asset order, each against those committed before it, and what was illegal is planned again in the next round (`rollout`).
+The paper does the same one vehicle at a time; the batch turns sixteen times ten planner calls per scenario into a few for
+thousands of scenarios.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.checker.limits import Limits
+from drivegen.core import seeds
+from drivegen.core.errors import UnusableInput
+from drivegen.core.rejections import Rejections
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.goals.candidates import Candidates, candidates
+from drivegen.goals.candidates import Settings as CandidateSettings
+from drivegen.goals.manoeuvres import Manoeuvre
+from drivegen.goals.packing import unpack
+from drivegen.planners.base import Planner, PlanRequests
+from drivegen.planners.shared.requests import Goals, plan_requests
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.leaving import Exits
+from drivegen.roads.line import Route
+from drivegen.rollout.scene import Choices, Probabilities, Rollout, RolloutSettings
+from drivegen.selectors.base import Selector
+from drivegen.store.goals import GoalColumns
+
+
+def choose(scenarios: Sequence[Scenario], selector: Selector, settings: CandidateSettings, temperature: float) -> list[Choices]:
+    """Candidates and probabilities of all vehicles of all scenarios; goals are drawn from the tempered ones."""
+    choices = []
+    for scenario in scenarios:
+        graph = LaneGraph.of(scenario.map)
+        found = [candidates(graph, scenario, n, settings) for n in range(len(scenario.vehicles))]
+        offered = selector.offer(graph, scenario, found)
+        natural = selector.rank(graph, scenario, offered)
+        choices.append(Choices(scenario, offered, natural, tempered(natural, offered, temperature)))
+    return choices
+
+
+def recorded_choices(scenarios: Sequence[Scenario], goals: Sequence[GoalColumns], temperature: float) -> list[Choices]:
+    """As `choose`, from what the goals stage recorded for the same scenarios.
+
+    Raises UnusableInput where they are not the same.
+    """
+    if [s.scenario_id for s in scenarios] != [g.scenario_id for g in goals]:
+        raise UnusableInput("the recorded goals belong to other scenarios: run the goals stage again")
+    choices = []
+    for scenario, columns in zip(scenarios, goals, strict=True):
+        offered, natural = unpack(LaneGraph.of(scenario.map), columns)
+        choices.append(Choices(scenario, offered, natural, tempered(natural, offered, temperature)))
+    return choices
+
+
+def tempered(probabilities: Probabilities, candidates: Sequence[Candidates], temperature: float) -> Probabilities:
+    """`p ** (1 / temperature)`, normalised, of each manoeuvre as a whole and of the candidates within each manoeuvre.
+
+    Below 1 the likely goals gain, above 1 the unlikely ones. Candidate by candidate alone, whoever may stay where it is would
+    nearly always do so: staying is one candidate, driving on is spread over many.
+    """
+    both = zip(probabilities, candidates, strict=True)
+    return [_tempered(p.astype(np.float64), c.manoeuvre, 1.0 / temperature) for p, c in both]
+
+
+def _tempered(p: NDArray[np.float64], manoeuvre: NDArray[np.uint8], power: float) -> NDArray[np.float32]:
+    """One vehicle's (C,)."""
+    mass, within = (np.bincount(manoeuvre, weights, len(Manoeuvre)) for weights in (p, p**power))
+    of_manoeuvre = mass**power / np.where(within > 0, within, 1.0)
+    odds = p**power * of_manoeuvre[manoeuvre]
+    return np.asarray(odds / odds.sum(), np.float32)
+
+
+def roll_out(
+    choices: Sequence[Choices],
+    planner: Planner,
+    limits: Limits,
+    settings: RolloutSettings,
+    samples: int,
+    seed: int,
+    method: str,
+    targets: Sequence[Trajectories] | None = None,
+    rejections: Mapping[str, Rejections] | None = None,
+) -> list[Samples]:
+    """K = `samples` futures of every scenario; the result for one depends on it and the seed alone.
+
+    `targets`, if given, are the targets' motions (K, T), known beforehand: only the others are planned. `rejections`, by
+    scenario, are told what is turned down in theirs.
+    """
+    known = targets if targets is not None else [None] * len(choices)
+    noted = [(rejections or {}).get(choice.scenario.scenario_id) for choice in choices]
+    rollouts = [
+        Rollout(choice, limits, settings, samples, seed, at, note) for choice, at, note in zip(choices, known, noted, strict=True)
+    ]
+    for turn in range(settings.rounds):
+        wanted = [rollout.wanted(turn) for rollout in rollouts]
+        if not any(len(w) for w in wanted):
+            break
+        for rollout, rows, motion in _plan(rollouts, wanted, planner, seed, turn):
+            rollout.commit(rows, motion)
+    return [rollout.result(method) for rollout in rollouts]
+
+
+def plan_all_goals(choices: Sequence[Choices], planner: Planner, seed: int) -> list[Trajectories]:
+    """One trajectory towards every candidate, until it leaves the map: (sum of C, T) per scenario, vehicle by vehicle."""
+    wanted = [
+        np.array([(0, n, c, 0) for n, cands in enumerate(choice.candidates) for c in range(len(cands))], np.int64).reshape(-1, 4)
+        for choice in choices
+    ]
+    requests = _requests(choices, wanted, lambda s: seeds.derive(seed, "all-goals", choices[s].scenario.scenario_id))
+    motion = planner.sample([c.scenario for c in choices], requests)
+    ends = np.cumsum([0, *map(len, wanted)])
+    return [
+        _on_the_map(choice, rows[:, 1], motion[a:b])
+        for choice, rows, a, b in zip(choices, wanted, ends[:-1], ends[1:], strict=True)
+    ]
+
+
+def _on_the_map(choice: Choices, vehicle: NDArray[np.int64], motion: Trajectories) -> Trajectories:
+    """Planned motion (B, T) of the vehicles (B,), gone where it leaves the map."""
+    scenario = choice.scenario
+    return Exits.of(scenario.map).leave(motion.until(scenario.steps), scenario.vehicles.size[vehicle, 0])
+
+
+def _plan(
+    rollouts: list[Rollout], wanted: list[NDArray[np.int64]], planner: Planner, seed: int, turn: int
+) -> list[tuple[Rollout, NDArray[np.int64], Trajectories]]:
+    """Plan what all scenarios want in one call and hand each its own part."""
+    choices = [r.choice for r in rollouts]
+    requests = _requests(choices, wanted, lambda s: seeds.derive(seed, "plan", choices[s].scenario.scenario_id, turn))
+    motion = planner.sample([c.scenario for c in choices], requests)
+    ends = np.cumsum([0, *map(len, wanted)])
+    return [
+        (rollout, rows, motion[a:b].until(rollout.choice.scenario.steps))
+        for rollout, rows, a, b in zip(rollouts, wanted, ends[:-1], ends[1:], strict=True)
+        if len(rows)
+    ]
+
+
+def _requests(choices: Sequence[Choices], wanted: list[NDArray[np.int64]], base_seed: Callable[[int], int]) -> PlanRequests:
+    """Plan requests for rows (sample, vehicle, candidate, attempt) of every scenario.
+
+    The seed of a request mixes the scenario's with the row, so it does not depend on what else is wanted.
+    """
+    routes: list[Route] = []
+    columns: list[tuple[NDArray[np.generic], ...]] = []
+    noise: list[NDArray[np.int64]] = []
+    for s, (choice, rows) in enumerate(zip(choices, wanted, strict=True)):
+        table = _GoalTable.of(choice.candidates, len(routes))
+        routes.extend(route for cands in choice.candidates for route in cands.routes)
+        pick = table.start[rows[:, 1]] + rows[:, 2]
+        columns.append((np.full(len(rows), s), rows[:, 1], *(column[pick] for column in table.columns)))
+        noise.append(_mixed(base_seed(s), rows))
+    goals = Goals(*map(np.concatenate, zip(*columns, strict=True)))
+    used, route = _in_use(goals.route)
+    scenarios = [choice.scenario for choice in choices]
+    return plan_requests(scenarios, [routes[r] for r in used], replace(goals, route=route), np.concatenate(noise))
+
+
+def _in_use(route: NDArray[np.integer]) -> tuple[list[int], NDArray[np.int64]]:
+    """The routes that are asked for, and `route` (B,) in numbers of these: most candidates' routes are followed by nobody."""
+    used = np.unique(route[route >= 0])
+    return used.tolist(), np.where(route >= 0, np.searchsorted(used, route), -1)
+
+
+@dataclass(frozen=True)
+class _GoalTable:
+    """All candidates of a scenario one below the other; vehicle n's begin at `start[n]`."""
+
+    start: NDArray[np.int64]
+    columns: tuple[NDArray[np.generic], ...]
+
+    @classmethod
+    def of(cls, candidates: list[Candidates], first_route: int) -> "_GoalTable":
+        """Route numbers count on from `first_route`; -1 stays where a candidate has none."""
+        start = np.cumsum([0, *map(len, candidates)])
+        route_start = first_route + np.cumsum([0, *(len(c.routes) for c in candidates)])[:-1]
+        route = [np.where(c.route < 0, -1, c.route + first) for c, first in zip(candidates, route_start, strict=True)]
+        names = ("position", "heading", "speed", "step", "s", "d")
+        position, heading, speed, step, s, d = (np.concatenate([getattr(c, name) for c in candidates]) for name in names)
+        return cls(start, (position, heading, speed, step, np.concatenate(route), s, d))
+
+
+def _mixed(seed: int, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """A 63-bit number per row: SplitMix64's finaliser over the seed and the row's digits."""
+    with np.errstate(over="ignore"):
+        digits = rows.astype(np.uint64) @ np.array([1 << 40, 1 << 24, 1 << 8, 1], np.uint64)
+        z = np.uint64(seed) + digits * np.uint64(0x9E3779B97F4A7C15)
+        z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        z = z ^ (z >> np.uint64(31))
+    return (z >> np.uint64(1)).astype(np.int64)

@@ -1,0 +1,276 @@
+"""One scenario on its way through the rollout: goals drawn together, motion committed, what is illegal asked for again.
+
+The first goals of a sample are drawn for all vehicles together (`goals.joint`), so that a follower does not end beyond its
+leader. Vehicles are committed in asset order, each against those before it; who is illegal is planned again in the next
+round, towards the goals that its own odds and the outlook on what is committed leave, in whatever tempo. Asset order alone
+leaves dead ends: whoever is committed first may run over the place of a vehicle that is planned later and can't get out of
+its way. Such a vehicle takes its best trajectory that is legal but for collisions, and those that it collides with are
+planned again, a bounded number of times.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.checker.limits import Limits
+from drivegen.checker.scene import SceneChecker, Severities
+from drivegen.core.geometry import to_vehicle_frame, wrap_angle
+from drivegen.core.rejections import Rejections
+from drivegen.core.samples import NO_GOAL, Samples, Violation
+from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.core.settings import Index, Within
+from drivegen.goals.candidates import Candidates
+from drivegen.goals.joint import PENALTY, draw_together, gumbel, in_tempo, tempos
+from drivegen.goals.outlook import Outlooks
+from drivegen.roads.leaving import Exits
+
+Probabilities = list[NDArray[np.float32]]
+"""One array (C,) per vehicle of a scenario, over its candidates."""
+
+FAILED = 3.0
+"""Each failed trajectory makes its goal exp(3), 20 times, less likely to be tried again."""
+
+MOST = 16
+"""Rounds, and attempts in each, at most: an attempt's number has eight bits of its request's seed (`generate`)."""
+
+ALIKE = np.pi / 3
+"""Headings that differ by less [rad] are one direction of travel."""
+
+
+@dataclass(frozen=True)
+class RolloutSettings:
+    """How often the illegal is planned again, and what becomes of what stays illegal.
+
+    Attributes:
+        attempts: trajectories planned for a pending vehicle in each round after the first.
+        rounds: number of rounds, the first included.
+        evictions: how often a vehicle may be planned again because another one found no way past it.
+        drop_illegal: leave out vehicles that could not be made legal; else the least illegal trajectory stays.
+        target_steps: others avoid the target's planned motion up to this step only, None for always. In corner cases
+            its driver has to react, and this is the time that it is given. Who comes from behind avoids it always: a
+            replayed vehicle that runs into the target's rear asks nothing of its driver.
+        tempo: share of the variance of ranks that the vehicles of a sample have in common (`goals.joint`).
+    """
+
+    attempts: Annotated[int, Within(1, MOST)]
+    rounds: Annotated[int, Within(1, MOST)]
+    evictions: Index
+    drop_illegal: bool
+    target_steps: Index | None
+    tempo: Annotated[float, Within(0.0, 0.95)]
+
+
+@dataclass(frozen=True)
+class Choices:
+    """A scenario with the goals that its vehicles may take.
+
+    Attributes:
+        scenario: the scenario, N vehicles.
+        candidates: N Candidates.
+        natural: N arrays (C,), the selector's own probabilities.
+        used: N arrays (C,), those that goals are drawn with.
+    """
+
+    scenario: Scenario
+    candidates: list[Candidates]
+    natural: Probabilities
+    used: Probabilities
+
+
+class Rollout:
+    """What is committed, what is pending, and the best of what was illegal so far.
+
+    `motion` (K, N, T) holds committed vehicles only (valid False elsewhere), `spare` the least illegal trajectory of
+    each pending one. Q candidates of all vehicles stand one below the other; `start` (N + 1,) are the rows of each vehicle.
+    Where the motion of the `target` (K, T) is known, it stands from the beginning and is neither planned nor moved aside.
+    What is turned down is noted in `rejections`, if given.
+    """
+
+    def __init__(
+        self,
+        choice: Choices,
+        limits: Limits,
+        settings: RolloutSettings,
+        samples: int,
+        seed: int,
+        target: Trajectories | None = None,
+        rejections: Rejections | None = None,
+    ) -> None:
+        scenario, count = choice.scenario, len(choice.scenario.vehicles)
+        self.choice, self.settings, self.turn, self.rejections = choice, settings, 0, rejections
+        self.checker = SceneChecker(scenario, limits)
+        self.exits = Exits.of(scenario.map)
+        self.motion = Trajectories.empty(samples, count, scenario.steps)
+        self.spare = Trajectories.empty(samples, count, scenario.steps)
+        self.badness = np.full((samples, count), np.inf)
+        self.pending = np.ones((samples, count), np.bool_)
+        self.goal = np.full((samples, count), NO_GOAL, np.int32)
+        self.attempts = np.zeros((samples, count), np.int64)
+        self.evictions = np.zeros((samples, count), np.int64)
+        if target is not None:
+            _put(self.motion, (slice(None), TARGET), target)
+            self.pending[:, TARGET] = False
+            self.evictions[:, TARGET] = settings.evictions
+        self.target_steps = _steps_to_avoid_target(scenario, settings.target_steps)
+        self.outlooks = Outlooks.of(scenario, choice.candidates, self.target_steps)
+        self.start = self.outlooks.start
+        self.exclusive = self.outlooks.exclusions()
+        used = np.concatenate(choice.used)
+        noise = gumbel(seed, scenario.scenario_id, samples, len(used))
+        odds: NDArray[np.floating] = used
+        if settings.tempo > 0:  # own odds to the bit where vehicles have nothing in common
+            tempo = tempos(seed, scenario.scenario_id, samples)
+            odds = in_tempo(used, self.start, self.outlooks.distance, tempo, settings.tempo)
+        self.first = draw_together(odds, self.start, self.exclusive, noise)
+        with np.errstate(divide="ignore"):
+            self.score = np.log(used.astype(np.float64)) + noise[0]
+        self.failed = np.zeros((samples, len(used)), np.int64)
+
+    def wanted(self, turn: int) -> NDArray[np.int64]:
+        """Rows (sample, vehicle, candidate, attempt) that are to be planned in round `turn`."""
+        self.turn = turn
+        pending = np.argwhere(self.pending)
+        if turn == 0:
+            return np.column_stack([pending, self.first[self.pending], np.zeros(len(pending), np.int64)])
+        rows: list[tuple[int, int, int, int]] = []
+        for k, n in pending.tolist():
+            rows.extend((k, n, c, turn * MOST + a) for a, c in enumerate(self._next_goals(k, n)))
+        return np.array(rows, np.int64).reshape(-1, 4)
+
+    def _next_goals(self, k: int, n: int) -> list[int]:
+        """The goals to try next for vehicle n of sample k, the likeliest first; a goal may be tried more than once."""
+        own = slice(self.start[n], self.start[n + 1])
+        met = self.outlooks.meetings(n, self._others(k, n), self.checker.size)
+        score = self.score[k, own] - PENALTY * met - FAILED * self.failed[k, own]
+        chosen = []
+        for _ in range(self.settings.attempts):
+            best = int(np.argmax(score))
+            chosen.append(best)
+            score[best] -= FAILED
+        return chosen
+
+    def _others(self, k: int, n: int) -> Trajectories:
+        """What is committed in sample k and vehicle n has to avoid."""
+        others = self.motion[k]
+        if self.target_steps[n] == others.steps:
+            return others
+        valid = others.valid.copy()
+        valid[TARGET, self.target_steps[n] :] = False
+        return Trajectories(others.position, others.heading, others.velocity, valid)
+
+    def commit(self, rows: NDArray[np.int64], motion: Trajectories) -> None:
+        """Walk each sample's pending vehicles in asset order; commit the first legal trajectory of each.
+
+        Trajectories end where they leave the map, before they are judged.
+        """
+        motion = self.exits.leave(motion, self.checker.size[rows[:, 1], 0])
+        alone = self.checker.alone(rows[:, 1], motion)
+        starts = np.flatnonzero(np.any(np.diff(rows[:, :2], axis=0, prepend=-1) != 0, axis=1))
+        for a, b in zip(starts, [*starts[1:], len(rows)], strict=True):
+            k, n = int(rows[a, 0]), int(rows[a, 1])
+            found = self.checker.among_committed(n, motion[a:b], self._others(k, n), self.checker.size, alone[a:b])
+            self._judge(k, n, rows[a:b, 2], motion[a:b], found)
+
+    def _judge(self, k: int, n: int, candidate: NDArray[np.int64], motion: Trajectories, found: Severities) -> None:
+        """Commit the first legal trajectory of vehicle n in sample k, or make way for one, or keep the least illegal."""
+        violation = found.violation
+        taken, tried = self._taken(k, n, candidate, motion, violation)
+        self.attempts[k, n] += tried
+        if self.rejections is not None:
+            for i in range(tried):
+                if i != taken:
+                    self.rejections.add(k, n, int(violation[i]), motion.position[i])
+        if taken is not None:
+            self._settle(k, n, int(candidate[taken]), motion[taken])
+            return
+        badness = _badness(violation, found.first_step, motion.steps)
+        chosen = int(badness.argmin())
+        if badness[chosen] < self.badness[k, n]:
+            self.badness[k, n], self.goal[k, n] = badness[chosen], candidate[chosen]
+            _put(self.spare, (k, n), motion[chosen])
+
+    def _taken(
+        self, k: int, n: int, candidate: NDArray[np.int64], motion: Trajectories, violation: NDArray[np.uint16]
+    ) -> tuple[int | None, int]:
+        """Which trajectory to commit, None if no way was made for any, and how many were tried until it was found."""
+        legal = np.flatnonzero(violation == 0)
+        if len(legal):
+            return int(legal[0]), int(legal[0]) + 1
+        np.add.at(self.failed[k], self.start[n] + candidate, 1)
+        blocked = np.flatnonzero(violation == Violation.COLLISION)
+        if len(blocked) and self._evict(k, n, motion[int(blocked[0])]):
+            return int(blocked[0]), len(violation)
+        return None, len(violation)
+
+    def _settle(self, k: int, n: int, candidate: int, motion: Trajectories) -> None:
+        self.pending[k, n], self.goal[k, n] = False, candidate
+        _put(self.motion, (k, n), motion)
+
+    def _evict(self, k: int, n: int, motion: Trajectories) -> bool:
+        """Make way for a trajectory that only collides: whether all in its way could be sent to the next round."""
+        if self.turn + 1 == self.settings.rounds:
+            return False
+        others = np.flatnonzero(self.checker.partners(n, motion, self._others(k, n)))
+        if (self.evictions[k, others] >= self.settings.evictions).any() or len(others) == 0:
+            return False
+        self.evictions[k, others] += 1
+        self.pending[k, others] = True
+        for other in others.tolist():
+            if self.rejections is not None:
+                self.rejections.add(k, other, Violation.COLLISION, self.motion.position[k, other], made_way=True)
+            _put(self.spare, (k, other), self.motion[k, other])
+            self.badness[k, other] = 1.0  # it was legal: nothing illegal is as good
+        self.motion.valid[k, others] = False
+        return True
+
+    def result(self, method: str) -> Samples:
+        """The samples as they stand: pending vehicles keep their least illegal trajectory or are dropped.
+
+        Everything is judged once more together, so that a collision is charged to both partners.
+        """
+        left = self.pending
+        if not self.settings.drop_illegal:
+            for k, n in np.argwhere(left):
+                _put(self.motion, (k, n), self.spare[k, n])
+        violation, first = self.checker.check_samples(self.motion, self.settings.target_steps is not None)
+        natural, used = (self._probability(p) for p in (self.choice.natural, self.choice.used))
+        return Samples(
+            scenario_id=self.choice.scenario.scenario_id,
+            method=method,
+            motion=self.motion,
+            violation=violation,
+            first_violation=first,
+            goal=self.goal,
+            natural=natural,
+            used=used,
+            attempts=np.minimum(self.attempts, 255).astype(np.uint8),
+            dropped=left if self.settings.drop_illegal else np.zeros_like(left),
+            left_map=self.motion.valid[..., 0] & ~self.motion.valid[..., -1],
+        )
+
+    def _probability(self, probabilities: Probabilities) -> NDArray[np.float32]:
+        columns = [p[self.goal[:, n]] for n, p in enumerate(probabilities)]
+        return np.stack(columns, axis=1).astype(np.float32)
+
+
+def _steps_to_avoid_target(scenario: Scenario, limit: int | None) -> NDArray[np.int64]:
+    """(N,) steps for which each vehicle avoids the target: all of them if it heads the same way from behind it."""
+    vehicles = scenario.vehicles
+    if limit is None:
+        return np.full(len(vehicles), scenario.steps)
+    ahead = to_vehicle_frame(vehicles.position, vehicles.position[TARGET], vehicles.heading[TARGET])[:, 0]
+    alike = np.abs(wrap_angle(vehicles.heading - vehicles.heading[TARGET])) < ALIKE
+    return np.where((ahead <= 0) & alike, scenario.steps, limit)
+
+
+def _badness(violation: NDArray[np.uint16], first: NDArray[np.int16], steps: int) -> NDArray[np.float64]:
+    """Fewer broken rules are better; among equals, the later the first one breaks the better."""
+    rules = np.array([int(v).bit_count() for v in violation], np.float64)
+    return rules + 1.0 - first / steps
+
+
+def _put(into: Trajectories, index: tuple[int | slice, int], motion: Trajectories) -> None:
+    into.position[index], into.heading[index] = motion.position, motion.heading
+    into.velocity[index], into.valid[index] = motion.velocity, motion.valid

@@ -1,0 +1,152 @@
+"""Everything that is replayed, packed for S scenarios at once, in the world and in the frame of the targets' paths.
+
+Replayed motion is known beforehand, so it is projected on the paths once, by a compiled loop, and a step of the simulation
+is a few operations on slices.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.drivers.base import PATH_SPACING
+from drivegen.simulators.base import TargetPaths
+
+COARSE = 8
+"""The nearest point of a path is searched among every eighth point first ..."""
+
+REFRESH = 10
+"""... and that whole search is repeated every tenth step; in between the search goes on from the last point."""
+
+
+@dataclass(frozen=True)
+class Replay:
+    """M others of S scenarios over T steps; other m is vehicle m + 1, or, beyond the vehicles, a context actor.
+
+    Attributes:
+        steps: (S,) int64 steps of each scenario.
+        size: (S, M, 2) float32 [m]. position: (S, M, T, 2) [m]. heading: (S, M, T) [rad]. valid: (S, M, T) bool.
+        frame: (6, T, S, M) float32 along, left, half length, half width, speed along, speed across: see `Observation`.
+        target_size: (S, 2) float32 [m]. target_position: (S, 2), target_heading: (S,), target_speed: (S,) at step 0.
+    """
+
+    steps: NDArray[np.int64]
+    size: NDArray[np.float32]
+    position: NDArray[np.float32]
+    heading: NDArray[np.float32]
+    valid: NDArray[np.bool_]
+    frame: NDArray[np.float32]
+    target_size: NDArray[np.float32]
+    target_position: NDArray[np.float32]
+    target_heading: NDArray[np.float32]
+    target_speed: NDArray[np.float32]
+
+
+def replay(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths: TargetPaths, rows: int) -> Replay:
+    """Pack up to `rows` scenarios; missing ones are empty, so that a batch always has the same shape."""
+    steps = np.zeros(rows, np.int64)
+    steps[: len(traffic)] = [motion.steps for motion in traffic]
+    count = max(len(s.vehicles) - 1 + len(s.context) for s in scenarios)
+    shape = (rows, -(-max(count, 1) // 8) * 8, int(steps.max()))
+    packed = Replay(
+        steps,
+        np.ones((*shape[:2], 2), np.float32),
+        np.zeros((*shape, 2), np.float32),
+        np.zeros(shape, np.float32),
+        np.zeros(shape, np.bool_),
+        np.zeros((6, shape[2], *shape[:2]), np.float32),
+        np.ones((rows, 2), np.float32),
+        np.zeros((rows, 2), np.float32),
+        np.zeros(rows, np.float32),
+        np.zeros(rows, np.float32),
+    )
+    velocity = np.zeros((*shape[1:], 2), np.float32)
+    for s, (scenario, motion) in enumerate(zip(scenarios, traffic, strict=True)):
+        if not motion.valid[TARGET, 0]:
+            raise UnusableInput(f"scenario {scenario.scenario_id}: the target is not there at step 0", reason="no-target")
+        packed.target_size[s] = scenario.vehicles.size[TARGET, :2]
+        packed.target_position[s], packed.target_heading[s] = motion.position[TARGET, 0], motion.heading[TARGET, 0]
+        packed.target_speed[s] = motion.speed[TARGET, 0]
+        _pack(packed, velocity, s, scenario, motion)
+        points = paths.point[s, : int(paths.length[s] / PATH_SPACING) + 1]
+        frame = packed.frame[:, :, s]
+        _project(points, packed.position[s], packed.heading[s], velocity, packed.valid[s], packed.size[s], frame)
+    return packed
+
+
+def _pack(packed: Replay, velocity: NDArray[np.float32], s: int, scenario: Scenario, motion: Trajectories) -> None:
+    people = scenario.context
+    social, steps = len(scenario.vehicles) - 1, motion.steps
+    for rows, moves, size in (
+        (slice(0, social), motion[1:], scenario.vehicles.size[1:]),
+        (slice(social, social + len(people)), people.motion.until(steps), people.size),
+    ):
+        lasts = moves.steps
+        packed.size[s, rows] = size[:, :2]
+        packed.position[s, rows, :lasts] = moves.position
+        packed.heading[s, rows, :lasts] = moves.heading
+        packed.valid[s, rows, :lasts] = moves.valid
+        velocity[rows, :lasts] = moves.velocity
+
+
+@njit(cache=True, error_model="numpy")
+def _gap(points, i, x, y):  # type: ignore[no-untyped-def]
+    return (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2
+
+
+@njit(cache=True, error_model="numpy")
+def _nearest(points, x, y, guess):  # type: ignore[no-untyped-def]
+    """Index of a path point nearest to (x, y): from `guess` downhill, or, where that is -1, after a coarse search."""
+    count = points.shape[0]
+    best = guess
+    if guess < 0:
+        best = 0
+        least = _gap(points, 0, x, y)
+        for i in range(COARSE, count, COARSE):
+            gap = _gap(points, i, x, y)
+            if gap < least:
+                best, least = i, gap
+    least = _gap(points, best, x, y)
+    for way in (1, -1):
+        while 0 <= best + way < count:
+            gap = _gap(points, best + way, x, y)
+            if gap >= least:
+                break
+            best, least = best + way, gap
+    return best
+
+
+@njit(cache=True, error_model="numpy")
+def _project(points, position, heading, velocity, valid, size, frame):  # type: ignore[no-untyped-def]
+    """Fill `frame` (6, T, M) with the M boxes (M, T) as seen from the path `points` (P, 2)."""
+    last = points.shape[0] - 2
+    for m in range(valid.shape[0]):
+        half_length, half_width = np.float32(0.5) * size[m, 0], np.float32(0.5) * size[m, 1]
+        guess = -1
+        for t in range(valid.shape[1]):
+            if not valid[m, t]:
+                guess = -1
+                continue
+            x, y = position[m, t, 0], position[m, t, 1]
+            guess = _nearest(points, x, y, -1 if t % REFRESH == 0 else guess)
+            i = min(guess, last)
+            sx, sy = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
+            dx, dy = x - points[i, 0], y - points[i, 1]
+            if i > 0 and sx * dx + sy * dy < 0:  # before this point: on the segment that leads to it
+                i -= 1
+                sx, sy = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
+                dx, dy = x - points[i, 0], y - points[i, 1]
+            inverse = 1 / np.sqrt(sx * sx + sy * sy)
+            ux, uy = sx * inverse, sy * inverse
+            hx, hy = np.cos(heading[m, t]), np.sin(heading[m, t])
+            cos, sin = abs(ux * hx + uy * hy), abs(ux * hy - uy * hx)
+            frame[0, t, m] = i * PATH_SPACING + (ux * dx + uy * dy) * inverse * PATH_SPACING
+            frame[1, t, m] = ux * dy - uy * dx
+            frame[2, t, m] = half_length * cos + half_width * sin
+            frame[3, t, m] = half_length * sin + half_width * cos
+            frame[4, t, m] = ux * velocity[m, t, 0] + uy * velocity[m, t, 1]
+            frame[5, t, m] = ux * velocity[m, t, 1] - uy * velocity[m, t, 0]

@@ -1,0 +1,75 @@
+-- Everything below reads four tables: results (long rows, one number of one scenario each), costs (times, not repeatable),
+-- calls (every call of a language model, or answer from the records, one row each) and methods (what every generator says of
+-- itself, one row each: title, kind, the selector whose goals it follows).
+
+-- One row a metric, method and driver: the numbers of the report's tables, before intervals.
+create view metrics as
+select stage, method, driver, metric,
+       count(*) as scenarios, avg(value) as mean, median(value) as median, stddev_samp(value) as spread,
+       min(value) as least, max(value) as most
+from results
+where metric not like 'label.%' and metric not like 'manoeuvre.%'
+group by all;
+
+-- The paper's four realism columns and the rates of generated traffic, one row a method.
+create view scenario_quality as
+pivot (select method, metric, value from results where stage = 'evaluate' and metric in (
+    'min_sade', 'min_sfde', 'mean_sade', 'mean_sfde', 'collision_per_vehicle', 'off_road_per_vehicle', 'illegal_per_vehicle'))
+on metric in ('min_sade', 'min_sfde', 'mean_sade', 'mean_sfde', 'collision_per_vehicle', 'off_road_per_vehicle', 'illegal_per_vehicle')
+using avg(value) group by method;
+
+-- What kind of scene each scenario is: one row a scenario and aspect (road, manoeuvre, conflict, density).
+create view labels as
+select distinct scenario, split_part(metric, '.', 2) as aspect, split_part(metric, '.', 3) as label
+from results
+where metric like 'label.%';
+
+-- Every metric by kind of scene, e.g. min_sade at signalised junctions.
+create view metrics_by_label as
+select l.aspect, l.label, r.stage, r.method, r.driver, r.metric, count(*) as scenarios, avg(r.value) as mean
+from results r join labels l using (scenario)
+where r.metric not like 'label.%' and r.metric not like 'manoeuvre.%'
+group by all;
+
+-- What it took, with rates where both a time and a number of things are known.
+create view cost_per_item as
+select stage, item, sum(value) filter (name = 'cpu_seconds') as cpu_seconds, sum(value) filter (name = 'scenarios') as scenarios,
+       cpu_seconds / scenarios as cpu_seconds_per_scenario
+from costs
+group by all;
+
+-- What 1000 scenarios cost by each method: samples from the first frame on, goals, models' loading and the checker included;
+-- choosing goals is a stage of its own for those that follow a selector's. Measured at the size of the run, where loading
+-- weighs most: an upper bound. Null is what did not run here but was restored from the cache; GPU seconds are null also where
+-- no run used one.
+create view cost_of_methods as
+with took as (
+    select stage, item, max(value) filter (name = 'cpu_seconds') as cpu, max(value) filter (name = 'gpu_seconds') as gpu,
+           max(value) filter (name = 'peak_megabytes') as megabytes
+    from costs group by stage, item),
+seen as (select method, count(distinct scenario) as scenarios from results where stage = 'evaluate' group by method)
+select seen.method, scenarios,
+       if(goals is null, 0, 1000 * chosen.cpu / scenarios) as of_it_choosing_goals,
+       1000 * made.cpu / scenarios + of_it_choosing_goals as cpu_seconds_per_1000,
+       1000 * made.gpu / scenarios as gpu_seconds_per_1000,
+       made.megabytes as peak_megabytes
+from seen
+left join took made on made.item = seen.method and made.stage like 'rollout%'
+left join methods on methods.method = seen.method
+left join took chosen on chosen.stage = 'goals' and chosen.item = methods.goals
+order by seen.method;
+
+-- What training cost, model by model.
+create view cost_of_training as
+select stage, item, max(value) filter (name = 'cpu_seconds') as cpu_seconds, max(value) filter (name = 'gpu_seconds') as gpu_seconds
+from costs where stage like 'train%' group by stage, item order by stage, item;
+
+-- What language models were asked and what it took: one row a role, model and wording. Dollars are null where a price is unknown.
+create view language_model_calls as
+select role, model, prompt_version, count(*) as calls, count(*) filter (replayed) as replayed,
+       count(*) filter (outcome = 'answered') as answered, count(*) filter (outcome = 'asked again') as asked_again,
+       sum(input_tokens) as input_tokens, sum(output_tokens) as output_tokens, sum(retries) as retries,
+       if(bool_or(cost = 'unknown'), null, sum(try_cast(cost as double))) as dollars,
+       sum(latency) as seconds
+from calls
+group by all;

@@ -1,0 +1,1 @@
+"""Words for roads and traffic, read by one phrase table and spoken from it."""

@@ -1,0 +1,264 @@
+"""From a scene to a crossing or a roundabout: its arms, how many lanes each has, which ways they lead."""
+
+import math
+from typing import Any
+
+from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
+from drivegen.words.scene import Scene, Thing, Unfit, merged
+from drivegen.words.slots import KMH
+
+Road = dict[str, Any]
+
+ISLAND = 8.0
+"""By how much the island of a roundabout is smaller than its outer edge, per lane of the ring [m]."""
+
+_LANES = ("lanes", "lanes_each", "lanes_total", "lanes_pair", "lane_road")
+
+
+def control_of(thing: Thing, equal_roads: bool, usual: str = "yield") -> str:
+    """Who goes first; stop signs where no road is the main one are for everybody."""
+    control, signals = thing.value("control"), thing.value("signals")
+    if control == "signals" and signals is False:
+        raise Unfit("traffic lights are asked for and ruled out")
+    if control == "stop_sign":
+        return "all_way_stop" if equal_roads else "stop"
+    return control or usual
+
+
+def crossing(scene: Scene, choices: Choices) -> Road:
+    """The one place where roads cross or meet."""
+    whole = scene.merged("crossing")
+    side, main = scene.named("side", "cross"), scene.named("main")
+    compass = scene.named("east_west"), scene.named("north_south")
+    if any(compass) and (side or main or scene.there("street")):
+        raise Unfit("say the roads by their directions, or as the main and the side road")
+    streets, arms = scene.named("street"), scene.named("arm")
+    joins = {link for thing in streets for link in thing.links} | scene.links
+    shape, count = whole.value("shape"), _count(whole, arms)
+    roads = [*main, *streets, *side]
+    number = sum(int(road.value("count") or 1) for road in streets if road.which is None)
+    if count is None and shape is None:
+        meets = "meets" in joins and "crosses" not in joins and not any(thing.name == "cross" for thing in side)
+        t_like = meets and len(roads) >= 2 and not any(fact.text for fact in whole.facts if fact.name == "_crossing")
+        count = number if number > 2 and not side else 3 if t_like and not scene.there("crossing") else 4
+    count = 3 if shape in ("t", "y") and count is None else count
+    if shape in ("t", "y") and count != 3:
+        raise Unfit(f"a {shape.upper()}-junction has three arms, not {count}")
+    if count is None or count not in range(3, 9):
+        raise Unfit(f"3 to 8 roads can meet at a crossing, not {count}")
+    if count == 3 and shape is None and not whole.value("evenly"):
+        shape = "t"
+    whole.values("evenly")
+    angles = _angles(count, shape, whole, side)
+    first, second = _two_roads(count, shape, main, side, streets, joins)
+    if any(compass):
+        if count != 4 or shape is not None or len(compass[0]) > 1 or len(compass[1]) > 1:
+            raise Unfit("roads are named by their directions at a crossing of two roads")
+        first, second = compass
+        roads = [*compass[0], *compass[1]]
+    unequal = shape == "t" or bool(side) or bool(main)
+    of_main = {0, 1} if shape == "t" else {0, 2} if count == 4 and (first or second or unequal) else set(range(count))
+    shared = Thing("", facts=[*whole.facts, *(f for road in roads if road not in (*first, *second) for f in road.facts)])
+    groups = {True: _group(shared, first), False: _group(shared, second)}
+    speed = speed_of(shared)
+    usual = speed if speed is not None else usual_speed([shared, *first, *second])
+    built: list[Road] = []
+    length = shared.value("length") or choices.length("arms", 140, 200)
+    for i, angle in enumerate(angles):
+        road = groups[i in of_main]
+        arm: Road = {"angle": angle, "main": i in of_main or not unequal, "speed": road["speed"] or usual}
+        lanes = road["lanes"] or groups[True]["lanes"] or (2 if shared.has("arterial") else 1, 0)
+        arm |= {"lanes_in": lanes[0], "lanes_out": lanes[0], "length": road["length"] or length}
+        built.append(arm | _turn_lanes(shared, road["thing"], arm))
+    _make_one_way(built, shared, first, second, of_main, count)
+    every = [fact for fact in whole.facts if fact.name in ("lanes_in", "lanes_out")]
+    _own(built, [*arms, Thing("arm", which="all", facts=every)])
+    return {"kind": "crossing", "arms": built, "control": control_of(_with(shared, side), not unequal)}
+
+
+def _with(shared: Thing, side: list[Thing]) -> Thing:
+    return Thing("", facts=[*shared.facts, *(fact for thing in side for fact in thing.facts if fact.name == "control")])
+
+
+def _count(whole: Thing, arms: list[Thing]) -> int | None:
+    counts = {int(value) for value in whole.values("arms")}
+    counts |= {int(value) for arm in arms if arm.which in (None, "all") for value in arm.values("count")}
+    crossed = any(
+        word in fact.text for fact in whole.facts if fact.name == "arms" for word in ("cross", "intersect", "of ", "between ")
+    )
+    counts = {4 if count == 2 and crossed else count for count in counts}
+    if len(counts) > 1:
+        raise Unfit(f"{' and '.join(map(str, sorted(counts)))} arms contradict one another")
+    if any(value not in (None, 1) for value in whole.values("count")):
+        raise Unfit("one crossing is not several")
+    return counts.pop() if counts else None
+
+
+def _two_roads(
+    count: int, shape: str | None, main: list[Thing], side: list[Thing], streets: list[Thing], joins: set[str]
+) -> tuple[list[Thing], list[Thing]]:
+    """The things that are the first road (of a T: the one that goes through) and the second one."""
+    if len(main) > 1 or len(side) > 1:
+        raise Unfit("there is one main road and one side road at a crossing")
+    single = [road for road in streets if road.which is None]
+    if main or side:
+        rest = single if single and (not main or not side) else []
+        if len(rest) > 1 or (main and side and single):
+            return main, side
+        return main or rest, side or rest
+    if count in (3, 4) and len(single) == 2 and shape != "y":
+        return (single[1:], single[:1]) if "meets" in joins and count == 3 else (single[:1], single[1:])
+    return [], []
+
+
+def _group(shared: Thing, roads: list[Thing]) -> dict[str, Any]:
+    """Lanes, limit and length that are said of one of two roads, or of both."""
+    own = merged(roads)
+    own.values("count")
+    one_way = own.has("one_way") or shared.has("one_way")
+    lanes = lanes_of(own, one_way=own.has("one_way"), arms=True)
+    lanes = lanes or lanes_of(shared, one_way=one_way, arms=True)
+    return {"lanes": lanes, "speed": speed_of(own), "length": own.value("length"), "thing": own}
+
+
+def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing]) -> list[float]:
+    """Directions of the arms [degrees]; a T has its stem to one side, a skew crossing crosses at the angle said."""
+    angle = whole.value("angle") or next((v for road in side for v in road.values("angle")), None)
+    turned = next((v for road in (*side, whole) for v in road.values("side")), "right")
+    if angle is not None and count * angle == 360.0 and shape is None:
+        angle = None
+    if angle is not None and (count not in (3, 4) or not 20 <= angle <= 160):
+        raise Unfit(f"an angle of {angle:g} degrees can be drawn between two roads that cross, or in a T or Y, from 20 to 160")
+    if shape == "y":
+        half = (angle or 70.0) / 2
+        return [180.0, half, -half]
+    if shape == "t":
+        skew = 90.0 if angle is None else float(angle)
+        return [180.0, 0.0, skew if turned == "left" else 360.0 - skew]
+    if angle is not None:
+        return [0.0, angle, 180.0, 180.0 + angle] if count == 4 else [i * 120.0 for i in range(3)]
+    return [i * 360.0 / count for i in range(count)]
+
+
+def _turn_lanes(shared: Thing, road: Thing, arm: Road) -> Road:
+    """Turn lanes that are said of an arm that has those of `arm`; a length alone is that of lanes to the left, if it has none."""
+    found: Road = {}
+    if shared.has("no_turn_lanes") and shared.values("no_turn_lanes") and shared.has("left_turn_lane", "right_turn_lane"):
+        raise Unfit("turn lanes are asked for and ruled out")
+    for thing in (shared, road):
+        both = bool(thing.values("both_turn_lanes"))
+        for side in ("left", "right"):
+            if thing.values(f"{side}_turn_lane") or both:
+                found[f"{side}_turn_lane"] = True
+        if (pocket := thing.value("pocket")) is not None:
+            found |= {"pocket": pocket}
+            if not any(name.endswith("turn_lane") and value for name, value in (arm | found).items()):
+                found["left_turn_lane"] = True
+    return found
+
+
+def _make_one_way(
+    arms: list[Road], shared: Thing, first: list[Thing], second: list[Thing], of_main: set[int], count: int
+) -> None:
+    """One-way roads lead in over their first arm and out over the one opposite."""
+    all_one_way = is_one_way(shared)
+    for roads, indices in ((first, sorted(of_main)), (second, sorted(set(range(count)) - of_main))):
+        told = [is_one_way(road) for road in roads]
+        if not (all_one_way or any(told)):
+            continue
+        if not indices:
+            continue
+        if len(indices) > 2 and count != 4:
+            raise Unfit("one-way roads can be drawn at crossings of three or four arms")
+        pairs = [(0, 2), (1, 3)] if count == 4 and len(indices) == 4 else [tuple(indices[:2])]
+        for pair in pairs:
+            arms[pair[0]]["lanes_out"] = 0
+            for behind in pair[1:]:
+                arms[behind]["lanes_in"] = 0
+
+
+def _own(built: list[Road], arms: list[Thing]) -> None:
+    """What is said of single arms, by ordinal or direction, and of every arm."""
+    for arm in sorted(arms, key=lambda arm: isinstance(arm.which, (int, float))):
+        for road in _meant(built, arm):
+            for name in ("angle", "speed", "length", "pocket", "lanes_in", "lanes_out"):
+                if (value := arm.value(name)) is not None:
+                    road[name] = value
+            if (main := arm.value("priority")) is not None:
+                road["main"] = main
+            if (lanes := lanes_of(arm, one_way=False, arms=True)) is not None:
+                road |= {"lanes_in": lanes[0], "lanes_out": lanes[1]}
+            road |= _turn_lanes(Thing(""), arm, road)
+            if arm.has("control"):
+                raise Unfit("signs of single arms cannot be drawn")
+
+
+def _meant(built: list[Road], arm: Thing) -> list[Road]:
+    if arm.which in (None, "all"):
+        return built
+    if isinstance(arm.which, int):
+        if arm.which > len(built):
+            raise Unfit(f"there is no arm {arm.which}: there are {len(built)}")
+        return [built[arm.which - 1]]
+    near = [road for road in built if abs(math.remainder(road["angle"] - arm.which, 360.0)) <= 1.0]
+    if len(near) != 1:
+        raise Unfit(f"no arm leads to where {arm.text!r} is")
+    return near
+
+
+def roundabout(scene: Scene, choices: Choices) -> Road:
+    """A ring with its arms."""
+    whole = scene.merged("roundabout", "street", "ring_")
+    arms, rings = scene.named("arm"), scene.named("ring")
+    named = [thing for thing in scene.things if thing.name == "street"]
+    if any(value not in (None, 1) for thing in scene.named("roundabout") for value in thing.values("count")):
+        raise Unfit("one roundabout is not several")
+    ring_thing = merged(rings)
+    count = _count(Thing("", facts=[f for f in whole.facts if f.name == "arms"]), arms)
+    roads = [int(value) for street in named for value in street.values("count")]
+    if count is None and roads:
+        count = roads[0]
+    count = 4 if count is None else count
+    if count not in range(3, 9):
+        raise Unfit(f"3 to 8 roads can meet at a roundabout, not {count}")
+    on_ring = [*ring_thing.values("lanes"), *ring_thing.values("lane_road"), *whole.values("ring_lanes")]
+    of_it = [f for t in scene.things if t.name == "roundabout" for f in t.facts if f.name in ("lane_road", "lanes")]
+    on_ring += [fact.value for fact in of_it]
+    for fact in of_it:
+        fact.used = True
+    if len(set(on_ring)) > 1:
+        raise Unfit("two numbers of lanes are said of the ring")
+    ring = int(on_ring[0]) if on_ring else 1
+    facts = [fact for fact in whole.facts if fact not in of_it]
+    lanes = lanes_of(Thing("", facts=facts), arms=True) or (min(ring, 2), 0)
+    diameter = _diameter(whole, ring_thing, choices, count, ring)
+    length = whole.value("length") or choices.length("arms", 120, 180)
+    speed = speed_of(whole)
+    speed = usual_speed([whole]) if speed is None else speed
+    t_shaped = whole.value("shape") == "t"
+    angles = [180.0, 0.0, 270.0] if t_shaped else [i * 360.0 / count for i in range(count)]
+    whole.values("evenly")
+    if whole.value("signals") is False or whole.values("control") == ["yield"]:
+        pass
+    built = [{"angle": a, "lanes_in": lanes[0], "lanes_out": lanes[0], "length": length, "speed": speed} for a in angles]
+    _own(built, arms)
+    told = [*ring_thing.values("speed"), *whole.values("ring_speed")]
+    ring_speed = told[0] if told else min(speed, 30 * KMH if diameter < 60 else 40 * KMH)
+    return {"kind": "roundabout", "arms": built, "ring_lanes": ring, "diameter": diameter, "ring_speed": ring_speed}
+
+
+def _diameter(whole: Thing, ring: Thing, choices: Choices, arms: int, lanes: int) -> float:
+    told = [*whole.values("diameter"), *ring.values("diameter")]
+    told += [2 * value for value in (*whole.values("radius"), *ring.values("radius"))]
+    told += [value + ISLAND * lanes for value in (*whole.values("island"), *ring.values("island"))]
+    if len({round(value, 3) for value in told}) > 1:
+        raise Unfit("two sizes are said of the roundabout")
+    least = 10 * math.ceil((2 * 9.0 / (2 * math.pi / arms) + 8 * lanes + 6) / 10)
+    size = whole.value("size")
+    if told:
+        return float(told[0])
+    if size in ("mini", "small"):
+        return float(max(20 if size == "mini" and lanes == 1 else 30, least if lanes > 1 or arms > 4 else 20))
+    if size == "large":
+        return float(max(70, least + 20))
+    return choices.length("diameter of the roundabout", max(30, least), max(30, least) + 20)

@@ -1,0 +1,163 @@
+"""From a scene to what happens along a highway, in order: ramps, lanes that end or begin, and where on the road each lies."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from drivegen.words.scene import Fact, Scene, Thing, Unfit, merged
+from drivegen.words.slots import KMH
+
+Road = dict[str, Any]
+Event = dict[str, Any]
+"""Fields of an event, and the things that are said of it: `thing`."""
+
+_FIRST, _BETWEEN, _LAST, _LEAST_BETWEEN, _LEAST_LAST = 250.0, 120.0, 250.0, 45.0, 40.0
+_AUXILIARY = {"on_ramp": 200.0, "off_ramp": 150.0, "weaving": 300.0}
+_SHARES = (0.8, 0.6, 0.45)
+_FURTHER = frozenset({"another", "second", "third", "further"})
+"""Words that tell a second event from the first one said again."""
+
+EVENTS = ("on_ramp", "off_ramp", "ramp", "weaving", "lane_drop", "lane_gain")
+_CHANGES = ("change", "change_to")
+EVENT_FACTS = (*_CHANGES, "loses", "loses_side", "gains", "gains_side")
+
+
+def events_of(scene: Scene, road: Thing, lanes: int | None) -> tuple[list[Event], int | None]:
+    """What happens along the carriageway, in order, and the number of lanes at its start where only a change tells it."""
+    things = [thing for thing in scene.named(*EVENTS) if thing.which is None]
+    references = [thing for thing in scene.things if thing.name in EVENTS and thing.which is not None]
+    if any(t.name == "weaving" for t in things) and not references:
+        _absorb(things)
+    events: list[Event] = []
+    for thing in things:
+        if thing.name == "ramp":
+            thing.name = "on_ramp" if thing.has("merges") else "off_ramp" if thing.has("leaves") else "ramp"
+        if thing.name == "ramp":
+            raise Unfit("say whether it is an on-ramp or an off-ramp")
+        events += [{"kind": thing.name, "thing": [thing]} for _ in range(int(thing.value("count") or 1))]
+    facts = [fact for fact in road.facts if fact.name in EVENT_FACTS]
+    steps = _steps(facts, lanes)
+    single: list[Event] = []
+    for kind in ("lane_drop", "lane_gain"):
+        named = [event for event in events if event["kind"] == kind]
+        keeping = any(t.has("keeps") for t in things if t.name == ("off_ramp" if kind == "lane_drop" else "on_ramp"))
+        single += _once([s for s in steps if s["kind"] == kind], named, keeping)
+    events += sorted(single, key=steps.index)
+    changes = [fact.value for fact in facts if fact.name == "change"]
+    for event in events:
+        like = [e for e in events if e["kind"] == event["kind"]]
+        mine = [r for r in references if r.name == event["kind"] and _is(r, like.index(event), len(like))]
+        event["thing"] = event["thing"] + mine
+    return events, changes[0][0] if changes else None
+
+
+def _steps(facts: Sequence[Fact], lanes: int | None) -> list[Event]:
+    """Each fact as an event, of which `before` is the number of lanes ahead of it where the fact says it. Raises Unfit."""
+    steps: list[Event] = []
+    for fact in facts:
+        fact.used = True
+        if fact.name in _CHANGES:
+            before, after = fact.value if fact.name == "change" else (lanes, fact.value)
+            if before is None or before == after:
+                raise Unfit(f"say from how many lanes to how many in {fact.text!r}")
+            if lanes is not None and lanes != before:
+                raise Unfit(f"a road of {lanes} lanes cannot change from {before}")
+            lanes = int(after)
+            kind = "lane_gain" if after > before else "lane_drop"
+            step: Event = {"kind": kind, "lanes": abs(after - before), "before": before}
+        else:
+            step = {"kind": "lane_drop" if fact.name.startswith("loses") else "lane_gain"}
+            step |= {"lanes": 1, "side": fact.value} if isinstance(fact.value, str) else {"lanes": int(fact.value)}
+        steps.append(step | {"thing": [], "text": fact.text})
+    return steps
+
+
+def _once(steps: Sequence[Event], named: Sequence[Event], keeping: bool) -> list[Event]:
+    """The events of one kind that are said, each once: those of a noun ("a lane drop") hold what is said of them besides.
+
+    `keeping`: a ramp takes such lanes along, or brings them. Raises Unfit where two phrases can mean one event or two.
+    """
+    changes = [step for step in steps if "before" in step]
+    single = [step for step in steps if "before" not in step]
+    nouns = {thing.text for event in named for thing in event["thing"]}
+    sides = [step.get("side") for step in single]
+    again = [not _FURTHER & set(step["text"].split()) for step in single[1:]]
+    unclear = (len(sides) > len(set(sides) - {None}) and any(again)) or len(nouns) > 1
+    groups = [group for group in (named, single, changes) if group]
+    if unclear or (keeping and groups) or any(len(group) != len(groups[0]) for group in groups):
+        texts = [step["text"] for step in steps] + sorted(nouns)
+        raise Unfit(f"it is not clear how many lanes end or begin: {' and '.join(map(repr, texts))} can be one event or several")
+    for same in zip(*groups, strict=True):
+        counts = {event["lanes"] for event in same if "lanes" in event}
+        counts |= {n for event in same for t in event["thing"] for name in ("lanes", "event_lanes") for n in t.values(name)}
+        if len(counts) > 1:
+            raise Unfit(f"{' and '.join(map(str, sorted(counts)))} lanes are said of one lane change")
+        for event in same[1:]:
+            same[0].update({name: value for name, value in event.items() if name != "thing"})
+    return [] if not groups or groups[0] is named else list(groups[0])
+
+
+def _is(reference: Thing, i: int, number: int) -> bool:
+    return reference.which == "all" or reference.which == i + 1 or (reference.which == -1 and i == number - 1)
+
+
+def _absorb(things: list[Thing]) -> None:
+    """The ramps that a weaving section is made of are not ramps of their own."""
+    weaving = next(thing for thing in things if thing.name == "weaving")
+    for thing in [t for t in things if t.name in ("on_ramp", "off_ramp")]:
+        if any(t is not thing and t.name == thing.name for t in things):
+            raise Unfit("it is not clear which ramps the weaving section lies between")
+        weaving.facts += [Fact("length", f.value, f.text, f.scope) for f in thing.facts if f.name in ("gap", "spacing")]
+        weaving.facts += [f for f in thing.facts if f.name not in ("gap", "spacing", "side")]
+        thing.values("gap"), thing.values("spacing"), thing.values("side")
+        things.remove(thing)
+
+
+def fit(events: list[dict[str, Any]], speed: float, line: Road, said: bool, limit: float | None) -> tuple[list[Road], Road]:
+    """Events along a road long enough for them; where its length is said, what is unsaid between them is shortened."""
+    for share in (1.0, *(_SHARES if said else ())):
+        placed, needed = _placed([dict(event) for event in events], speed, share, limit)
+        if not events or line["length"] >= needed:
+            return placed, line
+    if said:
+        raise Unfit(f"a road of {line['length']:.0f} m is too short for what happens along it: it needs {needed:.0f} m")
+    return placed, {**line, "length": needed}
+
+
+def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: float | None) -> tuple[list[Road], float]:
+    """Events as fields, usual distances times `share`, and the length of road that they need."""
+    placed: list[Road] = []
+    end = 0.0
+    usual = max(30 * KMH, min(speed, 60 * KMH)) if limit is None else limit
+    given, everywhere = None, True
+    for event in events:
+        told = merged(event["thing"])
+        ramp = event["kind"] in _AUXILIARY
+        for nothing in ("count", "setting", "merges", "leaves", "one_side", "has_auxiliary", "row"):
+            told.values(nothing)
+        exact, given = given, told.value("auxiliary") or told.value("length")
+        everywhere = everywhere and told.has("position")
+        length = given or _AUXILIARY.get(event["kind"], 0.0) * share
+        here = event.get("position") or told.value("position")
+        gap = told.value("gap") or told.value("spacing")
+        if here is None:
+            here = _next(placed, end, share, gap)
+        if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in _AUXILIARY and not exact:
+            placed[-1]["length"] = max(50.0, here - _LEAST_BETWEEN - placed[-1]["position"])
+        counted = [*told.values("lane_road"), *told.values("event_lanes"), *told.values("lanes"), *told.values("lanes_each")]
+        side = [*told.values("side"), *([event["side"]] if "side" in event else [])]
+        if ramp and "left" in side:
+            raise Unfit("ramps are on the outer side of the road")
+        road: Road = {"kind": event["kind"], "position": here, "lanes": event.get("lanes") or (counted or [1])[0]}
+        road |= {"side": side[0] if side and not ramp else "right"}
+        own = [*told.values("speed"), *told.values("ramp_speed")]
+        road["ramp_speed"] = own[0] if own else usual
+        road |= {"keeps": True} if told.value("keeps") else {}
+        placed.append({**road, "length": length} if ramp else road)
+        end = here + (length if ramp else 0.0)
+    return placed, end + (_LEAST_LAST if everywhere else _LAST * share)
+
+
+def _next(placed: list[Road], end: float, share: float, gap: float | None) -> float:
+    if not placed:
+        return gap or _FIRST * share
+    return max(placed[-1]["position"] + gap, placed[-1]["position"] + 100.0) if gap else end + _BETWEEN * share

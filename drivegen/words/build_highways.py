@@ -1,0 +1,105 @@
+"""From a scene to a highway with what happens along it, or a fork."""
+
+from typing import Any
+
+from drivegen.words.build_events import events_of, fit
+from drivegen.words.build_lines import alignment
+from drivegen.words.choices import FAST, Choices, is_one_way, lanes_of, speed_of, usual_speed
+from drivegen.words.scene import Scene, Thing, Unfit, merged
+
+Road = dict[str, Any]
+
+_PER_CARRIAGEWAY = frozenset({"motorway", "motorways", "freeway", "freeways", "autobahn", "mainline"})
+"""Of these "a four-lane motorway" has four lanes in each direction; "a four-lane highway" may have two."""
+
+
+def highway(scene: Scene, choices: Choices) -> Road:
+    """A road with carriageways of its own, and its events in the order in which they are said."""
+    scene.one_road("highway")
+    scene.one_road("street", "main")
+    names = [thing.name for thing in scene.things]
+    fast = "highway" in names and not all(t.has("divided") for t in scene.things if t.name == "highway")
+    fast = fast or ("highway" not in names and "main" not in names and "street" not in names)
+    told = scene.merged("highway", "street", "main")
+    if any(value not in (None, 1) for value in told.values("count")):
+        raise Unfit("one highway is drawn at a time")
+    carriageway = told.value("carriageways") == 1
+    one_way = is_one_way(told) or carriageway
+    told.values("no_junctions"), told.values("signals")
+    divided = bool(told.value("divided"))
+    median = told.value("median")
+    _no_ramps(told, scene)
+    clear = all(_PER_CARRIAGEWAY & set(thing.text.split()) for thing in scene.things if thing.name == "highway") and not divided
+    lanes = lanes_of(told, one_way=one_way, per_carriageway=True, most=4 if clear else 3)
+    if lanes is not None and lanes[1] not in (0, lanes[0]):
+        raise Unfit("both carriageways of a highway have the same number of lanes")
+    events, start = events_of(scene, told, lanes[0] if lanes else None)
+    number = lanes[0] if lanes else start or (3 if fast and not divided else 2)
+    speed = speed_of(told)
+    speed = (FAST if fast else usual_speed([told])) if speed is None else speed
+    if told.values("has_auxiliary") and not any(event["kind"] in ("on_ramp", "off_ramp") for event in events):
+        raise Unfit("a lane for speeding up or slowing down belongs to a ramp")
+    places = told.values("position")
+    changes = [event for event in events if not event["thing"]]
+    if places and (len(changes) != 1 or len(places) != 1):
+        raise Unfit("it is not clear what lies at the place that is said")
+    for event, place in zip(changes, places, strict=False):
+        event["position"] = place
+    line = alignment(told, choices, (800, 1200), radius=250.0)
+    said = told.has("length", "straights")
+    limit = _common(scene, told, "ramp_speed", "speed")
+    built, line = fit(events, speed, line, said, limit)
+    found: Road = {"kind": "highway", "alignment": line, "lanes": number, "speed": speed, "carriageways": 1 if one_way else 2}
+    found |= {"median": median} if median is not None and not one_way else {}
+    found |= {"both": True} if told.value("both") else {}
+    return found | {"events": built}
+
+
+def _no_ramps(told: Thing, scene: Scene) -> None:
+    ruled_out = {"no_events": ("on_ramp", "off_ramp", "ramp", "weaving"), "no_on": ("on_ramp",), "no_off": ("off_ramp",)}
+    for name, kinds in ruled_out.items():
+        if told.values(name) and scene.there(*kinds):
+            raise Unfit("ramps are asked for and ruled out")
+    told.values("nothing_else")
+
+
+def _common(scene: Scene, told: Thing, *names: str) -> float | None:
+    values = {v for t in scene.things if t.name == "ramp" or t.which == "all" for n in names for v in t.values(n)}
+    values |= set(told.values(names[0]))
+    if len(values) > 1:
+        raise Unfit("two limits are said of the ramps")
+    return values.pop() if values else None
+
+
+def fork(scene: Scene, choices: Choices) -> Road:
+    """A one-way road that splits into two, or two that become one."""
+    whole = scene.merged("fork", "highway", "street", "main")
+    both = [scene.named("left_branch"), scene.named("right_branch")]
+    branch, stem = scene.named("branch", "arm"), scene.named("stem")
+    fast = any(thing.name == "highway" for thing in scene.things)
+    joins = bool(whole.value("joins"))
+    if any(count != 1 for count in whole.values("arms")):
+        raise Unfit("a fork is one road and two branches")
+    whole.values("splits"), whole.values("count"), is_one_way(whole), whole.values("signals")
+    shared = merged(branch)
+    shared.values("count")
+    own = [lanes_of(merged(things), one_way=True) for things in both]
+    pairs = [*whole.values("branch_lanes"), *((n, n) for n in (*whole.values("branch_each"), *shared.values("branch_each")))]
+    pairs += [(n[0], n[0]) for n in [lanes_of(shared, one_way=True)] if n]
+    pairs += [(own[0][0], own[1][0])] if own[0] and own[1] else []
+    if len(set(pairs)) > 1 or bool(own[0]) != bool(own[1]):
+        raise Unfit("say the lanes of both branches of the fork, once")
+    at_stem = lanes_of(merged(stem), one_way=True)
+    told = at_stem or lanes_of(whole, one_way=True)
+    lanes = told[0] if told else max(sum(pairs[0]), 1) if pairs and not joins else sum(pairs[0]) if pairs else 2
+    left, right = pairs[0] if pairs else ((lanes + 1) // 2, max(1, lanes - (lanes + 1) // 2))
+    angle, speed = whole.value("angle"), speed_of(whole)
+    lengths = {v for things in (*both, [shared]) for t in things for v in t.values("length")}
+    if len(lengths) > 1:
+        raise Unfit("both branches of a fork are of one length")
+    length = lengths.pop() if lengths else whole.value("length") or choices.length("arms", 140, 200)
+    at = [*whole.values("stem"), *(v for t in stem for v in t.values("length")), *whole.values("position")]
+    found = {"kind": "fork", "lanes": lanes, "left_lanes": left, "right_lanes": right, "joins": joins, "length": length}
+    found |= {"stem": at[0]} if at else {}
+    speed = (FAST if fast else usual_speed([whole])) if speed is None else speed
+    return found | {"angle": float(angle or (40.0 if fast else 50.0)), "speed": speed}

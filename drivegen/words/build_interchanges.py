@@ -1,0 +1,111 @@
+"""From a scene to an interchange: a diamond or a part of one, a cloverleaf or a part of one, a trumpet."""
+
+from typing import Any
+
+from drivegen.words.build_crossings import control_of
+from drivegen.words.choices import FAST, Choices, lanes_of, speed_of
+from drivegen.words.scene import Scene, Thing, Unfit, merged
+from drivegen.words.slots import KMH
+
+Road = dict[str, Any]
+
+_OFF, _ON = ("south_east", "north_west"), ("north_east", "south_west")
+"""Quadrants whose loops leave the lower highway where traffic keeps right, and those whose loops join it."""
+
+_LOOPS: dict[tuple[str, int], tuple[str, ...]] = {
+    ("partial_cloverleaf", 1): _OFF[:1],
+    ("partial_cloverleaf", 2): _ON,
+    ("partial_cloverleaf", 3): (*_ON, *_OFF[:1]),
+    ("cloverleaf", 4): (*_ON, *_OFF),
+    ("trumpet", 1): ("north_west",),
+}
+_USUAL = {"cloverleaf": 4, "partial_cloverleaf": 2, "trumpet": 1}
+
+
+def interchange(scene: Scene, _: Choices) -> Road:
+    """A highway and a road over it, joined by ramps that end at crossings."""
+    whole, main, upper, ramp = _parts(scene, "interchange")
+    forms = set(whole.values("form")) or {"diamond"}
+    forms -= {"terminal"} if "diamond" in forms else set()
+    forms -= {"diamond"} if len(forms) > 1 else set()
+    if len(forms) > 1:
+        raise Unfit("one interchange is drawn at a time")
+    lanes = lanes_of(main, per_carriageway=True) or lanes_of(whole, per_carriageway=True) or (2, 2)
+    above = lanes_of(upper, arms=True) or (1, 1)
+    speed = _one(speed_of(main), speed_of(whole), FAST)
+    found: Road = {"kind": "interchange", "form": forms.pop(), "lanes": lanes[0], "speed": speed, "road_lanes": above[0]}
+    ramp_lanes = [*(lanes_of(ramp, one_way=True) or ())[:1], *whole.values("ramp_lanes")]
+    found |= {"ramp_lanes": ramp_lanes[0] if ramp_lanes else 1, "road_speed": _one(speed_of(upper), 50 * KMH)}
+    found |= {"ramp_speed": _one(speed_of(ramp), whole.value("ramps_limit"), whole.value("ramp_speed"), 50 * KMH)}
+    if (length := upper.value("length")) is not None:
+        found["road_length"] = length
+    both = Thing("", facts=[*whole.facts, *upper.facts])
+    usual = "yield" if both.value("signals") is False else "signals"
+    return found | {"control": control_of(both, False, usual)}
+
+
+def _one(*values: float | None) -> float:
+    return float(next(value for value in values if value is not None))
+
+
+def _parts(scene: Scene, name: str) -> tuple[Thing, Thing, Thing, Thing]:
+    """What is said of the whole, the highway, the road above it, and the ramps."""
+    highways = scene.named("highway")
+    upper = scene.named("upper", "street", "main", "cross", "arm")
+    ramps = scene.named("ramp", "on_ramp", "off_ramp", "crossing")
+    for thing in (*ramps, *highways, *upper):
+        thing.values("count")
+    whole = scene.merged(name)
+    crossings = [fact for thing in ramps if thing.name == "crossing" for fact in thing.facts]
+    ramp = merged([thing for thing in ramps if thing.name != "crossing"])
+    return Thing("", facts=[*whole.facts, *crossings]), merged(highways), merged(upper), ramp
+
+
+def cloverleaf(scene: Scene, _: Choices) -> Road:
+    """Two roads on different levels with loops and direct ramps in the quadrants between their legs."""
+    motorways = sum(int(next(iter(t.values("count")), 1)) for t in scene.things if t.name == "highway")
+    street = scene.there("upper", "street", "main", "cross")
+    whole, main, upper, ramp = _parts(scene, "cloverleaf")
+    loop = merged(scene.named("loop"))
+    forms = set(whole.values("form"))
+    if len(forms) > 1:
+        raise Unfit("one interchange is drawn at a time")
+    form = forms.pop()
+    number = [*whole.values("loops"), *loop.values("count")]
+    count = number[0] if number else _USUAL[form]
+    form = "partial_cloverleaf" if form == "cloverleaf" and count in (1, 2, 3) else form
+    if (form, count) not in _LOOPS:
+        raise Unfit(f"I cannot draw a {form.replace('_', ' ')} with {count} loops")
+    controlled = whole.has("control", "signals") or upper.has("control", "signals")
+    if controlled and (form == "trumpet" or motorways > 1):
+        raise Unfit("trumpets, and cloverleaves between two highways, have no crossings")
+    lanes = lanes_of(main, per_carriageway=True) or lanes_of(whole, per_carriageway=True) or (2, 2)
+    speed = _one(speed_of(main), speed_of(whole), FAST)
+    both = not street and not controlled
+    above = lanes_of(upper, arms=True) or ((lanes[0],) if both else (1,))
+    found: Road = {"kind": "quadrant_interchange", "lanes": lanes[0], "speed": speed, "road_lanes": above[0]}
+    found |= {name: _ramps(form, name, _LOOPS[form, count]) for name in (*_OFF, *_ON)}
+    legs = whole.values("leg")
+    found |= {"north_leg": form != "trumpet" and "south" not in legs, "south_leg": "north" not in legs}
+    slower = min(speed, 50 * KMH if controlled else 80 * KMH)
+    found["road_speed"] = _one(speed_of(upper), speed if both else slower)
+    found["ramp_speed"] = _one(speed_of(ramp), whole.value("ramps_limit"), whole.value("ramp_speed"), min(speed, 60 * KMH))
+    found["loop_speed"] = _one(speed_of(loop), whole.value("loop_speed"), min(speed, found["ramp_speed"], 40 * KMH))
+    radius = [*whole.values("loop_radius"), *loop.values("radius"), *loop.values("loop_radius"), *whole.values("radius")]
+    ramp_lanes = [*(lanes_of(ramp, one_way=True) or ())[:1], *whole.values("ramp_lanes")]
+    found |= {"loop_radius": radius[0] if radius else 45.0, "ramp_lanes": ramp_lanes[0] if ramp_lanes else 1}
+    medians = [*whole.values("median"), *main.values("median")]
+    found |= {"median": medians[0]} if medians else {}
+    found |= {"leg_length": length} if (length := upper.value("length")) is not None else {}
+    for quadrant in scene.named(*_OFF, *_ON):
+        if (ramps := quadrant.value("ramps")) is not None:
+            found[quadrant.name] = ramps
+    if controlled:
+        found["control"] = control_of(Thing("", facts=[*whole.facts, *upper.facts]), False)
+    return found
+
+
+def _ramps(form: str, name: str, loops: tuple[str, ...]) -> str:
+    """What lies in a quadrant: direct ramps wherever they lead somewhere, and the loops."""
+    direct = (form, name) != ("trumpet", "north_east")
+    return ("both" if direct else "loop") if name in loops else "direct" if direct else "none"

@@ -1,0 +1,98 @@
+"""From what is said of a road to its line: straights, bends, lengths."""
+
+import math
+from typing import Any
+
+from drivegen.words.choices import Choices
+from drivegen.words.scene import Thing, Unfit
+
+Road = dict[str, Any]
+
+_ANGLES = {"hairpin": 180.0, "s_curve": 60.0, "curve": 90.0}
+_LEAST_HAIRPIN = 135.0
+_SHORT = 0.9
+BEND_FIELDS = (
+    "line",
+    "turn",
+    "turn_side",
+    "turn_angle",
+    "turn_to",
+    "radius",
+    "bends",
+    "arc",
+    "sharpness",
+    "straights",
+    "hairpins",
+    "s_turn",
+    "s_arc",
+)
+
+
+def alignment(road: Thing, choices: Choices, usual: tuple[int, int], radius: float = 60.0) -> Road:
+    """The line of a road: as said, else straight, between `usual` lengths [m]."""
+    shapes = set(road.values("line"))
+    hairpins = road.value("hairpins")
+    shapes |= {"hairpin"} if hairpins else set()
+    shapes |= {"s_curve"} if road.has("s_turn", "s_arc") else set()
+    length = road.value("length")
+    bent = road.has("turn", "turn_side", "turn_angle", "arc", "bends", "turn_to")
+    if bool(road.value("straight")) and (shapes or bent):
+        raise Unfit("a road is said to be straight and to bend")
+    if not shapes and not bent:
+        return {"shape": "straight", "length": length or choices.length("length", *usual, step=50)}
+    shapes -= {"curve"} if len(shapes) > 1 else set()
+    if len(shapes) > 1:
+        raise Unfit("I can draw a curve, an S-curve or hairpins on one road, not several of these")
+    shape = shapes.pop() if shapes else "curve"
+    if arcs := road.values("arc"):
+        bends = tuple((angle if side == "left" else -angle, size) for angle, side, size in arcs)
+        line: Road = {"shape": shape, "arcs": bends}
+        arc = sum(abs(math.radians(angle)) * size for angle, size in bends)
+        return line | {"length": _length(road, length, arc, 1.0, choices)}
+    angle, side = _turn(road)
+    sharpness = road.value("sharpness")
+    told = road.value("radius")
+    bends = hairpins or road.value("bends")
+    if shape == "curve" and bends and bends > 1:
+        raise Unfit(f"say of each of the {bends} bends how far it turns, or ask for an S-curve or hairpins")
+    angle = angle or _ANGLES[shape]
+    if shape == "hairpin" and angle < _LEAST_HAIRPIN:
+        raise Unfit(f"a hairpin turns by {_LEAST_HAIRPIN:g} degrees or more, not by {angle:g}")
+    factor = {"sharp": 0.5, "gentle": 2.0, None: 1.0}[sharpness]
+    size = told or (20.0 if shape == "hairpin" else 45.0 if angle > 180.0 else radius * factor)
+    number = bends or (2 if shape == "s_curve" else 1)
+    arc = math.radians(angle) * size * number
+    share = 1.0 if angle <= 180.0 else 0.0
+    line = {"shape": shape, "angle": -angle if side == "right" else angle, "radius": size}
+    line |= {"bends": bends} if bends and bends != (2 if shape == "s_curve" else 1) else {}
+    return line | {"length": _length(road, length, arc, share * (number + 1) / 2, choices)}
+
+
+def _length(road: Thing, told: float | None, arc: float, share: float, choices: Choices) -> float:
+    if told and told < _SHORT * arc:
+        raise Unfit(f"bends that are {arc:.0f} m long together do not fit into a road of {told:.0f} m")
+    straights = road.value("straights")
+    if told:
+        return float(told)
+    if straights is not None:
+        return float(arc + straights)
+    return arc + (choices.length("straight roads beside the bend", 200, 300, step=20) * share if share else 60.0)
+
+
+def _turn(road: Thing) -> tuple[float | None, str | None]:
+    """By how many degrees a road turns, and to which side."""
+    angles, sides = list(map(float, road.values("turn_angle"))), list(road.values("turn_to"))
+    for pair in (*road.values("turn"), *road.values("turn_side")):
+        angles.append(float(next(value for value in pair if not isinstance(value, str))))
+        sides.append(next(value for value in pair if isinstance(value, str)))
+    for first, second in road.values("s_turn"):
+        sides.append(first if first != second else "")
+    for pairs in road.values("s_arc"):
+        turns, ways = [v for v in pairs if not isinstance(v, str)], [v for v in pairs if isinstance(v, str)]
+        angles += turns
+        sides.append(ways[0] if ways[0] != ways[1] else "")
+    if len(set(angles)) > 1 or "" in sides or len(set(sides)) > 1:
+        raise Unfit("a bend is said to turn in two ways")
+    if angles and not 0 < angles[0] <= 280:
+        raise Unfit(f"a bend turns by up to 280 degrees, not by {angles[0]:g}")
+    return (angles[0] if angles else None), (sides[0] if sides else None)

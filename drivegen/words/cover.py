@@ -1,0 +1,107 @@
+"""The covers of a text: every token in a phrase or on the list of words that say nothing, found by dynamic programming."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from drivegen.words.forms import Pattern, first_words, match, stemmed
+from drivegen.words.phrase import Phrase
+from drivegen.words.table import words
+from drivegen.words.tokens import Token, stem, stems
+
+UNREAD = 50.0
+"""What a token costs that nothing reads: any cover without is better."""
+
+_PHRASE, _SLOT, _SILENT, _BEHIND = 1.0, 0.02, 0.3, 0.01
+_CLOSE = 0.65
+"""Covers that cost so much more than the best are looked at where the best makes no sense."""
+
+_MOST = 60
+_COUNTED = stems("way lane arm leg armed legged road street")
+"""Words behind a number that is part of an adjective: "two one-way streets"."""
+
+_STOPS = stems(", . ( : and with at on in of for to from that where which is are has per each") | {""}
+
+
+@dataclass(frozen=True)
+class Item:
+    """A stretch of the text: a phrase with the values of its slots, or one word without (`phrase` None)."""
+
+    phrase: Phrase | None
+    values: tuple[Any, ...]
+    start: int
+    end: int
+    text: str
+    raw: str
+    unread: bool = False
+
+
+@dataclass(frozen=True)
+class Cover:
+    """Items from the first token to the last, and what they cost."""
+
+    items: tuple[Item, ...]
+    cost: float
+
+    @property
+    def unread(self) -> list[str]:
+        """The words that nothing reads."""
+        return [item.raw for item in self.items if item.unread]
+
+
+class Grammar:
+    """A table of phrases, ready to be looked for in texts."""
+
+    def __init__(self, phrases: Iterable[Phrase], silent: frozenset[str]) -> None:
+        self.phrases, self.silent = tuple(phrases), frozenset(map(stem, silent))
+        self._patterns = [(phrase, stemmed(form)) for phrase in self.phrases for form in phrase.forms]
+        self._by_word: defaultdict[str, list[tuple[Phrase, Pattern]]] = defaultdict(list)
+        for phrase, pattern in self._patterns:
+            for word in first_words(pattern)[0]:
+                self._by_word[word].append((phrase, pattern))
+
+    def covers(self, tokens: Sequence[Token]) -> list[Cover]:
+        """The best covers, cheapest first; all have unread words or none has."""
+        best: list[list[Cover]] = [[Cover((), 0.0)], *([] for _ in tokens)]
+        for i, token in enumerate(tokens):
+            for item, cost in [*self._said(tokens, i), self._alone(token, i)]:
+                best[item.end] += [Cover((*cover.items, item), cover.cost + cost) for cover in best[i]]
+            best[i + 1] = _few(best[i + 1])
+        return _few(best[-1])
+
+    def _alone(self, token: Token, i: int) -> tuple[Item, float]:
+        unread = token.text not in self.silent and token.text not in (",", ".", "(", ":")
+        return Item(None, (), i, i + 1, token.text, token.raw, unread), UNREAD if unread else _SILENT
+
+    def _said(self, tokens: Sequence[Token], i: int) -> Iterable[tuple[Item, float]]:
+        found: dict[tuple[Phrase, tuple[Any, ...], int], None] = {}
+        for phrase, pattern in (*self._by_word.get(tokens[i].key, ()), *self._by_word[""]):
+            for values, end in match(pattern, tokens, i):
+                if end > i and _fits(phrase, tokens, end):
+                    found[phrase, values, end] = None
+        for phrase, values, end in found:
+            raw = " ".join(token.raw for token in tokens[i:end])
+            behind = _BEHIND if phrase.place == "post" and tokens[end - 1].raw == "lane" else 0.0
+            yield Item(phrase, values, i, end, tokens[end - 1].text, raw), _PHRASE + _SLOT * len(values) + behind
+
+
+def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
+    """Whether a phrase that must stand before its noun, or must not, can stand there."""
+    if phrase.name == "member":
+        return end == len(tokens) or tokens[end].text not in words("moved")
+    if not phrase.place or phrase.kind != "fact":
+        return True
+    last, following = tokens[end - 1], tokens[end].text if end < len(tokens) else ""
+    counted = end + 1 < len(tokens) and tokens[end].value is not None
+    counts = phrase.name == "queue" or (counted and phrase.name == "count" and tokens[end + 1].text in _COUNTED)
+    before_noun = not last.plural and following not in _STOPS and (not counted or counts)
+    if phrase.place == "pre":
+        return before_noun or (following == "," and not last.plural and phrase.name not in ("count", "nth"))
+    return True
+
+
+def _few(covers: list[Cover]) -> list[Cover]:
+    """The cheapest covers, each way to cut the text once."""
+    ordered = sorted(covers, key=lambda cover: cover.cost)
+    return [cover for cover in ordered if cover.cost <= ordered[0].cost + _CLOSE][:_MOST]

@@ -1,0 +1,102 @@
+"""From a scene to a map specification: which kind of road is spoken of, and its builder. Everything said must end up in it."""
+
+from collections.abc import Callable
+from typing import Any
+
+from pydantic import ValidationError
+
+from drivegen.layouts.spec import MapSpec
+from drivegen.words.build_crossings import crossing, roundabout
+from drivegen.words.build_events import EVENT_FACTS, EVENTS
+from drivegen.words.build_highways import fork, highway
+from drivegen.words.build_interchanges import cloverleaf, interchange
+from drivegen.words.build_streets import grid, street
+from drivegen.words.choices import Choices, check_lanes
+from drivegen.words.scene import Scene, Unfit
+
+_BENT = {"line", "arc", "turn", "turn_side", "turn_angle", "turn_to", "bends", "hairpins", "s_turn", "s_arc"}
+Builder = Callable[[Scene, Choices], dict[str, Any]]
+
+
+def specification(scene: Scene, choices: Choices) -> MapSpec:
+    """The road of a scene. Raises Unfit where none is spoken of, something said fits nowhere, or it cannot be drawn."""
+    for thing in (scene.whole, *scene.things):
+        check_lanes(thing)
+    hands = {value for thing in (scene.whole, *scene.things) for value in thing.values("left_hand")}
+    if len(hands) > 1:
+        raise Unfit("traffic is said to keep left and right")
+    _cross_streets(scene)
+    fields = _builder(scene)(scene, choices)
+    for thing in (scene.whole, *scene.things):
+        thing.values("setting"), thing.values("arterial")
+        if thing.name != "roundabout":
+            thing.values("size")
+    if left := scene.unused():
+        raise Unfit(f"{left[0]!r} does not fit a road of the kind {fields['kind'].replace('_', ' ')} here")
+    try:
+        return MapSpec.model_validate({"road": fields, "left_hand": bool(hands and hands.pop())})
+    except ValidationError as error:
+        raise Unfit(f"this road cannot be drawn: {first_complaint(error)}") from None
+
+
+def _cross_streets(scene: Scene) -> None:
+    """Several streets that cross one road lie along it: "a boulevard crossed by three streets"."""
+    streets = [thing for thing in scene.things if thing.name in ("street", "main") and thing.which is None]
+    counts = [next((int(f.value) for f in thing.facts if f.name == "count"), 1) for thing in streets]
+    if "crosses" in scene.links and len(streets) > 1 and sorted(counts)[-2:-1] == [1] and max(counts) > 1:
+        streets[counts.index(max(counts))].name = "cross"
+
+
+def first_complaint(error: ValidationError) -> str:
+    """The first complaint of a specification, without pydantic's words around it."""
+    detail = error.errors(include_url=False, include_input=True)[0]
+    place = [str(part) for part in detail["loc"] if not isinstance(part, int)][2:]
+    message = detail["msg"].removeprefix("Value error, ").replace("Input should be", "must be").replace("Tuple should have", "")
+    shown = f" (asked: {detail['input']:g})" if isinstance(detail["input"], int | float) else ""
+    return f"{' '.join(place).replace('_', ' ')} {message}{shown}".strip()
+
+
+def _builder(scene: Scene) -> Builder:
+    if scene.there("cloverleaf"):
+        return cloverleaf
+    if scene.there("interchange"):
+        return interchange
+    if scene.there("grid"):
+        return grid
+    facts = {fact.name for thing in (scene.whole, *scene.things) for fact in thing.facts}
+    if (scene.there("fork", "left_branch", "right_branch") or facts & {"splits", "joins", "branch_lanes"}) and not (
+        scene.there("crossing", "roundabout")
+    ):
+        return fork
+    places = scene.there("crossing", "roundabout", "staggered")
+    if not places and (scene.there("highway", *EVENTS) or facts & {*EVENT_FACTS, "divided"}):
+        return highway
+    if scene.there("staggered") or _in_a_row(scene):
+        return street
+    if scene.there("roundabout"):
+        return roundabout
+    if scene.there("crossing", "east_west", "north_south") or _meeting(scene) or "arms" in facts:
+        return crossing
+    if scene.there("street", "main", "side", "cross", "dead_end") or facts & _BENT:
+        return street
+    raise Unfit("no road that I can draw is named")
+
+
+def _in_a_row(scene: Scene) -> bool:
+    """Whether several junctions, or one at a place that is said, lie along one road."""
+    junctions = [thing for thing in scene.things if thing.name in ("crossing", "roundabout")]
+    news = [thing for thing in junctions if thing.which is None]
+    several = len(news) > 1 or any(f.value != 1 for t in news for f in t.facts if f.name == "count")
+    along = [thing for thing in (*junctions, scene.whole) if thing.has("position", "spacing", "gap")]
+    return bool(junctions) and (several or bool(along))
+
+
+def _meeting(scene: Scene) -> bool:
+    """Whether roads are said to meet or to cross, or there are a main and one side road."""
+    counts = [f.value for t in scene.things if t.name in ("side", "cross") for f in t.facts if f.name == "count"]
+    if any(count > 1 for count in counts) or scene.there("dead_end"):
+        return False
+    sides = [thing for thing in scene.things if thing.name in ("side", "cross") and thing.which is None]
+    if len(sides) > 1 or any(thing.has("position", "side") for thing in sides):
+        return False
+    return bool(scene.links & {"meets", "crosses"}) or (scene.there("side", "cross") and scene.there("main"))

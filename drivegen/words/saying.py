@@ -1,0 +1,242 @@
+"""A specification said back in plain sentences, by the phrase table: whoever reads them gets the same specification.
+
+Sayable is every specification but a free graph, in the form in which words build it: what has no effect (the radius of a straight
+road, turn lanes' length where there are none) has its default, angles of arms lie between 0 and 360 degrees.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from drivegen.layouts.alignment import Alignment
+from drivegen.layouts.crossings import Arm, Crossing, Roundabout
+from drivegen.layouts.highways import Fork, Highway, HighwayEvent, Interchange
+from drivegen.layouts.quadrants import QUADRANTS, QuadrantInterchange
+from drivegen.layouts.spec import MapSpec
+from drivegen.layouts.streets import Corridor, Grid, Junction
+from drivegen.words.forms import speak
+from drivegen.words.slots import SLOTS
+from drivegen.words.table import table
+
+Said = tuple[str, Any]
+"""A field and its value."""
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """What is said of one subject."""
+
+    subject: str
+    facts: tuple[Said, ...]
+
+    def __str__(self) -> str:
+        spoken = [fact_in_words(name, value) for name, value in self.facts]
+        return f"{self.subject} {', '.join(spoken)}." if spoken else f"{self.subject.removesuffix(' with')}."
+
+
+def fact_in_words(name: str, value: Any, tables: Sequence[str] = ("roads", "lines")) -> str:
+    """One fact as it is spoken."""
+    if name == "thing":
+        return counted(*value)
+    if name == "every side":
+        return ", ".join(fact_in_words("sides", side) for side in value)
+    phrases = [p for each in tables for p in table(each) if p.kind == "fact" and p.name == name and p.place != "pre"]
+    exact = [p for p in phrases if p.value is not None and p.value == value and type(p.value) is type(value)]
+    phrase = (exact or [p for p in phrases if p.value is None])[0]
+    slots = () if phrase.value is not None else value if isinstance(value, tuple) and name != "grid_size" else (value,)
+    return speak(phrase.forms[0], slots)
+
+
+def noun(name: str, **facts: Any) -> str:
+    """A thing's name as it is spoken."""
+    return speak(next(p for p in table("roads") if p.kind == "thing" and p.name == name and p.facts == facts).forms[0], ())
+
+
+def counted(number: int, name: str) -> str:
+    """So many things of a name: "a crossing", "3 crossings"."""
+    word = noun(name)
+    return f"{'an' if word[0] in 'aeio' else 'a'} {word}" if number == 1 else f"{number} {word}s"
+
+
+def say(spec: MapSpec) -> list[Sentence]:
+    """The sentences. Raises ValueError for a free graph, which words cannot hold."""
+    says = {Crossing: _crossing, Roundabout: _roundabout, Corridor: _corridor, Grid: _grid, Highway: _highway, Fork: _fork,
+            Interchange: _interchange, QuadrantInterchange: _quadrants}  # fmt: skip
+    if type(spec.road) not in says:
+        raise ValueError(f"a {spec.road.kind} cannot be said in words")
+    hand = [Sentence("There is", (("left_hand", True),))] if spec.left_hand else []
+    return [*says[type(spec.road)](spec.road), *hand]  # type: ignore[operator]
+
+
+def sentences(spec: MapSpec) -> list[str]:
+    """The same as text."""
+    return [str(sentence) for sentence in say(spec)]
+
+
+def _nth(i: int) -> str:
+    return SLOTS["nth"].speak(i + 1)
+
+
+def _lanes(ahead: int, back: int) -> list[Said]:
+    if back == 0:
+        return [("one_way", True), ("lanes", ahead)]
+    return [("lanes_each", ahead) if ahead == back else ("lanes_pair", (ahead, back))]
+
+
+def _grouped(each: str, one: str, items: Sequence[list[Said]]) -> list[Sentence]:
+    """What is said of every item in one sentence, and the rest one by one; `one` holds a place for the ordinal or is a list."""
+    common = [said for said in items[0] if all(said in other for other in items)] if len(items) > 1 else []
+    found = [Sentence(each, tuple(common))] if common else []
+    rest = [[said for said in item if said not in common] for item in items]
+    return found + [Sentence(one.format(_nth(i)), tuple(item)) for i, item in enumerate(rest) if item]
+
+
+def _arms(arms: Sequence[Arm], angles: Sequence[float], main: Sequence[bool]) -> list[Sentence]:
+    items = []
+    for arm, angle, priority in zip(arms, angles, main, strict=True):
+        same = arm.lanes_in == arm.lanes_out
+        said: list[Said] = [("angle", arm.angle)] if arm.angle != angle else []
+        said += [("lanes_each", arm.lanes_in)] if same else [("lanes_in", arm.lanes_in), ("lanes_out", arm.lanes_out)]
+        said += [("speed", arm.speed), ("length", arm.length)]
+        said += [(f"{side}_turn_lane", True) for side in ("left", "right") if getattr(arm, f"{side}_turn_lane")]
+        said += [("pocket", arm.pocket)] if arm.left_turn_lane or arm.right_turn_lane else []
+        said += [("priority", arm.main)] if arm.main != priority else []
+        items.append(said)
+    return _grouped("Every arm has", "The {} arm has", items)
+
+
+def _crossing(road: Crossing) -> list[Sentence]:
+    angles, count = [arm.angle for arm in road.arms], len(road.arms)
+    even = [i * 360.0 / count for i in range(count)]
+    shape, base = None, even
+    if count == 3:
+        stem = 90.0 if angles[2] < 180.0 and angles[0] == 180.0 and angles[1] == 0.0 else 270.0
+        shape, base = ("y", [180.0, 35.0, -35.0]) if angles == [180.0, 35.0, -35.0] else ("t", [180.0, 0.0, stem])
+    main = [i != 2 for i in range(3)] if shape == "t" else [True] * count
+    side: list[Said] = [("side", "left")] if shape == "t" and base[2] == 90.0 else []
+    head = noun("crossing", arms=3, shape=shape) if shape else noun("crossing")
+    facts: list[Said] = [*([] if shape else [("arms", count)]), ("control", road.control), *side]
+    none = not any(arm.left_turn_lane or arm.right_turn_lane for arm in road.arms)
+    return [Sentence(f"A {head} with", (*facts, *([("no_turn_lanes", True)] if none else []))), *_arms(road.arms, base, main)]
+
+
+def _roundabout(road: Roundabout) -> list[Sentence]:
+    count = len(road.arms)
+    even = [i * 360.0 / count for i in range(count)]
+    facts = [("arms", count), ("diameter", road.diameter), ("ring_lanes", road.ring_lanes), ("ring_speed", road.ring_speed)]
+    return [Sentence(f"A {noun('roundabout')} with", tuple(facts)), *_arms(road.arms, even, [True] * count)]
+
+
+def _line(line: Alignment) -> list[Said]:
+    if line.shape == "straight":
+        return [("straight", True), ("length", line.length)]
+    found: list[Said] = [("line", line.shape)]
+    if line.arcs:
+        found += [("arc", (abs(angle), "left" if angle > 0 else "right", radius)) for angle, radius in line.arcs]
+        arc = sum(abs(math.radians(angle)) * radius for angle, radius in line.arcs)
+    else:
+        angle, number = abs(line.angle), len(line.curves)
+        found += [("turn", (angle, "left" if line.angle > 0 else "right")), ("radius", line.radius)]
+        found += [("bends", line.bends)] if line.bends else []
+        arc = math.radians(angle) * line.radius * number
+    straights = round(line.length - arc, 3)
+    return [*found, ("straights", straights) if arc + straights == line.length else ("length", line.length)]
+
+
+def _corridor(road: Corridor) -> list[Sentence]:
+    facts = [*_lanes(road.lanes, road.lanes_back), ("speed", road.speed), *_line(road.alignment)]
+    facts += [("dead_end", True)] if road.dead_end else []
+    found = [Sentence("A road with", tuple(facts))]
+    if not road.junctions:
+        return found
+    forms = [junction.form for junction in road.junctions]
+    found.append(Sentence("Along it there are", tuple(_listed(forms))))
+    for form in dict.fromkeys(forms):
+        items = [_junction(junction) for junction in road.junctions if junction.form == form]
+        found += _grouped(f"Every {form} has", f"The {{}} {form} has", items)
+    return found
+
+
+def _listed(names: Sequence[str]) -> list[Said]:
+    """Things in a row, those of one name that follow one another as a number."""
+    found: list[Said] = []
+    for name in names:
+        if found and found[-1][1][1] == name:
+            found[-1] = ("thing", (found[-1][1][0] + 1, name))
+        else:
+            found.append(("thing", (1, name)))
+    return found
+
+
+def _junction(junction: Junction) -> list[Said]:
+    found: list[Said] = [("position", junction.position), ("every side", junction.sides)]
+    if junction.form == "crossing":
+        found.append(("control", junction.control))
+    else:
+        found += [("ring_lanes", junction.ring_lanes), ("diameter", junction.diameter)]
+    found += [("side_lanes", junction.side_lanes), ("side_speed", junction.side_speed), ("side_length", junction.side_length)]
+    turns = [(f"{side}_turn_lane", True) for side in ("left", "right") if getattr(junction, f"{side}_turn_lane")]
+    found += [*turns, *([("pocket", junction.pocket)] if turns else [])]
+    return found + ([("side_dead_end", True)] if junction.dead_end else [])
+
+
+def _grid(road: Grid) -> list[Sentence]:
+    lanes: list[Said] = [("one_way", True), ("lanes", road.lanes)] if road.one_way else [("lanes_each", road.lanes)]
+    facts: list[Said] = [("grid_size", (road.rows, road.columns)), ("spacing", road.spacing), *lanes, ("speed", road.speed)]
+    facts += [("beyond", road.beyond)] if road.beyond is not None else []
+    return [Sentence(f"A {noun('grid')} with", (*facts, ("control", road.control)))]
+
+
+def _highway(road: Highway) -> list[Sentence]:
+    two = road.carriageways == 2
+    facts = [*_lanes(road.lanes, road.lanes if two else 0), ("speed", road.speed), *_line(road.alignment)]
+    facts += [("median", road.median)] if two else []
+    facts += [("both", True)] if road.both else []
+    found = [Sentence(f"A {noun('highway')} with", tuple(facts))]
+    if road.events:
+        found.append(Sentence("Along it there are", tuple(_listed([event.kind for event in road.events]))))
+    for kind in dict.fromkeys(event.kind for event in road.events):
+        items = [_event(event) for event in road.events if event.kind == kind]
+        found += _grouped(f"Every {noun(kind)} has", f"The {{}} {noun(kind)} has", items)
+    return found
+
+
+def _event(event: HighwayEvent) -> list[Said]:
+    ramp = event.kind in ("on_ramp", "off_ramp", "weaving")
+    found: list[Said] = [("position", event.position), ("event_lanes", event.lanes)]
+    found += [("auxiliary", event.length)] if ramp else [("side", event.side)]
+    return [*found, ("ramp_speed", event.ramp_speed), *([("keeps", True)] if event.keeps else [])]
+
+
+def _fork(road: Fork) -> list[Sentence]:
+    facts: list[Said] = [("joins", 2)] if road.joins else []
+    facts += [("lanes", road.lanes), ("branch_lanes", (road.left_lanes, road.right_lanes)), ("angle", road.angle)]
+    facts += [("speed", road.speed), ("length", road.length), *([("stem", road.stem)] if road.stem is not None else [])]
+    return [Sentence(f"A {noun('fork')} with", tuple(facts))]
+
+
+def _interchange(road: Interchange) -> list[Sentence]:
+    facts = [("control", road.control), ("ramp_lanes", road.ramp_lanes), ("ramps_limit", road.ramp_speed)]
+    above = [("lanes_each", road.road_lanes), ("speed", road.road_speed), ("length", road.road_length)]
+    head = noun("interchange", form=road.form)
+    return [
+        Sentence(f"{'An' if head[0] in 'aeio' else 'A'} {head} with", tuple(facts)),
+        Sentence(f"The {noun('highway')} has", (("lanes_each", road.lanes), ("speed", road.speed))),
+        Sentence(f"The {noun('upper')} has", tuple(above)),
+    ]
+
+
+def _quadrants(road: QuadrantInterchange) -> list[Sentence]:
+    facts: list[Said] = [("ramp_lanes", road.ramp_lanes), ("ramps_limit", road.ramp_speed), ("loop_radius", road.loop_radius)]
+    facts += [("loop_speed", road.loop_speed), ("median", road.median)]
+    facts += [] if road.north_leg else [("leg", "south")]
+    facts += [] if road.south_leg else [("leg", "north")]
+    facts += [] if road.control is None else [("control", road.control)]
+    above = (("lanes_each", road.road_lanes), ("speed", road.road_speed), ("length", road.leg_length))
+    return [
+        Sentence(f"A {noun('cloverleaf', form='cloverleaf')} with", tuple(facts)),
+        Sentence(f"The {noun('highway')} has", (("lanes_each", road.lanes), ("speed", road.speed))),
+        Sentence(f"The {noun('upper')} has", above),
+        *(Sentence(f"The {noun(name)} has", (("ramps", getattr(road, name)),)) for name in QUADRANTS),
+    ]

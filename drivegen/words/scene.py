@@ -1,0 +1,264 @@
+"""A cover as things and what is said of each: which fact belongs to which thing.
+
+A fact before a noun belongs to it; one behind belongs to what its clause speaks of, if that can hold it, else to the nearest
+thing that can, else to the whole. "on the side road" takes what stands before it in its clause. Behind a comma, at the end of all
+things, a fact is of the whole, unless the sentence speaks of one thing ("The side road has ..., ...").
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from drivegen.words.cover import Item
+from drivegen.words.phrase import Phrase
+from drivegen.words.table import traffic_names, words
+from drivegen.words.tokens import stems
+
+ALL = frozenset({"every", "each", "all", "both"})
+_KNOWN = stems("the its this that these those")
+WHOLES = ("crossing", "roundabout", "highway", "street", "grid", "fork", "interchange", "cloverleaf", "staggered", "dead_end")
+
+
+MOVING = ("car", "truck", "bus", "vehicle", "member", "target", "leader")
+"""Things of which nothing that roads have is said."""
+
+
+class Unfit(Exception):
+    """What is said cannot be put together; the message says why."""
+
+
+@dataclass(eq=False)
+class Fact:
+    """One thing said; `used` once a specification holds it."""
+
+    name: str
+    value: Any
+    text: str
+    scope: tuple[str, ...]
+    used: bool = False
+    loose: str = ""
+
+
+@dataclass(eq=False)
+class Thing:
+    """Something that is spoken of; `which` tells one from its like: an ordinal, a direction [degrees], a side, or all of them."""
+
+    name: str
+    text: str = ""
+    facts: list[Fact] = field(default_factory=list)
+    which: Any = None
+    used: bool = False
+    definite: bool = False
+    links: list[str] = field(default_factory=list)
+
+    def values(self, name: str) -> list[Any]:
+        """All values that are said of a field, in order; they count as used."""
+        facts = [fact for fact in self.facts if fact.name == name]
+        for fact in facts:
+            fact.used = True
+        return [fact.value for fact in facts]
+
+    def value(self, name: str) -> Any:
+        """The only value of a field, None where nothing is said. Raises Unfit where two differ."""
+        values = self.values(name)
+        if any(value != values[0] for value in values):
+            texts = " and ".join(repr(fact.text) for fact in self.facts if fact.name == name)
+            raise Unfit(f"{texts} contradict one another")
+        return values[0] if values else None
+
+    def has(self, *names: str) -> bool:
+        """Whether any of these fields is spoken of; they do not count as used."""
+        return any(fact.name in names for fact in self.facts)
+
+
+def merged(things: Iterable[Thing]) -> Thing:
+    """What is said of several things, as one."""
+    return Thing("", facts=[fact for thing in things for fact in thing.facts])
+
+
+@dataclass
+class Scene:
+    """Everything that is said: things in order, and the whole."""
+
+    things: list[Thing] = field(default_factory=list)
+    whole: Thing = field(default_factory=lambda: Thing(""))
+
+    def named(self, *names: str) -> list[Thing]:
+        """The things of these names; they count as used."""
+        found = [thing for thing in self.things if thing.name in names]
+        for thing in found:
+            thing.used = True
+        return found
+
+    def there(self, *names: str) -> bool:
+        """Whether any thing of these names is spoken of."""
+        return any(thing.name in names for thing in self.things)
+
+    def merged(self, *names: str) -> Thing:
+        """What is said of the whole and of things of these names that no ordinal or direction tells apart, as one thing."""
+        return Thing(" ".join(names), facts=[fact for thing in (self.whole, *self.named(*names)) for fact in thing.facts])
+
+    def one_road(self, *names: str) -> None:
+        """Raises Unfit where more than one thing of these names is spoken of."""
+        found = [thing for thing in self.things if thing.name in names and thing.which is None]
+        if len(found) > 1:
+            raise Unfit(f"it is not clear how {' and '.join(repr(thing.text) for thing in found[:3])} belong together")
+
+    @property
+    def links(self) -> set[str]:
+        """How things are related."""
+        return {link for thing in (self.whole, *self.things) for link in thing.links}
+
+    def unused(self) -> list[str]:
+        """What no specification holds, as it was said."""
+        facts = [fact.text for thing in (self.whole, *self.things) for fact in thing.facts if not fact.used]
+        return [*facts, *(thing.text for thing in self.things if not thing.used)]
+
+
+class Walk:
+    """Goes along the items of a cover and builds the scene."""
+
+    def __init__(self, items: Sequence[Item]) -> None:
+        self.items = items
+        self.scene = Scene()
+        self.subject: Thing | None = None
+        self.sentence: list[Thing] = []
+        self.pending: list[Fact] = []
+        self.segment: list[tuple[Fact, Thing]] = []
+        self.mark, self.det, self.comma, self.sticky = ".", "", False, False
+
+    def run(self) -> Scene:
+        """The scene. Raises Unfit."""
+        for i, item in enumerate(self.items):
+            if item.phrase is None:
+                self._word(item)
+            elif item.phrase.kind == "thing":
+                self._thing(item, item.phrase)
+            elif item.phrase.kind == "link":
+                self._nothing_pending()
+                (self.subject or self.scene.whole).links.append(item.phrase.name)
+                self.mark, self.comma, self.det = "", False, ""
+            elif item.phrase.kind == "fact":
+                self._fact(i, item, item.phrase)
+        self._sentence_ends()
+        return self.scene
+
+    def _nothing_pending(self) -> None:
+        if self.pending:
+            raise Unfit(f"it is not clear what {self.pending[0].text!r} belongs to")
+
+    def _word(self, item: Item) -> None:
+        word = item.text
+        if word not in (",", "and") and word != "":
+            self._nothing_pending()
+        if word == ".":
+            self._sentence_ends()
+        elif word == "(":
+            self.comma, self.mark, self.det = False, ",", ""
+        elif word == ":":
+            self.comma, self.sticky, self.mark, self.det = False, True, ",", ""
+        elif word == ",":
+            self.comma, self.segment, self.mark, self.det = True, [], ",", ""
+        elif word in words("determiners"):
+            self.det = word
+        elif word in words("verbs") and self.sticky:
+            self.comma = False
+        else:
+            self.mark = word
+            if word in ("with", "has", "having", "where"):
+                self.comma = False
+            if word not in words("prepositions"):
+                self.det = ""
+
+    def _sentence_ends(self) -> None:
+        self._nothing_pending()
+        self.subject, self.sentence, self.segment = None, [], []
+        self.mark, self.det, self.comma, self.sticky = ".", "", False, False
+
+    def _thing(self, item: Item, phrase: Phrase) -> None:
+        slots = zip(phrase.slots, item.values, strict=True)
+        facts = [*self.pending, *(Fact(n, v, item.raw, ()) for n, v in (*phrase.facts.items(), *slots))]
+        which = [fact.value for fact in facts if fact.name in ("nth", "compass")]
+        facts = [fact for fact in facts if fact.name not in ("nth", "compass")]
+        thing = self._resolved(phrase.name, item.raw, which[0] if which else "all" if self.det in ALL else None)
+        thing.facts += facts
+        self.pending = []
+        parts = phrase.name not in (*WHOLES, "street", *traffic_names()) or thing.which is not None
+        if parts and self.mark in words("prepositions") and self.subject is not None and self.subject.name in traffic_names():
+            raise Unfit(f"where {self.subject.text!r} is can be said as seen from the target only, not by {item.raw!r}")
+        definite = self.det in _KNOWN or self.det in ALL or bool(which)
+        if self.mark in words("prepositions") and definite and self.segment:
+            for fact, holder in self.segment:
+                if thing.name in fact.scope or "*" in fact.scope:
+                    holder.facts.remove(fact)
+                    thing.facts.append(fact)
+        else:
+            self.sticky = definite and self.mark == "."
+            self.subject = thing
+        self.sentence.append(thing)
+        self.segment, self.mark, self.det, self.comma = [], "", "", False
+
+    def _resolved(self, name: str, text: str, which: Any) -> Thing:
+        """The thing that is meant: one that was spoken of before, or a new one."""
+        like = [thing for thing in self.scene.things if thing.name == name and thing.which == which]
+        if like and (self.det in _KNOWN or which is not None):
+            return like[-1]
+        self.scene.things.append(Thing(name, text, which=which, definite=self.det in _KNOWN or which is not None))
+        return self.scene.things[-1]
+
+    def _fact(self, i: int, item: Item, phrase: Phrase) -> None:
+        values = item.values
+        value = phrase.value if not values else values[0] if len(values) == 1 else values
+        fact = Fact(phrase.name, value, item.raw, phrase.scope)
+        if phrase.place == "pre" or (phrase.place == "" and self._before_noun(i, fact)):
+            self.pending.append(fact)
+            self.comma = False
+            return
+        self._nothing_pending()
+        holder = self._holder(i, fact)
+        holder.facts.append(fact)
+        self.segment.append((fact, holder))
+        self.mark, self.det = "", ""
+
+    def _before_noun(self, i: int, fact: Fact) -> bool:
+        """Whether a noun that can hold the fact, or further words before it, follow at once."""
+        for item in self.items[i + 1 :]:
+            if item.phrase is None or item.phrase.place == "post" or item.phrase.kind not in ("thing", "fact"):
+                return False
+            if item.phrase.kind == "thing":
+                return item.phrase.name in fact.scope or "*" in fact.scope
+        return False
+
+    def _holder(self, i: int, fact: Fact) -> Thing:
+        if self.subject is not None and self.subject.name in MOVING and not (self.comma or _can_hold(self.subject, fact)):
+            raise Unfit(f"it is not clear what {fact.text!r} belongs to")
+        holds = [t for t in (self.subject, *reversed(self.sentence)) if t is not None and _can_hold(t, fact)]
+        whole = "" in fact.scope
+        if self.comma and not self.sticky and whole and holds and holds[0].name not in WHOLES and not self._things_follow(i):
+            fact.loose = holds[0].name
+            return self.scene.whole
+        if holds and (self.subject in holds or not whole):
+            return holds[0]
+        if whole:
+            return self.scene.whole
+        earlier = [thing for thing in reversed(self.scene.things) if _can_hold(thing, fact)]
+        if len({thing.name for thing in earlier}) == 1:
+            return earlier[0]
+        raise Unfit(f"it is not clear what {fact.text!r} belongs to")
+
+    def _things_follow(self, i: int) -> bool:
+        for item in self.items[i + 1 :]:
+            if item.phrase is None and item.text == ".":
+                return False
+            if item.phrase is not None and item.phrase.kind == "thing":
+                return True
+        return False
+
+
+def _can_hold(thing: Thing, fact: Fact) -> bool:
+    return thing.name in fact.scope or "*" in fact.scope
+
+
+def scene_of(items: Iterable[Item]) -> Scene:
+    """The scene of a cover's items. Raises Unfit."""
+    return Walk(tuple(items)).run()

@@ -1,0 +1,88 @@
+"""The phrase table, read from `tables/*.txt`: what every phrase means, and the forms in which it is said.
+
+An entry is `KIND NAME [VALUE] [= SLOTS] [: SCOPE] :: FORM ; FORM ; ...`, continued on indented lines; its first form is spoken.
+thing: VALUE is what its name says of it, SLOTS the fields that the slots of its forms fill.
+fact, pre (only before its noun), post (never there): VALUE is that of a fact without slots; SCOPE the things that can hold
+it, "-" is the whole, the name of a scope stands for its words.
+link: how two things are related. cannot: what neither a specification nor the simulator can hold. macro: `<name>` in forms.
+words: words that say nothing, and others that are told apart.
+"""
+
+import json
+import re
+from collections.abc import Iterator
+from functools import cache
+from importlib.resources import files
+
+from drivegen.words.phrase import Phrase
+from drivegen.words.tokens import stems
+
+_HEAD = re.compile(
+    r"(?P<kind>\w+) (?P<name>[^\[{\":=]+?)(?: (?P<value>[\[{\"\d].*?|true|false))?(?: = (?P<slots>[\w ]+))?(?: : (?P<scope>.+))?"
+)
+_PLACES = {"pre": "pre", "post": "post", "fact": ""}
+
+
+def _entries(name: str) -> Iterator[tuple[re.Match[str], str]]:
+    """The entries of a file: head and body."""
+    text = (files("drivegen.words") / "tables" / f"{name}.txt").read_text(encoding="utf-8")
+    for entry in text.replace("\n  ", " ").splitlines():
+        head, _, body = entry.partition(" :: ")
+        match = _HEAD.fullmatch(head.strip())
+        if match is None:
+            raise ValueError(f"tables/{name}.txt: {head!r} is no head of an entry")
+        yield match, body.strip()
+
+
+@cache
+def words(name: str) -> frozenset[str]:
+    """A set of words of words.txt, without the "s" of plurals."""
+    return stems(next(body for head, body in _entries("words") if head["name"] == name))
+
+
+def silent() -> frozenset[str]:
+    """The words that say nothing. No number, unit, side, scope, direction or event is among them."""
+    return words("determiners") | words("prepositions") | words("verbs") | words("silent")
+
+
+@cache
+def macros() -> dict[str, str]:
+    """The macros of forms, each with its alternatives in brackets."""
+    return {head["name"]: f"({body})" for head, body in _entries("macros") if head["kind"] == "macro"}
+
+
+@cache
+def _scopes() -> dict[str, str]:
+    return {head["name"]: body for head, body in _entries("macros") if head["kind"] == "scope"}
+
+
+@cache
+def table(name: str) -> tuple[Phrase, ...]:
+    """The phrases of one file: roads, lines, traffic, edits, cannot."""
+    return tuple(_phrase(head, tuple(form.strip() for form in body.split(" ; "))) for head, body in _entries(name))
+
+
+def _phrase(head: re.Match[str], forms: tuple[str, ...]) -> Phrase:
+    kind, value = head["kind"], None if head["value"] is None else json.loads(head["value"])
+    if kind == "thing":
+        return Phrase("thing", head["name"], forms, facts=value or {}, slots=tuple((head["slots"] or "").split()))
+    if kind in ("link", "cannot"):
+        return Phrase(kind, head["name"], forms)  # type: ignore[arg-type]
+    scope = " ".join(_scopes().get(word, word) for word in (head["scope"] or "").split())
+    holders = tuple("" if holder == "-" else holder for holder in scope.split())
+    return Phrase("fact", head["name"], forms, value=value, scope=holders, place=_PLACES[kind])  # type: ignore[arg-type]
+
+
+@cache
+def absent() -> tuple[Phrase, ...]:
+    """Things that cannot be, said not to be there, which is so."""
+    return tuple(
+        Phrase("silent", phrase.name, tuple(f"<no> {form}" for form in phrase.forms))
+        for phrase in table("cannot")
+        if not any(hard in phrase.name for hard in ("turn bans", "hundred", "2+1", "red light", "on the left"))
+    )
+
+
+def traffic_names() -> frozenset[str]:
+    """Things that the road reader never sees."""
+    return frozenset(phrase.name for phrase in table("traffic") if phrase.kind == "thing")

@@ -1,0 +1,179 @@
+"""From a scene to a traffic request, and a request said back."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic import ValidationError
+
+from drivegen.words.forms import speak
+from drivegen.words.request import Group, Kind, TrafficRequest
+from drivegen.words.roads import first_complaint
+from drivegen.words.saying import Sentence, fact_in_words
+from drivegen.words.scene import Scene, Thing, Unfit
+from drivegen.words.table import table, traffic_names
+from drivegen.words.tokens import stem
+
+_OF_ALL = frozenset({"target_kind"})
+_KINDS = ("car", "truck", "bus", "vehicle")
+
+
+def parted(scene: Scene) -> tuple[Scene, Scene]:
+    """What is said of the road, and of the traffic; a limit without any road is the speed of the traffic."""
+    road = Scene([t for t in scene.things if t.name not in traffic_names()], Thing("", links=scene.whole.links))
+    traffic = Scene([t for t in scene.things if t.name in traffic_names()])
+    if link := next((thing for thing in traffic.things if thing.links), None):
+        raise Unfit(f"it is not clear what {link.text!r} meets or crosses")
+    road.whole.facts = [f for f in scene.whole.facts if f.name not in _OF_ALL]
+    traffic.whole.facts = [f for f in scene.whole.facts if f.name in _OF_ALL]
+    if traffic.things and not road.things and {f.name for f in road.whole.facts} == {"speed"}:
+        traffic.whole.facts += road.whole.facts
+        road.whole.facts = []
+    return road, traffic
+
+
+@dataclass
+class _Group:
+    """A group while it is put together."""
+
+    kind: str
+    count: int
+    told: dict[str, Any] = field(default_factory=dict)
+
+
+def request(scene: Scene) -> TrafficRequest:
+    """The traffic of a scene. Raises Unfit."""
+    groups: list[_Group] = []
+    found: dict[str, Any] = {}
+    for thing in scene.things:
+        thing.used = True
+        if thing.name == "traffic":
+            _note(found, "density", thing.value("density"))
+            _note(found, "speed", _pace(thing))
+        elif thing.name == "target":
+            _note(found, "target_does", thing.value("does"))
+            _note(found, "speed", _pace(thing))
+            if thing.has("within"):
+                raise Unfit("no time can be said for what the target does")
+        else:
+            _group(thing, groups)
+    _note(found, "target_kind", scene.whole.value("target_kind"))
+    _note(found, "speed", scene.whole.value("speed"))
+    groups = [group for group in groups if group.count]
+    if len(groups) == 1 and groups[0].count > 1 and "speed" in groups[0].told and not groups[0].told.get("queue"):
+        _note(found, "speed", groups[0].told.pop("speed"))
+    if left := scene.unused():
+        raise Unfit(f"{left[0]!r} cannot be asked for here")
+    if found.get("density") == "none" and (groups or len(found) > 1 + ("target_kind" in found)):
+        raise Unfit("no traffic is asked for, and some")
+    try:
+        return TrafficRequest(groups=tuple(_built(group) for group in groups), **found)
+    except ValidationError as error:
+        raise Unfit(f"this traffic cannot be placed: {first_complaint(error)}") from None
+
+
+def _note(found: dict[str, Any], name: str, value: Any) -> None:
+    if value is None:
+        return
+    if found.setdefault(name, value) != value:
+        raise Unfit(f"two different values are said of the traffic's {name.replace('_', ' ')}")
+
+
+def _pace(thing: Thing) -> float | None:
+    told = [*thing.values("pace"), *thing.values("speed")]
+    if any(value != told[0] for value in told):
+        raise Unfit("two speeds are said of one vehicle")
+    return float(told[0]) if told else None
+
+
+def _group(thing: Thing, groups: list[_Group]) -> None:
+    """Add what a thing asks for: a new group, or one member of the last one that does something of its own."""
+    count = thing.value("count")
+    vague = thing.name in _KINDS and stem(thing.text.split()[-1]) != thing.text.split()[-1] and count is None
+    if vague and thing.which != "all":
+        raise Unfit(f"say how many {thing.text}")
+    told = _told(thing)
+    if thing.name == "rest":
+        if not groups:
+            raise Unfit(f"it is not clear who {thing.text!r} are")
+        groups[0].told |= told
+    elif thing.name == "member":
+        source = next((group for group in reversed(groups) if group.count > 1 and not group.told.get("does")), None)
+        if source is None:
+            raise Unfit(f"it is not clear who {thing.text!r} is")
+        source.count -= count or 1
+        if source.count < 0:
+            raise Unfit(f"there are not so many as {thing.text!r}")
+        groups.append(_Group(source.kind, count or 1, told))
+    elif thing.name == "leader":
+        groups.append(_Group("car", 1, {"place": "ahead", **told}))
+    else:
+        groups.append(_Group(thing.name, 1 if count is None else int(count), told))
+        if count == 0:
+            raise Unfit("ruling out one kind of vehicle cannot be asked for")
+
+
+def _told(thing: Thing) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    thing.values("around")
+    if thing.has("setting", "left_hand"):
+        raise Unfit(f"it is not clear what {thing.text!r} has")
+    for fact in thing.facts:
+        if fact.name.startswith("far_"):
+            fact.used = True
+            _note(found, "place", fact.name.removeprefix("far_"))
+            _note(found, "distance", fact.value)
+    _note(found, "place", thing.value("place"))
+    _note(found, "speed", _pace(thing))
+    _note(found, "queue", thing.value("queue"))
+    if thing.value("at_light"):
+        _note(found, "place", "ahead")
+        _note(found, "speed", 0.0)
+        found["queue"] = True
+    does = thing.values("does")
+    if len(set(does)) > 1:
+        raise Unfit("one vehicle does one thing in a scene")
+    _note(found, "manoeuvre", does[0] if does else None)
+    _note(found, "within", thing.value("within"))
+    if "within" in found and "manoeuvre" not in found:
+        raise Unfit("a time is said of nothing that is done")
+    return found
+
+
+def _built(group: _Group) -> Group:
+    told = dict(group.told)
+    if told.get("queue") and group.count == 1:
+        told.pop("queue")
+    return Group(count=group.count, kind=Kind(group.kind), **told)
+
+
+def say_request(asked: TrafficRequest) -> list[Sentence]:
+    """The sentences that ask for a request."""
+    found = []
+    for group in asked.groups:
+        facts: list[tuple[str, Any]] = [("queue", True)] if group.queue else []
+        if group.place is not None:
+            place = group.place.value
+            facts.append(("place", place) if group.distance is None else (f"far_{place}", group.distance))
+        facts += [] if group.speed is None else [("pace", group.speed)]
+        facts += [] if group.manoeuvre is None else [("does", group.manoeuvre.value)]
+        facts += [] if group.within is None else [("within", group.within)]
+        plural = "" if group.count == 1 else "es" if group.kind is Kind.BUS else "s"
+        found.append(
+            Sentence(f"There {'is' if group.count == 1 else 'are'} {group.count} {group.kind.value}{plural}", tuple(facts))
+        )
+    whole: list[tuple[str, Any]] = [] if asked.target_kind is None else [("target_kind", asked.target_kind.value)]
+    found += [Sentence("There is", tuple(whole))] if whole else []
+    if asked.target_does is not None:
+        found.append(Sentence("The target is", (("does", asked.target_does.value),)))
+    if asked.density is not None or asked.speed is not None:
+        words = {None: "traffic"} | {d: speak(p.forms[0], ()) for p in table("traffic") if (d := p.facts.get("density"))}
+        speed = (("pace", asked.speed),) if asked.speed is not None else ()
+        found.append(Sentence(f"There is {words[asked.density and asked.density.value]}", speed))
+    return found
+
+
+def request_sentences(asked: TrafficRequest) -> list[str]:
+    """The same as text."""
+    return [
+        f"{s.subject} {' '.join(fact_in_words(n, v, ('traffic',)) for n, v in s.facts)}".strip() + "." for s in say_request(asked)
+    ]

@@ -1,0 +1,143 @@
+"""Reading params.yaml; what is wrong inside a section is tried in tests/stages/test_stages_door.py."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+import yaml
+
+from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.settings import Count, Index, NotNegative, Positive, Share, read_params, read_section
+from drivegen.generators.base import Settings as GeneratorSettings
+from drivegen.ingest.selection import Settings as SelectionSettings
+from drivegen.placement.scenes import Settings as InitialSettings
+from drivegen.planners.route_fm import RouteFmSettings
+from drivegen.sumo.corpus import CorpusSettings
+
+
+def test_a_dotted_section_is_what_stands_there(tmp_path: Path):
+    (tmp_path / "p.yaml").write_text("a: {b: {c: 3}, empty: }\n")
+    assert read_section("a.b", tmp_path / "p.yaml") == {"c": 3}
+    assert read_section("a.empty", tmp_path / "p.yaml") == {}
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [(b"a: [", "is not YAML"), (b"\xff\xfe\x00", "is not YAML"), (b"", "has no sections"), (b"- a", "has no sections"),
+     (b"b: 1", "has no section 'a.b'"), (b"a: 1", "has no section 'a.b'")],
+)  # fmt: skip
+def test_a_file_that_holds_no_such_section_is_refused(tmp_path: Path, content: bytes, sentence: str):
+    (tmp_path / "p.yaml").write_bytes(content)
+    with pytest.raises(UnusableInput, match=sentence):
+        read_section("a.b", tmp_path / "p.yaml")
+
+
+def test_without_the_file_it_is_said_where_to_be(tmp_path: Path):
+    with pytest.raises(MissingTool, match="the project's folder"):
+        read_section("a", tmp_path / "p.yaml")
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """One of each kind of bounds."""
+
+    count: Count = 1
+    index: Index = 0
+    positive: Positive | None = 1.0
+    not_negative: NotNegative = 0.0
+    share: Share = 1.0
+    pairs: dict[str, list[float]] = field(default_factory=dict)
+
+
+def read(tmp_path: Path, **change: object) -> Numbers:
+    """The section `a` of a file in which some numbers are other ones."""
+    values = {"count": 1, "index": 0, "positive": None, "not_negative": 0, "share": 1, "pairs": {"x": [1.0]}, **change}
+    (tmp_path / "p.yaml").write_text(yaml.safe_dump({"run": {"seed": 7}, "a": values}))
+    return read_params("a", Numbers, tmp_path / "p.yaml")
+
+
+def test_numbers_at_their_bounds_are_taken_and_none_where_it_is_allowed(tmp_path: Path):
+    assert read(tmp_path) == Numbers(positive=None, pairs={"x": [1.0]})
+    assert read(tmp_path, positive=1e-9).positive == 1e-9
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"count": 0}, "a.count must be at least 1, not 0"),
+        ({"index": -1}, "a.index must be at least 0, not -1"),
+        ({"positive": 0}, "a.positive must be above 0, not 0.0"),
+        ({"not_negative": -0.5}, "a.not_negative must be at least 0, not -0.5"),
+        ({"share": 1.5}, "a.share must be between 0 and 1, not 1.5"),
+        ({"share": float("nan")}, "a.share must be a finite number, not nan"),
+        ({"positive": float("inf")}, "a.positive must be a finite number, not inf"),
+        ({"count": True}, "a.count must be int, not True"),
+        ({"pairs": [1]}, r"a.pairs must be names and values, not \[1\]"),
+        ({"pairs": {"x": "y"}}, "a.pairs.x must be a list, not 'y'"),
+        ({"pairs": {"x": [1, "y"]}}, r"a.pairs.x\[1\] must be float, not 'y'"),
+    ],
+)
+def test_what_cannot_be_is_named_with_its_place_before_anything_is_computed(tmp_path: Path, change: dict, sentence: str):
+    with pytest.raises(UnusableInput, match=sentence):
+        read(tmp_path, **change)
+
+
+@pytest.mark.parametrize("section", ["[]", "7", "a word"])
+def test_a_section_that_is_no_mapping_is_refused(tmp_path: Path, section: str):
+    (tmp_path / "p.yaml").write_text(f"run: {section}\na: {section}\n")
+    with pytest.raises(UnusableInput, match="must have names and values"):
+        read_params("a", Numbers, tmp_path / "p.yaml")
+
+
+def test_the_numbers_of_this_project_keep_their_bounds():
+    params = Path(__file__).parents[2] / "params.yaml"
+    assert read_params("place.initial", InitialSettings, params).horizon == 100
+    assert read_params("ship.generation", GeneratorSettings, params).temperature > 0
+    assert read_params("ingest.selection", SelectionSettings, params).map_radius is None
+    training = read_params("train_planner.planners.route_fm", RouteFmSettings, params).training
+    assert training.warmup < training.steps
+    assert read_section("maps.prompts", params)["grid"].startswith("a 3 by 3 grid")
+    assert read_params("corpus.settings", CorpusSettings, params).window.moving_share <= 1
+
+
+@dataclass(frozen=True)
+class Nested:
+    names: dict[str, int]
+
+
+def test_a_file_may_stand_for_names_and_values_and_is_named_where_it_is_not_there(tmp_path: Path):
+    (tmp_path / "names.yaml").write_text("one: 1\ntwo: 2\n")
+    tree = {"run": {}, "a": {"names": str(tmp_path / "names.yaml")}, "b": {"names": {"one": 1}}, "c": {"names": "no.yaml"}}
+    (tmp_path / "p.yaml").write_text(yaml.safe_dump(tree))
+    assert read_params("a", Nested, tmp_path / "p.yaml").names == {"one": 1, "two": 2}
+    assert read_section("a.names", tmp_path / "p.yaml") == {"one": 1, "two": 2}
+    assert read_params("b", Nested, tmp_path / "p.yaml").names == {"one": 1}
+    with pytest.raises(MissingTool, match=r"no\.yaml is not here"):
+        read_params("c", Nested, tmp_path / "p.yaml")
+
+
+def test_a_model_is_trained_as_all_are_where_its_own_section_says_nothing_else(tmp_path: Path):
+    own = {"b": {"training": {"batch": 4, "steps": 2}}, "training": [1]}
+    (tmp_path / "p.yaml").write_text(yaml.safe_dump({"run": {}, "training": {"batch": 8, "clip": 1.0}, "a": own}))
+    assert read_section("a.b.training", tmp_path / "p.yaml") == {"batch": 4, "clip": 1.0, "steps": 2}
+    assert read_section("a", tmp_path / "p.yaml")["training"] == [1]
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "sentence"),
+    [
+        ("candidates.dynamics.braking", 0, "dynamics.braking must be above 0"),
+        ("candidates.spacing", 0, "candidates.spacing must be above 0"),
+        ("temperature", -1, "generation.temperature must be above 0"),
+    ],
+)
+def test_nested_numbers_are_told_with_their_whole_place(tmp_path: Path, place: str, value: float, sentence: str):
+    whole = yaml.safe_load((Path(__file__).parents[2] / "params.yaml").read_text())
+    *way, name = place.split(".")
+    section = whole["ship"]["generation"]
+    for word in way:
+        section = section[word]
+    section[name] = value
+    (tmp_path / "p.yaml").write_text(yaml.safe_dump(whole))
+    with pytest.raises(UnusableInput, match=sentence):
+        read_params("ship.generation", GeneratorSettings, tmp_path / "p.yaml")

@@ -1,0 +1,55 @@
+"""Means over each scenario's runs, with outcomes set by hand."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.drivers.idm import Plugin as Idm
+from drivegen.simulators.base import CollisionKind, DrivingOutcome, TargetPaths
+from drivegen.simulators.shared.drives import Drives
+from tests.checking import IDM
+from tests.scenes import drive, scenario, stack, straight_road
+
+ROAD = straight_road()
+LINE = ROAD.centreline[0].astype(np.float64)
+
+
+class Replay:
+    """Every target drives as its traffic says; who starts beyond 50 m is said to collide with its front."""
+
+    name = "replay"
+
+    def run(
+        self, driver: object, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths: TargetPaths | None = None
+    ) -> DrivingOutcome:
+        motion = stack([one[0] for one in traffic])
+        hit = motion.position[:, 0, 0] > 50
+        count = len(scenarios)
+        return DrivingOutcome(
+            kind=np.where(hit, CollisionKind.FRONT, CollisionKind.NONE).astype(np.uint8),
+            step=np.where(hit, 20, -1).astype(np.int16),
+            partner=np.where(hit, 1, -1).astype(np.int32),
+            left_map=np.zeros(count, np.bool_),
+            motion=motion,
+            off_road=np.full(count, np.nan, np.float32),
+        )
+
+
+def driven(name: str, *starts: float) -> Drives:
+    """One scenario, a run at 10 m/s from each start [m]."""
+    motions = [stack([drive(LINE, start, 10, 51)]) for start in starts]
+    scene = scenario(ROAD, motions[0], name)
+    return Drives.of(Replay(), Idm(IDM), [(scene, motion) for motion in motions])
+
+
+def test_runs_are_averaged_over_their_own_scenario_also_after_joining() -> None:
+    drives = Drives.joined([driven("a", 10, 60), driven("b", 10, 20, 30, 70)])
+    assert drives.scenarios == ["a", "b"]
+    assert drives.scene.tolist() == [0, 0, 1, 1, 1, 1]
+    means = drives.per_scenario()
+    assert means["collision"].tolist() == means["collision.front"].tolist() == means["collision.at_fault"].tolist() == [0.5, 0.25]
+    assert means["collision.side"].tolist() == means["left_map"].tolist() == [0, 0]
+    np.testing.assert_allclose(means["distance"], [50, 50], rtol=1e-4)
+    np.testing.assert_allclose(means["spread_over_samples"], [25, np.std([10, 20, 30, 70])], rtol=1e-4)
+    assert means["off_road"].tolist() == [0, 0]
