@@ -28,7 +28,7 @@ bench: $(INSTALLED)      ## speed, each row beside its reference; fails if a row
 	@$(BIN)/drivegen bench
 
 fuzz: $(INSTALLED)       ## nightly: 10 000 mutated descriptions, specifications, edits, files and replies; `make test` takes a few of each
-	@DRIVEGEN_FUZZ=450 $(BIN)/pytest tests/maps -k fuzz
+	@DRIVEGEN_FUZZ=450 $(BIN)/pytest -n 2 tests/maps tests/words
 
 clean:           ## remove what the pipeline made; DVC's cache stays, so `make run` brings it back
 	@find data reports -mindepth 1 -maxdepth 1 -not -name raw -not -name versions -not -name published -not -name README.md -exec rm -rf {} + 2>/dev/null || true

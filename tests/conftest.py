@@ -4,11 +4,17 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from tests.models import write_models
 
 # Flows run on the server of tests/flows or not at all: a hidden one of Prefect's own ends in tracebacks after the last test.
 os.environ["PREFECT_SERVER_ALLOW_EPHEMERAL_MODE"] = "false"
+
+# The same examples in every run, so that a failure is the fault of the change that shows it; `make fuzz` draws new ones.
+settings.register_profile("same", derandomize=True, deadline=None)
+settings.register_profile("new", deadline=None, print_blob=True)
+settings.load_profile("new" if "DRIVEGEN_FUZZ" in os.environ else "same")
 
 
 @pytest.fixture(scope="session")

@@ -21,6 +21,7 @@ _MOST = 60
 _COUNTED = stems("way lane arm leg armed legged road street")
 """Words behind a number that is part of an adjective: "two one-way streets"."""
 
+_ORDINALS = stems("first second third fourth fifth sixth seventh eighth ninth tenth eleventh twelfth last final")
 _STOPS = stems(", . ( : and with at on in of for to from that where which is are has per each") | {""}
 
 
@@ -78,12 +79,17 @@ class Grammar:
         found: dict[tuple[Phrase, tuple[Any, ...], int], None] = {}
         for phrase, pattern in (*self._by_word.get(tokens[i].key, ()), *self._by_word[""]):
             for values, end in match(pattern, tokens, i):
-                if end > i and _fits(phrase, tokens, end):
+                if end > i and _fits(phrase, tokens, end) and not (phrase.kind == "link" and _before_a_noun(tokens, i)):
                     found[phrase, values, end] = None
         for phrase, values, end in found:
             raw = " ".join(token.raw for token in tokens[i:end])
             behind = _BEHIND if phrase.place == "post" and tokens[end - 1].raw == "lane" else 0.0
             yield Item(phrase, values, i, end, tokens[end - 1].text, raw), _PHRASE + _SLOT * len(values) + behind
+
+
+def _before_a_noun(tokens: Sequence[Token], i: int) -> bool:
+    """Whether a noun must follow: "every crossing" names a thing, it does not say that something crosses."""
+    return i > 0 and (tokens[i - 1].text in words("determiners") or tokens[i - 1].text in _ORDINALS)
 
 
 def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
