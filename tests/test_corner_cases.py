@@ -13,7 +13,7 @@ from drivegen.corner_cases.knowledge import SHAPE, Knowledge, wilson
 from drivegen.corner_cases.pressure import PressureSettings, lean, risk
 from drivegen.corner_cases.rounds import Drive, _to_the_end, taught
 from drivegen.corner_cases.summary import RoundSummary
-from drivegen.simulators.base import NO_PARTNER, CollisionKind, DrivingOutcome
+from drivegen.world.outcome import NO_PARTNER, CollisionKind, DrivingOutcome
 
 CAR = np.array([4.5, 1.9, 1.5], np.float32)
 PRESSURE = PressureSettings(strength=2.0, reach=10.0, max_ratio=8.0, reaction_time=1.5)

@@ -9,8 +9,8 @@ from drivegen.drivers.idm import Plugin as Idm
 from drivegen.drivers.idm import Settings
 from drivegen.simulators.base import Simulator
 from drivegen.simulators.batch import Plugin as Batch
-from drivegen.simulators.shared.paths import target_paths
 from drivegen.simulators.sumo import Plugin as Sumo
+from drivegen.world.paths import target_paths
 
 MANY, FEW = 1024, 8
 DIFFERENT = 16

@@ -17,8 +17,8 @@ from drivegen.corner_cases.rounds import Drive, encounters_of, taught
 from drivegen.render.png import png
 from drivegen.render.scene_picture import View, scene_picture
 from drivegen.rollout.scene import Choices
-from drivegen.simulators.base import CollisionKind
 from drivegen.store.files import whole
+from drivegen.world.outcome import CollisionKind
 
 WIDTH = 90.0
 """[m] across a picture."""

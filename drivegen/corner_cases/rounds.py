@@ -23,7 +23,8 @@ from drivegen.drivers.base import Driver
 from drivegen.planners.base import Planner
 from drivegen.rollout.batch import plan_all_goals, roll_out
 from drivegen.rollout.scene import Choices, RolloutSettings
-from drivegen.simulators.base import CollisionKind, DrivingOutcome, Simulator
+from drivegen.simulators.base import Simulator
+from drivegen.world.outcome import CollisionKind, DrivingOutcome
 
 METHOD = "drivegen_cs"
 

@@ -15,7 +15,7 @@ from drivegen.corner_cases.rounds import COUNTED, Drive
 from drivegen.metrics.displacement import scene_errors
 from drivegen.metrics.driving import driving_summary, run_numbers
 from drivegen.rollout.scene import Choices
-from drivegen.simulators.base import AT_FAULT, CollisionKind
+from drivegen.world.outcome import AT_FAULT, CollisionKind
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ others is in the frame of that path, and what it decides is an acceleration and,
 path. The same driver works in every simulator.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar, Protocol, runtime_checkable
 
 import torch
@@ -30,6 +30,15 @@ class Paths:
     heading: Tensor
     speed_limit: Tensor
     length: Tensor
+
+    def of(self, chosen: Tensor) -> "Paths":
+        """The paths `chosen` (R,), copied."""
+        return Paths(self.point[chosen], self.heading[chosen], self.speed_limit[chosen], self.length[chosen])
+
+    def put(self, rows: Tensor, paths: "Paths") -> None:
+        """Overwrite `rows` by those of `paths`."""
+        for field in fields(self):
+            getattr(self, field.name)[rows] = getattr(paths, field.name)
 
     def row(self, along: Tensor) -> Tensor:
         """(S, ...) int64 index of the path point at or before `along` (S, ...) [m], inside each path."""
@@ -58,7 +67,7 @@ class Observation:
     """What the drivers of S targets see at one step; everything about the M others is in the frame of the target's path.
 
     Attributes:
-        step: number of the step, 0 at the first frame.
+        step: (S,) int64 number of the step, 0 at the first frame.
         along: (S,) distance of the target's centre along its path [m]. offset: (S,) to the left of it [m].
         speed: (S,) [m/s]. length, width: (S,) of the target [m].
         speed_limit: (S,) [m/s] where the target's front is, NaN unknown.
@@ -70,7 +79,7 @@ class Observation:
         paths: the targets' paths.
     """
 
-    step: int
+    step: Tensor
     along: Tensor
     offset: Tensor
     speed: Tensor

@@ -1,8 +1,7 @@
 """The batch simulator: thousands of scenarios advance together, a step is a few tensor operations.
 
-The target keeps to its path: with acceleration a its speed becomes max(0, v + a dt) and it moves on by that (the Euler step
-that SUMO takes, too); an offset that the driver asks for is approached at most at STEEPEST to the path. Scenarios run in
-chunks of fixed shape, padded, on any torch device; on one device a result does not depend on who shares the batch.
+The world of `drivegen.world`, driven to the end. Scenarios run in chunks of fixed shape, padded, on any torch device; on one
+device a result does not depend on who shares the batch.
 """
 
 from collections.abc import Sequence
@@ -11,18 +10,17 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from drivegen.core.scenario import DT, Scenario, Trajectories
-from drivegen.drivers.base import Driver, Observation, Paths
-from drivegen.simulators.base import DrivingOutcome, TargetPaths
-from drivegen.simulators.shared.contact import outcome
-from drivegen.simulators.shared.paths import target_paths
-from drivegen.simulators.shared.replay import Replay, replay
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.drivers.base import Driver
+from drivegen.world.contact import outcome
+from drivegen.world.outcome import DrivingOutcome
+from drivegen.world.paths import TargetPaths, target_paths
+from drivegen.world.replay import Replay
+from drivegen.world.scenes import Scenes
+from drivegen.world.world import World
 
 CHUNK = 512
 """Scenarios that advance together."""
-
-STEEPEST = 0.3
-"""Largest slope towards a wanted offset [m across per m along]."""
 
 
 class Plugin:
@@ -53,59 +51,22 @@ class Plugin:
     def _run_chunk(
         self, driver: Driver, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths: TargetPaths, steps: int
     ) -> DrivingOutcome:
-        others = replay(scenarios, traffic, paths, CHUNK)
+        scenes = Scenes.of(scenarios, traffic, paths, CHUNK, self._device)
         with torch.inference_mode():
-            track = _drive(driver, others, _padded(paths, CHUNK), self._device)
-        return outcome(_trajectories(track, others, steps), others, scenarios)
+            track = _drive(driver, World(scenes, CHUNK))
+        return outcome(_trajectories(track, scenes.replay, steps), scenes.replay, scenarios)
 
 
-def _drive(driver: Driver, others: Replay, paths: Paths, device: torch.device) -> tuple[Tensor, Tensor, Tensor]:
+def _drive(driver: Driver, world: World) -> tuple[Tensor, Tensor, Tensor]:
     """Position (T, S, 2), heading (T, S) and speed (T, S) of the targets."""
-    paths = Paths(*(tensor.to(device) for tensor in (paths.point, paths.heading, paths.speed_limit, paths.length)))
-    frame = torch.from_numpy(others.frame).to(device)
-    present = torch.from_numpy(np.ascontiguousarray(others.valid.transpose(2, 0, 1))).to(device)
-    size = torch.from_numpy(others.target_size).to(device)
-    speed = torch.from_numpy(others.target_speed).to(device)
-    along, offset, slope = torch.zeros_like(speed), torch.zeros_like(speed), torch.zeros_like(speed)
-    poses = []
-    for t in range(present.shape[0]):
-        row = paths.row(along[:, None])
-        heading = paths.heading.gather(1, row)[:, 0]
-        leftward = torch.stack([-heading.sin(), heading.cos()], -1)
-        poses.append((paths.position(along[:, None])[:, 0] + offset[:, None] * leftward, heading + slope.atan(), speed))
-        action = driver.act(_observed(t, (along, offset, speed), size, frame[:, t], present[t], paths))
-        speed = (speed + action.acceleration * DT).clamp_min(0.0)
-        along = along + speed * DT
-        if action.offset is not None:
-            most = STEEPEST * speed * DT
-            change = torch.minimum(torch.maximum(action.offset - offset, -most), most)
-            slope = change / (speed * DT).clamp_min(1e-6)
-            offset = offset + change
-    return torch.stack([p for p, _, _ in poses]), torch.stack([h for _, h, _ in poses]), torch.stack([v for _, _, v in poses])
-
-
-def _observed(
-    step: int, state: tuple[Tensor, Tensor, Tensor], size: Tensor, frame: Tensor, present: Tensor, paths: Paths
-) -> Observation:
-    """What S drivers see: `state` are their distance along the path, offset and speed, `frame` (6, S, M) is that of `Replay`."""
-    (along, offset, speed), (length, width) = state, size.unbind(-1)
-    place, left, half_length, half_width, speed_along, speed_across = frame
-    return Observation(
-        step=step,
-        along=along,
-        offset=offset,
-        speed=speed,
-        length=length,
-        width=width,
-        speed_limit=paths.speed_limit.gather(1, paths.row((along + 0.5 * length)[:, None]))[:, 0],
-        ahead=place - along[:, None],
-        left=left,
-        half_length=half_length,
-        half_width=half_width,
-        speed_along=speed_along,
-        speed_across=speed_across,
-        present=present,
-        paths=paths,
+    poses = [world.ego]
+    for _ in range(world.scenes.longest - 1):
+        world.advance(driver.act(world.observe()))
+        poses.append(world.ego)
+    return (
+        torch.stack([e.position for e in poses]),
+        torch.stack([e.heading for e in poses]),
+        torch.stack([e.speed for e in poses]),
     )
 
 
@@ -124,16 +85,3 @@ def _trajectories(track: tuple[Tensor, Tensor, Tensor], others: Replay, steps: i
 
 def _rows(paths: TargetPaths, rows: slice) -> TargetPaths:
     return TargetPaths(paths.point[rows], paths.speed_limit[rows], paths.length[rows])
-
-
-def _padded(paths: TargetPaths, rows: int) -> Paths:
-    """The paths as tensors, with the last one repeated up to `rows`."""
-    index = np.minimum(np.arange(rows), len(paths) - 1)
-    point = torch.from_numpy(paths.point[index])
-    step = point[:, 1:] - point[:, :-1]
-    heading = torch.atan2(step[..., 1], step[..., 0])
-    last = torch.from_numpy(paths.length[index]).long() - 1  # beyond it points repeat and have no direction
-    column = torch.minimum(torch.arange(point.shape[1])[None], last[:, None])
-    return Paths(
-        point, heading.gather(1, column), torch.from_numpy(paths.speed_limit[index]), torch.from_numpy(paths.length[index])
-    )

@@ -14,11 +14,11 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import Floats, interpolate, line_heading, unit
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.drivers.base import PATH_SPACING, Driver, SumoDriver
-from drivegen.simulators.base import DrivingOutcome, TargetPaths
-from drivegen.simulators.shared.contact import outcome
-from drivegen.simulators.shared.paths import target_paths
-from drivegen.simulators.shared.replay import Replay, replay
 from drivegen.sumo.closed_loop import ClosedLoopRun, drive
+from drivegen.world.contact import outcome
+from drivegen.world.outcome import DrivingOutcome
+from drivegen.world.paths import TargetPaths, target_paths
+from drivegen.world.replay import Replay, replay
 
 LEAD_IN = 200.0
 """The lane begins this far before the target [m], so that those behind it are on it too ..."""
@@ -54,7 +54,7 @@ class Plugin:
 def _run(others: Replay, paths: TargetPaths, s: int, desired_speed: float) -> ClosedLoopRun:
     steps = int(others.steps[s])
     line, limit = _lane(paths, s, desired_speed)
-    heading = others.heading[s, :, :steps].astype(np.float64).T
+    heading = others.heading[s, :steps].astype(np.float64)
     half = (0.5 * others.size[s, :, 0]).astype(np.float64)[:, None]
     return ClosedLoopRun(
         line=line,
@@ -62,9 +62,9 @@ def _run(others: Replay, paths: TargetPaths, s: int, desired_speed: float) -> Cl
         start=LEAD_IN + 0.5 * float(others.target_size[s, 0]),
         speed=float(others.target_speed[s]),
         target_size=others.target_size[s],
-        front=others.position[s, :, :steps].astype(np.float64).transpose(1, 0, 2) + half * unit(heading),
+        front=others.position[s, :steps].astype(np.float64) + half * unit(heading),
         heading=heading,
-        valid=np.ascontiguousarray(others.valid[s, :, :steps].T),
+        valid=others.valid[s, :steps],
         size=others.size[s],
     )
 

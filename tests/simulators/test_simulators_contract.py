@@ -7,8 +7,8 @@ from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Trajectories
 from drivegen.drivers import idm
-from drivegen.simulators.base import NO_PARTNER, CollisionKind
-from drivegen.simulators.shared.paths import target_paths
+from drivegen.world.outcome import NO_PARTNER, CollisionKind
+from drivegen.world.paths import target_paths
 from tests.checking import IDM
 from tests.scenes import busy_crossing, drive, road_map, scenario, stack, straight_road
 

@@ -6,8 +6,9 @@ import numpy as np
 
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.drivers.idm import Plugin as Idm
-from drivegen.simulators.base import CollisionKind, DrivingOutcome, TargetPaths
 from drivegen.simulators.shared.drives import Drives
+from drivegen.world.outcome import CollisionKind, DrivingOutcome
+from drivegen.world.paths import TargetPaths
 from tests.checking import IDM
 from tests.scenes import drive, scenario, stack, straight_road
 

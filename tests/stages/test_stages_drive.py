@@ -7,10 +7,10 @@ import pytest
 
 from drivegen.checker.limits import RULES, Limits
 from drivegen.core.errors import UnusableInput
-from drivegen.simulators.base import CollisionKind
 from drivegen.store.results import RESULT
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
+from drivegen.world.outcome import CollisionKind
 from stages import calibrate, drive
 from stages._door import read_params
 from tests.checking import LIMITS

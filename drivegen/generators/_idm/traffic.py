@@ -118,7 +118,7 @@ def _observed(crowd: Crowd, paths: Paths, along: NDArray[np.float32], speed: NDA
     length, width = torch.from_numpy(crowd.size).unbind(-1)
     ahead, left, half_length, half_width, speed_along, speed_across = torch.from_numpy(frame)
     return Observation(
-        step=t,
+        step=torch.full((len(along),), t),
         along=torch.from_numpy(along),
         offset=torch.zeros(len(along)),
         speed=torch.from_numpy(speed),

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.drivers.base import Driver
 from drivegen.metrics.driving import run_numbers, spread_over_samples
-from drivegen.simulators.base import AT_FAULT, CollisionKind, DrivingOutcome, Simulator, with_off_road
+from drivegen.simulators.base import Simulator
+from drivegen.world.outcome import AT_FAULT, CollisionKind, DrivingOutcome, with_off_road
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ import pytest
 
 from drivegen.core.scenario import Actors, Trajectories
 from drivegen.drivers.base import Action
-from drivegen.simulators.base import AT_FAULT, FIRST_SECOND, CollisionKind, with_off_road
 from drivegen.simulators.batch import Plugin
+from drivegen.world.outcome import AT_FAULT, FIRST_SECOND, CollisionKind, with_off_road
 from tests.scenes import LANE_WIDTH, beside, drive, scenario, stack, straight_road
 
 ROAD = straight_road(600)

@@ -5,6 +5,7 @@ get, and straight on where the map ends. A target that hardly moved gets the lik
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,6 @@ from drivegen.core.scenario import DT, TARGET, Scenario, Trajectories
 from drivegen.drivers.base import PATH_SPACING
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.routes import SPACING, Route, feasible_routes, match_route
-from drivegen.simulators.base import TargetPaths
 
 CRUISE = 20.0
 """A path is long enough for this speed [m/s], or the target's first speed if that is higher."""
@@ -27,6 +27,24 @@ STAYED = 3.0
 
 BLEND = 15.0
 """The offset from the lane at the end of the driven line fades out over this distance [m]."""
+
+
+@dataclass(frozen=True)
+class TargetPaths:
+    """The paths of S targets: the line each follows, from abreast of its first position on.
+
+    Attributes:
+        point: (S, P, 2) float32 [m] a point every PATH_SPACING; rows padded by repeating the end.
+        speed_limit: (S, P) float32 [m/s], NaN where unknown.
+        length: (S,) float32 [m] valid length of each path.
+    """
+
+    point: NDArray[np.float32]
+    speed_limit: NDArray[np.float32]
+    length: NDArray[np.float32]
+
+    def __len__(self) -> int:
+        return len(self.length)
 
 
 def target_paths(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories]) -> TargetPaths:

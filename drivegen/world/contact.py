@@ -16,8 +16,8 @@ from drivegen.core.boxes import depth
 from drivegen.core.geometry import Floats, unit
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.roads.leaving import STAYS, Exits, left_from
-from drivegen.simulators.base import NO_PARTNER, CollisionKind, DrivingOutcome
-from drivegen.simulators.shared.replay import Replay
+from drivegen.world.outcome import NO_PARTNER, CollisionKind, DrivingOutcome
+from drivegen.world.replay import Replay
 
 STANDING = 0.1
 """Slower than this [m/s] the target stands."""
@@ -64,20 +64,32 @@ def first_collisions(motion: Trajectories, others: Replay) -> tuple[NDArray[np.u
 def _find(position, heading, valid, size, other_position, other_heading, other_valid, other_size, step, partner):  # type: ignore[no-untyped-def]
     """First overlap in time; of several at one step that with the lowest number."""
     for s in range(valid.shape[0]):
-        steps = min(valid.shape[1], other_valid.shape[2])
-        length, width = size[s]
-        for m in range(other_valid.shape[1]):
-            other_length, other_width = other_size[s, m]
-            reach = 0.5 * (np.sqrt(length**2 + width**2) + np.sqrt(other_length**2 + other_width**2))
-            for t in range(steps if step[s] < 0 else step[s]):
-                if not (valid[s, t] and other_valid[s, m, t]):
-                    continue
-                dx, dy = other_position[s, m, t, 0] - position[s, t, 0], other_position[s, m, t, 1] - position[s, t, 1]
-                if dx * dx + dy * dy > reach * reach:
-                    continue
-                if depth(dx, dy, heading[s, t], length, width, other_heading[s, m, t], other_length, other_width) > 0:
-                    step[s], partner[s] = t, m + 1
-                    break
+        for t in range(min(valid.shape[1], other_valid.shape[1])):
+            if not valid[s, t]:
+                continue
+            pose = (position[s, t, 0], position[s, t, 1], heading[s, t])
+            m = _overlapped(pose, size[s], other_position[s, t], other_heading[s, t], other_valid[s, t], other_size[s])
+            if m >= 0:
+                step[s], partner[s] = t, m + 1
+                break
+
+
+@njit(cache=True)
+def _overlapped(pose, size, position, heading, valid, other_size):  # type: ignore[no-untyped-def]
+    """Lowest number of M boxes that one box overlaps, -1 if none."""
+    x, y, own = pose
+    length, width = size
+    for m in range(valid.shape[0]):
+        if not valid[m]:
+            continue
+        other_length, other_width = other_size[m]
+        reach = 0.5 * (np.sqrt(length**2 + width**2) + np.sqrt(other_length**2 + other_width**2))
+        dx, dy = position[m, 0] - x, position[m, 1] - y
+        if dx * dx + dy * dy > reach * reach:
+            continue
+        if depth(dx, dy, own, length, width, heading[m], other_length, other_width) > 0:
+            return m
+    return -1
 
 
 def _kind(target: Trajectories, others: Replay, s: int, t: int, m: int) -> CollisionKind:
@@ -85,17 +97,17 @@ def _kind(target: Trajectories, others: Replay, s: int, t: int, m: int) -> Colli
         return CollisionKind.AT_SPAWN
     if target.speed[t] < STANDING:
         return CollisionKind.HIT_STANDING
-    before = t - 1 if others.valid[s, m, t - 1] else t
+    before = t - 1 if others.valid[s, t - 1, m] else t
     sizes = (others.target_size[s], others.size[s, m])
     then, now = (
-        _gaps((target.position[u], target.heading[u]), (others.position[s, m, u], others.heading[s, m, u]), *sizes)
+        _gaps((target.position[u], target.heading[u]), (others.position[s, u, m], others.heading[s, u, m]), *sizes)
         for u in (before, t)
     )
     closing = np.where(then > 0, then / np.maximum(then - now, 1e-9), 0.0)  # when in this step each axis closed
     last = int(np.lexsort((now, closing))[-1])
-    normal = _axes(target.heading[t], others.heading[s, m, t])[last]
-    normal = normal * np.sign(normal @ (others.position[s, m, t] - target.position[t]))
-    at_own, at_other = _where(normal, target.heading[t]), _where(-normal, others.heading[s, m, t])
+    normal = _axes(target.heading[t], others.heading[s, t, m])[last]
+    normal = normal * np.sign(normal @ (others.position[s, t, m] - target.position[t]))
+    at_own, at_other = _where(normal, target.heading[t]), _where(-normal, others.heading[s, t, m])
     if at_own == _FRONT:
         return CollisionKind.FRONT
     if at_own == _REAR:

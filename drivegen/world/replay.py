@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.drivers.base import PATH_SPACING
-from drivegen.simulators.base import TargetPaths
+from drivegen.world.paths import TargetPaths
 
 COARSE = 8
 """The nearest point of a path is searched among every eighth point first ..."""
@@ -29,13 +29,15 @@ class Replay:
 
     Attributes:
         steps: (S,) int64 steps of each scenario.
-        size: (S, M, 2) float32 [m]. position: (S, M, T, 2) [m]. heading: (S, M, T) [rad]. valid: (S, M, T) bool.
-        frame: (6, T, S, M) float32 along, left, half length, half width, speed along, speed across: see `Observation`.
+        size: (S, M, 2) float32 [m]. vehicle: (S, M) bool, neither a context actor nor nobody.
+        position: (S, T, M, 2) float32 [m]. heading: (S, T, M) [rad]. valid: (S, T, M) bool.
+        frame: (S, T, 6, M) float32 along, left, half length, half width, speed along, speed across: see `Observation`.
         target_size: (S, 2) float32 [m]. target_position: (S, 2), target_heading: (S,), target_speed: (S,) at step 0.
     """
 
     steps: NDArray[np.int64]
     size: NDArray[np.float32]
+    vehicle: NDArray[np.bool_]
     position: NDArray[np.float32]
     heading: NDArray[np.float32]
     valid: NDArray[np.bool_]
@@ -51,14 +53,16 @@ def replay(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths
     steps = np.zeros(rows, np.int64)
     steps[: len(traffic)] = [motion.steps for motion in traffic]
     count = max(len(s.vehicles) - 1 + len(s.context) for s in scenarios)
-    shape = (rows, -(-max(count, 1) // 8) * 8, int(steps.max()))
+    others, lasts = -(-max(count, 1) // 8) * 8, int(steps.max())
+    shape = (rows, lasts, others)
     packed = Replay(
         steps,
-        np.ones((*shape[:2], 2), np.float32),
+        np.ones((rows, others, 2), np.float32),
+        np.zeros((rows, others), np.bool_),
         np.zeros((*shape, 2), np.float32),
         np.zeros(shape, np.float32),
         np.zeros(shape, np.bool_),
-        np.zeros((6, shape[2], *shape[:2]), np.float32),
+        np.zeros((rows, lasts, 6, others), np.float32),
         np.ones((rows, 2), np.float32),
         np.zeros((rows, 2), np.float32),
         np.zeros(rows, np.float32),
@@ -73,8 +77,7 @@ def replay(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths
         packed.target_speed[s] = motion.speed[TARGET, 0]
         _pack(packed, velocity, s, scenario, motion)
         points = paths.point[s, : int(paths.length[s] / PATH_SPACING) + 1]
-        frame = packed.frame[:, :, s]
-        _project(points, packed.position[s], packed.heading[s], velocity, packed.valid[s], packed.size[s], frame)
+        project(points, packed.position[s], packed.heading[s], velocity, packed.valid[s], packed.size[s], packed.frame[s])
     return packed
 
 
@@ -87,10 +90,11 @@ def _pack(packed: Replay, velocity: NDArray[np.float32], s: int, scenario: Scena
     ):
         lasts = moves.steps
         packed.size[s, rows] = size[:, :2]
-        packed.position[s, rows, :lasts] = moves.position
-        packed.heading[s, rows, :lasts] = moves.heading
-        packed.valid[s, rows, :lasts] = moves.valid
-        velocity[rows, :lasts] = moves.velocity
+        packed.position[s, :lasts, rows] = moves.position.swapaxes(0, 1)
+        packed.heading[s, :lasts, rows] = moves.heading.T
+        packed.valid[s, :lasts, rows] = moves.valid.T
+        velocity[:lasts, rows] = moves.velocity.swapaxes(0, 1)
+    packed.vehicle[s, :social] = True
 
 
 @njit(cache=True, error_model="numpy")
@@ -121,17 +125,17 @@ def _nearest(points, x, y, guess):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _project(points, position, heading, velocity, valid, size, frame):  # type: ignore[no-untyped-def]
-    """Fill `frame` (6, T, M) with the M boxes (M, T) as seen from the path `points` (P, 2)."""
+def project(points, position, heading, velocity, valid, size, frame):  # type: ignore[no-untyped-def]
+    """Fill `frame` (T, 6, M) with the M boxes (T, M) as seen from the path `points` (P, 2)."""
     last = points.shape[0] - 2
-    for m in range(valid.shape[0]):
+    for m in range(valid.shape[1]):
         half_length, half_width = np.float32(0.5) * size[m, 0], np.float32(0.5) * size[m, 1]
         guess = -1
-        for t in range(valid.shape[1]):
-            if not valid[m, t]:
+        for t in range(valid.shape[0]):
+            if not valid[t, m]:
                 guess = -1
                 continue
-            x, y = position[m, t, 0], position[m, t, 1]
+            x, y = position[t, m, 0], position[t, m, 1]
             guess = _nearest(points, x, y, -1 if t % REFRESH == 0 else guess)
             i = min(guess, last)
             sx, sy = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
@@ -142,11 +146,11 @@ def _project(points, position, heading, velocity, valid, size, frame):  # type: 
                 dx, dy = x - points[i, 0], y - points[i, 1]
             inverse = 1 / np.sqrt(sx * sx + sy * sy)
             ux, uy = sx * inverse, sy * inverse
-            hx, hy = np.cos(heading[m, t]), np.sin(heading[m, t])
+            hx, hy = np.cos(heading[t, m]), np.sin(heading[t, m])
             cos, sin = abs(ux * hx + uy * hy), abs(ux * hy - uy * hx)
-            frame[0, t, m] = i * PATH_SPACING + (ux * dx + uy * dy) * inverse * PATH_SPACING
-            frame[1, t, m] = ux * dy - uy * dx
-            frame[2, t, m] = half_length * cos + half_width * sin
-            frame[3, t, m] = half_length * sin + half_width * cos
-            frame[4, t, m] = ux * velocity[m, t, 0] + uy * velocity[m, t, 1]
-            frame[5, t, m] = ux * velocity[m, t, 1] - uy * velocity[m, t, 0]
+            frame[t, 0, m] = i * PATH_SPACING + (ux * dx + uy * dy) * inverse * PATH_SPACING
+            frame[t, 1, m] = ux * dy - uy * dx
+            frame[t, 2, m] = half_length * cos + half_width * sin
+            frame[t, 3, m] = half_length * sin + half_width * cos
+            frame[t, 4, m] = ux * velocity[t, m, 0] + uy * velocity[t, m, 1]
+            frame[t, 5, m] = ux * velocity[t, m, 1] - uy * velocity[t, m, 0]

@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.core.geometry import arc_length, project
-from drivegen.simulators.shared.paths import packed, target_paths
-from drivegen.simulators.shared.replay import replay
+from drivegen.world.paths import packed, target_paths
+from drivegen.world.replay import replay
 from tests.scenes import LIMIT, crossing, drive, joined, road_map, scenario, stack, straight_road
 
 CROSS = crossing()
@@ -64,7 +64,7 @@ def test_boxes_are_seen_from_the_segment_beside_them_at_a_corner_and_at_both_end
     log = stack([drive(line, 5, 5, 11), *(drive(np.array([place, place + np.array([1.0, 0.0])]), 0, 0, 11) for place in places)])
     frame = replay([scenario(road_map([line]), log)], [log], packed([line], [np.full(101, np.nan)]), 1).frame
     for t in (0, 1):  # after a search of the whole path and after one from the last point
-        np.testing.assert_allclose(frame[:2, t, 0, :4].T, [(49.7, -0.5), (50.3, -0.5), (-3.0, 1.0), (103.0, 1.0)], atol=1e-4)
+        np.testing.assert_allclose(frame[0, t, :2, :4].T, [(49.7, -0.5), (50.3, -0.5), (-3.0, 1.0), (103.0, 1.0)], atol=1e-4)
 
 
 @settings(max_examples=25, deadline=None)
@@ -85,7 +85,7 @@ def test_replayed_boxes_are_projected_like_by_exhaustive_search(seed):
         inside = 1 < along < 145
         if inside and abs(left) < 15:
             assert others.frame[0, t, 0, 0] == pytest.approx(along, abs=0.4)  # on the outside of a bend two feet tie
-            assert others.frame[1, t, 0, 0] == pytest.approx(left, abs=0.1)
+            assert others.frame[0, t, 1, 0] == pytest.approx(left, abs=0.1)
     half = np.hypot(4.6, 1.9) / 2
-    assert (others.frame[2:4, :, 0, 0] <= half + 1e-5).all()
-    assert np.allclose(np.hypot(others.frame[4, :, 0, 0], others.frame[5, :, 0, 0]), 6.0, atol=1e-4)
+    assert (others.frame[0, :, 2:4, 0].T <= half + 1e-5).all()
+    assert np.allclose(np.hypot(others.frame[0, :, 4, 0], others.frame[0, :, 5, 0]), 6.0, atol=1e-4)

@@ -1,0 +1,74 @@
+"""The others of a world's rows: who moves them (`reactive.py` has those that react), and those that are replayed."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import torch
+from torch import Tensor
+
+from drivegen.world.scenes import Scenes
+
+if TYPE_CHECKING:
+    from drivegen.world.world import World
+
+
+@dataclass(frozen=True)
+class Boxes:
+    """Boxes of the others in the map's frame: row r of the world is row `at[r]` of the arrays.
+
+    Attributes:
+        at: (R,) int64. position: (A, M, 2) [m]. heading: (A, M) [rad]. valid: (A, M) bool.
+    """
+
+    at: Tensor
+    position: Tensor
+    heading: Tensor
+    valid: Tensor
+
+
+class Neighbours(Protocol):
+    """Who moves the M others of R rows.
+
+    Attributes:
+        kind: as it stands beside every figure of a driver.
+    """
+
+    kind: str
+
+    def reset(self, world: "World", rows: Tensor | None) -> None:
+        """Begin anew in all rows, or in `rows` alone, whose scenes the world has set."""
+
+    def advance(self, world: "World") -> None:
+        """Decide on the step that begins; the targets have not moved yet."""
+
+    def seen(self, world: "World") -> tuple[Tensor, Tensor]:
+        """Frame (R, 6, M) as in `Replay`, and who is present (R, M)."""
+
+    def boxes(self, world: "World") -> Boxes:
+        """Where they are."""
+
+
+class Replayed:
+    """Everybody moves as logged or generated, whatever the target does."""
+
+    kind = "replayed"
+
+    def __init__(self, scenes: Scenes) -> None:
+        self._scenes = scenes
+        arrays = (scenes.replay.position, scenes.replay.heading, scenes.replay.valid)
+        self._boxes = [torch.from_numpy(array).flatten(0, 1) for array in arrays]
+
+    def reset(self, world: "World", rows: Tensor | None) -> None:
+        """See `Neighbours`; nothing is kept of rows."""
+
+    def advance(self, world: "World") -> None:
+        """See `Neighbours`; the world's clock is theirs."""
+
+    def seen(self, world: "World") -> tuple[Tensor, Tensor]:
+        """See `Neighbours`."""
+        at = world.at
+        return self._scenes.frame.index_select(0, at), self._scenes.present.index_select(0, at)
+
+    def boxes(self, world: "World") -> Boxes:
+        """See `Neighbours`."""
+        return Boxes(world.at, *self._boxes)

@@ -1,0 +1,107 @@
+"""What became of a driver's runs: how far they went, how they ended, who was hit and how."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.core.geometry import box_corners
+from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.roads.drivable import RoadField, road_field
+
+NO_PARTNER = -1
+
+FIRST_SECOND = 10
+"""Collisions up to this step are counted apart: nobody could have prevented them."""
+
+
+class CollisionKind(IntEnum):
+    """Who hit whom, by the faces of the boxes that meet first (`contact.py`)."""
+
+    NONE = 0
+    AT_SPAWN = 1
+    """The boxes overlap at step 0 already."""
+    FRONT = 2
+    """The target ran into the other with its front."""
+    SIDE = 3
+    """Side met side, or the other's rear: nobody's front was in it."""
+    HIT_IN_SIDE = 4
+    """The other ran with its front into the target's side."""
+    HIT_FROM_BEHIND = 5
+    """The other, a replay that can't brake, ran into the target's rear."""
+    HIT_STANDING = 6
+    """The target stood still."""
+
+
+AT_FAULT = (CollisionKind.FRONT, CollisionKind.SIDE)
+"""Kinds that count against the driver; the others are done to it."""
+
+
+@dataclass(frozen=True)
+class DrivingOutcome:
+    """What became of S targets.
+
+    Attributes:
+        kind: (S,) uint8 CollisionKind of the first collision.
+        step: (S,) int16 of it, -1 if none.
+        partner: (S,) int32 index into the scenario's vehicles, or number of vehicles + index into its context actors;
+            NO_PARTNER if none.
+        left_map: (S,) bool the target has driven out by an exit of the map, which ends its run well.
+        motion: Trajectories (S, T) of the targets, valid up to and including the collision, or until it left the map; shorter
+            scenarios end earlier.
+        off_road: (S,) float32 share of valid steps with a corner off the drivable area; NaN until `with_off_road` judges it.
+    """
+
+    kind: NDArray[np.uint8]
+    step: NDArray[np.int16]
+    partner: NDArray[np.int32]
+    left_map: NDArray[np.bool_]
+    motion: Trajectories
+    off_road: NDArray[np.float32]
+
+    @classmethod
+    def joined(cls, parts: "Sequence[DrivingOutcome]") -> "DrivingOutcome":
+        """The outcomes of several runs of equally many steps, one after the other."""
+        return cls(
+            np.concatenate([part.kind for part in parts]),
+            np.concatenate([part.step for part in parts]),
+            np.concatenate([part.partner for part in parts]),
+            np.concatenate([part.left_map for part in parts]),
+            Trajectories.joined([part.motion for part in parts]),
+            np.concatenate([part.off_road for part in parts]),
+        )
+
+    @property
+    def collided(self) -> NDArray[np.bool_]:
+        """(S,)."""
+        return np.not_equal(self.kind, CollisionKind.NONE)
+
+    @property
+    def in_first_second(self) -> NDArray[np.bool_]:
+        """(S,) collided within the first second, overlaps at spawn included."""
+        return self.collided & (self.step <= FIRST_SECOND)
+
+    @property
+    def end(self) -> NDArray[np.float32]:
+        """(S, 2) last position [m]."""
+        return self.motion.position[np.arange(len(self.kind)), self.motion.last_valid()]
+
+
+OFF_ROAD_TOLERANCE = 0.3
+"""A corner farther out than this [m] is off the road."""
+
+
+def with_off_road(outcome: DrivingOutcome, scenarios: Sequence[Scenario]) -> DrivingOutcome:
+    """The outcome with `off_road` filled in; scenarios that share a map object share its raster."""
+    fields: dict[int, RoadField] = {}
+    share = np.full(len(scenarios), np.nan, np.float32)
+    for s, scenario in enumerate(scenarios):
+        if id(scenario.map) not in fields:
+            fields[id(scenario.map)] = road_field(scenario.map)
+        motion, size = outcome.motion[s], scenario.vehicles.size[TARGET]
+        corners = box_corners(motion.position, motion.heading, np.full(motion.steps, size[0]), np.full(motion.steps, size[1]))
+        out = fields[id(scenario.map)].distance_outside(corners).max(axis=-1) > OFF_ROAD_TOLERANCE
+        share[s] = np.mean(out, where=motion.valid)
+    return replace(outcome, off_road=share)

@@ -1,0 +1,82 @@
+"""The world: R rows, each a scene with a clock of its own, advance together; a step is a few tensor operations."""
+
+from collections.abc import Callable
+
+import torch
+from torch import Tensor
+
+from drivegen.drivers.base import Action, Observation, Paths
+from drivegen.world.ego import Ego, on_path
+from drivegen.world.neighbours import Neighbours, Replayed
+from drivegen.world.scenes import Scenes
+
+Motion = Callable[[Ego, Action, Paths], Ego]
+"""How a target moves for one step."""
+
+
+class World:
+    """R rows, each in one of `scenes`; a row is a target that somebody drives, among neighbours.
+
+    Attributes:
+        scenes: what rows may show. scene, step: (R,) int64 the scene of each row, and the step that it is at.
+        ego: Ego of the R targets. paths: Paths of theirs. size: (R, 2) [m] of theirs.
+        neighbours: who moves the others.
+    """
+
+    def __init__(self, scenes: Scenes, rows: int, neighbours: Neighbours | None = None, motion: Motion = on_path) -> None:
+        self.scenes, self.neighbours, self._motion = scenes, neighbours or Replayed(scenes), motion
+        self.scene = torch.arange(rows, device=scenes.steps.device) % len(scenes)
+        self.reset(self.scene)
+
+    def reset(self, scene: Tensor, rows: Tensor | None = None) -> None:
+        """Begin `scene` in every row, or in `rows` alone."""
+        paths = self.scenes.paths.of(scene)
+        ego = Ego.at_start(self.scenes.speed[scene], paths)
+        if rows is None:
+            self.scene, self.step = scene.clone(), torch.zeros_like(scene)
+            self.size, self.paths, self.ego = self.scenes.size[scene], paths, ego
+        else:
+            self.scene[rows], self.step[rows], self.size[rows] = scene, 0, self.scenes.size[scene]
+            self.paths.put(rows, paths)
+            self.ego.put(rows, ego)
+        self.neighbours.reset(self, rows)
+
+    @property
+    def at(self) -> Tensor:
+        """(R,) row of the tables of `Scenes` that shows each scene at its step; the last one after its end."""
+        return self.scene * self.scenes.longest + self.step.clamp_max(self.scenes.longest - 1)
+
+    @property
+    def over(self) -> Tensor:
+        """(R,) bool, whether the scene is at its last step."""
+        return self.step >= self.scenes.steps[self.scene] - 1
+
+    def observe(self) -> Observation:
+        """What the drivers see."""
+        frame, present = self.neighbours.seen(self)
+        place, left, half_length, half_width, speed_along, speed_across = frame.unbind(1)
+        length, width = self.size.unbind(-1)
+        ego, paths = self.ego, self.paths
+        return Observation(
+            step=self.step,
+            along=ego.along,
+            offset=ego.offset,
+            speed=ego.speed,
+            length=length,
+            width=width,
+            speed_limit=paths.speed_limit.gather(1, paths.row((ego.along + 0.5 * length)[:, None]))[:, 0],
+            ahead=place - ego.along[:, None],
+            left=left,
+            half_length=half_length,
+            half_width=half_width,
+            speed_along=speed_along,
+            speed_across=speed_across,
+            present=present,
+            paths=paths,
+        )
+
+    def advance(self, action: Action) -> None:
+        """One step of everybody; the neighbours decide before the targets have moved."""
+        self.neighbours.advance(self)
+        self.ego = self._motion(self.ego, action, self.paths)
+        self.step = self.step + 1
