@@ -1,7 +1,8 @@
 """Stage drive: how one driver does in logged and in generated traffic, in the batch simulator.
 
 argv: scenarios of one split, generated samples of any number of methods (folders beside one another), results (Parquet
-rows), summary (JSON, flat numbers). The driver is named by the results' stem. Traffic called "log" is the scenarios' own.
+rows), summary (JSON, flat numbers). The driver is named by the results' stem. Traffic called "log" is the scenarios' own. Each
+traffic is driven through twice: replayed, and with neighbours that react; metrics of the latter begin with "reactive.".
 """
 
 from dataclasses import asdict, dataclass
@@ -20,6 +21,7 @@ from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, run_id, write_results
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
+from drivegen.world.reactive import Reaction
 from stages._door import build, enter, require, spread
 
 LOG = "log"
@@ -28,12 +30,13 @@ SIMULATOR = "batch"
 
 @dataclass(frozen=True)
 class Params:
-    """`draws` bootstrap draws for intervals; `drivers`: settings of each driver by its name."""
+    """`draws` bootstrap draws for intervals; `drivers`: settings of each driver by its name; `reaction` of neighbours."""
 
     seed: int
     workers: int
     draws: int
     drivers: dict[str, dict[str, Any]]
+    reaction: Reaction
 
 
 def main(params: Params, scenarios: Path, *paths: Path) -> None:
@@ -45,15 +48,16 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
     numbers: dict[str, float] = {}
     for folder in (None, *generated):
         method = folder.name if folder else LOG
-        drives = _drive_all(driver, scenarios, folder, params, f"drive {name} {method}")
         inputs = [scenarios, folder] if folder else [scenarios]
         run = Run(run_id(asdict(params), inputs), "drive", method, name, params.seed, SIMULATOR)
-        metrics = drives.per_scenario()
-        tables.append(result_rows(run, drives.scenarios, metrics))
-        recordings = [recording(scenario) for scenario in drives.scenarios]
-        random = rng(params.seed, "drive", "bootstrap", method)
-        means = driving_summary(metrics, recordings, drives.outcome.motion, drives.scene, params.draws, random)
-        numbers |= {f"{method}.{key}": value for key, value in means.items()}
+        for kind, reaction in (("", None), ("reactive.", params.reaction)):
+            drives = _drive_all(driver, scenarios, folder, reaction, params.workers, f"drive {name} {kind}{method}")
+            metrics = drives.per_scenario()
+            tables.append(result_rows(run, drives.scenarios, {f"{kind}{key}": value for key, value in metrics.items()}))
+            recordings = [recording(scenario) for scenario in drives.scenarios]
+            random = rng(params.seed, "drive", "bootstrap", method, *([kind] if kind else []))
+            means = driving_summary(metrics, recordings, drives.outcome.motion, drives.scene, params.draws, random)
+            numbers |= {f"{method}.{kind}{key}": value for key, value in means.items()}
     write_results(results, tables)
     write_json(summary, numbers)
 
@@ -67,18 +71,20 @@ def make_driver(name: str, params: Params) -> Driver:
     return driver
 
 
-def _drive_all(driver: Driver, scenarios: Path, generated: Path | None, params: Params, what: str) -> Drives:
-    tasks = [(driver, shard, generated) for shard in shards(scenarios)]
-    parts = [part for _, part in spread(_drive_shard, tasks, params.workers, what)]
+def _drive_all(
+    driver: Driver, scenarios: Path, generated: Path | None, reaction: Reaction | None, workers: int, what: str
+) -> Drives:
+    tasks = [(driver, shard, generated, reaction) for shard in shards(scenarios)]
+    parts = [part for _, part in spread(_drive_shard, tasks, workers, what)]
     parts = [part for part in parts if part.scenarios]
     if not parts:
         raise UnusableInput(f"{scenarios} holds no scenario with traffic to drive through", reason="no-scenarios")
     return Drives.joined(parts)
 
 
-def _drive_shard(task: tuple[Driver, Path, Path | None]) -> Drives:
-    driver, shard, generated = task
-    return Drives.of(plugins.load("simulators", SIMULATOR)(), driver, _traffic(shard, generated))
+def _drive_shard(task: tuple[Driver, Path, Path | None, Reaction | None]) -> Drives:
+    driver, shard, generated, reaction = task
+    return Drives.of(plugins.load("simulators", SIMULATOR)(reaction=reaction), driver, _traffic(shard, generated))
 
 
 def _traffic(shard: Path, generated: Path | None) -> list[tuple[Scenario, Trajectories]]:

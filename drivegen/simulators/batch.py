@@ -5,16 +5,21 @@ device a result does not depend on who shares the batch.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.drivers.base import Driver
 from drivegen.world.contact import outcome
+from drivegen.world.ego import Ego
+from drivegen.world.neighbours import Replayed
 from drivegen.world.outcome import DrivingOutcome
 from drivegen.world.paths import TargetPaths, target_paths
+from drivegen.world.reactive import Reaction, Reactive
 from drivegen.world.replay import Replay
 from drivegen.world.scenes import Scenes
 from drivegen.world.world import World
@@ -22,14 +27,17 @@ from drivegen.world.world import World
 CHUNK = 512
 """Scenarios that advance together."""
 
+_POSE = ("position", "heading", "speed")
+
 
 class Plugin:
     """Batched closed loop on a torch device."""
 
     name = "batch"
 
-    def __init__(self, device: str = "cpu") -> None:
-        self._device = torch.device(device)
+    def __init__(self, device: str = "cpu", reaction: Reaction | None = None) -> None:
+        """`reaction`: how neighbours react; they are replayed without it."""
+        self._device, self._reaction = torch.device(device), reaction
 
     def run(
         self,
@@ -37,42 +45,73 @@ class Plugin:
         scenarios: Sequence[Scenario],
         traffic: Sequence[Trajectories],
         paths: TargetPaths | None = None,
+        attacker: NDArray[np.integer] | None = None,
     ) -> DrivingOutcome:
         """See `base.Simulator.run`."""
         torch.set_num_threads(1)  # sums depend on the thread count
+        attacker = np.zeros(len(scenarios), np.int64) if attacker is None else attacker
         paths = paths if paths is not None else target_paths(scenarios, traffic)
         steps = max(motion.steps for motion in traffic)
         parts = []
         for begin in range(0, len(scenarios), CHUNK):
             rows = slice(begin, begin + CHUNK)
-            parts.append(self._run_chunk(driver, scenarios[rows], traffic[rows], _rows(paths, rows), steps))
+            parts.append(self._run_chunk(driver, scenarios[rows], traffic[rows], _rows(paths, rows), steps, attacker[rows]))
         return DrivingOutcome.joined(parts)
 
     def _run_chunk(
-        self, driver: Driver, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths: TargetPaths, steps: int
+        self,
+        driver: Driver,
+        scenarios: Sequence[Scenario],
+        traffic: Sequence[Trajectories],
+        paths: TargetPaths,
+        steps: int,
+        attacker: NDArray[np.integer],
     ) -> DrivingOutcome:
         scenes = Scenes.of(scenarios, traffic, paths, CHUNK, self._device)
+        deaf = torch.zeros(CHUNK, dtype=torch.int64)
+        deaf[: len(attacker)] = torch.from_numpy(attacker.astype(np.int64))
         with torch.inference_mode():
-            track = _drive(driver, World(scenes, CHUNK))
-        return outcome(_trajectories(track, scenes.replay, steps), scenes.replay, scenarios)
+            neighbours = Reactive(scenes, CHUNK, self._reaction, deaf) if self._reaction else Replayed(scenes)
+            egos, others = _drive(driver, World(scenes, CHUNK, neighbours))
+        ended = outcome(_trajectories(egos, others, steps), others, scenarios)
+        return ended if isinstance(neighbours, Replayed) else _with_imposed(ended, neighbours)
 
 
-def _drive(driver: Driver, world: World) -> tuple[Tensor, Tensor, Tensor]:
-    """Position (T, S, 2), heading (T, S) and speed (T, S) of the targets."""
-    poses = [world.ego]
+def _drive(driver: Driver, world: World) -> tuple[list[Ego], Replay]:
+    """The targets step by step, and the others as they moved."""
+    egos, met = [world.ego], [_met(world)]
     for _ in range(world.scenes.longest - 1):
         world.advance(driver.act(world.observe()))
-        poses.append(world.ego)
-    return (
-        torch.stack([e.position for e in poses]),
-        torch.stack([e.heading for e in poses]),
-        torch.stack([e.speed for e in poses]),
-    )
+        egos.append(world.ego)
+        met.append(_met(world))
+    return egos, _lived(world.scenes.replay, met)
 
 
-def _trajectories(track: tuple[Tensor, Tensor, Tensor], others: Replay, steps: int) -> Trajectories:
+def _met(world: World) -> tuple[Tensor, ...]:
+    """Positions, headings, presence and frames of the others now; nothing of those that are replayed, who are known."""
+    if isinstance(world.neighbours, Replayed):
+        return ()
+    boxes = world.neighbours.boxes(world)
+    return boxes.position, boxes.heading, boxes.valid, world.neighbours.seen(world)[0]
+
+
+def _lived(planned: Replay, met: list[tuple[Tensor, ...]]) -> Replay:
+    """The others as they were met step by step."""
+    if not met[0]:
+        return planned
+    position, heading, valid, frame = (torch.stack(part, 1).cpu().numpy() for part in zip(*met, strict=True))
+    return replace(planned, position=position, heading=heading, valid=valid, frame=frame)
+
+
+def _with_imposed(ended: DrivingOutcome, neighbours: Reactive) -> DrivingOutcome:
+    count = len(ended.kind)
+    braking, loss = (tensor[:count].cpu().numpy() for tensor in (neighbours.hardest, neighbours.taken))
+    return replace(ended, imposed_braking=braking, imposed_loss=loss)
+
+
+def _trajectories(egos: list[Ego], others: Replay, steps: int) -> Trajectories:
     """The targets' motion (S, steps), valid for as long as their scenarios last; step 0 is their logged pose."""
-    position, heading, speed = (tensor.transpose(0, 1).cpu().numpy() for tensor in track)
+    position, heading, speed = (torch.stack([getattr(ego, name) for ego in egos], 1).cpu().numpy() for name in _POSE)
     rows, done = speed.shape
     motion = Trajectories.empty(rows, steps)
     motion.position[:, :done], motion.heading[:, :done] = position, heading

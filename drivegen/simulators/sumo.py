@@ -38,8 +38,10 @@ class Plugin:
         scenarios: Sequence[Scenario],
         traffic: Sequence[Trajectories],
         paths: TargetPaths | None = None,
+        attacker: NDArray[np.integer] | None = None,
     ) -> DrivingOutcome:
-        """See `base.Simulator.run`."""
+        """See `base.Simulator.run`; everybody is replayed, the attacker as well."""
+        del attacker
         if not isinstance(driver, SumoDriver):
             raise UnusableInput(f"SUMO has no model of the driver {driver.name}: use the batch simulator")
         paths = paths if paths is not None else target_paths(scenarios, traffic)

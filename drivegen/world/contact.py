@@ -16,6 +16,7 @@ from drivegen.core.boxes import depth
 from drivegen.core.geometry import Floats, unit
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.roads.leaving import STAYS, Exits, left_from
+from drivegen.world.fault import judge
 from drivegen.world.outcome import NO_PARTNER, CollisionKind, DrivingOutcome
 from drivegen.world.replay import Replay
 
@@ -33,9 +34,22 @@ def outcome(motion: Trajectories, others: Replay, scenarios: Sequence[Scenario])
     kind, step, partner = first_collisions(motion, others)
     after = (step[:, None] >= 0) & (np.arange(motion.steps) > step[:, None])
     ended = Trajectories(motion.position, motion.heading, motion.velocity, motion.valid & ~after)
-    unjudged = np.full(count, np.nan, np.float32)
     gone = (left != STAYS) & (step[:count] < 0)
-    return DrivingOutcome(kind[:count], step[:count], partner[:count], gone, ended[:count], unjudged)
+    contact, fault, speed = judge(motion, others, scenarios, step, partner)
+    nothing = np.zeros(count, np.float32)
+    return DrivingOutcome(
+        kind[:count],
+        step[:count],
+        partner[:count],
+        gone,
+        ended[:count],
+        contact,
+        fault,
+        speed,
+        imposed_braking=nothing,
+        imposed_loss=nothing,
+        off_road=np.full(count, np.nan, np.float32),
+    )
 
 
 def _leaving(motion: Trajectories, scenarios: Sequence[Scenario]) -> NDArray[np.int16]:

@@ -1,8 +1,9 @@
 """What became of a driver's runs: how far they went, how they ended, who was hit and how."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ class CollisionKind(IntEnum):
     HIT_IN_SIDE = 4
     """The other ran with its front into the target's side."""
     HIT_FROM_BEHIND = 5
-    """The other, a replay that can't brake, ran into the target's rear."""
+    """The other ran into the target's rear; a replay can't brake."""
     HIT_STANDING = 6
     """The target stood still."""
 
@@ -51,6 +52,10 @@ class DrivingOutcome:
         left_map: (S,) bool the target has driven out by an exit of the map, which ends its run well.
         motion: Trajectories (S, T) of the targets, valid up to and including the collision, or until it left the map; shorter
             scenarios end earlier.
+        contact: (S,) uint8 nuPlan's type of the collision, and at_fault: (S,) bool its verdict (`fault.py`).
+        impact_speed: (S,) float32 [m/s] of the two relative to one another, NaN without a collision.
+        imposed_braking: (S,) float32 [m/s2] the hardest that a neighbour braked for the target, and imposed_loss: (S,) float32
+            [m/s] the speed that this took from all of them; 0 where neighbours are replayed.
         off_road: (S,) float32 share of valid steps with a corner off the drivable area; NaN until `with_off_road` judges it.
     """
 
@@ -59,19 +64,19 @@ class DrivingOutcome:
     partner: NDArray[np.int32]
     left_map: NDArray[np.bool_]
     motion: Trajectories
+    contact: NDArray[np.uint8]
+    at_fault: NDArray[np.bool_]
+    impact_speed: NDArray[np.float32]
+    imposed_braking: NDArray[np.float32]
+    imposed_loss: NDArray[np.float32]
     off_road: NDArray[np.float32]
 
     @classmethod
     def joined(cls, parts: "Sequence[DrivingOutcome]") -> "DrivingOutcome":
         """The outcomes of several runs of equally many steps, one after the other."""
-        return cls(
-            np.concatenate([part.kind for part in parts]),
-            np.concatenate([part.step for part in parts]),
-            np.concatenate([part.partner for part in parts]),
-            np.concatenate([part.left_map for part in parts]),
-            Trajectories.joined([part.motion for part in parts]),
-            np.concatenate([part.off_road for part in parts]),
-        )
+        joined: dict[str, Any] = {f.name: [getattr(part, f.name) for part in parts] for f in fields(cls) if f.name != "motion"}
+        motion = Trajectories.joined([part.motion for part in parts])
+        return cls(motion=motion, **{name: np.concatenate(arrays) for name, arrays in joined.items()})
 
     @property
     def collided(self) -> NDArray[np.bool_]:

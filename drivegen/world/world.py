@@ -47,6 +47,11 @@ class World:
         return self.scene * self.scenes.longest + self.step.clamp_max(self.scenes.longest - 1)
 
     @property
+    def following(self) -> Tensor:
+        """(R,) the row of the tables at the next step."""
+        return self.scene * self.scenes.longest + (self.step + 1).clamp_max(self.scenes.longest - 1)
+
+    @property
     def over(self) -> Tensor:
         """(R,) bool, whether the scene is at its last step."""
         return self.step >= self.scenes.steps[self.scene] - 1

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.drivers.idm import Plugin as Idm
@@ -22,7 +23,12 @@ class Replay:
     name = "replay"
 
     def run(
-        self, driver: object, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths: TargetPaths | None = None
+        self,
+        driver: object,
+        scenarios: Sequence[Scenario],
+        traffic: Sequence[Trajectories],
+        paths: TargetPaths | None = None,
+        attacker: NDArray[np.integer] | None = None,
     ) -> DrivingOutcome:
         motion = stack([one[0] for one in traffic])
         hit = motion.position[:, 0, 0] > 50
@@ -33,6 +39,11 @@ class Replay:
             partner=np.where(hit, 1, -1).astype(np.int32),
             left_map=np.zeros(count, np.bool_),
             motion=motion,
+            contact=np.where(hit, 3, 0).astype(np.uint8),
+            at_fault=hit,
+            impact_speed=np.where(hit, 4, np.nan).astype(np.float32),
+            imposed_braking=np.zeros(count, np.float32),
+            imposed_loss=np.zeros(count, np.float32),
             off_road=np.full(count, np.nan, np.float32),
         )
 

@@ -56,6 +56,10 @@ def test_every_method_of_traffic_gets_rows_and_a_flat_summary(made, params):
         assert numbers[f"drivegen.{name}"] == pytest.approx(np.mean(values))
         low, high = (numbers[f"drivegen.{name}.{end}"] for end in ("low", "high"))
         assert low - 1e-9 <= numbers[f"drivegen.{name}"] <= high + 1e-9
+    assert numbers["drivegen.reactive.runs"] == 9
+    assert numbers["drivegen.reactive.collision"] <= numbers["drivegen.collision"]
+    assert numbers["drivegen.imposed_braking"] == 0 <= numbers["drivegen.reactive.imposed_braking"] <= 6
+    assert {row["value"] >= 0 for row in rows if row["metric"] == "reactive.imposed_loss"} == {True}
     kinds = sum(numbers[f"drivegen.collision.{kind.name.lower()}"] for kind in CollisionKind if kind)
     assert kinds == pytest.approx(numbers["drivegen.collision"])
     assert numbers["log.spread_over_samples"] is None  # one run a scene

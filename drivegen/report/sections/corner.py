@@ -20,7 +20,8 @@ def section(evidence: Evidence) -> Section:
     rounds = {name: value for name, value in evidence.below("corner").items() if isinstance(value, Mapping)}
     lead = (
         "Rounds of generation steered by what made the driver fail. Nothing is trained: goals of social vehicles are drawn "
-        "with other odds. The driver's own reaction is left out of the legality check; hard rules between social vehicles stay."
+        "with other odds. Neighbours are replayed. "
+        "The driver's own reaction is left out of the legality check; hard rules between social vehicles stay."
     )
     found = [_against_paper(evidence, rounds), _gpu_hours()]
     figures = []

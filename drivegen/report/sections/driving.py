@@ -10,12 +10,17 @@ from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section, not_measured
 from drivegen.report.table import NOT_MEASURED, Table, measured, number, row
 
+NEIGHBOURS = {"replayed": "", "reactive": "reactive."}
+"""Kinds of neighbours -> what metrics of runs among them begin with."""
+
 PAPER_COLUMNS = {"CR": "collision", "Dis [m]": "distance", "Comfort": "comfort_absolute", "Div": "spread_over_runs"}
 """The paper's columns -> names in a driver's or a round's JSON, in the readings that we compare with."""
 
 _COLUMNS = {
     "CR": "collision",
     "of it at fault": "collision.at_fault",
+    "by nuPlan's classes": "collision.nuplan_at_fault",
+    "imposed braking [m/s2]": "imposed_braking",
     "in the first second": "collision.in_first_second",
     "off-road": "off_road",
     "Dis [m]": "distance",
@@ -30,7 +35,8 @@ def section(evidence: Evidence) -> Section:
     """Every driver that was driven, by traffic, and the paper's downstream table."""
     drivers = {name: by_traffic(values) for name, values in evidence.below("driving").items() if isinstance(values, Mapping)}
     lead = (
-        "The target is driven by a driver, the others replay. CR is the share of runs that end in a collision, Dis the way "
+        "The target is driven by a driver; its neighbours are replayed, or react to it by braking. CR is the share of runs that "
+        "end in a collision, Dis the way "
         "driven, Comfort the reciprocal of the mean acceleration, Div the spread of trajectories; where the paper can be read "
         "in two ways, both are here."
     )
@@ -51,11 +57,13 @@ def by_traffic(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 def _table(driver: str, traffic: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table:
     lines = []
     for name, values in evidence.ordered(traffic).items():
-        cells = [measured(values, key) for key in _COLUMNS.values()]
-        lines.append(row(evidence.title(name), number(values.get("runs")), *cells, origin="ours"))
+        for kind, prefix in NEIGHBOURS.items():
+            if f"{prefix}collision" in values:
+                cells = [measured(values, prefix + key) for key in _COLUMNS.values()]
+                lines.append(row(evidence.title(name), kind, number(values.get(f"{prefix}runs")), *cells, origin="ours"))
     over = tuple({over_recordings(int(values["recordings"])): None for values in traffic.values() if "recordings" in values})
     notes = (*evidence.trained_on, *over)
-    return Table(f"driving-{driver}", f"Driver {driver}", ("traffic", "runs", *_COLUMNS), tuple(lines), notes)
+    return Table(f"driving-{driver}", f"Driver {driver}", ("traffic", "neighbours", "runs", *_COLUMNS), tuple(lines), notes)
 
 
 def _downstream() -> Table:

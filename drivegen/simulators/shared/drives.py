@@ -47,7 +47,10 @@ class Drives:
         )
 
     def per_scenario(self) -> dict[str, NDArray[np.float64]]:
-        """Means over each scenario's runs (C,) by metric: shares of collisions, `RunNumbers`, `spread_over_samples` [m]."""
+        """Means over each scenario's runs (C,) by metric: shares of collisions, `RunNumbers`, `spread_over_samples` [m].
+
+        A run without a collision counts with an `impact_speed` of 0.
+        """
         count = np.bincount(self.scene)
         means = {name: np.bincount(self.scene, value.astype(np.float64)) / count for name, value in self._per_run().items()}
         return means | {"spread_over_samples": spread_over_samples(self.outcome.motion, self.scene)}
@@ -58,6 +61,10 @@ class Drives:
             "collision": outcome.collided,
             "collision.at_fault": np.isin(outcome.kind, AT_FAULT),
             "collision.in_first_second": outcome.in_first_second,
+            "collision.nuplan_at_fault": outcome.at_fault,
+            "impact_speed": np.nan_to_num(outcome.impact_speed),
+            "imposed_braking": outcome.imposed_braking,
+            "imposed_loss": outcome.imposed_loss,
             **{f"collision.{kind.name.lower()}": outcome.kind == kind for kind in CollisionKind if kind},
             "left_map": outcome.left_map,
             "distance": numbers.distance,
