@@ -43,6 +43,8 @@ IDM = idm.Settings(
     exponent=4.0,
     side_margin=0.0,
     look_ahead=0.0,
+    heeds_rules=False,
+    accepted_gap=4.0,
 )
 
 

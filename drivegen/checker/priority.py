@@ -9,10 +9,10 @@ import numpy as np
 from numba import njit
 
 from drivegen.checker.dynamics import exceed
-from drivegen.checker.gates import HALF_WIDTH
 from drivegen.checker.limits import NEVER, RED_GRACE, STOP_SPEED, YIELD_GAP
 from drivegen.core.boxes import bounds
 from drivegen.core.scenario import DT
+from drivegen.roads.gates import HALF_WIDTH
 
 LINE_MARGIN = 1.0
 """Fronts may stand this far beyond a line [m]: drivers do, and positions are noisy."""

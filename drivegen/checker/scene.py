@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.checker import collisions, dynamics, priority, road
-from drivegen.checker.gates import Gates
 from drivegen.checker.limits import FLAGS, NEVER, NOT_FINITE, OVERLAP, OVERLAP_CONTEXT, RULES, Limits
 from drivegen.core.geometry import unit
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.roads.drivable import RoadField, road_field
+from drivegen.roads.gates import Gates
 
 NOBODY = -1
 

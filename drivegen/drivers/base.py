@@ -63,6 +63,25 @@ class Paths:
 
 
 @dataclass(frozen=True)
+class Rules:
+    """What signals, signs and right of way ask at the next line on the paths of S targets, with M others.
+
+    Attributes:
+        distance: (S,) [m] from the target's front to the line, inf where none is ahead.
+        signal: (S,) int64 SignalState there now. control: (S,) int64 LaneControl there.
+        halted: (S,) bool, whether the target has stood before this line.
+        arrives: (S, M) [s] until each other who has right of way is where its way meets the target's, at its present speed;
+            0 if it is there, inf for those who have no right of way.
+    """
+
+    distance: Tensor
+    signal: Tensor
+    control: Tensor
+    halted: Tensor
+    arrives: Tensor
+
+
+@dataclass(frozen=True)
 class Observation:
     """What the drivers of S targets see at one step; everything about the M others is in the frame of the target's path.
 
@@ -77,6 +96,7 @@ class Observation:
         speed_along, speed_across: (S, M) their velocity along the path and to the left [m/s].
         present: (S, M) bool, whether there is such a vehicle or person at this step.
         paths: the targets' paths.
+        rules: what holds at the next line; None where the world does not look.
     """
 
     step: Tensor
@@ -94,6 +114,7 @@ class Observation:
     speed_across: Tensor
     present: Tensor
     paths: Paths
+    rules: Rules | None = None
 
     def limits_ahead(self, distances: Tensor) -> Tensor:
         """(S, D) speed limits [m/s] at `distances` (D,) [m] ahead of the target's front, NaN unknown."""
@@ -127,6 +148,15 @@ class Driver(Protocol):
 
     def act(self, observation: Observation) -> Action:
         """Actions for S targets; row i depends on row i alone, so results do not depend on who shares the batch."""
+
+
+@runtime_checkable
+class RuleDriver(Protocol):
+    """A driver that may look at `Observation.rules`; worlds look for them if it says so, which takes time."""
+
+    @property
+    def sees_rules(self) -> bool:
+        """Whether it does."""
 
 
 @runtime_checkable

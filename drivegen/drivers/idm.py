@@ -5,6 +5,8 @@
 v0 is the road's speed limit, or `desired_speed` where it has none. The leader is the nearest box ahead on the path that
 reaches into the target's way, or will within `look_ahead`. A lower limit v1 ahead is
 taken as SUMO does: as a leader that stands where it begins, s0 = 0, but no nearer than s*(v1), so that v1 is reached there.
+Where it heeds rules, a line that it must not cross now is a leader that stands there: a red light; a yellow one and somebody with
+right of way whom it would make brake, if it can still stop comfortably; a stop sign until it has halted.
 """
 
 from dataclasses import dataclass
@@ -13,10 +15,15 @@ from typing import ClassVar
 import torch
 from torch import Tensor
 
+from drivegen.core.roadmap import LaneControl
+from drivegen.core.scenario import SignalState
 from drivegen.core.settings import NotNegative, Positive
-from drivegen.drivers.base import Action, Observation
+from drivegen.drivers.base import Action, Observation, Rules
 
 _NO_GAP = 0.001
+_CREEPS = 3.0  # [m/s] who is slower is taken to reach a line at this speed: it will speed up
+_CLEARS = 1.0  # [s] who is gone so long before it is in nobody's way
+_COMFORTABLE = 2.0  # times the comfortable braking: harder than that it does not stop for yellow or for others
 _LIMIT_DISTANCES = torch.arange(2.0, 120.0, 6.0)
 
 
@@ -30,6 +37,7 @@ class Settings:
         exponent: delta.
         side_margin: distance that a box beside the way must keep not to count as on it [m].
         look_ahead: time for which crossing vehicles are extrapolated [s]; 0 sees only who is on the way already.
+        heeds_rules: whether it stops at lights and signs and gives way. accepted_gap: [s] to whoever has right of way.
     """
 
     desired_speed: Positive
@@ -41,6 +49,8 @@ class Settings:
     exponent: Positive
     side_margin: NotNegative
     look_ahead: NotNegative
+    heeds_rules: bool
+    accepted_gap: NotNegative
 
 
 class Plugin:
@@ -60,6 +70,9 @@ class Plugin:
         gap, leader_speed = self._leader(observation)
         wanted = settings.min_gap + self._wanted(speed, leader_speed)
         behind = (wanted / gap) ** 2
+        if settings.heeds_rules and observation.rules is not None:
+            line = self._line(observation.rules, speed)
+            behind = torch.maximum(behind, ((settings.min_gap + self._wanted(speed, 0.0)) / line) ** 2)
         distance = _LIMIT_DISTANCES.to(speed)
         slower = observation.limits_ahead(distance).nan_to_num(settings.desired_speed)
         room = torch.maximum(distance, self._wanted(slower, 0.0))
@@ -83,6 +96,24 @@ class Plugin:
         gaps = (seen.ahead - seen.half_length - 0.5 * seen.length[:, None]).clamp_min(_NO_GAP)
         gap, nearest = torch.where(ahead, gaps, torch.inf).min(dim=1)
         return gap, seen.speed_along.gather(1, nearest[:, None])[:, 0]
+
+    def _line(self, rules: Rules, speed: Tensor) -> Tensor:
+        """Distance (S,) to a line that must not be crossed now [m], inf if none."""
+        settings, distance = self.settings, rules.distance.clamp_min(_NO_GAP)
+        reached = distance / speed.clamp_min(_CREEPS)
+        meets = (rules.arrives < reached[:, None] + settings.accepted_gap) & (rules.arrives > reached[:, None] - _CLEARS)
+        green = rules.signal == SignalState.GREEN
+        comfortable = distance > speed**2 / (2 * _COMFORTABLE * settings.braking)
+        possible = distance > speed**2 / (2 * settings.emergency_braking)
+        waits = comfortable & (meets.any(1) | (rules.signal == SignalState.YELLOW))
+        stops = (rules.control == LaneControl.STOP) & ~rules.halted & ~green
+        held = possible & ((rules.signal == SignalState.RED) | stops | waits)
+        return torch.where(held & (rules.distance > -_NO_GAP), distance, torch.inf)
+
+    @property
+    def sees_rules(self) -> bool:
+        """Whether worlds have to look for rules ahead."""
+        return self.settings.heeds_rules
 
     @property
     def desired_speed(self) -> float:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.drivers.base import Driver
+from drivegen.drivers.base import Driver, RuleDriver
 from drivegen.world.contact import outcome
 from drivegen.world.ego import Ego
 from drivegen.world.neighbours import Replayed
@@ -21,6 +21,7 @@ from drivegen.world.outcome import DrivingOutcome
 from drivegen.world.paths import TargetPaths, target_paths
 from drivegen.world.reactive import Reaction, Reactive
 from drivegen.world.replay import Replay
+from drivegen.world.rules import Lookout
 from drivegen.world.scenes import Scenes
 from drivegen.world.world import World
 
@@ -72,7 +73,9 @@ class Plugin:
         deaf[: len(attacker)] = torch.from_numpy(attacker.astype(np.int64))
         with torch.inference_mode():
             neighbours = Reactive(scenes, CHUNK, self._reaction, deaf) if self._reaction else Replayed(scenes)
-            egos, others = _drive(driver, World(scenes, CHUNK, neighbours))
+            looks = isinstance(driver, RuleDriver) and driver.sees_rules
+            lookout = Lookout.of(scenes, scenarios, traffic) if looks else None
+            egos, others = _drive(driver, World(scenes, CHUNK, neighbours, lookout))
         ended = outcome(_trajectories(egos, others, steps), others, scenarios)
         return ended if isinstance(neighbours, Replayed) else _with_imposed(ended, neighbours)
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import Floats, interpolate, line_heading, unit
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.drivers.base import PATH_SPACING, Driver, SumoDriver
+from drivegen.drivers.base import PATH_SPACING, Driver, RuleDriver, SumoDriver
 from drivegen.sumo.closed_loop import ClosedLoopRun, drive
 from drivegen.world.contact import outcome
 from drivegen.world.outcome import DrivingOutcome
@@ -44,6 +44,8 @@ class Plugin:
         del attacker
         if not isinstance(driver, SumoDriver):
             raise UnusableInput(f"SUMO has no model of the driver {driver.name}: use the batch simulator")
+        if isinstance(driver, RuleDriver) and driver.sees_rules:
+            raise UnusableInput(f"on the target's lane SUMO sees no rules for the driver {driver.name}: use the batch simulator")
         paths = paths if paths is not None else target_paths(scenarios, traffic)
         others = replay(scenarios, traffic, paths, len(scenarios))
         runs = [_run(others, paths, s, driver.desired_speed) for s in range(len(scenarios))]

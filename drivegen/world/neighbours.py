@@ -44,6 +44,9 @@ class Neighbours(Protocol):
     def seen(self, world: "World") -> tuple[Tensor, Tensor]:
         """Frame (R, 6, M) as in `Replay`, and who is present (R, M)."""
 
+    def rows(self, world: "World") -> Tensor:
+        """(R, M) row of the tables of `Scenes` that shows each of them."""
+
     def boxes(self, world: "World") -> Boxes:
         """Where they are."""
 
@@ -68,6 +71,10 @@ class Replayed:
         """See `Neighbours`."""
         at = world.at
         return self._scenes.frame.index_select(0, at), self._scenes.present.index_select(0, at)
+
+    def rows(self, world: "World") -> Tensor:
+        """See `Neighbours`."""
+        return world.at[:, None].expand(-1, self._scenes.present.shape[1])
 
     def boxes(self, world: "World") -> Boxes:
         """See `Neighbours`."""

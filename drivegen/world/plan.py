@@ -5,6 +5,7 @@ from typing import Self
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from drivegen.core.geometry import unit
@@ -46,7 +47,7 @@ class Plan:
         return cls(*(torch.from_numpy(table.astype(np.float32)).flatten(0, 1).to(device) for table in tables))
 
 
-def _resume(speed: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
+def _resume(speed: NDArray[np.floating]) -> NDArray[np.integer]:
     steps = speed.shape[1]
     moves = np.where(speed > STANDING, np.arange(steps)[:, None], steps)
     return np.minimum.accumulate(moves[:, ::-1], axis=1)[:, ::-1]

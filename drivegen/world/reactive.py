@@ -87,6 +87,10 @@ class Reactive:
         frame[:, 4:] *= torch.where(self._late(world), slower, 1.0)[:, None]
         return frame, present
 
+    def rows(self, world: "World") -> Tensor:
+        """See `Neighbours`."""
+        return self._steps(world)[0]
+
     def boxes(self, world: "World") -> Boxes:
         """See `Neighbours`."""
         pose, present = self._pose(world)

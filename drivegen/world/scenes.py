@@ -64,7 +64,7 @@ class Scenes:
     @property
     def longest(self) -> int:
         """T."""
-        return self.replay.valid.shape[1]
+        return int(self.replay.valid.shape[1])
 
 
 def _tensors(paths: TargetPaths, rows: int, device: torch.device | str) -> Paths:

@@ -8,6 +8,7 @@ from torch import Tensor
 from drivegen.drivers.base import Action, Observation, Paths
 from drivegen.world.ego import Ego, on_path
 from drivegen.world.neighbours import Neighbours, Replayed
+from drivegen.world.rules import Lookout, Watch
 from drivegen.world.scenes import Scenes
 
 Motion = Callable[[Ego, Action, Paths], Ego]
@@ -23,8 +24,17 @@ class World:
         neighbours: who moves the others.
     """
 
-    def __init__(self, scenes: Scenes, rows: int, neighbours: Neighbours | None = None, motion: Motion = on_path) -> None:
+    def __init__(
+        self,
+        scenes: Scenes,
+        rows: int,
+        neighbours: Neighbours | None = None,
+        lookout: Lookout | None = None,
+        motion: Motion = on_path,
+    ) -> None:
+        """Without `neighbours` all are replayed; without a `lookout` drivers see no rules."""
         self.scenes, self.neighbours, self._motion = scenes, neighbours or Replayed(scenes), motion
+        self._watch = Watch(lookout, rows) if lookout else None
         self.scene = torch.arange(rows, device=scenes.steps.device) % len(scenes)
         self.reset(self.scene)
 
@@ -40,6 +50,8 @@ class World:
             self.paths.put(rows, paths)
             self.ego.put(rows, ego)
         self.neighbours.reset(self, rows)
+        if self._watch:
+            self._watch.reset(rows)
 
     @property
     def at(self) -> Tensor:
@@ -78,6 +90,7 @@ class World:
             speed_across=speed_across,
             present=present,
             paths=paths,
+            rules=self._watch.rules(self, frame) if self._watch else None,
         )
 
     def advance(self, action: Action) -> None:

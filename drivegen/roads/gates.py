@@ -135,7 +135,7 @@ def _crossing_points(points, starts, lane, others):  # type: ignore[no-untyped-d
     for other in others:
         if other == lane:
             continue
-        found, x, y, dx, dy = _first_crossing(points, starts[lane], starts[lane + 1], starts[other], starts[other + 1])
+        found, x, y, dx, dy = first_crossing(points, starts[lane], starts[lane + 1], starts[other], starts[other + 1])
         if found:
             at[count, 0], at[count, 1], towards[count, 0], towards[count, 1] = x, y, dx, dy
             count += 1
@@ -143,7 +143,7 @@ def _crossing_points(points, starts, lane, others):  # type: ignore[no-untyped-d
 
 
 @njit(cache=True)
-def _first_crossing(points, a0, a1, b0, b1):  # type: ignore[no-untyped-def]
+def first_crossing(points, a0, a1, b0, b1):  # type: ignore[no-untyped-def]
     """Where line b first crosses line a, or their common end; siblings, which share their start, don't conflict."""
     if abs(points[a0, 0] - points[b0, 0]) + abs(points[a0, 1] - points[b0, 1]) < _SAME_POINT:
         return False, 0.0, 0.0, 0.0, 0.0

@@ -1,0 +1,200 @@
+"""Signals, stop signs and right of way on the targets' paths.
+
+A line is where a path enters a way across a junction, or any lane with a signal or a sign. Behind it lie the ways that cross or
+join the target's. Who is on one of these, or on the lanes that lead there, has right of way over the target if the other's
+way does not have to yield or stop and the target's does; between equals if it comes from the right, or comes the other way
+while the target alone turns left. Who has a red or yellow light and has not entered counts for nobody.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from drivegen.core.geometry import Floats, arc_length, interpolate, project, wrap_angle
+from drivegen.core.roadmap import LaneControl, RoadMap
+from drivegen.core.scenario import Scenario, SignalState, Trajectories
+from drivegen.drivers.base import PATH_SPACING, Rules
+from drivegen.roads.gates import first_crossing
+from drivegen.roads.graph import LaneGraph
+from drivegen.world.replay import project as seen_from
+from drivegen.world.scenes import Scenes
+
+if TYPE_CHECKING:
+    from drivegen.world.world import World
+
+ON_PATH = 1.5
+"""Both ends of a lane that a path follows are this near to it [m] ..."""
+
+ALIGNED = np.deg2rad(30)
+"""... and run its way within this angle."""
+
+UPSTREAM = 80.0
+"""Who is farther than this [m] from where ways meet has no right of way yet."""
+
+IN_LANE = 1.75
+"""Who is this near to a lane's middle [m] is in it."""
+
+TURNS = 0.35
+"""A way that bends by more than this [rad] to the left turns left."""
+
+PASSED = 1.0
+"""A front this far [m] beyond a line has passed it."""
+
+HALTED, BEFORE = 0.1, 6.0
+"""Who is slower than this [m/s] within this distance [m] of a line has halted there."""
+
+_MUST_WAIT = {LaneControl.YIELD: 1, LaneControl.STOP: 2}
+
+
+@dataclass(frozen=True)
+class Lookout:
+    """Lines of S scenes, G at most on a path, and who comes there.
+
+    Attributes:
+        place: (S, G) float32 [m] of the lines along the paths, rising, inf for none. control: (S, G) int64 LaneControl.
+        signal: (S * T, G) int64 SignalState. distance: (S * T, G, M) float32 [m] that each other who has right of way is from
+            where its way meets the target's, inf for the rest; row s * T + t is scene s at step t.
+    """
+
+    place: Tensor
+    control: Tensor
+    signal: Tensor
+    distance: Tensor
+
+    @classmethod
+    def of(cls, scenes: Scenes, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories]) -> Self:
+        """Look along the paths of `scenes`, which are `scenarios` with their `traffic` (N, T)."""
+        graphs = {id(s.map): s.map for s in scenarios}
+        known = {number: LaneGraph.of(road_map) for number, road_map in graphs.items()}
+        lines = [_lines(scenes, s, known[id(scenario.map)]) for s, scenario in enumerate(scenarios)]
+        count, shape = max(map(len, lines), default=0), scenes.replay.valid.shape
+        place = np.full((len(scenes), max(count, 1)), np.inf, np.float32)
+        control = np.zeros(place.shape, np.int64)
+        signal = np.zeros((*shape[:2], place.shape[1]), np.int64)
+        distance = np.full((*shape[:2], place.shape[1], shape[2]), np.inf, np.float32)
+        for s, (scenario, motion) in enumerate(zip(scenarios, traffic, strict=True)):
+            for g, (at, lane) in enumerate(lines[s]):
+                place[s, g], control[s, g] = at, scenario.map.control[lane]
+                signal[s, : scenario.steps, g] = _state(scenario, lane)[: motion.steps]
+                _who_comes(known[id(scenario.map)], scenario, lane, scenes, s, distance[s, :, g])
+        arrays = (place, control, signal.reshape(-1, place.shape[1]), distance.reshape(-1, *distance.shape[2:]))
+        return cls(*(torch.from_numpy(array).to(scenes.steps.device) for array in arrays))
+
+
+class Watch:
+    """What the drivers of R rows see of a `Lookout`; it remembers who has halted before the line ahead."""
+
+    def __init__(self, lookout: Lookout, rows: int) -> None:
+        self._lookout = lookout
+        self._line = torch.zeros(rows, dtype=torch.int64, device=lookout.place.device)
+        self._halted = torch.zeros(rows, dtype=torch.bool, device=lookout.place.device)
+
+    def reset(self, rows: Tensor | None) -> None:
+        """Forget who has halted in all rows, or in `rows` alone."""
+        self._halted[rows if rows is not None else slice(None)] = False
+
+    def rules(self, world: "World", frame: Tensor) -> Rules:
+        """What holds ahead of each target; `frame` (R, 6, M) is that of the others now."""
+        lookout, ego, at = self._lookout, world.ego, world.at
+        ahead = lookout.place[world.scene] - (ego.along + 0.5 * world.size[:, 0])[:, None]
+        line = torch.where(ahead > -PASSED, ahead, torch.inf).argmin(dim=1)
+        distance = ahead.gather(1, line[:, None])[:, 0]
+        distance = torch.where(distance > -PASSED, distance, torch.inf)
+        here = (ego.speed < HALTED) & (distance < BEFORE)
+        self._halted = here | (self._halted & (line == self._line))
+        self._line = line
+        none = distance.isinf()
+        away = lookout.distance[world.neighbours.rows(world), line[:, None], torch.arange(frame.shape[2], device=line.device)]
+        speed = torch.hypot(frame[:, 4], frame[:, 5]).clamp_min(0.1)
+        return Rules(
+            distance=distance,
+            signal=torch.where(none, int(SignalState.UNKNOWN), lookout.signal[at].gather(1, line[:, None])[:, 0]),
+            control=torch.where(none, int(LaneControl.UNKNOWN), lookout.control[world.scene].gather(1, line[:, None])[:, 0]),
+            halted=self._halted,
+            arrives=torch.where(none[:, None], torch.inf, away.clamp_min(0.0) / speed),
+        )
+
+
+def _lines(scenes: Scenes, s: int, graph: LaneGraph) -> list[tuple[float, int]]:
+    """Where the path of scene s crosses a line [m] and the lane that it enters there, in order."""
+    road_map, last = graph.map, int(scenes.paths.length[s] / PATH_SPACING) + 1
+    path = scenes.paths.point[s, :last].cpu().numpy().astype(np.float64)
+    heading = scenes.paths.heading[s, :last].cpu().numpy()
+    guarded = road_map.in_junction | np.isin(road_map.control, (LaneControl.YIELD, LaneControl.STOP, LaneControl.SIGNAL))
+    found = []
+    for lane in np.flatnonzero(guarded & road_map.for_vehicles).tolist():
+        if road_map.in_junction[graph.predecessors[lane]].any():
+            continue  # the second half of a way across
+        line = road_map.centreline[lane]
+        begin, end = (_foot(path, heading, line[i], graph.heading[lane, i]) for i in (0, -1))
+        if begin is not None and end is not None and end > begin:
+            found.append((min([begin, *_stop_lines(road_map, lane, path)]), lane))
+    return sorted(found)
+
+
+def _foot(path: Floats, heading: Floats, point: Floats, direction: float) -> float | None:
+    """How far along the path [m] a lane's end lies on it, None if it does not."""
+    along, left = project(path, point.astype(np.float64))
+    turned = abs(wrap_angle(np.asarray(heading[min(int(along), len(heading) - 1)] - direction)))
+    return along if abs(left) < ON_PATH and turned < ALIGNED else None
+
+
+def _stop_lines(road_map: RoadMap, lane: int, path: Floats) -> Iterator[float]:
+    yield from (project(path, line.mean(0).astype(np.float64))[0] for line in road_map.stop_lines[road_map.stop_lane == lane])
+
+
+def _state(scenario: Scenario, lane: int) -> NDArray[np.uint8]:
+    """(T,) state of the signal of a lane, UNKNOWN where there is none."""
+    states = scenario.signals.state[scenario.signals.lane == lane]
+    return states[0] if len(states) else np.zeros(scenario.steps, np.uint8)
+
+
+def _who_comes(graph: LaneGraph, scenario: Scenario, lane: int, scenes: Scenes, s: int, out: NDArray[np.float32]) -> None:
+    """Fill `out` (T, M) for the line before `lane`."""
+    others, line = scenes.replay, graph.map.centreline
+    for other in np.flatnonzero(graph.map.in_junction & graph.map.for_vehicles).tolist():
+        if other == lane or not has_right_of_way(graph, other, lane):
+            continue
+        meet, x, y, _, _ = first_crossing(line.points, *line.start[[lane, lane + 1]], *line.start[[other, other + 1]])
+        if not meet:
+            continue
+        way, entry = _approach(graph, other)
+        goal = project(way, np.array([x, y]))[0]
+        frame = np.zeros((out.shape[0], 6, out.shape[1]), np.float32)
+        still = np.zeros((*out.shape, 2), np.float32)
+        seen_from(way, others.position[s], others.heading[s], still, others.valid[s], others.size[s], frame)
+        along, reach = frame[:, 0], frame[:, 2]
+        came = np.diff(along, axis=0, append=along[-1:]) > -0.05  # not the other way
+        comes = others.valid[s] & came & (np.abs(frame[:, 1]) < IN_LANE) & (along > 0) & (along - reach < goal + PASSED)
+        closed = np.isin(_state(scenario, other), (SignalState.RED, SignalState.YELLOW))[: len(out)]
+        comes[: len(closed)] &= ~closed[:, None] | (along[: len(closed)] + reach[: len(closed)] > entry)
+        out[:] = np.where(comes, np.minimum(out, np.maximum(goal - along - reach, 0)), out)
+
+
+def has_right_of_way(graph: LaneGraph, other: int, lane: int) -> bool:
+    """Whether who comes by lane `other` goes before who wants to take `lane`, where the two meet."""
+    ranks = [_MUST_WAIT.get(LaneControl(graph.map.control[each]), 0) for each in (other, lane)]
+    if ranks[0] != ranks[1]:
+        return ranks[0] < ranks[1]
+    towards = float(wrap_angle(np.asarray(graph.heading[other, 0] - graph.heading[lane, 0])))
+    left = [float(wrap_angle(np.asarray(graph.heading[each, 1] - graph.heading[each, 0]))) > TURNS for each in (other, lane)]
+    if abs(towards) > 0.75 * np.pi:
+        return left[1] and not left[0]
+    return towards > 0.25 * np.pi
+
+
+def _approach(graph: LaneGraph, lane: int) -> tuple[Floats, float]:
+    """The way that leads to a lane and over it, a point every metre, and how far along [m] the lane begins."""
+    parts, length, first = [graph.map.centreline[lane]], 0.0, lane
+    while length < UPSTREAM and len(graph.predecessors[first]):
+        first = int(graph.predecessors[first][0])
+        parts.insert(0, graph.map.centreline[first])
+        length += float(graph.length[first])
+    before = np.concatenate([part[:-1] for part in parts[:-1]] + [parts[-1][:1]]).astype(np.float64)
+    whole = np.concatenate([before, parts[-1][1:]]).astype(np.float64)
+    return interpolate(whole, np.arange(0.0, float(arc_length(whole)[-1]), PATH_SPACING)), float(arc_length(before)[-1])

@@ -1,0 +1,144 @@
+"""Signals and right of way: the named cases, each with the IDM that heeds rules and the one that does not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from drivegen.core.roadmap import LaneControl
+from drivegen.core.scenario import Signals, SignalState
+from drivegen.drivers import idm
+from drivegen.roads.graph import LaneGraph
+from drivegen.simulators.batch import Plugin
+from drivegen.world.rules import Lookout, has_right_of_way
+from drivegen.world.scenes import Scenes
+from drivegen.world.world import World
+from tests.checking import IDM
+from tests.scenes import crossing, drive, joined, scenario, stack
+
+STEPS = 151
+STRAIGHT, LEFT, RIGHT = 0, 1, 2
+LINE = -10.0
+"""The target comes from the west, along y = -1.75; its stop line is at x = -10."""
+
+
+def way(roads, arm, turn):
+    """The line from arm 0 (west), 1 (south), 2 (east) or 3 (north), and the lane in the junction."""
+    lane = 8 + 3 * arm + turn
+    out = next(int(b) for a, b in roads.links if a == lane)
+    return joined(roads, arm, lane, out), lane
+
+
+def meet(control, own_turn, others=(), states=None, own_control=None, start=30.0, speed=10.0):
+    """The scene of a target from the west that turns `own_turn`, and others (arm, turn, start [m], speed)."""
+    roads = crossing(control=control)
+    line, lane = way(roads, 0, own_turn)
+    if own_control is not None:
+        own = np.isin(np.arange(len(roads)), [8, 9, 10])
+        roads = replace(roads, control=np.where(own, own_control, roads.control).astype(np.uint8))
+    motions = [drive(line, start, speed, STEPS)]
+    motions += [drive(way(roads, arm, turn)[0], begin, pace, STEPS) for arm, turn, begin, pace in others]
+    signals = None
+    if states is not None:
+        signals = Signals(np.array([lane], np.int32), np.array([states], np.uint8))
+    return scenario(roads, stack(motions), signals=signals)
+
+
+def driven(scene, heeds=True, **kind):
+    outcome = Plugin(**kind).run(idm.Plugin(replace(IDM, heeds_rules=heeds)), [scene], [scene.log])
+    front = outcome.motion.position[0, :, 0] + 2.3
+    return outcome, front
+
+
+def passes(front):
+    """The step at which the front is first over the line, None if it stays before it."""
+    over = front > LINE + 0.5
+    return int(np.argmax(over)) if over.any() else None
+
+
+def test_red_light():
+    states = np.where(np.arange(STEPS) < 90, SignalState.RED, SignalState.GREEN)
+    scene = meet(LaneControl.SIGNAL, STRAIGHT, states=states)
+    assert passes(driven(scene, heeds=False)[1]) < 80
+    _, front = driven(scene)
+    assert 90 <= passes(front) < 125
+    assert LINE - 4 < front[85] < LINE
+    yellow = np.where(np.arange(STEPS) < 36, SignalState.GREEN, SignalState.YELLOW)
+    assert passes(driven(meet(LaneControl.SIGNAL, STRAIGHT, states=yellow))[1]) < 80  # too late to stop in comfort
+    assert passes(driven(meet(LaneControl.SIGNAL, STRAIGHT, states=np.full(STEPS, SignalState.YELLOW)))[1]) is None
+
+
+def test_yield():
+    comes = (1, STRAIGHT, 30.0, 10.0)  # abreast of the target, from its right; it has priority
+    scene = meet(LaneControl.FREE, STRAIGHT, [comes], own_control=LaneControl.YIELD)
+    outcome, front = driven(scene)
+    assert not outcome.collided[0]
+    gone = int(np.argmax(scene.log.position[1, :, 1] > 2.3))
+    assert passes(front) > gone - 15
+    free = meet(LaneControl.FREE, STRAIGHT, own_control=LaneControl.YIELD)
+    assert passes(driven(free)[1]) == passes(driven(free, heeds=False)[1])
+
+
+def test_stop():
+    scene = meet(LaneControl.FREE, STRAIGHT, own_control=LaneControl.STOP)
+    outcome, front = driven(scene)
+    stands = np.flatnonzero(outcome.motion.speed[0] < 0.1)
+    assert len(stands) > 0
+    assert LINE - 6 < front[stands[0]] < LINE
+    assert stands[-1] < passes(front) < 140
+
+
+def test_unprotected_left():
+    states = np.full(STEPS, SignalState.GREEN)
+    oncoming = (2, STRAIGHT, 40.0, 9.0)
+    scene = meet(LaneControl.SIGNAL, LEFT, [oncoming], states=states, start=40.0)
+    outcome, front = driven(scene)
+    clear = int(np.argmax(scene.log.position[1, :, 0] < -2))
+    assert not outcome.collided[0]
+    assert passes(front) > clear - 25
+    assert passes(driven(scene, heeds=False)[1]) < passes(front)
+    straight = meet(LaneControl.SIGNAL, STRAIGHT, [oncoming], states=states, start=40.0)
+    assert passes(driven(straight)[1]) == passes(driven(straight, heeds=False)[1])
+
+
+def test_right_before_left():
+    from_right, from_left = (1, STRAIGHT, 30.0, 9.0), (3, STRAIGHT, 5.0, 8.0)
+    for control in (LaneControl.FREE, LaneControl.UNKNOWN):
+        scene = meet(control, STRAIGHT, [from_right])
+        assert not driven(scene)[0].collided[0]
+        assert passes(driven(scene)[1]) > passes(driven(scene, heeds=False)[1])
+        scene = meet(control, STRAIGHT, [from_left])
+        assert passes(driven(scene)[1]) == passes(driven(scene, heeds=False)[1])
+
+
+@pytest.mark.parametrize("control", [LaneControl.FREE, LaneControl.SIGNAL])
+def test_of_two_ways_that_meet_one_at_most_has_right_of_way(control):
+    graph = LaneGraph.of(crossing(control=control))
+    ways = range(8, 20)
+    pairs = [(a, b) for a in ways for b in ways if a < b and has_right_of_way(graph, a, b) and has_right_of_way(graph, b, a)]
+    assert pairs == []
+
+
+def test_what_is_seen_of_a_line_and_of_who_comes():
+    states = np.where(np.arange(STEPS) < 20, SignalState.RED, SignalState.GREEN)
+    scene = meet(LaneControl.SIGNAL, LEFT, [(2, STRAIGHT, 40.0, 10.0), (3, STRAIGHT, 40.0, 10.0)], states=states)
+    scenes = Scenes.of([scene], [scene.log])
+    world = World(scenes, 1, lookout=Lookout.of(scenes, [scene], [scene.log]))
+    rules = world.observe().rules
+    assert float(rules.distance) == pytest.approx(50 - 2.3, abs=0.6)
+    assert (int(rules.signal), int(rules.control), bool(rules.halted)) == (SignalState.RED, LaneControl.SIGNAL, False)
+    assert 4.0 < float(rules.arrives[0, 0]) < 6.0
+    assert torch.isinf(rules.arrives[0, 1:]).all()
+    for _ in range(30):
+        world.advance(idm.Plugin(IDM).act(world.observe()))
+    assert int(world.observe().rules.signal) == SignalState.GREEN
+
+
+def test_lines_are_where_they_are_in_reactive_traffic_too():
+    from tests.world.test_world_neighbours import LAW
+
+    scene = meet(LaneControl.FREE, STRAIGHT, [(1, STRAIGHT, 30.0, 10.0)], own_control=LaneControl.YIELD)
+    outcome, front = driven(scene, reaction=LAW)
+    assert not outcome.collided[0]
+    assert passes(front) is not None
