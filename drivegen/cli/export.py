@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 from rich.console import Console
 from typer import Argument, Option
@@ -18,9 +17,8 @@ from drivegen.core.geometry import boxes_overlap
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.rollout.shipping import sample_id
-from drivegen.store import samples as samples_store
 from drivegen.store.folders import whole_folder
-from drivegen.store.samples import read_samples
+from drivegen.store.samples import holds_samples, read_samples
 from drivegen.store.scenarios import read_shard, shards
 
 SAMPLES, DRIVEN = "samples", "driven"
@@ -75,7 +73,7 @@ def _found(place: Path, wanted: _Wanted) -> Iterator[Scenario]:
     if (wanted.collisions or wanted.driven) and not is_round:
         raise UnusableInput(f"{place} is no round of corner cases: --collisions and --driven are for those, as data/corner/0")
     for shard in _shards(place / SAMPLES if is_round else place):
-        if not _holds_samples(shard):
+        if not holds_samples(shard):
             yield from read_shard(shard)
             continue
         driven = read_samples(place / DRIVEN / shard.name) if is_round else None
@@ -88,13 +86,6 @@ def _shards(place: Path) -> list[Path]:
     if found := shards(place):
         return found
     raise UnusableInput(f"{place} holds no shard-*.parquet: `make run` writes them, e.g. to data/shipped")
-
-
-def _holds_samples(shard: Path) -> bool:
-    try:
-        return (pq.read_schema(shard).metadata or {}).get(b"drivegen") == samples_store.KIND.encode()
-    except (OSError, ValueError):
-        return False  # reading it will say what is wrong
 
 
 def _scenarios(shard: Path, samples: Path) -> list[Scenario]:

@@ -88,6 +88,7 @@ class Observation:
     Attributes:
         step: (S,) int64 number of the step, 0 at the first frame.
         along: (S,) distance of the target's centre along its path [m]. offset: (S,) to the left of it [m].
+        course: (S,) [rad] the target's heading, seen from its path.
         speed: (S,) [m/s]. length, width: (S,) of the target [m].
         speed_limit: (S,) [m/s] where the target's front is, NaN unknown.
         ahead: (S, M) distance of the others' centres ahead of the target's, along the path [m].
@@ -102,6 +103,7 @@ class Observation:
     step: Tensor
     along: Tensor
     offset: Tensor
+    course: Tensor
     speed: Tensor
     length: Tensor
     width: Tensor
@@ -129,10 +131,12 @@ class Action:
     Attributes:
         acceleration: (S,) [m/s2]; a target never drives backwards.
         offset: (S,) [m] to the left of the path where the driver wants to be, or None to stay on the path's line.
+        steering: (S,) [rad] angle of the front wheels, to the left positive, where targets move freely; None on paths.
     """
 
     acceleration: Tensor
     offset: Tensor | None = None
+    steering: Tensor | None = None
 
 
 class Driver(Protocol):

@@ -9,6 +9,7 @@ from operator import attrgetter
 from pathlib import Path
 
 import pyarrow as pa
+import pyarrow.parquet as pq
 
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Trajectories
@@ -46,6 +47,14 @@ def write_samples(path: Path, samples: Sequence[Samples]) -> None:
     for name, kind in _ARRAYS.items():
         columns[name] = column([attrgetter(name)(s) for s in samples], kind)
     write_shard_table(path, columns, KIND, VERSION)
+
+
+def holds_samples(path: Path) -> bool:
+    """Whether a file is a shard of samples; of one that is not whole reading will say what is wrong."""
+    try:
+        return (pq.read_schema(path).metadata or {}).get(b"drivegen") == KIND.encode()
+    except (OSError, ValueError):
+        return False
 
 
 def read_samples(path: Path) -> list[Samples]:

@@ -17,6 +17,7 @@ from drivegen.core.geometry import Floats, unit
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.roads.leaving import STAYS, Exits, left_from
 from drivegen.world.fault import judge
+from drivegen.world.neighbours import Boxes
 from drivegen.world.outcome import NO_PARTNER, CollisionKind, DrivingOutcome
 from drivegen.world.replay import Replay
 
@@ -24,6 +25,9 @@ STANDING = 0.1
 """Slower than this [m/s] the target stands."""
 
 _FRONT, _SIDE, _REAR = range(3)
+
+Pose = tuple[Floats, Floats]
+"""Position (2,) [m] and heading [rad]."""
 
 
 def outcome(motion: Trajectories, others: Replay, scenarios: Sequence[Scenario]) -> DrivingOutcome:
@@ -106,22 +110,48 @@ def _overlapped(pose, size, position, heading, valid, other_size):  # type: igno
     return -1
 
 
+def touching(
+    position: Floats, heading: Floats, size: Floats, boxes: Boxes, other_size: Floats, scene: NDArray[np.integer]
+) -> NDArray[np.int64]:
+    """Which of the others (R,) the boxes of R targets overlap, the lowest number of several, -1 for none.
+
+    Positions (R, 2), headings (R,), sizes (R, 2) and scenes (R,) of the targets; sizes (S, M, 2) of the others.
+    """
+    partner = np.full(len(heading), -1, np.int64)
+    arrays = (tensor.cpu().numpy() for tensor in (boxes.at, boxes.position, boxes.heading, boxes.valid))
+    _touch(position, heading, size, *arrays, other_size, scene, partner)
+    return partner
+
+
+@njit(cache=True)
+def _touch(position, heading, size, at, other_position, other_heading, other_valid, other_size, scene, partner):  # type: ignore[no-untyped-def]
+    for r in range(len(heading)):
+        pose = (position[r, 0], position[r, 1], heading[r])
+        partner[r] = _overlapped(
+            pose, size[r], other_position[at[r]], other_heading[at[r]], other_valid[at[r]], other_size[scene[r]]
+        )
+
+
 def _kind(target: Trajectories, others: Replay, s: int, t: int, m: int) -> CollisionKind:
     if t == 0:
         return CollisionKind.AT_SPAWN
-    if target.speed[t] < STANDING:
-        return CollisionKind.HIT_STANDING
     before = t - 1 if others.valid[s, t - 1, m] else t
-    sizes = (others.target_size[s], others.size[s, m])
-    then, now = (
-        _gaps((target.position[u], target.heading[u]), (others.position[s, u, m], others.heading[s, u, m]), *sizes)
-        for u in (before, t)
-    )
+    own = [(target.position[u], target.heading[u]) for u in (before, t)]
+    other = [(others.position[s, u, m], others.heading[s, u, m]) for u in (before, t)]
+    return kind_of(own, other, (others.target_size[s], others.size[s, m]), float(target.speed[t]))
+
+
+def kind_of(own: Sequence[Pose], other: Sequence[Pose], sizes: tuple[Floats, Floats], speed: float) -> CollisionKind:
+    """Who hit whom, by the poses of target and other before the step and after it, their sizes (2,) and the target's speed."""
+    if speed < STANDING:
+        return CollisionKind.HIT_STANDING
+    then, now = (_gaps(mine, theirs, *sizes) for mine, theirs in zip(own, other, strict=True))
     closing = np.where(then > 0, then / np.maximum(then - now, 1e-9), 0.0)  # when in this step each axis closed
     last = int(np.lexsort((now, closing))[-1])
-    normal = _axes(target.heading[t], others.heading[s, t, m])[last]
-    normal = normal * np.sign(normal @ (others.position[s, t, m] - target.position[t]))
-    at_own, at_other = _where(normal, target.heading[t]), _where(-normal, others.heading[s, t, m])
+    (position, heading), (other_position, other_heading) = own[1], other[1]
+    normal = _axes(heading, other_heading)[last]
+    normal = normal * np.sign(normal @ (other_position - position))
+    at_own, at_other = _where(normal, heading), _where(-normal, other_heading)
     if at_own == _FRONT:
         return CollisionKind.FRONT
     if at_own == _REAR:

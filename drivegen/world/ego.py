@@ -21,16 +21,17 @@ class Ego:
     """R targets.
 
     Attributes:
-        along, offset: (R,) [m] along their paths and to the left of them. slope: (R,) of the offset along the path.
-        speed: (R,) [m/s]. position: (R, 2) [m]. heading: (R,) [rad].
+        along, offset: (R,) [m] along their paths and to the left of them. course: (R,) [rad] their headings, seen from the paths.
+        speed: (R,) [m/s]. position: (R, 2) [m]. heading: (R,) [rad]. wheel: (R,) [rad] angle of the front wheels; 0 on paths.
     """
 
     along: Tensor
     offset: Tensor
-    slope: Tensor
+    course: Tensor
     speed: Tensor
     position: Tensor
     heading: Tensor
+    wheel: Tensor
 
     @classmethod
     def at_start(cls, speed: Tensor, paths: Paths) -> "Ego":
@@ -44,24 +45,31 @@ class Ego:
             getattr(self, field.name)[rows] = getattr(fresh, field.name)
 
 
-def on_path(ego: Ego, action: Action, paths: Paths) -> Ego:
+def on_path(ego: Ego, action: Action, paths: Paths, length: Tensor) -> Ego:
     """One step along the paths."""
+    del length
     speed = (ego.speed + action.acceleration * DT).clamp_min(0.0)
     along = ego.along + speed * DT
-    offset, slope = ego.offset, ego.slope
-    if action.offset is not None:
-        most = STEEPEST * speed * DT
-        change = torch.minimum(torch.maximum(action.offset - offset, -most), most)
-        slope = change / (speed * DT).clamp_min(1e-6)
-        offset = offset + change
-    return _posed(along, offset, slope, speed, paths)
+    if action.offset is None:
+        return _posed(along, ego.offset, ego.course, speed, paths)
+    most = STEEPEST * speed * DT
+    change = torch.minimum(torch.maximum(action.offset - ego.offset, -most), most)
+    slope = change / (speed * DT).clamp_min(1e-6)
+    return _posed(along, ego.offset + change, slope.atan(), speed, paths)
 
 
-def _posed(along: Tensor, offset: Tensor, slope: Tensor, speed: Tensor, paths: Paths) -> Ego:
-    row = paths.row(along[:, None])
-    heading = paths.heading.gather(1, row)[:, 0]
+def _posed(along: Tensor, offset: Tensor, course: Tensor, speed: Tensor, paths: Paths) -> Ego:
+    start, beyond, heading = foot(along, paths)
     cos, sin = heading.cos(), heading.sin()
-    start = paths.point.gather(1, row[..., None].expand(-1, -1, 2))[:, 0]
-    beyond = along - row[:, 0] * PATH_SPACING  # off the ends the path goes straight on
     position = start + beyond[:, None] * torch.stack([cos, sin], -1) + offset[:, None] * torch.stack([-sin, cos], -1)
-    return Ego(along, offset, slope, speed, position, heading + slope.atan())
+    return Ego(along, offset, course, speed, position, heading + course, torch.zeros_like(speed))
+
+
+def foot(along: Tensor, paths: Paths) -> tuple[Tensor, Tensor, Tensor]:
+    """The path point (R, 2) at or before `along` (R,), the way (R,) beyond it [m], and the path's heading (R,) there [rad].
+
+    Off the ends the path goes straight on.
+    """
+    row = paths.row(along[:, None])
+    start = paths.point.gather(1, row[..., None].expand(-1, -1, 2))[:, 0]
+    return start, along - row[:, 0] * PATH_SPACING, paths.heading.gather(1, row)[:, 0]

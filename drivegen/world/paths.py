@@ -60,6 +60,22 @@ def target_paths(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories])
     return packed(lines, limits)
 
 
+def route_paths(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories]) -> TargetPaths:
+    """Routes of the targets of S scenarios: the middles of the lanes along which row TARGET of its `traffic` (N, T) goes.
+
+    Where no lanes fit, that is its path as `target_paths` has it.
+    """
+    graphs = {id(scenario.map): LaneGraph.of(scenario.map) for scenario in {id(s.map): s for s in scenarios}.values()}
+    pairs = []
+    for scenario, motion in zip(scenarios, traffic, strict=True):
+        own, graph = motion[TARGET], graphs[id(scenario.map)]
+        reach = max(CRUISE, float(own.speed[own.valid].max())) * own.steps * DT
+        route = match_route(graph, own.position[own.valid], own.heading[own.valid], reach)
+        pairs.append(_path(graph, own) if route is None else (route.line, route.speed_limit))
+    lines, limits = zip(*pairs, strict=True)
+    return packed(lines, limits)
+
+
 def packed(lines: Sequence[Floats], limits: Sequence[Floats]) -> TargetPaths:
     """Lines (P_i, 2) [m] with speed limits (P_i,) [m/s] as one struct of arrays, a point every PATH_SPACING."""
     even = [

@@ -23,7 +23,7 @@ class Scenes:
         paths: Paths of the S targets.
         frame: (S * T, 6, M) and present: (S * T, M) as in `Replay`; row s * T + t is scene s at step t.
         steps: (S,) int64 steps of each scene.
-        size: (S, 2) [m] and speed: (S,) [m/s] of the targets, the latter at step 0.
+        size: (S, 2) [m] of the targets. speed: (S,) [m/s] at step 0, start: their positions (S, 2) [m] and headings (S,) [rad].
     """
 
     replay: Replay
@@ -33,6 +33,7 @@ class Scenes:
     steps: Tensor
     size: Tensor
     speed: Tensor
+    start: tuple[Tensor, Tensor]
 
     @classmethod
     def of(
@@ -56,6 +57,7 @@ class Scenes:
             torch.from_numpy(others.frame).flatten(0, 1).to(device),
             torch.from_numpy(others.valid).flatten(0, 1).to(device),
             *(torch.from_numpy(array).to(device) for array in (others.steps, others.target_size, others.target_speed)),
+            (torch.from_numpy(others.target_position).to(device), torch.from_numpy(others.target_heading).to(device)),
         )
 
     def __len__(self) -> int:

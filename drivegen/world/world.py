@@ -1,18 +1,14 @@
 """The world: R rows, each a scene with a clock of its own, advance together; a step is a few tensor operations."""
 
-from collections.abc import Callable
-
 import torch
 from torch import Tensor
 
-from drivegen.drivers.base import Action, Observation, Paths
+from drivegen.drivers.base import Action, Observation
+from drivegen.world.bicycle import freely, placed
 from drivegen.world.ego import Ego, on_path
 from drivegen.world.neighbours import Neighbours, Replayed
 from drivegen.world.rules import Lookout, Watch
 from drivegen.world.scenes import Scenes
-
-Motion = Callable[[Ego, Action, Paths], Ego]
-"""How a target moves for one step."""
 
 
 class World:
@@ -30,10 +26,10 @@ class World:
         rows: int,
         neighbours: Neighbours | None = None,
         lookout: Lookout | None = None,
-        motion: Motion = on_path,
+        free: bool = False,
     ) -> None:
-        """Without `neighbours` all are replayed; without a `lookout` drivers see no rules."""
-        self.scenes, self.neighbours, self._motion = scenes, neighbours or Replayed(scenes), motion
+        """Without `neighbours` all are replayed, without a `lookout` no rules are seen; targets keep to paths or move `free`."""
+        self.scenes, self.neighbours, self._free = scenes, neighbours or Replayed(scenes), free
         self._watch = Watch(lookout, rows) if lookout else None
         self.scene = torch.arange(rows, device=scenes.steps.device) % len(scenes)
         self.reset(self.scene)
@@ -42,6 +38,8 @@ class World:
         """Begin `scene` in every row, or in `rows` alone."""
         paths = self.scenes.paths.of(scene)
         ego = Ego.at_start(self.scenes.speed[scene], paths)
+        if self._free:
+            ego = placed(ego, *(pose[scene] for pose in self.scenes.start), paths)
         if rows is None:
             self.scene, self.step = scene.clone(), torch.zeros_like(scene)
             self.size, self.paths, self.ego = self.scenes.size[scene], paths, ego
@@ -78,6 +76,7 @@ class World:
             step=self.step,
             along=ego.along,
             offset=ego.offset,
+            course=ego.course,
             speed=ego.speed,
             length=length,
             width=width,
@@ -96,5 +95,6 @@ class World:
     def advance(self, action: Action) -> None:
         """One step of everybody; the neighbours decide before the targets have moved."""
         self.neighbours.advance(self)
-        self.ego = self._motion(self.ego, action, self.paths)
+        move = freely if self._free else on_path
+        self.ego = move(self.ego, action, self.paths, self.size[:, 0])
         self.step = self.step + 1

@@ -40,6 +40,7 @@ def test_what_it_does_depends_on_its_own_row_only(driver):
 
     class Spy:
         name = "spy"
+        sees_rules = True
 
         def act(self, observation):
             seen.append(observation)
@@ -49,11 +50,13 @@ def test_what_it_does_depends_on_its_own_row_only(driver):
     Batch().run(Spy(), [scene, scene], [scene.log, scene.log])
     whole = seen[20]
     shuffled = torch.arange(len(whole.speed)).flip(0)
-    turned = replace(
-        whole,
-        paths=replace(whole.paths, **{f.name: getattr(whole.paths, f.name)[shuffled] for f in fields(whole.paths)}),
-        **{f.name: getattr(whole, f.name)[shuffled] for f in fields(whole) if f.name not in ("step", "paths")},
-    )
+
+    def turn(part):
+        return replace(
+            part, **{f.name: getattr(part, f.name)[shuffled] for f in fields(part) if f.name not in ("paths", "rules")}
+        )
+
+    turned = replace(turn(whole), paths=turn(whole.paths), rules=turn(whole.rules))
     assert torch.equal(driver.act(turned).acceleration, driver.act(whole).acceleration[shuffled])
 
 

@@ -22,8 +22,8 @@ def seen(speed, gap=None, leader_speed=0.0, left=0.0, across=0.0, limit=20.0):
     line = torch.stack([torch.arange(10.0), torch.zeros(10)], -1)[None]
     paths = Paths(line, torch.zeros(1, 10), torch.full((1, 10), limit), torch.tensor([9.0]))
     return Observation(
-        0, 0 * one, 0 * one, speed * one, 4 * one, 2 * one, limit * one, (4 + (gap or 0)) * other, left * other, 2 * other, other,
-        leader_speed * other, across * other, torch.tensor([[gap is not None]]), paths,
+        0 * one.long(), 0 * one, 0 * one, 0 * one, speed * one, 4 * one, 2 * one, limit * one, (4 + (gap or 0)) * other,
+        left * other, 2 * other, other, leader_speed * other, across * other, torch.tensor([[gap is not None]]), paths,
     )  # fmt: skip
 
 

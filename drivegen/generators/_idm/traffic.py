@@ -121,6 +121,7 @@ def _observed(crowd: Crowd, paths: Paths, along: NDArray[np.float32], speed: NDA
         step=torch.full((len(along),), t),
         along=torch.from_numpy(along),
         offset=torch.zeros(len(along)),
+        course=torch.zeros(len(along)),
         speed=torch.from_numpy(speed),
         length=length,
         width=width,

@@ -1,0 +1,1 @@
+"""What several drivers, and environments for training them, have in common."""

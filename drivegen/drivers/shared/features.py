@@ -1,0 +1,115 @@
+"""What a driver sees as one row of numbers, for policies that are networks.
+
+All numbers are about 1 and clipped to [-LIMIT, LIMIT]. A target's own acceleration is none of them: who imitates logs would copy
+it.
+
+    name             count  unit of 1    what
+    speed            1      15 m/s       of the target
+    length           1      10 m         of the target
+    offset           1      2 m          to the left of its path
+    course           1      rad          its heading, seen from its path
+    limit            1      15 m/s       speed limit at its front, 13.9 m/s where unknown
+    over_limit       1      15 m/s       speed less the limit
+    gap              1      30 m         to the nearest box on its way, at most 60 m
+    closing          1      15 m/s       how fast this gap closes, 0 where there is none
+    brake            1      4 m/s2       constant braking that avoids running into it, at most 8 m/s2
+    limits           8      15 m/s       speed limits at DISTANCES ahead
+    bends            8      rad          heading of the path there, seen from here
+    neighbours       8 x 8               the nearest boxes, nearest first: ahead 30 m, left 10 m, speed along the path less the
+                                         target's 15 m/s, speed to the left 15 m/s, half length 5 m, half width 5 m,
+                                         distance 30 m, present 1 or 0 (the rest is 0 then)
+    line             1      50 m         to the next line at which rules hold, at most 100 m
+    red, yellow      2      1            its signal
+    stop, give_way   2      1            its sign
+    halted           1      1            the target has stood before it
+    arrives          1      10 s         until the first who has right of way is there, at most 20 s
+
+Where the world does not look for rules, the last ones are as where no line is ahead.
+"""
+
+import torch
+from torch import Tensor
+
+from drivegen.core.roadmap import LaneControl
+from drivegen.core.scenario import SignalState
+from drivegen.drivers.base import Observation
+
+DISTANCES = (5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 80.0)
+"""[m] ahead of the target's front."""
+
+NEAREST = 8
+COUNT = 9 + 2 * len(DISTANCES) + 8 * NEAREST + 7
+"""Numbers in a row."""
+
+LIMIT = 5.0
+
+_UNKNOWN_LIMIT, _FARTHEST, _HARDEST = 13.9, 60.0, 8.0
+_SPEED, _GAP = 15.0, 30.0
+_FAR = 1e6
+
+
+def features(seen: Observation) -> Tensor:
+    """(S, COUNT) float32 of S targets."""
+    parts = [_own(seen), *_road(seen), _neighbours(seen), _rules(seen)]
+    return torch.cat(parts, dim=1).clamp_(-LIMIT, LIMIT)
+
+
+def _own(seen: Observation) -> Tensor:
+    limit = seen.speed_limit.nan_to_num(_UNKNOWN_LIMIT)
+    gap, closing = _leader(seen)
+    brake = (closing.clamp_min(0) ** 2 / (2 * gap.clamp_min(0.5))).clamp_max(_HARDEST)
+    numbers = (
+        seen.speed / _SPEED, seen.length / 10, seen.offset / 2, seen.course, limit / _SPEED, (seen.speed - limit) / _SPEED,
+        gap / _GAP, closing / _SPEED, brake / 4,
+    )  # fmt: skip
+    return torch.stack(numbers, dim=1)
+
+
+def _leader(seen: Observation) -> tuple[Tensor, Tensor]:
+    """Gap (S,) [m] to the nearest box that reaches into the target's way, and how fast it closes [m/s]."""
+    reach = seen.half_width + (0.5 * seen.width)[:, None]
+    blocks = seen.present & (seen.ahead > 0) & ((seen.left - seen.offset[:, None]).abs() < reach)
+    gap, nearest = torch.where(blocks, seen.ahead - seen.half_length, _FAR).min(dim=1)
+    gap = (gap - 0.5 * seen.length).clamp(0.0, _FARTHEST)
+    closing = seen.speed - seen.speed_along.gather(1, nearest[:, None])[:, 0]
+    return gap, torch.where(gap < _FARTHEST, closing, 0.0)
+
+
+def _road(seen: Observation) -> tuple[Tensor, Tensor]:
+    distances = torch.tensor(DISTANCES, device=seen.speed.device)
+    rows = seen.paths.row((seen.along + 0.5 * seen.length)[:, None] + distances)
+    here = seen.paths.heading.gather(1, seen.paths.row(seen.along[:, None]))
+    turned = seen.paths.heading.gather(1, rows) - here
+    bends = turned - 2 * torch.pi * (turned / (2 * torch.pi)).round()
+    return seen.paths.speed_limit.gather(1, rows).nan_to_num(_UNKNOWN_LIMIT) / _SPEED, bends
+
+
+def _neighbours(seen: Observation) -> Tensor:
+    across = seen.left - seen.offset[:, None]
+    apart = torch.where(seen.present, seen.ahead**2 + across**2, _FAR)
+    if apart.shape[1] < NEAREST:
+        raise ValueError(f"others are padded to {NEAREST} at least")
+    squared, nearest = apart.topk(NEAREST, dim=1, largest=False)
+    picked = [value.gather(1, nearest) for value in (
+        seen.ahead, across, seen.speed_along, seen.speed_across, seen.half_length, seen.half_width)]  # fmt: skip
+    ahead, left, along, sideways, half_length, half_width = picked
+    there = squared < _FAR
+    numbers = (
+        ahead / _GAP, left / 10, (along - seen.speed[:, None]) / _SPEED, sideways / _SPEED, half_length / 5, half_width / 5,
+        squared.sqrt() / _GAP, there.float(),
+    )  # fmt: skip
+    return (torch.stack(numbers, dim=2) * there[..., None]).flatten(1)
+
+
+def _rules(seen: Observation) -> Tensor:
+    if seen.rules is None:
+        nothing = torch.zeros((len(seen.speed), 7), device=seen.speed.device)
+        nothing[:, 0], nothing[:, 6] = 2.0, 2.0
+        return nothing
+    rules = seen.rules
+    signs = (
+        rules.signal == SignalState.RED, rules.signal == SignalState.YELLOW, rules.control == LaneControl.STOP,
+        rules.control == LaneControl.YIELD, rules.halted,
+    )  # fmt: skip
+    soonest = rules.arrives.amin(dim=1).clamp_max(20.0) / 10
+    return torch.stack([rules.distance.clamp(-1.0, 100.0) / 50, *(sign.float() for sign in signs), soonest], dim=1)

@@ -1,0 +1,187 @@
+"""R episodes side by side: actions in, observations, rewards and ends out. What every environment of this folder is made of.
+
+An action is numbers in [-1, 1]: the first is the acceleration, 3 m/s2 times it where positive and 8 m/s2 times it where negative;
+the second is the offset from the path, 1.5 m times it to the left (`path_offset`), or the angle of the front wheels, 0.6 rad
+times it to the left (`free`). A step is 0.1 s. An episode is terminated by a collision, in free motion also off the road; it is
+truncated at the end of its scenario and where the target leaves the map.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import DT, SignalState
+from drivegen.drivers.base import Action, Observation
+from drivegen.drivers.shared.features import features
+from drivegen.gym.folders import Traffic
+from drivegen.gym.settings import MOTIONS, Rewards, Settings
+from drivegen.world.bicycle import SHARPEST
+from drivegen.world.contact import Pose, kind_of, touching
+from drivegen.world.ego import Ego
+from drivegen.world.ends import Surface, exits
+from drivegen.world.neighbours import Boxes, Replayed
+from drivegen.world.outcome import CollisionKind
+from drivegen.world.paths import route_paths
+from drivegen.world.reactive import Reactive
+from drivegen.world.rules import Lookout
+from drivegen.world.scenes import Scenes
+from drivegen.world.world import World
+
+FULL_THROTTLE, FULL_BRAKING, FARTHEST_OFFSET = 3.0, 8.0, 1.5
+"""[m/s2], [m/s2] and [m] of an action's ends."""
+
+COMFORTABLE = 3.0
+"""[m/s2] The acceleration whose square is the unit of discomfort."""
+
+TERMS = tuple(field.name for field in fields(Rewards))
+
+
+@dataclass(frozen=True)
+class Step:
+    """What came of one step of R episodes.
+
+    Attributes:
+        observation: (R, COUNT) as `drivers.shared.features` says. reward: (R,). terminated, truncated: (R,) bool.
+        terms: (R, len(TERMS)) the reward's terms, weighted. kind: (R,) uint8 CollisionKind. off_road, left_map: (R,) bool.
+    """
+
+    observation: Tensor
+    reward: Tensor
+    terminated: Tensor
+    truncated: Tensor
+    terms: Tensor
+    kind: Tensor
+    off_road: Tensor
+    left_map: Tensor
+
+
+class Episodes:
+    """See the module.
+
+    Attributes:
+        traffic: the scenarios that may be played. playable: (P,) int64 those whose target overlaps nobody at step 0 and is on the road.
+        world: the R rows.
+    """
+
+    def __init__(self, traffic: Sequence[Traffic], rows: int, settings: Settings, device: str = "cpu") -> None:
+        torch.set_num_threads(1)  # tensors are small, and sums depend on the thread count
+        self.traffic, self._settings, self._free = list(traffic), settings, settings.motion == "free"
+        scenarios, motions = [s for s, _ in traffic], [m for _, m in traffic]
+        paths = route_paths(scenarios, motions) if self._free else None
+        self._scenes = Scenes.of(scenarios, motions, paths, device=device)
+        self._lookout = Lookout.of(self._scenes, scenarios, motions) if settings.rules else None
+        self._surface = Surface.of(scenarios, device) if self._free else None
+        self._exit = exits(self._scenes, scenarios)
+        self._weights = torch.tensor([getattr(settings.rewards, name) for name in TERMS], device=device)
+        with torch.no_grad():
+            begin = self._world(len(traffic))
+            self._first = features(begin.observe())
+            overlaps = torch.from_numpy(_touched(begin, begin.neighbours.boxes(begin))).to(device)
+            self.playable = torch.nonzero((overlaps < 0) & ~self._off_road(begin))[:, 0]
+            if not len(self.playable):
+                raise UnusableInput("in every scenario the target overlaps somebody at step 0, or is off the road")
+            self.world = self._world(rows)
+            self.reset(self.playable[torch.arange(rows, device=device) % len(self.playable)])
+
+    @torch.no_grad()
+    def reset(self, scene: Tensor, rows: Tensor | None = None) -> Tensor:
+        """Begin `scene` in every row, or in `rows` alone; the first observations."""
+        self.world.reset(scene, rows)
+        if rows is None:
+            self._line = torch.full((len(scene),), torch.inf, device=scene.device)
+            self._last: tuple[Ego, Boxes] = self.world.ego, self.world.neighbours.boxes(self.world)
+        else:
+            self._line[rows] = torch.inf
+        return self._first[scene]
+
+    @torch.no_grad()
+    def step(self, action: Tensor) -> Step:
+        """One step of all rows by actions (R, A) in [-1, 1]."""
+        world, along, speed = self.world, self.world.ego.along, self.world.ego.speed
+        world.advance(self._decoded(action.clamp(-1.0, 1.0)))
+        seen, boxes = world.observe(), world.neighbours.boxes(world)
+        kind = self._collisions(boxes)
+        self._last = world.ego, boxes
+        collided, off_road = kind > 0, self._off_road(world)
+        left_map = (world.ego.along >= self._exit[world.scene]) & ~collided
+        terms = self._terms(seen, world.ego.along - along, speed, kind, off_road) * self._weights
+        terminated = collided | off_road
+        truncated = (world.over | left_map) & ~terminated
+        return Step(features(seen), terms.sum(1), terminated, truncated, terms, kind, off_road, left_map)
+
+    def _world(self, rows: int) -> World:
+        neighbours = (
+            Reactive(self._scenes, rows, self._settings.reaction)
+            if self._settings.neighbours == "reactive"
+            else Replayed(self._scenes)
+        )
+        return World(self._scenes, rows, neighbours, self._lookout, free=self._free)
+
+    def _decoded(self, action: Tensor) -> Action:
+        pedal = action[:, 0]
+        acceleration = torch.where(pedal > 0, FULL_THROTTLE * pedal, FULL_BRAKING * pedal)
+        if MOTIONS[self._settings.motion] == 1:
+            return Action(acceleration)
+        if self._free:
+            return Action(acceleration, steering=SHARPEST * action[:, 1])
+        return Action(acceleration, offset=FARTHEST_OFFSET * action[:, 1])
+
+    def _collisions(self, boxes: Boxes) -> Tensor:
+        """(R,) uint8 CollisionKind of the step just made."""
+        world, partner = self.world, _touched(self.world, boxes)
+        kind = np.zeros(len(partner), np.uint8)
+        for r in np.flatnonzero(partner >= 0).tolist():
+            m, scene = int(partner[r]), int(world.scene[r])
+            last = (world.ego, boxes) if int(world.step[r]) == 1 else self._last  # that of a row just begun is another episode's
+            poses = [(_pose(ego, r), _box(others, r, m)) for ego, others in (last, (world.ego, boxes))]
+            own, other = zip(*poses, strict=True)
+            sizes = (world.size[r].cpu().numpy(), self._scenes.replay.size[scene, m])
+            kind[r] = kind_of(own, other, sizes, float(world.ego.speed[r]))
+        return torch.from_numpy(kind).to(world.scene.device)
+
+    def _off_road(self, world: World) -> Tensor:
+        if self._surface is None:
+            return torch.zeros_like(world.scene, dtype=torch.bool)
+        return self._surface.off_road(world.scene, world.ego.position, world.ego.heading, world.size)
+
+    def _terms(self, seen: Observation, moved: Tensor, speed: Tensor, kind: Tensor, off_road: Tensor) -> Tensor:
+        """(R, len(TERMS)) what each weight is multiplied by."""
+        hit = (kind == CollisionKind.HIT_FROM_BEHIND) | (kind == CollisionKind.HIT_STANDING)
+        red = (self._line > 0) & (moved >= self._line)
+        self._line = _red_line(seen)
+        amounts = {
+            "progress": moved,
+            "comfort": ((seen.speed - speed) / DT / COMFORTABLE) ** 2,
+            "speeding": (seen.speed - seen.speed_limit).nan_to_num().clamp_min(0.0),
+            "collision": (kind > 0) & ~hit,
+            "hit": hit,
+            "red": red,
+            "off_road": off_road,
+        }
+        return torch.stack([amounts[name].float() for name in TERMS], 1)
+
+
+def _red_line(seen: Observation) -> Tensor:
+    """(R,) [m] to the line ahead if its signal is red, inf if not."""
+    if seen.rules is None:
+        return torch.full_like(seen.speed, torch.inf)
+    return torch.where(seen.rules.signal == SignalState.RED, seen.rules.distance, torch.inf)
+
+
+def _touched(world: World, boxes: Boxes) -> NDArray[np.int64]:
+    """(R,) which of the others each target overlaps, -1 for none."""
+    ego = (tensor.cpu().numpy() for tensor in (world.ego.position, world.ego.heading, world.size))
+    return touching(*ego, boxes, world.scenes.replay.size, world.scene.cpu().numpy())
+
+
+def _pose(ego: Ego, r: int) -> Pose:
+    return ego.position[r].cpu().numpy(), ego.heading[r].cpu().numpy()
+
+
+def _box(boxes: Boxes, r: int, m: int) -> Pose:
+    return boxes.position[boxes.at[r], m].cpu().numpy(), boxes.heading[boxes.at[r], m].cpu().numpy()

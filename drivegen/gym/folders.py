@@ -1,0 +1,63 @@
+"""Scenarios with traffic from a folder: shards or samples that drivegen wrote, or Argoverse 2 scenarios."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from drivegen.av2.folder import read_folder
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.ingest.selection import Settings, select
+from drivegen.store.samples import holds_samples, read_samples
+from drivegen.store.scenarios import read_shard, shards
+
+Traffic = tuple[Scenario, Trajectories]
+
+SELECTION = Settings(target="focal", max_vehicles=32, first_step=0, horizon=100, map_radius=None, smallest_shrink=0.8)
+"""How an Argoverse 2 recording becomes a scenario."""
+
+SCENES = Path("data/scenarios/test")
+"""What samples hold futures of, where nothing else is said."""
+
+
+def read_traffic(folder: Path, of: Path = SCENES) -> list[Traffic]:
+    """Every scenario of a folder with its log, or with each of its futures.
+
+    `folder` holds shards of scenarios or of samples (`of` has their scenarios), is a round of corner cases, one Argoverse 2
+    scenario, or a folder of those. What nobody can drive in is left out. Raises UnusableInput where nothing remains.
+    """
+    place = folder / "samples" if (folder / "samples").is_dir() else folder
+    if not place.is_dir():
+        raise UnusableInput(f"{folder} is no folder: give one with shards, as data/shipped, or with Argoverse 2 scenarios")
+    files = shards(place)
+    pairs = [pair for file in files for pair in _of_shard(file, of)] if files else list(_argoverse2(place))
+    usable = [(scenario, motion) for scenario, motion in pairs if motion.valid[TARGET, 0] and motion.valid[TARGET].sum() > 1]
+    if not usable:
+        raise UnusableInput(f"{folder} holds no scenario with traffic and a target to drive: of {len(pairs)} none is usable")
+    return usable
+
+
+def _of_shard(shard: Path, of: Path) -> Iterator[Traffic]:
+    if not holds_samples(shard):
+        yield from ((scenario, scenario.log) for scenario in read_shard(shard) if scenario.log is not None)
+        return
+    base = of / shard.name
+    if not base.is_file():
+        raise UnusableInput(f"{shard} holds futures of scenarios in {base}, which is not there: name their folder as `of`")
+    by_id = {scenario.scenario_id: scenario for scenario in read_shard(base)}
+    for samples in read_samples(shard):
+        if samples.scenario_id not in by_id:
+            raise UnusableInput(
+                f"{base} lacks scenario {samples.scenario_id} of {shard}: name the folder of its scenarios as `of`"
+            )
+        yield from (
+            (by_id[samples.scenario_id], motion) for motion in map(samples.motion.__getitem__, range(len(samples.dropped)))
+        )
+
+
+def _argoverse2(folder: Path) -> Iterator[Traffic]:
+    """One scenario, or those of all folders in a folder, those of its splits included."""
+    single = any(folder.glob("scenario_*.parquet"))
+    for place in [folder] if single else sorted({file.parent for file in folder.glob("**/scenario_*.parquet")}):
+        scenario = select(read_folder(place, "Argoverse 2 Motion Forecasting"), SELECTION)
+        assert scenario.log is not None
+        yield scenario, scenario.log
