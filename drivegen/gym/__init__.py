@@ -1,18 +1,11 @@
-"""Gymnasium environments: `gymnasium.make("DriveGen/Drive-v0", scenarios=FOLDER)`, `make_vec` likewise, a `VecEnv` in `sb3.py`.
+"""Gymnasium environments: after `import drivegen.gym`, `gymnasium.make("DriveGen/Drive-v0", scenarios=FOLDER)` and `make_vec`.
 
-This module imports nothing heavy: Gymnasium finds it by the entry point of the installed package and calls `register`.
+`sb3.py` has a `VecEnv` for Stable-Baselines3. Importing this module registers the name and nothing heavier.
 """
 
-from gymnasium.envs.registration import register as _register
-from gymnasium.envs.registration import registry
+from gymnasium.envs.registration import register, registry
 
 ID = "DriveGen/Drive-v0"
 
-
-def register() -> None:
-    """Make ID known to Gymnasium; once is enough."""
-    if ID not in registry:
-        _register(ID, entry_point="drivegen.gym.env:DriveEnv", vector_entry_point="drivegen.gym.vector:DriveVectorEnv")
-
-
-register()
+if ID not in registry:
+    register(ID, entry_point="drivegen.gym.env:DriveEnv", vector_entry_point="drivegen.gym.vector:DriveVectorEnv")

@@ -64,13 +64,14 @@ class Episodes:
     """See the module.
 
     Attributes:
-        traffic: the scenarios that may be played. playable: (P,) int64 those whose target overlaps nobody at step 0 and is on the road.
-        world: the R rows.
+        traffic: the scenarios that may be played. playable: (P,) int64 those whose target overlaps nobody at step 0
+            and is on the road.
+        settings: what it is like. world: the R rows.
     """
 
     def __init__(self, traffic: Sequence[Traffic], rows: int, settings: Settings, device: str = "cpu") -> None:
         torch.set_num_threads(1)  # tensors are small, and sums depend on the thread count
-        self.traffic, self._settings, self._free = list(traffic), settings, settings.motion == "free"
+        self.traffic, self.settings, self._free = list(traffic), settings, settings.motion == "free"
         scenarios, motions = [s for s, _ in traffic], [m for _, m in traffic]
         paths = route_paths(scenarios, motions) if self._free else None
         self._scenes = Scenes.of(scenarios, motions, paths, device=device)
@@ -116,8 +117,8 @@ class Episodes:
 
     def _world(self, rows: int) -> World:
         neighbours = (
-            Reactive(self._scenes, rows, self._settings.reaction)
-            if self._settings.neighbours == "reactive"
+            Reactive(self._scenes, rows, self.settings.reaction)
+            if self.settings.neighbours == "reactive"
             else Replayed(self._scenes)
         )
         return World(self._scenes, rows, neighbours, self._lookout, free=self._free)
@@ -125,7 +126,7 @@ class Episodes:
     def _decoded(self, action: Tensor) -> Action:
         pedal = action[:, 0]
         acceleration = torch.where(pedal > 0, FULL_THROTTLE * pedal, FULL_BRAKING * pedal)
-        if MOTIONS[self._settings.motion] == 1:
+        if MOTIONS[self.settings.motion] == 1:
             return Action(acceleration)
         if self._free:
             return Action(acceleration, steering=SHARPEST * action[:, 1])

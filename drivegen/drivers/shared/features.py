@@ -27,7 +27,9 @@ it.
 Where the world does not look for rules, the last ones are as where no line is ahead.
 """
 
+import numpy as np
 import torch
+from numba import njit
 from torch import Tensor
 
 from drivegen.core.roadmap import LaneControl
@@ -50,13 +52,13 @@ _FAR = 1e6
 
 def features(seen: Observation) -> Tensor:
     """(S, COUNT) float32 of S targets."""
-    parts = [_own(seen), *_road(seen), _neighbours(seen), _rules(seen)]
+    gap, closing, neighbours = _compiled(seen) if seen.speed.device.type == "cpu" else (*leader(seen), nearest_boxes(seen))
+    parts = [_own(seen, gap, closing), *_road(seen), neighbours, _rules(seen)]
     return torch.cat(parts, dim=1).clamp_(-LIMIT, LIMIT)
 
 
-def _own(seen: Observation) -> Tensor:
+def _own(seen: Observation, gap: Tensor, closing: Tensor) -> Tensor:
     limit = seen.speed_limit.nan_to_num(_UNKNOWN_LIMIT)
-    gap, closing = _leader(seen)
     brake = (closing.clamp_min(0) ** 2 / (2 * gap.clamp_min(0.5))).clamp_max(_HARDEST)
     numbers = (
         seen.speed / _SPEED, seen.length / 10, seen.offset / 2, seen.course, limit / _SPEED, (seen.speed - limit) / _SPEED,
@@ -65,7 +67,7 @@ def _own(seen: Observation) -> Tensor:
     return torch.stack(numbers, dim=1)
 
 
-def _leader(seen: Observation) -> tuple[Tensor, Tensor]:
+def leader(seen: Observation) -> tuple[Tensor, Tensor]:
     """Gap (S,) [m] to the nearest box that reaches into the target's way, and how fast it closes [m/s]."""
     reach = seen.half_width + (0.5 * seen.width)[:, None]
     blocks = seen.present & (seen.ahead > 0) & ((seen.left - seen.offset[:, None]).abs() < reach)
@@ -84,7 +86,8 @@ def _road(seen: Observation) -> tuple[Tensor, Tensor]:
     return seen.paths.speed_limit.gather(1, rows).nan_to_num(_UNKNOWN_LIMIT) / _SPEED, bends
 
 
-def _neighbours(seen: Observation) -> Tensor:
+def nearest_boxes(seen: Observation) -> Tensor:
+    """(S, 8 * NEAREST) numbers of the nearest boxes."""
     across = seen.left - seen.offset[:, None]
     apart = torch.where(seen.present, seen.ahead**2 + across**2, _FAR)
     if apart.shape[1] < NEAREST:
@@ -99,6 +102,53 @@ def _neighbours(seen: Observation) -> Tensor:
         squared.sqrt() / _GAP, there.float(),
     )  # fmt: skip
     return (torch.stack(numbers, dim=2) * there[..., None]).flatten(1)
+
+
+def _compiled(seen: Observation) -> tuple[Tensor, Tensor, Tensor]:
+    """`leader` and `nearest_boxes` by a loop, which on a processor is several times faster than tensors."""
+    arrays = (
+        seen.ahead, seen.left, seen.half_length, seen.half_width, seen.speed_along, seen.speed_across, seen.present,
+        seen.offset, seen.speed, seen.length, seen.width,
+    )  # fmt: skip
+    count = len(seen.speed)
+    gap, closing = np.empty(count, np.float32), np.zeros(count, np.float32)
+    boxes = np.zeros((count, NEAREST, 8), np.float32)
+    _look(*(array.numpy() for array in arrays), gap, closing, boxes)
+    return torch.from_numpy(gap), torch.from_numpy(closing), torch.from_numpy(boxes).flatten(1)
+
+
+@njit(cache=True, error_model="numpy")
+def _look(  # type: ignore[no-untyped-def]
+    ahead, left, half_length, half_width, along, sideways, present, offset, speed, length, width, gap, closing, boxes
+):
+    order, squared = np.empty(NEAREST, np.int64), np.empty(NEAREST, np.float32)
+    for s in range(len(speed)):
+        near, found = np.float32(_FAR), 0
+        for m in range(present.shape[1]):
+            if not present[s, m]:
+                continue
+            across = left[s, m] - offset[s]
+            room = ahead[s, m] - half_length[s, m]
+            if ahead[s, m] > 0 and abs(across) < half_width[s, m] + np.float32(0.5) * width[s] and room < near:
+                near, closing[s] = room, speed[s] - along[s, m]
+            apart = ahead[s, m] * ahead[s, m] + across * across
+            if found == NEAREST and apart >= squared[NEAREST - 1]:
+                continue
+            k = found = min(found + 1, NEAREST)
+            k -= 1
+            while k > 0 and squared[k - 1] > apart:
+                squared[k], order[k] = squared[k - 1], order[k - 1]
+                k -= 1
+            squared[k], order[k] = apart, m
+        gap[s] = min(max(near - np.float32(0.5) * length[s], np.float32(0)), np.float32(_FARTHEST))
+        if gap[s] >= _FARTHEST:
+            closing[s] = 0
+        for k in range(found):
+            m, box = order[k], boxes[s, k]
+            box[0], box[1] = ahead[s, m] / np.float32(_GAP), (left[s, m] - offset[s]) / np.float32(10)
+            box[2], box[3] = (along[s, m] - speed[s]) / np.float32(_SPEED), sideways[s, m] / np.float32(_SPEED)
+            box[4], box[5] = half_length[s, m] / np.float32(5), half_width[s, m] / np.float32(5)
+            box[6], box[7] = np.sqrt(squared[k]) / np.float32(_GAP), 1
 
 
 def _rules(seen: Observation) -> Tensor:

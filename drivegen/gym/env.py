@@ -1,0 +1,60 @@
+"""One environment: a target in one scenario after another."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from drivegen.gym.episodes import TERMS
+from drivegen.gym.folders import Traffic
+from drivegen.gym.opening import OBSERVATION, actions, opened
+from drivegen.gym.picture import picture
+from drivegen.gym.settings import Settings
+
+Floats = NDArray[np.float32]
+
+
+class DriveEnv(gymnasium.Env[Floats, Floats]):
+    """`gymnasium.make("DriveGen/Drive-v0", scenarios=FOLDER)`."""
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012 as Gymnasium has it
+
+    def __init__(
+        self,
+        scenarios: str | Path | Sequence[Traffic],
+        settings: Settings | None = None,
+        of: str | Path | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        """Drive in `scenarios`: a folder that drivegen wrote or of Argoverse 2, or pairs of scenario and traffic.
+
+        Without `settings` they are those of params.yaml, section `environment`. `of` is the folder of the scenarios that
+        generated samples are futures of. Raises UnusableInput where there is nothing to drive in.
+        """
+        self.render_mode, self._episodes = render_mode, opened(scenarios, 1, settings, of, "cpu")
+        self.observation_space, self.action_space = OBSERVATION, actions(self._episodes.settings)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
+        """Begin a scenario drawn by the seed, or number `options["scenario"]` of those that are playable."""
+        super().reset(seed=seed)
+        playable = self._episodes.playable
+        number = (options or {}).get("scenario", self.np_random.integers(len(playable)))
+        scene = playable[int(number)].reshape(1)
+        seen = self._episodes.reset(scene)[0].numpy().copy()
+        return seen, {"scenario": self._episodes.traffic[int(scene)][0].scenario_id}
+
+    def step(self, action: Floats) -> tuple[Floats, float, bool, bool, dict[str, Any]]:
+        """One step of 0.1 s."""
+        step = self._episodes.step(torch.from_numpy(np.array(action, np.float32).reshape(1, -1)))
+        info: dict[str, Any] = {f"reward/{name}": float(value) for name, value in zip(TERMS, step.terms[0], strict=True)}
+        info |= {"collision": int(step.kind[0]), "left_map": bool(step.left_map[0])}
+        seen = step.observation[0].numpy().copy()
+        return seen, float(step.reward[0]), bool(step.terminated[0]), bool(step.truncated[0]), info
+
+    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+        """(H, W, 3) the target in the middle, from above; None unless made with "rgb_array"."""
+        return picture(self._episodes) if self.render_mode == "rgb_array" else None

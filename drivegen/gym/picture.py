@@ -1,0 +1,44 @@
+"""The first row of episodes as a picture from above."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.core.scenario import TARGET, Scenario, Signals
+from drivegen.gym.episodes import Episodes
+from drivegen.render.bird_eye import draw_bird_eye
+
+SIZE = 512
+"""Side of the picture [px]; it shows 200 m."""
+
+
+def picture(episodes: Episodes) -> NDArray[np.uint8]:
+    """(SIZE, SIZE, 3) red, green, blue: the target in the middle, driving upwards, with everybody and all signals as they are."""
+    image, _ = draw_bird_eye(present(episodes), TARGET, np.zeros((0, 2)), np.zeros(0, np.int64), SIZE)
+    return image
+
+
+def present(episodes: Episodes) -> Scenario:
+    """The first row's scenario as if it began now."""
+    world = episodes.world
+    scenario, motion = episodes.traffic[int(world.scene[0])]
+    step, boxes = min(int(world.step[0]), scenario.horizon), world.neighbours.boxes(world)
+    social, at = len(scenario.vehicles) - 1, int(boxes.at[0])
+    vehicles, ego = scenario.vehicles, world.ego
+    here = np.flatnonzero(np.concatenate([[True], boxes.valid[at, :social].cpu().numpy()]))
+    now = replace(
+        vehicles,
+        position=np.concatenate([ego.position[:1].cpu().numpy(), boxes.position[at, :social].cpu().numpy()]),
+        heading=np.concatenate([ego.heading[:1].cpu().numpy(), boxes.heading[at, :social].cpu().numpy()]),
+        speed=np.concatenate([ego.speed[:1].cpu().numpy(), motion.speed[1:, min(step, motion.steps - 1)]]),
+    )
+    people, signals = scenario.context, scenario.signals
+    return replace(
+        scenario,
+        vehicles=now[here],
+        horizon=scenario.horizon - step,
+        log=None,
+        context=replace(people, motion=people.motion.between(step, scenario.steps)),
+        signals=Signals(signals.lane, signals.state[:, step:]),
+    )

@@ -1,0 +1,88 @@
+"""The native vector environment: rows of one batched world, each reset in the step in which its episode ends."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from drivegen.gym.episodes import TERMS, Step
+from drivegen.gym.folders import Traffic
+from drivegen.gym.opening import OBSERVATION, actions, opened
+from drivegen.gym.settings import Settings
+
+Floats = NDArray[np.float32]
+
+
+class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
+    """`num_envs` rows, each in a scenario drawn anew for every episode.
+
+    Infos hold what each row's reward is made of (`reward/progress`, ...), and at an episode's end `final_obs`.
+    """
+
+    metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012 as Gymnasium has it
+
+    def __init__(
+        self,
+        scenarios: str | Path | Sequence[Traffic],
+        num_envs: int = 1,
+        settings: Settings | None = None,
+        of: str | Path | None = None,
+        device: str = "cpu",
+        render_mode: None = None,
+    ) -> None:
+        """See `env.DriveEnv`."""
+        self.render_mode = render_mode
+        self.num_envs, self.episodes = num_envs, opened(scenarios, num_envs, settings, of, device)
+        self.single_observation_space, self.single_action_space = OBSERVATION, actions(self.episodes.settings)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
+        """Begin an episode in every row."""
+        super().reset(seed=seed, options=options)
+        return self.episodes.reset(self._drawn(self.num_envs)).cpu().numpy(), {}
+
+    def step(self, actions: Floats) -> tuple[Floats, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        """One step; where an episode ends the observation returned is the first of the next, and `final_obs` its last."""
+        step = self.advance(actions)
+        seen, info = step.observation.cpu().numpy(), self._info(step)
+        ended = np.flatnonzero((step.terminated | step.truncated).cpu().numpy())
+        if len(ended):
+            info |= self._final(seen, ended)
+            seen[ended] = self.begin(ended)
+        arrays = (step.reward, step.terminated, step.truncated)
+        reward, terminated, truncated = (tensor.cpu().numpy() for tensor in arrays)
+        return seen, reward, terminated, truncated, info
+
+    def advance(self, actions: Floats) -> Step:
+        """One step of all rows, none of which is reset."""
+        device = self.episodes.world.scene.device
+        return self.episodes.step(torch.from_numpy(np.array(actions, np.float32).reshape(self.num_envs, -1)).to(device))
+
+    def begin(self, rows: NDArray[np.intp]) -> Floats:
+        """New episodes in `rows`; their first observations."""
+        index = torch.from_numpy(rows).to(self.episodes.world.scene.device)
+        return self.episodes.reset(self._drawn(len(rows)), index).cpu().numpy()
+
+    def _drawn(self, count: int) -> torch.Tensor:
+        playable = self.episodes.playable
+        return playable[torch.from_numpy(self.np_random.integers(len(playable), size=count)).to(playable.device)]
+
+    def _info(self, step: Step) -> dict[str, Any]:
+        every = np.ones(self.num_envs, np.bool_)
+        terms = {f"reward/{name}": column for name, column in zip(TERMS, step.terms.cpu().numpy().T, strict=True)}
+        values = {**terms, "collision": step.kind.cpu().numpy(), "left_map": step.left_map.cpu().numpy()}
+        return {**values, **{f"_{name}": every for name in values}}
+
+    def _final(self, seen: Floats, ended: NDArray[np.intp]) -> dict[str, Any]:
+        final = np.full(self.num_envs, None, object)
+        mask = np.zeros(self.num_envs, np.bool_)
+        for r in ended.tolist():
+            final[r] = seen[r].copy()
+        mask[ended] = True
+        return {"final_obs": final, "_final_obs": mask}

@@ -1,0 +1,191 @@
+"""The environments pass their libraries' own checks, end where they should and agree with one another."""
+
+from dataclasses import replace
+
+import gymnasium
+import numpy as np
+import pytest
+import stable_baselines3.common.env_checker as sb3_checker
+import torch
+from gymnasium.utils.env_checker import check_env
+
+import drivegen.gym
+from drivegen.av2.export import export_scenario
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.settings import read_params
+from drivegen.drivers.shared.features import COUNT
+from drivegen.gym.episodes import TERMS, Episodes
+from drivegen.gym.folders import read_traffic
+from drivegen.gym.sb3 import DriveVecEnv
+from drivegen.gym.settings import Settings
+from drivegen.store.samples import write_samples
+from drivegen.store.scenarios import write_shard
+from drivegen.world.outcome import CollisionKind
+from tests.scenes import busy_crossing, crossing, drive, joined, noisy_samples, scenario, stack, straight_road
+
+SETTINGS = read_params("environment", Settings)
+ROAD = straight_road(300, whole=True)
+LINE = ROAD.centreline[0].astype(np.float64)
+NEXT = ROAD.centreline[1].astype(np.float64)
+
+
+def alone(start=10.0, speed=10.0, steps=51):
+    log = stack([drive(LINE, start, speed, steps), drive(NEXT, 280, 0, steps)])
+    return scenario(ROAD, log, f"alone-{start}"), log
+
+
+def behind_a_parked_car(gap=30.0):
+    log = stack([drive(LINE, 10, 10, 101), drive(LINE, 10 + gap, 0, 101)])
+    return scenario(ROAD, log, "behind"), log
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    root = tmp_path_factory.mktemp("gym")
+    scenes = [busy_crossing(61, f"scene-{letter}") for letter in "abc"]
+    write_shard(root / "scenarios" / "shard-00000.parquet", scenes)
+    write_samples(root / "generated" / "shard-00000.parquet", [noisy_samples(s, 2, seed=i) for i, s in enumerate(scenes)])
+    return root
+
+
+@pytest.mark.parametrize("motion", ["path", "path_offset", "free"])
+def test_it_passes_the_checks_of_gymnasium_and_stable_baselines(folder, motion):
+    settings = replace(SETTINGS, motion=motion)
+    env = gymnasium.make(drivegen.gym.ID, scenarios=folder / "scenarios", settings=settings, render_mode="rgb_array")
+    check_env(env.unwrapped)
+    sb3_checker.check_env(env.unwrapped)
+    env.reset(seed=0)
+    assert env.render().shape == (512, 512, 3)
+
+
+def test_the_name_and_the_project_s_params_are_enough(folder):
+    env = gymnasium.make("DriveGen/Drive-v0", scenarios=str(folder / "scenarios"))
+    seen, info = env.reset(seed=3, options={"scenario": 1})
+    assert seen.shape == (COUNT,)
+    assert info["scenario"] == "scene-b"
+    vector = gymnasium.make_vec("DriveGen/Drive-v0", num_envs=4, scenarios=str(folder / "scenarios"))
+    assert vector.reset(seed=3)[0].shape == (4, COUNT)
+
+
+def test_folders_of_samples_and_of_argoverse_scenarios_are_read_too(folder):
+    assert len(read_traffic(folder / "scenarios")) == 3
+    assert len(read_traffic(folder / "generated", of=folder / "scenarios")) == 6
+    with pytest.raises(UnusableInput, match="name their folder as `of`"):
+        read_traffic(folder / "generated", of=folder)
+    with pytest.raises(UnusableInput, match="no folder"):
+        read_traffic(folder / "nothing")
+    scene = busy_crossing(110, "recorded")
+    for name in ("one", "two"):
+        export_scenario(scene, scene.log, folder / "argoverse2", name)
+    assert [s.steps for s, _ in read_traffic(folder / "argoverse2")] == [101, 101]
+    assert len(read_traffic(folder / "argoverse2" / "one")) == 1
+
+
+def test_episodes_end_by_a_crash_or_at_the_end_of_the_scenario_or_of_the_map():
+    for pair, terminated, kind, steps in (
+        (behind_a_parked_car(), True, CollisionKind.FRONT, 26),
+        (alone(steps=51), False, CollisionKind.NONE, 50),
+        (alone(start=265, steps=51), False, CollisionKind.NONE, None),
+    ):
+        env = gymnasium.make(drivegen.gym.ID, scenarios=[pair], settings=SETTINGS)
+        env.reset(seed=0)
+        for step in range(1, 101):  # noqa: B007 the last one counts
+            _, _, ended, cut, info = env.step(np.zeros(1, np.float32))
+            if ended or cut:
+                break
+        assert (ended, cut) == (terminated, not terminated)
+        assert info["collision"] == kind
+        assert steps is None or step == pytest.approx(steps, abs=1)
+        assert info["left_map"] == (steps is None and kind == CollisionKind.NONE)
+
+
+def test_the_reward_is_the_sum_of_its_terms_and_each_can_be_computed_by_hand():
+    env = gymnasium.make(drivegen.gym.ID, scenarios=[alone()], settings=SETTINGS)
+    env.reset(seed=0)
+    _, reward, _, _, info = env.step(np.array([-0.5], np.float32))
+    assert info["reward/progress"] == pytest.approx(0.1 * (10 - 0.4) * 0.1, rel=1e-4)
+    assert info["reward/comfort"] == pytest.approx(-0.005 * (4 / 3) ** 2, rel=1e-4)
+    assert reward == pytest.approx(sum(info[f"reward/{name}"] for name in TERMS), rel=1e-5)
+    env = gymnasium.make(drivegen.gym.ID, scenarios=[alone(speed=17.9)], settings=SETTINGS)
+    env.reset(seed=0)
+    assert env.step(np.zeros(1, np.float32))[4]["reward/speeding"] == pytest.approx(-0.03 * 4.0, rel=1e-4)
+
+
+def test_a_red_line_that_is_crossed_is_paid_for_once():
+    roads = crossing()
+    log = stack([drive(joined(roads, 0, 8, 4), 60, 10, 61)])
+    red = Signals(np.array([8], np.int32), np.full((1, 61), SignalState.RED, np.uint8))
+    env = gymnasium.make(drivegen.gym.ID, scenarios=[(scenario(roads, log, signals=red), log)], settings=SETTINGS)
+    env.reset(seed=0)
+    paid = [env.step(np.zeros(1, np.float32))[4]["reward/red"] for _ in range(40)]
+    assert sum(paid) == SETTINGS.rewards.red
+    assert 15 < int(np.argmin(paid)) < 22  # the front reaches the line after 17.7 m
+
+
+def test_rows_are_reset_in_the_step_in_which_they_end_and_the_last_observation_is_kept():
+    pairs = [behind_a_parked_car(20.0), alone(steps=21)]
+    vector = gymnasium.make_vec(drivegen.gym.ID, num_envs=8, scenarios=pairs, settings=SETTINGS)
+    first, _ = vector.reset(seed=1)
+    for _ in range(30):
+        seen, _, terminated, truncated, info = vector.step(np.zeros((8, 1), np.float32))
+        ended = terminated | truncated
+        assert ("final_obs" in info) == ended.any()
+        for r in np.flatnonzero(ended):
+            assert any(np.array_equal(seen[r], begin) for begin in first)
+            assert not np.array_equal(info["final_obs"][r], seen[r]) or not info["collision"][r]
+
+
+def test_the_horizon_does_not_look_like_a_crash_to_stable_baselines():
+    env = DriveVecEnv([behind_a_parked_car(20.0), alone(steps=21)], 6, SETTINGS)
+    env.seed(2)
+    env.reset()
+    ends = set()
+    for _ in range(40):
+        _, _, dones, infos = env.step(np.zeros((6, 1), np.float32))
+        for done, info in zip(dones, infos, strict=True):
+            assert done == ("terminal_observation" in info)
+            if done:
+                ends.add((info["collision"] > 0, info["TimeLimit.truncated"]))
+    assert ends == {(True, False), (False, True)}
+
+
+@pytest.mark.parametrize("neighbours", ["replayed", "reactive"])
+def test_one_row_and_many_tell_the_same_story_and_the_same_seed_does(neighbours):
+    settings = replace(SETTINGS, neighbours=neighbours)
+    base = busy_crossing(61)
+    actions = np.random.default_rng(0).uniform(-0.5, 0.5, (40, 1)).astype(np.float32)
+    one = gymnasium.make(drivegen.gym.ID, scenarios=[(base, base.log)], settings=settings)
+    many = gymnasium.make_vec(drivegen.gym.ID, num_envs=3, scenarios=[(base, base.log)], settings=settings)
+    again = gymnasium.make_vec(drivegen.gym.ID, num_envs=3, scenarios=[(base, base.log)], settings=settings)
+    alone, whole, other = one.reset(seed=0)[0], many.reset(seed=0)[0], again.reset(seed=0)[0]
+    for action in actions:
+        np.testing.assert_allclose(whole, np.tile(alone, (3, 1)), atol=1e-5)
+        assert np.array_equal(whole, other)
+        alone, _, ended, cut, _ = one.step(action)
+        whole, other = (env.step(np.tile(action, (3, 1)))[0] for env in (many, again))
+        if ended or cut:
+            break
+
+
+def test_a_free_target_follows_its_wheels_within_limits_and_ends_off_the_road():
+    settings = replace(SETTINGS, motion="free")
+    log = stack([drive(LINE, 50, 10, 101)])
+    episodes = Episodes([(scenario(ROAD, log), log)], 1, settings)
+    for _ in range(20):
+        episodes.step(torch.zeros(1, 2))
+    assert float(episodes.world.ego.position[0, 0]) == pytest.approx(70.0, abs=0.1)
+    assert float(episodes.world.ego.offset[0]) == pytest.approx(0.0, abs=0.05)
+    steps = [episodes.step(torch.tensor([[0.0, 1.0]])) for _ in range(25)]
+    ends = [bool(step.off_road) for step in steps]
+    assert any(ends)
+    assert bool(steps[ends.index(True)].terminated)
+    assert float(steps[ends.index(True)].terms[0, TERMS.index("off_road")]) == SETTINGS.rewards.off_road
+
+
+def test_nothing_to_drive_is_said():
+    log = stack([drive(LINE, 50, 10, 51), drive(LINE, 52, 10, 51)])
+    with pytest.raises(UnusableInput, match="overlaps somebody at step 0"):
+        gymnasium.make(drivegen.gym.ID, scenarios=[(scenario(ROAD, log), log)], settings=SETTINGS)
+    with pytest.raises(UnusableInput, match=r"environment\.motion is one of"):
+        replace(SETTINGS, motion="sideways")
