@@ -18,7 +18,7 @@ from drivegen.gym.settings import Settings
 Floats = NDArray[np.float32]
 
 
-class DriveEnv(gymnasium.Env[Floats, Floats]):
+class DriveEnv(gymnasium.Env[Any, Any]):
     """`gymnasium.make("DriveGen/Drive-v0", scenarios=FOLDER)`."""
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012 as Gymnasium has it
@@ -55,6 +55,6 @@ class DriveEnv(gymnasium.Env[Floats, Floats]):
         seen = step.observation[0].numpy().copy()
         return seen, float(step.reward[0]), bool(step.terminated[0]), bool(step.truncated[0]), info
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """(H, W, 3) the target in the middle, from above; None unless made with "rgb_array"."""
         return picture(self._episodes) if self.render_mode == "rgb_array" else None

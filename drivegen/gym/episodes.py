@@ -18,8 +18,9 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import DT, SignalState
 from drivegen.drivers.base import Action, Observation
 from drivegen.drivers.shared.features import features
+from drivegen.drivers.shared.network import on_path, pedals
 from drivegen.gym.folders import Traffic
-from drivegen.gym.settings import MOTIONS, Rewards, Settings
+from drivegen.gym.settings import Rewards, Settings
 from drivegen.world.bicycle import SHARPEST
 from drivegen.world.contact import Pose, kind_of, touching
 from drivegen.world.ego import Ego
@@ -31,9 +32,6 @@ from drivegen.world.reactive import Reactive
 from drivegen.world.rules import Lookout
 from drivegen.world.scenes import Scenes
 from drivegen.world.world import World
-
-FULL_THROTTLE, FULL_BRAKING, FARTHEST_OFFSET = 3.0, 8.0, 1.5
-"""[m/s2], [m/s2] and [m] of an action's ends."""
 
 COMFORTABLE = 3.0
 """[m/s2] The acceleration whose square is the unit of discomfort."""
@@ -124,13 +122,7 @@ class Episodes:
         return World(self._scenes, rows, neighbours, self._lookout, free=self._free)
 
     def _decoded(self, action: Tensor) -> Action:
-        pedal = action[:, 0]
-        acceleration = torch.where(pedal > 0, FULL_THROTTLE * pedal, FULL_BRAKING * pedal)
-        if MOTIONS[self.settings.motion] == 1:
-            return Action(acceleration)
-        if self._free:
-            return Action(acceleration, steering=SHARPEST * action[:, 1])
-        return Action(acceleration, offset=FARTHEST_OFFSET * action[:, 1])
+        return Action(pedals(action[:, 0]), steering=SHARPEST * action[:, 1]) if self._free else on_path(action)
 
     def _collisions(self, boxes: Boxes) -> Tensor:
         """(R,) uint8 CollisionKind of the step just made."""
@@ -176,8 +168,8 @@ def _red_line(seen: Observation) -> Tensor:
 
 def _touched(world: World, boxes: Boxes) -> NDArray[np.int64]:
     """(R,) which of the others each target overlaps, -1 for none."""
-    ego = (tensor.cpu().numpy() for tensor in (world.ego.position, world.ego.heading, world.size))
-    return touching(*ego, boxes, world.scenes.replay.size, world.scene.cpu().numpy())
+    position, heading, size = (tensor.cpu().numpy() for tensor in (world.ego.position, world.ego.heading, world.size))
+    return touching(position, heading, size, boxes, world.scenes.replay.size, world.scene.cpu().numpy())
 
 
 def _pose(ego: Ego, r: int) -> Pose:

@@ -1,18 +1,40 @@
 """Stable-Baselines3's `VecEnv` over the batched world, and its policies as files of weights."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from stable_baselines3 import PPO, SAC
+from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecEnv
+from torch import nn
 
+from drivegen.core.errors import UnusableInput
+from drivegen.drivers.shared.network import write_network
 from drivegen.gym.folders import Traffic
 from drivegen.gym.settings import Settings
 from drivegen.gym.vector import DriveVectorEnv
 
-Indices = int | Sequence[int] | None
+Indices = int | Iterable[int] | None
+
+
+def save_policy(model: BaseAlgorithm, folder: str | Path, name: str) -> None:
+    """Write the network of a SAC's or PPO's policy as the weights of the driver `name` (`drivers.shared.network`).
+
+    Raises UnusableInput for other algorithms, and for networks that are more than linear layers with one kind of activation.
+    """
+    policy: Any = model.policy
+    sac = isinstance(model, SAC)
+    if not sac and not isinstance(model, PPO):
+        raise UnusableInput(f"{type(model).__name__} is neither SAC nor PPO: its policy is no network of ours")
+    parts = [*policy.actor.latent_pi, policy.actor.mu] if sac else [*policy.mlp_extractor.policy_net, policy.action_net]
+    linear = [part for part in parts if isinstance(part, nn.Linear)]
+    activation = policy.activation_fn.__name__.lower()
+    if len(parts) != 2 * len(linear) - 1:
+        raise UnusableInput("the policy has layers that are neither linear nor activations between them")
+    write_network(Path(folder), name, [layer.cpu() for layer in linear], activation, squashed=sac)
 
 
 class DriveVecEnv(VecEnv):

@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from drivegen.core.scenario import Scenario, Trajectories
@@ -51,13 +52,19 @@ class Scenes:
         rows = rows or len(scenarios)
         paths = paths if paths is not None else target_paths(scenarios, traffic)
         others = replay(scenarios, traffic, paths, rows)
+
+        def tensor(array: NDArray[Any]) -> Tensor:
+            return torch.from_numpy(array).to(device)
+
         return cls(
             others,
             _tensors(paths, rows, device),
-            torch.from_numpy(others.frame).flatten(0, 1).to(device),
-            torch.from_numpy(others.valid).flatten(0, 1).to(device),
-            *(torch.from_numpy(array).to(device) for array in (others.steps, others.target_size, others.target_speed)),
-            (torch.from_numpy(others.target_position).to(device), torch.from_numpy(others.target_heading).to(device)),
+            frame=tensor(others.frame).flatten(0, 1),
+            present=tensor(others.valid).flatten(0, 1),
+            steps=tensor(others.steps),
+            size=tensor(others.target_size),
+            speed=tensor(others.target_speed),
+            start=(tensor(others.target_position), tensor(others.target_heading)),
         )
 
     def __len__(self) -> int:

@@ -39,7 +39,8 @@ class World:
         paths = self.scenes.paths.of(scene)
         ego = Ego.at_start(self.scenes.speed[scene], paths)
         if self._free:
-            ego = placed(ego, *(pose[scene] for pose in self.scenes.start), paths)
+            position, heading = self.scenes.start
+            ego = placed(ego, position[scene], heading[scene], paths)
         if rows is None:
             self.scene, self.step = scene.clone(), torch.zeros_like(scene)
             self.size, self.paths, self.ego = self.scenes.size[scene], paths, ego

@@ -1,0 +1,74 @@
+"""A policy that SB3 trained is written as safetensors and drives as it did there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from stable_baselines3 import DDPG, PPO, SAC
+from torch import nn
+
+from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.settings import read_params
+from drivegen.drivers.shared.features import COUNT, DISTANCES, LIMIT, NEAREST, features, leader, nearest_boxes
+from drivegen.drivers.shared.network import Network
+from drivegen.drivers.shared.network import Settings as Weights
+from drivegen.gym.sb3 import DriveVecEnv, save_policy
+from drivegen.gym.settings import Settings
+from drivegen.simulators.batch import Plugin as Batch
+from drivegen.world.rules import Lookout
+from drivegen.world.scenes import Scenes
+from drivegen.world.world import World
+from tests.scenes import any_scenario, busy_crossing
+
+SETTINGS = replace(read_params("environment", Settings), neighbours="replayed", rules=False)
+
+
+class Mine(Network):
+    name = "mine"
+
+
+@pytest.fixture(scope="module")
+def env():
+    scene = busy_crossing(61)
+    return DriveVecEnv([(scene, scene.log)], 4, SETTINGS)
+
+
+@pytest.mark.parametrize("algorithm", [PPO, SAC])
+@pytest.mark.parametrize("activation", [nn.Tanh, nn.ReLU])
+def test_the_driver_decides_as_the_policy_did(env, tmp_path, algorithm, activation):
+    few = {"n_steps": 8, "batch_size": 16, "n_epochs": 1} if algorithm is PPO else {"learning_starts": 8, "batch_size": 16}
+    model = algorithm("MlpPolicy", env, seed=0, policy_kwargs={"net_arch": [16, 8], "activation_fn": activation}, **few)
+    model.learn(32)
+    save_policy(model, tmp_path / "mine", "mine")
+    driver = Mine(Weights(str(tmp_path / "mine"), sees_rules=False))
+    seen, _ = env.rows.reset(seed=0)
+    wanted, _ = model.predict(seen, deterministic=True)
+    acceleration = driver.act(env.rows.episodes.world.observe()).acceleration.numpy()
+    np.testing.assert_allclose(acceleration, np.where(wanted[:, 0] > 0, 3 * wanted[:, 0], 8 * wanted[:, 0]), atol=1e-4)
+    scene = busy_crossing(61)
+    assert Batch().run(driver, [scene], [scene.log]).motion.valid[0].sum() > 1
+
+
+def test_what_is_no_policy_of_ours_is_refused(env, tmp_path):
+    with pytest.raises(UnusableInput, match="neither SAC nor PPO"):
+        save_policy(DDPG("MlpPolicy", env), tmp_path, "mine")
+    with pytest.raises(MissingTool, match="holds no trained driver"):
+        Mine(Weights(str(tmp_path / "none"), sees_rules=False))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_compiled_features_are_those_of_tensors(seed):
+    scene = any_scenario(seed)
+    scenes = Scenes.of([scene], [scene.log])
+    world = World(scenes, 3, lookout=Lookout.of(scenes, [scene], [scene.log]))
+    seen = world.observe()
+    numbers = features(seen)
+    assert numbers.shape == (3, COUNT)
+    assert torch.isfinite(numbers).all()
+    assert (numbers.abs() <= LIMIT).all()
+    gap, closing = leader(seen)
+    torch.testing.assert_close(numbers[:, 6], (gap / 30).clamp_max(LIMIT))
+    torch.testing.assert_close(numbers[:, 7], (closing / 15).clamp(-LIMIT, LIMIT))
+    first = 9 + 2 * len(DISTANCES)
+    torch.testing.assert_close(numbers[:, first : first + 8 * NEAREST], nearest_boxes(seen).clamp(-LIMIT, LIMIT))
