@@ -1,6 +1,7 @@
 """The driver that docs/drivers.md shows is one: it keeps the protocol and drives."""
 
 import re
+import shutil
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -9,14 +10,15 @@ import numpy as np
 import pytest
 
 from drivegen.simulators.batch import Plugin as Batch
-from tests.scenes import drive, scenario, stack, straight_road
+from drivegen.store.scenarios import write_shard
+from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
 DOCS = Path(__file__).parents[2] / "docs" / "drivers.md"
 
 
 @pytest.fixture
 def late(monkeypatch):
-    [code] = re.findall(r"^```python\n(.*?)^```", DOCS.read_text(), re.DOTALL | re.MULTILINE)
+    code, _ = re.findall(r"^```python\n(.*?)^```", DOCS.read_text(), re.DOTALL | re.MULTILINE)
     module = ModuleType("late")
     monkeypatch.setitem(sys.modules, "late", module)  # where its dataclass looks itself up
     exec(code, vars(module))
@@ -32,3 +34,19 @@ def test_it_drives_and_brakes_as_late_as_it_is_told(late, reacts, crashes):
     outcome = Batch().run(driver, [scenario(road, free), scenario(road, blocked)], [free, blocked])
     assert outcome.end[0, 0] > 60
     assert outcome.collided.tolist() == [False, crashes]
+
+
+def test_a_policy_is_trained_and_tested_by_what_the_page_shows(tmp_path, monkeypatch, capsys):
+    """The same lines with fewer rows and steps."""
+    _, code = re.findall(r"^```python\n(.*?)^```", DOCS.read_text(), re.DOTALL | re.MULTILINE)
+    assert len([line for line in code.splitlines() if line]) <= 20
+    for word, smaller in (("5120", "16"), ("512", "4"), ("n_steps=100", "n_steps=16"), ("1_000_000", "64")):
+        assert word in code
+        code = code.replace(word, smaller)
+    scenes = [busy_crossing(61, f"scene-{letter}") for letter in "ab"]
+    for place in ("data/shipped", "data/scenarios/test"):
+        write_shard(tmp_path / place / "shard-00000.parquet", scenes)
+    shutil.copy(DOCS.parents[1] / "params.yaml", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    exec(code, {"__name__": "mine"})
+    assert re.fullmatch(r"[\d.]+% collide, [\d.]+% at fault\n", capsys.readouterr().out)
