@@ -51,7 +51,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         """One step of 0.1 s."""
         step = self._episodes.step(torch.from_numpy(np.array(action, np.float32).reshape(1, -1)))
         info: dict[str, Any] = {f"reward/{name}": float(value) for name, value in zip(TERMS, step.terms[0], strict=True)}
-        info |= {"collision": int(step.kind[0]), "left_map": bool(step.left_map[0])}
+        info |= {"collision": int(step.kind[0]), "off_road": bool(step.off_road[0]), "left_map": bool(step.left_map[0])}
         seen = step.observation[0].numpy().copy()
         return seen, float(step.reward[0]), bool(step.terminated[0]), bool(step.truncated[0]), info
 

@@ -79,7 +79,7 @@ class DriveVecEnv(VecEnv):
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for r in ended.tolist():
             infos[r] = {"terminal_observation": seen[r].copy(), "TimeLimit.truncated": bool(truncated[r])}
-            infos[r] |= {"collision": int(step.kind[r]), "left_map": bool(step.left_map[r])}
+            infos[r] |= {"collision": int(step.kind[r]), "off_road": bool(step.off_road[r]), "left_map": bool(step.left_map[r])}
         if len(ended):
             seen[ended] = self.rows.begin(ended)
         return seen, reward, terminated | truncated, infos

@@ -21,7 +21,8 @@ Floats = NDArray[np.float32]
 class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
     """`num_envs` rows, each in a scenario drawn anew for every episode.
 
-    Infos hold what each row's reward is made of (`reward/progress`, ...), and at an episode's end `final_obs`.
+    Infos hold what each row's reward is made of (`reward/progress`, ...), how an episode ended (`collision`, a `CollisionKind`,
+    `off_road`, `left_map`) and its last observation, `final_obs`.
     """
 
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012 as Gymnasium has it
@@ -76,7 +77,8 @@ class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
     def _info(self, step: Step) -> dict[str, Any]:
         every = np.ones(self.num_envs, np.bool_)
         terms = {f"reward/{name}": column for name, column in zip(TERMS, step.terms.cpu().numpy().T, strict=True)}
-        values = {**terms, "collision": step.kind.cpu().numpy(), "left_map": step.left_map.cpu().numpy()}
+        ends = {"collision": step.kind, "off_road": step.off_road, "left_map": step.left_map}
+        values = terms | {name: tensor.cpu().numpy() for name, tensor in ends.items()}
         return {**values, **{f"_{name}": every for name in values}}
 
     def _final(self, seen: Floats, ended: NDArray[np.intp]) -> dict[str, Any]:

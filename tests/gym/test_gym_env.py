@@ -14,11 +14,13 @@ from drivegen.av2.export import export_scenario
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Signals, SignalState
 from drivegen.core.settings import read_params
+from drivegen.drivers.base import Action
 from drivegen.drivers.shared.features import COUNT
 from drivegen.gym.episodes import TERMS, Episodes
 from drivegen.gym.folders import read_traffic
 from drivegen.gym.sb3 import DriveVecEnv
 from drivegen.gym.settings import Settings
+from drivegen.simulators.batch import Plugin as Batch
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
 from drivegen.world.outcome import CollisionKind
@@ -189,3 +191,38 @@ def test_nothing_to_drive_is_said():
         gymnasium.make(drivegen.gym.ID, scenarios=[(scenario(ROAD, log), log)], settings=SETTINGS)
     with pytest.raises(UnusableInput, match=r"environment\.motion is one of"):
         replace(SETTINGS, motion="sideways")
+
+
+class Held:
+    """One acceleration for good."""
+
+    name = "held"
+
+    def __init__(self, acceleration):
+        self.acceleration = acceleration
+
+    def act(self, seen):
+        return Action(self.acceleration + 0 * seen.speed)
+
+
+@pytest.mark.parametrize("acceleration", [-1.0, 0.0, 1.5])
+@pytest.mark.parametrize("neighbours", ["replayed", "reactive"])
+def test_episodes_end_where_whole_runs_of_the_simulator_do(acceleration, neighbours):
+    """Step by step and after the run: two ways to the first collision and its kind."""
+    pairs = [(busy_crossing(), busy_crossing().log), alone(steps=101), *map(behind_a_parked_car, (15.0, 30.0, 60.0, 90.0))]
+    pairs += [(busy_crossing(), noisy_samples(busy_crossing(), 4, seed=3).motion[k]) for k in range(4)]
+    episodes = Episodes(pairs, len(pairs), replace(SETTINGS, neighbours=neighbours))
+    batch = Batch(reaction=SETTINGS.reaction if neighbours == "reactive" else None)
+    outcome = batch.run(Held(acceleration), *zip(*pairs, strict=True))
+    episodes.reset(torch.arange(len(pairs)))
+    action = torch.full((len(pairs), 1), acceleration / (3.0 if acceleration > 0 else 8.0))
+    step, kind = np.full(len(pairs), -1), np.zeros(len(pairs), int)
+    for t in range(1, 101):
+        made = episodes.step(action)
+        first = (made.kind.numpy() > 0) & (step < 0)
+        step[first], kind[first] = t, made.kind.numpy()[first]
+    hit = outcome.step > 0
+    assert hit.sum() > 1
+    assert step[hit].tolist() == outcome.step[hit].tolist()
+    assert kind[hit].tolist() == outcome.kind[hit].tolist()
+    assert (step[~hit & ~outcome.left_map & (outcome.step < 0)] < 0).all()
