@@ -5,7 +5,7 @@ device a result does not depend on who shares the batch.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -75,41 +75,55 @@ class Plugin:
             neighbours = Reactive(scenes, CHUNK, self._reaction, deaf) if self._reaction else Replayed(scenes)
             looks = isinstance(driver, RuleDriver) and driver.sees_rules
             lookout = Lookout.of(scenes, scenarios, traffic) if looks else None
-            egos, others = _drive(driver, World(scenes, CHUNK, neighbours, lookout))
-        ended = outcome(_trajectories(egos, others, steps), others, scenarios)
-        return ended if isinstance(neighbours, Replayed) else _with_imposed(ended, neighbours)
+            egos, met = _drive(driver, World(scenes, CHUNK, neighbours, lookout))
+        others = _lived(scenes.replay, met)
+        return _with_imposed(outcome(_trajectories(egos, others, steps), others, scenarios), met)
 
 
-def _drive(driver: Driver, world: World) -> tuple[list[Ego], Replay]:
-    """The targets step by step, and the others as they moved."""
-    egos, met = [world.ego], [_met(world)]
+@dataclass(frozen=True)
+class _Met:
+    """Reactive neighbours at one step, as in `Boxes` and `Reactive`, and their frame (S, 6, M)."""
+
+    position: Tensor
+    heading: Tensor
+    valid: Tensor
+    frame: Tensor
+    hardest: Tensor
+    taken: Tensor
+
+    @classmethod
+    def of(cls, world: World) -> "list[_Met]":
+        """One of them; none of those that are replayed, who are known."""
+        reactive = world.neighbours
+        if not isinstance(reactive, Reactive):
+            return []
+        boxes = reactive.boxes(world)
+        return [cls(boxes.position, boxes.heading, boxes.valid, reactive.seen(world)[0], reactive.hardest, reactive.taken)]
+
+
+def _drive(driver: Driver, world: World) -> tuple[list[Ego], list[_Met]]:
+    """The targets, and reactive neighbours, step by step."""
+    egos, met = [world.ego], _Met.of(world)
     for _ in range(world.scenes.longest - 1):
         world.advance(driver.act(world.observe()))
         egos.append(world.ego)
-        met.append(_met(world))
-    return egos, _lived(world.scenes.replay, met)
+        met += _Met.of(world)
+    return egos, met
 
 
-def _met(world: World) -> tuple[Tensor, ...]:
-    """Positions, headings, presence and frames of the others now; nothing of those that are replayed, who are known."""
-    if isinstance(world.neighbours, Replayed):
-        return ()
-    boxes = world.neighbours.boxes(world)
-    return boxes.position, boxes.heading, boxes.valid, world.neighbours.seen(world)[0]
+def _lived(planned: Replay, met: list[_Met]) -> Replay:
+    """The others as they moved."""
+    names = ("position", "heading", "valid", "frame") if met else ()
+    return replace(planned, **{name: torch.stack([getattr(m, name) for m in met], 1).cpu().numpy() for name in names})
 
 
-def _lived(planned: Replay, met: list[tuple[Tensor, ...]]) -> Replay:
-    """The others as they were met step by step."""
-    if not met[0]:
-        return planned
-    position, heading, valid, frame = (torch.stack(part, 1).cpu().numpy() for part in zip(*met, strict=True))
-    return replace(planned, position=position, heading=heading, valid=valid, frame=frame)
-
-
-def _with_imposed(ended: DrivingOutcome, neighbours: Reactive) -> DrivingOutcome:
-    count = len(ended.kind)
-    braking, loss = (tensor[:count].cpu().numpy() for tensor in (neighbours.hardest, neighbours.taken))
-    return replace(ended, imposed_braking=braking, imposed_loss=loss)
+def _with_imposed(ended: DrivingOutcome, met: list[_Met]) -> DrivingOutcome:
+    """The outcome with what the targets imposed on reactive neighbours until their runs ended."""
+    if not met:
+        return ended
+    rows, last = np.arange(len(ended.kind)), ended.motion.last_valid()
+    braking, loss = (torch.stack([getattr(m, name) for m in met], 1).cpu().numpy() for name in ("hardest", "taken"))
+    return replace(ended, imposed_braking=braking[rows, last], imposed_loss=loss[rows, last])
 
 
 def _trajectories(egos: list[Ego], others: Replay, steps: int) -> Trajectories:

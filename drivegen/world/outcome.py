@@ -40,6 +40,10 @@ AT_FAULT = (CollisionKind.FRONT, CollisionKind.SIDE)
 """Kinds that count against the driver; the others are done to it."""
 
 
+ARTEFACTS = (CollisionKind.AT_SPAWN, CollisionKind.HIT_FROM_BEHIND, CollisionKind.HIT_STANDING)
+"""Kinds that say more of the traffic than of the driver: the other, a replay perhaps, did not mind it."""
+
+
 @dataclass(frozen=True)
 class DrivingOutcome:
     """What became of S targets.
@@ -87,6 +91,11 @@ class DrivingOutcome:
     def in_first_second(self) -> NDArray[np.bool_]:
         """(S,) collided within the first second, overlaps at spawn included."""
         return self.collided & (self.step <= FIRST_SECOND)
+
+    @property
+    def artefact(self) -> NDArray[np.bool_]:
+        """(S,) ended in a collision that is counted apart: of ARTEFACTS, or within the first second."""
+        return np.isin(self.kind, ARTEFACTS) | self.in_first_second
 
     @property
     def end(self) -> NDArray[np.float32]:

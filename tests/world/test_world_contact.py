@@ -74,6 +74,8 @@ def test_crashes_in_the_first_second_are_told_apart():
     kinds = np.array([CollisionKind.AT_SPAWN, CollisionKind.FRONT, CollisionKind.FRONT, CollisionKind.NONE], np.uint8)
     told = replace(outcome, kind=kinds, step=steps).in_first_second
     assert told.tolist() == [True, True, False, False]
+    kinds[2] = CollisionKind.HIT_FROM_BEHIND
+    assert replace(outcome, kind=kinds, step=steps).artefact.tolist() == [True, True, True, False]
 
 
 def test_the_first_collision_counts_and_ends_the_run():

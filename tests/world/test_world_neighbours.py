@@ -86,6 +86,16 @@ def test_braking_is_bounded_so_that_a_target_may_still_be_hit():
     assert 0 < outcome.impact_speed[0] < 15
 
 
+def test_what_is_imposed_after_the_run_has_ended_does_not_count():
+    """The target runs into a parked car; somebody far behind would have to brake for the wreck later."""
+    log = stack([drive(LINE, 60, 10, 101), drive(LINE, 75, 0, 101), drive(LINE, 10, 10, 101)])
+    outcome = Plugin(reaction=LAW).run(Braking(0.0), [scenario(ROAD, log)], [log])
+    assert outcome.partner[0] == 1
+    assert outcome.imposed_braking[0] == 0
+    world, _ = lived(Braking(6.0, since=11), log)
+    assert float(world.neighbours.hardest) > 0
+
+
 def test_the_attacker_does_not_react():
     log = stack([drive(LINE, 60, 10, 101), drive(LINE, 40, 10, 101)])
     for attacker, kind in ((1, CollisionKind.HIT_STANDING), (0, CollisionKind.NONE)):

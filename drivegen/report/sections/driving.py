@@ -20,6 +20,7 @@ _COLUMNS = {
     "CR": "collision",
     "of it at fault": "collision.at_fault",
     "by nuPlan's classes": "collision.nuplan_at_fault",
+    "artefacts": "collision.artefact",
     "imposed braking [m/s2]": "imposed_braking",
     "in the first second": "collision.in_first_second",
     "off-road": "off_road",

@@ -61,6 +61,7 @@ class Drives:
             "collision": outcome.collided,
             "collision.at_fault": np.isin(outcome.kind, AT_FAULT),
             "collision.in_first_second": outcome.in_first_second,
+            "collision.artefact": outcome.artefact,
             "collision.nuplan_at_fault": outcome.at_fault,
             "impact_speed": np.nan_to_num(outcome.impact_speed),
             "imposed_braking": outcome.imposed_braking,
