@@ -1,5 +1,7 @@
 """Scenarios with traffic from a folder: shards or samples that drivegen wrote, or Argoverse 2 scenarios."""
 
+import warnings
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -23,16 +25,22 @@ def read_traffic(folder: Path, of: Path = SCENES) -> list[Traffic]:
     """Every scenario of a folder with its log, or with each of its futures.
 
     `folder` holds shards of scenarios or of samples (`of` has their scenarios), is a round of corner cases, one Argoverse 2
-    scenario, or a folder of those. What nobody can drive in is left out. Raises UnusableInput where nothing remains.
+    scenario, or a folder of those. What nobody can drive in is left out with a warning that counts the reasons. Raises
+    UnusableInput where nothing remains.
     """
     place = folder / "samples" if (folder / "samples").is_dir() else folder
     if not place.is_dir():
         raise UnusableInput(f"{folder} is no folder: give one with shards, as data/shipped, or with Argoverse 2 scenarios")
     files = shards(place)
-    pairs = [pair for file in files for pair in _of_shard(file, of)] if files else list(_argoverse2(place))
-    usable = [(scenario, motion) for scenario, motion in pairs if motion.valid[TARGET, 0] and motion.valid[TARGET].sum() > 1]
+    left_out: Counter[str] = Counter()
+    pairs = [pair for file in files for pair in _of_shard(file, of)] if files else list(_argoverse2(place, left_out))
+    usable = [(scenario, motion) for scenario, motion in pairs if motion.valid[TARGET, :2].all()]
+    left_out["no-target"] += len(pairs) - len(usable)
+    reasons = ", ".join(f"{count} {reason}" for reason, count in sorted(left_out.items()) if count)
     if not usable:
-        raise UnusableInput(f"{folder} holds no scenario with traffic and a target to drive: of {len(pairs)} none is usable")
+        raise UnusableInput(f"{folder} holds no scenario with traffic and a target to drive ({reasons or 'it is empty'})")
+    if reasons:
+        warnings.warn(f"{folder}: scenarios left out: {reasons}", stacklevel=2)
     return usable
 
 
@@ -54,10 +62,14 @@ def _of_shard(shard: Path, of: Path) -> Iterator[Traffic]:
         )
 
 
-def _argoverse2(folder: Path) -> Iterator[Traffic]:
-    """One scenario, or those of all folders in a folder, those of its splits included."""
+def _argoverse2(folder: Path, left_out: Counter[str]) -> Iterator[Traffic]:
+    """One scenario, or those of all folders in a folder, those of its splits included; counts what is not usable."""
     single = any(folder.glob("scenario_*.parquet"))
     for place in [folder] if single else sorted({file.parent for file in folder.glob("**/scenario_*.parquet")}):
-        scenario = select(read_folder(place, "Argoverse 2 Motion Forecasting"), SELECTION)
+        try:
+            scenario = select(read_folder(place, "Argoverse 2 Motion Forecasting"), SELECTION)
+        except UnusableInput as error:
+            left_out[error.reason] += 1
+            continue
         assert scenario.log is not None
         yield scenario, scenario.log

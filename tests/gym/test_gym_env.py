@@ -1,5 +1,6 @@
 """The environments pass their libraries' own checks, end where they should and agree with one another."""
 
+import shutil
 from dataclasses import replace
 
 import gymnasium
@@ -82,6 +83,13 @@ def test_folders_of_samples_and_of_argoverse_scenarios_are_read_too(folder):
         export_scenario(scene, scene.log, folder / "argoverse2", name)
     assert [s.steps for s, _ in read_traffic(folder / "argoverse2")] == [101, 101]
     assert len(read_traffic(folder / "argoverse2" / "one")) == 1
+    broken = folder / "argoverse2" / "three"
+    shutil.copytree(folder / "argoverse2" / "one", broken)
+    next(broken.glob("*.parquet")).write_bytes(b"PAR1")
+    with pytest.warns(UserWarning, match="scenarios left out: 1 "):
+        assert len(read_traffic(folder / "argoverse2")) == 2
+    with pytest.raises(UnusableInput, match="no scenario with traffic and a target to drive"):
+        read_traffic(broken)
 
 
 def test_episodes_end_by_a_crash_or_at_the_end_of_the_scenario_or_of_the_map():
