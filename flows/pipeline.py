@@ -24,6 +24,7 @@ import yaml
 from dvc.lock import LockError
 from dvc.repo import Repo
 
+from flows import attended
 from flows.mending import is_whole, mend
 
 MEASURES = "stages/dvc.yaml"
@@ -215,7 +216,7 @@ def _overlap(one: str, other: str) -> bool:
 def _run(command: list[str], root: Path, say: Callable[[str], None]) -> tuple[int, list[str]]:
     """Exit code and all lines of output, handed to `say` as they come."""
     lines: list[str] = []
-    with subprocess.Popen(
+    with attended.work(
         command, cwd=root, env=_environment(), text=True, errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT
     ) as process:
         assert process.stdout is not None
