@@ -70,6 +70,8 @@ def test_limits_survive_json_and_say_what_is_wrong_with_it(logs):
         Limits.from_json({"speed": 3.0}, "limits.json")
     with pytest.raises(UnusableInput, match="speed must be a finite number"):
         Limits.from_json(limits.to_json() | {"speed": "fast"}, "limits.json")
+    with pytest.raises(UnusableInput, match=r"limits\.json\.overlap must be at least 0, not -0\.1"):
+        Limits.from_json(limits.to_json() | {"overlap": -0.1}, "limits.json")
 
 
 def test_without_logs_there_is_nothing_to_calibrate_on():
