@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import psutil
 import yaml
 from dvc.rwlock import SCHEMA as LOCK_SCHEMA
 from dvc.schema import COMPILED_LOCKFILE_SCHEMA
@@ -71,8 +70,8 @@ def _mended_lock(file: Path, root: Path) -> str:
 def _runs(info: dict[str, Any]) -> bool:
     """Whether the process that holds something still runs, and is not another one that was given its number since."""
     try:
-        words = " ".join(psutil.Process(info["pid"]).cmdline())
-    except psutil.Error:
+        words = Path(f"/proc/{info['pid']}/cmdline").read_text(errors="replace").strip("\0").replace("\0", " ")
+    except OSError:
         return False
     return words.endswith(" ".join(info["cmd"].split(" ")[1:]))  # its first word is the program, named in another way
 

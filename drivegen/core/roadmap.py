@@ -132,8 +132,9 @@ class RoadMap:
             raise UnusableInput("the map has a line that does not hold its points", reason="bad-map")
         if (self.kind > max(LaneKind)).any() or (self.control > max(LaneControl)).any() or (self.speed_limit < 0).any():
             raise UnusableInput("a lane of the map has a kind, a control or a speed limit that is none", reason="bad-map")
-        layers = (line.points for line in (*lines, self.drivable, self.crossings))
-        if not all(np.isfinite(numbers).all() for numbers in (self.origin, self.stop_lines, *layers)):
+        points = (line.points for line in (*lines, self.drivable, self.crossings))
+        numbers: tuple[NDArray[np.floating], ...] = (self.origin, self.stop_lines, *points)
+        if not all(np.isfinite(array).all() for array in numbers):
             raise UnusableInput("the map has coordinates that are not numbers", reason="bad-map")
         self._expect_links(count)
 

@@ -134,7 +134,8 @@ class _Loader(yaml.SafeLoader):
             if key.value in names:
                 raise yaml.YAMLError(f"{key.value!r} is there twice, again in line {key.start_mark.line + 1}")
             names.add(key.value)
-        return super().construct_mapping(node, deep)
+        values: dict[Any, Any] = super().construct_mapping(node, deep)
+        return values
 
 
 def _read(path: Path) -> Any:
