@@ -38,16 +38,14 @@ def end(process: "subprocess.Popen[Any]") -> None:
 @contextmanager
 def work(command: list[str], **options: Any) -> Iterator["subprocess.Popen[Any]"]:
     """As `start`, for what is to end as soon as we are asked to stop. Raises InterruptedError where we have been already."""
-    process = start(command, **options)
-    _WORK.add(process)
-    try:
-        if _STOPPED.is_set():
-            raise InterruptedError("the flow was stopped")
-        yield process
-    finally:
-        _WORK.discard(process)
-        end(process)
-        process.wait()
+    with start(command, **options) as process:  # which at its end closes our end of the pipe, and waits
+        _WORK.add(process)
+        try:
+            if _STOPPED.is_set():
+                raise InterruptedError("the flow was stopped")
+            yield process
+        finally:
+            _WORK.discard(process)
 
 
 @contextmanager
