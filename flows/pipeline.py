@@ -214,17 +214,20 @@ def _overlap(one: str, other: str) -> bool:
 
 
 def _run(command: list[str], root: Path, say: Callable[[str], None]) -> tuple[int, list[str]]:
-    """Exit code and all lines of output, handed to `say` as they come."""
+    """Exit code and all lines of output, handed to `say` as they come. Raises StageFailed where the flow was stopped."""
     lines: list[str] = []
-    with attended.work(
-        command, cwd=root, env=_environment(), text=True, errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT
-    ) as process:
-        assert process.stdout is not None
-        for line in process.stdout:
-            lines.append(line.rstrip())
-            if lines[-1] and not line.lstrip().startswith(_HINTS):
-                say(lines[-1])
-    return process.returncode, lines
+    output = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "errors": "replace"}
+    try:
+        with attended.work(command, cwd=root, env=_environment(), **output) as process:
+            assert process.stdout is not None
+            for line in process.stdout:
+                lines.append(line.rstrip())
+                if lines[-1] and not line.lstrip().startswith(_HINTS):
+                    say(lines[-1])
+            code = process.wait()
+    except InterruptedError as error:
+        raise StageFailed(str(error)) from None
+    return code, lines
 
 
 def _environment() -> dict[str, str]:
