@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.feather
 from numpy.typing import NDArray
 
 from drivegen.av2.maps import read_map
 from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import RoadMap
+from drivegen.core.safe_parquet import read_feather
 from drivegen.core.scenario import DT, Trajectories, VehicleKind
 
 EGO_TRACK = "AV"
@@ -168,7 +168,7 @@ def fitted_velocity(position: NDArray[np.float32], valid: NDArray[np.bool_]) -> 
 
 def _read(path: Path, columns: tuple[str, ...]) -> pa.Table:
     try:
-        table = pyarrow.feather.read_table(path, use_threads=False)
+        table = read_feather(path)
     except (pa.ArrowException, OSError) as error:
         what = str(error).splitlines()[0]
         raise UnusableInput(f"{path} is no whole Feather file ({what}): copy it again", reason="truncated") from None

@@ -8,15 +8,12 @@ from numpy.typing import NDArray
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario
-from drivegen.goals.candidates import Candidates, candidates
+from drivegen.goals.candidates import MOST, Candidates, candidates
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.features import NAMES, features
 from drivegen.goals.labels import ends
 from drivegen.goals.twins import twin
 from drivegen.roads.graph import LaneGraph
-
-MOST = 40
-"""Lists are padded to this many candidates, so that a result does not depend on its batch."""
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from drivegen.core.scenario import Trajectories
 from drivegen.planners.base import Examples, Planner, PlanRequests
 from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.roads.graph import LaneGraph
+from drivegen.training.weights import read_weights, write_weights
 from stages._door import build, read_section
 from tests.scenes import crossing, drive, joined, scenario, stack
 
@@ -151,14 +152,15 @@ def test_missing_foreign_and_damaged_weights_are_named(name: str, trained: Plann
 
 def test_weights_of_other_settings_are_refused_in_a_sentence(trained: Planner, tmp_path: Path) -> None:
     trained.save(tmp_path)
-    file = tmp_path / "settings.json"
-    about = json.loads(file.read_text())
-    file.write_text(json.dumps(about | {"settings": about["settings"] | {"width": 2 * about["settings"]["width"]}}))
-    with pytest.raises(UnusableInput, match="weights do not fit the settings"):
-        type(trained).load(tmp_path)
-    file.write_text(json.dumps(about | {"settings": about["settings"] | {"depth": 1}}))
-    with pytest.raises(UnusableInput, match="unknown name 'depth'"):
-        type(trained).load(tmp_path)
+    name = json.loads((tmp_path / "settings.json").read_text())["planner"]
+    settings, tensors = read_weights(tmp_path, "planner", name)
+    for change, sentence in (
+        ({"width": 2 * settings["width"]}, "weights do not fit the settings"),
+        ({"depth": 1}, "unknown name 'depth'"),
+    ):
+        write_weights(tmp_path, "planner", name, settings | change, tensors)
+        with pytest.raises(UnusableInput, match=sentence):
+            type(trained).load(tmp_path)
 
 
 @pytest.mark.parametrize("name", NAMES)
