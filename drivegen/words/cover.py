@@ -40,10 +40,11 @@ class Item:
 
 @dataclass(frozen=True)
 class Cover:
-    """Items from the first token to the last, and what they cost."""
+    """Items from the first token to the last, what they cost, and a number for the phrases among them."""
 
     items: tuple[Item, ...]
     cost: float
+    reading: int = 0
 
     @property
     def unread(self) -> list[str]:
@@ -65,9 +66,14 @@ class Grammar:
     def covers(self, tokens: Sequence[Token]) -> list[Cover]:
         """The best covers, cheapest first; all have unread words or none has."""
         best: list[list[Cover]] = [[Cover((), 0.0)], *([] for _ in tokens)]
+        readings: dict[tuple[Any, ...], int] = {}
         for i, token in enumerate(tokens):
             for item, cost in [*self._said(tokens, i), self._alone(token, i)]:
-                best[item.end] += [Cover((*cover.items, item), cover.cost + cost) for cover in best[i]]
+                for cover in best[i]:
+                    reading = cover.reading
+                    if item.phrase is not None or item.unread:
+                        reading = readings.setdefault((reading, item.phrase, item.values, item.raw if item.unread else ""), len(readings) + 1)
+                    best[item.end].append(Cover((*cover.items, item), cover.cost + cost, reading))
             best[i + 1] = _few(best[i + 1])
         return _few(best[-1])
 
@@ -108,6 +114,10 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
 
 
 def _few(covers: list[Cover]) -> list[Cover]:
-    """The cheapest covers, each way to cut the text once."""
+    """The cheapest covers; one of those that differ only in words that say nothing, inside a phrase or beside it."""
     ordered = sorted(covers, key=lambda cover: cover.cost)
-    return [cover for cover in ordered if cover.cost <= ordered[0].cost + _CLOSE][:_MOST]
+    near: dict[int, Cover] = {}
+    for cover in ordered:
+        if cover.cost <= ordered[0].cost + _CLOSE:
+            near.setdefault(cover.reading, cover)
+    return list(near.values())[:_MOST]
