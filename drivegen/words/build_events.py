@@ -135,10 +135,10 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
         for nothing in ("count", "setting", "merges", "leaves", "one_side", "has_auxiliary", "row"):
             told.values(nothing)
         exact, given = given, told.value("auxiliary") or told.value("length")
-        everywhere = everywhere and told.has("position")
+        everywhere = everywhere and (told.has("position") or (told.has("gap") and not placed))
         length = given or _AUXILIARY.get(event["kind"], 0.0) * share
         here = event.get("position") or told.value("position")
-        gap = told.value("gap") or told.value("spacing")
+        gap = event.get("gap") or told.value("gap") or told.value("spacing")
         if here is None:
             here = _next(placed, end, share, gap)
         if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in _AUXILIARY and not exact:

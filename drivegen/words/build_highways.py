@@ -39,12 +39,12 @@ def highway(scene: Scene, choices: Choices) -> Road:
     speed = (FAST if fast else usual_speed([told])) if speed is None else speed
     if told.values("has_auxiliary") and not any(event["kind"] in ("on_ramp", "off_ramp") for event in events):
         raise Unfit("a lane for speeding up or slowing down belongs to a ramp")
-    places = told.values("position")
+    places = [(name, value) for name in ("position", "gap") for value in told.values(name)]
     changes = [event for event in events if not event["thing"]]
     if places and (len(changes) != 1 or len(places) != 1):
         raise Unfit("it is not clear what lies at the place that is said")
     for event, place in zip(changes, places, strict=False):
-        event["position"] = place
+        event.update([place])
     line = alignment(told, choices, (800, 1200), radius=250.0)
     said = told.has("length", "straights")
     limit = _common(scene, told, "ramp_speed", "speed")

@@ -178,7 +178,7 @@ def _places(words: list[Thing], references: list[Thing], spacing: float) -> tupl
         own = [word] if words.count(word) == 1 else []
         told = [value for thing in (*own, *refs) for value in thing.values("position")]
         gap = [value for thing in (*own, *refs) for value in thing.values("gap")]
-        positions.append(told[0] if told else None)
+        positions.append(told[0] if told else gap[0] if gap and not i else None)
         if gap and i:
             gaps[i - 1] = gap[0]
     if all(place is not None for place in positions):
@@ -225,7 +225,10 @@ def _side_streets(
     if len(told) == 1 and told[0][1] == 1:
         places = [spacing, told[0][0].value("position")]
         return [{**junction, "sides": every[0]}], [], places[1]
-    starts = [thing.value("position") for thing, count in told if count == 1]
+    starts: list[float | None] = []
+    for thing in (thing for thing, count in told if count == 1):
+        gap, before = thing.value("gap"), starts[-1] if starts else 0.0
+        starts.append(thing.value("position") if gap is None or before is None else before + gap)
     if len(starts) == len(told) and all(start is not None for start in starts):
         if starts != sorted(starts):
             raise Unfit("the side streets are not said in the order in which they lie along the road")

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from drivegen.core.relation import Relation
 from drivegen.words.cover import Item
 from drivegen.words.phrase import Phrase
 from drivegen.words.table import traffic_names, words
@@ -19,7 +20,9 @@ _KNOWN = stems("the its this that these those")
 WHOLES = ("crossing", "roundabout", "highway", "street", "grid", "fork", "interchange", "cloverleaf", "staggered", "dead_end")
 
 
-MOVING = ("car", "truck", "bus", "vehicle", "member", "target", "leader")
+_PLACES = ("position", "gap")
+_SEEN = ("does", "place", *(f"far_{relation}" for relation in Relation))
+MOVING = ("car", "truck", "bus", "vehicle", "member", "target")
 """Things of which nothing that roads have is said."""
 
 
@@ -50,6 +53,8 @@ class Thing:
     used: bool = False
     definite: bool = False
     links: list[str] = field(default_factory=list)
+    beside: "Thing | None" = None
+    """What "and" joins it to: "five cars and a truck"."""
 
     def values(self, name: str) -> list[Any]:
         """All values that are said of a field, in order; they count as used."""
@@ -124,6 +129,7 @@ class Walk:
         self.subject: Thing | None = None
         self.sentence: list[Thing] = []
         self.pending: list[Fact] = []
+        self.fronted: list[Fact] = []
         self.segment: list[tuple[Fact, Thing]] = []
         self.mark, self.det, self.comma, self.sticky = ".", "", False, False
 
@@ -172,6 +178,8 @@ class Walk:
 
     def _sentence_ends(self) -> None:
         self._nothing_pending()
+        if self.fronted:
+            raise Unfit(f"it is not clear what {self.fronted[0].text!r} belongs to")
         self.subject, self.sentence, self.segment = None, [], []
         self.mark, self.det, self.comma, self.sticky = ".", "", False, False
 
@@ -183,6 +191,7 @@ class Walk:
         thing = self._resolved(phrase.name, item.raw, which[0] if which else "all" if self.det in ALL else None)
         thing.facts += facts
         self.pending = []
+        self._ahead_of_noun(thing)
         parts = phrase.name not in (*WHOLES, "street", *traffic_names()) or thing.which is not None
         if parts and self.mark in words("prepositions") and self.subject is not None and self.subject.name in traffic_names():
             raise Unfit(f"where {self.subject.text!r} is can be said as seen from the target only, not by {item.raw!r}")
@@ -194,14 +203,24 @@ class Walk:
                     thing.facts.append(fact)
         else:
             self.sticky = definite and self.mark == "."
+            thing.beside = self.subject if self.mark == "and" else None
             self.subject = thing
         self.sentence.append(thing)
         self.segment, self.mark, self.det, self.comma = [], "", "", False
+
+    def _ahead_of_noun(self, thing: Thing) -> None:
+        """Places that stand before their noun are of it: "after 400 m an off-ramp"."""
+        if any(not _can_hold(thing, fact) for fact in self.fronted):
+            raise Unfit(f"it is not clear what {self.fronted[0].text!r} belongs to")
+        thing.facts += self.fronted
+        self.fronted = []
 
     def _resolved(self, name: str, text: str, which: Any) -> Thing:
         """The thing that is meant: one that was spoken of before, or a new one."""
         like = [thing for thing in self.scene.things if thing.name == name and thing.which == which]
         if like and (self.det in _KNOWN or which is not None):
+            if name in MOVING and name != "target" and like[-1].text.split()[-1] != text.split()[-1]:
+                raise Unfit(f"it is not clear whether {text!r} is among {like[-1].text!r}")
             return like[-1]
         self.scene.things.append(Thing(name, text, which=which, definite=self.det in _KNOWN or which is not None))
         return self.scene.things[-1]
@@ -215,7 +234,13 @@ class Walk:
             self.comma = False
             return
         self._nothing_pending()
+        if fact.name in _PLACES and self._begins(i) and self._things_follow(i):
+            self.fronted.append(fact)
+            return
         holder = self._holder(i, fact)
+        other = holder.beside
+        if other is not None and other.name in MOVING and not other.has(*_SEEN) and fact.name in _SEEN:
+            raise Unfit(f"it is not clear whether {fact.text!r} is said of {other.text!r}, too")
         holder.facts.append(fact)
         self.segment.append((fact, holder))
         self.mark, self.det = "", ""
@@ -228,6 +253,15 @@ class Walk:
             if item.phrase.kind == "thing":
                 return item.phrase.name in fact.scope or "*" in fact.scope
         return False
+
+    def _begins(self, i: int) -> bool:
+        """Whether a clause begins with the item i: a sentence, or right before a noun, not behind one."""
+        before = self.items[i - 1] if i else None
+        if before is None or before.text == "." or (before.phrase is not None and before.phrase.kind == "link"):
+            return True
+        following = [item for item in self.items[i + 1 : i + 4] if item.text not in words("determiners")]
+        clause = before.phrase is None and before.text in (",", "and")
+        return clause and bool(following) and following[0].phrase is not None and following[0].phrase.place != "post"
 
     def _holder(self, i: int, fact: Fact) -> Thing:
         if self.subject is not None and self.subject.name in MOVING and not (self.comma or _can_hold(self.subject, fact)):

@@ -33,11 +33,11 @@ def parted(scene: Scene) -> tuple[Scene, Scene]:
 
 @dataclass
 class _Group:
-    """A group while it is put together."""
+    """A group while it is put together; `asks` is what is said of it, by the names of a request's fields."""
 
     kind: str
     count: int
-    told: dict[str, Any] = field(default_factory=dict)
+    asks: dict[str, Any] = field(default_factory=dict)
 
 
 def request(scene: Scene) -> TrafficRequest:
@@ -59,14 +59,14 @@ def request(scene: Scene) -> TrafficRequest:
     _note(found, "target_kind", scene.whole.value("target_kind"))
     _note(found, "speed", scene.whole.value("speed"))
     groups = [group for group in groups if group.count]
-    if len(groups) == 1 and groups[0].count > 1 and "speed" in groups[0].told and not groups[0].told.get("queue"):
-        _note(found, "speed", groups[0].told.pop("speed"))
+    if len(groups) == 1 and groups[0].count > 1 and "speed" in groups[0].asks and not groups[0].asks.get("queue"):
+        _note(found, "speed", groups[0].asks.pop("speed"))
     if left := scene.unused():
         raise Unfit(f"{left[0]!r} cannot be asked for here")
     if found.get("density") == "none" and (groups or len(found) > 1 + ("target_kind" in found)):
         raise Unfit("no traffic is asked for, and some")
     try:
-        return TrafficRequest(groups=tuple(_built(group) for group in groups), **found)
+        return TrafficRequest(groups=tuple(built for group in groups for built in _built(group)), **found)
     except ValidationError as error:
         raise Unfit(f"this traffic cannot be placed: {first_complaint(error)}") from None
 
@@ -79,10 +79,10 @@ def _note(found: dict[str, Any], name: str, value: Any) -> None:
 
 
 def _pace(thing: Thing) -> float | None:
-    told = [*thing.values("pace"), *thing.values("speed")]
-    if any(value != told[0] for value in told):
+    speeds = [*thing.values("pace"), *thing.values("speed")]
+    if len(set(speeds)) > 1:
         raise Unfit("two speeds are said of one vehicle")
-    return float(told[0]) if told else None
+    return float(speeds[0]) if speeds else None
 
 
 def _group(thing: Thing, groups: list[_Group]) -> None:
@@ -91,28 +91,26 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
     vague = thing.name in _KINDS and stem(thing.text.split()[-1]) != thing.text.split()[-1] and count is None
     if vague and thing.which != "all":
         raise Unfit(f"say how many {thing.text}")
-    told = _told(thing)
+    asks = _asks(thing)
     if thing.name == "rest":
         if not groups:
             raise Unfit(f"it is not clear who {thing.text!r} are")
-        groups[0].told |= told
+        groups[0].asks |= asks
     elif thing.name == "member":
-        source = next((group for group in reversed(groups) if group.count > 1 and not group.told.get("does")), None)
+        source = next((group for group in reversed(groups) if group.count > 1 and not group.asks.get("does")), None)
         if source is None:
             raise Unfit(f"it is not clear who {thing.text!r} is")
         source.count -= count or 1
         if source.count < 0:
             raise Unfit(f"there are not so many as {thing.text!r}")
-        groups.append(_Group(source.kind, count or 1, told))
-    elif thing.name == "leader":
-        groups.append(_Group("car", 1, {"place": "ahead", **told}))
+        groups.append(_Group(source.kind, count or 1, asks))
     else:
-        groups.append(_Group(thing.name, 1 if count is None else int(count), told))
+        groups.append(_Group(thing.name, 1 if count is None else int(count), asks))
         if count == 0:
             raise Unfit("ruling out one kind of vehicle cannot be asked for")
 
 
-def _told(thing: Thing) -> dict[str, Any]:
+def _asks(thing: Thing) -> dict[str, Any]:
     found: dict[str, Any] = {}
     thing.values("around")
     if thing.has("setting", "left_hand"):
@@ -139,11 +137,16 @@ def _told(thing: Thing) -> dict[str, Any]:
     return found
 
 
-def _built(group: _Group) -> Group:
-    told = dict(group.told)
-    if told.get("queue") and group.count == 1:
-        told.pop("queue")
-    return Group(count=group.count, kind=Kind(group.kind), **told)
+def _built(group: _Group) -> list[Group]:
+    """The groups that are asked for: of several vehicles in one group only one does something, so each has a group of its own."""
+    asks = dict(group.asks)
+    if group.count == 1:
+        asks.pop("queue", None)
+    if group.count == 1 or "manoeuvre" not in asks:
+        return [Group(count=group.count, kind=Kind(group.kind), **asks)]
+    if "queue" in asks or "distance" in asks:
+        raise Unfit(f"what {group.count} vehicles of one place do cannot be asked for: say it of each")
+    return [Group(kind=Kind(group.kind), **asks)] * group.count
 
 
 def say_request(asked: TrafficRequest) -> list[Sentence]:
