@@ -51,6 +51,9 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     whole.values("evenly")
     angles = _angles(count, shape, whole, side)
     first, second = _two_roads(count, shape, main, side, streets, joins)
+    other = [road for road in streets if not (first or second) and road.which is None and _is_one(road)]
+    if any(road.has("one_way", "speed", *_LANES) for road in other):
+        raise Unfit(f"say what the other road is like, or of which roads {other[0].text!r} is one")
     if any(compass):
         if count != 4 or shape is not None or len(compass[0]) > 1 or len(compass[1]) > 1:
             raise Unfit("roads are named by their directions at a crossing of two roads")
@@ -70,10 +73,17 @@ def crossing(scene: Scene, choices: Choices) -> Road:
         lanes = road["lanes"] or groups[True]["lanes"] or (2 if shared.has("arterial") else 1, 0)
         arm |= {"lanes_in": lanes[0], "lanes_out": lanes[0], "length": road["length"] or length}
         built.append(arm | _turn_lanes(shared, road["thing"], arm))
+    for i, arm in enumerate(built):
+        road = groups[i in of_main]["thing"]
+        arm |= {name: value for name in ("lanes_in", "lanes_out") if (value := road.value(name)) is not None}
     _make_one_way(built, shared, first, second, of_main, count)
     every = [fact for fact in whole.facts if fact.name in ("lanes_in", "lanes_out")]
     _own(built, [*arms, Thing("arm", which="all", facts=every)])
     return {"kind": "crossing", "arms": built, "control": control_of(_with(shared, side), not unequal)}
+
+
+def _is_one(road: Thing) -> bool:
+    return road.value("count") in (None, 1) and not road.text.endswith("s")
 
 
 def _with(shared: Thing, side: list[Thing]) -> Thing:

@@ -13,6 +13,7 @@ Event = dict[str, Any]
 _FIRST, _BETWEEN, _LAST, _LEAST_BETWEEN, _LEAST_LAST = 250.0, 120.0, 250.0, 45.0, 40.0
 _AUXILIARY = {"on_ramp": 200.0, "off_ramp": 150.0, "weaving": 300.0}
 _SHARES = (0.8, 0.6, 0.45)
+_SHORTEST = 50.0
 _FURTHER = frozenset({"another", "second", "third", "further"})
 """Words that tell a second event from the first one said again."""
 
@@ -34,6 +35,10 @@ def events_of(scene: Scene, road: Thing, lanes: int | None) -> tuple[list[Event]
         if thing.name == "ramp":
             raise Unfit("say whether it is an on-ramp or an off-ramp")
         events += [{"kind": thing.name, "thing": [thing]} for _ in range(int(thing.value("count") or 1))]
+    for kind in ("on_ramp", "off_ramp"):
+        same = [thing for thing in things if thing.name == kind]
+        if len({t.text for t in same}) > 1 and not all(t.has("position", "gap") for t in same[1:]):
+            raise Unfit(f"{' and '.join(repr(thing.text) for thing in same)} can be one ramp or several")
     facts = [fact for fact in road.facts if fact.name in EVENT_FACTS]
     steps = _steps(facts, lanes)
     single: list[Event] = []
@@ -139,10 +144,15 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
         length = given or _AUXILIARY.get(event["kind"], 0.0) * share
         here = event.get("position") or told.value("position")
         gap = event.get("gap") or told.value("gap") or told.value("spacing")
+        if here is None and gap:
+            here = gap + (nose_of(placed[-1]) if placed else 0.0)
+        if here is not None and event["kind"] == "off_ramp":
+            length = given or max(_SHORTEST, min(length, here - _SHORTEST))
+            here = round(here - length, 6)
         if here is None:
-            here = _next(placed, end, share, gap)
+            here = end + _BETWEEN * share if placed else _FIRST * share
         if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in _AUXILIARY and not exact:
-            placed[-1]["length"] = max(50.0, here - _LEAST_BETWEEN - placed[-1]["position"])
+            placed[-1]["length"] = max(_SHORTEST, here - _LEAST_BETWEEN - placed[-1]["position"])
         counted = [*told.values("lane_road"), *told.values("event_lanes"), *told.values("lanes"), *told.values("lanes_each")]
         side = [*told.values("side"), *([event["side"]] if "side" in event else [])]
         if ramp and "left" in side:
@@ -157,7 +167,6 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
     return placed, end + (_LEAST_LAST if everywhere else _LAST * share)
 
 
-def _next(placed: list[Road], end: float, share: float, gap: float | None) -> float:
-    if not placed:
-        return gap or _FIRST * share
-    return max(placed[-1]["position"] + gap, placed[-1]["position"] + 100.0) if gap else end + _BETWEEN * share
+def nose_of(event: Road) -> float:
+    """Where an event is said to be [m]: an on-ramp where it has come alongside, an off-ramp where it leaves."""
+    return float(event["position"] + (event["length"] if event["kind"] == "off_ramp" else 0.0))

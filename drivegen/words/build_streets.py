@@ -117,7 +117,11 @@ def _is(reference: Thing, i: int, words: list[Thing]) -> bool:
 
 
 def _counted(thing: Thing) -> int:
-    return int(thing.value("count") or 1)
+    """How many are asked for. Raises Unfit where several are, and no number is said."""
+    count = thing.value("count")
+    if count is None and thing.text.endswith("s") and not thing.definite and not thing.text.endswith(("ss", "crossroads")):
+        raise Unfit(f"say how many {thing.text}")
+    return int(count or 1)
 
 
 def _junction(
@@ -197,7 +201,7 @@ def _side_streets(
     """Side streets, on the sides that are said, else on both sides in turn; those that cross the road are on both."""
     side = merged([*sides, *(reference for reference in references if reference.which == "all")])
     residential = "residential" in {fact.value for fact in road.facts if fact.name == "setting"}
-    told = [(thing, int(thing.value("count") or 1)) for thing in sides]
+    told = [(thing, _counted(thing)) for thing in sides]
     spacing = _spacing(road, sides) or choices.length("spacing", 70, 110)
     levels = [side, road]
     control = next((control_of(level, False) for level in levels if level.has("control")), None)

@@ -72,7 +72,9 @@ class Grammar:
                 for cover in best[i]:
                     reading = cover.reading
                     if item.phrase is not None or item.unread:
-                        reading = readings.setdefault((reading, item.phrase, item.values, item.raw if item.unread else ""), len(readings) + 1)
+                        reading = readings.setdefault(
+                            (reading, item.phrase, item.values, item.raw if item.unread else ""), len(readings) + 1
+                        )
                     best[item.end].append(Cover((*cover.items, item), cover.cost + cost, reading))
             best[i + 1] = _few(best[i + 1])
         return _few(best[-1])

@@ -25,7 +25,8 @@ LONGEST = 2000
 READER = "phrase table (no language model)"
 """Who reads, as it stands in tables."""
 
-_SAME = 1e-6
+SAME = 1e-6
+"""Covers whose costs differ by less are equally good."""
 _FOREIGN = stems(
     "und mit eine einer ein der die das zwei drei vier straße kreuzung le la les une avec deux el una con dos de del"
 )
@@ -92,7 +93,7 @@ def read(text: str, seed: int, key: str = "") -> Words:
         words, why = best(covers, choices)
         if words is not None:
             return words
-    nearest = offered(tokens, covers[0], choices)
+    nearest = offered(tokens, covers, choices)
     left = f" Left out below: {', '.join(map(repr, nearest.left_out))}." if nearest.left_out else ""
     raise UnusableInput(f"{why}.{left}\ntry: {nearest.sentence}", reason="not-understood")
 
@@ -117,7 +118,7 @@ def best(covers: Sequence[Cover], choices: Choices) -> tuple[Words | None, str]:
     found: list[Words] = []
     cost, why = 0.0, ""
     for cover in covers:
-        if found and cover.cost > cost + _SAME:
+        if found and cover.cost > cost + SAME:
             break
         if cover.unread or any(item.phrase is not None and item.phrase.kind == "cannot" for item in cover.items):
             continue

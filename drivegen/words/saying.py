@@ -204,7 +204,8 @@ def _highway(road: Highway) -> list[Sentence]:
 
 def _event(event: HighwayEvent) -> list[Said]:
     ramp = event.kind in ("on_ramp", "off_ramp", "weaving")
-    found: list[Said] = [("position", event.position), ("event_lanes", event.lanes)]
+    nose = event.position + (event.length if event.kind == "off_ramp" else 0.0)
+    found: list[Said] = [("position", round(nose, 6)), ("event_lanes", event.lanes)]
     found += [("auxiliary", event.length)] if ramp else [("side", event.side)]
     return [*found, ("ramp_speed", event.ramp_speed), *([("keeps", True)] if event.keeps else [])]
 

@@ -275,7 +275,7 @@ class Walk:
             return holds[0]
         if whole:
             return self.scene.whole
-        earlier = [thing for thing in reversed(self.scene.things) if _can_hold(thing, fact)]
+        earlier = [thing for thing in reversed(self.scene.things) if _can_hold(thing, fact) and thing.name not in MOVING]
         if len({thing.name for thing in earlier}) == 1:
             return earlier[0]
         raise Unfit(f"it is not clear what {fact.text!r} belongs to")

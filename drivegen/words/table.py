@@ -67,7 +67,9 @@ def _phrases(head: re.Match[str], body: str) -> tuple[Phrase, ...]:
         return (_phrase(head, tuple(form.strip() for form in body.split(" ; "))),)
     holders, name = tuple(_scopes()["VEHICLES"].split()), head["name"]
     said, far = (f"{body} <me>", f"<being> {body} <me>"), (f"{{length}} {body} <me>", f"<about> {{length}} {body} <me>")
-    return Phrase("fact", "place", said, name, holders, place="post"), Phrase("fact", f"far_{name}", far, None, holders, place="post")
+    return Phrase("fact", "place", said, name, holders, place="post"), Phrase(
+        "fact", f"far_{name}", far, None, holders, place="post"
+    )
 
 
 def _phrase(head: re.Match[str], forms: tuple[str, ...]) -> Phrase:
