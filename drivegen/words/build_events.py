@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from drivegen.words.scene import Fact, Scene, Thing, Unfit, merged
 from drivegen.words.slots import KMH
+from drivegen.words.things import Fact, Scene, Thing, Unfit, merged
 
 Road = dict[str, Any]
 Event = dict[str, Any]

@@ -5,7 +5,7 @@ from typing import Any
 from drivegen.words.build_events import events_of, fit
 from drivegen.words.build_lines import alignment
 from drivegen.words.choices import FAST, Choices, is_one_way, lanes_of, speed_of, usual_speed
-from drivegen.words.scene import Scene, Thing, Unfit, merged
+from drivegen.words.things import Scene, Thing, Unfit, merged
 
 Road = dict[str, Any]
 

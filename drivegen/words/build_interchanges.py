@@ -4,8 +4,8 @@ from typing import Any
 
 from drivegen.words.build_crossings import control_of
 from drivegen.words.choices import FAST, Choices, lanes_of, speed_of
-from drivegen.words.scene import Scene, Thing, Unfit, merged
 from drivegen.words.slots import KMH
+from drivegen.words.things import Scene, Thing, Unfit, merged
 
 Road = dict[str, Any]
 

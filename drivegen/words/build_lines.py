@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from drivegen.words.choices import Choices
-from drivegen.words.scene import Thing, Unfit
+from drivegen.words.things import Thing, Unfit
 
 Road = dict[str, Any]
 

@@ -1,4 +1,4 @@
-"""From a scene to a street with junctions along it, side streets, a staggered junction, or a grid."""
+"""From a scene to a street with junctions along it, side streets, or a staggered junction."""
 
 from itertools import pairwise
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from drivegen.words.build_crossings import control_of
 from drivegen.words.build_lines import BEND_FIELDS, alignment
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
-from drivegen.words.scene import Scene, Thing, Unfit, merged
+from drivegen.words.things import Scene, Thing, Unfit, merged
 
 Road = dict[str, Any]
 
@@ -91,7 +91,7 @@ def _row(
     side = merged(sides)
     lanes = lanes_of(side, arms=True)
     usual = (base["lanes"] if not main else 1,) if lanes is None else lanes
-    spacing = _spacing(road, [*things, *sides]) or choices.length("spacing", 150, 250)
+    spacing = spacing_of(road, [*things, *sides]) or choices.length("spacing", 150, 250)
     shared = [thing for thing in references if thing.which == "all"]
     junctions = []
     for i, thing in enumerate(words):
@@ -166,7 +166,8 @@ def _first(levels: list[Thing], name: str) -> Any:
     return next((value for value in values if value is not None), None)
 
 
-def _spacing(road: Thing, things: list[Thing]) -> float | None:
+def spacing_of(road: Thing, things: list[Thing]) -> float | None:
+    """How far apart junctions are said to be [m]."""
     told = {value for thing in (road, *things) for value in thing.values("spacing")}
     if len(told) > 1:
         raise Unfit("two different distances between the junctions are said")
@@ -202,7 +203,7 @@ def _side_streets(
     side = merged([*sides, *(reference for reference in references if reference.which == "all")])
     residential = "residential" in {fact.value for fact in road.facts if fact.name == "setting"}
     told = [(thing, _counted(thing)) for thing in sides]
-    spacing = _spacing(road, sides) or choices.length("spacing", 70, 110)
+    spacing = spacing_of(road, sides) or choices.length("spacing", 70, 110)
     levels = [side, road]
     control = next((control_of(level, False) for level in levels if level.has("control")), None)
     control = control or ("uncontrolled" if residential else "yield")
@@ -229,15 +230,21 @@ def _side_streets(
     if len(told) == 1 and told[0][1] == 1:
         places = [spacing, told[0][0].value("position")]
         return [{**junction, "sides": every[0]}], [], places[1]
-    starts: list[float | None] = []
-    for thing in (thing for thing, count in told if count == 1):
-        gap, before = thing.value("gap"), starts[-1] if starts else 0.0
-        starts.append(thing.value("position") if gap is None or before is None else before + gap)
+    starts = _starts([thing for thing, count in told if count == 1])
     if len(starts) == len(told) and all(start is not None for start in starts):
         if starts != sorted(starts):
             raise Unfit("the side streets are not said in the order in which they lie along the road")
         return [{**junction, "sides": s} for s in every], [b - a for a, b in pairwise(starts)], starts[0]
     return [{**junction, "sides": s} for s in every], [spacing] * (len(every) - 1), None
+
+
+def _starts(things: list[Thing]) -> list[float | None]:
+    """Where each lies, as it is said: from the start, or from the one before."""
+    starts: list[float | None] = []
+    for thing in things:
+        gap, before = thing.value("gap"), starts[-1] if starts else 0.0
+        starts.append(thing.value("position") if gap is None or before is None else before + gap)
+    return starts
 
 
 def _staggered(
@@ -247,7 +254,7 @@ def _staggered(
     whole, side = merged([t for t in things if t.name == "staggered"]), merged(sides)
     if len(things) > 1:
         raise Unfit("a staggered junction stands alone along its road")
-    offset = _spacing(road, [whole, side]) or whole.value("gap") or choices.length("offset", 40, 60)
+    offset = spacing_of(road, [whole, side]) or whole.value("gap") or choices.length("offset", 40, 60)
     control = next((control_of(level, False) for level in (whole, side, road) if level.has("control")), "yield")
     side.values("count"), whole.values("signals"), road.values("signals"), side.values("both_sides"), whole.values("setting")
     lanes = (lanes_of(side, arms=True) or (1,))[0]
@@ -259,23 +266,3 @@ def _staggered(
         base |= {"lanes": told[0], "lanes_back": told[1]}
     other = "left" if first == "right" else "right"
     return [{**common, "sides": (first,)}, {**common, "sides": (other,)}], [offset], whole.value("position")
-
-
-def grid(scene: Scene, choices: Choices) -> Road:
-    """Streets that cross in rows and columns."""
-    scene.one_road("grid")
-    scene.one_road("street", "main")
-    whole = scene.merged("grid", "street", "crossing")
-    sizes, spacing = set(whole.values("grid_size")), _spacing(whole, [])
-    counts = whole.values("count")
-    if len(sizes) > 1 or counts:
-        raise Unfit("say the grid as rows by columns of crossings, e.g. '3 by 4'")
-    rows, columns = sizes.pop() if sizes else (3, 3)
-    one_way = is_one_way(whole)
-    lanes = lanes_of(whole, one_way=one_way, arms=True) or (1, 1)
-    if lanes[0] != lanes[1] and not one_way:
-        raise Unfit("the streets of a grid have the same lanes in both directions")
-    speed = speed_of(whole)
-    found = {"kind": "grid", "rows": rows, "columns": columns, "lanes": lanes[0], "one_way": one_way}
-    found |= {"spacing": spacing or whole.value("length") or choices.length("spacing", 100, 150), "beyond": whole.value("beyond")}
-    return found | {"speed": usual_speed([whole]) if speed is None else speed, "control": control_of(whole, True)}

@@ -3,8 +3,8 @@
 from typing import Any
 
 from drivegen.core import seeds
-from drivegen.words.scene import Thing, Unfit
 from drivegen.words.slots import KMH
+from drivegen.words.things import Thing, Unfit
 
 _SPEEDS = {"residential": 30 * KMH, "rural": 80 * KMH, "urban": 50 * KMH, None: 50 * KMH}
 ARTERIAL, FAST = 60 * KMH, 120 * KMH

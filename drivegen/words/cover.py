@@ -37,6 +37,11 @@ class Item:
     raw: str
     unread: bool = False
 
+    @property
+    def cannot(self) -> bool:
+        """Whether it names what cannot be."""
+        return self.phrase is not None and self.phrase.kind == "cannot"
+
 
 @dataclass(frozen=True)
 class Cover:

@@ -9,8 +9,8 @@ from drivegen.words.cover import Cover, Item
 from drivegen.words.phrase import Phrase
 from drivegen.words.read import SAME, Words, best, covers_of, grammar, meaning
 from drivegen.words.saying import Sentence, say
-from drivegen.words.scene import Unfit
 from drivegen.words.table import table, words
+from drivegen.words.things import Unfit
 from drivegen.words.tokens import Token, tokenise
 from drivegen.words.traffic import request_sentences
 
@@ -68,7 +68,7 @@ def offered(tokens: Sequence[Token], covers: Sequence[Cover], choices: Choices) 
 
 
 def _left_out(cover: Cover, held: set[int]) -> tuple[str, ...]:
-    said = [item for item in cover.items if item.phrase is not None and not _cannot(item)]
+    said = [item for item in cover.items if item.phrase is not None and not item.cannot]
     return tuple(item.raw for item in said if item.start not in held)
 
 
@@ -77,15 +77,11 @@ def _clear(items: Sequence[Item]) -> list[Item]:
     gone: set[int] = set()
     for i, item in enumerate(items):
         number = item.raw[:1].isdigit() or item.text == "#"
-        if _cannot(item) or (item.unread and (number or item.text in words("turning"))):
+        if item.cannot or (item.unread and (number or item.text in words("turning"))):
             before = items[i - 1].phrase if i and item.unread else None
             gone |= {i - 1} if before is not None and before.kind == "fact" else set()
             gone |= set(takewhile(lambda j: items[j].text not in _STOPS, range(i, len(items))))
     return [item for i, item in enumerate(items) if i not in gone and not item.unread]
-
-
-def _cannot(item: Item) -> bool:
-    return item.phrase is not None and item.phrase.kind == "cannot"
 
 
 def _variants(items: Sequence[Item]) -> Iterator[list[Sequence[Item]]]:

@@ -4,7 +4,8 @@ An entry is `KIND NAME [VALUE] [= SLOTS] [: SCOPE] :: FORM ; FORM ; ...`, contin
 thing: VALUE is what its name says of it, SLOTS the fields that the slots of its forms fill.
 fact, pre (only before its noun), post (never there): VALUE is that of a fact without slots; SCOPE the things that can hold
 it, "-" is the whole, the name of a scope stands for its words.
-place: where vehicles stand as seen from the target, alone and behind a distance. link: how two things are related. cannot: what neither a specification nor the simulator can hold. macro: `<name>` in forms.
+place: where vehicles stand as seen from the target, alone and behind a distance. link: how two things are related.
+cannot: what neither a specification nor the simulator can hold. macro: `<name>` in forms.
 words: words that say nothing, and others that are told apart.
 """
 

@@ -9,8 +9,8 @@ from drivegen.words.forms import speak
 from drivegen.words.request import Group, Kind, TrafficRequest
 from drivegen.words.roads import first_complaint
 from drivegen.words.saying import Sentence, fact_in_words
-from drivegen.words.scene import Scene, Thing, Unfit
 from drivegen.words.table import table, traffic_names
+from drivegen.words.things import Scene, Thing, Unfit
 from drivegen.words.tokens import stem
 
 _OF_ALL = frozenset({"target_kind"})

@@ -2,8 +2,8 @@
 
 Left out is what words cannot say, or say of all alike: free graphs; arms in another order than around the crossing, or more than
 four degrees from an even spread; hairpins given bend by bend; a highway's event nearer than 500 m to the one before, and a lane
-change of several lanes (both are said, too, but would rarely be drawn); a junction's pocket without turn lanes; one of several vehicles in a group that does
-something.
+change of several lanes (both are said, too, but would rarely be drawn); a junction's pocket without turn lanes; one of several
+vehicles in a group that does something.
 """
 
 from hypothesis import strategies as st
