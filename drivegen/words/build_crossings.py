@@ -150,19 +150,19 @@ def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing]) -> l
 
 def _turn_lanes(shared: Thing, road: Thing, arm: Road) -> Road:
     """Turn lanes that are said of an arm that has those of `arm`; a length alone is that of lanes to the left, if it has none."""
-    found: Road = {}
+    lanes: Road = {}
     if shared.has("no_turn_lanes") and shared.values("no_turn_lanes") and shared.has("left_turn_lane", "right_turn_lane"):
         raise Unfit("turn lanes are asked for and ruled out")
     for thing in (shared, road):
         both = bool(thing.values("both_turn_lanes"))
         for side in ("left", "right"):
             if thing.values(f"{side}_turn_lane") or both:
-                found[f"{side}_turn_lane"] = True
+                lanes[f"{side}_turn_lane"] = True
         if (pocket := thing.value("pocket")) is not None:
-            found |= {"pocket": pocket}
-            if not any(name.endswith("turn_lane") and value for name, value in (arm | found).items()):
-                found["left_turn_lane"] = True
-    return found
+            lanes |= {"pocket": pocket}
+            if not any(name.endswith("turn_lane") and value for name, value in (arm | lanes).items()):
+                lanes["left_turn_lane"] = True
+    return lanes
 
 
 def _make_one_way(
@@ -171,8 +171,8 @@ def _make_one_way(
     """One-way roads lead in over their first arm and out over the one opposite."""
     all_one_way = is_one_way(shared)
     for roads, indices in ((first, sorted(of_main)), (second, sorted(set(range(count)) - of_main))):
-        told = [is_one_way(road) for road in roads]
-        if not (all_one_way or any(told)):
+        ways = [is_one_way(road) for road in roads]
+        if not (all_one_way or any(ways)):
             continue
         if not indices:
             continue

@@ -117,13 +117,13 @@ def _absorb(things: list[Thing]) -> None:
         things.remove(thing)
 
 
-def fit(events: list[dict[str, Any]], speed: float, line: Road, said: bool, limit: float | None) -> tuple[list[Road], Road]:
+def fit(events: list[dict[str, Any]], speed: float, line: Road, fixed: bool, limit: float | None) -> tuple[list[Road], Road]:
     """Events along a road long enough for them; where its length is said, what is unsaid between them is shortened."""
-    for share in (1.0, *(_SHARES if said else ())):
+    for share in (1.0, *(_SHARES if fixed else ())):
         placed, needed = _placed([dict(event) for event in events], speed, share, limit)
         if not events or line["length"] >= needed:
             return placed, line
-    if said:
+    if fixed:
         raise Unfit(f"a road of {line['length']:.0f} m is too short for what happens along it: it needs {needed:.0f} m")
     return placed, {**line, "length": needed}
 
@@ -135,15 +135,15 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
     usual = max(30 * KMH, min(speed, 60 * KMH)) if limit is None else limit
     given, everywhere = None, True
     for event in events:
-        told = merged(event["thing"])
+        facts = merged(event["thing"])
         ramp = event["kind"] in _AUXILIARY
         for nothing in ("count", "setting", "merges", "leaves", "one_side", "has_auxiliary", "row"):
-            told.values(nothing)
-        exact, given = given, told.value("auxiliary") or told.value("length")
-        everywhere = everywhere and (told.has("position") or (told.has("gap") and not placed))
+            facts.values(nothing)
+        exact, given = given, facts.value("auxiliary") or facts.value("length")
+        everywhere = everywhere and (facts.has("position") or (facts.has("gap") and not placed))
         length = given or _AUXILIARY.get(event["kind"], 0.0) * share
-        here = event.get("position") or told.value("position")
-        gap = event.get("gap") or told.value("gap") or told.value("spacing")
+        here = event.get("position") or facts.value("position")
+        gap = event.get("gap") or facts.value("gap") or facts.value("spacing")
         if here is None and gap:
             here = gap + (nose_of(placed[-1]) if placed else 0.0)
         if here is not None and event["kind"] == "off_ramp":
@@ -153,15 +153,15 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
             here = end + _BETWEEN * share if placed else _FIRST * share
         if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in _AUXILIARY and not exact:
             placed[-1]["length"] = max(_SHORTEST, here - _LEAST_BETWEEN - placed[-1]["position"])
-        counted = [*told.values("lane_road"), *told.values("event_lanes"), *told.values("lanes"), *told.values("lanes_each")]
-        side = [*told.values("side"), *([event["side"]] if "side" in event else [])]
+        counted = [*facts.values("lane_road"), *facts.values("event_lanes"), *facts.values("lanes"), *facts.values("lanes_each")]
+        side = [*facts.values("side"), *([event["side"]] if "side" in event else [])]
         if ramp and "left" in side:
             raise Unfit("ramps are on the outer side of the road")
         road: Road = {"kind": event["kind"], "position": here, "lanes": event.get("lanes") or (counted or [1])[0]}
         road |= {"side": side[0] if side and not ramp else "right"}
-        own = [*told.values("speed"), *told.values("ramp_speed")]
+        own = [*facts.values("speed"), *facts.values("ramp_speed")]
         road["ramp_speed"] = own[0] if own else usual
-        road |= {"keeps": True} if told.value("keeps") else {}
+        road |= {"keeps": True} if facts.value("keeps") else {}
         placed.append({**road, "length": length} if ramp else road)
         end = here + (length if ramp else 0.0)
     return placed, end + (_LEAST_LAST if everywhere else _LAST * share)

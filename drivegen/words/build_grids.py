@@ -21,6 +21,9 @@ def grid(scene: Scene, choices: Choices) -> Road:
     if lanes[0] != lanes[1] and not one_way:
         raise Unfit("the streets of a grid have the same lanes in both directions")
     speed = speed_of(whole)
-    found = {"kind": "grid", "rows": rows, "columns": columns, "lanes": lanes[0], "one_way": one_way}
-    found |= {"spacing": spacing or whole.value("length") or choices.length("spacing", 100, 150), "beyond": whole.value("beyond")}
-    return found | {"speed": usual_speed([whole]) if speed is None else speed, "control": control_of(whole, True)}
+    fields = {"kind": "grid", "rows": rows, "columns": columns, "lanes": lanes[0], "one_way": one_way}
+    fields |= {
+        "spacing": spacing or whole.value("length") or choices.length("spacing", 100, 150),
+        "beyond": whole.value("beyond"),
+    }
+    return fields | {"speed": usual_speed([whole]) if speed is None else speed, "control": control_of(whole, True)}

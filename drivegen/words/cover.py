@@ -89,12 +89,12 @@ class Grammar:
         return Item(None, (), i, i + 1, token.text, token.raw, unread), UNREAD if unread else _SILENT
 
     def _said(self, tokens: Sequence[Token], i: int) -> Iterable[tuple[Item, float]]:
-        found: dict[tuple[Phrase, tuple[Any, ...], int], None] = {}
+        matches: dict[tuple[Phrase, tuple[Any, ...], int], None] = {}
         for phrase, pattern in (*self._by_word.get(tokens[i].key, ()), *self._by_word[""]):
             for values, end in match(pattern, tokens, i):
                 if end > i and _fits(phrase, tokens, end) and not (phrase.kind == "link" and _before_a_noun(tokens, i)):
-                    found[phrase, values, end] = None
-        for phrase, values, end in found:
+                    matches[phrase, values, end] = None
+        for phrase, values, end in matches:
             raw = " ".join(token.raw for token in tokens[i:end])
             behind = _BEHIND if phrase.place == "post" and tokens[end - 1].raw == "lane" else 0.0
             yield Item(phrase, values, i, end, tokens[end - 1].text, raw), _PHRASE + _SLOT * len(values) + behind

@@ -68,8 +68,8 @@ def offered(tokens: Sequence[Token], covers: Sequence[Cover], choices: Choices) 
 
 
 def _left_out(cover: Cover, held: set[int]) -> tuple[str, ...]:
-    said = [item for item in cover.items if item.phrase is not None and not item.cannot]
-    return tuple(item.raw for item in said if item.start not in held)
+    items = [item for item in cover.items if item.phrase is not None and not item.cannot]
+    return tuple(item.raw for item in items if item.start not in held)
 
 
 def _clear(items: Sequence[Item]) -> list[Item]:
@@ -143,8 +143,8 @@ def _same(text: str, words: Words, choices: Choices) -> bool:
 
 def _alike(tokens: Sequence[Token]) -> str:
     """The example that shares most words with the text."""
-    said = {token.key for token in tokens}
-    return max(EXAMPLES, key=lambda example: (len(said & _rare(example)), -len(example)))
+    keys = {token.key for token in tokens}
+    return max(EXAMPLES, key=lambda example: (len(keys & _rare(example)), -len(example)))
 
 
 def _rare(text: str) -> set[str]:

@@ -67,8 +67,8 @@ def _phrases(head: re.Match[str], body: str) -> tuple[Phrase, ...]:
     if head["kind"] != "place":
         return (_phrase(head, tuple(form.strip() for form in body.split(" ; "))),)
     holders, name = tuple(_scopes()["VEHICLES"].split()), head["name"]
-    said, far = (f"{body} <me>", f"<being> {body} <me>"), (f"{{length}} {body} <me>", f"<about> {{length}} {body} <me>")
-    return Phrase("fact", "place", said, name, holders, place="post"), Phrase(
+    near, far = (f"{body} <me>", f"<being> {body} <me>"), (f"{{length}} {body} <me>", f"<about> {{length}} {body} <me>")
+    return Phrase("fact", "place", near, name, holders, place="post"), Phrase(
         "fact", f"far_{name}", far, None, holders, place="post"
     )
 

@@ -69,10 +69,10 @@ class Scene:
 
     def named(self, *names: str) -> list[Thing]:
         """The things of these names; they count as used."""
-        found = [thing for thing in self.things if thing.name in names]
-        for thing in found:
+        things = [thing for thing in self.things if thing.name in names]
+        for thing in things:
             thing.used = True
-        return found
+        return things
 
     def there(self, *names: str) -> bool:
         """Whether any thing of these names is spoken of."""
@@ -84,9 +84,9 @@ class Scene:
 
     def one_road(self, *names: str) -> None:
         """Raises Unfit where more than one thing of these names is spoken of."""
-        found = [thing for thing in self.things if thing.name in names and thing.which is None]
-        if len(found) > 1:
-            raise Unfit(f"it is not clear how {' and '.join(repr(thing.text) for thing in found[:3])} belong together")
+        things = [thing for thing in self.things if thing.name in names and thing.which is None]
+        if len(things) > 1:
+            raise Unfit(f"it is not clear how {' and '.join(repr(thing.text) for thing in things[:3])} belong together")
 
     @property
     def links(self) -> set[str]:

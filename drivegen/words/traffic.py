@@ -43,38 +43,38 @@ class _Group:
 def request(scene: Scene) -> TrafficRequest:
     """The traffic of a scene. Raises Unfit."""
     groups: list[_Group] = []
-    found: dict[str, Any] = {}
+    fields: dict[str, Any] = {}
     for thing in scene.things:
         thing.used = True
         if thing.name == "traffic":
-            _note(found, "density", thing.value("density"))
-            _note(found, "speed", _pace(thing))
+            _note(fields, "density", thing.value("density"))
+            _note(fields, "speed", _pace(thing))
         elif thing.name == "target":
-            _note(found, "target_does", thing.value("does"))
-            _note(found, "speed", _pace(thing))
+            _note(fields, "target_does", thing.value("does"))
+            _note(fields, "speed", _pace(thing))
             if thing.has("within"):
                 raise Unfit("no time can be said for what the target does")
         else:
             _group(thing, groups)
-    _note(found, "target_kind", scene.whole.value("target_kind"))
-    _note(found, "speed", scene.whole.value("speed"))
+    _note(fields, "target_kind", scene.whole.value("target_kind"))
+    _note(fields, "speed", scene.whole.value("speed"))
     groups = [group for group in groups if group.count]
     if len(groups) == 1 and groups[0].count > 1 and "speed" in groups[0].asks and not groups[0].asks.get("queue"):
-        _note(found, "speed", groups[0].asks.pop("speed"))
+        _note(fields, "speed", groups[0].asks.pop("speed"))
     if left := scene.unused():
         raise Unfit(f"{left[0]!r} cannot be asked for here")
-    if found.get("density") == "none" and (groups or len(found) > 1 + ("target_kind" in found)):
+    if fields.get("density") == "none" and (groups or len(fields) > 1 + ("target_kind" in fields)):
         raise Unfit("no traffic is asked for, and some")
     try:
-        return TrafficRequest(groups=tuple(built for group in groups for built in _built(group)), **found)
+        return TrafficRequest(groups=tuple(built for group in groups for built in _built(group)), **fields)
     except ValidationError as error:
         raise Unfit(f"this traffic cannot be placed: {first_complaint(error)}") from None
 
 
-def _note(found: dict[str, Any], name: str, value: Any) -> None:
+def _note(fields: dict[str, Any], name: str, value: Any) -> None:
     if value is None:
         return
-    if found.setdefault(name, value) != value:
+    if fields.setdefault(name, value) != value:
         raise Unfit(f"two different values are said of the traffic's {name.replace('_', ' ')}")
 
 
@@ -111,30 +111,30 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
 
 
 def _asks(thing: Thing) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    asks: dict[str, Any] = {}
     thing.values("around")
     if thing.has("setting", "left_hand"):
         raise Unfit(f"it is not clear what {thing.text!r} has")
     for fact in thing.facts:
         if fact.name.startswith("far_"):
             fact.used = True
-            _note(found, "place", fact.name.removeprefix("far_"))
-            _note(found, "distance", fact.value)
-    _note(found, "place", thing.value("place"))
-    _note(found, "speed", _pace(thing))
-    _note(found, "queue", thing.value("queue"))
+            _note(asks, "place", fact.name.removeprefix("far_"))
+            _note(asks, "distance", fact.value)
+    _note(asks, "place", thing.value("place"))
+    _note(asks, "speed", _pace(thing))
+    _note(asks, "queue", thing.value("queue"))
     if thing.value("at_light"):
-        _note(found, "place", "ahead")
-        _note(found, "speed", 0.0)
-        found["queue"] = True
+        _note(asks, "place", "ahead")
+        _note(asks, "speed", 0.0)
+        asks["queue"] = True
     does = thing.values("does")
     if len(set(does)) > 1:
         raise Unfit("one vehicle does one thing in a scene")
-    _note(found, "manoeuvre", does[0] if does else None)
-    _note(found, "within", thing.value("within"))
-    if "within" in found and "manoeuvre" not in found:
+    _note(asks, "manoeuvre", does[0] if does else None)
+    _note(asks, "within", thing.value("within"))
+    if "within" in asks and "manoeuvre" not in asks:
         raise Unfit("a time is said of nothing that is done")
-    return found
+    return asks
 
 
 def _built(group: _Group) -> list[Group]:
@@ -151,7 +151,7 @@ def _built(group: _Group) -> list[Group]:
 
 def say_request(asked: TrafficRequest) -> list[Sentence]:
     """The sentences that ask for a request."""
-    found = []
+    spoken = []
     for group in asked.groups:
         facts: list[tuple[str, Any]] = [("queue", True)] if group.queue else []
         if group.place is not None:
@@ -161,18 +161,18 @@ def say_request(asked: TrafficRequest) -> list[Sentence]:
         facts += [] if group.manoeuvre is None else [("does", group.manoeuvre.value)]
         facts += [] if group.within is None else [("within", group.within)]
         plural = "" if group.count == 1 else "es" if group.kind is Kind.BUS else "s"
-        found.append(
+        spoken.append(
             Sentence(f"There {'is' if group.count == 1 else 'are'} {group.count} {group.kind.value}{plural}", tuple(facts))
         )
     whole: list[tuple[str, Any]] = [] if asked.target_kind is None else [("target_kind", asked.target_kind.value)]
-    found += [Sentence("There is", tuple(whole))] if whole else []
+    spoken += [Sentence("There is", tuple(whole))] if whole else []
     if asked.target_does is not None:
-        found.append(Sentence("The target is", (("does", asked.target_does.value),)))
+        spoken.append(Sentence("The target is", (("does", asked.target_does.value),)))
     if asked.density is not None or asked.speed is not None:
         words = {None: "traffic"} | {d: speak(p.forms[0], ()) for p in table("traffic") if (d := p.facts.get("density"))}
         speed = (("pace", asked.speed),) if asked.speed is not None else ()
-        found.append(Sentence(f"There is {words[asked.density and asked.density.value]}", speed))
-    return found
+        spoken.append(Sentence(f"There is {words[asked.density and asked.density.value]}", speed))
+    return spoken
 
 
 def request_sentences(asked: TrafficRequest) -> list[str]:
