@@ -135,6 +135,8 @@ class Walk:
         values = item.values
         value = phrase.value if not values else values[0] if len(values) == 1 else values
         fact = Fact(phrase.name, value, item.raw, phrase.scope)
+        if self.mark == "at" and fact.name == "length":
+            raise Unfit(f"it is not clear what lies at {fact.text!r}")
         if phrase.place == "pre" or (phrase.place == "" and self._before_noun(i, fact)):
             self.pending.append(fact)
             self.comma = False

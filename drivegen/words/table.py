@@ -67,10 +67,10 @@ def _phrases(head: re.Match[str], body: str) -> tuple[Phrase, ...]:
     if head["kind"] != "place":
         return (_phrase(head, tuple(form.strip() for form in body.split(" ; "))),)
     holders, name = tuple(_scopes()["VEHICLES"].split()), head["name"]
-    near, far = (f"{body} <me>", f"<being> {body} <me>"), (f"{{length}} {body} <me>", f"<about> {{length}} {body} <me>")
-    return Phrase("fact", "place", near, name, holders, place="post"), Phrase(
-        "fact", f"far_{name}", far, None, holders, place="post"
-    )
+    near = (f"{body} <me>", f"<being> {body} <me>")
+    far = (f"{{length}} {body} <me>", f"<about> {{length}} {body} <me>", f"{body} <me> at <about> {{length}}")
+    both = ((near, "place", name), (far, f"far_{name}", None))
+    return tuple(Phrase("fact", field, forms, value, holders, place="post") for forms, field, value in both)
 
 
 def _phrase(head: re.Match[str], forms: tuple[str, ...]) -> Phrase:
