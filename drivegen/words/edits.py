@@ -64,6 +64,8 @@ def _declined(spec: MapSpec, text: str, why: str) -> UnusableInput:
 
 def apply(spec: MapSpec, scene: Scene) -> MapSpec:
     """The specification with the scene's facts in it. Raises Unfit where one fits nowhere, or nothing changes."""
+    if spec.road.kind == "graph":
+        raise Unfit("a free graph cannot be edited in words")
     fields = spec.model_dump(mode="json")
     for thing in (scene.whole, *scene.things):
         if (left_hand := thing.value("left_hand")) is not None:
@@ -89,11 +91,9 @@ class _Edit:
 
     def run(self) -> None:
         name = self.thing.name
-        if self.kind == "graph":
-            raise Unfit("a free graph cannot be edited in words")
         if name in (*_RAMPS, "ramp", "lane_drop", "lane_gain") and self._events(name):
             return
-        if (form := self._value("form")) is not None:
+        if (form := self.thing.value("form")) is not None:
             self._form(form)
         parts = self._parts(name)
         if name and name != "crossing" and not parts:
@@ -103,9 +103,6 @@ class _Edit:
         self._control()
         self._turn_lanes(parts, name)
         self._lengths(parts)
-
-    def _value(self, name: str) -> Any:
-        return self.thing.value(name)
 
     def _parts(self, name: str) -> list[Part]:
         """The fields that hold what is said of a thing of this name."""
@@ -140,7 +137,7 @@ class _Edit:
         if self.kind != "highway":
             raise Unfit("only motorways have ramps and lane changes along them")
         events: list[Part] = self.road["events"]
-        if self._value("remove"):
+        if self.thing.value("remove"):
             gone = self._named_events(name)
             if not gone:
                 raise Unfit(f"there is no {self.thing.text!r} along this road")
@@ -176,7 +173,7 @@ class _Edit:
         self.kind = self.road["kind"]
 
     def _lanes(self, parts: list[Part]) -> None:
-        more, fewer = self._value("more_lanes"), self._value("fewer_lanes")
+        more, fewer = self.thing.value("more_lanes"), self.thing.value("fewer_lanes")
         one_way = self.road.get("lanes_back") == 0 or self.kind in ("highway", "fork") or self.road.get("one_way", False)
         lanes = lanes_of(self.thing, one_way=one_way, arms=bool(self.road.get("arms")))
         if more is None and fewer is None and lanes is None:
@@ -213,7 +210,7 @@ class _Edit:
             self.road |= {slow: min(self.road[slow], speeds[0]) for slow in _SLOW if slow in self.road}
 
     def _control(self) -> None:
-        control, signals = self._value("control"), self._value("signals")
+        control, signals = self.thing.value("control"), self.thing.value("signals")
         if control is None and signals is None:
             return
         if control == "stop_sign":
@@ -227,9 +224,9 @@ class _Edit:
             place["control"] = control or "yield"
 
     def _turn_lanes(self, parts: list[Part], name: str) -> None:
-        sides = [side for side in ("left", "right") if self._value(f"{side}_turn_lane")]
-        sides = ["left", "right"] if self._value("both_turn_lanes") or self._value("turn_lanes") else sides
-        none, pocket = self._value("no_turn_lanes"), self._value("pocket")
+        sides = [side for side in ("left", "right") if self.thing.value(f"{side}_turn_lane")]
+        sides = ["left", "right"] if self.thing.value("both_turn_lanes") or self.thing.value("turn_lanes") else sides
+        none, pocket = self.thing.value("no_turn_lanes"), self.thing.value("pocket")
         if not (sides or none or pocket):
             return
         holders = self.road.get("junctions", []) if self.kind == "corridor" else parts
@@ -243,7 +240,7 @@ class _Edit:
             part |= {"left_turn_lane": False, "right_turn_lane": False} if none else {}
 
     def _lengths(self, parts: list[Part]) -> None:
-        length, longer, shorter = self._value("length"), self._value("longer"), self._value("shorter")
+        length, longer, shorter = self.thing.value("length"), self.thing.value("longer"), self.thing.value("shorter")
         step = (longer or 0.0) - (shorter or 0.0)
         for part in parts if length is not None or step else []:
             line = part.get("alignment", part)
@@ -255,11 +252,11 @@ class _Edit:
         self._moved(parts)
 
     def _moved(self, parts: list[Part]) -> None:
-        if (straight := self._value("straight")) and "alignment" in self.road:
+        if (straight := self.thing.value("straight")) and "alignment" in self.road:
             self.road["alignment"] = {"shape": "straight", "length": self.road["alignment"]["length"]}
         elif straight:
             raise Unfit("there is no bend here")
-        moved = (self._value("downstream") or 0.0) - (self._value("upstream") or 0.0)
+        moved = (self.thing.value("downstream") or 0.0) - (self.thing.value("upstream") or 0.0)
         everything: list[Part] = self.road.get("events") or self.road.get("junctions") or []
         first = min((everything.index(part) for part in parts if part in everything), default=None) if moved else None
         for part in everything[first:] if first is not None else []:
@@ -275,7 +272,7 @@ class _Edit:
         fields = {"auxiliary": "length", "keeps": "keeps", "position": "position"}
         for name, field in {**fields, **{name: name for name in ("diameter", "spacing", "median")}}.items():
             holders = [part for part in (parts if name in fields else [self.road]) if field in part]
-            if holders and (value := self._value(name)) is not None:
+            if holders and (value := self.thing.value(name)) is not None:
                 for part in holders:
                     lane = part["length"] if name == "position" and part.get("kind") == "off_ramp" else 0.0
                     part[field] = value - lane if lane else value
