@@ -15,6 +15,7 @@ from drivegen.datasets._targets import LEAST_NEW, LONG, NEIGHBOURHOOD, spread_ta
 from drivegen.ingest.selection import Settings, select
 from drivegen.ingest.splits import SPLITS, Plan, items
 from tests.commonroad_files import ROAD, car, xml
+from tests.futures import otherwise
 
 REAL = Path(os.environ.get("DRIVEGEN_REAL_DATA", Path(__file__).parents[2].parent / "shared" / "data")) / "commonroad"
 SETTINGS = Settings(target="focal", max_vehicles=16, first_step=0, horizon=100, map_radius=None, smallest_shrink=0.8)
@@ -66,6 +67,17 @@ def test_targets_move_are_vehicles_and_are_seen_for_long_from_the_start() -> Non
     motion.valid[2, LONG // 2 :] = False
     motion.position[3] = motion.position[3, :1]
     assert set(spread_targets(kind, motion)) <= {4, 5}
+
+
+def test_of_those_who_may_be_targets_the_first_frame_decides() -> None:
+    motion, kind = row_of_cars(40), cars(40)
+    motion.valid[::2, LONG // 2 :] = False
+    chosen = spread_targets(kind, motion)
+    other = otherwise(motion)
+    other.valid[:] = motion.valid
+    other.valid[::2, LONG // 3 :] = False
+    assert chosen == spread_targets(kind, other)
+    assert all(target % 2 for target in chosen)
 
 
 def test_where_nobody_moves_or_is_seen_for_long_somebody_is_target_all_the_same() -> None:
@@ -120,9 +132,9 @@ def test_scenes_of_one_recording_are_never_both_trained_on_and_validated_on(reco
 
 
 RECORDINGS = {
-    ("train", "USA_Lanker-2_15_T-1"): ("Lanker", 81, 53, 112, 3),
+    ("train", "USA_Lanker-2_15_T-1"): ("Lanker", 81, 53, 112, 4),
     ("train", "USA_Lanker-2_17_T-1"): ("Lanker", 99, 78, 112, 6),
-    ("val", "USA_US101-12_1_T-1"): ("US101", 81, 35, 12, 1),
+    ("val", "USA_US101-12_1_T-1"): ("US101", 81, 35, 12, 2),
 }
 """City, steps, cars, lanes, scenes."""
 
