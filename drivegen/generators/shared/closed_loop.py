@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.first_frame import at_constant_velocity
+from drivegen.core.first_frame import going_on
 from drivegen.core.geometry import unit
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Actors, Scenario, Trajectories, Vehicles
@@ -119,14 +119,13 @@ class Tracks:
     def beginnings(self, scene: NDArray[np.integer], copies: int) -> "Tracks":
         """`copies` copies of each of `scene` (S,) side by side, of which nothing but the first frame is known.
 
-        Context actors that are there go on at their velocity, as in `core.first_frame`.
+        Context actors that are there go on as in `core.first_frame`.
         """
         start, box = self.boxes(np.repeat(scene, copies))
-        planned, here = self.planned[box], self.valid[box, 0]
+        planned = self.planned[box]
         motion = Trajectories(self.position[box], self.heading[box], self.velocity[box], self.valid[box])
-        motion = at_constant_velocity(motion)
-        motion.valid[:] = (here & ~planned)[:, None]
-        motion.valid[:, 0] = here
+        motion = going_on(motion)
+        motion.valid[planned, 1:] = False
         moving = {name: getattr(motion, name) for name in _MOVING}
         return Tracks(start=start, planned=planned, size=self.size[box], kind=self.kind[box], **moving)
 
