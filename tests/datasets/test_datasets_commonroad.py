@@ -6,9 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.lib.stride_tricks import sliding_window_view
 
+from drivegen.commonroad.recording import read_recording
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap, project
+from drivegen.core.recorded_log import RecordedLog
 from drivegen.core.scenario import SizeSource, Trajectories, VehicleKind
 from drivegen.datasets import commonroad
 from drivegen.datasets._targets import LEAST_NEW, LONG, NEIGHBOURHOOD, spread_targets
@@ -181,3 +184,29 @@ def test_positions_are_middles_of_boxes_and_cars_drive_along_lanes() -> None:
     assert np.median(gaps) < 1.0
     step = np.hypot(*np.moveaxis(np.diff(motion.position, axis=1), -1, 0)) / 0.1
     assert np.median(np.abs(step - motion.speed[:, 1:])[moving[:, 1:]]) < 0.3
+
+
+@cache
+def recordings() -> dict[tuple[str, str], RecordedLog]:
+    """All real ones by split and name."""
+    paths = sorted(REAL.glob("*/*.xml"))
+    return {(path.parent.name, path.stem): read_recording(path.read_bytes(), str(path), "NGSIM") for path in paths}
+
+
+@real
+def test_all_recordings_give_scenes_and_last_seven_seconds_but_one() -> None:
+    assert len(recordings()) == 28
+    assert all(spread_targets(log.kind, log.motion) for log in recordings().values())
+    assert [name for (_, name), log in recordings().items() if log.motion.steps < 71] == ["USA_US101-25_1_T-1"]  # 68 steps
+
+
+@real
+def test_no_car_is_in_two_splits() -> None:
+    """The same car at overlapping times has the same speeds, twenty in a row that are no standstill."""
+    seen: dict[bytes, str] = {}
+    for (split, _), log in recordings().items():
+        for track in np.flatnonzero(log.motion.valid.sum(-1) >= 20):
+            speed = log.motion.speed[track][log.motion.valid[track]].round(3)
+            for row in sliding_window_view(speed, 20):
+                if np.ptp(row) > 1.0:
+                    assert seen.setdefault(row.tobytes(), split) == split
