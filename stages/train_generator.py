@@ -7,8 +7,8 @@ An interrupted training goes on from `.drivegen/checkpoints/`, in a folder named
 import hashlib
 import shutil
 import time
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
+from drivegen.core.first_frame import first_frame
 from drivegen.core.settings import Count
 from drivegen.generators.shared.learned import Learned
 from drivegen.metrics.displacement import scene_errors, summarise
@@ -47,8 +48,9 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     plugin, settings = _chosen(model.name, params)
     train, validation = _examples(plugin, settings, scenarios, params.workers)
     checkpoints = CHECKPOINTS / _key(model.name, params, settings, scenarios)
+    say = partial(print, f"train_generator {model.name}:", flush=True)
     began = time.process_time()
-    generator, rows = plugin.fit(settings, train, validation, params.training_seed, checkpoints, _say(model.name))
+    generator, rows = plugin.fit(settings, train, validation, params.training_seed, checkpoints, say)
     trained = time.process_time() - began
     generator.save(model)
     write_curve(curve, rows)
@@ -57,7 +59,7 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     learnt = {"parameters": generator.parameters, "kept_step": best.step, "validation_loss": best.validation}
     scores = _scores(generator, scenarios / "val", params)
     for bound, told in generator.bounds().items():
-        scores |= {f"{bound}.{key}": value for key, value in _scores(told, scenarios / "val", params).items()}
+        scores |= {f"{bound}.{key}": value for key, value in _scores(told, scenarios / "val", params, told_log=True).items()}
     write_json(metrics, {"generator": model.name, **counts, **learnt, **scores})
     shutil.rmtree(checkpoints, ignore_errors=True)
     return {**{key: float(value) for key, value in counts.items()}, "training_cpu_seconds": trained}
@@ -86,12 +88,13 @@ def _shard_examples(task: tuple[type[Learned], Any, Path]) -> Any:
     return plugin.examples(settings, read_shard(shard))
 
 
-def _scores(generator: Learned, split: Path, params: Params) -> dict[str, float]:
+def _scores(generator: Learned, split: Path, params: Params, told_log: bool = False) -> dict[str, float]:
     """Displacement errors [m] of `samples` futures of every validation scenario, the mean over scenarios."""
     found = []
     for shard in shards(split):
         logged = [s for s in read_shard(shard) if s.log is not None]
-        for scenario, made in zip(logged, generator.generate(logged, params.samples, params.training_seed), strict=True):
+        shown = logged if told_log else [first_frame(s) for s in logged]
+        for scenario, made in zip(logged, generator.generate(shown, params.samples, params.training_seed), strict=True):
             assert scenario.log is not None
             try:
                 found.append(summarise(*scene_errors(made.motion, scenario.log)))
@@ -110,10 +113,6 @@ def _key(name: str, params: Params, settings: Any, scenarios: Path) -> str:
     for path in [*code, *shards(scenarios / "train"), *shards(scenarios / "val")]:
         digest.update(path.read_bytes())
     return digest.hexdigest()[:24]
-
-
-def _say(name: str) -> Callable[[str], None]:
-    return lambda line: print(f"train_generator {name}: {line}", flush=True)
 
 
 if __name__ == "__main__":
