@@ -4,7 +4,6 @@ argv: scenarios (folder with train and val), model (folder; its name is the gene
 An interrupted training goes on from `.drivegen/checkpoints/`, in a folder named after everything that it depends on.
 """
 
-import hashlib
 import shutil
 import time
 from dataclasses import asdict, dataclass
@@ -22,6 +21,7 @@ from drivegen.generators.shared.learned import Learned
 from drivegen.metrics.displacement import scene_errors, summarise
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
+from drivegen.training import checkpoint
 from drivegen.training.curve import kept, write_curve
 from stages._door import build, enter, spread_splits
 
@@ -47,7 +47,9 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     """Train, save, score."""
     plugin, settings = _chosen(model.name, params)
     train, validation = _examples(plugin, settings, scenarios, params.workers)
-    checkpoints = CHECKPOINTS / _key(model.name, params, settings, scenarios)
+    inputs = (model.name, asdict(settings), params.training_seed)
+    data = [*shards(scenarios / "train"), *shards(scenarios / "val")]
+    checkpoints = CHECKPOINTS / checkpoint.name_of(inputs, data, checkpoint.source_digest("drivegen", "stages"))
     say = partial(print, f"train_generator {model.name}:", flush=True)
     began = time.process_time()
     generator, rows = plugin.fit(settings, train, validation, params.training_seed, checkpoints, say)
@@ -103,16 +105,6 @@ def _scores(generator: Learned, split: Path, params: Params, told_log: bool = Fa
                     raise
     names = ("min_sade", "min_sfde", "mean_sade", "mean_sfde")
     return {f"validation_{n}": float(np.mean([getattr(one, n) for one in found])) for n in names} if found else {}
-
-
-def _key(name: str, params: Params, settings: Any, scenarios: Path) -> str:
-    """A name for everything that the weights depend on: settings, seed, data and the code that learns."""
-    digest = hashlib.sha256(repr((name, asdict(settings), params.training_seed)).encode())
-    root = Path(__file__).parents[1] / "drivegen"
-    code = sorted(path for folder in ("generators", "training") for path in (root / folder).rglob("*.py"))
-    for path in [*code, *shards(scenarios / "train"), *shards(scenarios / "val")]:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:24]
 
 
 if __name__ == "__main__":
