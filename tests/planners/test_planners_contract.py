@@ -14,10 +14,9 @@ from drivegen.core.scenario import Trajectories
 from drivegen.planners.base import Examples, Planner, PlanRequests
 from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.roads.graph import LaneGraph
-from drivegen.training.weights import read_weights, write_weights
-
 from drivegen.rollout.batch import choose, plan_all_goals
 from drivegen.selectors.random import Plugin as Uniform
+from drivegen.training.weights import read_weights, write_weights
 from stages._door import build, read_section
 from tests.futures import other_future, with_riders
 from tests.models import candidate_settings
