@@ -242,6 +242,11 @@ class Signals:
         if (self.state > max(SignalState)).any():
             raise UnusableInput("a signal has a state that is none", reason="bad-signals")
 
+    def held(self) -> "Signals":
+        """The same, each signal showing its last known state wherever the state is UNKNOWN: what drivers assume."""
+        known = np.where(self.state != SignalState.UNKNOWN, np.arange(self.state.shape[1]), 0)
+        return Signals(self.lane, np.take_along_axis(self.state, np.maximum.accumulate(known, axis=1), axis=1))
+
     def on_lanes(self, kept: NDArray[np.integer]) -> "Signals":
         """The signals of the lanes `kept` (K,) only, which are numbered 0..K-1 from now on."""
         number = {lane: i for i, lane in enumerate(kept.tolist())}

@@ -94,7 +94,7 @@ def test_the_numbers_of_this_project_keep_their_bounds():
     params = Path(__file__).parents[2] / "params.yaml"
     assert read_params("place.initial", InitialSettings, params).horizon == 100
     assert read_params("ship.generation", GeneratorSettings, params).temperature > 0
-    assert read_params("ingest.selection", SelectionSettings, params).map_radius is None
+    assert read_params("ingest.selection", SelectionSettings, params).map_radius == 100
     training = read_params("train_planner.planners.route_fm", RouteFmSettings, params).training
     assert training.warmup < training.steps
     assert read_section("maps.prompts", params)["grid"].startswith("a 3 by 3 grid")

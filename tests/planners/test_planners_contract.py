@@ -14,9 +14,13 @@ from drivegen.core.scenario import Trajectories
 from drivegen.planners.base import Examples, Planner, PlanRequests
 from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.roads.graph import LaneGraph
+from drivegen.rollout.batch import choose, plan_all_goals
+from drivegen.selectors.random import Plugin as Uniform
 from drivegen.training.weights import read_weights, write_weights
 from stages._door import build, read_section
-from tests.scenes import crossing, drive, joined, scenario, stack
+from tests.futures import other_future, with_riders
+from tests.models import candidate_settings
+from tests.scenes import busy_crossing, crossing, drive, joined, scenario, stack
 
 ROOT = Path(__file__).parents[2]
 NAMES = plugins.names("planners")
@@ -121,6 +125,12 @@ def test_parked_vehicles_stay_exactly_where_they_are(trained: Planner, logs: Exa
     motion = trained.sample(logs.scenarios, parked)
     np.testing.assert_array_equal(motion.position, np.repeat(parked.position[:, None], 101, axis=1))
     np.testing.assert_allclose(wrap_angle(motion.heading - parked.heading[:, None]), 0, atol=1e-6)
+
+
+def test_plans_of_logs_that_begin_alike_are_the_same(trained: Planner) -> None:
+    scene = with_riders(busy_crossing())
+    one, other = (choose([log], Uniform(), candidate_settings(), 1.0) for log in (scene, other_future(scene)))
+    assert same(plan_all_goals(one, trained, 7)[0], plan_all_goals(other, trained, 7)[0])
 
 
 def test_another_seed_gives_another_motion(trained: Planner, logs: Examples) -> None:
