@@ -18,7 +18,7 @@ from torch import Tensor
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.scenario import SignalState
 from drivegen.core.settings import NotNegative, Positive
-from drivegen.drivers.base import Action, Observation, Rules
+from drivegen.world.observation import Action, Observation, Rules
 
 _NO_GAP = 0.001
 _CREEPS = 3.0  # [m/s] who is slower is taken to reach a line at this speed: it will speed up

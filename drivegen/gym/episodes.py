@@ -16,7 +16,6 @@ from torch import Tensor
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import DT, SignalState
-from drivegen.drivers.base import Action, Observation
 from drivegen.drivers.shared.features import features
 from drivegen.drivers.shared.network import on_path, pedals
 from drivegen.gym.folders import Traffic
@@ -26,6 +25,7 @@ from drivegen.world.contact import Pose, kind_of, touching
 from drivegen.world.ego import Ego
 from drivegen.world.ends import Surface, exits
 from drivegen.world.neighbours import Boxes, Replayed
+from drivegen.world.observation import Action, Observation
 from drivegen.world.outcome import CollisionKind
 from drivegen.world.paths import route_paths
 from drivegen.world.reactive import Reactive

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import Floats, interpolate, line_heading, unit
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.drivers.base import PATH_SPACING, Driver, RuleDriver, SumoDriver
+from drivegen.drivers.base import Driver, RuleDriver, SumoDriver
 from drivegen.sumo.closed_loop import ClosedLoopRun, drive
 from drivegen.world.contact import outcome
+from drivegen.world.observation import PATH_SPACING
 from drivegen.world.outcome import DrivingOutcome
 from drivegen.world.paths import TargetPaths, target_paths
 from drivegen.world.replay import Replay, replay

@@ -10,8 +10,8 @@ import torch
 from torch import Tensor
 
 from drivegen.core.scenario import DT
-from drivegen.drivers.base import Action, Paths
 from drivegen.world.ego import Ego, foot
+from drivegen.world.observation import Action, Paths
 
 WHEELBASE = 0.6
 """Share of a vehicle's length."""

@@ -66,16 +66,22 @@ def _leaving(motion: Trajectories, scenarios: Sequence[Scenario]) -> NDArray[np.
 
 def first_collisions(motion: Trajectories, others: Replay) -> tuple[NDArray[np.uint8], NDArray[np.int16], NDArray[np.int32]]:
     """kind (S,), step (S,) and partner (S,) of the first overlap of S targets (S, T) with anyone replayed."""
+    step, partner = first_overlaps(motion, others)
+    kind = np.zeros(len(step), np.uint8)
+    for s in np.flatnonzero(step >= 0):
+        kind[s] = _kind(motion[s], others, int(s), int(step[s]), int(partner[s]) - 1)
+    return kind, step, partner
+
+
+def first_overlaps(motion: Trajectories, others: Replay) -> tuple[NDArray[np.int16], NDArray[np.int32]]:
+    """step (S,), -1 for none, and partner (S,) of the first overlap of S targets (S, T) with anyone."""
     count = len(motion.valid)
     step, partner = np.full(count, -1, np.int16), np.full(count, NO_PARTNER, np.int32)
     _find(
         motion.position, motion.heading, motion.valid, others.target_size, others.position, others.heading, others.valid,
         others.size, step, partner,
     )  # fmt: skip
-    kind = np.zeros(count, np.uint8)
-    for s in np.flatnonzero(step >= 0):
-        kind[s] = _kind(motion[s], others, int(s), int(step[s]), int(partner[s]) - 1)
-    return kind, step, partner
+    return step, partner
 
 
 @njit(cache=True)

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from drivegen.core.scenario import DT
-from drivegen.drivers.base import PATH_SPACING, Action, Paths
+from drivegen.world.observation import PATH_SPACING, Action, Paths
 
 STEEPEST = 0.3
 """Largest slope towards a wanted offset [m across per m along]."""

@@ -9,9 +9,9 @@ import torch
 from torch import Tensor
 
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
-from drivegen.drivers.base import PATH_SPACING
 from drivegen.roads.drivable import CELL, road_field
 from drivegen.roads.leaving import Exits
+from drivegen.world.observation import PATH_SPACING
 from drivegen.world.outcome import OFF_ROAD_TOLERANCE
 from drivegen.world.scenes import Scenes
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats, arc_length, interpolate, line_heading, project, unit
 from drivegen.core.scenario import DT, TARGET, Scenario, Trajectories
-from drivegen.drivers.base import PATH_SPACING
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.routes import SPACING, Route, feasible_routes, match_route
+from drivegen.world.observation import PATH_SPACING
 
 CRUISE = 20.0
 """A path is long enough for this speed [m/s], or the target's first speed if that is higher."""

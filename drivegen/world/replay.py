@@ -5,7 +5,7 @@ is a few operations on slices.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numba import njit
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
-from drivegen.drivers.base import PATH_SPACING
+from drivegen.world.observation import PATH_SPACING
 from drivegen.world.paths import TargetPaths
 
 COARSE = 8
@@ -46,6 +46,10 @@ class Replay:
     target_position: NDArray[np.float32]
     target_heading: NDArray[np.float32]
     target_speed: NDArray[np.float32]
+
+    def of(self, chosen: NDArray[np.intp]) -> "Replay":
+        """Scenarios `chosen` (R,), copied."""
+        return Replay(*(getattr(self, field.name)[chosen] for field in fields(self)))
 
 
 def replay(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths: TargetPaths, rows: int) -> Replay:

@@ -18,9 +18,9 @@ from torch import Tensor
 from drivegen.core.geometry import Floats, arc_length, interpolate, project, wrap_angle
 from drivegen.core.roadmap import LaneControl, RoadMap
 from drivegen.core.scenario import Scenario, SignalState, Trajectories
-from drivegen.drivers.base import PATH_SPACING, Rules
 from drivegen.roads.gates import first_crossing
 from drivegen.roads.graph import LaneGraph
+from drivegen.world.observation import PATH_SPACING, Rules
 from drivegen.world.replay import project as seen_from
 from drivegen.world.scenes import Scenes
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.drivers.base import Paths
+from drivegen.world.observation import Paths
 from drivegen.world.paths import TargetPaths, target_paths
 from drivegen.world.replay import Replay, replay
 

@@ -3,10 +3,10 @@
 import torch
 from torch import Tensor
 
-from drivegen.drivers.base import Action, Observation
 from drivegen.world.bicycle import freely, placed
 from drivegen.world.ego import Ego, on_path
 from drivegen.world.neighbours import Neighbours, Replayed
+from drivegen.world.observation import Action, Observation
 from drivegen.world.rules import Lookout, Watch
 from drivegen.world.scenes import Scenes
 

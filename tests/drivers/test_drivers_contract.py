@@ -9,16 +9,15 @@ import torch
 
 from drivegen.core import plugins
 from drivegen.simulators.batch import Plugin as Batch
-from stages._door import read_params
-from stages.drive import Params, make_driver
+from tests.drivers.taught import make
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
 LINE = straight_road().centreline[0].astype(np.float64)
 
 
-@pytest.fixture(params=plugins.names("drivers"))
-def driver(request):
-    return make_driver(request.param, read_params("drive", Params))
+@pytest.fixture(scope="module", params=plugins.names("drivers"))
+def driver(request, tmp_path_factory):
+    return make(request.param, tmp_path_factory.mktemp(request.param))
 
 
 def test_it_has_its_name_and_typed_settings_without_defaults(driver):

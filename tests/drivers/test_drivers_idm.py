@@ -5,8 +5,8 @@ import pytest
 import torch
 
 from drivegen.drivers import idm
-from drivegen.drivers.base import Observation, Paths
 from drivegen.simulators.batch import Plugin
+from drivegen.world.observation import Observation, Paths
 from drivegen.world.paths import packed
 from tests.checking import IDM
 from tests.scenes import LIMIT, drive, scenario, stack, straight_road

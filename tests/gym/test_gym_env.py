@@ -15,7 +15,6 @@ from drivegen.av2.export import export_scenario
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Signals, SignalState
 from drivegen.core.settings import read_params
-from drivegen.drivers.base import Action
 from drivegen.drivers.shared.features import COUNT
 from drivegen.gym.episodes import TERMS, Episodes
 from drivegen.gym.folders import read_traffic
@@ -24,6 +23,7 @@ from drivegen.gym.settings import Settings
 from drivegen.simulators.batch import Plugin as Batch
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
+from drivegen.world.observation import Action
 from drivegen.world.outcome import CollisionKind
 from tests.scenes import busy_crossing, crossing, drive, joined, noisy_samples, scenario, stack, straight_road
 

@@ -10,7 +10,7 @@ from torch import nn
 
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.settings import read_params
-from drivegen.drivers.shared.features import COUNT, DISTANCES, LIMIT, NEAREST, features, leader, nearest_boxes
+from drivegen.drivers.shared.features import COUNT, DISTANCES, LIMIT, NEAREST, crossing, features, leader, nearest_boxes
 from drivegen.drivers.shared.network import Network
 from drivegen.drivers.shared.network import Settings as Weights
 from drivegen.gym.sb3 import DriveVecEnv, save_policy
@@ -70,5 +70,8 @@ def test_the_compiled_features_are_those_of_tensors(seed):
     gap, closing = leader(seen)
     torch.testing.assert_close(numbers[:, 6], (gap / 30).clamp_max(LIMIT))
     torch.testing.assert_close(numbers[:, 7], (closing / 15).clamp(-LIMIT, LIMIT))
-    first = 9 + 2 * len(DISTANCES)
+    comes, place = crossing(seen)
+    torch.testing.assert_close(numbers[:, 10], comes / 5)
+    torch.testing.assert_close(numbers[:, 11], place / 30)
+    first = 12 + 2 * len(DISTANCES)
     torch.testing.assert_close(numbers[:, first : first + 8 * NEAREST], nearest_boxes(seen).clamp(-LIMIT, LIMIT))

@@ -6,8 +6,8 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.drivers.base import Action
 from drivegen.world.bicycle import GRIP, HARDEST_BRAKING, SHARPEST, STEERING_RATE, WHEELBASE
+from drivegen.world.observation import Action
 from drivegen.world.scenes import Scenes
 from drivegen.world.world import World
 from tests.scenes import drive, scenario, stack, straight_road

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from drivegen.core.scenario import Actors, Trajectories
-from drivegen.drivers.base import Action
 from drivegen.simulators.batch import Plugin
+from drivegen.world.observation import Action
 from drivegen.world.outcome import AT_FAULT, FIRST_SECOND, CollisionKind, with_off_road
 from tests.scenes import LANE_WIDTH, beside, drive, scenario, stack, straight_road
 

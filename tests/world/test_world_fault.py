@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import torch
 
-from drivegen.drivers.base import Action
 from drivegen.simulators.batch import Plugin
 from drivegen.world.fault import Contact, within_lane
+from drivegen.world.observation import Action
 from tests.scenes import LANE_WIDTH, drive, scenario, stack, straight_road
 
 ROAD = straight_road(600)

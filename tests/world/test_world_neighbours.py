@@ -7,9 +7,9 @@ import pytest
 import torch
 
 from drivegen.core.scenario import Actors, Trajectories
-from drivegen.drivers.base import Action
 from drivegen.simulators.batch import Plugin
 from drivegen.world.neighbours import Replayed
+from drivegen.world.observation import Action
 from drivegen.world.outcome import CollisionKind
 from drivegen.world.reactive import LATE, Reaction, Reactive
 from drivegen.world.scenes import Scenes

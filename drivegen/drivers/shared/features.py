@@ -13,6 +13,9 @@ it.
     gap              1      30 m         to the nearest box on its way, at most 60 m
     closing          1      15 m/s       how fast this gap closes, 0 where there is none
     brake            1      4 m/s2       constant braking that avoids running into it, at most 8 m/s2
+    urgency          1      1 /s         closing by gap
+    crossing         1      5 s          until the first box ahead that comes from the side is on the target's way, at most 10 s
+    crossing_at      1      30 m         to where it is now, at most 60 m
     limits           8      15 m/s       speed limits at DISTANCES ahead
     bends            8      rad          heading of the path there, seen from here
     neighbours       8 x 8               the nearest boxes, nearest first: ahead 30 m, left 10 m, speed along the path less the
@@ -30,39 +33,42 @@ Where the world does not look for rules, the last ones are as where no line is a
 import numpy as np
 import torch
 from numba import njit
+from numpy.typing import NDArray
 from torch import Tensor
 
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.scenario import SignalState
-from drivegen.drivers.base import Observation
+from drivegen.world.observation import Observation
 
 DISTANCES = (5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 80.0)
 """[m] ahead of the target's front."""
 
 NEAREST = 8
-COUNT = 9 + 2 * len(DISTANCES) + 8 * NEAREST + 7
+COUNT = 12 + 2 * len(DISTANCES) + 8 * NEAREST + 7
 """Numbers in a row."""
 
 LIMIT = 5.0
 
 _UNKNOWN_LIMIT, _FARTHEST, _HARDEST = 13.9, 60.0, 8.0
 _SPEED, _GAP = 15.0, 30.0
+_SLOWEST, _LATEST = 0.1, 10.0
 _FAR = 1e6
 
 
 def features(seen: Observation) -> Tensor:
     """(S, COUNT) float32 of S targets."""
-    gap, closing, neighbours = _compiled(seen) if seen.speed.device.type == "cpu" else (*leader(seen), nearest_boxes(seen))
-    parts = [_own(seen, gap, closing), *_road(seen), neighbours, _rules(seen)]
+    on_cpu = seen.speed.device.type == "cpu"
+    leading, side, neighbours = _compiled(seen) if on_cpu else (leader(seen), crossing(seen), nearest_boxes(seen))
+    parts = [_own(seen, *leading, *side), *_road(seen), neighbours, _rules(seen)]
     return torch.cat(parts, dim=1).clamp_(-LIMIT, LIMIT)
 
 
-def _own(seen: Observation, gap: Tensor, closing: Tensor) -> Tensor:
+def _own(seen: Observation, gap: Tensor, closing: Tensor, comes: Tensor, comes_at: Tensor) -> Tensor:
     limit = seen.speed_limit.nan_to_num(_UNKNOWN_LIMIT)
     brake = (closing.clamp_min(0) ** 2 / (2 * gap.clamp_min(0.5))).clamp_max(_HARDEST)
     numbers = (
         seen.speed / _SPEED, seen.length / 10, seen.offset / 2, seen.course, limit / _SPEED, (seen.speed - limit) / _SPEED,
-        gap / _GAP, closing / _SPEED, brake / 4,
+        gap / _GAP, closing / _SPEED, brake / 4, closing.clamp_min(0) / gap.clamp_min(0.5), comes / 5, comes_at / _GAP,
     )  # fmt: skip
     return torch.stack(numbers, dim=1)
 
@@ -75,6 +81,16 @@ def leader(seen: Observation) -> tuple[Tensor, Tensor]:
     gap = (gap - 0.5 * seen.length).clamp(0.0, _FARTHEST)
     closing = seen.speed - seen.speed_along.gather(1, nearest[:, None])[:, 0]
     return gap, torch.where(gap < _FARTHEST, closing, 0.0)
+
+
+def crossing(seen: Observation) -> tuple[Tensor, Tensor]:
+    """When (S,) [s] the first box ahead that comes from the side is on the target's way, and how far (S,) [m] ahead it is now."""
+    left, reach = seen.left - seen.offset[:, None], seen.half_width + (0.5 * seen.width)[:, None]
+    inward = -left.sign() * seen.speed_across
+    comes = seen.present & (seen.ahead > 0) & (left.abs() >= reach) & (inward > _SLOWEST)
+    time, first = torch.where(comes, (left.abs() - reach) / inward.clamp_min(_SLOWEST), _LATEST).min(dim=1)
+    place = (seen.ahead - seen.half_length).gather(1, first[:, None])[:, 0] - 0.5 * seen.length
+    return time.clamp_max(_LATEST), torch.where(time < _LATEST, place.clamp(0.0, _FARTHEST), _FARTHEST)
 
 
 def _road(seen: Observation) -> tuple[Tensor, Tensor]:
@@ -104,33 +120,46 @@ def nearest_boxes(seen: Observation) -> Tensor:
     return (torch.stack(numbers, dim=2) * there[..., None]).flatten(1)
 
 
-def _compiled(seen: Observation) -> tuple[Tensor, Tensor, Tensor]:
-    """`leader` and `nearest_boxes` by a loop, which on a processor is several times faster than tensors."""
+def _compiled(seen: Observation) -> tuple[tuple[Tensor, Tensor], tuple[Tensor, Tensor], Tensor]:
+    """`leader`, `crossing` and `nearest_boxes` by a loop, which on a processor is several times faster than tensors."""
     arrays = (
         seen.ahead, seen.left, seen.half_length, seen.half_width, seen.speed_along, seen.speed_across, seen.present,
         seen.offset, seen.speed, seen.length, seen.width,
     )  # fmt: skip
     count = len(seen.speed)
     gap, closing = np.empty(count, np.float32), np.zeros(count, np.float32)
+    comes, comes_at = np.empty(count, np.float32), np.empty(count, np.float32)
     boxes = np.zeros((count, NEAREST, 8), np.float32)
-    _look(*(array.numpy() for array in arrays), gap, closing, boxes)
-    return torch.from_numpy(gap), torch.from_numpy(closing), torch.from_numpy(boxes).flatten(1)
+    _look(*(array.numpy() for array in arrays), gap, closing, comes, comes_at, boxes)
+    leading, side = (gap, closing), (comes, comes_at)
+    return (_tensors(leading), _tensors(side), torch.from_numpy(boxes).flatten(1))
+
+
+def _tensors(arrays: tuple[NDArray[np.float32], NDArray[np.float32]]) -> tuple[Tensor, Tensor]:
+    return torch.from_numpy(arrays[0]), torch.from_numpy(arrays[1])
 
 
 @njit(cache=True, error_model="numpy")
 def _look(  # type: ignore[no-untyped-def]
-    ahead, left, half_length, half_width, along, sideways, present, offset, speed, length, width, gap, closing, boxes
-):
+    ahead, left, half_length, half_width, along, sideways, present, offset, speed, length, width,
+    gap, closing, comes, comes_at, boxes,
+):  # fmt: skip
     order, squared = np.empty(NEAREST, np.int64), np.empty(NEAREST, np.float32)
     for s in range(len(speed)):
         near, found = np.float32(_FAR), 0
+        comes[s], comes_at[s] = _LATEST, _FARTHEST
         for m in range(present.shape[1]):
             if not present[s, m]:
                 continue
             across = left[s, m] - offset[s]
             room = ahead[s, m] - half_length[s, m]
-            if ahead[s, m] > 0 and abs(across) < half_width[s, m] + np.float32(0.5) * width[s] and room < near:
+            beside = abs(across) - (half_width[s, m] + np.float32(0.5) * width[s])
+            if ahead[s, m] > 0 and beside < 0 and room < near:
                 near, closing[s] = room, speed[s] - along[s, m]
+            inward = -np.sign(across) * sideways[s, m]
+            if ahead[s, m] > 0 and beside >= 0 and inward > np.float32(_SLOWEST) and beside / inward < comes[s]:
+                comes[s] = beside / inward
+                comes_at[s] = min(max(room - np.float32(0.5) * length[s], np.float32(0)), np.float32(_FARTHEST))
             apart = ahead[s, m] * ahead[s, m] + across * across
             if found == NEAREST and apart >= squared[NEAREST - 1]:
                 continue

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from drivegen.core.errors import UnusableInput
-from drivegen.drivers.base import Action, Observation
 from drivegen.drivers.shared.features import COUNT, features
 from drivegen.training.weights import fill, read_weights, write_weights
+from drivegen.world.observation import Action, Observation
 
 KIND = "driver"
 

@@ -9,8 +9,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.scenario import DT, Scenario, SignalState, Trajectories
-from drivegen.drivers.base import PATH_SPACING, Observation, Paths
 from drivegen.drivers.idm import Plugin as Idm
+from drivegen.world.observation import PATH_SPACING, Observation, Paths
 
 EVERY = 3
 """Steps for which a decision holds."""

@@ -1,0 +1,52 @@
+"""The paper's policy for every learned driver: two layers of 256, from features to one number that is an acceleration."""
+
+from typing import cast
+
+import torch
+from torch import Tensor, nn
+
+from drivegen.drivers.shared.network import FULL_BRAKING, FULL_THROTTLE, perceptron
+
+WIDTHS, ACTIVATION = (256, 256, 1), "tanh"
+
+
+class Policy(nn.Module):
+    """Features (R, COUNT) -> numbers (R,); `spread` is the logarithm of the deviation with which it tries others."""
+
+    def __init__(self, spread: float = -0.7) -> None:
+        super().__init__()
+        self.layers = perceptron(WIDTHS, ACTIVATION)
+        self.spread = nn.Parameter(torch.tensor(spread))
+
+    def forward(self, features: Tensor) -> Tensor:
+        """What it holds for best."""
+        best: Tensor = self.layers(features)[:, 0]
+        return best
+
+    def likelihood(self, features: Tensor, tried: Tensor) -> Tensor:
+        """(R,) logarithm of the density of what was `tried` (R,), up to a constant."""
+        away: Tensor = (tried - self(features)) / self.spread.exp()
+        return -0.5 * away**2 - self.spread
+
+    @property
+    def linear(self) -> list[nn.Linear]:
+        """Its linear layers, which `write_network` writes."""
+        return cast("list[nn.Linear]", list(self.layers[::2]))
+
+
+class Value(nn.Module):
+    """Features (R, COUNT) -> what is still to be gained (R,)."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.layers = perceptron(WIDTHS, ACTIVATION)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """See the class."""
+        value: Tensor = self.layers(features)[:, 0]
+        return value
+
+
+def number_of(acceleration: Tensor) -> Tensor:
+    """The inverse of `network.pedals`, in [-1, 1]."""
+    return torch.where(acceleration > 0, acceleration / FULL_THROTTLE, acceleration / FULL_BRAKING).clamp(-1.0, 1.0)
