@@ -1,7 +1,5 @@
 """The paper's policy for every learned driver: two layers of 256, from features to one number that is an acceleration."""
 
-from typing import cast
-
 import torch
 from torch import Tensor, nn
 
@@ -31,7 +29,7 @@ class Policy(nn.Module):
     @property
     def linear(self) -> list[nn.Linear]:
         """Its linear layers, which `write_network` writes."""
-        return cast("list[nn.Linear]", list(self.layers[::2]))
+        return [layer for layer in self.layers.children() if isinstance(layer, nn.Linear)]
 
 
 class Value(nn.Module):
