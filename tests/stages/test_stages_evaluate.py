@@ -177,7 +177,9 @@ def test_what_was_restored_from_the_cache_is_no_number_and_no_gap(made, tmp_path
 
 
 def report_of(made, out):
-    places = [made / folder for folder in ("metrics", "plots", "test", "generated", "rejected", "goals", "maps", "costs")]
+    places = [
+        made / folder for folder in ("metrics", "plots", "test", "generated", "rejected", "goals", "corner", "maps", "costs")
+    ]
     report.main(replace(read_params("report", report.Params), scenes=2, maps=4), *places, out / "index.html", out / "tables")
     return (out / "index.html").read_text()
 

@@ -115,7 +115,7 @@ def test_it_is_in_every_table(project: Path) -> None:
         assert query(project / "all.duckdb", f"select * from {table} where method = '{NAME}'").num_rows, table
     assert NAME in (project / "costs.md").read_text()
     generated, none = Path("data/generated"), project / "none"
-    places = (Path("data/scenarios/test"), generated, none, none, none, costs, project / "index.html", project / "tables")
+    places = (Path("data/scenarios/test"), generated, none, none, none, none, costs, project / "index.html", project / "tables")
     report.main(read_params("report", report.Params), results, none, *places)
     rows = {file.stem: file.read_text() for file in (project / "tables").glob("*.md") if f"| {TITLE} " in file.read_text()}
     assert {"summary", "quality", "safety", "diversity", "realism", "scores", "distances"} <= set(rows)
