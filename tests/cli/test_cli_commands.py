@@ -194,6 +194,29 @@ def test_a_recording_lies_in_the_current_folder_whatever_the_log_calls_itself(fo
     assert not (tmp_path / "elsewhere").exists()
 
 
+def test_view_lists_the_scenarios_of_a_folder_and_takes_the_only_one(folder, tmp_path):
+    done = run("view", str(tmp_path), "--no-show", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "scene-0.rrd" in done.stdout
+    shutil.copytree(folder, tmp_path / "scene-1")
+    done = run("view", ".", "--no-show", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "holds 2 scenarios, view one of them:" in done.stderr
+    assert "drivegen view scene-1" in done.stderr
+
+
+def test_view_takes_the_id_of_a_scenario_or_of_a_future_of_it(tmp_path):
+    scene = replace(scenes.busy_crossing(), scenario_id="town:7")
+    write_shard(tmp_path / "data/scenarios/test/shard-00000.parquet", [scene])
+    samples = scenes.noisy_samples(scene, 2)
+    write_samples(tmp_path / "data/generated/drivegen/shard-00000.parquet", [samples])
+    for name, code in {"town:7": 0, "town-7": 0, "town:7-s01": 0, "town:7-s02": 2, "village:1": 2}.items():
+        done = run("view", name, "--no-show", cwd=tmp_path)
+        assert done.returncode == code, done.stderr
+        assert code == 0 or f"{name} is no folder, and no scenario in data/shipped" in done.stderr
+    assert {file.name for file in tmp_path.glob("*.rrd")} == {"town-7.rrd", "town-7-s01.rrd"}
+
+
 def test_without_models_generate_says_who_makes_them(tmp_path):
     shutil.copy(Path(__file__).parents[2] / "params.yaml", tmp_path)
     done = run("generate", "--out", "o", "--text", "roundabout with four arms", cwd=tmp_path)
