@@ -17,7 +17,7 @@ from drivegen.drivers.base import Driver
 from drivegen.metrics.driving import driving_summary
 from drivegen.simulators.shared.drives import Drives
 from drivegen.store.files import write_json
-from drivegen.store.results import Run, result_rows, run_id, write_results
+from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import build, enter, require, spread
@@ -47,9 +47,10 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
         method = folder.name if folder else LOG
         drives = _drive_all(driver, scenarios, folder, params, f"drive {name} {method}")
         inputs = [scenarios, folder] if folder else [scenarios]
-        run = Run(run_id(asdict(params), inputs), "drive", method, name, params.seed, SIMULATOR)
+        run = Run.of("drive", name, asdict(params), inputs, method=method, driver=name, backend=SIMULATOR)
         metrics = drives.per_scenario()
-        tables.append(result_rows(run, drives.scenarios, metrics))
+        ids, sample, each = drives.per_run()
+        tables += [result_rows(run, drives.scenarios, metrics), result_rows(run, ids, each, sample)]
         recordings = [recording(scenario) for scenario in drives.scenarios]
         random = rng(params.seed, "drive", "bootstrap", method)
         means = driving_summary(metrics, recordings, drives.outcome.motion, drives.scene, params.draws, random)

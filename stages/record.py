@@ -7,6 +7,7 @@ report: .rrd files differ in bytes at every write, their list does not).
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from drivegen.core.methods import read_methods
 from drivegen.core.settings import Index
@@ -50,7 +51,7 @@ def main(
         offered = goals_of(scenario.scenario_id, require(goals / str(selectors[METHOD]) / drawn.shard, "run the goals stage"))
         record_sample(file, scenario, samples, 0, offered, mine)
         text = f"{scenario.scenario_id}, {scenario.city}: {samples.method} against the log"
-        links.append({"text": text, "href": f"{out.name}/{file.name}"})
+        links.append(_entry(file, text, scenario.scenario_id, 0, "rollout", METHOD))
     compared = scenes[: params.compared]
     for drawn, methods in zip(compared, by_method(compared, generated), strict=True):
         scenario = drawn.scenario
@@ -61,13 +62,13 @@ def main(
         recorded = {name: place for name, place in places.items() if place is not None}
         record_comparison(file, scenario, shown, recorded, rejected_of(scenario.scenario_id, turned_down))
         text = f"{scenario.scenario_id}, {scenario.city}: {len(methods)} methods side by side"
-        links.append({"text": text, "href": f"{out.name}/{file.name}"})
+        links.append(_entry(file, text, scenario.scenario_id, 0))
     links += _collisions(scenarios, corner, out)
     write_json(listing, links)
     return {"scenarios": float(len(scenes))}
 
 
-def _collisions(scenarios: Path, corner: Path, out: Path) -> list[dict[str, str]]:
+def _collisions(scenarios: Path, corner: Path, out: Path) -> list[dict[str, Any]]:
     """A recording of each pictured collision; its name is the picture's."""
     links = []
     for one in read_pictured(corner):
@@ -79,8 +80,14 @@ def _collisions(scenarios: Path, corner: Path, out: Path) -> list[dict[str, str]
         )
         file = out / f"{one.name}.rrd"
         record_collision(file, scenario, planned, driven.motion[:, 0], one)
-        links.append({"text": f"{one.title}: {where.scenario_id}", "href": f"{out.name}/{file.name}"})
+        links.append(_entry(file, f"{one.title}: {where.scenario_id}", where.scenario_id, where.sample, "corner", played.name))
     return links
+
+
+def _entry(file: Path, text: str, scenario_id: str, sample: int, stage: str = "", item: str = "") -> dict[str, Any]:
+    """A recording of the list: what it shows, and of which stage's item; of none where it compares methods."""
+    href = f"{file.parent.name}/{file.name}"
+    return {"text": text, "href": href, "scenario": scenario_id, "sample": sample, "stage": stage, "item": item}
 
 
 if __name__ == "__main__":

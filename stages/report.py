@@ -59,7 +59,7 @@ def main(
     """Gather, write the page and the tables."""
     results = read_results(metrics)
     methods = read_methods([*params.own, *params.rivals, *params.baselines])
-    recordings = tuple(Link(**link) for link in results.get("recordings", []))
+    recordings = tuple(Link(link["text"], link["href"]) for link in results.get("recordings", []))
     source, scenes, comparisons = _scenes(params, methods, scenarios, generated, rejected, goals)
     evidence = Evidence(
         results=results,

@@ -16,6 +16,7 @@ from drivegen.store.goals import COLUMNS, GoalColumns, write_goals
 from drivegen.store.rejected import write_rejected
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
+from drivegen.warehouse.tables import read_recordings
 from stages import record
 from tests.scenes import busy_crossing, noisy_samples, rejected_of
 
@@ -67,7 +68,9 @@ def recorded(root, listing, goals="goals"):
 def test_the_list_names_what_was_recorded(made):
     links = json.loads((made / "recordings.json").read_text())
     assert len(links) == 4
-    assert {"text": "Round 1, collision 1: scene-b", "href": "recordings/corner-1-0.rrd"} in links
+    collision = {"text": "Round 1, collision 1: scene-b", "href": "recordings/corner-1-0.rrd"}
+    assert {**collision, "scenario": "scene-b", "sample": 1, "stage": "corner", "item": "1"} in links
+    assert read_recordings(made / "recordings.json").to_pylist()[-1]["sample"] == 1
     assert all((made / link["href"]).is_file() for link in links)
     assert {(made / link["href"]).name for link in links} == {file.name for file in (made / "recordings").iterdir()}
 
@@ -84,7 +87,7 @@ def test_chosen_goals_are_those_that_the_sample_follows(made):
 
 
 def test_a_picture_in_the_report_is_linked_to_its_recording(made):
-    links = [Link(**link) for link in json.loads((made / "recordings.json").read_text())]
+    links = [Link(link["text"], link["href"]) for link in json.loads((made / "recordings.json").read_text())]
     assert read_collision_pictures(made / "corner", links) == (
         Picture("Round 1, collision 1", "it came from the left", b"png", "recordings/corner-1-0.rrd"),
     )

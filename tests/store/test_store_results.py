@@ -26,9 +26,8 @@ def warehouse(folder, *parts):
         write_results(folder / "metrics" / f"{i}.parquet", [part])
     write_cost(folder / "costs", "evaluate", "drivegen", {"cpu_seconds": 6.0, "scenarios": 3})
     results = read_parts(result_parts(folder / "metrics"), RESULT)
-    build(
-        folder / "drivegen.duckdb", results, read_parts(sorted((folder / "costs").glob("*.parquet")), COST), CALLS.empty_table()
-    )
+    costs = read_parts(sorted((folder / "costs").glob("*.parquet")), COST)
+    build(folder / "drivegen.duckdb", {"results": results, "costs": costs, "calls": CALLS.empty_table()})
     return folder / "drivegen.duckdb"
 
 
@@ -106,7 +105,7 @@ def test_choosing_goals_is_counted_for_every_method_that_follows_a_selectors(tmp
 
 def test_a_warehouse_is_replaced_as_a_whole(tmp_path):
     made = warehouse(tmp_path, rows(min_sade=[1.0, 2.0, 6.0]))
-    build(made, RESULT.empty_table(), COST.empty_table(), CALLS.empty_table())
+    build(made, {"calls": CALLS.empty_table()})
     assert query(made, "select count(*) as n from results").to_pylist() == [{"n": 0}]
     assert [file.name for file in tmp_path.iterdir() if file.is_file()] == ["drivegen.duckdb"]
 
