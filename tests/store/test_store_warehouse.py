@@ -1,6 +1,7 @@
 """From a result to its files: scenarios, samples, recordings and parameters in the warehouse, and the queries of the docs."""
 
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
-from drivegen.warehouse.database import build, query
+from drivegen.warehouse.database import TABLES, build, query
 from drivegen.warehouse.tables import parameter_table, read_recordings, read_sample_table, read_scenarios
 from tests.scenes import busy_crossing, noisy_samples
 
@@ -159,3 +160,31 @@ def test_a_shard_that_is_cut_short_is_named(made, tmp_path):
         read_scenarios({"test": tmp_path})
     with pytest.raises(UnusableInput, match=r"shard-00000\.parquet is no whole shard"):
         read_sample_table("rollout", "drivegen", tmp_path)
+
+
+def questions() -> list[tuple[str, list[str]]]:
+    """Every query of docs/store.md with the columns of the answer that stands below it."""
+    blocks = FENCED.findall((ROOT / "docs/store.md").read_text())
+    return [
+        (sql, answer.splitlines()[0].split())
+        for (kind, sql), (after, answer) in pairwise(blocks)
+        if (kind, after) == ("sql", "text")
+    ]
+
+
+def test_there_are_questions_in_the_docs():
+    assert len(questions()) >= 3
+
+
+@pytest.mark.parametrize(("sql", "columns"), questions(), ids=lambda part: part[:30] if isinstance(part, str) else "")
+def test_a_question_of_the_docs_has_the_answer_that_stands_there(made, sql, columns):
+    assert query(made / "drivegen.duckdb", sql).column_names == columns
+
+
+def test_tables_and_columns_of_the_docs_are_those_of_the_warehouse(ask):
+    told = re.findall(r"^\| `(\w+)` \| .* \| ([^|]+) \|$", (ROOT / "docs/store.md").read_text(), re.MULTILINE)
+    columns = {}
+    for row in ask("select table_name as t, column_name as c from information_schema.columns order by ordinal_position"):
+        columns.setdefault(row["t"], []).append(row["c"])
+    assert {name: re.findall(r"`(\w+)`", words) for name, words in told} == {name: columns[name] for name, _ in told}
+    assert set(TABLES) <= {name for name, _ in told}
