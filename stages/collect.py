@@ -1,9 +1,9 @@
 """Stage collect: all results, what leads from them to their files, costs and calls in one DuckDB file with views (a leaf).
 
-argv: folder of result parts, folder of cost parts, folder of calls of language models, params.yaml, scenarios (a folder a split),
-new scenarios, shipped ones, samples (a folder a method), rounds of corner cases, table of costs to write (Markdown), the DuckDB
-file to write. Costs and calls differ from run to run and so they stand here, outside of what promises the same bytes for the same
-seed.
+argv: folder of result parts, folder of those of single pieces, folder of cost parts, folder of calls of language models,
+params.yaml, scenarios (a folder a split), new scenarios, shipped ones, samples (a folder a method), rounds of corner cases, table
+of costs to write (Markdown), the DuckDB file to write. Costs and calls differ from run to run and so they stand here, outside of
+what promises the same bytes for the same seed.
 """
 
 from dataclasses import dataclass
@@ -36,6 +36,7 @@ class Params:
 def main(
     params: Params,
     results: Path,
+    pieces: Path,
     costs: Path,
     calls: Path,
     parameters: Path,
@@ -48,7 +49,7 @@ def main(
     out: Path,
 ) -> dict[str, float]:
     """Collect what lies below these folders; those that are absent hold nothing: a fresh checkout has no times, no calls."""
-    parts = result_parts(require(results, "run the stages that measure"))
+    parts = result_parts(require(results, "run the stages that measure")) + result_parts(pieces)
     tables = {
         "results": read_parts(parts, RESULT),
         "scenarios": read_scenarios({**{split: scenarios / split for split in SPLITS}, "new": new, "shipped": shipped}),

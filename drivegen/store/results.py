@@ -43,7 +43,7 @@ class Run:
     """Who measured: the columns that all rows of a part share.
 
     Attributes:
-        run: hash of settings and inputs, from `run_id`.
+        run: hash of stage, item, settings and inputs, from `run_id`.
         stage: the stage's word. method, driver: what was measured, "" where there is none.
         seed: the pipeline's seed.
         backend: what chose or simulated, e.g. "batch", "sumo" or "learned"; "" where there is no choice.
@@ -72,8 +72,8 @@ class Run:
         backend: str = "",
     ) -> Self:
         """The run of a stage's item with `settings`, its seed among them, that read `inputs`."""
-        read = " ".join(map(str, inputs))
-        return cls(run_id(settings, inputs), stage, method, driver, settings["seed"], backend, item, read)
+        run, read = run_id({"stage": stage, "item": item, **settings}, inputs), " ".join(map(str, inputs))
+        return cls(run, stage, method, driver, settings["seed"], backend, item, read)
 
 
 def run_id(settings: Mapping[str, object], inputs: Sequence[Path]) -> str:
@@ -114,11 +114,11 @@ def result_rows(
     return table.filter(pa.array(np.isfinite(value)))
 
 
-def record_rows(run: Run, records: Mapping[str, Mapping[str, object]]) -> pa.Table:
+def record_rows(run: Run, records: Mapping[str, Mapping[str, object]], sample: int = WHOLE_SCENE) -> pa.Table:
     """Long rows of `records` by scenario, each with metrics by name: what is no number or truth value is left out."""
     metrics = sorted({name for record in records.values() for name in record})
     values = {name: np.array([_number(record.get(name)) for record in records.values()]) for name in metrics}
-    return result_rows(run, list(records), values)
+    return result_rows(run, list(records), values, np.full(len(records), sample))
 
 
 def _number(value: object) -> float:

@@ -153,6 +153,7 @@ def collected(made, tmp_path):
     collect.main(
         params,
         made / "metrics",
+        tmp_path / "pieces",
         tmp_path / "costs",
         tmp_path / "calls",
         ROOT / "params.yaml",
