@@ -75,7 +75,11 @@ def test_items_of_a_stage_are_runs_of_their_own(tmp_path):
 
 def test_records_become_rows_of_their_numbers_and_truth_values(tmp_path):
     found = record_rows(RUN, {"a": {"lanes": 3, "good": True, "kind": "ring"}, "b": {"lanes": None, "turn": 0.5}}).to_pylist()
-    assert {(row["scenario"], row["metric"], row["value"]) for row in found} == {("a", "lanes", 3), ("a", "good", 1), ("b", "turn", 0.5)}
+    assert {(row["scenario"], row["metric"], row["value"]) for row in found} == {
+        ("a", "lanes", 3),
+        ("a", "good", 1),
+        ("b", "turn", 0.5),
+    }
     assert {row["sample"] for row in found} == {WHOLE_SCENE}
 
 
