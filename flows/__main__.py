@@ -4,13 +4,14 @@ import argparse
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from flows import server
+from flows import attended, server
 
 MADE: dict[str, Callable[[Any], str]] = {
     "experiment": lambda _: f"Report: {Path('reports/index.html').resolve()}",
@@ -22,22 +23,46 @@ MADE: dict[str, Callable[[Any], str]] = {
 
 
 def main(argv: list[str]) -> int:
-    """0 if the flow completed, 1 with its reason otherwise, 130 where Ctrl-C stopped it."""
+    """0 if the flow completed, 1 with its reason otherwise, 128 and its number where a signal stopped it (130 is Ctrl-C)."""
     arguments = _parser().parse_args(argv)
     try:
-        with server.local_server(meanwhile=partial(import_module, f"flows.{arguments.flow}")):
+        imports = partial(import_module, f"flows.{arguments.flow}")
+        with _stoppable(), attended.stopping_work(), server.local_server(meanwhile=imports):
             state = _run(arguments)
     except RuntimeError as error:
         print(f"flows: {error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         print("flows: stopped; stages that were done stay done, the same command goes on from there", file=sys.stderr)
-        return 128 + signal.SIGINT
+        return 128 + (stop.number if isinstance(stop, Stopped) else signal.SIGINT)
     if not state.is_completed():
         print(f"flows: {arguments.flow}: {state.message}", file=sys.stderr)
         return 1
     print(MADE[arguments.flow](state))
     return 0
+
+
+class Stopped(KeyboardInterrupt):
+    """A signal that asks us to stop."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
+@contextmanager
+def _stoppable() -> Iterator[None]:
+    """Signals that ask us to stop raise `Stopped`, also those that would end us on the spot."""
+
+    def stop(number: int, _: object) -> None:
+        raise Stopped(number)
+
+    before = {number: signal.signal(number, stop) for number in attended.STOPS}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _parser() -> argparse.ArgumentParser:

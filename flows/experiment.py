@@ -42,7 +42,10 @@ def run_stage(stage: str, root: Path = Path()) -> State[float]:
 def experiment() -> State[list[dict[str, str]]]:
     """Bring every stage of dvc.yaml up to date; records one row a stage. Fails, naming them, if stages do."""
     began = time.monotonic()
-    plan = pipeline.read()
+    try:
+        plan = pipeline.read()
+    except pipeline.StageFailed as error:
+        return Failed(message=str(error))
     get_run_logger().info(
         "%d stages, %d to run (asked DVC in %.1f s)", len(plan.needs), len(plan.stale), time.monotonic() - began
     )

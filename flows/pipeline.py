@@ -7,23 +7,30 @@ workspace's own lock, held for moments only, DVC itself is told to wait: who is 
 """
 
 import json
+import logging
 import os
 import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import networkx as nx
 import yaml
+from dvc.lock import LockError
 from dvc.repo import Repo
+
+from flows import attended
+from flows.mending import is_whole, mend
 
 MEASURES = "stages/dvc.yaml"
 """The stages that only measure us: `make tables PART=maps` runs them, `make run` and a plain `dvc repro` do not."""
 
+_LOG = logging.getLogger("flows")
 _BUSY = ("is busy", "Unable to acquire lock")
 _UNCHANGED = ("didn't change, skipping", "is cached - skipping run")
 _HINTS = ("To track the changes with git", "git add ", "To enable auto staging", "Use `dvc push`", "dvc config core.autostage")
@@ -61,17 +68,30 @@ class Pipeline:
 
 
 def read(root: Path = Path(), measures: bool = False) -> Pipeline:
-    """Read dvc.yaml, and `MEASURES` if wanted, and compare them with the workspace: half a second when nothing changed."""
+    """Read dvc.yaml, and `MEASURES` if wanted, and compare them with the workspace: half a second when nothing changed.
+
+    Raises StageFailed where another run has files in use and goes on having them.
+    """
     with _repo(root) as repo:
         graph = repo.index.graph  # an edge (a, b) means that a depends on b
         order = [s for s in nx.topological_sort(graph.reverse(copy=True)) if measures or s.path_in_repo != MEASURES]
         needs = {_name(stage): sorted(_name(d) for d in graph.successors(stage)) for stage in order}
-        changed = repo.status()
+        changed = _status(repo)
         stale = {_name(stage) for stage in order if stage.addressing in changed}
     for stage, before in needs.items():
         if stale.intersection(before):
             stale.add(stage)
     return Pipeline(needs, frozenset(stale))
+
+
+def _status(repo: Repo) -> Any:
+    for _ in range(_TRIES):
+        try:
+            return repo.status()
+        except LockError as error:
+            busy = " ".join(str(error).split("\n\n")[0].split())
+            time.sleep(0.5)
+    raise StageFailed(f"another run has files in use, wait for it or end it: {busy}")
 
 
 def reproduce(stage: str, say: Callable[[str], None], root: Path = Path(), force: bool = False) -> bool:
@@ -162,17 +182,22 @@ def metrics(stage: str, root: Path = Path()) -> dict[str, Any]:
 
 
 def locked(root: Path) -> dict[str, Any]:
-    """What dvc.lock, and that of `MEASURES`, say of each stage; nothing where there is none."""
+    """What dvc.lock, and that of `MEASURES`, say of each stage; nothing where there is none, or a broken one (`mending`)."""
     entries: dict[str, Any] = {}
     for lock, prefix in ((root / "dvc.lock", ""), ((root / MEASURES).with_suffix(".lock"), f"{MEASURES}:")):
-        read = yaml.load(lock.read_text(), yaml.CSafeLoader) if lock.exists() else None
-        entries |= {f"{prefix}{name}": entry for name, entry in ((read or {}).get("stages") or {}).items()}
+        read = yaml.load(lock.read_text(), yaml.CSafeLoader) if lock.exists() and is_whole(lock.read_bytes()) else {}
+        entries |= {f"{prefix}{name}": entry for name, entry in (read.get("stages") or {}).items()}
     return entries
 
 
-def _repo(root: Path) -> Repo:
-    """The workspace as DVC sees it, waiting for its lock: another run may be looking just now."""
-    return Repo(str(root), _wait_for_lock=True)
+@contextmanager
+def _repo(root: Path) -> Iterator[Repo]:
+    """The workspace as DVC sees it, mended, waiting for its lock: another run may be looking just now."""
+    with Repo(str(root), _wait_for_lock=True) as repo:
+        with repo.lock:
+            for sentence in mend(root, Path(repo.tmp_dir)):
+                _LOG.warning(sentence)
+        yield repo
 
 
 def _find(repo: Repo, stage: str) -> Any:
@@ -189,17 +214,20 @@ def _overlap(one: str, other: str) -> bool:
 
 
 def _run(command: list[str], root: Path, say: Callable[[str], None]) -> tuple[int, list[str]]:
-    """Exit code and all lines of output, handed to `say` as they come."""
+    """Exit code and all lines of output, handed to `say` as they come. Raises StageFailed where the flow was stopped."""
     lines: list[str] = []
-    with subprocess.Popen(
-        command, cwd=root, env=_environment(), text=True, errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT
-    ) as process:
-        assert process.stdout is not None
-        for line in process.stdout:
-            lines.append(line.rstrip())
-            if lines[-1] and not line.lstrip().startswith(_HINTS):
-                say(lines[-1])
-    return process.returncode, lines
+    output = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "errors": "replace"}
+    try:
+        with attended.work(command, cwd=root, env=_environment(), **output) as process:
+            assert process.stdout is not None
+            for line in process.stdout:
+                lines.append(line.rstrip())
+                if lines[-1] and not line.lstrip().startswith(_HINTS):
+                    say(lines[-1])
+            code = process.wait()
+    except InterruptedError as error:
+        raise StageFailed(str(error)) from None
+    return code, lines
 
 
 def _environment() -> dict[str, str]:

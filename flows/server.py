@@ -1,11 +1,11 @@
 """A Prefect server of our own for the time of one flow, on 127.0.0.1 and a free port.
 
 Without it Prefect starts a hidden one inside the flow's process, which prints hundreds of lines of tracebacks when it
-ends. Its database and log stay in .drivegen/prefect. Where PREFECT_API_URL is set, that server is used instead.
+ends. Its database and log stay in .drivegen/prefect. It ends with the flow, also where that is killed (`attended.py`). Where
+PREFECT_API_URL is set, that server is used instead.
 """
 
 import os
-import signal
 import socket
 import subprocess
 import sys
@@ -15,6 +15,8 @@ import urllib.request
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from flows import attended
 
 HOME = Path(".drivegen/prefect")
 _READY_WITHIN = 90.0
@@ -46,8 +48,8 @@ def local_server(home: Path = HOME, meanwhile: Callable[[], object] = lambda: No
     url = f"http://127.0.0.1:{port}/api"
     command = [sys.executable, "-m", "prefect", "server", "start", "--host", "127.0.0.1", "--port", str(port), "--no-ui"]
     with (home / "server.log").open("w") as log:
-        # A session of its own: Ctrl-C reaches the flow, which still needs the server to write down that it was stopped.
-        server = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, start_new_session=True)
+        # In its own session Ctrl-C reaches the flow alone, which still needs the server to write down that it was stopped.
+        server = attended.start(command, stdout=log, stderr=subprocess.STDOUT)
         try:
             os.environ["PREFECT_API_URL"] = url
             meanwhile()
@@ -56,7 +58,8 @@ def local_server(home: Path = HOME, meanwhile: Callable[[], object] = lambda: No
         finally:
             drain()
             os.environ.pop("PREFECT_API_URL", None)
-            _stop(server)
+            attended.end(server)
+            server.wait()
 
 
 def drain() -> None:
@@ -84,15 +87,3 @@ def _await(url: str, server: "subprocess.Popen[bytes]", log: Path) -> None:
         except (urllib.error.URLError, ConnectionError, TimeoutError):
             time.sleep(0.1)
     raise RuntimeError(f"the local Prefect server did not start: see {log}; `drivegen doctor` checks its versions")
-
-
-def _stop(server: "subprocess.Popen[bytes]") -> None:
-    """Ask the server's whole process group to end, then make it."""
-    for number in (signal.SIGINT, signal.SIGKILL):
-        if server.poll() is not None:
-            return
-        os.killpg(server.pid, number)
-        try:
-            server.wait(_STOP_WITHIN)
-        except subprocess.TimeoutExpired:
-            continue

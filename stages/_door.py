@@ -19,7 +19,8 @@ import resource
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import TypeVar
 
@@ -52,6 +53,9 @@ def enter(section: str, params: type[P], main: Callable[..., Mapping[str, float]
     except DriveGenError as error:
         print(f"{section}: {error}", file=sys.stderr)
         sys.exit(error.exit_code)
+    except MemoryError as error:
+        print(f"{section}: there is not enough memory for that ({error}): ask for less (params.yaml)", file=sys.stderr)
+        sys.exit(1)
     except OSError as error:
         print(f"{section}: {_what_failed(error)}; nothing half-written was kept", file=sys.stderr)
         sys.exit(1)
@@ -99,11 +103,21 @@ def spread(work: Callable[[Task], Result], tasks: Sequence[Task], workers: int, 
         results: dict[int, Result] = {}
         following = 0
         for done, future in enumerate(as_completed(futures), 1):
-            results[futures[future]] = future.result()
+            results[futures[future]] = _result(future, what)
             _progress(what, done, total)
             while following in results:
                 yield tasks[following], results.pop(following)
                 following += 1
+
+
+def _result(future: "Future[Result]", what: str) -> Result:
+    """What a process returns; raises MissingTool where one of them was killed."""
+    try:
+        return future.result()
+    except BrokenProcessPool:
+        raise MissingTool(
+            f"{what}: a process was killed, most likely because memory ran out: lower run.workers in params.yaml, or make room"
+        ) from None
 
 
 def spread_splits(

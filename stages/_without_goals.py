@@ -1,5 +1,6 @@
 """What stages rollout_rival and rollout_baseline do: K futures of every test scenario by a generator that follows no goals.
 
+Bounds are told what the log says; everybody else, and the checker that judges them, know the first frame alone.
 They are two only because their deps differ: a rival that is trained again must not run the baselines again.
 """
 
@@ -9,6 +10,8 @@ from pathlib import Path
 from drivegen.checker.verdicts import judged, read_limits
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
+from drivegen.core.first_frame import first_frame
+from drivegen.core.methods import BOUND
 from drivegen.core.settings import Count
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, shards
@@ -44,6 +47,8 @@ def main(params: Params, scenarios: Path, models: Path, generated: Path) -> dict
 def _generate_shard(task: Task) -> int:
     name, scenarios = task.out.name, read_shard(task.shard)
     plugin = plugins.load("generators", name)
+    if plugin.about.kind != BOUND:
+        scenarios = [first_frame(scenario) for scenario in scenarios]
     if plugin.about.goals is not None:
         raise UnusableInput(f"generator {name!r} follows goals: of the lists in params.yaml it belongs in run.own")
     limits = read_limits(task.models)

@@ -13,6 +13,7 @@ from typing import Any
 import pyarrow.parquet as pq
 
 from drivegen.core import plugins
+from drivegen.core.first_frame import first_frame
 from drivegen.core.scenario import Scenario
 from drivegen.core.settings import Count
 from drivegen.goals.candidates import Candidates, Settings, candidates
@@ -87,7 +88,7 @@ def main(params: Params, scenarios: Path, model: Path, goals: Path, results: Pat
 def _forecast(found: list[Path], selector: AskingSelector, model: LanguageModel, settings: Settings) -> str:
     """What the calls will cost, from the questions about the first scenes."""
     total = sum(pq.read_metadata(shard).num_rows for shard in found)  # a row is a scenario
-    first = [_offered(scenario, settings) for scenario in read_shard(found[0])[:_SCENES]]
+    first = [_offered(first_frame(scenario), settings) for scenario in read_shard(found[0])[:_SCENES]]
     questions = selector.questions(first)
     answer = RANKING_TOKENS * sum(len(scenario.vehicles) for _, scenario, _ in first) // max(len(questions), 1)
     return model.forecast(questions, answer, total / max(len(first), 1))
@@ -102,12 +103,13 @@ def _shard_goals(task: Task) -> Judged:
     selector = task.selector or plugins.load("selectors", task.goals.name).load(task.model)
     packed, judged = [], []
     scenarios = read_shard(task.shard)
+    shown = scenarios if selector.reads_log else [first_frame(scenario) for scenario in scenarios]
     if isinstance(selector, AskingSelector) and selector.in_batches:
-        selector.ahead([_offered(scenario, task.settings) for scenario in scenarios])
-    for scenario in scenarios:
-        graph, _, found = _offered(scenario, task.settings)
-        offered = selector.offer(graph, scenario, found)
-        probabilities = selector.rank(graph, scenario, offered)
+        selector.ahead([_offered(scene, task.settings) for scene in shown])
+    for scenario, scene in zip(scenarios, shown, strict=True):
+        graph, _, found = _offered(scene, task.settings)
+        offered = selector.offer(graph, scene, found)
+        probabilities = selector.rank(graph, scene, offered)
         packed.append(pack(scenario, task.goals.name, offered, probabilities))
         judged.append(judge(scenario, offered, probabilities))
     write_goals(task.goals / task.shard.name, packed)

@@ -2,7 +2,8 @@
 
 argv: scenarios (folder of shards), models (folder), recorded goals (folder of folders, one a selector), generated
 (folder; its name is the method's), rejected (file: what the checker turned down on the way, in the scenes that the report
-shows). Nobody is dropped: what stays illegal is kept and counted as illegal.
+shows). Planner and checker know the first frame; the log reaches them only by goals that were recorded from it (a bound).
+Nobody is dropped: what stays illegal is kept and counted as illegal.
 """
 
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from pathlib import Path
 
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
+from drivegen.core.first_frame import first_frame
 from drivegen.core.rejections import Rejected, Rejections
 from drivegen.core.settings import Count, Index
 from drivegen.generators.base import Settings
@@ -60,7 +62,7 @@ def main(params: Params, scenarios: Path, models: Path, goals: Path, generated: 
 
 def _generate_shard(task: Task) -> list[Rejected]:
     """What was turned down in the rows `task.shown`."""
-    scenarios = read_shard(task.shard)
+    scenarios = [first_frame(scenario) for scenario in read_shard(task.shard)]
     params = task.params
     generator = plugins.load("generators", task.out.name)(task.models, params.generation)
     if generator.about.goals is None:

@@ -4,11 +4,10 @@ argv: scenarios (folder with train and val), model (folder; its name is the gene
 An interrupted training goes on from `.drivegen/checkpoints/`, in a folder named after everything that it depends on.
 """
 
-import hashlib
 import shutil
 import time
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +15,13 @@ import numpy as np
 
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
+from drivegen.core.first_frame import first_frame
 from drivegen.core.settings import Count
 from drivegen.generators.shared.learned import Learned
 from drivegen.metrics.displacement import scene_errors, summarise
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
+from drivegen.training import checkpoint
 from drivegen.training.curve import kept, write_curve
 from stages._door import build, enter, spread_splits
 
@@ -46,9 +47,12 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     """Train, save, score."""
     plugin, settings = _chosen(model.name, params)
     train, validation = _examples(plugin, settings, scenarios, params.workers)
-    checkpoints = CHECKPOINTS / _key(model.name, params, settings, scenarios)
+    inputs = (model.name, asdict(settings), params.training_seed)
+    data = [*shards(scenarios / "train"), *shards(scenarios / "val")]
+    checkpoints = CHECKPOINTS / checkpoint.name_of(inputs, data, checkpoint.source_digest("drivegen", "stages"))
+    say = partial(print, f"train_generator {model.name}:", flush=True)
     began = time.process_time()
-    generator, rows = plugin.fit(settings, train, validation, params.training_seed, checkpoints, _say(model.name))
+    generator, rows = plugin.fit(settings, train, validation, params.training_seed, checkpoints, say)
     trained = time.process_time() - began
     generator.save(model)
     write_curve(curve, rows)
@@ -57,7 +61,7 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     learnt = {"parameters": generator.parameters, "kept_step": best.step, "validation_loss": best.validation}
     scores = _scores(generator, scenarios / "val", params)
     for bound, told in generator.bounds().items():
-        scores |= {f"{bound}.{key}": value for key, value in _scores(told, scenarios / "val", params).items()}
+        scores |= {f"{bound}.{key}": value for key, value in _scores(told, scenarios / "val", params, told_log=True).items()}
     write_json(metrics, {"generator": model.name, **counts, **learnt, **scores})
     shutil.rmtree(checkpoints, ignore_errors=True)
     return {**{key: float(value) for key, value in counts.items()}, "training_cpu_seconds": trained}
@@ -86,12 +90,13 @@ def _shard_examples(task: tuple[type[Learned], Any, Path]) -> Any:
     return plugin.examples(settings, read_shard(shard))
 
 
-def _scores(generator: Learned, split: Path, params: Params) -> dict[str, float]:
+def _scores(generator: Learned, split: Path, params: Params, told_log: bool = False) -> dict[str, float]:
     """Displacement errors [m] of `samples` futures of every validation scenario, the mean over scenarios."""
     found = []
     for shard in shards(split):
         logged = [s for s in read_shard(shard) if s.log is not None]
-        for scenario, made in zip(logged, generator.generate(logged, params.samples, params.training_seed), strict=True):
+        shown = logged if told_log else [first_frame(s) for s in logged]
+        for scenario, made in zip(logged, generator.generate(shown, params.samples, params.training_seed), strict=True):
             assert scenario.log is not None
             try:
                 found.append(summarise(*scene_errors(made.motion, scenario.log)))
@@ -100,20 +105,6 @@ def _scores(generator: Learned, split: Path, params: Params) -> dict[str, float]
                     raise
     names = ("min_sade", "min_sfde", "mean_sade", "mean_sfde")
     return {f"validation_{n}": float(np.mean([getattr(one, n) for one in found])) for n in names} if found else {}
-
-
-def _key(name: str, params: Params, settings: Any, scenarios: Path) -> str:
-    """A name for everything that the weights depend on: settings, seed, data and the code that learns."""
-    digest = hashlib.sha256(repr((name, asdict(settings), params.training_seed)).encode())
-    root = Path(__file__).parents[1] / "drivegen"
-    code = sorted(path for folder in ("generators", "training") for path in (root / folder).rglob("*.py"))
-    for path in [*code, *shards(scenarios / "train"), *shards(scenarios / "val")]:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:24]
-
-
-def _say(name: str) -> Callable[[str], None]:
-    return lambda line: print(f"train_generator {name}: {line}", flush=True)
 
 
 if __name__ == "__main__":

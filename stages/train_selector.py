@@ -5,7 +5,6 @@ metrics stand beside those of a uniform choice and of the hand-made prior on the
 on from `.drivegen/checkpoints/`, in a file named after everything that it depends on.
 """
 
-import hashlib
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,7 +12,6 @@ from pathlib import Path
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.candidates import candidates
 from drivegen.goals.list_files import read_lists
-from drivegen.goals.lists import Lists
 from drivegen.goals.scores import Judged, judge, scores
 from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.base import Selector
@@ -22,6 +20,7 @@ from drivegen.selectors.prior import Plugin as Prior
 from drivegen.selectors.random import Plugin as Random
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
+from drivegen.training import checkpoint
 from drivegen.training.curve import write_curve
 from stages._door import enter, require
 
@@ -39,31 +38,21 @@ class Params:
 
 def main(params: Params, scenarios: Path, lists: Path, model: Path, metrics: Path, curve: Path) -> dict[str, float]:
     """Learn, save, score."""
-    learnt, teacher = read_lists(require(lists, "run the goal_lists stage") / "train.parquet")
-    held_out, _ = read_lists(lists / "val.parquet")
-    checkpoint = CHECKPOINTS / f"selector-{_key(learnt, held_out, params)}.safetensors"
+    files = [require(lists, "run the goal_lists stage") / f"{split}.parquet" for split in ("train", "val")]
+    (learnt, teacher), (held_out, _) = map(read_lists, files)
+    inputs = (asdict(params.learned), params.training_seed)
+    name = checkpoint.name_of(inputs, files, checkpoint.source_digest("drivegen", "stages"))
+    interrupted = CHECKPOINTS / f"selector-{name}.safetensors"
     began = time.process_time()
-    selector, rows = Plugin.fit(learnt, held_out, params.learned, params.training_seed, checkpoint, _say, teacher)
+    selector, rows = Plugin.fit(learnt, held_out, params.learned, params.training_seed, interrupted, _say, teacher)
     took = time.process_time() - began
     selector.save(model)
     write_curve(curve, rows)
     counts = {"described": selector.described, "train_lists": len(learnt), "validation_lists": len(held_out)}
     temperature = {"temperature": float(selector.net.temperature)}
     write_json(metrics, counts | temperature | {"validation": _scores(scenarios / "val", params, selector)})
-    checkpoint.unlink(missing_ok=True)
+    interrupted.unlink(missing_ok=True)
     return {"training_cpu_seconds": took}
-
-
-def _key(learnt: Lists, held_out: Lists, params: Params) -> str:
-    """A name for everything that the weights depend on: lists, settings, seed and the code that learns."""
-    digest = hashlib.sha256(repr((asdict(params.learned), params.training_seed)).encode())
-    for lists in (learnt, held_out):
-        for array in (lists.x, lists.distance, lists.doubt, lists.taught):
-            digest.update(array.tobytes())
-    root = Path(__file__).parents[1] / "drivegen"
-    for path in [root / "selectors/learned.py", root / "selectors/_ranker.py", *sorted((root / "training").glob("*.py"))]:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:24]
 
 
 def _say(line: str) -> None:

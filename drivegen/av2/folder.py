@@ -6,7 +6,6 @@ Source: argoverse/av2-api, `datasets/motion_forecasting/scenario_serialization.p
 from pathlib import Path
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from drivegen.av2.maps import read_map
 from drivegen.av2.schema import CONSTANTS, REQUIRED, SIZE_COLUMNS, WORDS
@@ -14,6 +13,7 @@ from drivegen.av2.signals import read_signals
 from drivegen.av2.tracks import read_log
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
+from drivegen.core.safe_parquet import open_parquet
 
 _TEXT = [*WORDS, *CONSTANTS]
 
@@ -46,10 +46,10 @@ def read_folder(folder: Path, source: str) -> RecordedLog:
 def read_table(path: Path) -> pa.Table:
     """The columns of a tracks file that `read_log` takes, words as dictionaries.
 
-    Raises UnusableInput, reason `truncated`, for a file that is empty, cut short or no Parquet, and `missing-columns`.
+    Raises UnusableInput, reason `truncated`, for a file that is empty, cut short or no Parquet, `missing-columns` or `too-large`.
     """
     try:
-        with pq.ParquetFile(pa.BufferReader(path.read_bytes()), read_dictionary=_TEXT) as file:
+        with open_parquet(pa.BufferReader(path.read_bytes()), path, read_dictionary=_TEXT) as file:
             table = file.read(columns=[*REQUIRED, *SIZE_COLUMNS], use_threads=False)
             table.select([name for name in _TEXT if name in table.column_names]).validate(full=True)  # UTF-8, indices in range
             return table

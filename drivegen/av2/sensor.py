@@ -2,7 +2,7 @@
 
 Source: argoverse/av2-api, `structures/cuboid.py`, `datasets/sensor`. Boxes are in the ego frame of their own timestamp
 and `city_SE3_egovehicle` holds the pose of that frame: p_city = R(q) p_ego + t. Boxes have true sizes; there are no
-velocities, so they are the slope of a line fitted to 5 positions (0.4 s).
+velocities, so they are the slope of a line fitted to 5 positions, the last 0.4 s: none tells what comes next.
 """
 
 from dataclasses import dataclass
@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.feather
 from numpy.typing import NDArray
 
 from drivegen.av2.maps import read_map
 from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import RoadMap
+from drivegen.core.safe_parquet import read_feather
 from drivegen.core.scenario import DT, Trajectories, VehicleKind
 
 EGO_TRACK = "AV"
@@ -68,8 +68,8 @@ _BOX = (*_POSE, "track_uuid", "category", "length_m", "width_m", "height_m")
 _PERIOD = round(DT * 1e9)
 _POSE_TOLERANCE = 10_000_000
 """A pose farther than this [ns] from an annotation's timestamp is not its pose; poses come every 5 to 10 ms."""
-_HALF_FIT = 2
-"""Positions before and after that a velocity is fitted to."""
+FITTED = 5
+"""Positions that a velocity is fitted to, the last of them its own."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,9 @@ def read_sensor_log(folder: Path) -> SensorLog:
     _place(motion, track, step[frame[keep]], centre - road_map.origin, forward)
     ego = translation[:, :2] + EGO_CENTRE * rotation[:, :2, 0]
     _place(motion, np.full(len(time), len(tracks)), step, ego - road_map.origin, rotation[:, :2, 0])
-    motion.velocity[:] = fitted_velocity(motion.position, motion.valid)
+    velocity = fitted_velocity(motion.position, motion.valid)
+    motion.valid[np.isnan(velocity[..., 0])] = False  # a track begins once its velocity is known
+    motion.velocity[:] = np.nan_to_num(velocity)
     _check(motion, annotations)
     size = np.stack([boxes[f"{word}_m"].to_numpy()[keep][first_row] for word in ("length", "width", "height")], axis=-1)
     kind = [KIND_OF_CATEGORY[word] for word in category[keep][first_row].tolist()]
@@ -145,15 +147,18 @@ def read_sensor_log(folder: Path) -> SensorLog:
 
 
 def fitted_velocity(position: NDArray[np.float32], valid: NDArray[np.bool_]) -> NDArray[np.float32]:
-    """Velocity (..., T, 2) [m/s]: slope of the line fitted to the valid ones among 5 positions; 0 where there is one only."""
-    reach = _HALF_FIT
-    weight = np.pad(valid.astype(np.float64), [*[(0, 0)] * (valid.ndim - 1), (reach, reach)])
-    padded = np.pad(position.astype(np.float64), [*[(0, 0)] * (valid.ndim - 1), (reach, reach), (0, 0)])
+    """Velocity (..., T, 2) [m/s]: slope of the line fitted to the valid ones among the last FITTED positions.
+
+    NaN where there is only one of them, or none now.
+    """
+    reach = FITTED - 1
+    weight = np.pad(valid.astype(np.float64), [*[(0, 0)] * (valid.ndim - 1), (reach, 0)])
+    padded = np.pad(position.astype(np.float64), [*[(0, 0)] * (valid.ndim - 1), (reach, 0), (0, 0)])
     steps = valid.shape[-1]
     count = np.zeros(valid.shape)
     sum_t, sum_tt = count.copy(), count.copy()
     sum_x, sum_tx = np.zeros(position.shape), np.zeros(position.shape)
-    for offset in range(-reach, reach + 1):
+    for offset in range(-reach, 1):
         window = slice(offset + reach, offset + reach + steps)
         w, x = weight[..., window], padded[..., window, :]
         count += w
@@ -163,12 +168,12 @@ def fitted_velocity(position: NDArray[np.float32], valid: NDArray[np.bool_]) -> 
         sum_tx += (w * offset)[..., None] * x
     spread = count * sum_tt - sum_t**2
     slope = (count[..., None] * sum_tx - sum_t[..., None] * sum_x) / np.maximum(spread, 1.0)[..., None]
-    return np.where((spread > 0)[..., None] & valid[..., None], slope / DT, 0.0).astype(np.float32)
+    return np.where((spread > 0)[..., None] & valid[..., None], slope / DT, np.nan).astype(np.float32)
 
 
 def _read(path: Path, columns: tuple[str, ...]) -> pa.Table:
     try:
-        table = pyarrow.feather.read_table(path, use_threads=False)
+        table = read_feather(path)
     except (pa.ArrowException, OSError) as error:
         what = str(error).splitlines()[0]
         raise UnusableInput(f"{path} is no whole Feather file ({what}): copy it again", reason="truncated") from None

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Violation
+from drivegen.core.settings import NotNegative, build
 
 
 @dataclass(frozen=True)
@@ -32,23 +33,24 @@ class Limits:
         side_slip: speed across the vehicle's own heading [m/s].
         red_grace: how long a signal may have been red when a vehicle enters [s].
         stop_speed: lowest speed on the last metres before a stop line [m/s].
-        yield_gap: time that must pass between leaving a conflict point and a vehicle with priority reaching it [s].
+        yield_gap: time that must pass between leaving a conflict point and a vehicle with priority reaching it [s]; below zero
+            where logs overlap there.
     """
 
-    overlap: float
-    overlap_context: float
-    off_road: float
-    wrong_way: float
-    speed: float
-    over_limit: float
-    acceleration: float
-    braking: float
-    lateral_acceleration: float
-    velocity_error: float
-    curvature: float
-    side_slip: float
-    red_grace: float
-    stop_speed: float
+    overlap: NotNegative
+    overlap_context: NotNegative
+    off_road: NotNegative
+    wrong_way: NotNegative
+    speed: NotNegative
+    over_limit: NotNegative
+    acceleration: NotNegative
+    braking: NotNegative
+    lateral_acceleration: NotNegative
+    velocity_error: NotNegative
+    curvature: NotNegative
+    side_slip: NotNegative
+    red_grace: NotNegative
+    stop_speed: NotNegative
     yield_gap: float
 
     def severities(self) -> NDArray[np.float64]:
@@ -73,10 +75,7 @@ class Limits:
         """Limits from a parsed JSON file; raises UnusableInput naming `place` and the key at fault."""
         if not isinstance(values, dict) or set(values) != set(LIMITED):
             raise UnusableInput(f"{place} does not hold the limits {', '.join(LIMITED)}: run the calibrate stage again")
-        for name, value in values.items():
-            if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
-                raise UnusableInput(f"{place}: {name} must be a finite number, not {value!r}")
-        return cls(**{name: float(value) for name, value in values.items()})
+        return build(cls, values, place)
 
 
 LIMITED = tuple(f.name for f in fields(Limits))

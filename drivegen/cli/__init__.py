@@ -50,6 +50,8 @@ def main() -> None:
         _leave(str(error), error.exit_code)
     except ImportError as error:
         _leave(f"{error.name or 'a package'} cannot be imported: `drivegen doctor` says what to do", 1)
+    except MemoryError as error:
+        _leave(f"there is not enough memory for that ({error}); nothing half-written was kept: ask for less", 1)
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
         what = (error.strerror or str(error)).splitlines()[0]

@@ -11,12 +11,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
+import yaml
 from packaging.requirements import Requirement
 from rich.console import Console
 from rich.markup import escape
 from typer import Exit, Option
 
-from drivegen.core.errors import DriveGenError
+from drivegen.core.errors import DriveGenError, UnusableInput
+from drivegen.core.seal import expect_seal, has_seal
 from drivegen.sumo.netconvert import plain_to_net
 from drivegen.sumo.plain import Edge, Node, PlainNetwork
 
@@ -48,7 +50,7 @@ def command(
     lm: Annotated[bool, Option("--lm", help="Also try the configured language models with one tiny call each.")] = False,
 ) -> None:
     """Check versions, SUMO, GPU, data and weights, and say what to do. Exits 1 if something needed is missing."""
-    findings = [python(), *versions(), *sumo(), gpu(), *places(Path()), disk(Path()), loopback()]
+    findings = [python(), *versions(), *sumo(), gpu(), *places(Path()), *damage(Path()), disk(Path()), loopback()]
     findings += language_models() if lm else []
     console = Console(soft_wrap=True, highlight=False)
     width = max(len(finding.what) for finding in findings) + 2
@@ -117,6 +119,34 @@ def places(root: Path) -> Iterator[Finding]:
     for what, name in _MADE_BY_RUN:
         there = (root / name).exists()
         yield Finding(what, there or None, name if there else f"no {name} here", "" if there else "make run")
+
+
+def damage(root: Path) -> Iterator[Finding]:
+    """Files of the pipeline that a kill cut off or that changed since they were written, below the current folder."""
+    lock = root / "dvc.lock"
+    if lock.is_file() and not _is_yaml(lock.read_bytes()):
+        yield Finding("dvc.lock", False, "cut off or broken", "make run restores it, from the commit where there is one")
+    files = [file for pattern in ("*.parquet", "*.safetensors") for file in sorted((root / "data").rglob(pattern))]
+    whole = 0
+    for file in files:
+        raw = file.read_bytes()
+        if not has_seal(raw):  # tables of results have none
+            continue
+        try:
+            expect_seal(raw, file, "remove it, then make run")
+            whole += 1
+        except UnusableInput as error:
+            yield Finding("checksums", False, *str(error).split(": ", 1))
+    if whole:
+        yield Finding("checksums", True, f"{whole} shards and weights are as they were written")
+
+
+def _is_yaml(raw: bytes) -> bool:
+    try:
+        yaml.load(raw, yaml.CSafeLoader)
+    except (yaml.YAMLError, UnicodeDecodeError):
+        return False
+    return raw.endswith(b"\n")
 
 
 def disk(root: Path) -> Finding:

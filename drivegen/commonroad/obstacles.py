@@ -156,15 +156,19 @@ def _position(state: Element, place: str) -> tuple[float, float]:
 def _velocity(
     states: list[Element], time: NDArray[np.float64], position: Points, heading: NDArray[np.float64], place: str
 ) -> Points:
-    """Velocities (S, 2) [m/s]: along the heading (and across it where 2020a says so); else the positions' slope."""
-    speed = [value(state, "velocity", place) for state in states]
-    known = [one for one in speed if one is not None]
-    if len(known) == len(speed):
-        across = [value(state, "velocityY", place) or 0.0 for state in states]
-        return rotate(np.stack([np.array(known), np.array(across)], axis=-1), heading).astype(np.float64)
+    """Velocities (S, 2) [m/s]: along the heading (and across it where 2020a says so); else how each position was reached.
+
+    The first state, which was not reached, has the velocity that the file gives for it, or that of the second.
+    """
+    along = np.array([value(state, "velocity", place) for state in states], np.float64)  # None becomes NaN
+    across = np.array([value(state, "velocityY", place) or 0.0 for state in states])
+    given = rotate(np.stack([along, across], axis=-1), heading).astype(np.float64)
+    if not np.isnan(along).any():
+        return given
     if len(states) < 2:
         refuse(f"{place} has neither a velocity nor a second position", "missing-value")
-    return np.stack([np.gradient(position[:, axis], time) for axis in range(2)], axis=-1)
+    slope = np.diff(position, axis=0) / np.diff(time)[:, None]
+    return np.where(np.isnan(along)[:, None], np.concatenate([slope[:1], slope]), given)
 
 
 def _box(element: Element, place: str) -> tuple[float, float, Points]:

@@ -1,4 +1,4 @@
-"""The three ways in which DriveGen says no, each with one sentence that names file, place and remedy."""
+"""The ways in which DriveGen says no, each with one sentence that names file, place and remedy."""
 
 
 class DriveGenError(Exception):

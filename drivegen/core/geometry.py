@@ -173,6 +173,12 @@ class Polylines:
     def __getitem__(self, i: int) -> NDArray[np.float32]:
         return self.points[self.start[i] : self.start[i + 1]]
 
+    @property
+    def whole(self) -> bool:
+        """Whether the lines take up all points, one after the other."""
+        first, last = self.start[[0, -1]] if len(self.start) else (-1, -1)
+        return bool(first == 0 and last == len(self.points) and (np.diff(self.start) >= 0).all())
+
     def lines(self) -> list[NDArray[np.float32]]:
         """All lines as views (P_i, 2)."""
         return [self[i] for i in range(len(self))]

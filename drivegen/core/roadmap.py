@@ -128,8 +128,17 @@ class RoadMap:
             raise UnusableInput("the map has two lanes of one id", reason="bad-map")
         if any(np.diff(line.start).min() < 2 for line in lines):
             raise UnusableInput("a lane of the map has fewer than two points", reason="bad-map")
-        if not all(np.isfinite(line.points).all() for line in (*lines, self.drivable, self.crossings)):
+        if not all(line.whole for line in (*lines, self.drivable, self.crossings)):
+            raise UnusableInput("the map has a line that does not hold its points", reason="bad-map")
+        if (self.kind > max(LaneKind)).any() or (self.control > max(LaneControl)).any() or (self.speed_limit < 0).any():
+            raise UnusableInput("a lane of the map has a kind, a control or a speed limit that is none", reason="bad-map")
+        points = (line.points for line in (*lines, self.drivable, self.crossings))
+        numbers: tuple[NDArray[np.floating], ...] = (self.origin, self.stop_lines, *points)
+        if not all(np.isfinite(array).all() for array in numbers):
             raise UnusableInput("the map has coordinates that are not numbers", reason="bad-map")
+        self._expect_links(count)
+
+    def _expect_links(self, count: int) -> None:
         for indices, low in ((self.links, 0), (self.neighbour, NO_LANE), (self.stop_lane, 0)):
             if indices.size and (indices.min() < low or indices.max() >= count):
                 raise UnusableInput("the map links to a lane that it does not hold", reason="bad-map")

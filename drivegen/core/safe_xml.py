@@ -1,8 +1,8 @@
-"""Every XML file that enters goes through here: size cap, no DTD, no entities, no network.
+"""Every XML file that enters goes through here: bounds on bytes, elements, attributes and depth, no DTD, no entities, no network.
 
 netconvert 1.28 includes local files through external entities and spends minutes on entity bombs, and libsumo dies on
 malformed networks, so nothing that was not written by this program reaches either of them unread. gzip is unpacked
-under the same cap.
+under the same cap. Bytes alone bound little: an element takes four of them in a file and two hundred in memory.
 """
 
 import zlib
@@ -20,6 +20,18 @@ from drivegen.core.errors import UnusableInput
 MAX_BYTES = 400 * 1024 * 1024
 """Largest file that is parsed, unpacked [bytes]: above the largest city network that SUMO's examples hold."""
 
+MAX_ELEMENTS, MAX_ATTRIBUTES = 5_000_000, 20_000_000
+"""What a network of `MAX_BYTES` holds: in SUMO's a tag takes 80 to 105 bytes, an attribute 20 to 27."""
+
+MAX_DEPTH = 100
+"""Elements within elements; no format that is read here has more than about ten."""
+
+MAX_RATIO = 100
+"""How many times its size a gzipped file may unpack to; networks do to about ten times."""
+
+_SMALL = 1024 * 1024
+"""Up to so many bytes any ratio is welcome."""
+
 _GZIP = b"\x1f\x8b"
 
 _CUT_OFF = tuple(
@@ -33,9 +45,10 @@ def parse(raw: bytes, place: str, root: str | None = None, max_bytes: int = MAX_
     """The root element of `raw`, plain or gzipped.
 
     Raises UnusableInput, naming `place`, for anything that is not well-formed XML, holds a DTD or an entity, is larger
-    than `max_bytes` unpacked, or has another root element than `root`.
+    than `max_bytes` unpacked or than the other bounds, or has another root element than `root`.
     """
     data = unpack(raw, place, max_bytes)
+    _expect_few(data, place)
     try:
         element: Any = ElementTree.fromstring(data, forbid_dtd=True)
     except DefusedXmlException as error:
@@ -45,16 +58,22 @@ def parse(raw: bytes, place: str, root: str | None = None, max_bytes: int = MAX_
         raise UnusableInput(f"{place} is not XML: {error}", reason=reason) from error
     except (UnicodeError, LookupError, ValueError) as error:
         raise UnusableInput(f"{place} is not XML: {error}", reason="not-xml") from error
+    if _depth(element) > MAX_DEPTH:
+        raise UnusableInput(f"{place} has elements nested more than {MAX_DEPTH} deep", reason="too-large")
     if root is not None and element.tag != root:
         raise UnusableInput(f"{place}: the root element is <{element.tag}>, not <{root}>", reason="wrong-root")
     return element  # type: ignore[no-any-return]
 
 
 def unpack(raw: bytes, place: str, max_bytes: int = MAX_BYTES) -> bytes:
-    """`raw`, gunzipped if it is gzipped; raises UnusableInput if it is empty, truncated or larger than `max_bytes`."""
+    """`raw`, gunzipped if it is gzipped.
+
+    Raises UnusableInput if it is empty, truncated, larger than `max_bytes`, or grows more than `MAX_RATIO` times.
+    """
     if not raw:
         raise UnusableInput(f"{place} is empty", reason="empty")
     if raw.startswith(_GZIP):
+        max_bytes = min(max_bytes, max(MAX_RATIO * len(raw), _SMALL))
         try:
             with GzipFile(fileobj=BytesIO(raw)) as stream:  # several members, as SUMO's own files may have
                 data = stream.read(max_bytes + 1)
@@ -66,3 +85,20 @@ def unpack(raw: bytes, place: str, max_bytes: int = MAX_BYTES) -> bytes:
     if len(raw) > max_bytes:
         raise UnusableInput(f"{place} is larger than {max_bytes // 1024} kB", reason="too-large")
     return raw
+
+
+def _expect_few(data: bytes, place: str) -> None:
+    """Raise UnusableInput where there are more `<` than tags are welcome, or more `=` than attributes.
+
+    In every encoding that expat reads these two are the bytes of ASCII, so no tag and no attribute escapes the count.
+    """
+    for sign, most, what in ((b"<", MAX_ELEMENTS, "elements"), (b"=", MAX_ATTRIBUTES, "attributes")):
+        if data.count(sign) > most:
+            raise UnusableInput(f"{place} has more than {most} {what}", reason="too-large")
+
+
+def _depth(element: Element) -> int:
+    depth, level = 0, [element]
+    while level and depth <= MAX_DEPTH:
+        depth, level = depth + 1, [child for one in level for child in one]
+    return depth

@@ -139,6 +139,13 @@ class Trajectories:
             raise UnusableInput("a trajectory has positions that are not numbers", reason="not-a-number")
 
 
+def _expect_kinds_and_sizes(kind: NDArray[np.uint8], size: NDArray[np.float32]) -> None:
+    if (kind > max(VehicleKind)).any():
+        raise UnusableInput(f"a vehicle is of kind {kind.max()}, which is none", reason="bad-vehicles")
+    if not (np.isfinite(size) & (size > 0)).all():
+        raise UnusableInput("a vehicle has a size that is no positive number", reason="bad-vehicles")
+
+
 @dataclass(frozen=True)
 class Vehicles:
     """Attributes P of N vehicles, the target first: kind, size and initial state.
@@ -174,12 +181,12 @@ class Vehicles:
         count = len(self)
         if count == 0:
             raise UnusableInput("the scenario has no vehicles", reason="no-vehicles")
-        if self.size.shape != (count, 3) or self.position.shape != (count, 2):
+        per_vehicle = (self.track_id, self.size_source, self.heading, self.speed)
+        if self.size.shape != (count, 3) or self.position.shape != (count, 2) or any(a.shape != (count,) for a in per_vehicle):
             raise UnusableInput("vehicle arrays differ in length", reason="bad-vehicles")
         if not all(np.isfinite(a).all() for a in (self.size, self.position, self.heading, self.speed)):
             raise UnusableInput("a vehicle has an initial state that is not a number", reason="not-a-number")
-        if (self.size <= 0).any():
-            raise UnusableInput("a vehicle has a size of zero or less", reason="bad-vehicles")
+        _expect_kinds_and_sizes(self.kind, self.size)
 
 
 @dataclass(frozen=True)
@@ -198,6 +205,14 @@ class Actors:
 
     def __len__(self) -> int:
         return len(self.kind)
+
+    def validate(self) -> None:
+        """Raise UnusableInput unless shapes agree and numbers make sense."""
+        count = len(self)
+        if self.size.shape != (count, 3) or self.track_id.shape != (count,) or len(self.motion.valid) != count:
+            raise UnusableInput("the arrays of context actors differ in length", reason="bad-vehicles")
+        _expect_kinds_and_sizes(self.kind, self.size)
+        self.motion.validate()
 
     @classmethod
     def none(cls, steps: int) -> "Actors":
@@ -219,6 +234,18 @@ class Signals:
 
     def __len__(self) -> int:
         return len(self.lane)
+
+    def validate(self, lanes: int) -> None:
+        """Raise UnusableInput unless they guard some of so many lanes and their states are among `SignalState`."""
+        if self.lane.size and not 0 <= self.lane.min() <= self.lane.max() < lanes:
+            raise UnusableInput("a signal guards a lane that the map does not hold", reason="bad-signals")
+        if (self.state > max(SignalState)).any():
+            raise UnusableInput("a signal has a state that is none", reason="bad-signals")
+
+    def held(self) -> "Signals":
+        """The same, each signal showing its last known state wherever the state is UNKNOWN: what drivers assume."""
+        known = np.where(self.state != SignalState.UNKNOWN, np.arange(self.state.shape[1]), 0)
+        return Signals(self.lane, np.take_along_axis(self.state, np.maximum.accumulate(known, axis=1), axis=1))
 
     def on_lanes(self, kept: NDArray[np.integer]) -> "Signals":
         """The signals of the lanes `kept` (K,) only, which are numbered 0..K-1 from now on."""
@@ -273,9 +300,12 @@ class Scenario:
             raise UnusableInput(f"scenario {self.scenario_id}: {error}", reason=error.reason) from None
 
     def _validate_parts(self) -> None:
+        if self.horizon < 1:
+            raise UnusableInput(f"its horizon is {self.horizon} steps", reason="bad-trajectories")
         self.map.validate()
         self.vehicles.validate()
-        self.context.motion.validate()
+        self.context.validate()
+        self.signals.validate(len(self.map))
         if self.log is not None:
             self.log.validate()
             if self.log.valid.shape != (len(self.vehicles), self.steps):

@@ -48,6 +48,9 @@ Index = Annotated[int, Within(0)]
 Positive = Annotated[float, Within(0, above=True)]
 NotNegative = Annotated[float, Within(0)]
 Share = Annotated[float, Within(0, 1)]
+Seed = Annotated[int, Within(0, 2**63 - 1)]
+
+_SHARED_KINDS = {"seed": Seed, "training_seed": Seed, "workers": Count}
 
 
 def read_section(section: str, path: Path = PARAMS) -> dict[str, Any]:
@@ -71,6 +74,8 @@ def read_params(section: str, params: type[P], path: Path = PARAMS) -> P:
     wanted = {f.name for f in dataclasses.fields(params)}  # type: ignore[arg-type]
     own = read_section(section, path)
     shared = read_section(SHARED, path) if SHARED in read_tree(path) else {}
+    for name in _SHARED_KINDS.keys() & shared.keys():
+        _typed(_SHARED_KINDS[name], shared[name], f"{path}: {SHARED}.{name}")
     return build(params, {**{k: v for k, v in shared.items() if k in wanted}, **own}, f"{path}: {section}")
 
 
@@ -120,6 +125,19 @@ def _within(value: Any, bounds: tuple[Any, ...], place: str) -> Any:
     return value
 
 
+class _Loader(yaml.SafeLoader):
+    """Takes no name twice in one section: the first value would be lost without a word."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        names: set[str] = set()
+        for key, _ in node.value:
+            if key.value in names:
+                raise yaml.YAMLError(f"{key.value!r} is there twice, again in line {key.start_mark.line + 1}")
+            names.add(key.value)
+        values: dict[Any, Any] = super().construct_mapping(node, deep)
+        return values
+
+
 def read_tree(path: Path = PARAMS) -> dict[str, Any]:
     """All sections by name, with the values that a `training` has from the section of that name.
 
@@ -128,7 +146,7 @@ def read_tree(path: Path = PARAMS) -> dict[str, Any]:
     if not path.exists():
         raise MissingTool(f"{path} is not here: change into the project's folder, the one with the Makefile")
     try:
-        tree = yaml.safe_load(path.read_text())
+        tree = yaml.load(path.read_text(), _Loader)  # noqa: S506 - a safe one
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise UnusableInput(f"{path} is not YAML: {str(error).splitlines()[0]}") from None
     if not isinstance(tree, dict):

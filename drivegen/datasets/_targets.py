@@ -1,7 +1,8 @@
 """Which tracks of a recording full of cars become targets, where the recording itself names none.
 
-A scenario is a target with its nearest neighbours, so targets are chosen greedily for what their scenarios show: again
-and again the moving vehicle, seen for long, whose neighbourhood holds most of the long tracks that no scenario has yet.
+Any vehicle may be one that is seen for long and moves: without that there is nothing to compare with. That is all that the
+future decides. A scenario is a target with its nearest neighbours, so among these targets are chosen greedily for what
+their first frames show: again and again the one whose neighbourhood holds most vehicles that no scenario has yet.
 """
 
 import numpy as np
@@ -10,13 +11,13 @@ from numpy.typing import NDArray
 from drivegen.core.scenario import Trajectories, VehicleKind
 
 LONG = 80
-"""A track is worth a scenario if it is seen for so many steps from the first one on (8 s), or as long as any if none is."""
+"""A target is seen for so many steps from the first one on (8 s), or as long as any if none is."""
 
 NEIGHBOURHOOD = 16
 """Vehicles of a scenario, as selected by default: more or fewer only change how much scenarios have in common."""
 
 LEAST_NEW = 4
-"""A scenario that would show fewer long tracks that no other shows isn't worth having."""
+"""A scenario that would show fewer vehicles that no other shows isn't worth having."""
 
 MOVING = 5.0
 """A target travels at least so far [m], if there is one that does."""
@@ -37,7 +38,7 @@ def spread_targets(kind: NDArray[np.uint8], motion: Trajectories) -> list[int]:
     travelled = np.where(motion.valid[:, 1:], np.hypot(*np.moveaxis(np.diff(motion.position, axis=1), -1, 0)), 0).sum(-1)
     fit = long & (travelled >= min(MOVING, travelled[long].max()))
     near, reach = _neighbourhoods(np.flatnonzero(seen > 0), motion.position[:, 0])
-    missing = long.copy()
+    missing = seen > 0
     chosen: list[int] = []
     while True:
         gain = np.where(fit, (near & missing).sum(-1), 0)

@@ -1,7 +1,8 @@
 """Argoverse 2 Sensor: `<root>/{train,val,test}/<log>/` with annotated boxes of true size, ego poses and a vector map.
 
 Source: Wilson et al., "Argoverse 2", NeurIPS 2021 Datasets; one log is read by `av2/sensor.py`. Logs last 15 s; scenes
-are windows of 11 s, begun every 2 s (so windows of one log overlap), named `<log>:<window>`. There is no focal track.
+are windows of 11 s, begun every 2 s (so windows of one log overlap), named `<log>:<window>`; the first one begins when
+velocities can be fitted to what came before. There is no focal track.
 """
 
 from functools import lru_cache
@@ -9,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drivegen.av2.sensor import EGO_TRACK, SensorLog, count_frames, log_files, read_sensor_log
+from drivegen.av2.sensor import EGO_TRACK, FITTED, SensorLog, count_frames, log_files, read_sensor_log
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
 from drivegen.core.scenario import Signals
@@ -48,7 +49,7 @@ class Plugin:
                 f"{scene!r} is no scene of {self.root}: they are called <log>:<window>", reason="no-such-scenario"
             )
         log = self._log(self.root / split / name)
-        first = int(window) * STRIDE
+        first = FITTED - 1 + int(window) * STRIDE
         if first >= log.motion.steps:
             raise UnusableInput(f"{scene}: the log has {log.motion.steps} frames only", reason="no-such-scenario")
         return _cut(log, scene, first, first + WINDOW)
@@ -66,7 +67,7 @@ def read_whole_log(folder: Path) -> RecordedLog:
 
 def _windows(log: Path) -> int:
     try:
-        return 1 + max(0, count_frames(log) - WINDOW) // STRIDE
+        return 1 + max(0, count_frames(log) - FITTED + 1 - WINDOW) // STRIDE
     except UnusableInput:
         return 1
 

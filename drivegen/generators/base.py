@@ -1,9 +1,11 @@
 """The protocol of a generator: map and initial states in, K futures of every vehicle out.
 
 A generator may read a scenario's map, vehicles, signals and context actors, never its log (`log` is the one stated
-exception: it is the reference row). Signals hold the states that will be shown over the whole horizon: they are control that
-is given, as the map is, and a scenario that is made has a program for them. `Plugin(models, settings)` opens what it needs
-below the folder of trained models. `ABOUT = Method(...)` in the same file says what it is, in literals: see `core.methods`.
+exception: it is the reference row). A log is regenerated from what `core.first_frame` leaves of it: signals at step 0 (later
+UNKNOWN: drivers take the last known state to last, the checker sees no red) and context actors where they are assumed to be.
+A scenario that is made holds its signals' program and its context as they will be played. `Plugin(models, settings)` opens
+what it needs below the folder of trained models. `ABOUT = Method(...)` in the same file says what it is, in literals: see
+`core.methods`.
 """
 
 from collections.abc import Mapping, Sequence

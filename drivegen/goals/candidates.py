@@ -6,6 +6,7 @@ goals on arcs ahead of it.
 """
 
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import Floats, rotate, wrap_angle
 from drivegen.core.roadmap import NO_LANE
 from drivegen.core.scenario import DT, Scenario
-from drivegen.core.settings import Count, Positive
+from drivegen.core.settings import Within
 from drivegen.goals.cover import cover
 from drivegen.goals.kerb import kerb_place
 from drivegen.goals.manoeuvres import Manoeuvre, manoeuvres
@@ -54,6 +55,10 @@ FINER = (1.05, 0.5)
 """Shares of the spacing that candidates stand for; the second adds more of them while there is room."""
 
 
+MOST = 40
+"""Candidates of a vehicle, at most: lists are padded to so many, so that a result does not depend on its batch."""
+
+
 @dataclass(frozen=True)
 class Settings:
     """How candidates are made.
@@ -64,9 +69,9 @@ class Settings:
         dynamics: bounds on acceleration.
     """
 
-    most: Count
-    most_routes: Count
-    spacing: Positive
+    most: Annotated[int, Within(1, MOST)]
+    most_routes: Annotated[int, Within(1, 100)]
+    spacing: Annotated[float, Within(0.1, 100)]
     dynamics: Dynamics
 
 

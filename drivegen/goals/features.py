@@ -94,16 +94,17 @@ class _Roads:
         reach = max((route.length for route in c.routes), default=0.0)
         around = Neighbours.of(scenario, vehicle).near(v.position[vehicle], reach + 20.0)
         steady = speed * seconds
+        signals = scenario.signals.held()
         rows: list[tuple[float, ...]] = []
         waits: list[tuple[float, ...]] = []
         for route, ahead, offset, share in zip(c.routes, c.ahead, c.offset, shares(c.routes), strict=True):
             queue = Queue.on(route, around)
-            drive = forecast(route, speed, length, ahead, queue, scenario.signals, round(seconds / DT))
+            drive = forecast(route, speed, length, ahead, queue, signals, round(seconds / DT))
             marks = (*drive.s.tolist(), steady, ahead.leader_gap - GAP, ahead.red_s, ahead.entry_s)
             traffic = (_limit(route), ahead.leader_gap, ahead.leader_speed, route.lane_changes, float(route.turned[-1]))
             way = (abs(float(offset)), _braking(route, speed), route.length, share, float(drive.speed[Habit.USUAL]))
             rows.append((*marks, *traffic, *way))
-            waits.append(_waits(Waiting.on(route, speed, length, ahead, queue, scenario.signals), speed, queue))
+            waits.append(_waits(Waiting.on(route, speed, length, ahead, queue, signals), speed, queue))
         nowhere = (*[steady] * (len(Habit) + 1), FAR, FAR, FAR)
         rows.append((*nowhere, USUAL_LIMIT, FAR, 0.0, 0.0, 0.0, OFF_LANE, 0.0, FAR, NO_SHARE, speed))
         waits.append(_waits(_NOTHING, speed, Queue(np.zeros(0), np.zeros(0), np.zeros(0))))
@@ -125,7 +126,7 @@ _NOTHING = Waiting(False, 0.0, NEVER, 1.0, np.inf, 0, IN_SIGHT, NOBODY, IN_SIGHT
 def features(scenario: Scenario, candidates: Sequence[Candidates]) -> list[NDArray[np.float32]]:
     """(C, len(NAMES)) float32 for each vehicle of the scenario, from the first frame; all within [-3, 3].
 
-    Of signals, whose programs run without regard to traffic, the states of the whole horizon are used.
+    A signal is taken to go on showing its last known state: the one at step 0, unless the scenario gives its programme.
     """
     clashes = _clashes(scenario, candidates)
     return [

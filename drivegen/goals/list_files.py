@@ -6,8 +6,9 @@ import numpy as np
 import pyarrow as pa
 
 from drivegen.core.errors import UnusableInput
+from drivegen.goals.candidates import MOST
 from drivegen.goals.features import NAMES
-from drivegen.goals.lists import MOST, Lists
+from drivegen.goals.lists import Lists
 from drivegen.store.lists import column, read_shard_table, write_shard_table
 
 KIND = "goal lists"

@@ -7,16 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.first_frame import first_frame
 from drivegen.core.scenario import Scenario
-from drivegen.goals.candidates import Candidates, candidates
+from drivegen.goals.candidates import MOST, Candidates, candidates
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.features import NAMES, features
 from drivegen.goals.labels import ends
 from drivegen.goals.twins import twin
 from drivegen.roads.graph import LaneGraph
-
-MOST = 40
-"""Lists are padded to this many candidates, so that a result does not depend on its batch."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ class Lists:
         labels = ends(scenario, candidates)
         if len(labels.vehicle) == 0:
             return cls.none()
-        given, labelled = features(scenario, candidates), labels.vehicle.tolist()
+        given, labelled = features(first_frame(scenario), candidates), labels.vehicle.tolist()
         x, there = padded([given[n] for n in labelled])
         distance = np.full(there.shape, np.inf, np.float32)
         for i, n in enumerate(labelled):
@@ -68,7 +66,7 @@ class Lists:
     @classmethod
     def by_teacher(cls, scenario: Scenario, candidates: Sequence[Candidates], odds: Sequence[NDArray[np.float32]]) -> "Lists":
         """Those of all vehicles, labelled with a teacher's `odds` (C,); whether there is a log does not matter."""
-        x, there = padded(features(scenario, candidates))
+        x, there = padded(features(first_frame(scenario), candidates))
         distance = np.where(there, 0.0, np.inf).astype(np.float32)
         return cls(x, padded_odds([c.prior for c in candidates]), distance, np.zeros(len(x), np.float32), padded_odds(odds))
 

@@ -1,8 +1,10 @@
 """From a recording to a scenario: choose the target and the social vehicles, settle sizes, cut time and map.
 
 Paper, problem formulation: the first frame of a log gives P, the rest T. The target is the focal track or the AV; the
-social vehicles are the ones nearest to it at the first frame. Every decision that changes what was recorded is noted in
-the scenario and counted by the caller; a recording that yields no scenario is rejected with a countable reason.
+social vehicles are the ones nearest to it at the first frame. Who is chosen, how large assumed boxes are and where the map is
+cut are decided by the first frame alone, so that no choice tells what happens next. Every decision that changes what was
+recorded is noted in the scenario and counted by the caller; a recording that yields no scenario is rejected with a countable
+reason, which may lie in its future: that is a choice of recordings.
 """
 
 from dataclasses import dataclass, replace
@@ -10,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.crop import Cropper
+from drivegen.core.crop import Cropper, reach
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap, wrap_angle
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
@@ -37,13 +39,10 @@ FASTEST = 70.0
 """A road vehicle whose recorded positions or velocities ask for more [m/s] is a tracking error."""
 
 PARKED_SPEED = 0.5
-"""A vehicle that is never faster [m/s] is parked."""
+"""A vehicle that is no faster at the first frame [m/s] stands."""
 
 SHORTEST_HORIZON = 10
 """A recording that goes on for fewer steps after the first frame is rejected: one second is no traffic."""
-
-_PATH_STRIDE = 10
-"""Every so many steps of the target's path the map around it is kept."""
 
 
 @dataclass(frozen=True)
@@ -55,8 +54,9 @@ class Settings:
         max_vehicles: target and social vehicles together.
         first_step: step of the recording that becomes step 0.
         horizon: steps after it; less where the recording ends before.
-        map_radius: lanes farther from the target's path [m] are left out; None keeps the whole map.
-        smallest_shrink: assumed boxes of overlapping parked vehicles are scaled down to this at most.
+        map_radius: lanes farther [m] from where every chosen vehicle would be at its speed are left out (`crop.reach`); None
+            keeps the whole map.
+        smallest_shrink: assumed boxes of overlapping vehicles that stand are scaled down to this at most.
     """
 
     target: str
@@ -76,9 +76,10 @@ def select(log: RecordedLog, settings: Settings) -> Scenario:
     log = _cut_time(log, settings)
     notes: dict[str, str] = {}
     target = _target(log, settings.target, notes)
+    log = _without_jumps(log, target, notes)
     size, source = _sizes(log)
     chosen = _choose(log, target, size, source, settings, notes)
-    log = _in_frame_of(log, target, settings.map_radius)
+    log = _in_frame_of(log, chosen, settings.map_radius)
     motion = _tidy(log.motion[chosen])
     scenario = Scenario(
         scenario_id=log.scenario_id,
@@ -162,19 +163,16 @@ def _choose(
 ) -> NDArray[np.intp]:
     """The target, then the nearest vehicles at step 0 that can stand beside those already chosen.
 
-    Overlaps that the recording's first frame already has are resolved in this order: the assumed boxes of parked
+    Overlaps that the recording's first frame already has are resolved in this order: the assumed boxes of standing
     vehicles shrink together, as little as needed; else the farther vehicle is dropped. `size` and `source` are updated.
     """
     position, present = log.motion.position[:, 0], log.motion.valid[:, 0]
-    fast = _implausible(log.motion)
-    if fast[target]:
-        raise UnusableInput(f"scenario {log.scenario_id}: the target jumps about", reason="implausible-target")
     candidate = present & np.isin(log.kind, PLANNED_KINDS)
     candidate[target] = False
     far = np.hypot(*(position - position[target]).T)
-    order = np.flatnonzero(candidate & ~fast)
+    order = np.flatnonzero(candidate)
     order = order[np.argsort(far[order], kind="stable")]
-    parked = (source == SizeSource.ASSUMED) & (np.where(log.motion.valid, log.motion.speed, 0).max(-1) < PARKED_SPEED)
+    parked = (source == SizeSource.ASSUMED) & (log.motion.speed[:, 0] < PARKED_SPEED)
     chosen, full_size, counts = [target], size.copy(), {"overlaps": 0, "shrunk": 0, "dropped_overlapping": 0}
     for vehicle in order.tolist():
         if len(chosen) == settings.max_vehicles:
@@ -191,17 +189,32 @@ def _choose(
             source[group] = SizeSource.SHRUNK
             counts["shrunk"] += len(group)
         chosen.append(vehicle)
-    counts["dropped_implausible"] = int(np.count_nonzero(candidate & fast))
     notes.update({name: str(count) for name, count in counts.items() if count})
     return np.array(chosen)
 
 
+def _without_jumps(log: RecordedLog, target: int, notes: dict[str, str]) -> RecordedLog:
+    """The recording, each track ended where it first moves faster than any road vehicle: a tracking error.
+
+    Whoever is left out so was already at the first frame. Raises UnusableInput where it is the target, ever.
+    """
+    wrong = _implausible(log.motion)
+    if wrong[target].any():
+        raise UnusableInput(f"scenario {log.scenario_id}: the target jumps about", reason="implausible-target")
+    planned = wrong[np.isin(log.kind, PLANNED_KINDS) & log.motion.valid[:, 0]]
+    for name, tracks in (("dropped_implausible", planned[:, 0]), ("ended_implausible", planned.any(-1) & ~planned[:, 0])):
+        if tracks.any():
+            notes[name] = str(np.count_nonzero(tracks))
+    valid = log.motion.valid & ~np.logical_or.accumulate(wrong, axis=-1)
+    return replace(log, motion=replace(log.motion, valid=valid))
+
+
 def _implausible(motion: Trajectories) -> NDArray[np.bool_]:
-    """(M,) tracks that move faster than any road vehicle, by their velocities or between successive positions."""
-    too_fast = np.any((motion.speed > FASTEST) & motion.valid, axis=-1)
+    """(M, T) steps at which a track is faster than any road vehicle, by its velocity or by how it got there."""
+    wrong = (motion.speed > FASTEST) & motion.valid
     step = np.hypot(*np.moveaxis(np.diff(motion.position, axis=1), -1, 0))
-    jumps = (step > FASTEST * DT) & motion.valid[:, 1:] & motion.valid[:, :-1]
-    return np.asarray(too_fast | jumps.any(-1))
+    wrong[:, 1:] |= (step > FASTEST * DT) & motion.valid[:, 1:] & motion.valid[:, :-1]
+    return np.asarray(wrong)
 
 
 def _touched(log: RecordedLog, vehicle: int, others: NDArray[np.intp], size: NDArray[np.float32]) -> NDArray[np.intp]:
@@ -223,10 +236,10 @@ def _shrink(
     return None
 
 
-def _in_frame_of(log: RecordedLog, target: int, radius: float | None) -> RecordedLog:
-    """The recording in a frame near the target, its map cut to `radius` about the target's path."""
+def _in_frame_of(log: RecordedLog, chosen: NDArray[np.intp], radius: float | None) -> RecordedLog:
+    """The recording in a frame near the target, the first `chosen`, its map cut to what these can reach and `radius` more."""
     old = log.map.origin
-    origin = np.round(log.motion.position[target, 0].astype(np.float64) + old)
+    origin = np.round(log.motion.position[chosen[0], 0].astype(np.float64) + old)
     shift = old - origin
     position = (log.motion.position.astype(np.float64) + shift).astype(np.float32)
     position[~log.motion.valid] = 0
@@ -234,10 +247,10 @@ def _in_frame_of(log: RecordedLog, target: int, radius: float | None) -> Recorde
     road_map = log.map.moved_to(origin)
     if radius is None:
         return replace(log, map=road_map, motion=motion)
-    path = position[target][log.motion.valid[target]][::_PATH_STRIDE]
-    road_map, kept = Cropper(road_map).around(path, radius)
+    within = reach(motion.speed[chosen, 0], (motion.steps - 1) * DT, radius)
+    road_map, kept = Cropper(road_map).around(position[chosen, 0], within)
     if not len(kept):
-        raise UnusableInput(f"scenario {log.scenario_id}: no lane within {radius:g} m of the target", reason="no-lanes")
+        raise UnusableInput(f"scenario {log.scenario_id}: no lane within {radius:g} m of its vehicles' reach", reason="no-lanes")
     lane = np.full(len(log.map), NO_LANE, np.int32)
     lane[kept] = np.arange(len(kept), dtype=np.int32)
     guarded = lane[log.signals.lane]

@@ -54,6 +54,12 @@ class OverBudget(DriveGenError):
     """The next call could cost more than the role may spend: the run stops."""
 
 
+class DamagedRecord(DriveGenError):
+    """A recorded reply is not what was recorded: the run stops, for neither a refusal nor a fallback may stand for it."""
+
+    exit_code = 2
+
+
 def fenced(name: str, text: str) -> str:
     """`text` between tags that it cannot close itself: data, never instructions.
 

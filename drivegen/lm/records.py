@@ -6,6 +6,7 @@ kept; replies that fail validation are, with the questions that followed.
 """
 
 import hashlib
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -13,9 +14,9 @@ from typing import Any
 
 import orjson
 
-from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.errors import MissingTool
 from drivegen.lm.backends.base import Reply, Request
-from drivegen.lm.prompt import Image
+from drivegen.lm.prompt import DamagedRecord, Image
 from drivegen.store.files import write_json
 
 FORMAT = 1
@@ -43,8 +44,8 @@ class Records:
     def find(self, request: Request) -> Reply | None:
         """The recorded reply; None where the model is to be called.
 
-        Raises MissingTool naming the prompt where nothing is recorded and nobody may be called, UnusableInput for a file that
-        holds something else.
+        Raises MissingTool naming the prompt where nothing is recorded and nobody may be called, DamagedRecord for a file that
+        does not hold what was recorded.
         """
         if self.mode in (Mode.RECORD, Mode.OFF):
             return None
@@ -64,7 +65,7 @@ class Records:
             return
         said = {"text": reply.text, "input_tokens": reply.input_tokens, "output_tokens": reply.output_tokens}
         key = key_of(request)
-        write_json(self._file(key), {"key": key, "request": told(request), "reply": said})
+        write_json(self._file(key), {"key": key, "request": told(request), "reply": said, "sha256": _digest(said)})
 
     def _file(self, key: str) -> Path:
         return self.folder / key[:2] / f"{key}.json"
@@ -72,7 +73,7 @@ class Records:
 
 def key_of(request: Request) -> str:
     """SHA-256 of the request as canonical JSON: model, prompt version, messages, schema, sample and output mode."""
-    return hashlib.sha256(orjson.dumps(told(request), option=orjson.OPT_SORT_KEYS)).hexdigest()
+    return _digest(told(request))
 
 
 def told(request: Request) -> dict[str, Any]:
@@ -96,16 +97,17 @@ def told(request: Request) -> dict[str, Any]:
 
 
 def _read(file: Path) -> Reply:
-    try:
+    with suppress(ValueError, KeyError, TypeError):
         content = orjson.loads(file.read_bytes())
         said = content["reply"]
-        text, tokens = said["text"], (said["input_tokens"], said["output_tokens"])
-    except (orjson.JSONDecodeError, KeyError, TypeError):
-        raise UnusableInput(f"{file} is no recorded reply: delete it and record it again") from None
-    whole = isinstance(text, str) and all(n is None or (isinstance(n, int) and n >= 0) for n in tokens)
-    if not whole or content.get("key") != file.stem:
-        raise UnusableInput(f"{file} is no recorded reply: delete it and record it again")
-    return Reply(text, *tokens, retries=0)
+        if (content["key"], content["sha256"]) == (file.stem, _digest(said)):
+            return Reply(said["text"], said["input_tokens"], said["output_tokens"], retries=0)
+    raise DamagedRecord(f"{file} is no recorded reply, or was changed: delete it and record it again")
+
+
+def _digest(value: Any) -> str:
+    """SHA-256 of plain values as canonical JSON."""
+    return hashlib.sha256(orjson.dumps(value, option=orjson.OPT_SORT_KEYS)).hexdigest()
 
 
 def _shown(request: Request) -> str:

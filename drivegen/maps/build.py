@@ -14,7 +14,6 @@ from drivegen.maps.structure import Structure
 from drivegen.maps.writers.base import MapWriter, Understanding
 from drivegen.render.map_picture import draw_map, encode_png
 from drivegen.store.files import as_json, write_together
-from drivegen.sumo.network import read_network
 
 ACCOUNT, PICTURE = "map.json", "map.png"
 """Names of the files of a map's folder, beside its `NETWORK`."""
@@ -68,7 +67,7 @@ def build_spec(spec: MapSpec | WrittenNetwork, account: dict[str, Any], contradi
     found = examine(spec)
     told = {**account, **_source(spec), "checks": found.checks, "failed": [*failures(found.checks), *contradictions]}
     told["structure"] = found.structure
-    return BuiltMap(found.network, read_network(found.network, NETWORK), found.structure, found.checks, told)
+    return BuiltMap(found.network, found.road_map, found.structure, found.checks, told)
 
 
 def _source(spec: MapSpec | WrittenNetwork) -> dict[str, Any]:

@@ -3,12 +3,15 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.safe_xml import parse
 from drivegen.layouts.compile import draw
 from drivegen.layouts.spec import MapSpec
 from drivegen.maps.checks import Check, check, check_asked, check_sound
 from drivegen.maps.overlaps import overlapping
 from drivegen.maps.structure import Structure, measure
 from drivegen.sumo.netconvert import plain_to_net
+from drivegen.sumo.network import Network
 from drivegen.sumo.plain import PlainNetwork
 
 NETWORK = "map.net.xml"
@@ -28,9 +31,10 @@ class WrittenNetwork:
 
 @dataclass(frozen=True)
 class Examined:
-    """A network that netconvert built: its bytes, what it is, and every check, the failed ones included."""
+    """A network that netconvert built: its bytes, the road map of it, what it is, and every check, the failed ones included."""
 
     network: bytes
+    road_map: RoadMap
     structure: Structure
     checks: tuple[Check, ...]
 
@@ -43,6 +47,8 @@ def drawn(written: MapSpec | WrittenNetwork) -> PlainNetwork:
 def examine(written: MapSpec | WrittenNetwork) -> Examined:
     """Build and check. Raises UnusableInput where it cannot be drawn, or NetconvertRefused."""
     network = plain_to_net(drawn(written), timeout=_LONGEST)
-    found = measure(network, NETWORK)
-    asked = check(written, found) if isinstance(written, MapSpec) else check_asked(written.asked, found)
-    return Examined(network, found, (*check_sound(found, overlapping(network, NETWORK)), *asked))
+    root = parse(network, NETWORK, root="net")
+    structure = measure(root, NETWORK)
+    asked = check(written, structure) if isinstance(written, MapSpec) else check_asked(written.asked, structure)
+    checks = (*check_sound(structure, overlapping(root)), *asked)
+    return Examined(network, Network.of(root, NETWORK).map, structure, checks)

@@ -18,7 +18,7 @@ from drivegen.maps.build import BuiltMap
 from drivegen.maps.opendrive import read_opendrive
 from drivegen.maps.structure import measure
 from drivegen.sumo.netconvert import NetconvertRefused, convert
-from drivegen.sumo.network import read_network
+from drivegen.sumo.network import Network
 
 _CAR = ("--keep-edges.by-vclass", "passenger,bus,truck,delivery")
 _OSM = (
@@ -62,8 +62,8 @@ def import_map(raw: bytes, place: str, window: Window | None = None) -> BuiltMap
         network = data if root.tag == "net" else _converted(data, root.tag, place)
     if window is not None:
         network = cut(network, place, window)
-    road_map = read_network(network, place)
-    structure = measure(network, place)
+    root = parse(network, place, root="net")
+    road_map, structure = Network.of(root, place).map, measure(root, place)
     account: dict[str, Any] = {"text": f"{source}: {place}", "backend": "import", "source": source, "structure": structure}
     account |= {"window": window, "understood": [], "ignored": [], "assumed": [], "failed": [], "checks": []}
     return BuiltMap(network, road_map, structure, (), account)

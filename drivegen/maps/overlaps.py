@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import resample
-from drivegen.core.safe_xml import parse
 from drivegen.sumo.plain import Point
 
 _STEP = 2.0
@@ -35,9 +34,8 @@ _MOST = 5
 """So many pairs are named."""
 
 
-def overlapping(net: bytes, place: str) -> tuple[str, ...]:
-    """Pairs of edges, as "a and b near (x, y)", whose lanes touch away from every node that they share; five at most."""
-    root = parse(net, place, root="net")
+def overlapping(root: Element) -> tuple[str, ...]:
+    """Of a network's parsed XML: "a and b near (x, y)" of edges whose lanes touch away from every shared node; five at most."""
     nodes = {j.get("id", ""): (float(j.get("x", "0")), float(j.get("y", "0"))) for j in root.iter("junction")}
     edges = [e for e in root.iter("edge") if not e.get("function") and e.get("from") and e.get("to")]
     ends = _joined([(e.get("from", ""), e.get("to", "")) for e in edges])

@@ -14,7 +14,6 @@ from typing import TypeVar
 from xml.etree.ElementTree import Element
 
 from drivegen.core.errors import UnusableInput
-from drivegen.core.safe_xml import parse
 from drivegen.maps.overlaps import bridges
 
 _LOOP = (225.0, 315.0)
@@ -82,9 +81,8 @@ class _Edge:
     shape: tuple[Point, ...]
 
 
-def measure(net: bytes, place: str) -> Structure:
-    """The structure of a network; raises UnusableInput where it is none or has no edge for cars."""
-    root = parse(net, place, root="net")
+def measure(root: Element, place: str) -> Structure:
+    """The structure of a network's parsed XML; raises UnusableInput where it has no edge for cars."""
     try:
         edges = {edge.id: edge for element in root.iter("edge") if (edge := _edge(element)) is not None}
     except ValueError as error:

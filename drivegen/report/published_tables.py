@@ -129,8 +129,8 @@ def _quality(data: DataSet, pooled: Pooled) -> Table:
         ),
         "Intervals: bootstrap over recordings, whose scenes share vehicles, crossed with training seeds; of diversity, over "
         "recordings, widened to hold every seed's.",
-        "All are given map, first frame and, where data has signals, their states as they will be shown. The learned selector "
-        "looks ahead at these; IDM, BITS and TrafficGen see them as they come, SceneTransformer and LCTGen the first ones.",
+        "All are given map and first frame, where data has signals with their states then, and nothing of what follows: a signal "
+        "is taken to stay as it is, who is on foot or bicycle to keep its velocity for 2 s. Nobody is charged for a later red.",
         "The paper's rows were measured on other data by others: they cannot be compared with ours.",
         *MARKS,
     )

@@ -17,9 +17,11 @@ class Selector(Protocol):
 
     Attributes:
         described: who chose, in words, as it stands in every table.
+        reads_log: whether it is told what happened, as only bounds are.
     """
 
     described: str
+    reads_log: bool
 
     @classmethod
     def load(cls, folder: Path) -> Self:
@@ -37,6 +39,8 @@ class Selector(Protocol):
 
 class FirstFrameSelector:
     """What selectors have in common that see the first frame alone: they rank exactly what they are given."""
+
+    reads_log = False
 
     def offer(self, graph: LaneGraph, scenario: Scenario, candidates: Sequence[Candidates]) -> list[Candidates]:  # noqa: ARG002 protocol
         """The given candidates."""

@@ -12,7 +12,6 @@ The simulated corpus has nobody parked, so no ranker learns from it what that is
 stay, as the rival `idm` takes it.
 """
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,12 +20,10 @@ from typing import Self
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
 from torch import Tensor
 
 from drivegen.core import seeds
-from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Candidates
 from drivegen.goals.features import NAMES, features
@@ -36,13 +33,13 @@ from drivegen.roads.graph import LaneGraph
 from drivegen.roads.parked import parked
 from drivegen.selectors._ranker import Ranker
 from drivegen.selectors.base import FirstFrameSelector
-from drivegen.store.files import whole, write_json
 from drivegen.training.curve import LossRow
 from drivegen.training.loop import Settings as Training
 from drivegen.training.loop import train
-from drivegen.training.weights import check_finite
+from drivegen.training.weights import fill, read_weights, write_weights
 
-WEIGHTS, ABOUT = "ranker.safetensors", "ranker.json"
+KIND, NAME = "goal selector", "learned"
+"""As they stand in the settings beside the weights."""
 
 CHUNK = 64
 """Lists are ranked in chunks of this many, padded, so that a result does not depend on its neighbours."""
@@ -137,30 +134,20 @@ class Plugin(FirstFrameSelector):
 
         Raises UnusableInput where a weight is not finite.
         """
-        check_finite({name: tensor.numpy() for name, tensor in self.net.state_dict().items()}, "the trained goal selector")
-        with whole(folder / WEIGHTS) as temporary:
-            save_file(self.net.state_dict(), temporary)
         known = [NAMES[column] for column in self._columns]
         about = {"described": self.described, "features": known, "width": self.net.each[0].out_features, "floor": self.floor}
-        write_json(folder / ABOUT, about)
+        write_weights(folder, KIND, NAME, about, {name: tensor.numpy() for name, tensor in self.net.state_dict().items()})
 
     @classmethod
     def load(cls, folder: Path) -> Self:
         """What `save` wrote. Raises MissingTool where there are no weights, UnusableInput where they are not ours."""
-        if not (folder / WEIGHTS).exists() or not (folder / ABOUT).exists():
-            raise MissingTool(f"{folder} holds no trained goal selector: run the train_selector stage (`make run`)")
-        try:
-            about = json.loads((folder / ABOUT).read_text())
-            known = tuple(about["features"])
-            if not set(known) <= set(NAMES):
-                raise UnusableInput(f"{folder} was trained on other features: run the train_selector stage again")
-            net = Ranker(len(known), int(about["width"]))
-            net.load_state_dict(load_file(folder / WEIGHTS))
-            check_finite({name: tensor.numpy() for name, tensor in net.state_dict().items()}, str(folder / WEIGHTS))
-            return cls(net, float(about.get("floor", 0.0)), known, str(about["described"]))
-        except (ValueError, KeyError, TypeError, RuntimeError, SafetensorError) as error:
-            what = str(error).splitlines()[0]
-            raise UnusableInput(f"{folder} holds damaged weights of a goal selector ({what}): train it again") from None
+        about, tensors = read_weights(folder, KIND, NAME)
+        known = tuple(about["features"])
+        if not set(known) <= set(NAMES):
+            raise UnusableInput(f"{folder} was trained on other features: run the train_selector stage again")
+        net = Ranker(len(known), about["width"])
+        fill(net, tensors, folder)
+        return cls(net, about["floor"], known, about["described"])
 
 
 class _Listwise:

@@ -28,6 +28,7 @@ class Plugin(Untrained):
     """All probability on the logged end state at the last valid step."""
 
     described = "the log's own goal (upper bound)"
+    reads_log = True
 
     def offer(self, graph: LaneGraph, scenario: Scenario, candidates: Sequence[Candidates]) -> list[Candidates]:
         """The given candidates, and the logged end of each vehicle as the last one.

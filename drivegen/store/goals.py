@@ -12,7 +12,7 @@ from typing import Any
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from drivegen.store.lists import column, read_shard_table, write_shard_table
+from drivegen.store.lists import Shard, built, column, read_shard_table, write_shard_table
 
 KIND = "goals"
 VERSION = 2
@@ -68,7 +68,8 @@ def read_goals(path: Path) -> list[GoalColumns]:
     Raises UnusableInput, naming the file, if it is not whole, not ours or of another version.
     """
     shard = read_shard_table(path, KIND, VERSION)
-    return [
-        GoalColumns(shard["scenario_id"][row], shard["selector"][row], {name: shard[name][row] for name in COLUMNS})
-        for row in range(shard.count)
-    ]
+    return built(shard, path, _goals)
+
+
+def _goals(shard: Shard, row: int) -> GoalColumns:
+    return GoalColumns(shard["scenario_id"][row], shard["selector"][row], {name: shard[name][row] for name in COLUMNS})

@@ -2,13 +2,14 @@
 
 A column of a shard is one array of all rows' numbers, end to end, with the rows' offsets: writing concatenates, reading
 slices. Floats are stored as byte streams (Parquet's BYTE_STREAM_SPLIT), which zstd packs far better than whole floats.
-Same content, same bytes; the schema's version stands in the file and is checked.
+Same content, same bytes; the schema's version and a checksum of the whole file stand in it and are checked.
 """
 
-from collections.abc import Mapping, Sequence
+import io
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pyarrow as pa
@@ -16,10 +17,15 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.safe_parquet import open_parquet
+from drivegen.core.seal import BLANK, expect_seal, has_seal, sealed
 from drivegen.store.files import whole
 
 _KIND = b"drivegen"
 _VERSION = b"drivegen.version"
+_AGAIN = "run the stage that made it again"
+
+Row = TypeVar("Row")
 
 
 class Shard:
@@ -53,40 +59,51 @@ def write_shard_table(path: Path, columns: Mapping[str, pa.Array], kind: str, ve
     schema = pa.schema(fields, metadata={_KIND: kind.encode(), _VERSION: str(version).encode()})
     table = pa.Table.from_arrays(list(columns.values()), schema=schema)
     floats = [f"{f.name}.list.element" for f in fields if pa.types.is_list(f.type) and pa.types.is_floating(f.type.value_type)]
+    written = io.BytesIO()
+    with pq.ParquetWriter(
+        written,
+        schema,
+        compression="zstd",
+        compression_level=3,
+        use_dictionary=False,
+        use_byte_stream_split=floats,
+        write_statistics=False,
+    ) as writer:
+        writer.write_table(table, row_group_size=max(1, table.num_rows))
+        writer.add_key_value_metadata({"drivegen.checksum": BLANK})  # in the footer alone: the schema is there twice
     with whole(path) as temporary:
-        pq.write_table(
-            table,
-            temporary,
-            row_group_size=max(1, table.num_rows),
-            compression="zstd",
-            compression_level=3,
-            use_dictionary=False,
-            use_byte_stream_split=floats,
-            write_statistics=False,
-        )
+        temporary.write_bytes(sealed(written.getvalue()))
 
 
 def read_shard_table(path: Path, kind: str, version: int) -> Shard:
     """Read a shard back.
 
     Raises UnusableInput naming the file: reason `truncated` if it is cut short, empty or no Parquet, `foreign-file` if it
-    is not of this kind, `old-version` if another version of DriveGen wrote it.
+    is not of this kind, `old-version` if another version of DriveGen wrote it, `damaged` if it is not what was written.
     """
     try:
-        with pq.ParquetFile(path) as file:
-            metadata = file.schema_arrow.metadata or {}
-            if metadata.get(_KIND) != kind.encode():
-                raise UnusableInput(f"{path} holds no {kind} of DriveGen", reason="foreign-file")
-            if metadata.get(_VERSION) != str(version).encode():
-                found = metadata.get(_VERSION, b"none").decode(errors="replace")
-                raise UnusableInput(
-                    f"{path} holds {kind} of version {found}, this DriveGen reads {version}: run the stage that made it again",
-                    reason="old-version",
-                )
+        raw = path.read_bytes()
+        if marked := has_seal(raw):
+            expect_seal(raw, path, _AGAIN)  # before anything is parsed
+        with open_parquet(pa.BufferReader(raw), path) as file:
+            _expect_kind(file.schema_arrow.metadata or {}, path, kind, version)
+            if not marked:
+                expect_seal(raw, path, _AGAIN)
             return Shard(file.read(use_threads=False))
     except (pa.ArrowException, OSError) as error:
         what = (str(error).splitlines() or ["unreadable"])[0]
-        raise UnusableInput(f"{path} is no whole shard ({what}): make it again", reason="truncated") from None
+        raise UnusableInput(f"{path} is no whole shard ({what}): {_AGAIN}", reason="truncated") from None
+
+
+def _expect_kind(metadata: Mapping[bytes, bytes], path: Path, kind: str, version: int) -> None:
+    if metadata.get(_KIND) != kind.encode():
+        raise UnusableInput(f"{path} holds no {kind} of DriveGen", reason="foreign-file")
+    if metadata.get(_VERSION) != str(version).encode():
+        other = metadata.get(_VERSION, b"none").decode(errors="replace")
+        raise UnusableInput(
+            f"{path} holds {kind} of version {other}, this DriveGen reads {version}: run the stage that made it again",
+            reason="old-version",
+        )
 
 
 def _rows(column: pa.ChunkedArray) -> list[Any]:
@@ -101,3 +118,19 @@ def _rows(column: pa.ChunkedArray) -> list[Any]:
         values = array.values.to_numpy(zero_copy_only=False)
         values = values if values.flags.writeable else values.copy()  # torch and numba mind read-only arrays
     return [values[a:b] for a, b in pairwise(start)]
+
+
+def built(shard: Shard, path: Path, build: Callable[[Shard, int], Row]) -> list[Row]:
+    """What `build` makes of each row; where it cannot, the shard is not what its kind and version say.
+
+    Raises UnusableInput, reason `bad-shard`, naming the file and the row.
+    """
+    rows = []
+    for row in range(shard.count):
+        try:
+            rows.append(build(shard, row))
+        except UnusableInput as error:
+            raise UnusableInput(f"{path}, row {row}: {error}", reason=error.reason) from None
+        except (LookupError, ValueError, TypeError, AttributeError) as error:
+            raise UnusableInput(f"{path}, row {row}, is no sound row ({error}): {_AGAIN}", reason="bad-shard") from None
+    return rows

@@ -6,7 +6,7 @@ from pathlib import Path
 import pyarrow as pa
 
 from drivegen.core.rejections import Rejected
-from drivegen.store.lists import Shard, column, read_shard_table, write_shard_table
+from drivegen.store.lists import Shard, built, column, read_shard_table, write_shard_table
 
 KIND = "rejected"
 VERSION = 1
@@ -38,7 +38,7 @@ def read_rejected(path: Path) -> list[Rejected]:
     Raises UnusableInput, naming the file, if it is not whole, not ours or of another version.
     """
     shard = read_shard_table(path, KIND, VERSION)
-    return [_rejected(shard, row) for row in range(shard.count)]
+    return built(shard, path, _rejected)
 
 
 def rejected_by_method(folder: Path) -> dict[str, dict[str, Rejected]]:

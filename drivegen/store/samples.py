@@ -12,7 +12,7 @@ import pyarrow as pa
 
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Trajectories
-from drivegen.store.lists import Shard, column, read_shard_table, write_shard_table
+from drivegen.store.lists import Shard, built, column, read_shard_table, write_shard_table
 
 KIND = "samples"
 VERSION = 2
@@ -54,7 +54,7 @@ def read_samples(path: Path) -> list[Samples]:
     Raises UnusableInput, naming the file, if it is not whole, not ours or of another version.
     """
     shard = read_shard_table(path, KIND, VERSION)
-    return [_samples(shard, row) for row in range(shard.count)]
+    return built(shard, path, _samples)
 
 
 def _samples(shard: Shard, row: int) -> Samples:

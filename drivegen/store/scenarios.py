@@ -19,7 +19,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import Polylines
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.scenario import Actors, Scenario, Signals, Trajectories, Vehicles
-from drivegen.store.lists import Shard, column, read_shard_table, write_shard_table
+from drivegen.store.lists import Shard, built, column, read_shard_table, write_shard_table
 
 KIND = "scenarios"
 VERSION = 2
@@ -101,7 +101,7 @@ def read_shard(path: Path) -> list[Scenario]:
     Raises UnusableInput, naming the file, if it is not whole, not ours or of another version.
     """
     shard = read_shard_table(path, KIND, VERSION)
-    return [_scenario(shard, row) for row in range(shard.count)]
+    return built(shard, path, _scenario)
 
 
 def count(path: Path) -> int:
@@ -130,7 +130,7 @@ def _scenario(shard: Shard, row: int) -> Scenario:
         size=shard["context.size"][row].reshape(-1, 3),
         motion=_motion(shard, "context.motion", row, steps),
     )
-    return Scenario(
+    scenario = Scenario(
         scenario_id=shard["scenario_id"][row],
         source=shard["source"][row],
         city=shard["city"][row],
@@ -142,6 +142,8 @@ def _scenario(shard: Shard, row: int) -> Scenario:
         signals=Signals(shard["signals.lane"][row], shard["signals.state"][row].reshape(-1, steps)),
         notes=orjson.loads(shard["notes"][row]),
     )
+    scenario.validate()
+    return scenario
 
 
 def _map(shard: Shard, row: int) -> RoadMap:

@@ -59,9 +59,12 @@ class Network:
 
         Raises UnusableInput for anything that is no SUMO network with at least one lane for vehicles or bicycles.
         """
-        root = parse(raw, place, root="net")
-        lanes = net_lanes.read_lanes(root, place)
-        return _assemble(root, lanes, place)
+        return cls.of(parse(raw, place, root="net"), place)
+
+    @classmethod
+    def of(cls, root: Element, place: str) -> "Network":
+        """The same of XML that has been parsed."""
+        return _assemble(root, net_lanes.read_lanes(root, place), place)
 
     def signals(self, time: NDArray[np.float64]) -> Signals:
         """What the network's own programs show at the times (T,) [s]; UNKNOWN for lights without a program."""

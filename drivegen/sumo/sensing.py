@@ -27,7 +27,7 @@ class SensingSettings:
 
 
 def sensed(scenario: Scenario, observer: str, settings: SensingSettings, random: np.random.Generator) -> Scenario:
-    """The scenario as measured from the vehicle with track id `observer`; that vehicle and the focal one stay complete.
+    """The scenario as measured from the vehicle with track id `observer`; nobody hides that vehicle or the focal one.
 
     Noise is white: each step is measured anew. Initial states follow their tracks.
     """
@@ -82,7 +82,8 @@ def _hidden(motion: Trajectories, size: NDArray[np.float32], eye: int) -> NDArra
     points = np.concatenate(
         [motion.position[:, :, None], box_corners(motion.position, motion.heading, size[:, :1], size[:, 1:2])], axis=2
     )
-    from_eye = motion.position[eye]  # (T, 2)
+    there = motion.valid[eye][:, None]
+    from_eye = np.where(there, motion.position[eye], motion.position[0])  # (T, 2); once it is gone, from the focal vehicle
     hidden = np.ones(points.shape[:3], np.bool_)
     for target in range(len(size)):
         blocked = np.zeros(points.shape[1:3], np.bool_)

@@ -8,7 +8,7 @@ counter-clockwise from +x.
 import importlib.util
 import json
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +28,12 @@ _PROGRAM = Path(__file__).with_name("simulation.py")
 
 SMOOTHING = 0.3
 """Standard deviation of the time over which tracks are averaged [s]."""
+
+_REACH = round(3 * SMOOTHING / DT)
+"""Steps before and after that an average goes over."""
+
+LAG = _REACH + 1
+"""Steps by which tracks are behind: a position averages what was until now, a velocity is the slope of two of those."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +61,8 @@ class Traffic:
 
     Attributes:
         track_id: (V,) str. kind: (V,) uint8 VehicleKind. size: (V, 3) float32 length, width, height [m].
-        motion: Trajectories (V, T) of box centres, relative to the origin that was given.
+        motion: Trajectories (V, T) of box centres, relative to the origin that was given, as whoever tracks vehicles knows
+            them at each step: LAG steps behind, so that no state tells what happens later.
         lights: uint8 SignalState (K, T) of the K links of each traffic light.
     """
 
@@ -87,14 +94,14 @@ def simulate(network: bytes, demand: bytes, origin: NDArray[np.float64], run: Ru
     if not tracks.num_rows or "vehicle_id" not in tracks.column_names:  # without a vehicle there are no columns either
         raise SimulationFailed("no vehicle drove: no route of the demand fits the network", reason="no-traffic")
     lights = {light: _states(changed, first, steps) for light, changed in changes.items()}
-    return _dense(tracks, types, lights, origin, (first, steps))
+    return _dense(tracks, types, lights, origin, (first - LAG, steps))
 
 
 def _arguments(folder: Path, run: Run) -> list[str]:
     tracks = {
         "--fcd-output": str(folder / "tracks.parquet"),
         "--fcd-output.attributes": "id,x,y,angle,type",
-        "--device.fcd.begin": str(run.warm_up),
+        "--device.fcd.begin": str(max(run.warm_up - LAG * DT, 0.0)),
         "--precision": "4",
     }
     quiet = {"--no-step-log": "true", "--no-warnings": "true", "--duration-log.disable": "true"}
@@ -127,6 +134,7 @@ def _dense(
     origin: NDArray[np.float64],
     window: tuple[int, int],
 ) -> Traffic:
+    """`window`: the step of the run that is shown first, and how many are; LAG more were recorded."""
     first, steps = window
     ids = pc.dictionary_encode(tracks["vehicle_id"].combine_chunks())
     kinds = pc.dictionary_encode(tracks["vehicle_type"].combine_chunks())
@@ -139,14 +147,20 @@ def _dense(
     size = boxes[of_vehicle]
     heading = np.radians(90.0 - tracks["vehicle_angle"].to_numpy())
     front = np.stack([tracks["vehicle_x"].to_numpy(), tracks["vehicle_y"].to_numpy()], axis=-1) - origin
-    motion = Trajectories.empty(len(names), steps)
+    motion = Trajectories.empty(len(names), steps + LAG)
     motion.position[row, column] = front - unit(heading) * (size[row, :1] / 2)
     motion.heading[row, column] = (heading + np.pi) % (2 * np.pi) - np.pi
     motion.valid[row, column] = True
-    motion = smoothed(motion)
-    motion.velocity[...] = _velocity(motion)
+    motion = tracked(motion)
     order = np.argsort(names.astype(np.int64) if np.char.isdigit(names).all() else names, kind="stable")
+    order = order[motion.valid[order].any(-1)]
     return Traffic(names[order], shapes[of_vehicle][order], size[order], motion[order], lights)
+
+
+def tracked(raw: Trajectories) -> Trajectories:
+    """Tracks (V, T) of `raw` boxes (V, T + LAG): step t is smoothed and has the slope of what `raw` shows until t + LAG."""
+    motion = smoothed(raw)
+    return replace(motion, velocity=_velocity(motion)).until(raw.steps - LAG)
 
 
 def smoothed(motion: Trajectories) -> Trajectories:
@@ -157,8 +171,7 @@ def smoothed(motion: Trajectories) -> Trajectories:
     Velocities are not touched.
     """
     position, heading, valid = motion.position, motion.heading, motion.valid
-    reach = round(3 * SMOOTHING / DT)
-    weight = np.exp(-0.5 * (np.arange(1, reach + 1) * DT / SMOOTHING) ** 2)
+    weight = np.exp(-0.5 * (np.arange(1, _REACH + 1) * DT / SMOOTHING) ** 2)
     weight = (weight / (1 + 2 * weight.sum())).astype(np.float32)
     moved, turned = np.zeros_like(position), np.zeros_like(heading)
     for k, share in enumerate(weight.tolist(), 1):

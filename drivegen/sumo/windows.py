@@ -1,4 +1,8 @@
-"""Cut scenario windows out of simulated traffic: 11 s around a focal vehicle that drives, with the map that it sees."""
+"""Cut scenario windows out of simulated traffic: 11 s around a focal vehicle that drives, with the map within reach.
+
+Which windows make scenarios depends on what happens in them (the focal vehicle drives, most others move, nobody is thrown
+about). In a window that makes one, who stands for the recording vehicle and where the map ends are decided by the first frame.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -6,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.crop import Cropper
+from drivegen.core.crop import Cropper, reach
 from drivegen.core.geometry import boxes_overlap, wrap_angle
 from drivegen.core.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
 from drivegen.core.settings import Count, NotNegative, Positive, Share
@@ -16,7 +20,7 @@ from drivegen.sumo.traffic import Traffic
 SOURCE = "SUMO corpus (simulated)"
 
 EGO = "AV"
-"""Track id of the vehicle that stands for the recording one, as in Argoverse 2."""
+"""Track id of the vehicle that stands for the recording one, as in Argoverse 2: the focal one's nearest at the first step."""
 
 MOVED = 2.0
 """A vehicle moves if it gets farther than this from where it was first seen [m]."""
@@ -34,8 +38,10 @@ class WindowSettings:
 
     Attributes:
         steps: length T of a window.
-        radius: vehicles are seen while within this distance of the focal one, lanes if they come within it [m].
-        apart: focal vehicles of windows at the same time are at least this far from each other [m].
+        radius: vehicles are seen while within this distance of the focal one [m].
+        map_radius: lanes are kept this far [m] around where everybody seen at the first step would be at its speed
+            (`crop.reach`).
+        apart: focal vehicles of windows at the same time are at least this far from each other at the first step [m].
         focal_travel: the focal vehicle gets at least this far [m].
         fewest: vehicles at the first step, the focal one included.
         moving_share: at least this share of the vehicles moves.
@@ -43,6 +49,7 @@ class WindowSettings:
 
     steps: Count
     radius: Positive
+    map_radius: Positive
     apart: NotNegative
     focal_travel: NotNegative
     fewest: Count
@@ -86,9 +93,9 @@ def _focal_vehicles(
     travel = np.hypot(*(window.position[:, -1] - window.position[:, 0]).T)
     fit = window.valid.all(-1) & (travel >= settings.focal_travel) & np.isin(kind, _FOCAL_KINDS)
     chosen: list[int] = []
-    middle = window.position[:, settings.steps // 2]
+    begin = window.position[:, 0]
     for vehicle in random.permutation(np.flatnonzero(fit)).tolist():
-        gaps = np.hypot(*(middle[chosen] - middle[vehicle]).T)
+        gaps = np.hypot(*(begin[chosen] - begin[vehicle]).T)
         if (gaps >= settings.apart).all():
             chosen.append(vehicle)
     return chosen
@@ -142,9 +149,10 @@ def _scenario(
     rows = np.flatnonzero(seen.any(-1))
     gap = np.hypot(*(window.position[rows, 0] - window.position[focal, 0]).T)
     rows = rows[np.lexsort((rows, np.where(seen[rows, 0], gap, np.inf)))]  # the focal one first, then by distance
-    path = window.position[focal, ::10]
-    origin = np.round(path[0].astype(np.float64) + recording.network.map.origin)
-    cut, lanes = recording.cropper.around(path, settings.radius)
+    origin = np.round(window.position[focal, 0].astype(np.float64) + recording.network.map.origin)
+    here = rows[seen[rows, 0]]
+    within = reach(window.speed[here, 0], (settings.steps - 1) * DT, settings.map_radius)
+    cut, lanes = recording.cropper.around(window.position[here, 0], within)
     shift = (recording.network.map.origin - origin).astype(np.float32)
     valid = seen[rows]
     motion = Trajectories(
@@ -154,7 +162,7 @@ def _scenario(
         valid,
     )
     names = traffic.track_id[rows].astype(object)
-    ego = np.flatnonzero(valid.all(-1) & np.isin(traffic.kind[rows], _FOCAL_KINDS))[1:2]
+    ego = np.flatnonzero(valid[:, 0] & np.isin(traffic.kind[rows], _FOCAL_KINDS))[1:2]
     names[ego] = EGO
     ridden = np.isin(traffic.kind[rows], _RIDDEN)
     start = np.argmax(valid, axis=-1)

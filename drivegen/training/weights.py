@@ -1,5 +1,9 @@
-"""A trained model as a folder: `settings.json` and `weights.safetensors`; nothing in it can run."""
+"""A trained model as a folder: `settings.json` and `weights.safetensors`; nothing in it can run.
 
+The weights hold a checksum of themselves and of the settings, so a changed bit of either is an error.
+"""
+
+import hashlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,12 +13,16 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from safetensors import SafetensorError
-from safetensors.numpy import load_file, save_file
+from safetensors.numpy import load, save
 
 from drivegen.core.errors import MissingTool, UnusableInput
-from drivegen.store.files import whole, write_json
+from drivegen.core.seal import BLANK, expect_seal, sealed
+from drivegen.store.files import as_json, whole
 
 SETTINGS, WEIGHTS = "settings.json", "weights.safetensors"
+
+_ABOUT = "drivegen"
+_AGAIN = "train it again, or copy it again from where it was"
 
 
 def write_weights(folder: Path, kind: str, name: str, settings: Mapping[str, Any], tensors: Mapping[str, NDArray[Any]]) -> None:
@@ -23,9 +31,12 @@ def write_weights(folder: Path, kind: str, name: str, settings: Mapping[str, Any
     Raises UnusableInput where a weight is not finite.
     """
     check_finite(tensors, f"the trained {kind} {name!r}")
-    with whole(folder / WEIGHTS) as temporary:
-        save_file({key: np.ascontiguousarray(tensor) for key, tensor in sorted(tensors.items())}, temporary)
-    write_json(folder / SETTINGS, {kind: name, "settings": settings})
+    about = as_json({kind: name, "settings": settings})
+    metadata = json.dumps({"checksum": BLANK, SETTINGS: _digest(about)})  # one entry: safetensors writes several in any order
+    written = save({key: np.ascontiguousarray(tensor) for key, tensor in sorted(tensors.items())}, {_ABOUT: metadata})
+    for file, content in ((WEIGHTS, sealed(written)), (SETTINGS, about)):
+        with whole(folder / file) as temporary:
+            temporary.write_bytes(content)
 
 
 def read_weights(folder: Path, kind: str, name: str) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
@@ -36,14 +47,29 @@ def read_weights(folder: Path, kind: str, name: str) -> tuple[dict[str, Any], di
     if not (folder / SETTINGS).exists():
         raise MissingTool(f"{folder} holds no trained {kind}: run `make run` first")
     try:
-        about = json.loads((folder / SETTINGS).read_text())
+        told, raw = (folder / SETTINGS).read_bytes(), (folder / WEIGHTS).read_bytes()
+        about = json.loads(told)
         if about[kind] != name:
             raise UnusableInput(f"{folder} holds {kind} {about[kind]!r}, not {name!r}")
-        settings, tensors = dict(about["settings"]), load_file(folder / WEIGHTS)
+        expect_seal(raw, folder / WEIGHTS, _AGAIN)
+        if _metadata(raw)[SETTINGS] != _digest(told):
+            raise UnusableInput(f"{folder / SETTINGS} is not what these weights were trained with: {_AGAIN}", reason="damaged")
+        settings, tensors = dict(about["settings"]), load(raw)
     except (SafetensorError, OSError, ValueError, KeyError, TypeError) as error:
-        raise UnusableInput(f"{folder} holds a damaged {kind} ({error}): train it again") from None
+        raise UnusableInput(f"{folder} holds a damaged {kind} ({error}): {_AGAIN}", reason="damaged") from None
     check_finite(tensors, str(folder / WEIGHTS))
     return settings, tensors
+
+
+def _metadata(raw: bytes) -> dict[str, str]:
+    """What stands beside the tensors: safetensors begin with the length of a JSON header, 8 bytes."""
+    header = json.loads(raw[8 : 8 + int.from_bytes(raw[:8], "little")])
+    metadata: dict[str, str] = json.loads(header["__metadata__"][_ABOUT])
+    return metadata
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
 
 
 def check_finite(tensors: Mapping[str, NDArray[Any]], place: str) -> None:

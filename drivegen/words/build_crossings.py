@@ -1,16 +1,12 @@
-"""From a scene to a crossing or a roundabout: its arms, how many lanes each has, which ways they lead."""
+"""From a scene to a crossing: its arms, how many lanes each has, which ways they lead."""
 
 import math
 from typing import Any
 
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
-from drivegen.words.scene import Scene, Thing, Unfit, merged
-from drivegen.words.slots import KMH
+from drivegen.words.things import Scene, Thing, Unfit, merged
 
 Road = dict[str, Any]
-
-ISLAND = 8.0
-"""By how much the island of a roundabout is smaller than its outer edge, per lane of the ring [m]."""
 
 _LANES = ("lanes", "lanes_each", "lanes_total", "lanes_pair", "lane_road")
 
@@ -34,7 +30,7 @@ def crossing(scene: Scene, choices: Choices) -> Road:
         raise Unfit("say the roads by their directions, or as the main and the side road")
     streets, arms = scene.named("street"), scene.named("arm")
     joins = {link for thing in streets for link in thing.links} | scene.links
-    shape, count = whole.value("shape"), _count(whole, arms)
+    shape, count = whole.value("shape"), count_of(whole, arms)
     roads = [*main, *streets, *side]
     number = sum(int(road.value("count") or 1) for road in streets if road.which is None)
     if count is None and shape is None:
@@ -51,6 +47,8 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     whole.values("evenly")
     angles = _angles(count, shape, whole, side)
     first, second = _two_roads(count, shape, main, side, streets, joins)
+    if not (first or second):
+        _check_one(streets)
     if any(compass):
         if count != 4 or shape is not None or len(compass[0]) > 1 or len(compass[1]) > 1:
             raise Unfit("roads are named by their directions at a crossing of two roads")
@@ -69,18 +67,28 @@ def crossing(scene: Scene, choices: Choices) -> Road:
         arm: Road = {"angle": angle, "main": i in of_main or not unequal, "speed": road["speed"] or usual}
         lanes = road["lanes"] or groups[True]["lanes"] or (2 if shared.has("arterial") else 1, 0)
         arm |= {"lanes_in": lanes[0], "lanes_out": lanes[0], "length": road["length"] or length}
+        arm |= {name: value for name in ("lanes_in", "lanes_out") if (value := road["thing"].value(name)) is not None}
         built.append(arm | _turn_lanes(shared, road["thing"], arm))
     _make_one_way(built, shared, first, second, of_main, count)
     every = [fact for fact in whole.facts if fact.name in ("lanes_in", "lanes_out")]
-    _own(built, [*arms, Thing("arm", which="all", facts=every)])
+    own_of_arms(built, [*arms, Thing("arm", which="all", facts=every)])
     return {"kind": "crossing", "arms": built, "control": control_of(_with(shared, side), not unequal)}
+
+
+def _check_one(streets: list[Thing]) -> None:
+    """Raises Unfit where something is said of one of the roads that cross, and not which one: "with a one-way street"."""
+    for road in streets:
+        one = road.which is None and road.value("count") in (None, 1) and not road.text.endswith("s")
+        if one and road.has("one_way", "speed", *_LANES):
+            raise Unfit(f"say what the other road is like, or of which roads {road.text!r} is one")
 
 
 def _with(shared: Thing, side: list[Thing]) -> Thing:
     return Thing("", facts=[*shared.facts, *(fact for thing in side for fact in thing.facts if fact.name == "control")])
 
 
-def _count(whole: Thing, arms: list[Thing]) -> int | None:
+def count_of(whole: Thing, arms: list[Thing]) -> int | None:
+    """How many arms are asked for, None where it is not said."""
     counts = {int(value) for value in whole.values("arms")}
     counts |= {int(value) for arm in arms if arm.which in (None, "all") for value in arm.values("count")}
     crossed = any(
@@ -142,19 +150,19 @@ def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing]) -> l
 
 def _turn_lanes(shared: Thing, road: Thing, arm: Road) -> Road:
     """Turn lanes that are said of an arm that has those of `arm`; a length alone is that of lanes to the left, if it has none."""
-    found: Road = {}
+    lanes: Road = {}
     if shared.has("no_turn_lanes") and shared.values("no_turn_lanes") and shared.has("left_turn_lane", "right_turn_lane"):
         raise Unfit("turn lanes are asked for and ruled out")
     for thing in (shared, road):
         both = bool(thing.values("both_turn_lanes"))
         for side in ("left", "right"):
             if thing.values(f"{side}_turn_lane") or both:
-                found[f"{side}_turn_lane"] = True
+                lanes[f"{side}_turn_lane"] = True
         if (pocket := thing.value("pocket")) is not None:
-            found |= {"pocket": pocket}
-            if not any(name.endswith("turn_lane") and value for name, value in (arm | found).items()):
-                found["left_turn_lane"] = True
-    return found
+            lanes |= {"pocket": pocket}
+            if not any(name.endswith("turn_lane") and value for name, value in (arm | lanes).items()):
+                lanes["left_turn_lane"] = True
+    return lanes
 
 
 def _make_one_way(
@@ -163,8 +171,8 @@ def _make_one_way(
     """One-way roads lead in over their first arm and out over the one opposite."""
     all_one_way = is_one_way(shared)
     for roads, indices in ((first, sorted(of_main)), (second, sorted(set(range(count)) - of_main))):
-        told = [is_one_way(road) for road in roads]
-        if not (all_one_way or any(told)):
+        ways = [is_one_way(road) for road in roads]
+        if not (all_one_way or any(ways)):
             continue
         if not indices:
             continue
@@ -177,7 +185,7 @@ def _make_one_way(
                 arms[behind]["lanes_in"] = 0
 
 
-def _own(built: list[Road], arms: list[Thing]) -> None:
+def own_of_arms(built: list[Road], arms: list[Thing]) -> None:
     """What is said of single arms, by ordinal or direction, and of every arm."""
     for arm in sorted(arms, key=lambda arm: isinstance(arm.which, (int, float))):
         for road in _meant(built, arm):
@@ -204,61 +212,3 @@ def _meant(built: list[Road], arm: Thing) -> list[Road]:
     if len(near) != 1:
         raise Unfit(f"no arm leads to where {arm.text!r} is")
     return near
-
-
-def roundabout(scene: Scene, choices: Choices) -> Road:
-    """A ring with its arms."""
-    whole = scene.merged("roundabout", "street", "ring_")
-    arms, rings = scene.named("arm"), scene.named("ring")
-    named = [thing for thing in scene.things if thing.name == "street"]
-    if any(value not in (None, 1) for thing in scene.named("roundabout") for value in thing.values("count")):
-        raise Unfit("one roundabout is not several")
-    ring_thing = merged(rings)
-    count = _count(Thing("", facts=[f for f in whole.facts if f.name == "arms"]), arms)
-    roads = [int(value) for street in named for value in street.values("count")]
-    if count is None and roads:
-        count = roads[0]
-    count = 4 if count is None else count
-    if count not in range(3, 9):
-        raise Unfit(f"3 to 8 roads can meet at a roundabout, not {count}")
-    on_ring = [*ring_thing.values("lanes"), *ring_thing.values("lane_road"), *whole.values("ring_lanes")]
-    of_it = [f for t in scene.things if t.name == "roundabout" for f in t.facts if f.name in ("lane_road", "lanes")]
-    on_ring += [fact.value for fact in of_it]
-    for fact in of_it:
-        fact.used = True
-    if len(set(on_ring)) > 1:
-        raise Unfit("two numbers of lanes are said of the ring")
-    ring = int(on_ring[0]) if on_ring else 1
-    facts = [fact for fact in whole.facts if fact not in of_it]
-    lanes = lanes_of(Thing("", facts=facts), arms=True) or (min(ring, 2), 0)
-    diameter = _diameter(whole, ring_thing, choices, count, ring)
-    length = whole.value("length") or choices.length("arms", 120, 180)
-    speed = speed_of(whole)
-    speed = usual_speed([whole]) if speed is None else speed
-    t_shaped = whole.value("shape") == "t"
-    angles = [180.0, 0.0, 270.0] if t_shaped else [i * 360.0 / count for i in range(count)]
-    whole.values("evenly")
-    if whole.value("signals") is False or whole.values("control") == ["yield"]:
-        pass
-    built = [{"angle": a, "lanes_in": lanes[0], "lanes_out": lanes[0], "length": length, "speed": speed} for a in angles]
-    _own(built, arms)
-    told = [*ring_thing.values("speed"), *whole.values("ring_speed")]
-    ring_speed = told[0] if told else min(speed, 30 * KMH if diameter < 60 else 40 * KMH)
-    return {"kind": "roundabout", "arms": built, "ring_lanes": ring, "diameter": diameter, "ring_speed": ring_speed}
-
-
-def _diameter(whole: Thing, ring: Thing, choices: Choices, arms: int, lanes: int) -> float:
-    told = [*whole.values("diameter"), *ring.values("diameter")]
-    told += [2 * value for value in (*whole.values("radius"), *ring.values("radius"))]
-    told += [value + ISLAND * lanes for value in (*whole.values("island"), *ring.values("island"))]
-    if len({round(value, 3) for value in told}) > 1:
-        raise Unfit("two sizes are said of the roundabout")
-    least = 10 * math.ceil((2 * 9.0 / (2 * math.pi / arms) + 8 * lanes + 6) / 10)
-    size = whole.value("size")
-    if told:
-        return float(told[0])
-    if size in ("mini", "small"):
-        return float(max(20 if size == "mini" and lanes == 1 else 30, least if lanes > 1 or arms > 4 else 20))
-    if size == "large":
-        return float(max(70, least + 20))
-    return choices.length("diameter of the roundabout", max(30, least), max(30, least) + 20)

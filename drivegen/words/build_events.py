@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from drivegen.words.scene import Fact, Scene, Thing, Unfit, merged
 from drivegen.words.slots import KMH
+from drivegen.words.things import Fact, Scene, Thing, Unfit, merged
 
 Road = dict[str, Any]
 Event = dict[str, Any]
@@ -13,6 +13,7 @@ Event = dict[str, Any]
 _FIRST, _BETWEEN, _LAST, _LEAST_BETWEEN, _LEAST_LAST = 250.0, 120.0, 250.0, 45.0, 40.0
 _AUXILIARY = {"on_ramp": 200.0, "off_ramp": 150.0, "weaving": 300.0}
 _SHARES = (0.8, 0.6, 0.45)
+_SHORTEST = 50.0
 _FURTHER = frozenset({"another", "second", "third", "further"})
 """Words that tell a second event from the first one said again."""
 
@@ -34,6 +35,10 @@ def events_of(scene: Scene, road: Thing, lanes: int | None) -> tuple[list[Event]
         if thing.name == "ramp":
             raise Unfit("say whether it is an on-ramp or an off-ramp")
         events += [{"kind": thing.name, "thing": [thing]} for _ in range(int(thing.value("count") or 1))]
+    for kind in ("on_ramp", "off_ramp"):
+        same = [thing for thing in things if thing.name == kind]
+        if len({t.text for t in same}) > 1 and not all(t.has("position", "gap") for t in same[1:]):
+            raise Unfit(f"{' and '.join(repr(thing.text) for thing in same)} can be one ramp or several")
     facts = [fact for fact in road.facts if fact.name in EVENT_FACTS]
     steps = _steps(facts, lanes)
     single: list[Event] = []
@@ -112,13 +117,13 @@ def _absorb(things: list[Thing]) -> None:
         things.remove(thing)
 
 
-def fit(events: list[dict[str, Any]], speed: float, line: Road, said: bool, limit: float | None) -> tuple[list[Road], Road]:
+def fit(events: list[dict[str, Any]], speed: float, line: Road, fixed: bool, limit: float | None) -> tuple[list[Road], Road]:
     """Events along a road long enough for them; where its length is said, what is unsaid between them is shortened."""
-    for share in (1.0, *(_SHARES if said else ())):
+    for share in (1.0, *(_SHARES if fixed else ())):
         placed, needed = _placed([dict(event) for event in events], speed, share, limit)
         if not events or line["length"] >= needed:
             return placed, line
-    if said:
+    if fixed:
         raise Unfit(f"a road of {line['length']:.0f} m is too short for what happens along it: it needs {needed:.0f} m")
     return placed, {**line, "length": needed}
 
@@ -130,34 +135,38 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
     usual = max(30 * KMH, min(speed, 60 * KMH)) if limit is None else limit
     given, everywhere = None, True
     for event in events:
-        told = merged(event["thing"])
+        facts = merged(event["thing"])
         ramp = event["kind"] in _AUXILIARY
         for nothing in ("count", "setting", "merges", "leaves", "one_side", "has_auxiliary", "row"):
-            told.values(nothing)
-        exact, given = given, told.value("auxiliary") or told.value("length")
-        everywhere = everywhere and told.has("position")
+            facts.values(nothing)
+        exact, given = given, facts.value("auxiliary") or facts.value("length")
+        everywhere = everywhere and (facts.has("position") or (facts.has("gap") and not placed))
         length = given or _AUXILIARY.get(event["kind"], 0.0) * share
-        here = event.get("position") or told.value("position")
-        gap = told.value("gap") or told.value("spacing")
+        here = event.get("position") or facts.value("position")
+        gap = event.get("gap") or facts.value("gap") or facts.value("spacing")
+        if here is None and gap:
+            here = gap + (nose_of(placed[-1]) if placed else 0.0)
+        if here is not None and event["kind"] == "off_ramp":
+            length = given or max(_SHORTEST, min(length, here - _SHORTEST))
+            here = round(here - length, 6)
         if here is None:
-            here = _next(placed, end, share, gap)
+            here = end + _BETWEEN * share if placed else _FIRST * share
         if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in _AUXILIARY and not exact:
-            placed[-1]["length"] = max(50.0, here - _LEAST_BETWEEN - placed[-1]["position"])
-        counted = [*told.values("lane_road"), *told.values("event_lanes"), *told.values("lanes"), *told.values("lanes_each")]
-        side = [*told.values("side"), *([event["side"]] if "side" in event else [])]
+            placed[-1]["length"] = max(_SHORTEST, here - _LEAST_BETWEEN - placed[-1]["position"])
+        counted = [*facts.values("lane_road"), *facts.values("event_lanes"), *facts.values("lanes"), *facts.values("lanes_each")]
+        side = [*facts.values("side"), *([event["side"]] if "side" in event else [])]
         if ramp and "left" in side:
             raise Unfit("ramps are on the outer side of the road")
         road: Road = {"kind": event["kind"], "position": here, "lanes": event.get("lanes") or (counted or [1])[0]}
         road |= {"side": side[0] if side and not ramp else "right"}
-        own = [*told.values("speed"), *told.values("ramp_speed")]
+        own = [*facts.values("speed"), *facts.values("ramp_speed")]
         road["ramp_speed"] = own[0] if own else usual
-        road |= {"keeps": True} if told.value("keeps") else {}
+        road |= {"keeps": True} if facts.value("keeps") else {}
         placed.append({**road, "length": length} if ramp else road)
         end = here + (length if ramp else 0.0)
     return placed, end + (_LEAST_LAST if everywhere else _LAST * share)
 
 
-def _next(placed: list[Road], end: float, share: float, gap: float | None) -> float:
-    if not placed:
-        return gap or _FIRST * share
-    return max(placed[-1]["position"] + gap, placed[-1]["position"] + 100.0) if gap else end + _BETWEEN * share
+def nose_of(event: Road) -> float:
+    """Where an event is said to be [m]: an on-ramp where it has come alongside, an off-ramp where it leaves."""
+    return float(event["position"] + (event["length"] if event["kind"] == "off_ramp" else 0.0))

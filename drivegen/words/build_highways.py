@@ -5,7 +5,7 @@ from typing import Any
 from drivegen.words.build_events import events_of, fit
 from drivegen.words.build_lines import alignment
 from drivegen.words.choices import FAST, Choices, is_one_way, lanes_of, speed_of, usual_speed
-from drivegen.words.scene import Scene, Thing, Unfit, merged
+from drivegen.words.things import Scene, Thing, Unfit, merged
 
 Road = dict[str, Any]
 
@@ -20,52 +20,52 @@ def highway(scene: Scene, choices: Choices) -> Road:
     names = [thing.name for thing in scene.things]
     fast = "highway" in names and not all(t.has("divided") for t in scene.things if t.name == "highway")
     fast = fast or ("highway" not in names and "main" not in names and "street" not in names)
-    told = scene.merged("highway", "street", "main")
-    if any(value not in (None, 1) for value in told.values("count")):
+    road = scene.merged("highway", "street", "main")
+    if any(value not in (None, 1) for value in road.values("count")):
         raise Unfit("one highway is drawn at a time")
-    carriageway = told.value("carriageways") == 1
-    one_way = is_one_way(told) or carriageway
-    told.values("no_junctions"), told.values("signals")
-    divided = bool(told.value("divided"))
-    median = told.value("median")
-    _no_ramps(told, scene)
+    carriageway = road.value("carriageways") == 1
+    one_way = is_one_way(road) or carriageway
+    road.values("no_junctions"), road.values("signals")
+    divided = bool(road.value("divided"))
+    median = road.value("median")
+    _no_ramps(road, scene)
     clear = all(_PER_CARRIAGEWAY & set(thing.text.split()) for thing in scene.things if thing.name == "highway") and not divided
-    lanes = lanes_of(told, one_way=one_way, per_carriageway=True, most=4 if clear else 3)
+    lanes = lanes_of(road, one_way=one_way, per_carriageway=True, most=4 if clear else 3)
     if lanes is not None and lanes[1] not in (0, lanes[0]):
         raise Unfit("both carriageways of a highway have the same number of lanes")
-    events, start = events_of(scene, told, lanes[0] if lanes else None)
+    events, start = events_of(scene, road, lanes[0] if lanes else None)
     number = lanes[0] if lanes else start or (3 if fast and not divided else 2)
-    speed = speed_of(told)
-    speed = (FAST if fast else usual_speed([told])) if speed is None else speed
-    if told.values("has_auxiliary") and not any(event["kind"] in ("on_ramp", "off_ramp") for event in events):
+    speed = speed_of(road)
+    speed = (FAST if fast else usual_speed([road])) if speed is None else speed
+    if road.values("has_auxiliary") and not any(event["kind"] in ("on_ramp", "off_ramp") for event in events):
         raise Unfit("a lane for speeding up or slowing down belongs to a ramp")
-    places = told.values("position")
+    places = [(name, value) for name in ("position", "gap") for value in road.values(name)]
     changes = [event for event in events if not event["thing"]]
     if places and (len(changes) != 1 or len(places) != 1):
         raise Unfit("it is not clear what lies at the place that is said")
     for event, place in zip(changes, places, strict=False):
-        event["position"] = place
-    line = alignment(told, choices, (800, 1200), radius=250.0)
-    said = told.has("length", "straights")
-    limit = _common(scene, told, "ramp_speed", "speed")
-    built, line = fit(events, speed, line, said, limit)
-    found: Road = {"kind": "highway", "alignment": line, "lanes": number, "speed": speed, "carriageways": 1 if one_way else 2}
-    found |= {"median": median} if median is not None and not one_way else {}
-    found |= {"both": True} if told.value("both") else {}
-    return found | {"events": built}
+        event.update([place])
+    line = alignment(road, choices, (800, 1200), radius=250.0)
+    fixed = road.has("length", "straights")
+    limit = _common(scene, road, "ramp_speed", "speed")
+    built, line = fit(events, speed, line, fixed, limit)
+    fields: Road = {"kind": "highway", "alignment": line, "lanes": number, "speed": speed, "carriageways": 1 if one_way else 2}
+    fields |= {"median": median} if median is not None and not one_way else {}
+    fields |= {"both": True} if road.value("both") else {}
+    return fields | {"events": built}
 
 
-def _no_ramps(told: Thing, scene: Scene) -> None:
+def _no_ramps(road: Thing, scene: Scene) -> None:
     ruled_out = {"no_events": ("on_ramp", "off_ramp", "ramp", "weaving"), "no_on": ("on_ramp",), "no_off": ("off_ramp",)}
     for name, kinds in ruled_out.items():
-        if told.values(name) and scene.there(*kinds):
+        if road.values(name) and scene.there(*kinds):
             raise Unfit("ramps are asked for and ruled out")
-    told.values("nothing_else")
+    road.values("nothing_else")
 
 
-def _common(scene: Scene, told: Thing, *names: str) -> float | None:
+def _common(scene: Scene, road: Thing, *names: str) -> float | None:
     values = {v for t in scene.things if t.name == "ramp" or t.which == "all" for n in names for v in t.values(n)}
-    values |= set(told.values(names[0]))
+    values |= set(road.values(names[0]))
     if len(values) > 1:
         raise Unfit("two limits are said of the ramps")
     return values.pop() if values else None
@@ -90,8 +90,8 @@ def fork(scene: Scene, choices: Choices) -> Road:
     if len(set(pairs)) > 1 or bool(own[0]) != bool(own[1]):
         raise Unfit("say the lanes of both branches of the fork, once")
     at_stem = lanes_of(merged(stem), one_way=True)
-    told = at_stem or lanes_of(whole, one_way=True)
-    lanes = told[0] if told else max(sum(pairs[0]), 1) if pairs and not joins else sum(pairs[0]) if pairs else 2
+    before = at_stem or lanes_of(whole, one_way=True)
+    lanes = before[0] if before else max(sum(pairs[0]), 1) if pairs and not joins else sum(pairs[0]) if pairs else 2
     left, right = pairs[0] if pairs else ((lanes + 1) // 2, max(1, lanes - (lanes + 1) // 2))
     angle, speed = whole.value("angle"), speed_of(whole)
     lengths = {v for things in (*both, [shared]) for t in things for v in t.values("length")}
@@ -99,7 +99,7 @@ def fork(scene: Scene, choices: Choices) -> Road:
         raise Unfit("both branches of a fork are of one length")
     length = lengths.pop() if lengths else whole.value("length") or choices.length("arms", 140, 200)
     at = [*whole.values("stem"), *(v for t in stem for v in t.values("length")), *whole.values("position")]
-    found = {"kind": "fork", "lanes": lanes, "left_lanes": left, "right_lanes": right, "joins": joins, "length": length}
-    found |= {"stem": at[0]} if at else {}
+    fields = {"kind": "fork", "lanes": lanes, "left_lanes": left, "right_lanes": right, "joins": joins, "length": length}
+    fields |= {"stem": at[0]} if at else {}
     speed = (FAST if fast else usual_speed([whole])) if speed is None else speed
-    return found | {"angle": float(angle or (40.0 if fast else 50.0)), "speed": speed}
+    return fields | {"angle": float(angle or (40.0 if fast else 50.0)), "speed": speed}

@@ -4,8 +4,8 @@ from typing import Any
 
 from drivegen.words.build_crossings import control_of
 from drivegen.words.choices import FAST, Choices, lanes_of, speed_of
-from drivegen.words.scene import Scene, Thing, Unfit, merged
 from drivegen.words.slots import KMH
+from drivegen.words.things import Scene, Thing, Unfit, merged
 
 Road = dict[str, Any]
 
@@ -33,15 +33,15 @@ def interchange(scene: Scene, _: Choices) -> Road:
     lanes = lanes_of(main, per_carriageway=True) or lanes_of(whole, per_carriageway=True) or (2, 2)
     above = lanes_of(upper, arms=True) or (1, 1)
     speed = _one(speed_of(main), speed_of(whole), FAST)
-    found: Road = {"kind": "interchange", "form": forms.pop(), "lanes": lanes[0], "speed": speed, "road_lanes": above[0]}
+    fields: Road = {"kind": "interchange", "form": forms.pop(), "lanes": lanes[0], "speed": speed, "road_lanes": above[0]}
     ramp_lanes = [*(lanes_of(ramp, one_way=True) or ())[:1], *whole.values("ramp_lanes")]
-    found |= {"ramp_lanes": ramp_lanes[0] if ramp_lanes else 1, "road_speed": _one(speed_of(upper), 50 * KMH)}
-    found |= {"ramp_speed": _one(speed_of(ramp), whole.value("ramps_limit"), whole.value("ramp_speed"), 50 * KMH)}
+    fields |= {"ramp_lanes": ramp_lanes[0] if ramp_lanes else 1, "road_speed": _one(speed_of(upper), 50 * KMH)}
+    fields |= {"ramp_speed": _one(speed_of(ramp), whole.value("ramps_limit"), whole.value("ramp_speed"), 50 * KMH)}
     if (length := upper.value("length")) is not None:
-        found["road_length"] = length
+        fields["road_length"] = length
     both = Thing("", facts=[*whole.facts, *upper.facts])
     usual = "yield" if both.value("signals") is False else "signals"
-    return found | {"control": control_of(both, False, usual)}
+    return fields | {"control": control_of(both, False, usual)}
 
 
 def _one(*values: float | None) -> float:
@@ -83,26 +83,26 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     speed = _one(speed_of(main), speed_of(whole), FAST)
     both = not street and not controlled
     above = lanes_of(upper, arms=True) or ((lanes[0],) if both else (1,))
-    found: Road = {"kind": "quadrant_interchange", "lanes": lanes[0], "speed": speed, "road_lanes": above[0]}
-    found |= {name: _ramps(form, name, _LOOPS[form, count]) for name in (*_OFF, *_ON)}
+    fields: Road = {"kind": "quadrant_interchange", "lanes": lanes[0], "speed": speed, "road_lanes": above[0]}
+    fields |= {name: _ramps(form, name, _LOOPS[form, count]) for name in (*_OFF, *_ON)}
     legs = whole.values("leg")
-    found |= {"north_leg": form != "trumpet" and "south" not in legs, "south_leg": "north" not in legs}
+    fields |= {"north_leg": form != "trumpet" and "south" not in legs, "south_leg": "north" not in legs}
     slower = min(speed, 50 * KMH if controlled else 80 * KMH)
-    found["road_speed"] = _one(speed_of(upper), speed if both else slower)
-    found["ramp_speed"] = _one(speed_of(ramp), whole.value("ramps_limit"), whole.value("ramp_speed"), min(speed, 60 * KMH))
-    found["loop_speed"] = _one(speed_of(loop), whole.value("loop_speed"), min(speed, found["ramp_speed"], 40 * KMH))
+    fields["road_speed"] = _one(speed_of(upper), speed if both else slower)
+    fields["ramp_speed"] = _one(speed_of(ramp), whole.value("ramps_limit"), whole.value("ramp_speed"), min(speed, 60 * KMH))
+    fields["loop_speed"] = _one(speed_of(loop), whole.value("loop_speed"), min(speed, fields["ramp_speed"], 40 * KMH))
     radius = [*whole.values("loop_radius"), *loop.values("radius"), *loop.values("loop_radius"), *whole.values("radius")]
     ramp_lanes = [*(lanes_of(ramp, one_way=True) or ())[:1], *whole.values("ramp_lanes")]
-    found |= {"loop_radius": radius[0] if radius else 45.0, "ramp_lanes": ramp_lanes[0] if ramp_lanes else 1}
+    fields |= {"loop_radius": radius[0] if radius else 45.0, "ramp_lanes": ramp_lanes[0] if ramp_lanes else 1}
     medians = [*whole.values("median"), *main.values("median")]
-    found |= {"median": medians[0]} if medians else {}
-    found |= {"leg_length": length} if (length := upper.value("length")) is not None else {}
+    fields |= {"median": medians[0]} if medians else {}
+    fields |= {"leg_length": length} if (length := upper.value("length")) is not None else {}
     for quadrant in scene.named(*_OFF, *_ON):
         if (ramps := quadrant.value("ramps")) is not None:
-            found[quadrant.name] = ramps
+            fields[quadrant.name] = ramps
     if controlled:
-        found["control"] = control_of(Thing("", facts=[*whole.facts, *upper.facts]), False)
-    return found
+        fields["control"] = control_of(Thing("", facts=[*whole.facts, *upper.facts]), False)
+    return fields
 
 
 def _ramps(form: str, name: str, loops: tuple[str, ...]) -> str:

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from drivegen.words.choices import Choices
-from drivegen.words.scene import Thing, Unfit
+from drivegen.words.things import Thing, Unfit
 
 Road = dict[str, Any]
 
@@ -51,7 +51,7 @@ def alignment(road: Thing, choices: Choices, usual: tuple[int, int], radius: flo
         return line | {"length": _length(road, length, arc, 1.0, choices)}
     angle, side = _turn(road)
     sharpness = road.value("sharpness")
-    told = road.value("radius")
+    given = road.value("radius")
     bends = hairpins or road.value("bends")
     if shape == "curve" and bends and bends > 1:
         raise Unfit(f"say of each of the {bends} bends how far it turns, or ask for an S-curve or hairpins")
@@ -59,7 +59,7 @@ def alignment(road: Thing, choices: Choices, usual: tuple[int, int], radius: flo
     if shape == "hairpin" and angle < _LEAST_HAIRPIN:
         raise Unfit(f"a hairpin turns by {_LEAST_HAIRPIN:g} degrees or more, not by {angle:g}")
     factor = {"sharp": 0.5, "gentle": 2.0, None: 1.0}[sharpness]
-    size = told or (20.0 if shape == "hairpin" else 45.0 if angle > 180.0 else radius * factor)
+    size = given or (20.0 if shape == "hairpin" else 45.0 if angle > 180.0 else radius * factor)
     number = bends or (2 if shape == "s_curve" else 1)
     arc = math.radians(angle) * size * number
     share = 1.0 if angle <= 180.0 else 0.0
@@ -68,12 +68,12 @@ def alignment(road: Thing, choices: Choices, usual: tuple[int, int], radius: flo
     return line | {"length": _length(road, length, arc, share * (number + 1) / 2, choices)}
 
 
-def _length(road: Thing, told: float | None, arc: float, share: float, choices: Choices) -> float:
-    if told and told < _SHORT * arc:
-        raise Unfit(f"bends that are {arc:.0f} m long together do not fit into a road of {told:.0f} m")
+def _length(road: Thing, length: float | None, arc: float, share: float, choices: Choices) -> float:
+    if length and length < _SHORT * arc:
+        raise Unfit(f"bends that are {arc:.0f} m long together do not fit into a road of {length:.0f} m")
     straights = road.value("straights")
-    if told:
-        return float(told)
+    if length:
+        return float(length)
     if straights is not None:
         return float(arc + straights)
     return arc + (choices.length("straight roads beside the bend", 200, 300, step=20) * share if share else 60.0)

@@ -1,4 +1,4 @@
-"""From a scene to a street with junctions along it, side streets, a staggered junction, or a grid."""
+"""From a scene to a street with junctions along it, side streets, or a staggered junction."""
 
 from itertools import pairwise
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from drivegen.words.build_crossings import control_of
 from drivegen.words.build_lines import BEND_FIELDS, alignment
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
-from drivegen.words.scene import Scene, Thing, Unfit, merged
+from drivegen.words.things import Scene, Thing, Unfit, merged
 
 Road = dict[str, Any]
 
@@ -57,14 +57,14 @@ def _line(road: Thing, choices: Choices, gaps: list[float], first: float | None)
             raise Unfit("say where along a road with bends its junctions lie")
         return {**alignment(road, choices, (400, 600)), "start": first}
     road.values("straight")
-    told = road.value("length")
+    length = road.value("length")
     ends = choices.length("road before the first and after the last junction", 120, 160)
-    if told is not None:
-        ends = max(_SHORTEST_END, (told - between) / 2) if first is None else told - between - first
-        if ends < 20.0 or (first is None and told < between + 40.0):
-            raise Unfit(f"a road of {told:.0f} m is too short for what lies along it")
+    if length is not None:
+        ends = max(_SHORTEST_END, (length - between) / 2) if first is None else length - between - first
+        if ends < 20.0 or (first is None and length < between + 40.0):
+            raise Unfit(f"a road of {length:.0f} m is too short for what lies along it")
     start = ends if first is None else first
-    return {"shape": "straight", "length": told or start + between + ends, "start": start}
+    return {"shape": "straight", "length": length or start + between + ends, "start": start}
 
 
 def _junctions(
@@ -91,7 +91,7 @@ def _row(
     side = merged(sides)
     lanes = lanes_of(side, arms=True)
     usual = (base["lanes"] if not main else 1,) if lanes is None else lanes
-    spacing = _spacing(road, [*things, *sides]) or choices.length("spacing", 150, 250)
+    spacing = spacing_of(road, [*things, *sides]) or choices.length("spacing", 150, 250)
     shared = [thing for thing in references if thing.which == "all"]
     junctions = []
     for i, thing in enumerate(words):
@@ -117,7 +117,11 @@ def _is(reference: Thing, i: int, words: list[Thing]) -> bool:
 
 
 def _counted(thing: Thing) -> int:
-    return int(thing.value("count") or 1)
+    """How many are asked for. Raises Unfit where several are, and no number is said."""
+    count = thing.value("count")
+    if count is None and thing.text.endswith("s") and not thing.definite and not thing.text.endswith(("ss", "crossroads")):
+        raise Unfit(f"say how many {thing.text}")
+    return int(count or 1)
 
 
 def _junction(
@@ -129,32 +133,32 @@ def _junction(
     arms = _first(levels, "arms") or (3 if shape == "t" else 4)
     if arms not in range(3, 9):
         raise Unfit("junctions in a row can have three to eight arms")
-    told = next((values for level in levels if (values := level.values("sides"))), None)
+    named_sides = next((values for level in levels if (values := level.values("sides"))), None)
     side = _first(levels, "side") or "right"
-    sides = tuple(told or (("left", "right") * 3)[: arms - 2] if arms > 3 or told else (side,))
+    sides = tuple(named_sides or (("left", "right") * 3)[: arms - 2] if arms > 3 or named_sides else (side,))
     if _first(levels, "alternate") and arms == 3:
         sides = (("left", "right")[i % 2],)
     speed = _first(levels, "side_speed") or speed_of(merged([t for t in shared if t.has("speed") and t is not shared[0]]))
     control = next((control_of(level, False) for level in levels if level.has("control")), None)
     if any(level.value("signals") is False for level in levels) and control == "signals":
         raise Unfit("traffic lights are asked for and ruled out")
-    found: Road = {"form": thing.name, "sides": sides, "control": control or "yield", "side_speed": speed or base["speed"]}
-    found |= {"side_lanes": _first(levels, "side_lanes") or side_lanes}
-    found |= {name: v for name in ("side_length", "pocket") if (v := _first(levels, name))}
+    fields: Road = {"form": thing.name, "sides": sides, "control": control or "yield", "side_speed": speed or base["speed"]}
+    fields |= {"side_lanes": _first(levels, "side_lanes") or side_lanes}
+    fields |= {name: v for name in ("side_length", "pocket") if (v := _first(levels, name))}
     if (length := shared[1].value("length")) is not None:
-        found["side_length"] = length
+        fields["side_length"] = length
     for turn in ("left", "right"):
         if turning.values(f"{turn}_turn_lane") or turning.values("both_turn_lanes"):
-            found[f"{turn}_turn_lane"] = True
-    found |= {"dead_end": True} if _first(levels, "side_dead_end") else {}
+            fields[f"{turn}_turn_lane"] = True
+    fields |= {"dead_end": True} if _first(levels, "side_dead_end") else {}
     if thing.name == "roundabout":
         ring = _first(levels, "ring_lanes") or next(
             (v for level in levels[:2] for n in ("lane_road", "lanes") for v in level.values(n)), 1
         )
         usual = max(_SMALLEST_RING, min(36.0 + 8 * ring, spacing - _BETWEEN_RINGS))
         usual = _SMALLEST_RING if _first(levels, "size") in ("small", "mini") and ring == 1 else usual
-        found |= {"ring_lanes": ring, "diameter": _first(levels, "diameter") or usual, "control": "yield"}
-    return found
+        fields |= {"ring_lanes": ring, "diameter": _first(levels, "diameter") or usual, "control": "yield"}
+    return fields
 
 
 def _first(levels: list[Thing], name: str) -> Any:
@@ -162,11 +166,12 @@ def _first(levels: list[Thing], name: str) -> Any:
     return next((value for value in values if value is not None), None)
 
 
-def _spacing(road: Thing, things: list[Thing]) -> float | None:
-    told = {value for thing in (road, *things) for value in thing.values("spacing")}
-    if len(told) > 1:
+def spacing_of(road: Thing, things: list[Thing]) -> float | None:
+    """How far apart junctions are said to be [m]."""
+    distances = {value for thing in (road, *things) for value in thing.values("spacing")}
+    if len(distances) > 1:
         raise Unfit("two different distances between the junctions are said")
-    return told.pop() if told else None
+    return distances.pop() if distances else None
 
 
 def _places(words: list[Thing], references: list[Thing], spacing: float) -> tuple[list[float], float | None]:
@@ -176,9 +181,9 @@ def _places(words: list[Thing], references: list[Thing], spacing: float) -> tupl
     for i, word in enumerate(words):
         refs = [ref for ref in references if ref.which not in (None, "all") and _is(ref, i, words)]
         own = [word] if words.count(word) == 1 else []
-        told = [value for thing in (*own, *refs) for value in thing.values("position")]
+        places = [value for thing in (*own, *refs) for value in thing.values("position")]
         gap = [value for thing in (*own, *refs) for value in thing.values("gap")]
-        positions.append(told[0] if told else None)
+        positions.append(places[0] if places else gap[0] if gap and not i else None)
         if gap and i:
             gaps[i - 1] = gap[0]
     if all(place is not None for place in positions):
@@ -197,8 +202,8 @@ def _side_streets(
     """Side streets, on the sides that are said, else on both sides in turn; those that cross the road are on both."""
     side = merged([*sides, *(reference for reference in references if reference.which == "all")])
     residential = "residential" in {fact.value for fact in road.facts if fact.name == "setting"}
-    told = [(thing, int(thing.value("count") or 1)) for thing in sides]
-    spacing = _spacing(road, sides) or choices.length("spacing", 70, 110)
+    counts = [(thing, _counted(thing)) for thing in sides]
+    spacing = spacing_of(road, sides) or choices.length("spacing", 70, 110)
     levels = [side, road]
     control = next((control_of(level, False) for level in levels if level.has("control")), None)
     control = control or ("uncontrolled" if residential else "yield")
@@ -214,7 +219,7 @@ def _side_streets(
     every: list[tuple[str, ...]] = []
     both = any(thing.name == "cross" or thing.value("both_sides") for thing in sides)
     side.values("alternate"), road.values("cross_streets")
-    for thing, count in told:
+    for thing, count in counts:
         own = thing.value("side")
         for _ in range(count):
             turn = ("left", "right")[len(every) % 2]
@@ -222,15 +227,26 @@ def _side_streets(
             every.append(("left", "right") if both else (own or same or turn,))
     if len(every) > _MOST:
         raise Unfit(f"a road can have at most {_MOST} junctions along it")
-    if len(told) == 1 and told[0][1] == 1:
-        places = [spacing, told[0][0].value("position")]
+    if len(counts) == 1 and counts[0][1] == 1:
+        places = [spacing, counts[0][0].value("position")]
         return [{**junction, "sides": every[0]}], [], places[1]
-    starts = [thing.value("position") for thing, count in told if count == 1]
-    if len(starts) == len(told) and all(start is not None for start in starts):
-        if starts != sorted(starts):
-            raise Unfit("the side streets are not said in the order in which they lie along the road")
+    starts = _starts([thing for thing, count in counts if count == 1])
+    if len(starts) == len(counts) and starts:
         return [{**junction, "sides": s} for s in every], [b - a for a, b in pairwise(starts)], starts[0]
     return [{**junction, "sides": s} for s in every], [spacing] * (len(every) - 1), None
+
+
+def _starts(things: list[Thing]) -> list[float]:
+    """Where each lies, as it is said: from the start, or from the one before; none where that is not said of all."""
+    starts: list[float] = []
+    for thing in things:
+        place, gap = thing.value("position"), thing.value("gap")
+        if place is None and gap is None:
+            return []
+        starts.append(float(place if gap is None else gap + (starts[-1] if starts else 0.0)))
+    if starts != sorted(starts):
+        raise Unfit("the side streets are not said in the order in which they lie along the road")
+    return starts
 
 
 def _staggered(
@@ -240,7 +256,7 @@ def _staggered(
     whole, side = merged([t for t in things if t.name == "staggered"]), merged(sides)
     if len(things) > 1:
         raise Unfit("a staggered junction stands alone along its road")
-    offset = _spacing(road, [whole, side]) or whole.value("gap") or choices.length("offset", 40, 60)
+    offset = spacing_of(road, [whole, side]) or whole.value("gap") or choices.length("offset", 40, 60)
     control = next((control_of(level, False) for level in (whole, side, road) if level.has("control")), "yield")
     side.values("count"), whole.values("signals"), road.values("signals"), side.values("both_sides"), whole.values("setting")
     lanes = (lanes_of(side, arms=True) or (1,))[0]
@@ -248,27 +264,7 @@ def _staggered(
     first = whole.value("side") or side.value("side") or "right"
     speed = speed_of(whole)
     base["speed"] = common["side_speed"] = speed or base["speed"]
-    if (told := lanes_of(whole, arms=True)) is not None:
-        base |= {"lanes": told[0], "lanes_back": told[1]}
+    if (through := lanes_of(whole, arms=True)) is not None:
+        base |= {"lanes": through[0], "lanes_back": through[1]}
     other = "left" if first == "right" else "right"
     return [{**common, "sides": (first,)}, {**common, "sides": (other,)}], [offset], whole.value("position")
-
-
-def grid(scene: Scene, choices: Choices) -> Road:
-    """Streets that cross in rows and columns."""
-    scene.one_road("grid")
-    scene.one_road("street", "main")
-    whole = scene.merged("grid", "street", "crossing")
-    sizes, spacing = set(whole.values("grid_size")), _spacing(whole, [])
-    counts = whole.values("count")
-    if len(sizes) > 1 or counts:
-        raise Unfit("say the grid as rows by columns of crossings, e.g. '3 by 4'")
-    rows, columns = sizes.pop() if sizes else (3, 3)
-    one_way = is_one_way(whole)
-    lanes = lanes_of(whole, one_way=one_way, arms=True) or (1, 1)
-    if lanes[0] != lanes[1] and not one_way:
-        raise Unfit("the streets of a grid have the same lanes in both directions")
-    speed = speed_of(whole)
-    found = {"kind": "grid", "rows": rows, "columns": columns, "lanes": lanes[0], "one_way": one_way}
-    found |= {"spacing": spacing or whole.value("length") or choices.length("spacing", 100, 150), "beyond": whole.value("beyond")}
-    return found | {"speed": usual_speed([whole]) if speed is None else speed, "control": control_of(whole, True)}

@@ -3,8 +3,8 @@
 from typing import Any
 
 from drivegen.core import seeds
-from drivegen.words.scene import Thing, Unfit
 from drivegen.words.slots import KMH
+from drivegen.words.things import Thing, Unfit
 
 _SPEEDS = {"residential": 30 * KMH, "rural": 80 * KMH, "urban": 50 * KMH, None: 50 * KMH}
 ARTERIAL, FAST = 60 * KMH, 120 * KMH
@@ -42,17 +42,17 @@ def lanes_of(
     `arms`: of roads that meet at a junction, of which "N lanes" means each direction. `most`: an even number of lanes above
     may be that of both carriageways. Raises Unfit where a number is open to two readings, or two contradict one another.
     """
-    found: list[tuple[int, int]] = []
+    pairs: list[tuple[int, int]] = []
     for name in ("lanes_each", "lanes_total", "lanes_pair", "lanes", "lane_road"):
         for value in road.values(name):
-            if name in ("lanes", "lane_road") and found and value in (found[0][0], sum(found[0])):
+            if name in ("lanes", "lane_road") and pairs and value in (pairs[0][0], sum(pairs[0])):
                 continue  # "an eight-lane highway, four in each direction"
-            found.append(_counted(name, value, one_way=one_way, most=most if per_carriageway else 0, arms=arms))
+            pairs.append(_counted(name, value, one_way=one_way, most=most if per_carriageway else 0, arms=arms))
     if one_way:
-        found = [(ahead, 0) for ahead, _ in found]
-    if any(pair != found[0] for pair in found):
+        pairs = [(ahead, 0) for ahead, _ in pairs]
+    if any(pair != pairs[0] for pair in pairs):
         raise Unfit("two different numbers of lanes are said of one road")
-    return found[0] if found else None
+    return pairs[0] if pairs else None
 
 
 def _counted(name: str, value: Any, *, one_way: bool, most: int, arms: bool) -> tuple[int, int]:

@@ -37,13 +37,19 @@ class Item:
     raw: str
     unread: bool = False
 
+    @property
+    def cannot(self) -> bool:
+        """Whether it names what cannot be."""
+        return self.phrase is not None and self.phrase.kind == "cannot"
+
 
 @dataclass(frozen=True)
 class Cover:
-    """Items from the first token to the last, and what they cost."""
+    """Items from the first token to the last, what they cost, and a number for the phrases among them."""
 
     items: tuple[Item, ...]
     cost: float
+    reading: int = 0
 
     @property
     def unread(self) -> list[str]:
@@ -65,9 +71,16 @@ class Grammar:
     def covers(self, tokens: Sequence[Token]) -> list[Cover]:
         """The best covers, cheapest first; all have unread words or none has."""
         best: list[list[Cover]] = [[Cover((), 0.0)], *([] for _ in tokens)]
+        readings: dict[tuple[Any, ...], int] = {}
         for i, token in enumerate(tokens):
             for item, cost in [*self._said(tokens, i), self._alone(token, i)]:
-                best[item.end] += [Cover((*cover.items, item), cover.cost + cost) for cover in best[i]]
+                for cover in best[i]:
+                    reading = cover.reading
+                    if item.phrase is not None or item.unread:
+                        reading = readings.setdefault(
+                            (reading, item.phrase, item.values, item.raw if item.unread else ""), len(readings) + 1
+                        )
+                    best[item.end].append(Cover((*cover.items, item), cover.cost + cost, reading))
             best[i + 1] = _few(best[i + 1])
         return _few(best[-1])
 
@@ -76,12 +89,12 @@ class Grammar:
         return Item(None, (), i, i + 1, token.text, token.raw, unread), UNREAD if unread else _SILENT
 
     def _said(self, tokens: Sequence[Token], i: int) -> Iterable[tuple[Item, float]]:
-        found: dict[tuple[Phrase, tuple[Any, ...], int], None] = {}
+        matches: dict[tuple[Phrase, tuple[Any, ...], int], None] = {}
         for phrase, pattern in (*self._by_word.get(tokens[i].key, ()), *self._by_word[""]):
             for values, end in match(pattern, tokens, i):
                 if end > i and _fits(phrase, tokens, end) and not (phrase.kind == "link" and _before_a_noun(tokens, i)):
-                    found[phrase, values, end] = None
-        for phrase, values, end in found:
+                    matches[phrase, values, end] = None
+        for phrase, values, end in matches:
             raw = " ".join(token.raw for token in tokens[i:end])
             behind = _BEHIND if phrase.place == "post" and tokens[end - 1].raw == "lane" else 0.0
             yield Item(phrase, values, i, end, tokens[end - 1].text, raw), _PHRASE + _SLOT * len(values) + behind
@@ -108,6 +121,10 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
 
 
 def _few(covers: list[Cover]) -> list[Cover]:
-    """The cheapest covers, each way to cut the text once."""
+    """The cheapest covers; one of those that differ only in words that say nothing, inside a phrase or beside it."""
     ordered = sorted(covers, key=lambda cover: cover.cost)
-    return [cover for cover in ordered if cover.cost <= ordered[0].cost + _CLOSE][:_MOST]
+    near: dict[int, Cover] = {}
+    for cover in ordered:
+        if cover.cost <= ordered[0].cost + _CLOSE:
+            near.setdefault(cover.reading, cover)
+    return list(near.values())[:_MOST]

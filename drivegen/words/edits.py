@@ -1,6 +1,7 @@
 """Edits of a specification in words: the same table and rules, each fact set where its scope says."""
 
 import math
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
@@ -10,9 +11,11 @@ from drivegen.core.errors import UnusableInput
 from drivegen.layouts.spec import MapSpec
 from drivegen.words.choices import lanes_of
 from drivegen.words.cover import Grammar
+from drivegen.words.read import meanings, unreadable
 from drivegen.words.roads import first_complaint
-from drivegen.words.scene import Fact, Scene, Thing, Unfit, scene_of
+from drivegen.words.scene import scene_of
 from drivegen.words.table import silent, table, words
+from drivegen.words.things import Scene, Thing, Unfit
 from drivegen.words.tokens import tokenise
 
 EDITS = (
@@ -42,47 +45,31 @@ def _grammar() -> Grammar:
 def edited(spec: MapSpec, text: str) -> MapSpec:
     """The specification after the edit. Raises UnusableInput, its last line being `try: EDIT`, one that this road can have."""
     covers = _grammar().covers(tokenise(text[:2000]))
-    unread = covers[0].unread
-    cannot = [i.phrase.name for i in covers[0].items if i.phrase is not None and i.phrase.kind == "cannot"]
-    if cannot or unread or not covers[0].items:
-        why = f"{cannot[0]} cannot be drawn" if cannot else f"I do not read {', '.join(map(repr, unread[:8])) or 'an empty edit'}"
+    if why := unreadable(text, covers[0]):
         raise _declined(spec, text, why)
-    found: list[MapSpec] = []
-    why, cost = "", math.inf
-    for cover in covers:
-        if found and cover.cost > cost + 1e-6:
-            break
-        try:
-            result = apply(spec, scene_of(cover.items))
-        except Unfit as error:
-            why = why or str(error)
-            continue
-        cost = cover.cost
-        if result not in found:
-            found.append(result)
-    if len(found) != 1:
-        raise _declined(spec, text, "this can be read in two ways" if found else why)
-    return found[0]
+    results, why = meanings(covers, lambda items: apply(spec, scene_of(items)))
+    if len(results) != 1:
+        raise _declined(spec, text, "this can be read in two ways" if results else why)
+    return results[0]
 
 
 def _declined(spec: MapSpec, text: str, why: str) -> UnusableInput:
-    said = set(text.lower().split())
-    for edit in sorted(EDITS, key=lambda edit: -len(said & set(edit.split()))):
-        try:
+    words_of_it = set(text.lower().split())
+    for edit in (*sorted(EDITS, key=lambda edit: -len(words_of_it & set(edit.split()))), "50 km/h"):
+        with suppress(Unfit):
             apply(spec, scene_of(_grammar().covers(tokenise(edit))[0].items))
-        except Unfit:
-            continue
-        return UnusableInput(f"{why}\ntry: {edit}", reason="not-understood")
-    return UnusableInput(f"{why}\ntry: 50 km/h", reason="not-understood")
+            break
+    return UnusableInput(f"{why}\ntry: {edit}", reason="not-understood")
 
 
 def apply(spec: MapSpec, scene: Scene) -> MapSpec:
     """The specification with the scene's facts in it. Raises Unfit where one fits nowhere, or nothing changes."""
+    if spec.road.kind == "graph":
+        raise Unfit("a free graph cannot be edited in words")
     fields = spec.model_dump(mode="json")
     for thing in (scene.whole, *scene.things):
-        for fact in thing.facts:
-            if fact.name == "left_hand":
-                fields["left_hand"], fact.used = fact.value, True
+        if (left_hand := thing.value("left_hand")) is not None:
+            fields["left_hand"] = left_hand
         _Edit(fields, thing).run()
     if left := [fact.text for thing in (scene.whole, *scene.things) for fact in thing.facts if not fact.used]:
         raise Unfit(f"{left[0]!r} cannot be set on this {spec.road.kind.replace('_', ' ')}")
@@ -104,12 +91,10 @@ class _Edit:
 
     def run(self) -> None:
         name = self.thing.name
-        if self.kind == "graph":
-            raise Unfit("a free graph cannot be edited in words")
         if name in (*_RAMPS, "ramp", "lane_drop", "lane_gain") and self._events(name):
             return
-        if self._value("form") is not None:
-            self._form(str(self.form))
+        if (form := self.thing.value("form")) is not None:
+            self._form(form)
         parts = self._parts(name)
         if name and name != "crossing" and not parts:
             raise Unfit(f"this road has no {self.thing.text!r}")
@@ -118,12 +103,6 @@ class _Edit:
         self._control()
         self._turn_lanes(parts, name)
         self._lengths(parts)
-
-    def _value(self, name: str) -> Any:
-        value = self.thing.value(name)
-        if name == "form":
-            self.form = value
-        return value
 
     def _parts(self, name: str) -> list[Part]:
         """The fields that hold what is said of a thing of this name."""
@@ -158,7 +137,7 @@ class _Edit:
         if self.kind != "highway":
             raise Unfit("only motorways have ramps and lane changes along them")
         events: list[Part] = self.road["events"]
-        if self.thing.values("remove"):
+        if self.thing.value("remove"):
             gone = self._named_events(name)
             if not gone:
                 raise Unfit(f"there is no {self.thing.text!r} along this road")
@@ -194,7 +173,7 @@ class _Edit:
         self.kind = self.road["kind"]
 
     def _lanes(self, parts: list[Part]) -> None:
-        more, fewer = self._value("more_lanes"), self._value("fewer_lanes")
+        more, fewer = self.thing.value("more_lanes"), self.thing.value("fewer_lanes")
         one_way = self.road.get("lanes_back") == 0 or self.kind in ("highway", "fork") or self.road.get("one_way", False)
         lanes = lanes_of(self.thing, one_way=one_way, arms=bool(self.road.get("arms")))
         if more is None and fewer is None and lanes is None:
@@ -203,8 +182,8 @@ class _Edit:
             for name, value in self._lane_fields(part):
                 if not value:
                     continue
-                told = lanes[0] if lanes else value + (more or 0) - (fewer or 0)
-                part[name] = told if name not in ("lanes_back", "lanes_out") or not lanes else (lanes[1] or lanes[0])
+                number = lanes[0] if lanes else value + (more or 0) - (fewer or 0)
+                part[name] = number if name not in ("lanes_back", "lanes_out") or not lanes else (lanes[1] or lanes[0])
 
     def _lane_fields(self, part: Part) -> list[tuple[str, int]]:
         name = self.thing.name
@@ -216,48 +195,38 @@ class _Edit:
         return [(field, part[field]) for field in fields if field in part]
 
     def _speed(self, parts: list[Part], name: str) -> None:
-        told = [*self.thing.values("speed"), *self.thing.values("ramp_speed")]
-        if not told:
+        speeds = [*self.thing.values("speed"), *self.thing.values("ramp_speed")]
+        if not speeds:
             return
         own = {"side": "side_speed", "cross": "side_speed", "ring": "ring_speed", "upper": "road_speed"}
         for part in parts:
-            field = (
-                "ramp_speed"
-                if "event" in part or part.get("kind") in (*_RAMPS, "lane_drop", "lane_gain")
-                else own.get(name, "speed")
-            )
-            field = "speed" if field == "side_speed" and field not in part else field
-            if field not in part:
+            fields = [field for field in (own.get(name, ""), "speed", "ramp_speed") if field in part]
+            if not fields:
                 raise Unfit("no limit can be set there")
-            part[field] = told[0]
+            part[fields[0]] = speeds[0]
         if name in ("", "street"):
             for junction in self.road.get("junctions", []):
-                junction["side_speed"] = told[0]
-            for slow in _SLOW:
-                if slow in self.road:
-                    self.road[slow] = min(self.road[slow], told[0])
+                junction["side_speed"] = speeds[0]
+            self.road |= {slow: min(self.road[slow], speeds[0]) for slow in _SLOW if slow in self.road}
 
     def _control(self) -> None:
-        control, signals = self._value("control"), self._value("signals")
+        control, signals = self.thing.value("control"), self.thing.value("signals")
         if control is None and signals is None:
             return
         if control == "stop_sign":
             mains = [arm["main"] for arm in self.road.get("arms", [])]
             control = "all_way_stop" if (mains and all(mains)) or self.kind == "grid" else "stop"
-        junctions = (
-            [j for j in self._parts("crossing") if j.get("form") == "crossing"] if self.kind == "corridor" else [self.road]
-        )
-        for place in junctions:
-            if place.get("control") is None or place.get("kind") == "roundabout":
-                raise Unfit("this road has no crossing that could be controlled")
-            place["control"] = control or "yield"
-        if not junctions:
+        rows = [part for part in self._parts("crossing") if part.get("form") == "crossing"]
+        places = rows if self.kind == "corridor" else [self.road]
+        if not places or any(place.get("control") is None or place.get("kind") == "roundabout" for place in places):
             raise Unfit("this road has no crossing that could be controlled")
+        for place in places:
+            place["control"] = control or "yield"
 
     def _turn_lanes(self, parts: list[Part], name: str) -> None:
-        sides = [side for side in ("left", "right") if self._value(f"{side}_turn_lane")]
-        sides = ["left", "right"] if self._value("both_turn_lanes") or self._value("turn_lanes") else sides
-        none, pocket = self._value("no_turn_lanes"), self._value("pocket")
+        sides = [side for side in ("left", "right") if self.thing.value(f"{side}_turn_lane")]
+        sides = ["left", "right"] if self.thing.value("both_turn_lanes") or self.thing.value("turn_lanes") else sides
+        none, pocket = self.thing.value("no_turn_lanes"), self.thing.value("pocket")
         if not (sides or none or pocket):
             return
         holders = self.road.get("junctions", []) if self.kind == "corridor" else parts
@@ -271,7 +240,7 @@ class _Edit:
             part |= {"left_turn_lane": False, "right_turn_lane": False} if none else {}
 
     def _lengths(self, parts: list[Part]) -> None:
-        length, longer, shorter = self._value("length"), self._value("longer"), self._value("shorter")
+        length, longer, shorter = self.thing.value("length"), self.thing.value("longer"), self.thing.value("shorter")
         step = (longer or 0.0) - (shorter or 0.0)
         for part in parts if length is not None or step else []:
             line = part.get("alignment", part)
@@ -283,11 +252,11 @@ class _Edit:
         self._moved(parts)
 
     def _moved(self, parts: list[Part]) -> None:
-        if (straight := self._value("straight")) and "alignment" in self.road:
+        if (straight := self.thing.value("straight")) and "alignment" in self.road:
             self.road["alignment"] = {"shape": "straight", "length": self.road["alignment"]["length"]}
         elif straight:
             raise Unfit("there is no bend here")
-        moved = (self._value("downstream") or 0.0) - (self._value("upstream") or 0.0)
+        moved = (self.thing.value("downstream") or 0.0) - (self.thing.value("upstream") or 0.0)
         everything: list[Part] = self.road.get("events") or self.road.get("junctions") or []
         first = min((everything.index(part) for part in parts if part in everything), default=None) if moved else None
         for part in everything[first:] if first is not None else []:
@@ -300,11 +269,10 @@ class _Edit:
         self._numbers(parts)
 
     def _numbers(self, parts: list[Part]) -> None:
-        for name in ("diameter", "auxiliary", "keeps", "position", "spacing", "median"):
-            told: Fact | None = next((fact for fact in self.thing.facts if fact.name == name and not fact.used), None)
-            field = {"auxiliary": "length"}.get(name, name)
-            holders = [part for part in ([self.road] if name in ("diameter", "spacing", "median") else parts) if field in part]
-            if told is not None and holders:
-                told.used = True
+        fields = {"auxiliary": "length", "keeps": "keeps", "position": "position"}
+        for name, field in {**fields, **{name: name for name in ("diameter", "spacing", "median")}}.items():
+            holders = [part for part in (parts if name in fields else [self.road]) if field in part]
+            if holders and (value := self.thing.value(name)) is not None:
                 for part in holders:
-                    part[field] = told.value
+                    lane = part["length"] if name == "position" and part.get("kind") == "off_ramp" else 0.0
+                    part[field] = value - lane if lane else value

@@ -60,15 +60,15 @@ def stemmed(form: str) -> Pattern:
 
 
 def _stemmed(pattern: Pattern) -> Pattern:
-    found: list[Part] = []
+    parts: list[Part] = []
     for part in pattern:
         if isinstance(part, tuple):
-            found.append(tuple(map(_stemmed, part)))
+            parts.append(tuple(map(_stemmed, part)))
         elif part.startswith(("{", "=", "(")):
-            found.append(part)
+            parts.append(part)
         else:
-            found += map(stem, re.sub(r"\b(on|off)-ramp", r"\1ramp", part.lower()).replace("-", " ").split())
-    return tuple(found)
+            parts += map(stem, re.sub(r"\b(on|off)-ramp", r"\1ramp", part.lower()).replace("-", " ").split())
+    return tuple(parts)
 
 
 def match(pattern: Pattern, tokens: Sequence[Token], i: int) -> Iterator[tuple[tuple[Any, ...], int]]:
@@ -84,24 +84,24 @@ def match(pattern: Pattern, tokens: Sequence[Token], i: int) -> Iterator[tuple[t
     elif part in _PLURALS:
         yield from match(rest, tokens, i)
     elif part.startswith("{"):
-        if (found := SLOTS[part.strip("{}")].read(tokens, i)) is not None:
-            yield from (((found[0], *more), last) for more, last in match(rest, tokens, found[1]))
+        if (slot := SLOTS[part.strip("{}")].read(tokens, i)) is not None:
+            yield from (((slot[0], *more), last) for more, last in match(rest, tokens, slot[1]))
     elif i < len(tokens) and part == tokens[i].key:
         yield from match(rest, tokens, i + 1)
 
 
 def first_words(pattern: Pattern) -> tuple[frozenset[str], bool]:
     """The words with which the pattern can begin, "" for a slot; and whether it can be empty."""
-    found: frozenset[str] = frozenset()
+    firsts: frozenset[str] = frozenset()
     for part in pattern:
         if isinstance(part, tuple):
             ways = [first_words(way) for way in part]
-            found = found.union(*(words for words, _ in ways))
+            firsts = firsts.union(*(words for words, _ in ways))
             if not any(empty for _, empty in ways):
-                return found, False
+                return firsts, False
         elif part not in _PLURALS:
-            return found | {"" if part.startswith("{") else part}, False
-    return found, True
+            return firsts | {"" if part.startswith("{") else part}, False
+    return firsts, True
 
 
 def _first_way(pattern: Pattern) -> Iterator[str]:

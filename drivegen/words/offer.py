@@ -2,15 +2,15 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import chain, combinations, islice, takewhile, zip_longest
 
 from drivegen.words.choices import Choices
 from drivegen.words.cover import Cover, Item
 from drivegen.words.phrase import Phrase
-from drivegen.words.read import Words, best, covers_of, grammar, meaning
+from drivegen.words.read import SAME, Words, best, covers_of, grammar, meaning
 from drivegen.words.saying import Sentence, say
-from drivegen.words.scene import Unfit
-from drivegen.words.table import table
+from drivegen.words.table import table, words
+from drivegen.words.things import Unfit
 from drivegen.words.tokens import Token, tokenise
 from drivegen.words.traffic import request_sentences
 
@@ -38,11 +38,11 @@ EXAMPLES = (
 )
 """One description of each kind of road, and of traffic; all of them are read."""
 
-_TRIES = 160
-_STREET = next(phrase for phrase in table("roads") if phrase.name == "street")
-_CROSSING = next(phrase for phrase in table("roads") if phrase.name == "crossing" and not phrase.facts)
+_TRIES, _COVERS = 160, 4
+_STREET, _CROSSING = (next(p for p in table("roads") if p.name == name and not p.facts) for name in ("street", "crossing"))
 _LIGHTS = next(phrase for phrase in table("roads") if phrase.name == "control" and phrase.value == "signals")
 _EACH = next(phrase for phrase in table("roads") if phrase.name == "lanes_each")
+_STOPS = frozenset({",", ".", "(", ":", "and"})
 
 
 @dataclass(frozen=True)
@@ -53,43 +53,55 @@ class Offer:
     left_out: tuple[str, ...]
 
 
-def offered(tokens: Sequence[Token], cover: Cover, choices: Choices) -> Offer:
-    """The sentence for what can be read of a cover; the most alike example where that is nothing."""
-    items = [i for i in cover.items if not i.unread and (i.phrase is None or i.phrase.kind != "cannot")]
-    if any(item.phrase is not None for item in items):
-        for left_out, kept in _variants(items):
+def offered(tokens: Sequence[Token], covers: Sequence[Cover], choices: Choices) -> Offer:
+    """The sentence for what can be read of one of the covers; the most alike example where that is nothing."""
+    tries = [_variants(_clear(cover.items)) for cover in covers[:_COVERS] if cover.cost <= covers[0].cost + SAME]
+    for variants in zip_longest(*tries, fillvalue=()):
+        for items in chain(*variants):
             try:
-                words = meaning(kept, choices)
+                words = meaning(items, choices)
             except Unfit:
                 continue
-            if (words.road is not None or words.traffic) and (sentence := _shortest(words, choices)):
-                return Offer(sentence, tuple(item.raw for item in left_out))
-    return Offer(_alike(tokens), tuple(item.raw for item in items if item.phrase is not None))
+            if (words.road is not None or words.traffic) and (sentence := _shortest(words, items, choices)):
+                return Offer(sentence, _left_out(covers[0], {i for item in items for i in range(item.start, item.end)}))
+    return Offer(_alike(tokens), _left_out(covers[0], set()))
 
 
-def _variants(items: Sequence[Item]) -> Iterator[tuple[tuple[Item, ...], list[Item]]]:
-    """What is left out, and the rest: as it is, with lanes counted in each direction, with a street where no road is named."""
+def _left_out(cover: Cover, held: set[int]) -> tuple[str, ...]:
+    items = [item for item in cover.items if item.phrase is not None and not item.cannot]
+    return tuple(item.raw for item in items if item.start not in held)
+
+
+def _clear(items: Sequence[Item]) -> list[Item]:
+    """What can be read, without what stands beside an unread word that turns its meaning: "no", "only", a side, a number."""
+    gone: set[int] = set()
+    for i, item in enumerate(items):
+        number = item.raw[:1].isdigit() or item.text == "#"
+        if item.cannot or (item.unread and (number or item.text in words("turning"))):
+            before = items[i - 1].phrase if i and item.unread else None
+            gone |= {i - 1} if before is not None and before.kind == "fact" else set()
+            gone |= set(takewhile(lambda j: items[j].text not in _STOPS, range(i, len(items))))
+    return [item for i, item in enumerate(items) if i not in gone and not item.unread]
+
+
+def _variants(items: Sequence[Item]) -> Iterator[list[Sequence[Item]]]:
+    """As it is, with lanes counted in each direction, with a street where no road is named; with one or two items less."""
     spoken = [item for item in items if item.phrase is not None]
-    front = Item(_STREET, (), 0, 0, "road", "road")
-    tried = 0
-    for number in range(3):
-        for left_out in combinations(spoken[::-1], number):
-            kept = [item for item in items if item not in left_out]
-            for variant in (kept, _in_each_direction(kept), [front, *_in_each_direction(kept)], _with_lights(kept)):
-                tried += 1
-                yield left_out, variant
-            if tried > _TRIES:
-                return
+    front = Item(_STREET, (), -1, -1, "road", "road")
+    sets = (left_out for number in range(3) for left_out in combinations(spoken[::-1], number))
+    for left_out in islice(sets if spoken else (), _TRIES // _COVERS):
+        kept = [item for item in items if item not in left_out]
+        yield [kept, _in_each_direction(kept), [front, *_in_each_direction(kept)], _with_lights(kept)]
 
 
 def _with_lights(items: Sequence[Item]) -> list[Item]:
     """The crossing with traffic lights, another one where none is named, for those who stand at one."""
     if not any(item.phrase is not None and item.phrase.name == "at_light" for item in items):
         return []
-    lights, crossing = (Item(phrase, (), 0, 0, "", phrase.name) for phrase in (_LIGHTS, _CROSSING))
+    lights, crossing = (Item(phrase, (), -1, -1, "", phrase.name) for phrase in (_LIGHTS, _CROSSING))
     there = next((i for i, item in enumerate(items) if item.phrase is not None and item.phrase.name == "crossing"), None)
     if there is None:
-        return [crossing, lights, Item(None, (), 0, 0, ".", "."), *items]
+        return [crossing, lights, Item(None, (), -1, -1, ".", "."), *items]
     return [*items[: there + 1], lights, *items[there + 1 :]]
 
 
@@ -100,17 +112,22 @@ def _in_each_direction(items: Sequence[Item]) -> list[Item]:
     return [replace(item, phrase=each(item.phrase)) for item in items]
 
 
-def _shortest(words: Words, choices: Choices) -> str:
-    """Sentences for these words without what they would have anyway; "" where nothing that is said reads the same."""
+def _shortest(words: Words, items: Sequence[Item], choices: Choices) -> str:
+    """Sentences for these words without what they would have anyway and the items do not state; "" where none reads the same."""
     road = say(words.road) if words.road is not None and words.road.road.kind != "graph" else []
     traffic = request_sentences(words.traffic)
+    phrases = [(item.phrase, item.values) for item in items if item.phrase is not None]
+    stated = {name for phrase, _ in phrases for name in (phrase.name, *phrase.facts)}
+    stated |= {str(value) for phrase, values in phrases for value in (*values, phrase.value) if value not in (None, True)}
     if not _same(_joined(road, traffic), words, choices):
         return ""
     for number in range(len(road) - 1, -1, -1):
         for fact in range(len(road[number].facts) - 1, -1, -1):
             facts = road[number].facts
             shorter = [*road[:number], replace(road[number], facts=(*facts[:fact], *facts[fact + 1 :])), *road[number + 1 :]]
-            if _same(_joined(shorter, traffic), words, choices):
+            name, value = facts[fact]
+            open_to_all = stated.isdisjoint((name, *map(str, value if isinstance(value, tuple) else (value,))))
+            if open_to_all and _same(_joined(shorter, traffic), words, choices):
                 road = shorter
     return _joined(road, traffic)
 
@@ -126,8 +143,8 @@ def _same(text: str, words: Words, choices: Choices) -> bool:
 
 def _alike(tokens: Sequence[Token]) -> str:
     """The example that shares most words with the text."""
-    said = {token.key for token in tokens}
-    return max(EXAMPLES, key=lambda example: (len(said & _rare(example)), -len(example)))
+    keys = {token.key for token in tokens}
+    return max(EXAMPLES, key=lambda example: (len(keys & _rare(example)), -len(example)))
 
 
 def _rare(text: str) -> set[str]:

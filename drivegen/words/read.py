@@ -4,10 +4,12 @@ What cannot be read whole is declined: by the name of what cannot be, with the w
 where there are two. The last line of such a message is `try: SENTENCE`, the nearest sentence that would be drawn (`offer.py`).
 """
 
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import TypeVar
 
 from drivegen.core.errors import UnusableInput
 from drivegen.layouts.spec import MapSpec
@@ -16,16 +18,19 @@ from drivegen.words.cover import Cover, Grammar, Item
 from drivegen.words.request import TrafficRequest
 from drivegen.words.roads import specification
 from drivegen.words.saying import sentences
-from drivegen.words.scene import Scene, Unfit, scene_of
+from drivegen.words.scene import scene_of
 from drivegen.words.table import absent, silent, table, words
+from drivegen.words.things import Scene, Unfit
 from drivegen.words.tokens import Token, stems, tokenise
 from drivegen.words.traffic import parted, request, request_sentences
 
 LONGEST = 2000
+Meaning = TypeVar("Meaning")
 READER = "phrase table (no language model)"
 """Who reads, as it stands in tables."""
 
-_SAME = 1e-6
+SAME = 1e-6
+"""Covers whose costs differ by less are equally good."""
 _FOREIGN = stems(
     "und mit eine einer ein der die das zwei drei vier straße kreuzung le la les une avec deux el una con dos de del"
 )
@@ -88,20 +93,20 @@ def read(text: str, seed: int, key: str = "") -> Words:
     tokens = tokenise(text)
     covers = covers_of(tokens)
     choices = Choices(key or key_of(tokens), seed)
-    if (why := _unreadable(text, covers[0])) is None:
+    if (why := unreadable(text, covers[0])) is None:
         words, why = best(covers, choices)
         if words is not None:
             return words
-    nearest = offered(tokens, covers[0], choices)
+    nearest = offered(tokens, covers, choices)
     left = f" Left out below: {', '.join(map(repr, nearest.left_out))}." if nearest.left_out else ""
     raise UnusableInput(f"{why}.{left}\ntry: {nearest.sentence}", reason="not-understood")
 
 
-def _unreadable(text: str, cover: Cover) -> str | None:
-    """Why a cover can mean nothing: words that nothing reads, or something that cannot be."""
+def unreadable(text: str, cover: Cover) -> str | None:
+    """Why a cover can mean nothing: words that nothing reads, something that cannot be, or no word at all."""
     unread = list(dict.fromkeys(cover.unread))
-    cannot = [item for item in cover.items if item.phrase is not None and item.phrase.kind == "cannot"]
-    named = [f"{item.phrase.name} ({item.raw!r}) cannot be drawn or simulated" for item in cannot if item.phrase is not None]
+    cannot = [(item.phrase.name, item.raw) for item in cover.items if item.phrase is not None and item.cannot]
+    named = [f"{name} ({raw!r}) cannot be drawn or simulated" for name, raw in cannot]
     if not cover.items:
         return "the description is empty"
     if unread and (re.search(r"[^\W\d_a-zA-Z]", text) or len(_FOREIGN & set(unread)) > 1):
@@ -112,26 +117,34 @@ def _unreadable(text: str, cover: Cover) -> str | None:
     return "; ".join(named) or None
 
 
-def best(covers: Sequence[Cover], choices: Choices) -> tuple[Words | None, str]:
-    """The meaning of the best cover that has one; None with the reason where none has, or two differ."""
-    found: list[Words] = []
-    cost, why = 0.0, ""
+def meanings(covers: Sequence[Cover], mean: Callable[[Sequence[Item]], Meaning]) -> tuple[list[Meaning], str]:
+    """What the cheapest covers that mean something mean; where none does, why the first one does not."""
+    results: list[Meaning] = []
+    cost, why = math.inf, ""
     for cover in covers:
-        if found and cover.cost > cost + _SAME:
-            break
-        if cover.unread or any(item.phrase is not None and item.phrase.kind == "cannot" for item in cover.items):
+        if (
+            cover.cost > cost + SAME
+            or cover.unread
+            or any(i.phrase is not None and i.phrase.kind == "cannot" for i in cover.items)
+        ):
             continue
         try:
-            words = meaning(cover.items, choices)
+            result = mean(cover.items)
         except Unfit as error:
             why = why or str(error)
             continue
         cost = cover.cost
-        if words not in found:
-            found.append(words)
-    if len(found) > 1:
-        first, second = (" ".join(words.sentences()) for words in found[:2])
+        if result not in results:
+            results.append(result)
+    return results, why
+
+
+def best(covers: Sequence[Cover], choices: Choices) -> tuple[Words | None, str]:
+    """The meaning of the best cover that has one; None with the reason where none has, or two differ."""
+    readings, why = meanings(covers, lambda items: meaning(items, choices))
+    if len(readings) > 1:
+        first, second = (" ".join(words.sentences()) for words in readings[:2])
         return None, f"this can be read in two ways: {first!r} or {second!r}"
-    if found and found[0].road is None and not found[0].traffic:
+    if readings and readings[0].road is None and not readings[0].traffic:
         return None, "nothing is said of a road or of traffic"
-    return (found[0], "") if found else (None, why or "no reading makes sense")
+    return (readings[0], "") if readings else (None, why or "no reading makes sense")

@@ -109,10 +109,10 @@ class TrafficRequest(_Part):
     @property
     def kinds(self) -> Counter[Kind]:
         """How many of each kind."""
-        found: Counter[Kind] = Counter()
+        counts: Counter[Kind] = Counter()
         for group in self.groups:
-            found[group.kind] += group.count
-        return found
+            counts[group.kind] += group.count
+        return counts
 
     def __bool__(self) -> bool:
         return self != TrafficRequest()

@@ -6,13 +6,15 @@ from typing import Any
 from pydantic import ValidationError
 
 from drivegen.layouts.spec import MapSpec
-from drivegen.words.build_crossings import crossing, roundabout
+from drivegen.words.build_crossings import crossing
 from drivegen.words.build_events import EVENT_FACTS, EVENTS
+from drivegen.words.build_grids import grid
 from drivegen.words.build_highways import fork, highway
 from drivegen.words.build_interchanges import cloverleaf, interchange
-from drivegen.words.build_streets import grid, street
+from drivegen.words.build_roundabouts import roundabout
+from drivegen.words.build_streets import street
 from drivegen.words.choices import Choices, check_lanes
-from drivegen.words.scene import Scene, Unfit
+from drivegen.words.things import Scene, Unfit
 
 _BENT = {"line", "arc", "turn", "turn_side", "turn_angle", "turn_to", "bends", "hairpins", "s_turn", "s_arc"}
 Builder = Callable[[Scene, Choices], dict[str, Any]]

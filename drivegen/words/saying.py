@@ -19,7 +19,7 @@ from drivegen.words.forms import speak
 from drivegen.words.slots import SLOTS
 from drivegen.words.table import table
 
-Said = tuple[str, Any]
+FieldValue = tuple[str, Any]
 """A field and its value."""
 
 
@@ -28,7 +28,7 @@ class Sentence:
     """What is said of one subject."""
 
     subject: str
-    facts: tuple[Said, ...]
+    facts: tuple[FieldValue, ...]
 
     def __str__(self) -> str:
         spoken = [fact_in_words(name, value) for name, value in self.facts]
@@ -78,31 +78,31 @@ def _nth(i: int) -> str:
     return SLOTS["nth"].speak(i + 1)
 
 
-def _lanes(ahead: int, back: int) -> list[Said]:
+def _lanes(ahead: int, back: int) -> list[FieldValue]:
     if back == 0:
         return [("one_way", True), ("lanes", ahead)]
     return [("lanes_each", ahead) if ahead == back else ("lanes_pair", (ahead, back))]
 
 
-def _grouped(each: str, one: str, items: Sequence[list[Said]]) -> list[Sentence]:
+def _grouped(each: str, one: str, items: Sequence[list[FieldValue]]) -> list[Sentence]:
     """What is said of every item in one sentence, and the rest one by one; `one` holds a place for the ordinal or is a list."""
-    common = [said for said in items[0] if all(said in other for other in items)] if len(items) > 1 else []
-    found = [Sentence(each, tuple(common))] if common else []
-    rest = [[said for said in item if said not in common] for item in items]
-    return found + [Sentence(one.format(_nth(i)), tuple(item)) for i, item in enumerate(rest) if item]
+    common = [fact for fact in items[0] if all(fact in other for other in items)] if len(items) > 1 else []
+    spoken = [Sentence(each, tuple(common))] if common else []
+    rest = [[fact for fact in item if fact not in common] for item in items]
+    return spoken + [Sentence(one.format(_nth(i)), tuple(item)) for i, item in enumerate(rest) if item]
 
 
 def _arms(arms: Sequence[Arm], angles: Sequence[float], main: Sequence[bool]) -> list[Sentence]:
     items = []
     for arm, angle, priority in zip(arms, angles, main, strict=True):
         same = arm.lanes_in == arm.lanes_out
-        said: list[Said] = [("angle", arm.angle)] if arm.angle != angle else []
-        said += [("lanes_each", arm.lanes_in)] if same else [("lanes_in", arm.lanes_in), ("lanes_out", arm.lanes_out)]
-        said += [("speed", arm.speed), ("length", arm.length)]
-        said += [(f"{side}_turn_lane", True) for side in ("left", "right") if getattr(arm, f"{side}_turn_lane")]
-        said += [("pocket", arm.pocket)] if arm.left_turn_lane or arm.right_turn_lane else []
-        said += [("priority", arm.main)] if arm.main != priority else []
-        items.append(said)
+        facts: list[FieldValue] = [("angle", arm.angle)] if arm.angle != angle else []
+        facts += [("lanes_each", arm.lanes_in)] if same else [("lanes_in", arm.lanes_in), ("lanes_out", arm.lanes_out)]
+        facts += [("speed", arm.speed), ("length", arm.length)]
+        facts += [(f"{side}_turn_lane", True) for side in ("left", "right") if getattr(arm, f"{side}_turn_lane")]
+        facts += [("pocket", arm.pocket)] if arm.left_turn_lane or arm.right_turn_lane else []
+        facts += [("priority", arm.main)] if arm.main != priority else []
+        items.append(facts)
     return _grouped("Every arm has", "The {} arm has", items)
 
 
@@ -114,9 +114,9 @@ def _crossing(road: Crossing) -> list[Sentence]:
         stem = 90.0 if angles[2] < 180.0 and angles[0] == 180.0 and angles[1] == 0.0 else 270.0
         shape, base = ("y", [180.0, 35.0, -35.0]) if angles == [180.0, 35.0, -35.0] else ("t", [180.0, 0.0, stem])
     main = [i != 2 for i in range(3)] if shape == "t" else [True] * count
-    side: list[Said] = [("side", "left")] if shape == "t" and base[2] == 90.0 else []
+    side: list[FieldValue] = [("side", "left")] if shape == "t" and base[2] == 90.0 else []
     head = noun("crossing", arms=3, shape=shape) if shape else noun("crossing")
-    facts: list[Said] = [*([] if shape else [("arms", count)]), ("control", road.control), *side]
+    facts: list[FieldValue] = [*([] if shape else [("arms", count)]), ("control", road.control), *side]
     none = not any(arm.left_turn_lane or arm.right_turn_lane for arm in road.arms)
     return [Sentence(f"A {head} with", (*facts, *([("no_turn_lanes", True)] if none else []))), *_arms(road.arms, base, main)]
 
@@ -128,62 +128,62 @@ def _roundabout(road: Roundabout) -> list[Sentence]:
     return [Sentence(f"A {noun('roundabout')} with", tuple(facts)), *_arms(road.arms, even, [True] * count)]
 
 
-def _line(line: Alignment) -> list[Said]:
+def _line(line: Alignment) -> list[FieldValue]:
     if line.shape == "straight":
         return [("straight", True), ("length", line.length)]
-    found: list[Said] = [("line", line.shape)]
+    facts: list[FieldValue] = [("line", line.shape)]
     if line.arcs:
-        found += [("arc", (abs(angle), "left" if angle > 0 else "right", radius)) for angle, radius in line.arcs]
+        facts += [("arc", (abs(angle), "left" if angle > 0 else "right", radius)) for angle, radius in line.arcs]
         arc = sum(abs(math.radians(angle)) * radius for angle, radius in line.arcs)
     else:
         angle, number = abs(line.angle), len(line.curves)
-        found += [("turn", (angle, "left" if line.angle > 0 else "right")), ("radius", line.radius)]
-        found += [("bends", line.bends)] if line.bends else []
+        facts += [("turn", (angle, "left" if line.angle > 0 else "right")), ("radius", line.radius)]
+        facts += [("bends", line.bends)] if line.bends else []
         arc = math.radians(angle) * line.radius * number
     straights = round(line.length - arc, 3)
-    return [*found, ("straights", straights) if arc + straights == line.length else ("length", line.length)]
+    return [*facts, ("straights", straights) if arc + straights == line.length else ("length", line.length)]
 
 
 def _corridor(road: Corridor) -> list[Sentence]:
     facts = [*_lanes(road.lanes, road.lanes_back), ("speed", road.speed), *_line(road.alignment)]
     facts += [("dead_end", True)] if road.dead_end else []
-    found = [Sentence("A road with", tuple(facts))]
+    spoken = [Sentence("A road with", tuple(facts))]
     if not road.junctions:
-        return found
+        return spoken
     forms = [junction.form for junction in road.junctions]
-    found.append(Sentence("Along it there are", tuple(_listed(forms))))
+    spoken.append(Sentence("Along it there are", tuple(_listed(forms))))
     for form in dict.fromkeys(forms):
         items = [_junction(junction) for junction in road.junctions if junction.form == form]
-        found += _grouped(f"Every {form} has", f"The {{}} {form} has", items)
-    return found
+        spoken += _grouped(f"Every {form} has", f"The {{}} {form} has", items)
+    return spoken
 
 
-def _listed(names: Sequence[str]) -> list[Said]:
+def _listed(names: Sequence[str]) -> list[FieldValue]:
     """Things in a row, those of one name that follow one another as a number."""
-    found: list[Said] = []
+    facts: list[FieldValue] = []
     for name in names:
-        if found and found[-1][1][1] == name:
-            found[-1] = ("thing", (found[-1][1][0] + 1, name))
+        if facts and facts[-1][1][1] == name:
+            facts[-1] = ("thing", (facts[-1][1][0] + 1, name))
         else:
-            found.append(("thing", (1, name)))
-    return found
+            facts.append(("thing", (1, name)))
+    return facts
 
 
-def _junction(junction: Junction) -> list[Said]:
-    found: list[Said] = [("position", junction.position), ("every side", junction.sides)]
+def _junction(junction: Junction) -> list[FieldValue]:
+    facts: list[FieldValue] = [("position", junction.position), ("every side", junction.sides)]
     if junction.form == "crossing":
-        found.append(("control", junction.control))
+        facts.append(("control", junction.control))
     else:
-        found += [("ring_lanes", junction.ring_lanes), ("diameter", junction.diameter)]
-    found += [("side_lanes", junction.side_lanes), ("side_speed", junction.side_speed), ("side_length", junction.side_length)]
+        facts += [("ring_lanes", junction.ring_lanes), ("diameter", junction.diameter)]
+    facts += [("side_lanes", junction.side_lanes), ("side_speed", junction.side_speed), ("side_length", junction.side_length)]
     turns = [(f"{side}_turn_lane", True) for side in ("left", "right") if getattr(junction, f"{side}_turn_lane")]
-    found += [*turns, *([("pocket", junction.pocket)] if turns else [])]
-    return found + ([("side_dead_end", True)] if junction.dead_end else [])
+    facts += [*turns, *([("pocket", junction.pocket)] if turns else [])]
+    return facts + ([("side_dead_end", True)] if junction.dead_end else [])
 
 
 def _grid(road: Grid) -> list[Sentence]:
-    lanes: list[Said] = [("one_way", True), ("lanes", road.lanes)] if road.one_way else [("lanes_each", road.lanes)]
-    facts: list[Said] = [("grid_size", (road.rows, road.columns)), ("spacing", road.spacing), *lanes, ("speed", road.speed)]
+    lanes: list[FieldValue] = [("one_way", True), ("lanes", road.lanes)] if road.one_way else [("lanes_each", road.lanes)]
+    facts: list[FieldValue] = [("grid_size", (road.rows, road.columns)), ("spacing", road.spacing), *lanes, ("speed", road.speed)]
     facts += [("beyond", road.beyond)] if road.beyond is not None else []
     return [Sentence(f"A {noun('grid')} with", (*facts, ("control", road.control)))]
 
@@ -193,24 +193,25 @@ def _highway(road: Highway) -> list[Sentence]:
     facts = [*_lanes(road.lanes, road.lanes if two else 0), ("speed", road.speed), *_line(road.alignment)]
     facts += [("median", road.median)] if two else []
     facts += [("both", True)] if road.both else []
-    found = [Sentence(f"A {noun('highway')} with", tuple(facts))]
+    spoken = [Sentence(f"A {noun('highway')} with", tuple(facts))]
     if road.events:
-        found.append(Sentence("Along it there are", tuple(_listed([event.kind for event in road.events]))))
+        spoken.append(Sentence("Along it there are", tuple(_listed([event.kind for event in road.events]))))
     for kind in dict.fromkeys(event.kind for event in road.events):
         items = [_event(event) for event in road.events if event.kind == kind]
-        found += _grouped(f"Every {noun(kind)} has", f"The {{}} {noun(kind)} has", items)
-    return found
+        spoken += _grouped(f"Every {noun(kind)} has", f"The {{}} {noun(kind)} has", items)
+    return spoken
 
 
-def _event(event: HighwayEvent) -> list[Said]:
+def _event(event: HighwayEvent) -> list[FieldValue]:
     ramp = event.kind in ("on_ramp", "off_ramp", "weaving")
-    found: list[Said] = [("position", event.position), ("event_lanes", event.lanes)]
-    found += [("auxiliary", event.length)] if ramp else [("side", event.side)]
-    return [*found, ("ramp_speed", event.ramp_speed), *([("keeps", True)] if event.keeps else [])]
+    nose = event.position + (event.length if event.kind == "off_ramp" else 0.0)
+    facts: list[FieldValue] = [("position", round(nose, 6)), ("event_lanes", event.lanes)]
+    facts += [("auxiliary", event.length)] if ramp else [("side", event.side)]
+    return [*facts, ("ramp_speed", event.ramp_speed), *([("keeps", True)] if event.keeps else [])]
 
 
 def _fork(road: Fork) -> list[Sentence]:
-    facts: list[Said] = [("joins", 2)] if road.joins else []
+    facts: list[FieldValue] = [("joins", 2)] if road.joins else []
     facts += [("lanes", road.lanes), ("branch_lanes", (road.left_lanes, road.right_lanes)), ("angle", road.angle)]
     facts += [("speed", road.speed), ("length", road.length), *([("stem", road.stem)] if road.stem is not None else [])]
     return [Sentence(f"A {noun('fork')} with", tuple(facts))]
@@ -228,7 +229,11 @@ def _interchange(road: Interchange) -> list[Sentence]:
 
 
 def _quadrants(road: QuadrantInterchange) -> list[Sentence]:
-    facts: list[Said] = [("ramp_lanes", road.ramp_lanes), ("ramps_limit", road.ramp_speed), ("loop_radius", road.loop_radius)]
+    facts: list[FieldValue] = [
+        ("ramp_lanes", road.ramp_lanes),
+        ("ramps_limit", road.ramp_speed),
+        ("loop_radius", road.loop_radius),
+    ]
     facts += [("loop_speed", road.loop_speed), ("median", road.median)]
     facts += [] if road.north_leg else [("leg", "south")]
     facts += [] if road.south_leg else [("leg", "north")]

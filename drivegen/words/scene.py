@@ -6,12 +6,13 @@ things, a fact is of the whole, unless the sentence speaks of one thing ("The si
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
+from drivegen.core.relation import Relation
 from drivegen.words.cover import Item
 from drivegen.words.phrase import Phrase
 from drivegen.words.table import traffic_names, words
+from drivegen.words.things import Fact, Scene, Thing, Unfit
 from drivegen.words.tokens import stems
 
 ALL = frozenset({"every", "each", "all", "both"})
@@ -19,100 +20,10 @@ _KNOWN = stems("the its this that these those")
 WHOLES = ("crossing", "roundabout", "highway", "street", "grid", "fork", "interchange", "cloverleaf", "staggered", "dead_end")
 
 
-MOVING = ("car", "truck", "bus", "vehicle", "member", "target", "leader")
+_PLACES = ("position", "gap")
+_SEEN = ("does", "place", *(f"far_{relation}" for relation in Relation))
+MOVING = ("car", "truck", "bus", "vehicle", "member", "target")
 """Things of which nothing that roads have is said."""
-
-
-class Unfit(Exception):
-    """What is said cannot be put together; the message says why."""
-
-
-@dataclass(eq=False)
-class Fact:
-    """One thing said; `used` once a specification holds it."""
-
-    name: str
-    value: Any
-    text: str
-    scope: tuple[str, ...]
-    used: bool = False
-    loose: str = ""
-
-
-@dataclass(eq=False)
-class Thing:
-    """Something that is spoken of; `which` tells one from its like: an ordinal, a direction [degrees], a side, or all of them."""
-
-    name: str
-    text: str = ""
-    facts: list[Fact] = field(default_factory=list)
-    which: Any = None
-    used: bool = False
-    definite: bool = False
-    links: list[str] = field(default_factory=list)
-
-    def values(self, name: str) -> list[Any]:
-        """All values that are said of a field, in order; they count as used."""
-        facts = [fact for fact in self.facts if fact.name == name]
-        for fact in facts:
-            fact.used = True
-        return [fact.value for fact in facts]
-
-    def value(self, name: str) -> Any:
-        """The only value of a field, None where nothing is said. Raises Unfit where two differ."""
-        values = self.values(name)
-        if any(value != values[0] for value in values):
-            texts = " and ".join(repr(fact.text) for fact in self.facts if fact.name == name)
-            raise Unfit(f"{texts} contradict one another")
-        return values[0] if values else None
-
-    def has(self, *names: str) -> bool:
-        """Whether any of these fields is spoken of; they do not count as used."""
-        return any(fact.name in names for fact in self.facts)
-
-
-def merged(things: Iterable[Thing]) -> Thing:
-    """What is said of several things, as one."""
-    return Thing("", facts=[fact for thing in things for fact in thing.facts])
-
-
-@dataclass
-class Scene:
-    """Everything that is said: things in order, and the whole."""
-
-    things: list[Thing] = field(default_factory=list)
-    whole: Thing = field(default_factory=lambda: Thing(""))
-
-    def named(self, *names: str) -> list[Thing]:
-        """The things of these names; they count as used."""
-        found = [thing for thing in self.things if thing.name in names]
-        for thing in found:
-            thing.used = True
-        return found
-
-    def there(self, *names: str) -> bool:
-        """Whether any thing of these names is spoken of."""
-        return any(thing.name in names for thing in self.things)
-
-    def merged(self, *names: str) -> Thing:
-        """What is said of the whole and of things of these names that no ordinal or direction tells apart, as one thing."""
-        return Thing(" ".join(names), facts=[fact for thing in (self.whole, *self.named(*names)) for fact in thing.facts])
-
-    def one_road(self, *names: str) -> None:
-        """Raises Unfit where more than one thing of these names is spoken of."""
-        found = [thing for thing in self.things if thing.name in names and thing.which is None]
-        if len(found) > 1:
-            raise Unfit(f"it is not clear how {' and '.join(repr(thing.text) for thing in found[:3])} belong together")
-
-    @property
-    def links(self) -> set[str]:
-        """How things are related."""
-        return {link for thing in (self.whole, *self.things) for link in thing.links}
-
-    def unused(self) -> list[str]:
-        """What no specification holds, as it was said."""
-        facts = [fact.text for thing in (self.whole, *self.things) for fact in thing.facts if not fact.used]
-        return [*facts, *(thing.text for thing in self.things if not thing.used)]
 
 
 class Walk:
@@ -124,6 +35,7 @@ class Walk:
         self.subject: Thing | None = None
         self.sentence: list[Thing] = []
         self.pending: list[Fact] = []
+        self.fronted: list[Fact] = []
         self.segment: list[tuple[Fact, Thing]] = []
         self.mark, self.det, self.comma, self.sticky = ".", "", False, False
 
@@ -172,6 +84,8 @@ class Walk:
 
     def _sentence_ends(self) -> None:
         self._nothing_pending()
+        if self.fronted:
+            raise Unfit(f"it is not clear what {self.fronted[0].text!r} belongs to")
         self.subject, self.sentence, self.segment = None, [], []
         self.mark, self.det, self.comma, self.sticky = ".", "", False, False
 
@@ -183,6 +97,7 @@ class Walk:
         thing = self._resolved(phrase.name, item.raw, which[0] if which else "all" if self.det in ALL else None)
         thing.facts += facts
         self.pending = []
+        self._ahead_of_noun(thing)
         parts = phrase.name not in (*WHOLES, "street", *traffic_names()) or thing.which is not None
         if parts and self.mark in words("prepositions") and self.subject is not None and self.subject.name in traffic_names():
             raise Unfit(f"where {self.subject.text!r} is can be said as seen from the target only, not by {item.raw!r}")
@@ -194,14 +109,24 @@ class Walk:
                     thing.facts.append(fact)
         else:
             self.sticky = definite and self.mark == "."
+            thing.beside = self.subject if self.mark == "and" else None
             self.subject = thing
         self.sentence.append(thing)
         self.segment, self.mark, self.det, self.comma = [], "", "", False
+
+    def _ahead_of_noun(self, thing: Thing) -> None:
+        """Places that stand before their noun are of it: "after 400 m an off-ramp"."""
+        if any(not _can_hold(thing, fact) for fact in self.fronted):
+            raise Unfit(f"it is not clear what {self.fronted[0].text!r} belongs to")
+        thing.facts += self.fronted
+        self.fronted = []
 
     def _resolved(self, name: str, text: str, which: Any) -> Thing:
         """The thing that is meant: one that was spoken of before, or a new one."""
         like = [thing for thing in self.scene.things if thing.name == name and thing.which == which]
         if like and (self.det in _KNOWN or which is not None):
+            if name in MOVING and name != "target" and like[-1].text.split()[-1] != text.split()[-1]:
+                raise Unfit(f"it is not clear whether {text!r} is among {like[-1].text!r}")
             return like[-1]
         self.scene.things.append(Thing(name, text, which=which, definite=self.det in _KNOWN or which is not None))
         return self.scene.things[-1]
@@ -210,12 +135,20 @@ class Walk:
         values = item.values
         value = phrase.value if not values else values[0] if len(values) == 1 else values
         fact = Fact(phrase.name, value, item.raw, phrase.scope)
+        if self.mark == "at" and fact.name == "length":
+            raise Unfit(f"it is not clear what lies at {fact.text!r}")
         if phrase.place == "pre" or (phrase.place == "" and self._before_noun(i, fact)):
             self.pending.append(fact)
             self.comma = False
             return
         self._nothing_pending()
+        if fact.name in _PLACES and self._begins(i) and self._things_follow(i):
+            self.fronted.append(fact)
+            return
         holder = self._holder(i, fact)
+        other = holder.beside
+        if other is not None and other.name in MOVING and not other.has(*_SEEN) and fact.name in _SEEN:
+            raise Unfit(f"it is not clear whether {fact.text!r} is said of {other.text!r}, too")
         holder.facts.append(fact)
         self.segment.append((fact, holder))
         self.mark, self.det = "", ""
@@ -229,6 +162,15 @@ class Walk:
                 return item.phrase.name in fact.scope or "*" in fact.scope
         return False
 
+    def _begins(self, i: int) -> bool:
+        """Whether a clause begins with the item i: a sentence, or right before a noun, not behind one."""
+        before = self.items[i - 1] if i else None
+        if before is None or before.text == "." or (before.phrase is not None and before.phrase.kind == "link"):
+            return True
+        following = [item for item in self.items[i + 1 : i + 4] if item.text not in words("determiners")]
+        clause = before.phrase is None and before.text in (",", "and")
+        return clause and bool(following) and following[0].phrase is not None and following[0].phrase.place != "post"
+
     def _holder(self, i: int, fact: Fact) -> Thing:
         if self.subject is not None and self.subject.name in MOVING and not (self.comma or _can_hold(self.subject, fact)):
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
@@ -241,7 +183,7 @@ class Walk:
             return holds[0]
         if whole:
             return self.scene.whole
-        earlier = [thing for thing in reversed(self.scene.things) if _can_hold(thing, fact)]
+        earlier = [thing for thing in reversed(self.scene.things) if _can_hold(thing, fact) and thing.name not in MOVING]
         if len({thing.name for thing in earlier}) == 1:
             return earlier[0]
         raise Unfit(f"it is not clear what {fact.text!r} belongs to")

@@ -4,7 +4,8 @@ An entry is `KIND NAME [VALUE] [= SLOTS] [: SCOPE] :: FORM ; FORM ; ...`, contin
 thing: VALUE is what its name says of it, SLOTS the fields that the slots of its forms fill.
 fact, pre (only before its noun), post (never there): VALUE is that of a fact without slots; SCOPE the things that can hold
 it, "-" is the whole, the name of a scope stands for its words.
-link: how two things are related. cannot: what neither a specification nor the simulator can hold. macro: `<name>` in forms.
+place: where vehicles stand as seen from the target, alone and behind a distance. link: how two things are related.
+cannot: what neither a specification nor the simulator can hold. macro: `<name>` in forms.
 words: words that say nothing, and others that are told apart.
 """
 
@@ -59,7 +60,17 @@ def _scopes() -> dict[str, str]:
 @cache
 def table(name: str) -> tuple[Phrase, ...]:
     """The phrases of one file: roads, lines, traffic, edits, cannot."""
-    return tuple(_phrase(head, tuple(form.strip() for form in body.split(" ; "))) for head, body in _entries(name))
+    return tuple(phrase for head, body in _entries(name) for phrase in _phrases(head, body))
+
+
+def _phrases(head: re.Match[str], body: str) -> tuple[Phrase, ...]:
+    if head["kind"] != "place":
+        return (_phrase(head, tuple(form.strip() for form in body.split(" ; "))),)
+    holders, name = tuple(_scopes()["VEHICLES"].split()), head["name"]
+    near = (f"{body} <me>", f"<being> {body} <me>")
+    far = (f"{{length}} {body} <me>", f"<about> {{length}} {body} <me>", f"{body} <me> at <about> {{length}}")
+    both = ((near, "place", name), (far, f"far_{name}", None))
+    return tuple(Phrase("fact", field, forms, value, holders, place="post") for forms, field, value in both)
 
 
 def _phrase(head: re.Match[str], forms: tuple[str, ...]) -> Phrase:

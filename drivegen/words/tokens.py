@@ -47,6 +47,7 @@ _SPELLING = (
     (r"\b(left|right|slip|side|dual|high|free|motor|express)(ramp|turn|road|street|carriageway)(s?)\b", r"\1 \2\3"),
     (r"\b(on|off)[- ]?ramp(s?)\b", r"\1ramp\2"),
     (r"\bdir\b\.?", "direction"),
+    (r"\bonly (?=\d|(?:a|one|two|three|four|five|six)\b)", ""),
 )
 _ONES = [
     "zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve", "thirteen",

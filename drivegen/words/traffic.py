@@ -9,8 +9,8 @@ from drivegen.words.forms import speak
 from drivegen.words.request import Group, Kind, TrafficRequest
 from drivegen.words.roads import first_complaint
 from drivegen.words.saying import Sentence, fact_in_words
-from drivegen.words.scene import Scene, Thing, Unfit
 from drivegen.words.table import table, traffic_names
+from drivegen.words.things import Scene, Thing, Unfit
 from drivegen.words.tokens import stem
 
 _OF_ALL = frozenset({"target_kind"})
@@ -33,56 +33,56 @@ def parted(scene: Scene) -> tuple[Scene, Scene]:
 
 @dataclass
 class _Group:
-    """A group while it is put together."""
+    """A group while it is put together; `asks` is what is said of it, by the names of a request's fields."""
 
     kind: str
     count: int
-    told: dict[str, Any] = field(default_factory=dict)
+    asks: dict[str, Any] = field(default_factory=dict)
 
 
 def request(scene: Scene) -> TrafficRequest:
     """The traffic of a scene. Raises Unfit."""
     groups: list[_Group] = []
-    found: dict[str, Any] = {}
+    fields: dict[str, Any] = {}
     for thing in scene.things:
         thing.used = True
         if thing.name == "traffic":
-            _note(found, "density", thing.value("density"))
-            _note(found, "speed", _pace(thing))
+            _note(fields, "density", thing.value("density"))
+            _note(fields, "speed", _pace(thing))
         elif thing.name == "target":
-            _note(found, "target_does", thing.value("does"))
-            _note(found, "speed", _pace(thing))
+            _note(fields, "target_does", thing.value("does"))
+            _note(fields, "speed", _pace(thing))
             if thing.has("within"):
                 raise Unfit("no time can be said for what the target does")
         else:
             _group(thing, groups)
-    _note(found, "target_kind", scene.whole.value("target_kind"))
-    _note(found, "speed", scene.whole.value("speed"))
+    _note(fields, "target_kind", scene.whole.value("target_kind"))
+    _note(fields, "speed", scene.whole.value("speed"))
     groups = [group for group in groups if group.count]
-    if len(groups) == 1 and groups[0].count > 1 and "speed" in groups[0].told and not groups[0].told.get("queue"):
-        _note(found, "speed", groups[0].told.pop("speed"))
+    if len(groups) == 1 and groups[0].count > 1 and "speed" in groups[0].asks and not groups[0].asks.get("queue"):
+        _note(fields, "speed", groups[0].asks.pop("speed"))
     if left := scene.unused():
         raise Unfit(f"{left[0]!r} cannot be asked for here")
-    if found.get("density") == "none" and (groups or len(found) > 1 + ("target_kind" in found)):
+    if fields.get("density") == "none" and (groups or len(fields) > 1 + ("target_kind" in fields)):
         raise Unfit("no traffic is asked for, and some")
     try:
-        return TrafficRequest(groups=tuple(_built(group) for group in groups), **found)
+        return TrafficRequest(groups=tuple(built for group in groups for built in _built(group)), **fields)
     except ValidationError as error:
         raise Unfit(f"this traffic cannot be placed: {first_complaint(error)}") from None
 
 
-def _note(found: dict[str, Any], name: str, value: Any) -> None:
+def _note(fields: dict[str, Any], name: str, value: Any) -> None:
     if value is None:
         return
-    if found.setdefault(name, value) != value:
+    if fields.setdefault(name, value) != value:
         raise Unfit(f"two different values are said of the traffic's {name.replace('_', ' ')}")
 
 
 def _pace(thing: Thing) -> float | None:
-    told = [*thing.values("pace"), *thing.values("speed")]
-    if any(value != told[0] for value in told):
+    speeds = [*thing.values("pace"), *thing.values("speed")]
+    if len(set(speeds)) > 1:
         raise Unfit("two speeds are said of one vehicle")
-    return float(told[0]) if told else None
+    return float(speeds[0]) if speeds else None
 
 
 def _group(thing: Thing, groups: list[_Group]) -> None:
@@ -91,64 +91,67 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
     vague = thing.name in _KINDS and stem(thing.text.split()[-1]) != thing.text.split()[-1] and count is None
     if vague and thing.which != "all":
         raise Unfit(f"say how many {thing.text}")
-    told = _told(thing)
+    asks = _asks(thing)
     if thing.name == "rest":
         if not groups:
             raise Unfit(f"it is not clear who {thing.text!r} are")
-        groups[0].told |= told
+        groups[0].asks |= asks
     elif thing.name == "member":
-        source = next((group for group in reversed(groups) if group.count > 1 and not group.told.get("does")), None)
+        source = next((group for group in reversed(groups) if group.count > 1 and not group.asks.get("does")), None)
         if source is None:
             raise Unfit(f"it is not clear who {thing.text!r} is")
         source.count -= count or 1
         if source.count < 0:
             raise Unfit(f"there are not so many as {thing.text!r}")
-        groups.append(_Group(source.kind, count or 1, told))
-    elif thing.name == "leader":
-        groups.append(_Group("car", 1, {"place": "ahead", **told}))
+        groups.append(_Group(source.kind, count or 1, asks))
     else:
-        groups.append(_Group(thing.name, 1 if count is None else int(count), told))
+        groups.append(_Group(thing.name, 1 if count is None else int(count), asks))
         if count == 0:
             raise Unfit("ruling out one kind of vehicle cannot be asked for")
 
 
-def _told(thing: Thing) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+def _asks(thing: Thing) -> dict[str, Any]:
+    asks: dict[str, Any] = {}
     thing.values("around")
     if thing.has("setting", "left_hand"):
         raise Unfit(f"it is not clear what {thing.text!r} has")
     for fact in thing.facts:
         if fact.name.startswith("far_"):
             fact.used = True
-            _note(found, "place", fact.name.removeprefix("far_"))
-            _note(found, "distance", fact.value)
-    _note(found, "place", thing.value("place"))
-    _note(found, "speed", _pace(thing))
-    _note(found, "queue", thing.value("queue"))
+            _note(asks, "place", fact.name.removeprefix("far_"))
+            _note(asks, "distance", fact.value)
+    _note(asks, "place", thing.value("place"))
+    _note(asks, "speed", _pace(thing))
+    _note(asks, "queue", thing.value("queue"))
     if thing.value("at_light"):
-        _note(found, "place", "ahead")
-        _note(found, "speed", 0.0)
-        found["queue"] = True
+        _note(asks, "place", "ahead")
+        _note(asks, "speed", 0.0)
+        asks["queue"] = True
     does = thing.values("does")
     if len(set(does)) > 1:
         raise Unfit("one vehicle does one thing in a scene")
-    _note(found, "manoeuvre", does[0] if does else None)
-    _note(found, "within", thing.value("within"))
-    if "within" in found and "manoeuvre" not in found:
+    _note(asks, "manoeuvre", does[0] if does else None)
+    _note(asks, "within", thing.value("within"))
+    if "within" in asks and "manoeuvre" not in asks:
         raise Unfit("a time is said of nothing that is done")
-    return found
+    return asks
 
 
-def _built(group: _Group) -> Group:
-    told = dict(group.told)
-    if told.get("queue") and group.count == 1:
-        told.pop("queue")
-    return Group(count=group.count, kind=Kind(group.kind), **told)
+def _built(group: _Group) -> list[Group]:
+    """The groups that are asked for: of several vehicles in one group only one does something, so each has a group of its own."""
+    asks = dict(group.asks)
+    if group.count == 1:
+        asks.pop("queue", None)
+    if group.count == 1 or "manoeuvre" not in asks:
+        return [Group(count=group.count, kind=Kind(group.kind), **asks)]
+    if "queue" in asks or "distance" in asks:
+        raise Unfit(f"what {group.count} vehicles of one place do cannot be asked for: say it of each")
+    return [Group(kind=Kind(group.kind), **asks)] * group.count
 
 
 def say_request(asked: TrafficRequest) -> list[Sentence]:
     """The sentences that ask for a request."""
-    found = []
+    spoken = []
     for group in asked.groups:
         facts: list[tuple[str, Any]] = [("queue", True)] if group.queue else []
         if group.place is not None:
@@ -158,18 +161,18 @@ def say_request(asked: TrafficRequest) -> list[Sentence]:
         facts += [] if group.manoeuvre is None else [("does", group.manoeuvre.value)]
         facts += [] if group.within is None else [("within", group.within)]
         plural = "" if group.count == 1 else "es" if group.kind is Kind.BUS else "s"
-        found.append(
+        spoken.append(
             Sentence(f"There {'is' if group.count == 1 else 'are'} {group.count} {group.kind.value}{plural}", tuple(facts))
         )
     whole: list[tuple[str, Any]] = [] if asked.target_kind is None else [("target_kind", asked.target_kind.value)]
-    found += [Sentence("There is", tuple(whole))] if whole else []
+    spoken += [Sentence("There is", tuple(whole))] if whole else []
     if asked.target_does is not None:
-        found.append(Sentence("The target is", (("does", asked.target_does.value),)))
+        spoken.append(Sentence("The target is", (("does", asked.target_does.value),)))
     if asked.density is not None or asked.speed is not None:
         words = {None: "traffic"} | {d: speak(p.forms[0], ()) for p in table("traffic") if (d := p.facts.get("density"))}
         speed = (("pace", asked.speed),) if asked.speed is not None else ()
-        found.append(Sentence(f"There is {words[asked.density and asked.density.value]}", speed))
-    return found
+        spoken.append(Sentence(f"There is {words[asked.density and asked.density.value]}", speed))
+    return spoken
 
 
 def request_sentences(asked: TrafficRequest) -> list[str]:

@@ -58,7 +58,7 @@ def begun(initialiser, tools, words, seed=3, settings=SETTINGS):
 
 
 def test_everybody_stands_as_asked_and_what_was_got_is_told(initialiser, tools):
-    words = "a bus 30 m ahead, a truck in the left lane, a car behind, about 50 km/h"
+    words = "a bus 30 m ahead, a truck on the left, a car behind, about 50 km/h"
     request, made = begun(initialiser, tools, words)
     items = first_frame(request, made, SETTINGS.densities)
     assert {item.kind for item in items} == {"number", "kind", "place", "speed"}
@@ -71,7 +71,7 @@ def test_everybody_stands_as_asked_and_what_was_got_is_told(initialiser, tools):
 
 
 def test_the_same_seed_gives_the_same_start_and_another_one_another(initialiser, tools):
-    first, again, other = (begun(initialiser, tools, "six cars and a truck behind", seed)[1] for seed in (3, 3, 4))
+    first, again, other = (begun(initialiser, tools, "six cars, a truck behind", seed)[1] for seed in (3, 3, 4))
     assert np.array_equal(first.scenario.vehicles.position, again.scenario.vehicles.position)
     assert not np.array_equal(first.scenario.vehicles.position, other.scenario.vehicles.position)
 
@@ -254,7 +254,7 @@ def test_a_ring_is_no_crossing():
 
 
 def test_who_is_to_change_lanes_is_offered_places_that_it_has_settled_at(initialiser, tools):
-    _, made = begun(initialiser, tools, "a car in the left lane changes to the right lane")
+    _, made = begun(initialiser, tools, "a car on the left changes to the right lane")
     [duty] = made.duties
     own, used = made.ordered.choices.candidates[duty.vehicle], made.ordered.choices.used[duty.vehicle]
     assert len(own) > len(made.free.candidates[duty.vehicle])
@@ -264,7 +264,7 @@ def test_who_is_to_change_lanes_is_offered_places_that_it_has_settled_at(initial
 
 
 def test_nobody_drives_beside_who_is_to_change_lanes(initialiser, tools):
-    words = "a car in the left lane changes to the right lane"
+    words = "a car on the left changes to the right lane"
     _, made = begun(initialiser, tools, words, settings=replace(SETTINGS, starts=12))
     assert made.ordered.feasible == (True,)
     [duty] = made.duties

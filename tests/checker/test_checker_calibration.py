@@ -68,8 +68,10 @@ def test_limits_survive_json_and_say_what_is_wrong_with_it(logs):
     assert Limits.from_severities(limits.severities()) == limits
     with pytest.raises(UnusableInput, match=r"limits\.json.*calibrate"):
         Limits.from_json({"speed": 3.0}, "limits.json")
-    with pytest.raises(UnusableInput, match="speed must be a finite number"):
+    with pytest.raises(UnusableInput, match=r"limits\.json\.speed must be float, not 'fast'"):
         Limits.from_json(limits.to_json() | {"speed": "fast"}, "limits.json")
+    with pytest.raises(UnusableInput, match=r"limits\.json\.overlap must be at least 0, not -0\.1"):
+        Limits.from_json(limits.to_json() | {"overlap": -0.1}, "limits.json")
 
 
 def test_without_logs_there_is_nothing_to_calibrate_on():

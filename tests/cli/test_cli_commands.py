@@ -323,6 +323,20 @@ def test_the_doctor_finds_this_installation_sound_and_says_what_is_not_made_yet(
     assert "make run" in done.stdout
 
 
+def test_the_doctor_names_what_a_kill_cut_off_or_a_bit_changed(tmp_path):
+    for name in ("good", "bad"):
+        write_shard(tmp_path / "data" / f"{name}.parquet", [scenes.any_scenario(1)])
+    assert [finding.ok for finding in doctor.damage(tmp_path)] == [True]
+    raw = (tmp_path / "data" / "bad.parquet").read_bytes()
+    (tmp_path / "data" / "bad.parquet").write_bytes(raw[:200] + bytes([raw[200] ^ 4]) + raw[201:])
+    (tmp_path / "dvc.lock").write_text("schema: '2.0'\nstages:\n  ingest:\n    cmd: stages/r")
+    lock, bad, good = doctor.damage(tmp_path)
+    assert (lock.ok, bad.ok, good.ok) == (False, False, True)
+    assert "make run restores it" in lock.remedy
+    assert f"{tmp_path}/data/bad.parquet is not what was written" in bad.found
+    assert bad.remedy == "remove it, then make run"
+
+
 def test_the_doctor_names_a_wrong_version_with_its_remedy(monkeypatch):
     monkeypatch.setattr(doctor.importlib.metadata, "version", lambda name: "0.165.0" if name == "fastapi" else "nothing")
     wrong = {finding.what: finding for finding in doctor.versions()}

@@ -24,6 +24,7 @@ def test_a_dotted_section_is_what_stands_there(tmp_path: Path):
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [(b"a: [", "is not YAML"), (b"\xff\xfe\x00", "is not YAML"), (b"", "has no sections"), (b"- a", "has no sections"),
+     (b"a:\n  b: 1\n  c: 2\n  b: 3", "'b' is there twice, again in line 4"),
      (b"b: 1", "has no section 'a.b'"), (b"a: 1", "has no section 'a.b'")],
 )  # fmt: skip
 def test_a_file_that_holds_no_such_section_is_refused(tmp_path: Path, content: bytes, sentence: str):
@@ -93,7 +94,7 @@ def test_the_numbers_of_this_project_keep_their_bounds():
     params = Path(__file__).parents[2] / "params.yaml"
     assert read_params("place.initial", InitialSettings, params).horizon == 100
     assert read_params("ship.generation", GeneratorSettings, params).temperature > 0
-    assert read_params("ingest.selection", SelectionSettings, params).map_radius is None
+    assert read_params("ingest.selection", SelectionSettings, params).map_radius == 100
     training = read_params("train_planner.planners.route_fm", RouteFmSettings, params).training
     assert training.warmup < training.steps
     assert read_section("maps.prompts", params)["grid"].startswith("a 3 by 3 grid")
@@ -127,7 +128,7 @@ def test_a_model_is_trained_as_all_are_where_its_own_section_says_nothing_else(t
     ("place", "value", "sentence"),
     [
         ("candidates.dynamics.braking", 0, "dynamics.braking must be above 0"),
-        ("candidates.spacing", 0, "candidates.spacing must be above 0"),
+        ("candidates.spacing", 0, "candidates.spacing must be between 0.1 and 100"),
         ("temperature", -1, "generation.temperature must be above 0"),
     ],
 )

@@ -6,15 +6,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.lib.stride_tricks import sliding_window_view
 
+from drivegen.commonroad.recording import read_recording
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap, project
+from drivegen.core.recorded_log import RecordedLog
 from drivegen.core.scenario import SizeSource, Trajectories, VehicleKind
 from drivegen.datasets import commonroad
 from drivegen.datasets._targets import LEAST_NEW, LONG, NEIGHBOURHOOD, spread_targets
 from drivegen.ingest.selection import Settings, select
 from drivegen.ingest.splits import SPLITS, Plan, items
 from tests.commonroad_files import ROAD, car, xml
+from tests.futures import otherwise
 
 REAL = Path(os.environ.get("DRIVEGEN_REAL_DATA", Path(__file__).parents[2].parent / "shared" / "data")) / "commonroad"
 SETTINGS = Settings(target="focal", max_vehicles=16, first_step=0, horizon=100, map_radius=None, smallest_shrink=0.8)
@@ -66,6 +70,17 @@ def test_targets_move_are_vehicles_and_are_seen_for_long_from_the_start() -> Non
     motion.valid[2, LONG // 2 :] = False
     motion.position[3] = motion.position[3, :1]
     assert set(spread_targets(kind, motion)) <= {4, 5}
+
+
+def test_of_those_who_may_be_targets_the_first_frame_decides() -> None:
+    motion, kind = row_of_cars(40), cars(40)
+    motion.valid[::2, LONG // 2 :] = False
+    chosen = spread_targets(kind, motion)
+    other = otherwise(motion)
+    other.valid[:] = motion.valid
+    other.valid[::2, LONG // 3 :] = False
+    assert chosen == spread_targets(kind, other)
+    assert all(target % 2 for target in chosen)
 
 
 def test_where_nobody_moves_or_is_seen_for_long_somebody_is_target_all_the_same() -> None:
@@ -120,9 +135,9 @@ def test_scenes_of_one_recording_are_never_both_trained_on_and_validated_on(reco
 
 
 RECORDINGS = {
-    ("train", "USA_Lanker-2_15_T-1"): ("Lanker", 81, 53, 112, 3),
+    ("train", "USA_Lanker-2_15_T-1"): ("Lanker", 81, 53, 112, 4),
     ("train", "USA_Lanker-2_17_T-1"): ("Lanker", 99, 78, 112, 6),
-    ("val", "USA_US101-12_1_T-1"): ("US101", 81, 35, 12, 1),
+    ("val", "USA_US101-12_1_T-1"): ("US101", 81, 35, 12, 2),
 }
 """City, steps, cars, lanes, scenes."""
 
@@ -169,3 +184,29 @@ def test_positions_are_middles_of_boxes_and_cars_drive_along_lanes() -> None:
     assert np.median(gaps) < 1.0
     step = np.hypot(*np.moveaxis(np.diff(motion.position, axis=1), -1, 0)) / 0.1
     assert np.median(np.abs(step - motion.speed[:, 1:])[moving[:, 1:]]) < 0.3
+
+
+@cache
+def recordings() -> dict[tuple[str, str], RecordedLog]:
+    """All real ones by split and name."""
+    paths = sorted(REAL.glob("*/*.xml"))
+    return {(path.parent.name, path.stem): read_recording(path.read_bytes(), str(path), "NGSIM") for path in paths}
+
+
+@real
+def test_all_recordings_give_scenes_and_last_seven_seconds_but_one() -> None:
+    assert len(recordings()) == 28
+    assert all(spread_targets(log.kind, log.motion) for log in recordings().values())
+    assert [name for (_, name), log in recordings().items() if log.motion.steps < 71] == ["USA_US101-25_1_T-1"]  # 68 steps
+
+
+@real
+def test_no_car_is_in_two_splits() -> None:
+    """The same car at overlapping times has the same speeds, twenty in a row that are no standstill."""
+    seen: dict[bytes, str] = {}
+    for (split, _), log in recordings().items():
+        for track in np.flatnonzero(log.motion.valid.sum(-1) >= 20):
+            speed = log.motion.speed[track][log.motion.valid[track]].round(3)
+            for row in sliding_window_view(speed, 20):
+                if np.ptp(row) > 1.0:
+                    assert seen.setdefault(row.tobytes(), split) == split

@@ -38,7 +38,9 @@ PARAMS = Params(
         most_windows_per_run=1,
         lateral_resolution=0.8,
         time_limit=60.0,
-        window=WindowSettings(steps=110, radius=150.0, apart=20.0, focal_travel=8.0, fewest=4, moving_share=0.6),
+        window=WindowSettings(
+            steps=110, radius=150.0, map_radius=100.0, apart=20.0, focal_travel=8.0, fewest=4, moving_share=0.6
+        ),
         sensing=SensingSettings(occlusion=False, position_noise=0.0, heading_noise=0.0, speed_noise=0.0),
     ),
 )

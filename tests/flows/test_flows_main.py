@@ -1,5 +1,6 @@
 """`python -m flows`: what it says and how it exits, with no flow and no server behind it."""
 
+import signal
 from contextlib import nullcontext
 
 import pytest
@@ -16,6 +17,11 @@ def _no_server(monkeypatch: pytest.MonkeyPatch) -> None:
     ("fault", "code", "said"),
     [
         (KeyboardInterrupt(), 130, "flows: stopped; stages that were done stay done, the same command goes on from there\n"),
+        (
+            command.Stopped(signal.SIGTERM),
+            143,
+            "flows: stopped; stages that were done stay done, the same command goes on from there\n",
+        ),
         (RuntimeError("the local Prefect server did not start"), 1, "flows: the local Prefect server did not start\n"),
     ],
 )

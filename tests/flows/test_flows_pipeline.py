@@ -1,6 +1,10 @@
 """What flows know of DVC, on a pipeline of shell commands; no Prefect here."""
 
+import json
+import os
 import shutil
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -159,3 +163,62 @@ def test_what_is_forgotten_leaves_the_rest_up_to_date(done: Path):
     pipeline.forget_all_but(pipeline.read().upstream("place"), done)
     assert pipeline.read().stale == set(pipeline.read().needs) - {"ingest", "maps"}
     assert not pipeline.reproduce("maps", lambda _: None)
+
+
+def test_a_cut_off_lock_file_is_noticed_kept_aside_and_costs_no_work(done, caplog):
+    made = {file: file.read_bytes() for file in (done / "data").rglob("*") if file.is_file()}
+    whole = (done / "dvc.lock").read_bytes()
+    for length in (0, 1, len(whole) // 3, len(whole) - 9, len(whole) - 1):
+        (done / "dvc.lock").write_bytes(whole[:length])
+        assert "ship" in pipeline.read().stale
+        assert "dvc.lock was cut off or broken" in caplog.text
+        assert (done / ".drivegen" / "damaged" / "dvc.lock").read_bytes() == whole[:length]
+        assert not (done / "dvc.lock").exists()
+        caplog.clear()
+    assert not pipeline.reproduce("place", lambda _: None)  # DVC's run cache knows what comes out
+    assert not pipeline.reproduce("ship", lambda _: None)
+    assert {file: file.read_bytes() for file in made} == made
+
+
+def test_a_cut_off_lock_file_is_restored_from_the_commit(done, caplog):
+    whole = (done / "dvc.lock").read_bytes()
+    author = ["-c", "user.name=a", "-c", "user.email=a@b"]
+    for words in (["add", "dvc.lock"], [*author, "commit", "-qm", "lock"]):
+        subprocess.run(["git", *words], cwd=done, check=True)
+    (done / "dvc.lock").write_bytes(whole[:-100])
+    assert pipeline.read().stale == frozenset()
+    assert (done / "dvc.lock").read_bytes() == whole
+    assert "the committed one takes its place (what was there: .drivegen/damaged/dvc.lock)" in caplog.text
+    caplog.clear()
+    assert pipeline.read().stale == frozenset()
+    assert caplog.text == ""
+
+
+@pytest.mark.parametrize("left", ["", '{"write": {"', "[]", '{"read": {"data/maps": 3}}'])
+def test_a_broken_list_of_files_in_use_is_begun_anew(done, caplog, left):
+    (done / ".dvc" / "tmp" / "rwlock").write_text(left)
+    assert pipeline.read().stale == frozenset()
+    assert "rwlock, DVC's list of files in use, was broken" in caplog.text
+    assert not pipeline.reproduce("maps", lambda _: None)
+
+
+def in_use(root: Path, pid: int, cmd: str) -> None:
+    held = {"write": {str(root / "data" / "maps"): {"pid": pid, "cmd": cmd}}, "read": {}}
+    (root / ".dvc" / "tmp" / "rwlock").write_text(json.dumps(held))
+
+
+def test_files_in_use_by_a_number_that_another_process_has_now_are_free(done, caplog):
+    in_use(done, os.getpid(), "dvc/__main__.py repro --single-item maps")
+    assert pipeline.read().stale == frozenset()
+    assert "a run which was killed had in use are free again" in caplog.text
+
+
+def test_files_in_use_by_a_run_that_goes_on_are_waited_for_and_then_named(done, monkeypatch):
+    monkeypatch.setattr(pipeline, "_TRIES", 2)
+    with subprocess.Popen([sys.executable, "-c", "input()", "repro", "maps"], stdin=subprocess.PIPE) as other:
+        in_use(done, other.pid, "dvc repro maps")
+        with pytest.raises(pipeline.StageFailed, match=rf"another run has files in use.*PID {other.pid}\): dvc repro maps$"):
+            pipeline.read()
+        threading.Timer(0.7, other.communicate, [b"\n"]).start()
+        monkeypatch.setattr(pipeline, "_TRIES", 40)
+        assert pipeline.read().stale == frozenset()

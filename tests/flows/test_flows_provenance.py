@@ -13,7 +13,7 @@ from tests.flows import toy
 def lock(root: Path, **stages: str) -> None:
     root.mkdir(parents=True, exist_ok=True)
     (root / "dvc.lock").write_text(
-        yaml.safe_dump({"schema": "2.0", "stages": {n.replace("__", "@"): v for n, v in stages.items()}})
+        yaml.safe_dump({"schema": "2.0", "stages": {n.replace("__", "@"): {"cmd": v} for n, v in stages.items()}})
     )
 
 

@@ -8,10 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.first_frame import first_frame
 from drivegen.core.geometry import boxes_overlap
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
-from drivegen.core.scenario import Signals, SizeSource, Trajectories, VehicleKind
+from drivegen.core.scenario import Signals, SignalState, SizeSource, Trajectories, VehicleKind
 from drivegen.ingest.selection import ASSUMED_SIZE, Settings, select
+from tests.futures import bytes_of, otherwise
 from tests.scenes import crossing, drive, joined, stack, straight_road
 
 SETTINGS = Settings(target="focal", max_vehicles=16, first_step=0, horizon=100, map_radius=None, smallest_shrink=0.8)
@@ -99,12 +101,33 @@ def test_what_yields_no_scenario_is_rejected_with_a_reason(log: RecordedLog, rea
     assert caught.value.reason == reason
 
 
-def test_a_track_that_jumps_is_dropped_and_counted() -> None:
-    jumping = parked(124, 0)
+def test_a_track_ends_where_it_jumps_and_is_dropped_and_counted_if_that_is_at_once() -> None:
+    jumping, racing = parked(124, 0), parked(136, 0)
     jumping.position[20:] += 30
-    scenario = select(recording([*row(2), jumping]), SETTINGS)
-    assert scenario.vehicles.track_id.tolist() == ["track-0", "track-1"]
-    assert scenario.notes["dropped_implausible"] == "1"
+    racing.velocity[:] = 80
+    scenario = select(recording([*row(2), jumping, racing]), SETTINGS)
+    assert scenario.vehicles.track_id.tolist() == ["track-0", "track-1", "track-2"]
+    assert scenario.log is not None
+    assert scenario.log.valid[2].tolist() == [True] * 20 + [False] * (STEPS - 20)
+    assert scenario.notes == {"dropped_implausible": "1", "ended_implausible": "1"}
+
+
+@given(st.integers(0, 10_000))
+@settings(max_examples=20, deadline=None)
+def test_logs_that_begin_alike_give_scenarios_of_equal_first_frames(seed: int) -> None:
+    random, roads = np.random.default_rng(seed), crossing(arm=200.0)
+    moving = [drive(joined(roads, 0, 8, 4), random.uniform(0, 150), random.choice([0, 9]), STEPS) for _ in range(12)]
+    kind = random.choice([VehicleKind.CAR, VehicleKind.CYCLIST], 12).astype(np.uint8)
+    kind[0] = VehicleKind.CAR
+    signals = Signals(np.arange(8, 20, dtype=np.int32), np.full((12, STEPS), SignalState.RED, np.uint8))
+    log = recording(moving, map=roads, kind=kind, signals=signals)
+    shown = np.full((12, STEPS), SignalState.GREEN, np.uint8)
+    shown[:, 0] = SignalState.RED
+    other = replace(log, motion=otherwise(log.motion), signals=replace(signals, state=shown))
+    one, two = (first_frame(select(one, replace(SETTINGS, map_radius=20.0))) for one in (log, other))
+    assert len(one.map) < len(roads)
+    assert one.notes == two.notes
+    assert bytes_of(one) == bytes_of(two)
 
 
 def test_unknown_sizes_are_assumed_by_kind_and_known_ones_kept() -> None:
@@ -196,7 +219,7 @@ def test_the_map_is_cut_around_the_target_and_signals_follow_their_lanes() -> No
     assert near.map.lane_id.tolist() == [100, 106]  # the way in, and beside it the way out
     assert near.map.dangling == 6
     assert len(near.signals) == 0
-    wide = select(recording(moving, map=roads, signals=signals), replace(SETTINGS, map_radius=193.0))
+    wide = select(recording(moving, map=roads, signals=signals), replace(SETTINGS, map_radius=160.0))
     assert 1 < len(wide.map) < len(roads)
     np.testing.assert_array_equal(wide.map.lane_id[wide.signals.lane], [n for n in range(108, 120) if n in wide.map.lane_id])
 

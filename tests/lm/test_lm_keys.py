@@ -1,9 +1,17 @@
 """Keys go from the environment to the server and nowhere else."""
 
+import base64
+import codecs
+import json
+from urllib.parse import quote
+
 import pytest
+from hypothesis import given
+from hypothesis import settings as examples
+from hypothesis import strategies as st
 
 from drivegen.core.errors import UnusableInput
-from drivegen.lm.keys import secret
+from drivegen.lm.keys import HIDDEN, scrubbed, secret
 from drivegen.lm.prompt import NoAnswer
 from drivegen.lm.records import Mode
 from tests.lm.asking import GOOD, model, question, settings
@@ -72,3 +80,66 @@ def test_a_server_of_ones_own_never_gets_the_vendors_key(tmp_path, monkeypatch, 
     with serving([Says("no", status=400)]) as server, pytest.raises(NoAnswer):
         model(tmp_path, server.url, backend=backend, output="prompted").ask(question())
     assert KEY not in str(server.headers)
+
+
+ENCODINGS = {
+    "JSON escapes": lambda text: "".join(f"\\u{ord(letter):04x}" for letter in text),
+    "braced escapes": lambda text: "".join(f"\\u{{{ord(letter):x}}}" for letter in text),
+    "an escaped dash": lambda text: text.replace("-", "\\u002d"),
+    "hexadecimal escapes": lambda text: "".join(f"\\x{ord(letter):02X}" for letter in text),
+    "octal escapes": lambda text: "".join(f"\\{ord(letter):03o}" for letter in text),
+    "JSON in JSON": lambda text: json.dumps(json.dumps("".join(f"\\u{ord(letter):04x}" for letter in text))),
+    "percent": lambda text: "".join(f"%{ord(letter):02X}" for letter in text),
+    "percent where needed": lambda text: quote(quote(text, safe="")),
+    "HTML": lambda text: "".join(f"&#x{ord(letter):x};" for letter in text),
+    "HTML, decimal": lambda text: "".join(f"&#{ord(letter)};" for letter in text),
+    "base64": lambda text: base64.b64encode(text.encode()).decode(),
+    "base64 for URLs": lambda text: base64.urlsafe_b64encode(text.encode()).decode().rstrip("="),
+    "base64 after other words": lambda text: base64.b64encode(b"the key: " + text.encode()).decode(),
+    "base64 in lines": lambda text: base64.encodebytes((text * 4).encode()).decode(),
+    "base64 twice": lambda text: base64.b64encode(base64.b64encode(text.encode())).decode(),
+    "base32": lambda text: base64.b32encode(text.encode()).decode(),
+    "hex": lambda text: text.encode().hex(),
+    "hex with colons": lambda text: text.encode().hex(":"),
+    "codes": lambda text: str(list(text.encode())),
+    "backwards": lambda text: text[::-1],
+    "the other case": str.swapcase,
+    "rot13": lambda text: codecs.encode(text, "rot13"),
+    "letter by letter": " ".join,
+    "invisible letters between": "\u200b".join,
+    "two strings": lambda text: f'{text[:9]}", "{text[9:]}',
+    "full width": lambda text: "".join(chr(ord(letter) + 0xFEE0) for letter in text),
+}
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+@given(
+    key=st.from_regex(r"\Ask-[A-Za-z0-9_-]{8,40}[A-Za-z0-9]{12}\Z"),
+    before=st.text(max_size=9),
+    after=st.text(st.sampled_from('abcXYZ019 -=%\\"{}'), max_size=9),
+)
+@examples(max_examples=15, deadline=None)
+def test_nothing_is_kept_of_a_reply_that_holds_the_key_in_an_encoding(encoding, key, before, after):
+    disguised = f"{before} {ENCODINGS[encoding](key)} {after}"
+    assert scrubbed(disguised, key) in (HIDDEN, f"{before} {HIDDEN} {after}")
+
+
+@given(text=st.text(max_size=300), key=st.from_regex(r"\Ask-[A-Za-z0-9]{20}\Z"))
+@examples(max_examples=50, deadline=None)
+def test_a_reply_without_the_key_is_kept_as_it_is(text, key):
+    assert scrubbed(text, key) == text
+
+
+@pytest.mark.parametrize("key", ["", "none", "token-abc"])
+def test_a_placeholder_in_place_of_a_key_hides_no_reply(key):
+    reply = '{"place": 1, "reason": "it is the nearest one, %6Eo%6Ee, token abc"}'
+    assert scrubbed(reply, key) == reply
+
+
+def test_an_escaped_key_reaches_no_record(tmp_path):
+    disguised = KEY.replace("-", "\\u002d")
+    with serving([Says(f'{{"place": 1, "reason": "{disguised}"}}'), Says(GOOD)]) as server:
+        model(tmp_path, server.url, key="MY_KEY", mode=Mode.RECORD).ask(question())
+    kept = [json.loads(file.read_text()) for file in tmp_path.rglob("*.json")]
+    assert len(kept) == 2
+    assert KEY not in json.dumps(kept).replace("\\\\u002d", "-")

@@ -5,9 +5,9 @@ from hypothesis import given
 from hypothesis import settings as examples
 from hypothesis import strategies as st
 
-from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.errors import MissingTool
 from drivegen.lm.backends.base import Reply, Request, Turn
-from drivegen.lm.prompt import NoAnswer
+from drivegen.lm.prompt import DamagedRecord, NoAnswer
 from drivegen.lm.records import Mode, Records, key_of
 from tests.lm.asking import GOOD, model, question, settings
 from tests.lm.chat_server import Says, serving
@@ -58,13 +58,16 @@ def test_nothing_is_kept_when_off(tmp_path):
     assert content(tmp_path) == {}
 
 
-def test_a_file_that_is_no_recorded_reply_is_named(tmp_path):
+def test_a_file_that_does_not_hold_what_was_recorded_is_named(tmp_path):
     with serving([Says(GOOD)]) as server:
         model(tmp_path, server.url).ask(question())
     [file] = tmp_path.rglob("*.json")
-    for broken in (b"", b"[]", b'{"reply": {"text": 3, "input_tokens": 1, "output_tokens": 1}}', file.read_bytes()[:50]):
+    whole = file.read_bytes()
+    other = whole.replace(rb"\"place\": 2", rb"\"place\": 3")
+    assert other != whole
+    for broken in (b"", b"[]", b'{"reply": {"text": 3, "input_tokens": 1, "output_tokens": 1}}', whole[:50], other):
         file.write_bytes(broken)
-        with pytest.raises(UnusableInput, match=file.name):
+        with pytest.raises(DamagedRecord, match=file.name):
             model(tmp_path, NOBODY, mode=Mode.REPLAY).ask(question())
 
 

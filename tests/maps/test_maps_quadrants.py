@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import wrap_angle
+from drivegen.core.safe_xml import parse
 from drivegen.layouts.compile import compile_map, draw
 from drivegen.layouts.quadrants import QUADRANTS, QuadrantInterchange
 from drivegen.layouts.spec import MapSpec
@@ -279,10 +280,10 @@ def test_what_is_no_interchange_is_refused(wrong: dict[str, Any]) -> None:
 
 def test_without_its_height_the_road_would_lie_on_the_highway() -> None:
     network = compile_map(specified({}))
-    assert (overlapping(network, NETWORK), measure(network, NETWORK).bridges) == ((), 1)
+    assert (overlapping(parse(network, NETWORK)), measure(parse(network, NETWORK), NETWORK).bridges) == ((), 1)
     low = network.replace(b",6.00", b",1.00")
-    assert overlapping(low, NETWORK) != ()
-    assert measure(low, NETWORK).bridges == 0
+    assert overlapping(parse(low, NETWORK)) != ()
+    assert measure(parse(low, NETWORK), NETWORK).bridges == 0
 
 
 @pytest.mark.parametrize("form", ["cloverleaf", "trumpet", "exit loop", "exit loop to a street"])

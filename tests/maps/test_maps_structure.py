@@ -5,6 +5,7 @@ import re
 import pytest
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.safe_xml import parse
 from drivegen.layouts.spec import MapSpec
 from drivegen.maps.examine import examine
 from drivegen.maps.overlaps import overlapping
@@ -23,8 +24,8 @@ def test_a_network_with_numbers_that_are_none_is_refused_in_a_sentence(nasty):
     broken = NETWORK.replace(edge, re.sub(nasty.split(b"=")[0] + b'="[^"]*"', nasty, edge))
     assert broken != NETWORK
     with pytest.raises(UnusableInput, match=r"map\.net\.xml: a lane has a number that is none"):
-        measure(broken, "map.net.xml")
+        measure(parse(broken, "map.net.xml"), "map.net.xml")
 
 
 def test_lanes_near_the_junction_that_they_share_do_not_lie_on_one_another():
-    assert overlapping(NETWORK, "map.net.xml") == ()
+    assert overlapping(parse(NETWORK, "map.net.xml")) == ()

@@ -14,8 +14,13 @@ from drivegen.core.scenario import Trajectories
 from drivegen.planners.base import Examples, Planner, PlanRequests
 from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.roads.graph import LaneGraph
+from drivegen.rollout.batch import choose, plan_all_goals
+from drivegen.selectors.random import Plugin as Uniform
+from drivegen.training.weights import read_weights, write_weights
 from stages._door import build, read_section
-from tests.scenes import crossing, drive, joined, scenario, stack
+from tests.futures import other_future, with_riders
+from tests.models import candidate_settings
+from tests.scenes import busy_crossing, crossing, drive, joined, scenario, stack
 
 ROOT = Path(__file__).parents[2]
 NAMES = plugins.names("planners")
@@ -122,6 +127,12 @@ def test_parked_vehicles_stay_exactly_where_they_are(trained: Planner, logs: Exa
     np.testing.assert_allclose(wrap_angle(motion.heading - parked.heading[:, None]), 0, atol=1e-6)
 
 
+def test_plans_of_logs_that_begin_alike_are_the_same(trained: Planner) -> None:
+    scene = with_riders(busy_crossing())
+    one, other = (choose([log], Uniform(), candidate_settings(), 1.0) for log in (scene, other_future(scene)))
+    assert same(plan_all_goals(one, trained, 7)[0], plan_all_goals(other, trained, 7)[0])
+
+
 def test_another_seed_gives_another_motion(trained: Planner, logs: Examples) -> None:
     moving = logs.requests[~logs.requests.parked]
     other = replace(moving, seed=moving.seed + 1)
@@ -151,14 +162,15 @@ def test_missing_foreign_and_damaged_weights_are_named(name: str, trained: Plann
 
 def test_weights_of_other_settings_are_refused_in_a_sentence(trained: Planner, tmp_path: Path) -> None:
     trained.save(tmp_path)
-    file = tmp_path / "settings.json"
-    about = json.loads(file.read_text())
-    file.write_text(json.dumps(about | {"settings": about["settings"] | {"width": 2 * about["settings"]["width"]}}))
-    with pytest.raises(UnusableInput, match="weights do not fit the settings"):
-        type(trained).load(tmp_path)
-    file.write_text(json.dumps(about | {"settings": about["settings"] | {"depth": 1}}))
-    with pytest.raises(UnusableInput, match="unknown name 'depth'"):
-        type(trained).load(tmp_path)
+    name = json.loads((tmp_path / "settings.json").read_text())["planner"]
+    settings, tensors = read_weights(tmp_path, "planner", name)
+    for change, sentence in (
+        ({"width": 2 * settings["width"]}, "weights do not fit the settings"),
+        ({"depth": 1}, "unknown name 'depth'"),
+    ):
+        write_weights(tmp_path, "planner", name, settings | change, tensors)
+        with pytest.raises(UnusableInput, match=sentence):
+            type(trained).load(tmp_path)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -21,6 +21,7 @@ from drivegen.roads.graph import LaneGraph
 from drivegen.selectors._ranker import Ranker
 from drivegen.selectors.learned import Plugin, Settings
 from drivegen.selectors.log import logged_ends
+from drivegen.training import weights
 from drivegen.training.loop import Settings as Training
 from tests import scenes
 from tests.goals.test_goals_candidates import SETTINGS
@@ -120,17 +121,17 @@ def test_the_same_seed_gives_the_same_bytes(trained, tmp_path):
     folder, _, _ = trained
     learnt = lists(np.linspace(3, 14, 40))
     Plugin.fit(learnt, lists(np.linspace(3.3, 13.3, 8)), LEARNING, 7, None, lambda _: None)[0].save(tmp_path)
-    for file in ("ranker.safetensors", "ranker.json"):
+    for file in (weights.WEIGHTS, weights.SETTINGS):
         assert (tmp_path / file).read_bytes() == (folder / file).read_bytes()
 
 
 def test_weights_that_are_missing_or_broken_are_named(trained, tmp_path):
-    with pytest.raises(MissingTool, match="train_selector"):
+    with pytest.raises(MissingTool, match="no trained goal selector"):
         Plugin.load(tmp_path)
     folder = trained[0]
-    (tmp_path / "ranker.json").write_bytes((folder / "ranker.json").read_bytes())
-    (tmp_path / "ranker.safetensors").write_bytes((folder / "ranker.safetensors").read_bytes()[:200])
-    with pytest.raises(UnusableInput, match="damaged weights"):
+    (tmp_path / weights.SETTINGS).write_bytes((folder / weights.SETTINGS).read_bytes())
+    (tmp_path / weights.WEIGHTS).write_bytes((folder / weights.WEIGHTS).read_bytes()[:200])
+    with pytest.raises(UnusableInput, match="is not what was written"):
         Plugin.load(tmp_path)
 
 
@@ -226,3 +227,10 @@ def test_a_candidate_that_others_goals_exclude_is_told_apart():
     beyond = found[0].s > 80
     assert beyond.any()
     assert clash[beyond].min() > 0.2 + clash[found[0].s < 25].max(initial=0.0)
+
+
+def test_weights_that_are_not_finite_are_refused(trained, tmp_path):
+    selector = Plugin(Ranker(len(NAMES), 16))
+    selector.net.scale[0] = float("nan")
+    with pytest.raises(UnusableInput, match="scale has a number that is not finite"):
+        selector.save(tmp_path)

@@ -1,18 +1,21 @@
 """The stages' door: strict parameters, results in task order, one sentence and an exit code for an error."""
 
 import errno
+import os
+import signal
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import yaml
 
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.store.files import whole
-from stages import _door, asked, corner, evaluate, ingest, place, rollout, train_planner
+from stages import _door, asked, corner, evaluate, goals, ingest, place, rollout, train_planner
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,8 @@ def test_a_dotted_section_is_a_section_inside_a_section(tmp_path):
         (("width: 3", "width: true"), r"work\.inner\.width must be int, not True"),
         (("[a, b]", "[a, 1]"), r"work\.inner\.names\[1\] must be str, not 1"),
         (("work:", "play:"), r"no section 'work'"),
+        (("seed: 7", "seed: -1"), r"run\.seed must be between 0 and 9\.22337e\+18, not -1"),
+        (("workers: 2", "workers: 0"), r"run\.workers must be at least 1, not 0"),
     ],
 )
 def test_a_wrong_parameter_is_named_with_its_place(tmp_path, change, sentence):
@@ -82,6 +87,16 @@ def test_results_come_in_task_order_whatever_the_number_of_workers(capsys):
     assert list(_door.spread(square, tasks, 1, "squares")) == expected
     assert list(_door.spread(square, tasks, 2, "squares")) == expected
     assert capsys.readouterr().out.splitlines()[-1] == "squares 4/4"
+
+
+def killed(number: int) -> int:
+    os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def test_a_process_that_is_killed_is_one_sentence():
+    with pytest.raises(MissingTool, match=r"^squares: a process was killed, .*: lower run\.workers in params\.yaml"):
+        list(_door.spread(killed, [1, 2], 2, "squares"))
 
 
 def test_no_tasks_are_no_results():
@@ -127,6 +142,10 @@ def no_weights(params: Nothing, out: Path) -> None:
     raise MissingTool(f"{out} is not there: run `make run`")
 
 
+def absurd(params: Nothing, out: Path) -> None:
+    np.zeros(2**50)
+
+
 def bad_file(params: Nothing, out: Path) -> None:
     raise UnusableInput(f"{out} is empty", reason="empty")
 
@@ -149,6 +168,12 @@ def bad_file(params: Nothing, out: Path) -> None:
         ),
         (no_weights, 1, "work: x.bin is not there: run `make run`\n"),
         (bad_file, 2, "work: x.bin is empty\n"),
+        (
+            absurd,
+            1,
+            "work: there is not enough memory for that (Unable to allocate 8.00 PiB for an array with shape (1125899906842624,) "
+            "and data type float64): ask for less (params.yaml)\n",
+        ),
     ],
 )
 def test_an_error_is_one_sentence_and_an_exit_code(tmp_path, monkeypatch, capsys, main, code, sentence):
@@ -187,6 +212,8 @@ def test_what_is_required_and_absent_is_told_with_its_remedy(tmp_path):
         (ingest.Params, "ingest.shard_size", 0),
         (place.Params, "place.per_shard", 0),
         (rollout.Params, "rollout.generation.rollout.rounds", 17),
+        (goals.Params, "goals.candidates.most", 10**9),
+        (goals.Params, "goals.candidates.spacing", 1e-9),
         (train_planner.Params, "train_planner.seen", 1.5),
     ],
 )
@@ -194,5 +221,8 @@ def test_a_number_with_which_a_stage_could_do_nothing_is_refused_by_name(tmp_pat
     values = yaml.safe_load(Path("params.yaml").read_text())
     section, name = nested(values, where)
     section[name] = value
-    with pytest.raises(UnusableInput, match=rf"{where.partition('.')[2]} must be (at least 1|between 0 and 1|between 1 and 16)"):
+    with pytest.raises(
+        UnusableInput,
+        match=rf"{where.partition('.')[2]} must be (at least 1|between 0 and 1|between 1 and (16|40)|between 0.1 and 100)",
+    ):
         _door.read_params(where.partition(".")[0], params, write(tmp_path, yaml.safe_dump(values)))

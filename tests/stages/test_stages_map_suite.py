@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from drivegen.lm.ledger import FOLDER
+from drivegen.lm.prompt import DamagedRecord
 from drivegen.maps.suite import cases
 from stages import map_suite
 from tests.lm.asking import settings
@@ -61,3 +62,14 @@ def test_a_model_that_gives_no_answer_declines(run):
         table, _ = run(["language_model"], base_url=server.url)
     counts = json.loads(table)["writers"]["language_model"]["groups"]["own, plain"]
     assert (counts["declined"], counts["right"], counts["wrong"]) == (1, 0, 0)
+
+
+def test_a_damaged_record_is_no_figure(run, tmp_path):
+    with serving([ROAD, NONE]) as server:
+        run(["language_model"], base_url=server.url)
+    (tmp_path / "table.json").unlink()
+    record = min((tmp_path / "records").rglob("*.json"))
+    record.write_bytes(record.read_bytes()[:-40])
+    with pytest.raises(DamagedRecord, match=record.name):
+        run(["language_model"], mode="replay", base_url="http://127.0.0.1:9")
+    assert not (tmp_path / "table.json").exists()

@@ -11,7 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivegen.core import safe_parquet
 from drivegen.core.errors import UnusableInput
+from drivegen.store.lists import write_shard_table
 from drivegen.store.rejected import read_rejected, rejected_by_method, write_rejected
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import VERSION, read_shard, shards, write_shard
@@ -85,9 +87,14 @@ def broken(tmp_path: Path) -> dict[str, Path]:
     good = tmp_path / "good.parquet"
     write_shard(good, [any_scenario(1)])
     table = pq.read_table(good)
-    paths = {word: tmp_path / f"{word}.parquet" for word in ("empty", "truncated", "foreign", "samples", "old", "absent", "text")}
+    words = ("empty", "truncated", "cut in its footer", "bit", "unsealed", "foreign", "samples", "old", "absent", "text")
+    paths = {word: tmp_path / f"{word}.parquet" for word in words}
     paths["empty"].touch()
-    paths["truncated"].write_bytes(good.read_bytes()[:-100])
+    raw = good.read_bytes()
+    paths["truncated"].write_bytes(raw[: len(raw) // 2])
+    paths["cut in its footer"].write_bytes(raw[:-100])
+    paths["bit"].write_bytes(raw[:99] + bytes([raw[99] ^ 1]) + raw[100:])
+    pq.write_table(table, paths["unsealed"])
     paths["text"].write_text("not Parquet at all, but longer than twelve bytes")
     pq.write_table(pa.table({"a": [1]}), paths["foreign"])
     write_samples(paths["samples"], [noisy_samples(any_scenario(1))])
@@ -101,6 +108,9 @@ def broken(tmp_path: Path) -> dict[str, Path]:
     [
         ("empty", "truncated"),
         ("truncated", "truncated"),
+        ("cut in its footer", "damaged"),
+        ("bit", "damaged"),
+        ("unsealed", "damaged"),
         ("text", "truncated"),
         ("absent", "truncated"),
         ("foreign", "foreign-file"),
@@ -131,3 +141,97 @@ def test_rejected_trajectories_come_back_bit_by_bit_by_method_and_scenario(tmp_p
     found = rejected_by_method(tmp_path)
     assert {method: list(scenes) for method, scenes in found.items()} == {"drivegen": ["any-1", "any-2"], "other": []}
     assert rejected_by_method(tmp_path / "absent") == {}
+
+
+@given(place=st.floats(0, 1, exclude_max=True), bit=st.integers(0, 7), near_end=st.booleans())
+@settings(max_examples=60, deadline=None)
+def test_no_flipped_bit_is_taken(good: Path, place: float, bit: int, near_end: bool) -> None:
+    raw = bytearray(good.read_bytes())
+    first = len(raw) - 12_000 if near_end else 0  # most of so small a file is its footer
+    raw[first + int(place * (len(raw) - first))] ^= 1 << bit
+    flipped = good.with_name("flipped.parquet")
+    flipped.write_bytes(raw)
+    with pytest.raises(UnusableInput, match=r"flipped\.parquet"):
+        read_shard(flipped)
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("good") / "good.parquet"
+    write_shard(path, [any_scenario(1), any_scenario(2)])
+    return path
+
+
+def tampered(name: str, change: Any) -> Any:
+    """A scenario with one array of a dotted name changed, of the right shape and type."""
+
+    def put(part: Any, words: list[str]) -> Any:
+        if not words:
+            return change(part.copy() if isinstance(part, np.ndarray) else part)
+        return replace(part, **{words[0]: put(getattr(part, words[0]), words[1:])})
+
+    return put(any_scenario(1), name.split("."))
+
+
+def first_is(value: float) -> Any:
+    def change(array: Any) -> Any:
+        array.flat[0] = value
+        return array
+
+    return change
+
+
+def valid_nan(log: Any) -> Any:
+    log.position[log.valid] = np.nan
+    return log
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "reason"),
+    [
+        ("log", valid_nan, "not-a-number"),
+        ("vehicles.size", first_is(np.nan), "not-a-number"),
+        ("vehicles.size", first_is(-4.5), "bad-vehicles"),
+        ("vehicles.kind", first_is(255), "bad-vehicles"),
+        ("vehicles.heading", lambda heading: heading[:-1], "bad-vehicles"),
+        ("vehicles.position", lambda position: position[:-1], "bad-vehicles"),
+        ("horizon", lambda _: -1, "bad-shard"),
+        ("horizon", lambda _: 0, "bad-trajectories"),
+        ("map.links", first_is(10_000), "bad-map"),
+        ("map.kind", first_is(255), "bad-map"),
+        ("map.speed_limit", first_is(-1), "bad-map"),
+        ("map.centreline.start", first_is(3), "bad-map"),
+        ("map.left.points", lambda points: points[:-3], "bad-map"),
+        ("map.origin", first_is(np.inf), "bad-map"),
+    ],
+)
+def test_a_sealed_shard_with_absurd_content_is_refused_by_name_and_row(
+    tmp_path: Path, name: str, change: Any, reason: str
+) -> None:
+    write_shard(tmp_path / "s.parquet", [any_scenario(2), tampered(name, change)])
+    with pytest.raises(UnusableInput, match=r"s\.parquet, row 1") as refusal:
+        read_shard(tmp_path / "s.parquet")
+    assert refusal.value.reason == reason
+    assert "\n" not in str(refusal.value)
+
+
+def without(path: Path, column: str) -> None:
+    """The shard in `path` without a column, its checksum right."""
+    table = pq.read_table(path)
+    names = [name for name in table.column_names if name != column]
+    write_shard_table(path, {name: table[name].combine_chunks() for name in names}, "scenarios", VERSION)
+
+
+def test_a_shard_without_a_column_is_refused_by_name(tmp_path: Path) -> None:
+    write_shard(tmp_path / "s.parquet", [any_scenario(2)])
+    without(tmp_path / "s.parquet", "map.links")
+    with pytest.raises(UnusableInput, match=r"s\.parquet, row 0, is no sound row \('map\.links'\)") as refusal:
+        read_shard(tmp_path / "s.parquet")
+    assert refusal.value.reason == "bad-shard"
+
+
+def test_more_values_than_memory_holds_are_refused_before_they_are_read(good: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(safe_parquet, "MOST_VALUES", 100)
+    with pytest.raises(UnusableInput, match=r"good\.parquet holds \d+ values, more than 100") as refusal:
+        read_shard(good)
+    assert refusal.value.reason == "too-large"

@@ -14,7 +14,7 @@ from drivegen.layouts.spec import MapSpec
 from drivegen.sumo.bends import COMFORTABLE, bend_speed, with_human_speeds
 from drivegen.sumo.demand import Demand, draw_demand
 from drivegen.sumo.network import Network
-from drivegen.sumo.traffic import smoothed
+from drivegen.sumo.traffic import LAG, smoothed, tracked
 from tests.sumo.nets import CROSS
 
 
@@ -66,6 +66,23 @@ def test_smoothing_keeps_uniform_motion_ends_and_gaps_and_rounds_a_corner():
     steps = (np.diff(turned) + np.pi) % (2 * np.pi) - np.pi
     assert np.abs(steps).max() < 0.05
     assert turned[0, [0, -1]] == pytest.approx([3.0, -3.0])
+
+
+def test_a_track_tells_nothing_of_what_is_driven_later():
+    random = np.random.default_rng(5)
+    position, heading = random.normal(size=(3, 80, 2)).cumsum(1), random.uniform(-3, 3, (3, 80))
+    other_position, other_heading = position.copy(), heading.copy()
+    valid, other_valid = np.ones((2, 3, 80), bool)
+    valid[1, :30] = other_valid[1, :30] = False
+    other_position[:, 41:] += 7.0
+    other_heading[:, 41:] -= 1.0
+    other_valid[2, 41:] = False
+    one, two = (tracked(line_of(*raw)) for raw in ((position, heading, valid), (other_position, other_heading, other_valid)))
+    assert one.steps == 80 - LAG
+    now = 41 - LAG  # what it knows then reaches to step 40 of what is driven
+    for name in ("position", "heading", "velocity", "valid"):
+        assert np.array_equal(getattr(one, name)[:, :now], getattr(two, name)[:, :now])
+    assert not np.array_equal(one.velocity[:, now], two.velocity[:, now])
 
 
 def test_cyclists_keep_to_slow_roads():

@@ -12,7 +12,7 @@ from drivegen.layouts.spec import MapSpec
 from drivegen.sumo.child import SimulationFailed
 from drivegen.sumo.demand import Demand, draw_demand, vehicles_at_begin
 from drivegen.sumo.network import Network
-from drivegen.sumo.traffic import Run, simulate
+from drivegen.sumo.traffic import LAG, Run, simulate
 
 RUN = Run(seed=3, warm_up=5.0, seconds=6.0, lateral_resolution=0.8, time_limit=30.0)
 ARMS = [{"angle": angle, "lanes_in": 2, "lanes_out": 2, "length": 100} for angle in (0, 90, 180, 270)]
@@ -49,12 +49,13 @@ def test_tracks_are_box_centres_on_lanes_with_matching_speeds(raw):
 def test_a_lorry_is_known_by_its_size_and_its_centre_is_half_a_length_behind_its_front(raw):
     net = Network.read(raw, "crossing")
     edge = next(name.rpartition("_")[0] for name in net.lane_names if not name.startswith(":"))
-    begin = Run(seed=1, warm_up=0.0, seconds=1.0, lateral_resolution=0.0, time_limit=30.0)
+    begin = Run(seed=1, warm_up=0.0, seconds=2.0, lateral_resolution=0.0, time_limit=30.0)
     traffic = simulate(raw, ROUTE % edge.encode(), net.map.origin, begin)
     assert traffic.kind.tolist() == [VehicleKind.TRUCK]
     assert np.allclose(traffic.size, [[8.0, 2.5, 3.0]])
     line = net.map.centreline[net.lane_names.index(f"{edge}_0")]
-    along = np.hypot(*(traffic.motion.position[0, 0] - line[0]))
+    assert traffic.motion.valid[0].argmax() == LAG
+    along = np.hypot(*(traffic.motion.position[0, LAG] - line[0]))
     assert along == pytest.approx(20.0 - 4.0, abs=0.2)
 
 

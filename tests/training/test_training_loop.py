@@ -2,6 +2,7 @@
 
 import os
 import random
+import shutil
 import signal
 import socket
 import subprocess
@@ -13,12 +14,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from hypothesis import given
+from hypothesis import settings as examples
+from hypothesis import strategies as st
 from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 
 from drivegen.core.errors import UnusableInput
+from drivegen.training import weights
 from drivegen.training.curve import LossRow, kept
 from drivegen.training.loop import Settings, batch_rows, train
+from drivegen.training.weights import SETTINGS as SETTINGS_FILE
 from drivegen.training.weights import WEIGHTS, read_weights, write_weights
 
 ROOT = Path(__file__).parents[2]
@@ -245,12 +251,43 @@ def test_a_loss_that_is_not_finite_stops_the_training_with_one_sentence(tmp_path
     assert not (tmp_path / "kept.safetensors").exists()
 
 
-def test_weights_that_are_not_finite_are_neither_written_nor_read(tmp_path):
+def test_weights_that_are_not_finite_are_neither_written_nor_read(tmp_path, monkeypatch):
     good = {"a": np.zeros(3, np.float32)}
     write_weights(tmp_path / "good", "planner", "p", {}, good)
     with pytest.raises(UnusableInput, match="a has a number that is not finite"):
         write_weights(tmp_path / "bad", "planner", "p", {}, {"a": np.array([0, np.nan], np.float32)})
     assert not (tmp_path / "bad").exists()
-    save_file({"a": torch.tensor([1.0, float("inf")])}, tmp_path / "good" / WEIGHTS)
+    monkeypatch.setattr(weights, "check_finite", lambda *_: None)
+    write_weights(tmp_path / "bad", "planner", "p", {}, {"a": np.array([1, np.inf], np.float32)})
+    monkeypatch.undo()
     with pytest.raises(UnusableInput, match=r"weights\.safetensors: a has a number that is not finite: train it again"):
-        read_weights(tmp_path / "good", "planner", "p")
+        read_weights(tmp_path / "bad", "planner", "p")
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("good")
+    tensors = {"a": np.arange(6, dtype=np.float32), "b": np.ones((2, 2), np.float32)}
+    write_weights(folder, "planner", "p", {"width": 6, "temperature": 1.25}, tensors)
+    return folder
+
+
+def test_the_same_weights_are_the_same_bytes_and_come_back(good, tmp_path):
+    settings, tensors = read_weights(good, "planner", "p")
+    write_weights(tmp_path, "planner", "p", settings, tensors)
+    assert settings == {"width": 6, "temperature": 1.25}
+    assert tensors["a"].tolist() == list(range(6))
+    for file in (SETTINGS_FILE, WEIGHTS):
+        assert (tmp_path / file).read_bytes() == (good / file).read_bytes()
+
+
+@given(file=st.sampled_from([SETTINGS_FILE, WEIGHTS]), place=st.floats(0, 1, exclude_max=True), bit=st.integers(0, 7))
+@examples(max_examples=100, deadline=None)
+def test_no_flipped_bit_of_weights_or_their_settings_is_taken(good, file, place, bit):
+    flipped = good.with_name("flipped")
+    shutil.copytree(good, flipped, dirs_exist_ok=True)
+    raw = bytearray((good / file).read_bytes())
+    raw[int(place * len(raw))] ^= 1 << bit
+    (flipped / file).write_bytes(raw)
+    with pytest.raises(UnusableInput, match="flipped"):
+        read_weights(flipped, "planner", "p")

@@ -2,7 +2,8 @@
 
 Left out is what words cannot say, or say of all alike: free graphs; arms in another order than around the crossing, or more than
 four degrees from an even spread; hairpins given bend by bend; a highway's event nearer than 500 m to the one before, and a lane
-change of several lanes (both are said, too, but would rarely be drawn); a junction's pocket without turn lanes.
+change of several lanes (both are said, too, but would rarely be drawn); a junction's pocket without turn lanes; one of several
+vehicles in a group that does something.
 """
 
 from hypothesis import strategies as st
@@ -174,7 +175,7 @@ def groups(draw):
     manoeuvre = draw(st.one_of(st.none(), st.sampled_from(Manoeuvre)))
     place = draw(st.one_of(st.none(), st.sampled_from(Relation)))
     far = place not in (None, Relation.ONCOMING) and draw(st.booleans())
-    count, queue = draw(st.integers(1, 8)), draw(st.booleans())
+    count, queue = 1 if manoeuvre else draw(st.integers(1, 8)), draw(st.booleans())
     return Group(
         count=count,
         kind=draw(st.sampled_from(Kind)),

@@ -7,8 +7,9 @@ import pytest
 from drivegen.core.errors import UnusableInput
 from drivegen.words.edits import edited
 from drivegen.words.facts import contradicted, facts
-from drivegen.words.read import read
+from drivegen.words.read import covers_of, read
 from drivegen.words.request import Density, Kind, Manoeuvre
+from drivegen.words.tokens import tokenise
 
 KMH = 1 / 3.6
 
@@ -45,6 +46,12 @@ def declined(text: str) -> str:
         ("a crossroads with traffic lights and no traffic lights", "ruled out"),
         ("eine Kreuzung mit Ampel und zwei Spuren", "English"),
         ("", "empty"),
+        ("a motorway with an on-ramp after 500 m and an off-ramp after 1200 m", "two ways"),
+        ("an intersection with a one-way street", "other road"),
+        ("five cars and a truck ahead of me on a motorway", "'cars', too"),
+        ("25 cars on a motorway, and the car ahead of me brakes hard", "among 'cars'"),
+        ("off ramp from a motorway with 4 lanes per direction, one exit, 60 mph", "exit"),
+        ("a street with side streets", "say how many"),
     ],
 )
 def test_what_cannot_be_read_is_declined_by_name_with_a_sentence_to_try(text, word):
@@ -80,6 +87,54 @@ def test_lanes_are_counted_by_one_convention(text, lanes):
 )
 def test_an_event_that_two_phrases_speak_of_happens_once(text, events):
     assert [(event.kind, event.side) for event in read(text, 7).road.road.events] == events
+
+
+@pytest.mark.parametrize(
+    ("text", "places"),
+    [
+        ("a motorway with an on-ramp at 500 m and an off-ramp at 1200 m", [500.0, 1200.0]),
+        ("At 600 m an on-ramp joins the motorway. 700 m after it an exit leaves.", [600.0, 1300.0]),
+        ("a motorway with an off-ramp after 500 m", [500.0]),
+        ("a motorway with an on-ramp and 700 m later an off-ramp", [250.0, 950.0]),
+    ],
+)
+def test_places_along_a_motorway_are_where_ramps_join_and_leave(text, places):
+    events = read(text, 7).road.road.events
+    assert [event.position + event.length * (event.kind == "off_ramp") for event in events] == places
+
+
+def test_a_place_before_its_noun_is_of_that_noun():
+    junctions = read("a road with a roundabout, then after 350 m a T-junction", 7).road.road.junctions
+    assert [junction.form for junction in junctions] == ["roundabout", "crossing"]
+    assert junctions[1].position - junctions[0].position == 350.0
+
+
+@pytest.mark.parametrize(
+    ("text", "has", "lacks"),
+    [
+        ("a motorway section with three lanes and an on-ramp after 500 m", ("3 lanes", "500 m"), ()),
+        ("a motorway without an off-ramp at its end", ("motorway",), ("off-ramp",)),
+        ("a street with three crossings, the second one signalised", ("3 crossings",), ("traffic lights",)),
+        ("an intersection with an eastbound one-way street", ("crossing",), ("lanes in", "lanes out", "one-way")),
+        ("a railway crossing with barriers on a road", ("road",), ("60 km/h", "2 lanes")),
+    ],
+)
+def test_an_offer_holds_what_was_read_and_nothing_that_was_not(text, has, lacks):
+    with pytest.raises(UnusableInput) as refusal:
+        read(text, 7)
+    offer = str(refusal.value).rpartition("\ntry: ")[2]
+    assert all(words in offer for words in has)
+    assert not any(words in offer for words in lacks)
+
+
+def test_several_vehicles_that_do_something_do_it_each():
+    groups = read("two cars turning left at a crossroads", 7).traffic.groups
+    assert [(group.count, group.manoeuvre) for group in groups] == [(1, Manoeuvre.TURN_LEFT)] * 2
+    queue = read("a queue of five cars ahead of me at a crossroads", 7).traffic.groups
+    assert [(group.count, group.place.value, group.queue) for group in queue] == [(5, "ahead", True)]
+    truck = read("Truck ahead of the ego at 25 m, motorway, two lanes.", 7)
+    assert truck.traffic.groups[0].distance == 25.0
+    assert truck.road.road.alignment.length > 500.0
 
 
 def test_who_stands_at_a_light_stands_at_one_that_is_there():
@@ -130,6 +185,25 @@ def test_a_models_specification_is_held_against_the_texts_numbers():
     wrong = read("a motorway with three lanes in each direction, 100 km/h", 7).road
     assert contradicted(said, right) == []
     assert len(contradicted(said, wrong)) == 2
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "signalised crossing, then a roundabout, then another signalised crossing",
+        "main road with four side streets, alternating left and right and well spaced out, stop signs on the side streets",
+    ],
+)
+def test_long_ambiguous_texts_are_read_soon(text):
+    began = time.process_time()
+    declined(text)
+    assert time.process_time() - began < 4.0  # about 1 s, tables included
+
+
+def test_covers_that_differ_in_silent_words_are_one():
+    covers = covers_of(tokenise("signalised crossing, then a roundabout, then another signalised crossing"))
+    readings = [tuple((item.phrase, item.values) for item in cover.items if item.phrase is not None) for cover in covers]
+    assert len(set(readings)) == len(readings) > 1
 
 
 def test_long_nonsense_is_declined_soon():

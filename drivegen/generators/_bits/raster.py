@@ -98,7 +98,7 @@ class Painted:
             number,
             planes,
             signal,
-            scenario.signals.state,
+            scenario.signals.held().state,
         )
 
     @classmethod

@@ -60,7 +60,7 @@ class Crowd:
         parked: NDArray[np.bool_],
     ) -> Self:
         """`point`, `limit`, `lane` are the ways (R N, P, ...) of R samples, vehicle after vehicle in each."""
-        vehicles, signals = scenario.vehicles, scenario.signals
+        vehicles, signals = scenario.vehicles, scenario.signals.held()
         samples = len(point) // len(vehicles)
         guarded = lane[:, :, None] == signals.lane
         entered = np.where(guarded.any(1), guarded.argmax(1), 0) * PATH_SPACING

@@ -1,7 +1,7 @@
 """TrafficGen in closed loop: modes are drawn, a part of each is driven, everything is encoded again."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -112,8 +112,9 @@ class Driver:
 def rolled_error(driver: Driver, vectors: LaneVectors, logs: Tracks, copies: int, seed: int) -> float:
     """Mean of the least sADE [m] of `copies` futures over LOOKED_AT scenes with something to score, spread over the logs.
 
-    As in `metrics.displacement`. NaN if there is no such scene.
+    As in `metrics.displacement`, signals as at step 0 throughout. NaN if there is no such scene.
     """
+    vectors = replace(vectors, state=vectors.state[:, :1])
     scenes = (
         np.unique(np.linspace(0, len(logs.start) - 2, LOOKED_AT).astype(np.intp)) if len(logs.start) > 1 else np.zeros(0, np.intp)
     )

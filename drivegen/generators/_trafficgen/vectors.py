@@ -64,7 +64,7 @@ class LaneVectors:
         limit, control = scenario.map.speed_limit[lane], scenario.map.control[lane]
         yields, stops = np.equal(control, LaneControl.YIELD), np.equal(control, LaneControl.STOP)
         static = np.column_stack([np.nan_to_num(limit), ~np.isnan(limit), scenario.map.in_junction[lane], yields, stops])
-        return cls(np.array([0, len(lane)]), ends, static.astype(np.float32), guard[lane], scenario.signals.state)
+        return cls(np.array([0, len(lane)]), ends, static.astype(np.float32), guard[lane], scenario.signals.held().state)
 
     @classmethod
     def joined(cls, parts: Sequence["LaneVectors"]) -> "LaneVectors":

@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.first_frame import going_on
 from drivegen.core.geometry import unit
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Actors, Scenario, Trajectories, Vehicles
@@ -116,11 +117,17 @@ class Tracks:
         return start, np.arange(start[-1]) + np.repeat(self.start[scene] - start[:-1], count)
 
     def beginnings(self, scene: NDArray[np.integer], copies: int) -> "Tracks":
-        """`copies` copies of each of `scene` (S,) side by side; of the vehicles there is the first frame, nothing else."""
+        """`copies` copies of each of `scene` (S,) side by side, of which nothing but the first frame is known.
+
+        Context actors that are there go on as in `core.first_frame`.
+        """
         start, box = self.boxes(np.repeat(scene, copies))
-        values = {field: getattr(self, field)[box] for field in ("planned", "size", "kind", *_MOVING)}
-        values["valid"][values["planned"], 1:] = False
-        return Tracks(start=start, **values)
+        planned = self.planned[box]
+        motion = Trajectories(self.position[box], self.heading[box], self.velocity[box], self.valid[box])
+        motion = going_on(motion)
+        motion.valid[planned, 1:] = False
+        moving = {name: getattr(motion, name) for name in _MOVING}
+        return Tracks(start=start, planned=planned, size=self.size[box], kind=self.kind[box], **moving)
 
     def at(self, scene: NDArray[np.integer], step: NDArray[np.integer]) -> Crowd:
         """The boxes of each of `scene` (G,) at its `step` (G,)."""

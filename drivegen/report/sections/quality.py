@@ -19,7 +19,7 @@ def section(evidence: Evidence) -> Section:
     methods = evidence.ordered(evidence.below("quality_details"))
     lead = (
         f"{'Samples' if evidence.samples is None else f'{evidence.samples} samples'} of every test scenario from its map, its "
-        "first frame and its signals' states, against what was logged. "
+        "first frame, signals as they show then, against what was logged. "
         "Distances in metres, mean over scenarios with bootstrap intervals over recordings; every vehicle of every sample counts."
     )
     found = (_realism(methods, evidence), *((_diversity(methods, evidence),) if methods else ()))

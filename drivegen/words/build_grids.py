@@ -1,0 +1,29 @@
+"""From a scene to a grid of streets."""
+
+from drivegen.words.build_crossings import Road, control_of
+from drivegen.words.build_streets import spacing_of
+from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
+from drivegen.words.things import Scene, Unfit
+
+
+def grid(scene: Scene, choices: Choices) -> Road:
+    """Streets that cross in rows and columns."""
+    scene.one_road("grid")
+    scene.one_road("street", "main")
+    whole = scene.merged("grid", "street", "crossing")
+    sizes, spacing = set(whole.values("grid_size")), spacing_of(whole, [])
+    counts = whole.values("count")
+    if len(sizes) > 1 or counts:
+        raise Unfit("say the grid as rows by columns of crossings, e.g. '3 by 4'")
+    rows, columns = sizes.pop() if sizes else (3, 3)
+    one_way = is_one_way(whole)
+    lanes = lanes_of(whole, one_way=one_way, arms=True) or (1, 1)
+    if lanes[0] != lanes[1] and not one_way:
+        raise Unfit("the streets of a grid have the same lanes in both directions")
+    speed = speed_of(whole)
+    fields = {"kind": "grid", "rows": rows, "columns": columns, "lanes": lanes[0], "one_way": one_way}
+    fields |= {
+        "spacing": spacing or whole.value("length") or choices.length("spacing", 100, 150),
+        "beyond": whole.value("beyond"),
+    }
+    return fields | {"speed": usual_speed([whole]) if speed is None else speed, "control": control_of(whole, True)}

@@ -1,0 +1,99 @@
+"""What a text speaks of: facts, the things that have them, and the whole of them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+
+class Unfit(Exception):
+    """What is said cannot be put together; the message says why."""
+
+
+@dataclass(eq=False)
+class Fact:
+    """One thing said; `used` once a specification holds it."""
+
+    name: str
+    value: Any
+    text: str
+    scope: tuple[str, ...]
+    used: bool = False
+    loose: str = ""
+
+
+@dataclass(eq=False)
+class Thing:
+    """Something that is spoken of; `which` tells one from its like: an ordinal, a direction [degrees], a side, or all of them."""
+
+    name: str
+    text: str = ""
+    facts: list[Fact] = field(default_factory=list)
+    which: Any = None
+    used: bool = False
+    definite: bool = False
+    links: list[str] = field(default_factory=list)
+    beside: "Thing | None" = None
+    """What "and" joins it to: "five cars and a truck"."""
+
+    def values(self, name: str) -> list[Any]:
+        """All values that are said of a field, in order; they count as used."""
+        facts = [fact for fact in self.facts if fact.name == name]
+        for fact in facts:
+            fact.used = True
+        return [fact.value for fact in facts]
+
+    def value(self, name: str) -> Any:
+        """The only value of a field, None where nothing is said. Raises Unfit where two differ."""
+        values = self.values(name)
+        if any(value != values[0] for value in values):
+            texts = " and ".join(repr(fact.text) for fact in self.facts if fact.name == name)
+            raise Unfit(f"{texts} contradict one another")
+        return values[0] if values else None
+
+    def has(self, *names: str) -> bool:
+        """Whether any of these fields is spoken of; they do not count as used."""
+        return any(fact.name in names for fact in self.facts)
+
+
+def merged(things: Iterable[Thing]) -> Thing:
+    """What is said of several things, as one."""
+    return Thing("", facts=[fact for thing in things for fact in thing.facts])
+
+
+@dataclass
+class Scene:
+    """Everything that is said: things in order, and the whole."""
+
+    things: list[Thing] = field(default_factory=list)
+    whole: Thing = field(default_factory=lambda: Thing(""))
+
+    def named(self, *names: str) -> list[Thing]:
+        """The things of these names; they count as used."""
+        things = [thing for thing in self.things if thing.name in names]
+        for thing in things:
+            thing.used = True
+        return things
+
+    def there(self, *names: str) -> bool:
+        """Whether any thing of these names is spoken of."""
+        return any(thing.name in names for thing in self.things)
+
+    def merged(self, *names: str) -> Thing:
+        """What is said of the whole and of things of these names that no ordinal or direction tells apart, as one thing."""
+        return Thing(" ".join(names), facts=[fact for thing in (self.whole, *self.named(*names)) for fact in thing.facts])
+
+    def one_road(self, *names: str) -> None:
+        """Raises Unfit where more than one thing of these names is spoken of."""
+        things = [thing for thing in self.things if thing.name in names and thing.which is None]
+        if len(things) > 1:
+            raise Unfit(f"it is not clear how {' and '.join(repr(thing.text) for thing in things[:3])} belong together")
+
+    @property
+    def links(self) -> set[str]:
+        """How things are related."""
+        return {link for thing in (self.whole, *self.things) for link in thing.links}
+
+    def unused(self) -> list[str]:
+        """What no specification holds, as it was said."""
+        facts = [fact.text for thing in (self.whole, *self.things) for fact in thing.facts if not fact.used]
+        return [*facts, *(thing.text for thing in self.things if not thing.used)]

@@ -1,0 +1,91 @@
+"""What a run that was killed has left of DVC's own files is put right before DVC reads them.
+
+DVC writes dvc.lock in place: a kill then cuts it off. The committed one takes its place, or none: either way nothing is lost,
+for DVC's run cache, which is written before, gives back every stage whose inputs are the same. What was there is kept aside.
+"""
+
+import json
+import os
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import yaml
+from dvc.rwlock import SCHEMA as LOCK_SCHEMA
+from dvc.schema import COMPILED_LOCKFILE_SCHEMA
+from voluptuous import Invalid
+
+ASIDE = Path(".drivegen/damaged")
+"""Where files that could not be read are kept, below the workspace."""
+
+
+def mend(root: Path, tmp: Path) -> Iterator[str]:
+    """Restore what is broken of the workspace `root`, whose folder for DVC's own locks is `tmp`: a sentence for each.
+
+    To be called by who holds DVC's lock of the workspace, as who writes these files does.
+    """
+    for name in ("dvc.lock", "stages/dvc.lock"):
+        if (root / name).is_file() and not is_whole((root / name).read_bytes()):
+            yield f"{name} was cut off or broken, as by a kill while DVC wrote it: {_restored(root, name)}"
+    if (tmp / "rwlock").is_file() and (sentence := _mended_lock(tmp / "rwlock", root)):
+        yield sentence
+
+
+def is_whole(raw: bytes) -> bool:
+    """Whether DVC could have written this dvc.lock, to its last line."""
+    try:
+        COMPILED_LOCKFILE_SCHEMA(yaml.load(raw, yaml.CSafeLoader))
+    except (yaml.YAMLError, UnicodeDecodeError, Invalid):
+        return False
+    return raw.endswith(b"\n")
+
+
+def _restored(root: Path, name: str) -> str:
+    kept = _set_aside(root / name, root)
+    done = subprocess.run(["git", "show", f"HEAD:./{name}"], cwd=root, capture_output=True, timeout=60, check=False)
+    if done.returncode or not is_whole(done.stdout):
+        return f"it is made anew (what was there: {kept})"
+    _replace(root / name, done.stdout)
+    return f"the committed one takes its place (what was there: {kept})"
+
+
+def _mended_lock(file: Path, root: Path) -> str:
+    """Remove a broken list of who reads and writes what, and of a sound one whoever runs no more; what was done, if anything."""
+    try:
+        held = LOCK_SCHEMA(json.loads(file.read_bytes()))
+    except (ValueError, Invalid):
+        kept = _set_aside(file, root)
+        return f"{file.name}, DVC's list of files in use, was broken and is begun anew (what was there: {kept})"
+    alive = {
+        "read": {path: left for path, infos in held["read"].items() if (left := [info for info in infos if _runs(info)])},
+        "write": {path: info for path, info in held["write"].items() if _runs(info)},
+    }
+    if alive == held:
+        return ""
+    _replace(file, json.dumps(alive).encode())
+    return "files that a run which was killed had in use are free again"
+
+
+def _runs(info: dict[str, Any]) -> bool:
+    """Whether the process that holds something still runs, and is not another one that was given its number since."""
+    try:
+        words = Path(f"/proc/{info['pid']}/cmdline").read_text(errors="replace").strip("\0").replace("\0", " ")
+    except OSError:
+        return False
+    return words.endswith(" ".join(info["cmd"].split(" ")[1:]))  # its first word is the program, named in another way
+
+
+def _set_aside(file: Path, root: Path) -> Path:
+    """Move a file away; returns its new place, below the workspace."""
+    kept = ASIDE / file.name
+    (root / kept).parent.mkdir(parents=True, exist_ok=True)
+    file.replace(root / kept)
+    return kept
+
+
+def _replace(file: Path, content: bytes) -> None:
+    """Write a file whole or not at all."""
+    temporary = file.with_name(f".{file.name}.{os.getpid()}.part")
+    temporary.write_bytes(content)
+    temporary.replace(file)
