@@ -7,13 +7,12 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import orjson
 import pyarrow as pa
-import pyarrow.parquet as pq
 
-from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import recording
+from drivegen.store import samples, scenarios
+from drivegen.store.lists import read_shard_table
 from drivegen.store.scenarios import shards
 
 SCENARIOS = pa.schema(
@@ -70,19 +69,19 @@ def read_scenarios(folders: Mapping[str, Path]) -> pa.Table:
 
 
 def _scenarios(split: str, shard: Path) -> pa.Table:
-    found = _columns(shard, ["scenario_id", "source", "city", "horizon", "vehicles.kind"])
-    ids = found["scenario_id"].to_pylist()
+    names = ["scenario_id", "source", "city", "horizon", "vehicles.kind"]
+    found = read_shard_table(shard, scenarios.KIND, scenarios.VERSION, names)
     columns = {
-        "scenario": ids,
-        "split": [split] * len(ids),
+        "scenario": found["scenario_id"],
+        "split": [split] * found.count,
         "source": found["source"],
         "city": found["city"],
-        "log": [recording(scenario) for scenario in ids],
-        "shard": [str(shard)] * len(ids),
-        "vehicles": [len(kinds) for kinds in found["vehicles.kind"].to_pylist()],
-        "steps": np.asarray(found["horizon"]) + 1,
+        "log": [recording(scenario) for scenario in found["scenario_id"]],
+        "shard": [str(shard)] * found.count,
+        "vehicles": [len(kinds) for kinds in found["vehicles.kind"]],
+        "steps": [horizon + 1 for horizon in found["horizon"]],
     }
-    return _table(columns, SCENARIOS)
+    return pa.table(columns, SCENARIOS)
 
 
 def read_sample_table(stage: str, item: str, folder: Path) -> pa.Table:
@@ -91,27 +90,25 @@ def read_sample_table(stage: str, item: str, folder: Path) -> pa.Table:
 
 
 def _samples(stage: str, item: str, shard: Path) -> pa.Table:
-    found = _columns(shard, ["scenario_id", "method", "samples", "vehicles", "violation", "dropped", "left_map"])
-    counts, vehicles = np.asarray(found["samples"]), np.asarray(found["vehicles"])
-    each = np.repeat(np.arange(len(counts)), counts)
-    sample = np.arange(len(each)) - np.repeat(np.cumsum(counts) - counts, counts)
-    of_sample = np.repeat(np.arange(len(each)), vehicles[each])  # of every vehicle, as flags lie end to end
+    names = ["scenario_id", "method", "samples", "vehicles", "violation", "dropped", "left_map"]
+    found = read_shard_table(shard, samples.KIND, samples.VERSION, names)
+    of = [row for row in range(found.count) for _ in range(found["samples"][row])]
 
-    def flagged(name: str) -> np.ndarray[Any, Any]:
-        flags = found[name].combine_chunks().flatten().to_numpy(zero_copy_only=False) > 0
-        return np.bincount(of_sample, flags, len(each)).astype(np.int16)
+    def flagged(name: str) -> list[int]:
+        flags = zip(found[name], found["samples"], strict=True)
+        return [int(n) for values, count in flags for n in (values.reshape(count, -1) > 0).sum(axis=1)]
 
     columns = {
-        "stage": [stage] * len(each),
-        "item": [item] * len(each),
-        "method": found["method"].take(each),
-        "scenario": found["scenario_id"].take(each),
-        "sample": sample,
-        "shard": [str(shard)] * len(each),
-        "vehicles": vehicles[each],
+        "stage": [stage] * len(of),
+        "item": [item] * len(of),
+        "method": [found["method"][row] for row in of],
+        "scenario": [found["scenario_id"][row] for row in of],
+        "sample": [sample for count in found["samples"] for sample in range(count)],
+        "shard": [str(shard)] * len(of),
+        "vehicles": [found["vehicles"][row] for row in of],
         **{to: flagged(name) for to, name in (("illegal", "violation"), ("dropped", "dropped"), ("left_map", "left_map"))},
     }
-    return _table(columns, SAMPLES)
+    return pa.table(columns, SAMPLES)
 
 
 def read_recordings(listing: Path) -> pa.Table:
@@ -123,7 +120,7 @@ def parameter_table(sections: Mapping[str, Any]) -> pa.Table:
     """A row of every value of the sections of params.yaml."""
     rows = [(stage, ".".join(words), value) for stage, values in sections.items() for words, value in _leaves(values)]
     as_text = [value if isinstance(value, str) else orjson.dumps(value).decode() for _, _, value in rows]
-    return _table({"stage": [row[0] for row in rows], "name": [row[1] for row in rows], "value": as_text}, PARAMETERS)
+    return pa.table({"stage": [row[0] for row in rows], "name": [row[1] for row in rows], "value": as_text}, PARAMETERS)
 
 
 def _leaves(value: Any) -> Iterator[tuple[tuple[str, ...], Any]]:
@@ -133,16 +130,3 @@ def _leaves(value: Any) -> Iterator[tuple[tuple[str, ...], Any]]:
         return
     for name, inner in value.items():
         yield from ((((str(name), *words)), leaf) for words, leaf in _leaves(inner))
-
-
-def _columns(shard: Path, names: list[str]) -> pa.Table:
-    try:
-        return pq.read_table(shard, columns=names, partitioning=None)
-    except (pa.ArrowException, OSError) as error:
-        what = str(error).splitlines()[0]
-        raise UnusableInput(f"{shard} is no whole shard ({what}): make it again", reason="truncated") from None
-
-
-def _table(columns: Mapping[str, Any], schema: pa.Schema) -> pa.Table:
-    arrays = [column if isinstance(column, pa.ChunkedArray) else pa.array(column) for column in columns.values()]
-    return pa.table(dict(zip(columns, arrays, strict=True))).cast(schema)

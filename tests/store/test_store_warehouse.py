@@ -156,9 +156,9 @@ def test_what_is_no_warehouse_is_named(tmp_path):
 
 def test_a_shard_that_is_cut_short_is_named(made, tmp_path):
     (tmp_path / SHARD).write_bytes((made / "test" / SHARD).read_bytes()[:-30])
-    with pytest.raises(UnusableInput, match=r"shard-00000\.parquet is no whole shard"):
+    with pytest.raises(UnusableInput, match=r"shard-00000\.parquet is not what was written"):
         read_scenarios({"test": tmp_path})
-    with pytest.raises(UnusableInput, match=r"shard-00000\.parquet is no whole shard"):
+    with pytest.raises(UnusableInput, match=r"shard-00000\.parquet is not what was written"):
         read_sample_table("rollout", "drivegen", tmp_path)
 
 
