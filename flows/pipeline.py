@@ -168,16 +168,16 @@ def inputs(stage: str, root: Path = Path()) -> list[str]:
 
 
 def metrics(stage: str, root: Path = Path()) -> dict[str, Any]:
-    """The JSON metrics that `stage` declares, merged. Raises StageFailed where it declares none or they are missing."""
+    """What the JSON files hold that `stage` writes, merged. Raises StageFailed where it writes none or they are missing."""
     with _repo(root) as repo:
-        files = [Path(out.fs_path) for out in _find(repo, stage).outs if out.metric]
+        files = [Path(out.fs_path) for out in _find(repo, stage).outs if out.fs_path.endswith(".json")]
     merged: dict[str, Any] = {}
     for file in files:
         if not file.exists():
             raise StageFailed(f"stage {stage} has not written {file}")
         merged.update(json.loads(file.read_text()))
     if not merged:
-        raise StageFailed(f"stage {stage} declares no metrics in dvc.yaml")
+        raise StageFailed(f"stage {stage} writes no JSON file, says dvc.yaml")
     return merged
 
 

@@ -1,15 +1,15 @@
 """Stage `asked`: our own suite of traffic in words, on some of the maps: what was asked against what was got, and its price.
 
-argv: maps (a folder with <name>/map.net.xml), assets, models, table (JSON). Every request is read by `drivegen.words`, placed
-on maps in turn, and rolled out twice from the same first frame: with the goals that realise its manoeuvres, and with the
-selector's own, so that the price of the words is seen beside what the same scene costs without them.
+argv: maps (a folder with <name>/map.net.xml), assets, models, results (Parquet rows), table (JSON). Every request is read by
+`drivegen.words`, placed on maps in turn, and rolled out twice from the same first frame: with the goals that realise its
+manoeuvres, and with the selector's own, so that the price of the words is seen beside what the same scene costs without them.
 """
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from drivegen.asked.start import Settings as AskedSettings
-from drivegen.asked.suite import Bench, offers, suite, summary
+from drivegen.asked.suite import Bench, offers, sample_records, scene_records, suite, summary
 from drivegen.core.errors import MissingTool
 from drivegen.core.settings import Count
 from drivegen.generators.base import Settings as GeneratorSettings
@@ -19,6 +19,7 @@ from drivegen.placement.table import Table
 from drivegen.rollout.models import Equipment
 from drivegen.store.assets import read_assets
 from drivegen.store.files import write_json
+from drivegen.store.results import Run, record_rows, write_results
 from drivegen.sumo.network import Network
 from drivegen.words.read import READER, read
 from stages._door import enter, read_params, require
@@ -41,7 +42,7 @@ class Params:
     settings: AskedSettings
 
 
-def main(params: Params, maps: Path, assets: Path, models: Path, out: Path) -> dict[str, float]:
+def main(params: Params, maps: Path, assets: Path, models: Path, results: Path, out: Path) -> dict[str, float]:
     """One row for each request on each map, and rates by kind of request."""
     table = Table.from_arrow(read_assets(require(assets, "run the assets stage")), str(assets))
     initial, generation = read_params("place.initial", InitialSettings), read_params("ship.generation", GeneratorSettings)
@@ -67,6 +68,9 @@ def main(params: Params, maps: Path, assets: Path, models: Path, out: Path) -> d
         fit = [name for name in there if request.road in has[name]] or there
         chosen = [fit[(number + i) % len(fit)] for i in range(min(params.per_request, len(fit)))]
         rows += [bench.row(request, name, initialisers[name]) for name in chosen]
+    run = Run.of("asked", out.stem, asdict(params), [assets, *(maps / name / "map.net.xml" for name in there)], backend=READER)
+    of_samples = [record_rows(run, sample_records(rows, k), k) for k in range(params.samples)]
+    write_results(results, [record_rows(run, scene_records(rows)), *of_samples])
     told = summary(rows)
     of_suite = {"requests": len(requests), "maps": there, "reader": READER}
     write_json(out, {**of_suite, **told, "rows": rows})

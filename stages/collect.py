@@ -1,103 +1,79 @@
-"""Stage collect: all result and cost parts in one DuckDB file with views (a leaf: nothing depends on it).
+"""Stage collect: all results, what leads from them to their files, costs and calls in one DuckDB file with views (a leaf).
 
-argv: folder of result parts, folder of cost parts, folder of calls of language models, table of costs to write (Markdown), the
-DuckDB file to write. Costs and calls differ from run to run and so they stand here, outside of what promises the same bytes for
-the same seed.
+argv: folder of result parts, folder of those of single pieces, folder of cost parts, folder of calls of language models,
+params.yaml, scenarios (a folder a split), new scenarios, shipped ones, samples (a folder a method), rounds of corner cases, table
+of costs to write (Markdown), the DuckDB file to write. Costs and calls differ from run to run and so they stand here, outside of
+what promises the same bytes for the same seed.
 """
 
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
+import pyarrow as pa
+
+from drivegen.core.settings import read_tree
 from drivegen.lm.ledger import CALLS
-from drivegen.report.table import RESTORED, Table, row
+from drivegen.report.costs import costs_markdown
 from drivegen.store.costs import COST
 from drivegen.store.files import whole
 from drivegen.store.results import RESULT
-from drivegen.warehouse.database import build, query, read_parts, result_parts
+from drivegen.warehouse.database import build, read_parts, result_parts
+from drivegen.warehouse.tables import SAMPLES, parameter_table, read_recordings, read_sample_table, read_scenarios
 from stages._door import enter, require
+
+SPLITS = ("train", "val", "test")
 
 
 @dataclass(frozen=True)
 class Params:
-    """Nothing to choose."""
+    """The methods of each stage that generates."""
 
-
-_TRAINING = "cost_of_training"
-_NOTE = (
-    "Methods' seconds are of whole stages: starting processes, reading scenarios and writing samples are in them (the log's row "
-    "is nothing but that), and where goals are chosen, scoring the choice. `drivegen bench` times generation alone: its "
-    "figure is smaller."
-)
-_TABLES = (
-    (
-        "cost_of_methods",
-        "What 1000 scenarios cost",
-        {
-            "method": "",
-            "cpu_seconds_per_1000": "CPU s",
-            "of_it_choosing_goals": "of it choosing goals",
-            "gpu_seconds_per_1000": "GPU s",
-            "peak_megabytes": "peak memory [MB]",
-            "scenarios": "measured on scenarios",
-        },
-    ),
-    (
-        _TRAINING,
-        "What training cost",
-        {"stage": "", "item": "model", "cpu_seconds": "CPU s", "gpu_seconds": "GPU s"},
-    ),
-)
+    own: tuple[str, ...]
+    rivals: tuple[str, ...]
+    baselines: tuple[str, ...]
 
 
 def main(
-    params: Params,  # noqa: ARG001  # every main takes params
+    params: Params,
     results: Path,
+    pieces: Path,
     costs: Path,
     calls: Path,
+    parameters: Path,
+    scenarios: Path,
+    new: Path,
+    shipped: Path,
+    generated: Path,
+    corner: Path,
     table: Path,
     out: Path,
 ) -> dict[str, float]:
-    """Collect the parts below `results`, `costs` and `calls` (these may be absent: a fresh checkout has no times, no calls)."""
-    parts = result_parts(require(results, "run the stages that measure"))
-    rows = read_parts(parts, RESULT)
-    build(out, rows, read_parts(sorted(costs.glob("*.parquet")), COST), read_parts(sorted(calls.glob("*.parquet")), CALLS))
+    """Collect what lies below these folders; those that are absent hold nothing: a fresh checkout has no times, no calls."""
+    parts = result_parts(require(results, "run the stages that measure")) + result_parts(pieces)
+    tables = {
+        "results": read_parts(parts, RESULT),
+        "scenarios": read_scenarios({**{split: scenarios / split for split in SPLITS}, "new": new, "shipped": shipped}),
+        "samples": _samples(params, generated, corner),
+        "recordings": read_recordings(results / "recordings.json"),
+        "parameters": parameter_table(read_tree(parameters)),
+        "costs": read_parts(sorted(costs.glob("*.parquet")), COST),
+        "calls": read_parts(sorted(calls.glob("*.parquet")), CALLS),
+    }
+    build(out, tables)
     with whole(table) as temporary:
-        temporary.write_text("\n".join(_markdown(out, results)), encoding="utf-8")
-    print(f"{out}: {rows.num_rows} results of {len(parts)} parts; costs in {table}")
-    return {"results": float(rows.num_rows)}
+        temporary.write_text(costs_markdown(out, results), encoding="utf-8")
+    count = tables["results"].num_rows
+    print(f"{out}: {count} results of {len(parts)} parts; costs in {table}")
+    return {"results": float(count)}
 
 
-def _markdown(warehouse: Path, results: Path) -> Iterator[str]:
-    yield "Seconds of processors over all processes, of this machine and this run: another run has others."
-    yield _NOTE
-    for view, title, columns in _TABLES:
-        rows = query(warehouse, f"from {view}").to_pylist()
-        rows += _elsewhere(rows, results) if view == _TRAINING else ()
-        lines = tuple(row(*(_cell(one, name) for name in columns)) for one in rows)
-        yield "\n" + Table(view, title, tuple(columns.values()), lines).markdown().rstrip("\n")
-    yield ""
-
-
-def _elsewhere(rows: list[dict[str, Any]], results: Path) -> Iterator[dict[str, Any]]:
-    """A row for each model that was trained, by what it left in `results`, but not in this folder."""
-    here = {row["stage"] for row in rows}, {(row["stage"], row["item"]) for row in rows}
-    for file in sorted(results.glob("train_*.json")):
-        if file.stem not in here[0]:
-            yield {"stage": file.stem, "item": ""}
-    for file in sorted(results.glob("train_*/*.json")):
-        if (file.parent.name, file.stem) not in here[1]:
-            yield {"stage": file.parent.name, "item": file.stem}
-
-
-def _cell(row: Mapping[str, Any], name: str) -> str:
-    """A value of a row; what is missing was not measured here, but no GPU where other seconds were."""
-    value = row.get(name)
-    if value is None:
-        ran = any(row.get(known) is not None for known in ("cpu_seconds", "cpu_seconds_per_1000"))
-        return "none" if name.startswith("gpu") and ran else RESTORED
-    return value if isinstance(value, str) else f"{value:,.0f}"
+def _samples(params: Params, generated: Path, corner: Path) -> pa.Table:
+    """Every future by every method, and of every round of corner cases."""
+    stages = {"rollout": params.own, "rollout_rival": params.rivals, "rollout_baseline": params.baselines}
+    made = [read_sample_table(stage, name, generated / name) for stage, names in stages.items() for name in names]
+    rounds = sorted(folder.parent for folder in corner.glob("*/samples"))
+    played = [read_sample_table("corner", folder.name, folder / "samples") for folder in rounds]
+    return pa.concat_tables([SAMPLES.empty_table(), *made, *played])
 
 
 if __name__ == "__main__":

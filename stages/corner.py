@@ -1,13 +1,13 @@
 """Stage corner@<round>: one round of corner cases for one driver (paper, "DriveGen-CS").
 
 argv: scenarios (folder of shards), models, recorded goals of one selector, round (folder; its name is the number; the
-round before lies beside it), metrics (JSON). Round 0 has no knowledge: it is DriveGen's traffic as it is. The round's
-folder gets samples and the driven target shard by shard, knowledge.json, pooled over all rounds so far, and a few
+round before lies beside it), results (Parquet rows), metrics (JSON). Round 0 has no knowledge: it is DriveGen's traffic as it
+is. The round's folder gets samples and the driven target shard by shard, knowledge.json, pooled over all rounds so far, and a few
 collisions in pictures and words. Where a language model chooses goals (`goals: vlm`), it is shown what the round before left,
 and its calls are rows of .drivegen/calls/corner-<round>.parquet.
 """
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from drivegen.corner_cases.asking import asking, forecast
 from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.corner_cases.one_round import Round, RoundSettings
 from drivegen.corner_cases.round_folder import RoundFolder
+from drivegen.corner_cases.rounds import METHOD
 from drivegen.corner_cases.summary import RoundSummary
 from drivegen.drivers.base import Driver
 from drivegen.lm.ledger import FOLDER as CALLS
@@ -29,6 +30,7 @@ from drivegen.questions.asking import Asking
 from drivegen.questions.asking import Settings as AskingSettings
 from drivegen.questions.goals import examples
 from drivegen.store.files import write_json
+from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.scenarios import count, shards
 from stages._door import build, enter, read_params, require, spread
 
@@ -62,7 +64,7 @@ class Params(RoundSettings):
             raise UnusableInput(f"corner: goals is one of {', '.join(GOALS)}, not {self.goals!r}")
 
 
-def main(params: Params, scenarios: Path, models: Path, goals: Path, out: Path, metrics: Path) -> dict[str, float]:
+def main(params: Params, scenarios: Path, models: Path, goals: Path, out: Path, results: Path, metrics: Path) -> dict[str, float]:
     """Play the round, pool what it teaches, report."""
     folder = RoundFolder(out)
     knowledge = folder.knowledge_before(params.prior_strength)
@@ -80,6 +82,10 @@ def main(params: Params, scenarios: Path, models: Path, goals: Path, out: Path, 
     folder.write_knowledge(pooled)
     folder.write_pictures([(file, hit) for file, shard in played for hit in shard.collisions], pooled, params.pictures)
     summary = RoundSummary.joined([shard.summary for _, shard in played])
+    read = [scenarios, goals, models / "planners" / params.generation.planner, *([folder.before.path] if folder.number else [])]
+    run = Run.of("corner", out.name, asdict(params), read, method=METHOD, driver=params.driver, backend=params.simulator)
+    ids, sample, each = summary.per_run()
+    write_results(results, [result_rows(run, summary.scenarios, summary.metrics), result_rows(run, ids, each, sample)])
     numbers = summary.numbers(params.draws, rng(params.seed, "corner", "bootstrap"))
     about = {"driver": params.driver, "simulator": params.simulator, "round": folder.number, "seed": params.seed}
     write_json(metrics, {**about, **this.goals_by(), **numbers, "knowledge": pooled.rows()})

@@ -18,7 +18,7 @@ from drivegen.drivers.base import Driver
 from drivegen.metrics.driving import driving_summary
 from drivegen.simulators.shared.drives import Drives
 from drivegen.store.files import write_json
-from drivegen.store.results import Run, result_rows, run_id, write_results
+from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.world.reactive import Reaction
@@ -49,11 +49,13 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
     for folder in (None, *generated):
         method = folder.name if folder else LOG
         inputs = [scenarios, folder] if folder else [scenarios]
-        run = Run(run_id(asdict(params), inputs), "drive", method, name, params.seed, SIMULATOR)
+        run = Run.of("drive", name, asdict(params), inputs, method=method, driver=name, backend=SIMULATOR)
         for kind, reaction in (("", None), ("reactive.", params.reaction)):
             drives = _drive_all(driver, scenarios, folder, reaction, params.workers, f"drive {name} {kind}{method}")
             metrics = drives.per_scenario()
+            ids, sample, each = drives.per_run()
             tables.append(result_rows(run, drives.scenarios, {f"{kind}{key}": value for key, value in metrics.items()}))
+            tables.append(result_rows(run, ids, {f"{kind}{key}": value for key, value in each.items()}, sample))
             recordings = [recording(scenario) for scenario in drives.scenarios]
             random = rng(params.seed, "drive", "bootstrap", method, *([kind] if kind else []))
             means = driving_summary(metrics, recordings, drives.outcome.motion, drives.scene, params.draws, random)

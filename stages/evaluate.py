@@ -12,29 +12,16 @@ from drivegen.core.seeds import rng
 from drivegen.core.settings import Count
 from drivegen.metrics.road_edge import RoadEdges
 from drivegen.metrics.scene import Scored, Settings, score
-from drivegen.metrics.whole import columns, summary
+from drivegen.metrics.whole import columns, sample_columns, summary
 from drivegen.roads.drivable import CELL, road_field
 from drivegen.store.files import write_json
-from drivegen.store.results import Run, result_rows, run_id, write_results
+from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, require, spread
 
-SHOWN = (
-    "min_sade",
-    "min_sfde",
-    "mean_sade",
-    "mean_sfde",
-    "diversity_ratio",
-    "realism",
-    "joint.order",
-    "joint.energy_gain",
-    "collision_per_vehicle",
-    "off_road_per_vehicle",
-    "illegal_per_vehicle",
-    "scenarios",
-)
-"""What `dvc metrics show` prints: one row a method."""
+SHOWN = ("min_sade", "mean_sade", "realism", "illegal_per_vehicle")
+"""What `dvc metrics show` prints: one row a method, no wider than a screen."""
 
 
 @dataclass(frozen=True)
@@ -65,9 +52,11 @@ def main(params: Params, scenarios: Path, generated: Path, results: Path, detail
         scenes += part
     if not scenes:
         raise UnusableInput(f"{scenarios} holds no scenario with a log to compare with", reason="no-scenarios")
-    run = Run(run_id(asdict(params), [scenarios, generated]), "evaluate", shown.stem, "", params.seed, "")
+    run = Run.of("evaluate", shown.stem, asdict(params), [scenarios, generated], method=shown.stem)
     table = columns(scenes, params.measured)
-    write_results(results, [result_rows(run, [scene.scenario for scene in scenes], table)])
+    ids, sample, each = sample_columns(scenes)
+    rows = [result_rows(run, [scene.scenario for scene in scenes], table), result_rows(run, ids, each, sample)]
+    write_results(results, rows)
     numbers = summary(scenes, table, params.seed, params.draws, params.splits)
     write_json(details, numbers)
     write_json(shown, {name: numbers[name] for name in SHOWN})

@@ -1,11 +1,12 @@
 """Stage goals@<selector>: candidate goals of every vehicle and their probabilities, shard for shard.
 
-argv: scenarios (folder of shards), the trained selector (folder), goals (folder; its name is the selector's), metrics
-(JSON). Coverage and ranking are scored where scenarios have a log. Where a language model is asked (`vlm`), what it will cost is
-told before the first call, in batches (lm.goals.batch) a shard is one, and its calls are rows of .drivegen/calls/goals.parquet.
+argv: scenarios (folder of shards), the trained selector (folder), goals (folder; its name is the selector's), results (Parquet
+rows), metrics (JSON). Coverage and ranking are scored where scenarios have a log. Where a language model is asked (`vlm`), what
+it will cost is told before the first call, in batches (lm.goals.batch) a shard is one, and its calls are rows of
+.drivegen/calls/goals.parquet.
 """
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from drivegen.core.scenario import Scenario
 from drivegen.core.settings import Count
 from drivegen.goals.candidates import Candidates, Settings, candidates
 from drivegen.goals.packing import pack
-from drivegen.goals.scores import Judged, judge, scores
+from drivegen.goals.scores import Judged, judge, scene_scores, scores
 from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prices import RANKING_TOKENS
@@ -28,6 +29,7 @@ from drivegen.selectors.vlm import Plugin as AskingSelector
 from drivegen.selectors.vlm import Settings as AskingSettings
 from drivegen.store.files import write_json
 from drivegen.store.goals import write_goals
+from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, read_params, require, spread
 
@@ -58,7 +60,7 @@ class Task:
     selector: Selector | None
 
 
-def main(params: Params, scenarios: Path, model: Path, goals: Path, metrics: Path) -> None:
+def main(params: Params, scenarios: Path, model: Path, goals: Path, results: Path, metrics: Path) -> None:
     """Find, rank, write, score."""
     selector: Selector = plugins.load("selectors", goals.name).load(model)
     found = shards(require(scenarios, "run the ingest stage"))
@@ -75,6 +77,10 @@ def main(params: Params, scenarios: Path, model: Path, goals: Path, metrics: Pat
         tasks = [Task(shard, model, goals, params.candidates, None) for shard in found]
         done = list(spread(_shard_goals, tasks, params.workers, f"goals by {goals.name}"))
     judged = Judged.joined([part for _, part in done])
+    run = Run.of(
+        "goals", goals.name, asdict(params), [scenarios, *([model] if model.exists() else [])], backend=selector.described
+    )
+    write_results(results, [result_rows(run, *scene_scores(judged))])
     told = {"selector": goals.name, "described": selector.described, **asked}
     write_json(metrics, told | scores(judged, params.seed, params.draws))
 

@@ -1,12 +1,12 @@
 """Stage `maps`: roads from words, each as a SUMO network, an account and a picture.
 
-argv: out (gets <name>/{map.net.xml, map.json, map.png}), table (JSON, one row per description). Where a language model writes
-them, what it will cost is told before the first call, first questions go in one batch if lm.maps.batch says so, and its calls
-are rows of .drivegen/calls/maps.parquet.
+argv: out (gets <name>/{map.net.xml, map.json, map.png}), results (Parquet rows, where a map stands for a scenario), table (JSON,
+one row per description). Where a language model writes them, what it will cost is told before the first call, first questions go
+in one batch if lm.maps.batch says so, and its calls are rows of .drivegen/calls/maps.parquet.
 """
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from drivegen.lm.prices import MAP_TOKENS
 from drivegen.lm.settings import RecordSettings, RoleSettings
 from drivegen.maps.build import build_map
 from drivegen.store.files import write_json
+from drivegen.store.results import Run, record_rows, write_results
 from drivegen.words.writer import asking_writer, writer_called
 from stages._door import enter, read_params, spread
 
@@ -47,7 +48,7 @@ class _Task:
     model: LanguageModel | None
 
 
-def main(params: Params, out: Path, table: Path) -> None:
+def main(params: Params, out: Path, results: Path, table: Path) -> None:
     """Build every map; a description that is not understood is a row in the table, not the end of the stage."""
     model = _language_model() if params.writer.startswith(_ASKING) else None
     tasks = [_Task(name, text, params.seed, params.writer, out / name, model) for name, text in sorted(params.prompts.items())]
@@ -64,6 +65,8 @@ def main(params: Params, out: Path, table: Path) -> None:
         good.update(name for name in ("understood", "network", "as_asked") if row[name])
     counts = {name: good[name] for name in ("understood", "network", "as_asked")}
     write_json(table, {"descriptions": len(rows), **counts, "maps": rows})
+    run = Run.of("maps", table.stem, asdict(params), [], backend=params.writer)
+    write_results(results, [record_rows(run, {row["name"]: row for row in rows})])
     if good["network"] == 0:
         raise UnusableInput("none of the descriptions in params.yaml (maps.prompts) became a map")
     print(f"maps: {good['as_asked']} of {len(rows)} descriptions became the road that was asked for")

@@ -1,20 +1,25 @@
-"""Stage record: Rerun recordings of a few scenes drawn by seed, generated against logged and all methods together (a leaf).
+"""Stage record: Rerun recordings of a few scenes drawn by seed, of all methods together, and of pictured collisions (a leaf).
 
 argv: scenarios of one split, samples (a folder a method), what was turned down on the way to them (a file a method),
-recorded goals (a folder a selector), the folder of recordings, the list of recordings (JSON, for the report: .rrd files differ
-in bytes at every write, their list does not).
+recorded goals (a folder a selector), rounds of corner cases, the folder of recordings, the list of recordings (JSON, for the
+report: .rrd files differ in bytes at every write, their list does not).
 """
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from drivegen.core.methods import read_methods
 from drivegen.core.settings import Index
 from drivegen.recording import LOG, record_comparison
+from drivegen.recording.collision import record_collision
 from drivegen.recording.sample import record_sample
+from drivegen.store.collisions import read_pictured
 from drivegen.store.draw import by_method, draw_scenes, followed_goals, goals_of
 from drivegen.store.files import write_json
 from drivegen.store.rejected import rejected_by_method, rejected_of
+from drivegen.store.samples import read_samples
+from drivegen.store.scenarios import read_shard
 from stages._door import enter, require
 
 METHOD = "drivegen"
@@ -31,9 +36,9 @@ class Params:
 
 
 def main(
-    params: Params, scenarios: Path, generated: Path, rejected: Path, goals: Path, out: Path, listing: Path
+    params: Params, scenarios: Path, generated: Path, rejected: Path, goals: Path, corner: Path, out: Path, listing: Path
 ) -> dict[str, float]:
-    """Record sample 0 of each drawn scene."""
+    """Record sample 0 of each drawn scene, and every collision that the rounds pictured."""
     drawn_from = require(generated / METHOD, "run the rollout stage")
     scenes = draw_scenes(params.seed, scenarios, drawn_from, max(params.scenes, params.compared))
     turned_down = rejected_by_method(rejected)
@@ -46,7 +51,7 @@ def main(
         offered = goals_of(scenario.scenario_id, require(goals / str(selectors[METHOD]) / drawn.shard, "run the goals stage"))
         record_sample(file, scenario, samples, 0, offered, mine)
         text = f"{scenario.scenario_id}, {scenario.city}: {samples.method} against the log"
-        links.append({"text": text, "href": f"{out.name}/{file.name}"})
+        links.append(_entry(file, text, scenario.scenario_id, 0, "rollout", METHOD))
     compared = scenes[: params.compared]
     for drawn, methods in zip(compared, by_method(compared, generated), strict=True):
         scenario = drawn.scenario
@@ -57,9 +62,32 @@ def main(
         recorded = {name: place for name, place in places.items() if place is not None}
         record_comparison(file, scenario, shown, recorded, rejected_of(scenario.scenario_id, turned_down))
         text = f"{scenario.scenario_id}, {scenario.city}: {len(methods)} methods side by side"
-        links.append({"text": text, "href": f"{out.name}/{file.name}"})
+        links.append(_entry(file, text, scenario.scenario_id, 0))
+    links += _collisions(scenarios, corner, out)
     write_json(listing, links)
     return {"scenarios": float(len(scenes))}
+
+
+def _collisions(scenarios: Path, corner: Path, out: Path) -> list[dict[str, Any]]:
+    """A recording of each pictured collision; its name is the picture's."""
+    links = []
+    for one in read_pictured(corner):
+        where, played = one.where, one.path.parents[1]
+        scenario = next(s for s in read_shard(scenarios / where.shard) if s.scenario_id == where.scenario_id)
+        planned, driven = (
+            next(s for s in read_samples(played / part / where.shard) if s.scenario_id == where.scenario_id)
+            for part in ("samples", "driven")
+        )
+        file = out / f"{one.name}.rrd"
+        record_collision(file, scenario, planned, driven.motion[:, 0], one)
+        links.append(_entry(file, f"{one.title}: {where.scenario_id}", where.scenario_id, where.sample, "corner", played.name))
+    return links
+
+
+def _entry(file: Path, text: str, scenario_id: str, sample: int, stage: str = "", item: str = "") -> dict[str, Any]:
+    """A recording of the list: what it shows, and of which stage's item; of none where it compares methods."""
+    href = f"{file.parent.name}/{file.name}"
+    return {"text": text, "href": href, "scenario": scenario_id, "sample": sample, "stage": stage, "item": item}
 
 
 if __name__ == "__main__":

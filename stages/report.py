@@ -1,8 +1,8 @@
 """Stage report: one HTML page and a folder of Markdown tables from whatever has been measured.
 
 argv: folder of results (JSON), folder of curves (CSV), test scenarios, samples (a folder a method), what was turned down on the
-way to them (a file a method), recorded goals (a folder a selector), folder of maps, costs, the page to write, the folder of
-tables to write. Where a folder is absent its section reads "not measured".
+way to them (a file a method), recorded goals (a folder a selector), rounds of corner cases, folder of maps, costs, the page to
+write, the folder of tables to write. Where a folder is absent its section reads "not measured".
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from drivegen.core.methods import Method, read_methods
 from drivegen.core.settings import Index
 from drivegen.report import Evidence, Link, Picture, all_sections, build_page
 from drivegen.report.measured import read_curves, read_results
-from drivegen.report.pictures import compare_methods, picture_scene, read_map_pictures
+from drivegen.report.pictures import compare_methods, picture_scene, read_collision_pictures, read_map_pictures
 from drivegen.store.draw import by_method, draw_scenes
 from drivegen.store.files import whole
 from drivegen.store.rejected import rejected_by_method, rejected_of
@@ -50,6 +50,7 @@ def main(
     generated: Path,
     rejected: Path,
     goals: Path,
+    corner: Path,
     maps: Path,
     costs: Path,
     page: Path,
@@ -58,6 +59,7 @@ def main(
     """Gather, write the page and the tables."""
     results = read_results(metrics)
     methods = read_methods([*params.own, *params.rivals, *params.baselines])
+    recordings = tuple(Link(link["text"], link["href"]) for link in results.get("recordings", []))
     source, scenes, comparisons = _scenes(params, methods, scenarios, generated, rejected, goals)
     evidence = Evidence(
         results=results,
@@ -69,9 +71,10 @@ def main(
         scenes=scenes,
         comparisons=comparisons,
         maps=read_map_pictures(maps, params.maps),
+        collisions=read_collision_pictures(corner, recordings),
         curves=read_curves(curves),
         costs=read_costs(costs),
-        recordings=tuple(Link(**link) for link in results.get("recordings", [])),
+        recordings=recordings,
         provenance={
             "seed": str(params.seed),
             "results (hash of reports/metrics)": run_id({}, [metrics]) if results else "nothing yet",

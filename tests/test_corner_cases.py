@@ -223,8 +223,10 @@ def test_a_rounds_intervals_are_over_recordings():
     metrics = {name: np.array([1.0, 1.0, 4.0]) for name in ("collision", "absolute_acceleration", "acceleration")}
     motion = together(drive((0, 0), 0, 5), drive((0, 0), 0.5, 5), drive((0, 0), 1, 9))
     for recordings, ends in ((["a", "a", "b"], (1.0, 4.0)), (["a"] * 3, (np.nan, np.nan))):
-        summary = RoundSummary(metrics, recordings, motion, np.arange(3))
+        scenarios = [f"{recording}-{number:03}" for number, recording in enumerate(recordings)]
+        summary = RoundSummary(metrics, {"collision": np.array([0.0, 1.0, 1.0])}, scenarios, motion, np.arange(3))
         joined = RoundSummary.joined([summary])
         found = joined.numbers(200, np.random.default_rng(0))
         assert (found["collision"], found["recordings"]) == (2.0, len(set(recordings)))
         assert (found["collision.low"], found["collision.high"]) == pytest.approx(ends, nan_ok=True)
+        assert joined.per_run()[0] == scenarios

@@ -172,6 +172,21 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
+def scene_records(rows: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """For the record: what `rows` say of each scene, by the name of its map and the words, and the share of items got in it."""
+    return {f"{row['map']}: {row['text']}": {**row, **_got("items_got", row["items"])} for row in rows}
+
+
+def sample_records(rows: Sequence[Mapping[str, Any]], sample: int) -> dict[str, dict[str, Any]]:
+    """The same of one sample of each scene: the share of manoeuvres that were driven in it."""
+    with_samples = [row for row in rows if "manoeuvres" in row]
+    return {f"{row['map']}: {row['text']}": _got("manoeuvres_got", row["manoeuvres"][sample]) for row in with_samples}
+
+
+def _got(name: str, items: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    return {name: float(np.mean([item["got"] for item in items]))} if items else {}
+
+
 def _rates(found: Sequence[tuple[bool, bool | None, float | None, Mapping[str, Any]]]) -> dict[str, Any]:
     """Of one kind of request; `by_chance` is how often it came about in the same scene without being asked for."""
     chance = [other for _, other, _, _ in found if other is not None]

@@ -23,6 +23,7 @@ COMMANDS = {
     "generate": "Traffic: a log again, a network, words.",
     "export": "The pipeline's scenarios as folders.",
     "view": "Look at a scenario folder or a log.",
+    "query": "SQL over all results.",
     "estimate": "What language models would cost.",
     "weights": "Trained models as one file, to carry along.",
     "doctor": "What is installed, what is missing.",

@@ -16,19 +16,39 @@ from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.datasets.argoverse2_sensor import read_whole_log
 from drivegen.ingest.selection import Settings, select
 from drivegen.recording.record import record_scenario
+from drivegen.store.lookup import find_sample, find_scenario
 
 EVERYTHING = Settings(target="focal", max_vehicles=128, first_step=0, horizon=10_000, map_radius=None, smallest_shrink=0.7)
 """All vehicles over the whole recording, on the whole map."""
 
 
+SHARDS = tuple(Path("data") / name for name in ("shipped", "scenarios/test", "scenarios/val", "scenarios/train"))
+"""Where an id is looked for, in this order."""
+
+GENERATED = Path("data/generated/drivegen")
+"""Futures of test scenarios: `<id>-s03` is number 3."""
+
+_LISTED = 20
+
+
 def command(
-    scenario: Annotated[Path, Argument(help="A scenario folder in Argoverse 2's layout, or the folder of a sensor log.")],
+    scenario: Annotated[
+        str, Argument(help="A scenario folder in Argoverse 2's layout, a sensor log's folder, or an id of data/.")
+    ],
     out: Annotated[Path | None, Option(help="Write the recording here; else <folder>.rrd in the current folder.")] = None,
     show: Annotated[bool, Option(help="Open the viewer; without a screen only the file is written.")] = True,
 ) -> None:
-    """Open the recording of SCENARIO; one that `drivegen generate` left there is taken, else it is made from the log."""
+    """Open the recording of SCENARIO: the one that lies in its folder, else one made of its log.
+
+    SCENARIO may be an id that a table or a query prints (`ID`, or `ID-s03` for a future of it); a folder of scenarios lists them.
+    """
     console = Console()
-    path = _recorded(scenario, out) or _record(scenario, out)
+    folder = Path(scenario)
+    if not folder.is_dir():
+        path = _record_id(scenario, out)
+    else:
+        folder = _chosen(folder)
+        path = _recorded(folder, out) or _record(folder, out)
     if show and _has_screen():
         _open(path)
     else:
@@ -36,19 +56,42 @@ def command(
         console.print(f"{path}: look at it with `{said}`", soft_wrap=True, highlight=False, markup=False)
 
 
+def _chosen(folder: Path) -> Path:
+    """The folder itself, or the only scenario in it; raises UnusableInput that lists them where there are several."""
+    scenes = sorted(file.parent for file in folder.glob("*/scenario_*.parquet"))
+    if any(folder.glob("scenario_*.parquet")) or not scenes:
+        return folder
+    if len(scenes) == 1:
+        return scenes[0]
+    names = "".join(f"\n  drivegen view {shlex.quote(str(scene))}" for scene in scenes[:_LISTED])
+    more = f"\n  and {len(scenes) - _LISTED} more" if len(scenes) > _LISTED else ""
+    raise UnusableInput(f"{folder} holds {len(scenes)} scenarios, view one of them:{names}{more}")
+
+
+def _record_id(scenario_id: str, out: Path | None) -> Path:
+    """The recording of a scenario of the pipeline's shards, or of a future of one."""
+    path = out or Path(f"{Path(scenario_id.replace(':', '-')).name}.rrd")
+    if (place := find_scenario(scenario_id, SHARDS)) is not None:
+        record_scenario(path, place[1], log_name="generated" if "motion" in place[1].notes else "logged")
+    elif (future := find_sample(scenario_id, SHARDS, GENERATED)) is not None:
+        record_scenario(path, *future)
+    else:
+        places = ", ".join(str(folder) for folder in (*SHARDS, GENERATED))
+        raise UnusableInput(f"{scenario_id} is no folder, and no scenario in {places}: give a scenario's folder or its id")
+    return path
+
+
 def _recorded(scenario: Path, out: Path | None) -> Path | None:
     """The recording that lies in the folder, unless another place is asked for."""
-    if not scenario.is_dir():
-        raise UnusableInput(f"{scenario} is no folder: give one that holds scenario_<id>.parquet and log_map_archive_<id>.json")
-    found = sorted(scenario.glob("*.rrd"))
-    return found[0] if found and out is None else None
+    recordings = sorted(scenario.glob("*.rrd"))
+    return recordings[0] if recordings and out is None else None
 
 
 def _record(scenario: Path, out: Path | None) -> Path:
     sensor = any(scenario.glob("annotations*.feather"))
     log = read_whole_log(scenario) if sensor else read_folder(scenario, f"log in {scenario.name}")
     path = out or Path(f"{scenario.resolve().name}.rrd")  # not the id in the file, which may be anything
-    record_scenario(path, select(log, EVERYTHING))
+    record_scenario(path, select(log, EVERYTHING), log_name="as in the folder")
     return path
 
 

@@ -47,6 +47,11 @@ class Method:
                 raise UnusableInput(f"the generator {self.title!r} is {value!r}, which is none of {', '.join(choices)}")
 
     @property
+    def ours(self) -> bool:
+        """Whether it is DriveGen or a part of it."""
+        return self.kind in (OURS, ABLATION)
+
+    @property
     def competes(self) -> bool:
         """Whether it can be the best of several."""
         return self.kind not in (NO_TRAFFIC, BOUND)

@@ -59,7 +59,7 @@ def read_section(section: str, path: Path = PARAMS) -> dict[str, Any]:
     Where names and values are wanted, the name of a YAML file may stand for what is in it. Raises MissingTool where there is
     no such file, UnusableInput where it is no YAML or has no such section.
     """
-    tree = _read(path)
+    tree: Any = read_tree(path)
     for word in section.split("."):
         if not isinstance(tree, dict) or word not in tree:
             raise UnusableInput(f"{path} has no section {section!r}")
@@ -73,7 +73,7 @@ def read_params(section: str, params: type[P], path: Path = PARAMS) -> P:
     """The params section as a dataclass; `section` may be dotted. Unknown and missing keys are errors that name both."""
     wanted = {f.name for f in dataclasses.fields(params)}  # type: ignore[arg-type]
     own = read_section(section, path)
-    shared = read_section(SHARED, path) if SHARED in _read(path) else {}
+    shared = read_section(SHARED, path) if SHARED in read_tree(path) else {}
     for name in _SHARED_KINDS.keys() & shared.keys():
         _typed(_SHARED_KINDS[name], shared[name], f"{path}: {SHARED}.{name}")
     return build(params, {**{k: v for k, v in shared.items() if k in wanted}, **own}, f"{path}: {section}")
@@ -138,7 +138,11 @@ class _Loader(yaml.SafeLoader):
         return values
 
 
-def _read(path: Path) -> Any:
+def read_tree(path: Path = PARAMS) -> dict[str, Any]:
+    """All sections by name, with the values that a `training` has from the section of that name.
+
+    Raises MissingTool where there is no such file, UnusableInput where it is no YAML.
+    """
     if not path.exists():
         raise MissingTool(f"{path} is not here: change into the project's folder, the one with the Makefile")
     try:
@@ -147,7 +151,8 @@ def _read(path: Path) -> Any:
         raise UnusableInput(f"{path} is not YAML: {str(error).splitlines()[0]}") from None
     if not isinstance(tree, dict):
         raise UnusableInput(f"{path} has no sections")
-    return _trained(tree, tree.get(TRAINING))
+    sections: dict[str, Any] = _trained(tree, tree.get(TRAINING))
+    return sections
 
 
 def _written_out(hint: Any, value: Any) -> Any:
@@ -157,7 +162,7 @@ def _written_out(hint: Any, value: Any) -> Any:
 
 def _opened(value: Any) -> Any:
     """What is in a YAML file, where `value` is the name of one."""
-    return _read(Path(value)) if isinstance(value, str) and value.endswith(".yaml") else value
+    return read_tree(Path(value)) if isinstance(value, str) and value.endswith(".yaml") else value
 
 
 def _trained(tree: Any, default: Any) -> Any:

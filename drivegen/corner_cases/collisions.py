@@ -5,7 +5,6 @@ Paper, "Processing Failed Examples": "visual trajectory collision images" go to 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from drivegen.corner_cases.rounds import Drive, encounters_of, taught
 from drivegen.render.png import png
 from drivegen.render.scene_picture import View, scene_picture
 from drivegen.rollout.scene import Choices
-from drivegen.store.files import whole
 from drivegen.world.outcome import CollisionKind
 
 WIDTH = 90.0
@@ -112,13 +110,3 @@ def picture(one: Collision, scenario: Scenario, traffic: Samples, driven: Trajec
     red[one.partner] = True
     view = View(here.position[TARGET, 0], WIDTH, PIXELS)
     return png(scene_picture(moment, way[np.newaxis], red[there][np.newaxis], view=view))
-
-
-def write_picture(
-    path: Path, one: Collision, scenario: Scenario, traffic: Samples, driven: Trajectories, knowledge: Knowledge
-) -> None:
-    """`path`.png and `path`.txt: the `picture`, and what it shows in words."""
-    with whole(path.with_suffix(".png")) as temporary:
-        temporary.write_bytes(picture(one, scenario, traffic, driven))
-    with whole(path.with_suffix(".txt")) as temporary:
-        temporary.write_text(in_words(one, knowledge), encoding="utf-8")

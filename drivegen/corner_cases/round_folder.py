@@ -1,7 +1,7 @@
 """The folder of a round of corner cases; its name is the round's number, the round before lies beside it.
 
 Shard by shard it holds `samples` and `driven` (the target alone, as it was driven), further `knowledge.json`, pooled over all
-rounds so far, and `collisions`: pictures (PNG) with words (TXT).
+rounds so far, and `collisions`: pictures (PNG) with words (TXT) and their places (JSON).
 """
 
 from collections.abc import Sequence
@@ -13,9 +13,10 @@ import orjson
 from drivegen.core.errors import MissingTool
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Trajectories
-from drivegen.corner_cases.collisions import Collision, telling, write_picture
+from drivegen.corner_cases.collisions import Collision, in_words, picture, telling
 from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.corner_cases.rounds import Drive
+from drivegen.store.collisions import FOLDER, Where, write_pictured
 from drivegen.store.files import write_json
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import read_shard
@@ -40,7 +41,7 @@ class RoundFolder:
     @property
     def collisions(self) -> Path:
         """Where pictures and words are."""
-        return self.path / "collisions"
+        return self.path / FOLDER
 
     @property
     def _knowledge(self) -> Path:
@@ -75,7 +76,9 @@ class RoundFolder:
             shard = shards[one.scenario_id]
             [scenario] = [s for s in read_shard(shard) if s.scenario_id == one.scenario_id]
             traffic, driven = (self._samples(part, shard.name, one.scenario_id) for part in ("samples", "driven"))
-            write_picture(self.collisions / str(number), one, scenario, traffic, driven.motion[:, 0], knowledge)
+            png = picture(one, scenario, traffic, driven.motion[:, 0])
+            where = Where(one.scenario_id, shard.name, one.sample, one.partner, one.step)
+            write_pictured(self.collisions / str(number), png, in_words(one, knowledge), where)
 
     def _samples(self, part: str, shard: str, scenario_id: str) -> Samples:
         return next(s for s in read_samples(self.path / part / shard) if s.scenario_id == scenario_id)

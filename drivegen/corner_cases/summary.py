@@ -5,6 +5,7 @@ Names are those of the drive stage's summaries, so that a round stands beside th
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,9 @@ from drivegen.core.intervals import recording
 from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.corner_cases.rounds import COUNTED, Drive
 from drivegen.metrics.displacement import scene_errors
-from drivegen.metrics.driving import driving_summary, run_numbers
+from drivegen.metrics.driving import driving_summary
 from drivegen.rollout.scene import Choices
-from drivegen.world.outcome import AT_FAULT, CollisionKind
+from drivegen.simulators.shared.drives import impacts, kind_shares, numbered, run_metrics
 
 
 @dataclass(frozen=True)
@@ -24,30 +25,37 @@ class RoundSummary:
 
     Attributes:
         metrics: (C,) arrays by name, each scenario's mean over its runs.
-        recordings: (C,) names of the recordings that scenarios were cut from.
+        runs: (R,) arrays by name, each run's numbers; NaN where it has none.
+        scenarios: (C,) ids.
         motion: Trajectories (R, T) of the driven targets. scene: (R,) the scenario of each run.
     """
 
     metrics: dict[str, NDArray[np.float64]]
-    recordings: list[str]
+    runs: dict[str, NDArray[np.float64]]
+    scenarios: list[str]
     motion: Trajectories
     scene: NDArray[np.int64]
 
     @classmethod
     def joined(cls, parts: "Sequence[RoundSummary]") -> "RoundSummary":
         """Scenarios of all parts, in order."""
-        names = parts[0].metrics
-        before = np.cumsum([0, *(len(p.recordings) for p in parts)])[:-1]
+        before = np.cumsum([0, *(len(p.scenarios) for p in parts)])[:-1]
         return cls(
-            {n: np.concatenate([p.metrics[n] for p in parts]) for n in names},
-            [name for p in parts for name in p.recordings],
+            {n: np.concatenate([p.metrics[n] for p in parts]) for n in parts[0].metrics},
+            {n: np.concatenate([p.runs[n] for p in parts]) for n in parts[0].runs},
+            [name for p in parts for name in p.scenarios],
             Trajectories.joined([p.motion for p in parts]),
             np.concatenate([p.scene + first for p, first in zip(parts, before, strict=True)]),
         )
 
+    def per_run(self) -> tuple[list[str], NDArray[np.int64], dict[str, NDArray[np.float64]]]:
+        """The scenario of each run (R,), its sample, and `runs`."""
+        return [self.scenarios[scene] for scene in self.scene], numbered(self.scene), self.runs
+
     def numbers(self, draws: int, random: np.random.Generator) -> dict[str, float]:
         """See `driving_summary`."""
-        return driving_summary(self.metrics, self.recordings, self.motion, self.scene, draws, random)
+        recordings = [recording(scenario) for scenario in self.scenarios]
+        return driving_summary(self.metrics, recordings, self.motion, self.scene, draws, random)
 
 
 def summarise(choices: Sequence[Choices], drives: Sequence[Drive]) -> RoundSummary:
@@ -58,33 +66,27 @@ def summarise(choices: Sequence[Choices], drives: Sequence[Drive]) -> RoundSumma
     mean over social vehicles of log(used / natural), 0 where nothing was leaned on; `min_sade` and `mean_sade` [m] are those
     of the social vehicles against the log, NaN without one.
     """
+    each = [_runs(drive) | impacts(drive.outcome) for drive in drives]
     rows = [_row(choice, drive) for choice, drive in zip(choices, drives, strict=True)]
     runs = [len(drive.outcome.kind) for drive in drives]
     return RoundSummary(
         {name: np.array([row[name] for row in rows]) for name in rows[0]},
-        [recording(choice.scenario.scenario_id) for choice in choices],
+        {name: np.concatenate([run[name] for run in each]) for name in each[0]},
+        [choice.scenario.scenario_id for choice in choices],
         Trajectories.joined([drive.outcome.motion for drive in drives]),
         np.repeat(np.arange(len(drives)), runs),
     )
 
 
 def _row(choice: Choices, drive: Drive) -> dict[str, float]:
-    outcome, numbers = drive.outcome, run_numbers(drive.outcome.motion)
-    kinds = {f"collision.{kind.name.lower()}": float((outcome.kind == kind).mean()) for kind in CollisionKind if kind}
-    return (
-        kinds
-        | {
-            "collision": float(outcome.collided.mean()),
-            "collision.counted": float((np.isin(outcome.kind, COUNTED) & ~outcome.in_first_second).mean()),
-            "collision.at_fault": float(np.isin(outcome.kind, AT_FAULT).mean()),
-            "collision.in_first_second": float(outcome.in_first_second.mean()),
-            "left_map": float(outcome.left_map.mean()),
-            "distance": float(numbers.distance.mean()),
-            "absolute_acceleration": _mean(numbers.absolute_acceleration),
-            "acceleration": _mean(numbers.acceleration),
-        }
-        | _price(choice, drive)
-    )
+    values = _runs(drive) | kind_shares(drive.outcome)
+    return {name: _mean(value) for name, value in values.items()} | _price(choice, drive)
+
+
+def _runs(drive: Drive) -> dict[str, NDArray[Any]]:
+    """What is said of each run, (K,) by name."""
+    outcome = drive.outcome
+    return run_metrics(outcome) | {"collision.counted": np.isin(outcome.kind, COUNTED) & ~outcome.in_first_second}
 
 
 def _price(choice: Choices, drive: Drive) -> dict[str, float]:
@@ -106,7 +108,7 @@ def _price(choice: Choices, drive: Drive) -> dict[str, float]:
     }
 
 
-def _mean(values: NDArray[np.float64]) -> float:
+def _mean(values: NDArray[Any]) -> float:
     """Mean of what is known; NaN where nothing is."""
     known = values[np.isfinite(values)]
     return float(known.mean()) if len(known) else np.nan

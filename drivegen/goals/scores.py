@@ -39,7 +39,7 @@ class Judged:
     Attributes:
         distance: V arrays (C,) [m] of each candidate from the logged end. probability: V arrays (C,).
         manoeuvre: V arrays (C,). moved: (V,) bool. steps: (V,) length of the scenario.
-        recording: (V,) str that the scenario was cut from.
+        scenario: (V,) str, its id.
         scene_steps: (S,) length of every scenario with a log, also of those without such a vehicle.
     """
 
@@ -48,7 +48,7 @@ class Judged:
     manoeuvre: list[NDArray[np.uint8]]
     moved: NDArray[np.bool_]
     steps: NDArray[np.intp]
-    recording: NDArray[np.str_]
+    scenario: NDArray[np.str_]
     scene_steps: NDArray[np.intp]
 
     @classmethod
@@ -60,7 +60,7 @@ class Judged:
             [m for part in parts for m in part.manoeuvre],
             np.concatenate([np.zeros(0, np.bool_), *(part.moved for part in parts)]),
             np.concatenate([np.zeros(0, np.intp), *(part.steps for part in parts)]),
-            np.concatenate([np.zeros(0, np.str_), *(part.recording for part in parts)]),
+            np.concatenate([np.zeros(0, np.str_), *(part.scenario for part in parts)]),
             np.concatenate([np.zeros(0, np.intp), *(part.scene_steps for part in parts)]),
         )
 
@@ -85,7 +85,7 @@ def judge(scenario: Scenario, candidates: Sequence[Candidates], probabilities: S
         [candidates[n].manoeuvre for n in rows],
         np.hypot(*(end - scenario.vehicles.position[rows]).T) > MOVING,
         np.full(len(rows), scenario.steps, np.intp),
-        np.full(len(rows), recording(scenario.scenario_id)),
+        np.full(len(rows), scenario.scenario_id),
         np.array([scenario.steps], np.intp),
     )
 
@@ -95,8 +95,7 @@ def scores(judged: Judged, seed: int = 0, draws: int = 0) -> dict[str, dict[str,
 
     With `draws` each figure has its bootstrap interval beside it, "NAME.low" and "NAME.high".
     """
-    rows = [_row(*row) for row in zip(judged.distance, judged.probability, judged.manoeuvre, strict=True)]
-    table = np.array(rows).reshape(-1, len(METRICS) + 2)
+    table, recordings = _table(judged), np.array([recording(scenario) for scenario in judged.scenario], np.str_)
     usual = judged.steps == usual_length(judged.scene_steps) if len(table) else np.zeros(0, np.bool_)
     groups = {"all": np.ones(len(table), np.bool_), "moving": judged.moved}
     found = {}
@@ -105,8 +104,23 @@ def scores(judged: Judged, seed: int = 0, draws: int = 0) -> dict[str, dict[str,
         found[name] = {"vehicles": float(keep.sum()), "left_out": float((group & ~usual).sum())}
         if keep.any():
             rng = seeds.rng(seed, "goal-scores", name)
-            found[name] |= _means(table[keep], judged.recording[keep], draws, rng)
+            found[name] |= _means(table[keep], recordings[keep], draws, rng)
     return found
+
+
+def scene_scores(judged: Judged) -> tuple[list[str], dict[str, NDArray[np.float64]]]:
+    """The scenarios (S,) that have such vehicles, and means over all of them in each, (S,) by name of METRICS."""
+    scenarios, number = np.unique(judged.scenario, return_inverse=True)
+    sums = np.zeros((len(scenarios), len(METRICS)))
+    np.add.at(sums, number, _table(judged)[:, : len(METRICS)])
+    means = sums / np.bincount(number, minlength=len(scenarios))[:, None]
+    return scenarios.tolist(), dict(zip(METRICS, means.T, strict=True))
+
+
+def _table(judged: Judged) -> NDArray[np.float64]:
+    """A `_row` for each vehicle."""
+    rows = [_row(*row) for row in zip(judged.distance, judged.probability, judged.manoeuvre, strict=True)]
+    return np.array(rows).reshape(-1, len(METRICS) + 2)
 
 
 METRICS = (

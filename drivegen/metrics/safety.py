@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegen.core.samples import Samples, Violation
 from drivegen.metrics.surroundings import Boxes, centres_meet, overlapping_at_first, touching
@@ -43,9 +44,7 @@ class SafetyRates:
 
 def safety_rates(samples: Samples) -> SafetyRates:
     """Rates of one scene, from `violation` (K, N) and `dropped` (K, N)."""
-    collides = (samples.violation & int(COLLISIONS)) > 0
-    leaves = (samples.violation & int(Violation.OFF_ROAD)) > 0
-    illegal = ~samples.legal | samples.dropped
+    collides, leaves, illegal = _flags(samples)
     return SafetyRates(
         float(collides.mean()),
         float(collides.any(axis=1).mean()),
@@ -56,6 +55,19 @@ def safety_rates(samples: Samples) -> SafetyRates:
         float(samples.dropped.mean()),
         float(samples.left_map.mean()),
     )
+
+
+def sample_rates(samples: Samples) -> dict[str, NDArray[np.float64]]:
+    """The shares of vehicles of `safety_rates` for each sample, (K,) by name."""
+    names = ("collision_per_vehicle", "off_road_per_vehicle", "illegal_per_vehicle")
+    return {name: flag.mean(axis=1) for name, flag in zip(names, _flags(samples), strict=True)}
+
+
+def _flags(samples: Samples) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
+    """(K, N) who touches another one, who leaves the road, who is illegal or left out."""
+    collides = (samples.violation & int(COLLISIONS)) > 0
+    leaves = (samples.violation & int(Violation.OFF_ROAD)) > 0
+    return collides, leaves, ~samples.legal | samples.dropped
 
 
 def violation_shares(samples: Samples) -> dict[str, float]:

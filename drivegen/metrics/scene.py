@@ -16,7 +16,7 @@ from drivegen.metrics.labels import label
 from drivegen.metrics.proper import energy_scores, log_densities
 from drivegen.metrics.realism import realism
 from drivegen.metrics.road_edge import RoadEdges
-from drivegen.metrics.safety import box_rates, safety_rates, violation_shares
+from drivegen.metrics.safety import box_rates, safety_rates, sample_rates, violation_shares
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Scored:
     """One scene's numbers, the three motions (N, T) that diversity compares, and parts of what only a set of scenes has.
 
     Attributes:
-        scenario: its id. metrics: by name.
+        scenario: its id. metrics: by name. samples: of each of its K samples, (K,) by name.
         log, best, any_sample: the log, the sample of least sADE and one drawn by seed, valid where the log is.
         counts: histograms of motion. tracks: features of tracks. densities: (2, H, B), see `proper.log_densities`.
         joint: beside the same samples shuffled.
@@ -47,6 +47,7 @@ class Scored:
 
     scenario: str
     metrics: dict[str, float]
+    samples: dict[str, NDArray[np.float64]]
     log: Trajectories
     best: Trajectories
     any_sample: Trajectories
@@ -90,4 +91,5 @@ def score(
     tracks = track_pairs(features, drawn)
     horizons, bandwidths = np.array(settings.horizons), np.array(settings.bandwidths)
     densities = log_densities(motion, log, horizons, bandwidths)
-    return Scored(scenario.scenario_id, metrics, log, best, any_sample, counts, tracks, densities, joint)
+    each = {"sade": sade, "sfde": sfde, **sample_rates(samples)}
+    return Scored(scenario.scenario_id, metrics, each, log, best, any_sample, counts, tracks, densities, joint)

@@ -46,6 +46,14 @@ def columns(scenes: Sequence[Scored], settings: Settings) -> dict[str, Floats]:
     return table
 
 
+def sample_columns(scenes: Sequence[Scored]) -> tuple[list[str], NDArray[np.int64], dict[str, Floats]]:
+    """Every sample's numbers: the scenario of each, its number there, and what was measured, each (K of all scenes,)."""
+    counts = [len(scene.samples["sade"]) for scene in scenes]
+    scenarios = [scene.scenario for scene, count in zip(scenes, counts, strict=True) for _ in range(count)]
+    values = {name: np.concatenate([scene.samples[name] for scene in scenes]) for name in scenes[0].samples}
+    return scenarios, np.concatenate([np.arange(count) for count in counts]), values
+
+
 def summary(scenes: Sequence[Scored], table: Mapping[str, Floats], seed: int, draws: int, splits: int) -> dict[str, float]:
     """Everything over the set, from its scenes and their `columns`; intervals resample recordings.
 

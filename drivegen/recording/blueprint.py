@@ -1,4 +1,4 @@
-"""How the viewer lays a recording out: the scene from above, beside it the image, plots and verdicts."""
+"""How the viewer lays a recording out: the scene from above, beside it the image, plots, verdicts and a legend."""
 
 import numpy as np
 import rerun as rr
@@ -34,12 +34,13 @@ def layout(centre: NDArray[np.floating], extent: float, *, image: bool, verdicts
     if image:
         side.append(rrb.Spatial2DView(origin="/bird_eye", name="What the goal selector sees"))
     for kind, unit in (("speed", "m/s"), ("clearance", "m")):
-        legend = rrb.PlotLegend(rrb.Corner2D.RightTop)
-        side.append(rrb.TimeSeriesView(origin=f"/plots/{kind}", name=f"Target's {kind} [{unit}]", plot_legend=legend))
+        corner = rrb.PlotLegend(rrb.Corner2D.RightTop)
+        side.append(rrb.TimeSeriesView(origin=f"/plots/{kind}", name=f"Target's {kind} [{unit}]", plot_legend=corner))
     if verdicts:
         columns = rrb.TextLogColumns(timeline_columns=["time"], text_log_columns=["loglevel", "body"])
         side.append(rrb.TextLogView(origin="/verdicts", name="Checker's verdicts", columns=columns))
-    shares = [3.0] * image + [2.0, 2.0] + [2.0] * verdicts
+    side.append(rrb.TextDocumentView(origin="/legend", name="Legend"))
+    shares = [3.0] * image + [2.0, 2.0] + [2.0] * verdicts + [1.5]
     return playing(rrb.Horizontal(scene, rrb.Vertical(*side, row_shares=shares), column_shares=[5, 2]))
 
 

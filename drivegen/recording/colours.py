@@ -3,11 +3,11 @@
 Colour = tuple[int, int, int, int]
 
 BACKGROUND: Colour = (17, 20, 26, 255)
-ROAD: Colour = (46, 52, 63, 255)
+ROAD: Colour = (58, 65, 78, 255)
 BIKE_LANE: Colour = (40, 60, 56, 255)
-MARKING: Colour = (120, 130, 146, 255)
-CONNECTION: Colour = (84, 93, 109, 255)
-KERB: Colour = (72, 80, 96, 255)
+MARKING: Colour = (150, 160, 176, 255)
+CONNECTION: Colour = (104, 114, 132, 255)
+KERB: Colour = (98, 108, 128, 255)
 CROSSING: Colour = (170, 176, 188, 255)
 STOP_LINE: Colour = (225, 229, 235, 255)
 SIGNAL: tuple[Colour, ...] = ((120, 120, 120, 255), (63, 205, 130, 255), (250, 200, 60, 255), (240, 70, 80, 255))

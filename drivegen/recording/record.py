@@ -9,7 +9,8 @@ Entities (x, y, z in the map's frame, metres; time lines "time" [s] and "step"):
     world/context          pedestrians and cyclists
     world/paths            the lines that vehicles drive
     world/rejected         dashed: what the checker turned down for this sample, and was planned again
-    world/goals/*          candidates and chosen
+    world/goals/*          candidates, the target's chosen one, the chosen ones of the others
+    legend                 what is what
     bird_eye               the goal selector's image
     plots/speed, plots/clearance, verdicts
 
@@ -71,11 +72,12 @@ def record_scenario(
     goals: GoalMarks | None = None,
     bird_eye: NDArray[np.uint8] | None = None,
     rejected: Rejected | None = None,
+    log_name: str = "logged",
 ) -> None:
     """Write the recording of `scenario`: its log, or sample number `sample` of `samples` with the log as ghosts.
 
-    `bird_eye` is an (H, W, 3) RGB image; of `rejected`, what belongs to this sample is shown. Raises UnusableInput where there
-    is neither a log nor a sample to show.
+    `log_name` says what the scenario's own motion is. `bird_eye` is an (H, W, 3) RGB image; of `rejected`, what belongs to this
+    sample is shown. Raises UnusableInput where there is neither a log nor a sample to show.
     """
     motion = scenario.log if samples is None else samples.motion[sample]
     if motion is None:
@@ -89,19 +91,32 @@ def record_scenario(
         log_signals(recording, roads, signals)
         traffic.log_vehicles(recording, scenario, motion, samples, sample)
         traffic.log_context(recording, scenario.context)
-        motions = {"generated" if samples is not None else "logged": motion}
+        motions = {"generated" if samples is not None else log_name: motion}
         if samples is not None:
             traffic.log_verdicts(recording, scenario, samples, sample, mine)
             if scenario.log is not None:
-                traffic.log_ghosts(recording, scenario, scenario.log)
-                motions["logged"] = scenario.log
+                traffic.log_ghosts(recording, "world/logged", scenario.vehicles, scenario.log)
+                motions[log_name] = scenario.log
         traffic.log_speeds(recording, scenario, motions)
         if mine is not None:
             log_rejected(recording, "world/rejected", mine)
         if goals is not None:
             _log_goals(recording, goals)
+        recording.log("legend", rr.TextDocument(_legend(list(motions)), media_type="text/markdown"), static=True)
         if bird_eye is not None:
             recording.log("bird_eye", rr.Image(bird_eye).compress(jpeg_quality=75), static=True)
+
+
+def _legend(motions: list[str]) -> str:
+    """What is seen, in words; `motions` are the names of the motion that is shown and, if there is one, of the ghosts."""
+    shown = f"**Boxes** move as {motions[0]}: orange the target, blue the others, green people and cyclists"
+    if len(motions) == 1:
+        return f"{shown}."
+    return (
+        f"{shown}, red from the first fault on that the checker finds. **White frames**: {motions[1]}. **Violet**: goals that "
+        "may be chosen (small; the target's orange) and those that are followed (large). **Thin pale dashes**: planned, turned "
+        "down by the checker and replaced."
+    )
 
 
 @contextmanager
@@ -122,7 +137,7 @@ def recording_of(path: Path, name: str, show: rrb.Blueprint) -> Iterator[rr.Reco
 
 
 def _log_goals(recording: rr.RecordingStream, goals: GoalMarks) -> None:
-    """All candidates as small points, the target's orange; the chosen ones large, with number and probability."""
+    """All candidates as small points, the target's orange; the chosen ones large, with number and probability when pointed at."""
     rest, chosen = ~goals.chosen, goals.chosen
     if rest.any():
         shades = [colours.TARGET_CANDIDATE if owner == TARGET else colours.CANDIDATE for owner in goals.vehicle[rest]]
@@ -130,11 +145,12 @@ def _log_goals(recording: rr.RecordingStream, goals: GoalMarks) -> None:
         recording.log("world/goals/candidates", points, static=True)
     if chosen.any():
         columns = (goals.number[chosen], goals.probability[chosen], goals.leaves_after[chosen])
-        labels = [f"{n}: {p:.0%}{_departure(after)}" for n, p, after in zip(*columns, strict=True)]
-        points = rr.Points3D(
-            flat(goals.position[chosen], 0.2), colors=[colours.CHOSEN], radii=0.9, labels=labels, show_labels=True
-        )
-        recording.log("world/goals/chosen", points, static=True)
+        labels = np.array([f"{n}: {p:.0%}{_departure(after)}" for n, p, after in zip(*columns, strict=True)])
+        mine = goals.vehicle[chosen] == TARGET
+        for path, rows in (("target", mine), ("chosen", ~mine)):  # only the target's words are shown unasked: all would overlap
+            points = flat(goals.position[chosen][rows], 0.2)
+            shown = rr.Points3D(points, colors=[colours.CHOSEN], radii=0.9, labels=labels[rows], show_labels=path == "target")
+            recording.log(f"world/goals/{path}", shown, static=True)
 
 
 def _departure(after: float) -> str:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import boxes_gap
 from drivegen.core.rejections import Rejected
 from drivegen.core.samples import Samples, Violation
-from drivegen.core.scenario import DT, TARGET, Actors, Scenario, Trajectories
+from drivegen.core.scenario import DT, TARGET, Actors, Scenario, Trajectories, Vehicles
 from drivegen.recording import colours
 from drivegen.recording.lines import flat, thinned
 from drivegen.recording.roads import times
@@ -35,11 +35,12 @@ def log_vehicles(
     recording.log("world/paths", paths, static=True)
 
 
-def log_ghosts(recording: rr.RecordingStream, scenario: Scenario, log: Trajectories) -> None:
-    """The logged vehicles as wire frames, where generated ones are shown."""
-    shades = np.broadcast_to(np.array(colours.LOGGED, np.uint8), (*log.valid.shape, 4))
-    vehicles = scenario.vehicles
-    log_boxes(recording, "world/logged", log, vehicles.size, shades, vehicles.track_id, rr.components.FillMode.MajorWireframe)
+def log_ghosts(
+    recording: rr.RecordingStream, path: str, vehicles: Vehicles, motion: Trajectories, colour: colours.Colour = colours.LOGGED
+) -> None:
+    """Vehicles as wire frames that move otherwise than those that are shown: as they were logged, or planned."""
+    shades = np.broadcast_to(np.array(colour, np.uint8), (*motion.valid.shape, 4))
+    log_boxes(recording, path, motion, vehicles.size, shades, vehicles.track_id, rr.components.FillMode.MajorWireframe)
 
 
 def log_context(recording: rr.RecordingStream, context: Actors) -> None:
@@ -82,14 +83,13 @@ def log_boxes(
 
 
 def log_speeds(recording: rr.RecordingStream, scenario: Scenario, motions: dict[str, Trajectories]) -> None:
-    """The target's speed and its clearance, one series a motion ("generated", "logged"), below `plots`."""
-    shades = {"generated": colours.TARGET, "logged": colours.LOGGED}
-    for name, motion in motions.items():
+    """The target's speed and its clearance, one series a motion by its name, the one that is shown first, below `plots`."""
+    for (name, motion), shade in zip(motions.items(), (colours.TARGET, colours.LOGGED), strict=False):
         steps = np.flatnonzero(motion.valid[TARGET])
         series = {"speed": motion.speed[TARGET], "clearance": clearance(scenario, motion)}
         for kind, values in series.items():
             path = f"plots/{kind}/{name}"
-            recording.log(path, rr.SeriesLines(colors=[shades[name]], names=[f"{name} {kind}"], widths=[2.0]), static=True)
+            recording.log(path, rr.SeriesLines(colors=[shade], names=[f"{name} {kind}"], widths=[2.0]), static=True)
             recording.send_columns(path, indexes=times(steps), columns=rr.Scalars.columns(scalars=values[steps]))
 
 

@@ -9,11 +9,12 @@ from drivegen.core.methods import BOUND, Method
 
 @dataclass(frozen=True)
 class Picture:
-    """A PNG with its caption and a title above it."""
+    """A PNG with its caption and a title above it; `recording` is the relative path of one that shows the same, "" if none."""
 
     title: str
     caption: str
     png: bytes
+    recording: str = ""
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class Evidence:
         methods: what every generator says of itself, in the tables' order. selectors, planners: names, likewise.
         samples: futures of each scenario by every method; None if unknown.
         scenes: pictures of scenarios drawn by seed. comparisons: the same scenes by every method.
-        maps: pictures of generated maps.
+        maps: pictures of generated maps. collisions: pictures of the driver's collisions, the last round's first.
         curves: training curves. recordings: links to .rrd files.
         costs: what stages took, by "stage/item", then by name; they differ from run to run.
         provenance: names and hashes that say what the numbers were made from.
@@ -57,6 +58,7 @@ class Evidence:
     scenes: tuple[Picture, ...] = ()
     comparisons: tuple[Picture, ...] = ()
     maps: tuple[Picture, ...] = ()
+    collisions: tuple[Picture, ...] = ()
     curves: tuple[Curve, ...] = ()
     costs: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     recordings: tuple[Link, ...] = ()
@@ -70,6 +72,10 @@ class Evidence:
     def title(self, method: str) -> str:
         """A method in words; results of a generator that is gone stand under its plain name."""
         return self.methods[method].title if method in self.methods else method.replace("_", " ")
+
+    def origin(self, method: str) -> str:
+        """The look of a method's row: "ours" or "rival"."""
+        return "ours" if method in self.methods and self.methods[method].ours else "rival"
 
     def ordered(self, measured: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         """Values by method in the tables' order; those of generators that are gone come last."""

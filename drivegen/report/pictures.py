@@ -1,6 +1,6 @@
 """Pictures of the report: scenes large, the same scenes by every method side by side, generated maps."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import orjson
@@ -11,7 +11,8 @@ from drivegen.core.samples import Samples
 from drivegen.render.contact_sheet import contact_sheet
 from drivegen.render.png import png, shrunk
 from drivegen.render.scene_picture import scene_picture, view_of
-from drivegen.report.evidence import Picture
+from drivegen.report.evidence import Link, Picture
+from drivegen.store.collisions import read_pictured
 from drivegen.store.draw import Drawn, followed_goals
 
 SCENE_WIDTH, PANEL_WIDTH, MAP_WIDTH = 700, 330, 640
@@ -50,6 +51,15 @@ def compare_methods(
     counts = [f"{method.title}: {rejected[name].summary}" for name, method in visible.items() if name in rejected]
     caption = ". ".join([f"{len(scenario.vehicles)} vehicles", *counts])
     return Picture(_title(drawn), caption, png(contact_sheet(panels, PANELS)))
+
+
+def read_collision_pictures(corner: Path, recordings: Sequence[Link]) -> tuple[Picture, ...]:
+    """The collisions that the rounds below `corner` pictured, each with its recording where there is one."""
+    by_name = {Path(link.href).stem: link.href for link in recordings}
+    return tuple(
+        Picture(one.title, one.words, one.path.with_suffix(".png").read_bytes(), by_name.get(one.name, ""))
+        for one in read_pictured(corner)
+    )
 
 
 def read_map_pictures(folder: Path, most: int) -> tuple[Picture, ...]:

@@ -8,13 +8,17 @@ from drivegen.report.table import Table
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture with its words; `media` is its MIME type, two fit beside one another if it is `wide`, else three."""
+    """A picture with its words; `media` is its MIME type, two fit beside one another if it is `wide`, else three.
+
+    `recording` is the relative path of a recording of what it shows, "" if there is none.
+    """
 
     title: str
     caption: str
     media: str
     data: bytes
     wide: bool
+    recording: str = ""
 
     @classmethod
     def svg(cls, title: str, caption: str, data: bytes) -> "Figure":
@@ -24,7 +28,7 @@ class Figure:
     @classmethod
     def png(cls, picture: Picture, *, wide: bool) -> "Figure":
         """A picture."""
-        return cls(picture.title, picture.caption, "image/png", picture.png, wide)
+        return cls(picture.title, picture.caption, "image/png", picture.png, wide, picture.recording)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,9 @@ from typing import Any
 
 NOT_MEASURED = "not measured"
 
+_SHORT = 12
+"""Rows that a reader takes in at once; the page folds longer tables."""
+
 RESTORED = "not measured here: restored from cache"
 """The time of a stage whose results are there though it did not run here."""
 
@@ -22,7 +25,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """Cells under a heading; `origin` is "ours", "paper" or "" and decides the look and the mark."""
+    """Cells under a heading; `origin` decides the look: "ours", "rival" (ours to measure), "paper" (its figures) or ""."""
 
     cells: tuple[Cell, ...]
     origin: str = ""
@@ -44,6 +47,11 @@ class Table:
     notes: tuple[str, ...] = field(default=())
     repeatable: bool = True
     picture: bytes = b""
+
+    @property
+    def long(self) -> bool:
+        """Whether the page shows it folded."""
+        return len(self.rows) > _SHORT
 
     def markdown(self) -> str:
         """The table with its title and notes; cells' pipes are escaped."""

@@ -75,8 +75,8 @@ def write_shard_table(path: Path, columns: Mapping[str, pa.Array], kind: str, ve
         temporary.write_bytes(sealed(written.getvalue()))
 
 
-def read_shard_table(path: Path, kind: str, version: int) -> Shard:
-    """Read a shard back.
+def read_shard_table(path: Path, kind: str, version: int, columns: list[str] | None = None) -> Shard:
+    """Read a shard back, or some of its columns.
 
     Raises UnusableInput naming the file: reason `truncated` if it is cut short, empty or no Parquet, `foreign-file` if it
     is not of this kind, `old-version` if another version of DriveGen wrote it, `damaged` if it is not what was written.
@@ -89,7 +89,7 @@ def read_shard_table(path: Path, kind: str, version: int) -> Shard:
             _expect_kind(file.schema_arrow.metadata or {}, path, kind, version)
             if not marked:
                 expect_seal(raw, path, _AGAIN)
-            return Shard(file.read(use_threads=False))
+            return Shard(file.read(columns, use_threads=False))
     except (pa.ArrowException, OSError) as error:
         what = (str(error).splitlines() or ["unreadable"])[0]
         raise UnusableInput(f"{path} is no whole shard ({what}): {_AGAIN}", reason="truncated") from None

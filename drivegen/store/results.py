@@ -1,12 +1,13 @@
-"""Results as long rows: one number of one scenario a row, in Parquet parts that DuckDB reads together.
+"""Results as long rows: one number of one scenario or of one sample of it a row, in Parquet parts that DuckDB reads together.
 
 Times are no results: they differ from run to run and are kept by `costs.py`.
 """
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 import orjson
@@ -19,16 +20,22 @@ RESULT = pa.schema(
     [
         ("run", pa.string()),
         ("stage", pa.string()),
+        ("item", pa.string()),
         ("method", pa.string()),
         ("driver", pa.string()),
         ("scenario", pa.string()),
+        ("sample", pa.int16()),
         ("metric", pa.string()),
         ("value", pa.float64()),
         ("seed", pa.int64()),
         ("backend", pa.string()),
+        ("inputs", pa.string()),
     ]
 )
-"""Columns of a result. `driver` and `method` are "" where there is none; `scenario` is "" for a whole set."""
+"""Columns of a result. `driver` and `method` are "" where there is none; `sample` is WHOLE_SCENE for all futures together."""
+
+WHOLE_SCENE = -1
+"""The sample of a number that is of a scene as a whole, often the mean over its samples."""
 
 
 @dataclass(frozen=True)
@@ -36,10 +43,11 @@ class Run:
     """Who measured: the columns that all rows of a part share.
 
     Attributes:
-        run: hash of the inputs, from `run_id`.
+        run: hash of stage, item, settings and inputs, from `run_id`.
         stage: the stage's word. method, driver: what was measured, "" where there is none.
         seed: the pipeline's seed.
         backend: what chose or simulated, e.g. "batch", "sumo" or "learned"; "" where there is no choice.
+        item: the stage's item, as costs name it: a method, a driver, the number of a round. inputs: what was read, paths.
     """
 
     run: str
@@ -48,6 +56,24 @@ class Run:
     driver: str
     seed: int
     backend: str
+    item: str = ""
+    inputs: str = ""
+
+    @classmethod
+    def of(
+        cls,
+        stage: str,
+        item: str,
+        settings: Mapping[str, Any],
+        inputs: Sequence[Path],
+        *,
+        method: str = "",
+        driver: str = "",
+        backend: str = "",
+    ) -> Self:
+        """The run of a stage's item with `settings`, its seed among them, that read `inputs`."""
+        run, read = run_id({"stage": stage, "item": item, **settings}, inputs), " ".join(map(str, inputs))
+        return cls(run, stage, method, driver, settings["seed"], backend, item, read)
 
 
 def run_id(settings: Mapping[str, object], inputs: Sequence[Path]) -> str:
@@ -65,18 +91,38 @@ def run_id(settings: Mapping[str, object], inputs: Sequence[Path]) -> str:
     return digest.hexdigest()[:12]
 
 
-def result_rows(run: Run, scenarios: Sequence[str], metrics: Mapping[str, NDArray[np.floating]]) -> pa.Table:
-    """Long rows of `metrics`, each (S,) over the S scenarios; NaN is kept out, for it is no measurement."""
-    names = sorted(metrics)
+def result_rows(
+    run: Run,
+    scenarios: Sequence[str],
+    metrics: Mapping[str, NDArray[np.floating]],
+    samples: NDArray[np.integer] | None = None,
+) -> pa.Table:
+    """Long rows of `metrics`, each (S,); NaN is kept out, for it is no measurement.
+
+    They are of S scenarios, or with `samples` (S,) of that sample of each.
+    """
+    names, count = sorted(metrics), len(scenarios)
     value = np.concatenate([np.asarray(metrics[name], np.float64) for name in names]) if names else np.zeros(0)
     columns = {
         "scenario": np.tile(np.asarray(scenarios, object), len(names)),
-        "metric": np.repeat(np.asarray(names, object), len(scenarios)),
+        "sample": np.tile(np.full(count, WHOLE_SCENE) if samples is None else samples, len(names)),
+        "metric": np.repeat(np.asarray(names, object), count),
         "value": value,
     }
-    shared = {name: [getattr(run, name)] * len(value) for name in ("run", "stage", "method", "driver", "seed", "backend")}
+    shared = {name: [text] * len(value) for name, text in asdict(run).items()}
     table = pa.table({field.name: pa.array((columns | shared)[field.name], field.type) for field in RESULT})
     return table.filter(pa.array(np.isfinite(value)))
+
+
+def record_rows(run: Run, records: Mapping[str, Mapping[str, object]], sample: int = WHOLE_SCENE) -> pa.Table:
+    """Long rows of `records` by scenario, each with metrics by name: what is no number or truth value is left out."""
+    metrics = sorted({name for record in records.values() for name in record})
+    values = {name: np.array([_number(record.get(name)) for record in records.values()]) for name in metrics}
+    return result_rows(run, list(records), values, np.full(len(records), sample))
+
+
+def _number(value: object) -> float:
+    return float(value) if isinstance(value, int | float) else np.nan
 
 
 def write_results(path: Path, parts: Sequence[pa.Table]) -> None:

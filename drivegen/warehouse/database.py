@@ -1,10 +1,10 @@
-"""One DuckDB file over all Parquet parts of results and costs, with the views of sql/schema.sql.
+"""One DuckDB file over all Parquet parts of results and costs, with what they lead to and the views of sql/schema.sql.
 
 The parts are the record, the file is a convenience: it can be deleted and made again at any time. DuckDB lets one
 process write and then nobody read, so the file is made under a temporary name and renamed.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from importlib.resources import files
@@ -14,10 +14,22 @@ import duckdb
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from drivegen.core.errors import UnusableInput
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.methods import read_methods
+from drivegen.store.costs import COST
 from drivegen.store.files import whole
 from drivegen.store.results import RESULT
+from drivegen.warehouse.tables import PARAMETERS, RECORDINGS, SAMPLES, SCENARIOS
+
+TABLES = {
+    "results": RESULT,
+    "scenarios": SCENARIOS,
+    "samples": SAMPLES,
+    "recordings": RECORDINGS,
+    "parameters": PARAMETERS,
+    "costs": COST,
+}
+"""Tables of a warehouse and their columns; beside them `calls` of language models, and `methods`, of generators in words."""
 
 
 def read_parts(parts: Sequence[Path], schema: pa.Schema) -> pa.Table:
@@ -55,10 +67,11 @@ def _naming(part: Path) -> Iterator[None]:
         raise UnusableInput(f"{part} is not a Parquet file: remove it and run its stage again", reason="truncated") from error
 
 
-def build(path: Path, results: pa.Table, costs: pa.Table, calls: pa.Table) -> None:
-    """Write `path` with the tables `results`, `costs`, `calls` (of language models) and `methods`, and all views."""
+def build(path: Path, tables: Mapping[str, pa.Table]) -> None:
+    """Write `path` with `tables`, `calls` among them (of TABLES one that is not given is empty), the methods and all views."""
+    contents = {name: schema.empty_table() for name, schema in TABLES.items()} | dict(tables) | {"methods": _methods()}
     with whole(path) as temporary, duckdb.connect(str(temporary)) as connection:
-        for name, table in {"results": results, "costs": costs, "calls": calls, "methods": _methods()}.items():
+        for name, table in contents.items():
             connection.register("incoming", table)
             connection.execute(f"create table {name} as from incoming").fetchall()
             connection.unregister("incoming")
@@ -72,6 +85,29 @@ def _methods() -> pa.Table:
 
 
 def query(path: Path, sql: str) -> pa.Table:
-    """The answer to one SELECT over a warehouse file, opened read-only."""
-    with duckdb.connect(str(path), read_only=True) as connection:
-        return connection.sql(sql).to_arrow_table()
+    """The answer to one statement over a warehouse file, which is only read, as is nothing else on this machine.
+
+    Raises MissingTool where there is no such file, UnusableInput where it is no warehouse or DuckDB refuses the statement.
+    """
+    if not path.is_file():
+        raise MissingTool(f"{path} is not here: `make run` makes it, or `dvc repro collect` of results that are there")
+    try:
+        with duckdb.connect(str(path), read_only=True, config=_CLOSED) as connection:
+            if len(statements := duckdb.extract_statements(sql)) != 1:
+                raise UnusableInput(f"one statement of SQL is answered at a time, not {len(statements)}")
+            return connection.sql(sql).to_arrow_table()
+    except duckdb.Error as error:
+        raise UnusableInput(_one_line(str(error)), reason="sql") from None
+
+
+_CLOSED: dict[str, str | bool | int | float | list[str]] = {
+    "enable_external_access": "false",
+    "autoload_known_extensions": "false",
+    "lock_configuration": "true",
+}
+"""No statement may open, write or fetch another file."""
+
+
+def _one_line(message: str) -> str:
+    """DuckDB's message up to its picture of the statement, in one line."""
+    return " ".join(message.split("LINE 1:")[0].split())

@@ -16,6 +16,7 @@ from safetensors import safe_open
 
 from drivegen.core.errors import UnusableInput
 from drivegen.store.costs import COST
+from drivegen.store.results import WHOLE_SCENE
 from drivegen.warehouse.database import read_parts
 
 METRICS, PLOTS, COSTS = Path("reports/metrics"), Path("reports/plots"), Path(".drivegen/costs")
@@ -30,7 +31,8 @@ def read_scores(parts: list[Path]) -> tuple[tuple[str, ...], dict[str, NDArray[n
 
     Raises UnusableInput where a part has other scenarios than the first.
     """
-    tables = [pq.read_table(part, columns=["scenario", "metric", "value"]) for part in parts]
+    of_scenes = [("sample", "==", WHOLE_SCENE)]
+    tables = [pq.read_table(part, columns=["scenario", "metric", "value"], filters=of_scenes) for part in parts]
     scenarios = sorted(set(tables[0]["scenario"].to_pylist()))
     column = {scenario: n for n, scenario in enumerate(scenarios)}
     metrics = sorted({metric for table in tables for metric in table["metric"].unique().to_pylist()})

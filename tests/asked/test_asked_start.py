@@ -10,7 +10,7 @@ from drivegen.asked.achieved import BRAKING, does
 from drivegen.asked.goals import ACROSS, ROOM, ROUND, SETTLED, Duty, keeping, ordered, realising
 from drivegen.asked.offered import HARDEST
 from drivegen.asked.start import Settings, start
-from drivegen.asked.suite import Bench, offers, suite, summary
+from drivegen.asked.suite import Bench, offers, sample_records, scene_records, suite, summary
 from drivegen.asked.wishes import TURNING, Fill, cast
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import rotate, wrap_angle
@@ -184,6 +184,12 @@ def test_the_bench_gives_a_row_with_a_price_and_rates_by_kind(initialiser, tools
     assert told["kinds"]["overtake"]["asked"] == 1
     assert 0 <= told["kinds"]["overtake"]["natural"] <= 1
     assert rows[2]["items"] == []
+    scenes, first = scene_records(rows), sample_records(rows, 0)
+    assert list(scenes) == [f"highway: {text}" for text in texts]
+    assert scenes[f"highway: {texts[0]}"]["items_got"] == 1.0
+    assert "items_got" not in scenes[f"highway: {texts[2]}"]
+    assert first[f"highway: {texts[1]}"]["manoeuvres_got"] in (0.0, 1.0)
+    assert first[f"highway: {texts[0]}"] == {}
 
 
 def turning_start(initialised, words):

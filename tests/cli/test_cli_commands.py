@@ -22,8 +22,11 @@ from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder
 from drivegen.cli import doctor
 from drivegen.core.scenario import Actors, Trajectories, VehicleKind
+from drivegen.lm.ledger import CALLS
+from drivegen.store.results import Run, result_rows
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import read_shard, write_shard
+from drivegen.warehouse import database as warehouse
 from tests import scenes
 from tests.small_datasets import sensor_log
 
@@ -194,6 +197,29 @@ def test_a_recording_lies_in_the_current_folder_whatever_the_log_calls_itself(fo
     assert not (tmp_path / "elsewhere").exists()
 
 
+def test_view_lists_the_scenarios_of_a_folder_and_takes_the_only_one(folder, tmp_path):
+    done = run("view", str(tmp_path), "--no-show", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "scene-0.rrd" in done.stdout
+    shutil.copytree(folder, tmp_path / "scene-1")
+    done = run("view", ".", "--no-show", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "holds 2 scenarios, view one of them:" in done.stderr
+    assert "drivegen view scene-1" in done.stderr
+
+
+def test_view_takes_the_id_of_a_scenario_or_of_a_future_of_it(tmp_path):
+    scene = replace(scenes.busy_crossing(), scenario_id="town:7")
+    write_shard(tmp_path / "data/scenarios/test/shard-00000.parquet", [scene])
+    samples = scenes.noisy_samples(scene, 2)
+    write_samples(tmp_path / "data/generated/drivegen/shard-00000.parquet", [samples])
+    for name, code in {"town:7": 0, "town-7": 0, "town:7-s01": 0, "town:7-s02": 2, "village:1": 2}.items():
+        done = run("view", name, "--no-show", cwd=tmp_path)
+        assert done.returncode == code, done.stderr
+        assert code == 0 or f"{name} is no folder, and no scenario in data/shipped" in done.stderr
+    assert {file.name for file in tmp_path.glob("*.rrd")} == {"town-7.rrd", "town-7-s01.rrd"}
+
+
 def test_without_models_generate_says_who_makes_them(tmp_path):
     shutil.copy(Path(__file__).parents[2] / "params.yaml", tmp_path)
     done = run("generate", "--out", "o", "--text", "roundabout with four arms", cwd=tmp_path)
@@ -338,3 +364,25 @@ def test_help_lists_every_command(tmp_path):
 def test_the_version_is_that_of_the_package(tmp_path):
     done = run("--version", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, f"drivegen {importlib.metadata.version('drivegen')}\n")
+
+
+def test_query_prints_a_table_as_wide_as_its_ids_or_csv(tmp_path):
+    long = "a-recording-with-a-name-that-is-longer-than-a-line-of-a-terminal-of-eighty-characters-00000-12"
+    tables = {"results": result_rows(Run("x", "drive", "log", "idm", 7, "batch"), [long], {"collision": np.array([0.25])})}
+    warehouse.build(tmp_path / "reports/drivegen.duckdb", {**tables, "calls": CALLS.empty_table()})
+    listed = run("query", cwd=tmp_path)
+    assert re.search(r"^parameters +stage, name, value *$", listed.stdout, re.MULTILINE), listed.stderr
+    done = run("query", "select scenario, value from results", cwd=tmp_path)
+    assert done.stdout.split() == ["scenario", "value", long, "0.25"]
+    csv = run("query", "from results select value, sample", "--csv", cwd=tmp_path)
+    assert csv.stdout.splitlines() == ['"value","sample"', "0.25,-1"]
+
+
+def test_query_without_results_or_with_no_sql_is_one_sentence(tmp_path):
+    done = run("query", "from results", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "reports/drivegen.duckdb is not here: `make run` makes it" in done.stderr
+    warehouse.build(tmp_path / "reports/drivegen.duckdb", {"calls": CALLS.empty_table()})
+    done = run("query", "selct 1", cwd=tmp_path)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1

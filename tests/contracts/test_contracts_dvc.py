@@ -20,8 +20,8 @@ from stages import _door
 ROOT = Path(__file__).parents[2]
 LOADED = re.compile(r"""\bload\(\s*"([\w.]+)",""")
 NAMED = re.compile(r"""\bplugins\.names\(\s*"([\w.]+)",""")
-UNTRACKED = [str(_door.COST_FOLDER), ".drivegen/calls"]
-"""Read, but no dep: times differ from run to run, of calls of language models too."""
+UNTRACKED = [str(_door.COST_FOLDER), ".drivegen/calls", "reports/pieces"]
+"""Read, but no dep: times differ from run to run, of calls of language models too; single pieces are measured on their own."""
 
 
 @cache
@@ -156,3 +156,21 @@ def test_params_are_those_that_the_stage_reads_and_the_file_holds(word):
             f"{stage.addressing}: params must list {word!r}"
         )
     assert params is not None
+
+
+def test_plots_are_drawn_without_a_network():
+    with Repo(str(ROOT)) as repo:
+        page = Path(repo.dvc_dir) / repo.config["plots"]["html_template"]
+    text = page.read_text()
+    assert "{plot_divs}" in text
+    assert "{scripts}" not in text  # DVC's own: they are fetched from elsewhere
+    assert "://" not in text
+    assert "function vegaEmbed(" in text
+
+
+def test_only_the_methods_are_metrics_of_dvc():
+    """`dvc metrics show` puts all columns of all files side by side: more of them would not fit on a screen."""
+    with Repo(str(ROOT)) as repo:
+        shown = {out.def_path for stage in repo.index.stages for out in stage.outs if out.metric}
+    assert shown
+    assert all(path.startswith("reports/metrics/quality/") for path in shown)

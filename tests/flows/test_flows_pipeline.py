@@ -107,7 +107,7 @@ def test_outputs_inputs_and_metrics_are_those_of_dvc_yaml(done):
     assert pipeline.outputs("ship") == ["data/shipped", "data/ship.json"]
     assert sorted(pipeline.inputs("place")) == ["data/maps", "data/scenarios"]
     assert pipeline.metrics("ship") == {"scenarios": 1}
-    with pytest.raises(pipeline.StageFailed, match="declares no metrics"):
+    with pytest.raises(pipeline.StageFailed, match="writes no JSON file"):
         pipeline.metrics("place")
     (done / "data" / "ship.json").unlink()
     with pytest.raises(pipeline.StageFailed, match=r"has not written .*ship\.json"):

@@ -34,7 +34,14 @@ def test_it_drives_to_the_goals_that_the_model_chose(models: Path, tmp_path: Pat
     with serving([Says(json.dumps({"ranking": [{"goal": 0, "reason": "free"}]}))]) as server:
         lm = {"goals": vars(asking.settings(server.url, max_calls=100)), "records": {"mode": "auto", "folder": "store"}}
         Path("params.yaml").write_text(yaml.safe_dump({"lm": lm}))
-        goals.main(replace(choosing, workers=1), Path("test"), models / "selector", Path("goals/vlm"), Path("vlm.json"))
+        goals.main(
+            replace(choosing, workers=1),
+            Path("test"),
+            models / "selector",
+            Path("goals/vlm"),
+            Path("vlm.parquet"),
+            Path("vlm.json"),
+        )
     rolling = replace(rolling, workers=1, samples=2)
     rollout.main(rolling, Path("test"), models, Path("goals"), Path("generated/drivegen_vlm"), Path("rejected.parquet"))
     [made] = read_samples(Path("generated/drivegen_vlm") / SHARD)

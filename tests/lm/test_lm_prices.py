@@ -11,8 +11,6 @@ from drivegen.lm.ledger import CALLS, Ledger
 from drivegen.lm.prices import estimate, input_tokens, price
 from drivegen.lm.prompt import OverBudget
 from drivegen.lm.settings import RecordSettings, overridden
-from drivegen.store.costs import COST
-from drivegen.store.results import RESULT
 from drivegen.warehouse.database import build, query, read_parts
 from tests.lm.asking import GOOD, model, question, settings
 from tests.lm.chat_server import Says, serving
@@ -64,7 +62,7 @@ def test_the_ledger_is_a_table_and_every_call_a_row_of_the_warehouse(tmp_path):
         asked.ask(question())
     asked.ledger.write(tmp_path / "calls" / "goals.parquet")
     calls = read_parts([tmp_path / "calls" / "goals.parquet"], CALLS)
-    build(tmp_path / "all.duckdb", RESULT.empty_table(), COST.empty_table(), calls)
+    build(tmp_path / "all.duckdb", {"calls": calls})
     assert query(tmp_path / "all.duckdb", "select count(*) as n from calls")["n"].to_pylist() == [4]
     [row] = query(tmp_path / "all.duckdb", "from language_model_calls").to_pylist()
     assert (row["calls"], row["replayed"], row["answered"], row["asked_again"]) == (4, 2, 2, 2)

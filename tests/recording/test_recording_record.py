@@ -9,10 +9,12 @@ import rerun as rr
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Violation
-from drivegen.core.scenario import Actors, Signals, SignalState, Trajectories
+from drivegen.core.scenario import TARGET, Actors, Signals, SignalState, Trajectories
 from drivegen.recording import GoalMarks, record_scenario
+from drivegen.recording.collision import record_collision
 from drivegen.recording.roads import surroundings
 from drivegen.recording.traffic import FREE, clearance
+from drivegen.store.collisions import Pictured, Where
 from tests.scenes import busy_crossing, drive, noisy_samples, road_map, scenario, stack, straight_road
 
 
@@ -101,7 +103,39 @@ def test_signals_are_logged_once_while_nothing_changes(recorded):
 
 def test_chosen_goals_carry_number_and_probability(recorded):
     _, found = recorded
-    assert found["/world/goals/chosen"]["Points3D:labels"][0][:2] == ["0: 25%", "1: 25%, leaves the map after 6.2 s"]
+    assert found["/world/goals/target"]["Points3D:labels"][0] == ["0: 25%"]
+    assert found["/world/goals/chosen"]["Points3D:labels"][0][0] == "1: 25%, leaves the map after 6.2 s"
+
+
+def test_only_the_target_s_goal_is_labelled_unasked(recorded):
+    _, found = recorded
+    shown = {name: found[f"/world/goals/{name}"]["Points3D:show_labels"][0] for name in ("target", "chosen")}
+    assert shown == {"target": [True], "chosen": [False]}
+
+
+def test_a_legend_names_what_is_shown(recorded):
+    _, found = recorded
+    [text] = found["/legend"]["TextDocument:text"][0]
+    assert "move as generated" in text
+    assert "**White frames**: logged" in text
+
+
+def test_a_collision_marks_the_impact_and_says_who_drove(tmp_path):
+    scene = busy_crossing()
+    samples = noisy_samples(scene)
+    driven = samples.motion[:, TARGET]
+    driven.valid[0, 31:] = False
+    words = Pictured(tmp_path / "2/collisions/0", Where(scene.scenario_id, "shard-0.parquet", 0, 3, 30), "it came from the left")
+    record_collision(tmp_path / "hit.rrd", scene, samples, driven, words)
+    found = read(tmp_path / "hit.rrd")
+    ball = found["/world/impact"]
+    assert ball["Points3D:labels"] == [["impact, 3.0 s"]]
+    assert ball["step of Points3D:positions"] == [30]
+    assert {f"/plots/speed/{name}" for name in ("driven", "planned")} <= set(found)
+    assert "/plots/speed/logged" not in found
+    assert "it came from the left" in found["/legend"]["TextDocument:text"][0][0]
+    boxes = [row for row in found["/world/traffic"]["Boxes3D:centers"] if row is not None]
+    assert len(boxes[30]) == len(boxes[31]) + 1  # the driven target is gone after the impact
 
 
 def test_the_layout_is_inside_and_the_file_is_light(recorded):

@@ -11,7 +11,8 @@ from drivegen.core.methods import read_methods
 from drivegen.render.png import png
 from drivegen.report import Curve, Evidence, Link, Picture, all_sections, build_page
 from drivegen.report.paper import MARK
-from drivegen.report.table import NOT_MEASURED
+from drivegen.report.section import Figure, Section
+from drivegen.report.table import NOT_MEASURED, Table, row
 
 DOT = png(np.zeros((2, 2, 3), np.uint8))
 
@@ -112,7 +113,7 @@ def test_every_table_stands_in_the_page_once():
     names = [table.name for section in SECTIONS for table in section.tables]
     assert len(names) == len(set(names))
     assert {f"table-{name}" for name in names} <= set(reader.ids)
-    assert {"quality", "diversity", "safety", "downstream", "corner-cases", "gpu-hours", "corner-rounds"} <= set(names)
+    assert {"quality", "diversity", "safety", "corner-cases", "gpu-hours", "corner-rounds"} <= set(names)
 
 
 def test_a_page_without_evidence_says_what_was_not_measured():
@@ -150,7 +151,11 @@ def test_the_best_generator_is_bold_and_the_log_never():
 
 
 def test_methods_that_did_not_run_are_rows_and_goals_have_a_chooser():
-    lines = {row.cells[0].text: [cell.text for cell in row.cells[1:4]] for row in TABLES["quality"].rows if row.origin == "ours"}
+    lines = {
+        row.cells[0].text: [cell.text for cell in row.cells[1:4]]
+        for row in TABLES["quality"].rows
+        if row.origin in ("ours", "rival")
+    }
     assert lines["BITS"] == [NOT_MEASURED, "\u2013", NOT_MEASURED]
     assert lines["DriveGen"][1] == "imitates logs"
     assert lines["DriveGen w/o gs"][1] == "random"
@@ -207,9 +212,24 @@ def test_tables_say_what_models_were_trained_on():
     assert {"quality", "diversity", "safety", "violations", "corner-cases", "summary"} <= carry
 
 
+def test_ours_and_rivals_look_different():
+    looks = {row.cells[0].text: row.origin for row in TABLES["quality"].rows if row.origin != "paper"}
+    assert (looks["DriveGen"], looks["DriveGen w/o gs"], looks["BITS"]) == ("ours", "ours", "rival")
+
+
+def test_long_tables_are_folded_and_pictures_come_first():
+    long = Table("long", "Long", ("",), tuple(row(str(n)) for n in range(13)))
+    figure = Figure.svg("Plot", "", b"<svg/>")
+    page = build_page([Section("one", "One", "", (long,), (figure,))], "")
+    assert "<summary>Long <small>13 rows</small></summary>" in page
+    assert page.index("<figure") < page.index("<details")
+    assert "<details" not in build_page([Section("one", "One", "", (replace(long, rows=long.rows[:12]),))], "")
+
+
 def test_the_driver_in_logs_is_the_dataset_s_row_of_table_three():
     (ours,) = (row for row in TABLES["corner-cases"].rows if row.cells[0].text == "Dataset, ours")
     assert [cell.text for cell in ours.cells[2:5]] == ["0.05", "50.50", "not measured"]
+    assert not [name for name in TABLES["corner-cases"].columns if name.startswith(("GAIL", "SAC"))], "nobody drove them"
     assert [row.cells[0].text for row in TABLES["driving-idm"].rows] == ["DriveGen", "Log (recorded futures)"]
     assert TABLES["driving-idm"].notes[-1] == "Intervals (95 %) are over 30 recordings."
 

@@ -243,7 +243,13 @@ def test_a_recorded_run_is_replayed_to_the_same_bytes_with_nobody_called(models,
         (tmp_path / "params.yaml").write_text(
             yaml.safe_dump({"lm": {"goals": role, "records": {"mode": mode, "folder": "store"}}})
         )
-        goals.main(params, tmp_path / "test", models / "selector", tmp_path / out / "vlm", tmp_path / f"{out}.json")
+        goals.main(
+            params,
+            tmp_path / "test",
+            models / "selector",
+            tmp_path / out / "vlm",
+            *(tmp_path / f"{out}.{end}" for end in ("parquet", "json")),
+        )
         return (tmp_path / out / "vlm" / "shard-00000.parquet").read_bytes(), (tmp_path / f"{out}.json").read_bytes()
 
     with serving([says(2, 1)]) as server:
@@ -270,7 +276,13 @@ def test_a_shard_may_be_asked_about_in_one_batch_with_the_same_bytes_as_one_by_o
     def run(url, mode, out, **role):
         lm = {"goals": vars(asking.settings(url, max_calls=100, **role)), "records": {"mode": mode, "folder": "store"}}
         (tmp_path / "params.yaml").write_text(yaml.safe_dump({"lm": lm}))
-        goals.main(params, tmp_path / "test", models / "selector", tmp_path / out / "vlm", tmp_path / f"{out}.json")
+        goals.main(
+            params,
+            tmp_path / "test",
+            models / "selector",
+            tmp_path / out / "vlm",
+            *(tmp_path / f"{out}.{end}" for end in ("parquet", "json")),
+        )
         return (tmp_path / out / "vlm" / "shard-00000.parquet").read_bytes(), (tmp_path / f"{out}.json").read_bytes()
 
     answers = [json.dumps(ranking(2, 1))] * len(FOUND)

@@ -42,9 +42,10 @@ def root(tmp_path_factory, models):
         root / "test",
         models / "selector",
         root / "learned",
+        root / "g.parquet",
         root / "g.json",
     )
-    corner.main(params_of(), root / "test", models, root / "learned", root / "0", root / "0.json")
+    corner.main(params_of(), root / "test", models, root / "learned", root / "0", root / "0.parquet", root / "0.json")
     return root
 
 
@@ -68,7 +69,9 @@ def round_one(root, models, tmp_path, monkeypatch):
         (tmp_path / out).mkdir()
         (tmp_path / out / "0").symlink_to(root / "0")
         folder = tmp_path / out / "1"
-        corner.main(params, root / "test", models, root / "learned", folder, tmp_path / f"{out}.json")
+        corner.main(
+            params, root / "test", models, root / "learned", folder, tmp_path / f"{out}.parquet", tmp_path / f"{out}.json"
+        )
         files = {f.relative_to(folder): f.read_bytes() for f in sorted(folder.rglob("*")) if f.is_file()}
         return orjson.loads((tmp_path / f"{out}.json").read_bytes()), files, read_samples(folder / "samples" / SHARD)
 
@@ -131,7 +134,13 @@ def test_without_an_answer_the_re_weighting_counts_and_is_counted(root, models, 
     (tmp_path / "plain").mkdir()
     (tmp_path / "plain" / "0").symlink_to(root / "0")
     corner.main(
-        params_of(goals="reweighting"), root / "test", models, root / "learned", tmp_path / "plain" / "1", tmp_path / "p.json"
+        params_of(goals="reweighting"),
+        root / "test",
+        models,
+        root / "learned",
+        tmp_path / "plain" / "1",
+        tmp_path / "p.parquet",
+        tmp_path / "p.json",
     )
     plain = (tmp_path / "plain" / "1" / "samples" / SHARD).read_bytes()
     with serving([Says("no idea")]) as server:

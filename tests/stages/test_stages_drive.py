@@ -7,7 +7,7 @@ import pytest
 
 from drivegen.checker.limits import RULES, Limits
 from drivegen.core.errors import UnusableInput
-from drivegen.store.results import RESULT
+from drivegen.store.results import RESULT, WHOLE_SCENE
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
 from drivegen.world.outcome import CollisionKind
@@ -52,7 +52,7 @@ def test_every_method_of_traffic_gets_rows_and_a_flat_summary(made, params):
     assert all(value is None or isinstance(value, int | float) for value in numbers.values())
     assert (numbers["log.scenarios"], numbers["log.runs"], numbers["drivegen.runs"]) == (3, 3, 9)
     for name in ("collision", "distance", "absolute_acceleration", "off_road"):
-        values = [row["value"] for row in rows if row["metric"] == name and row["method"] == "drivegen"]
+        values = [row["value"] for row in rows if row["metric"] == name and row["method"] == "drivegen" and row["sample"] < 0]
         assert numbers[f"drivegen.{name}"] == pytest.approx(np.mean(values))
         low, high = (numbers[f"drivegen.{name}.{end}"] for end in ("low", "high"))
         assert low - 1e-9 <= numbers[f"drivegen.{name}"] <= high + 1e-9
@@ -66,6 +66,23 @@ def test_every_method_of_traffic_gets_rows_and_a_flat_summary(made, params):
     assert numbers["drivegen.distance"] > 20
 
 
+def test_every_run_says_how_it_ended(made, params):
+    rows = pq.read_table(driven(made, "runs", params)[0]).to_pylist()
+    runs = {}
+    for row in rows:
+        if row["sample"] != WHOLE_SCENE:
+            runs.setdefault((row["method"], row["scenario"], row["sample"]), {})[row["metric"]] = row["value"]
+    assert sorted(k for method, scene, k in runs if (method, scene) == ("drivegen", "scene-h")) == [0, 1, 2]
+    assert [k for method, scene, k in runs if (method, scene) == ("log", "scene-h")] == [0]
+    for run in runs.values():
+        kinds = [name for name in run if name.startswith("impact.kind.")]
+        assert len(kinds) == run["collision"] == ("impact.step" in run) == ("impact.partner" in run)
+    scene = [
+        row["value"] for row in rows if (row["method"], row["scenario"], row["metric"]) == ("drivegen", "scene-h", "distance")
+    ]
+    assert np.mean(scene[1:]) == pytest.approx(scene[0])
+
+
 def test_intervals_are_over_recordings(made, params, tmp_path):
     scenes = [busy_crossing(81, name) for name in ("a-000", "a-001", "b-000")]
     for recordings, names in ((2, [s.scenario_id for s in scenes]), (1, ["a-000", "a-001", "a-002"])):
@@ -77,7 +94,8 @@ def test_intervals_are_over_recordings(made, params, tmp_path):
         numbers = json.loads(summary.read_text())
         assert numbers["drivegen.recordings"] == recordings
         rows = pq.read_table(results).to_pylist()
-        values = [row["value"] for row in rows if (row["method"], row["metric"]) == ("drivegen", "distance")]
+        wanted = ("drivegen", "distance", WHOLE_SCENE)
+        values = [row["value"] for row in rows if (row["method"], row["metric"], row["sample"]) == wanted]
         ends = [numbers[f"drivegen.distance.{end}"] for end in ("low", "high")]
         one_each = pytest.approx(sorted([np.mean(values[:2]), values[2]]))  # draws of one recording alone
         assert ends == (one_each if recordings == 2 else [None, None])

@@ -5,6 +5,7 @@ import json
 import re
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -15,7 +16,7 @@ from drivegen.core.samples import Samples
 from drivegen.metrics.scene import Settings
 from drivegen.store.costs import COST, write_cost
 from drivegen.store.rejected import write_rejected
-from drivegen.store.results import RESULT
+from drivegen.store.results import RESULT, WHOLE_SCENE
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
 from drivegen.warehouse.database import query
@@ -23,7 +24,9 @@ from stages import collect, evaluate, report
 from stages._door import read_params
 from tests.scenes import busy_crossing, noisy_samples, rejected_of
 
+ROOT = Path(__file__).parents[2]
 MEASURED = Settings(horizons=(1.0, 3.0), bandwidths=(0.5, 1.0, 2.0, 4.0), box_scales=(0.9, 1.0, 1.1))
+PER_SAMPLE = ("collision_per_vehicle", "off_road_per_vehicle", "illegal_per_vehicle")
 PARAMS = evaluate.Params(seed=7, workers=1, draws=50, splits=4, measured=MEASURED)
 
 
@@ -66,7 +69,7 @@ def test_the_summary_is_flat_and_its_means_are_those_of_the_rows(made):
     assert all(value is None or isinstance(value, int | float) for value in summary.values())
     rows = pq.read_table(made / "metrics/quality/drivegen.parquet").to_pylist()
     for name in ("min_sade", "min_sfde", "mean_sade", "mean_sfde", "collision_per_scene", "violation.collision"):
-        values = [row["value"] for row in rows if row["metric"] == name]
+        values = [row["value"] for row in rows if row["metric"] == name and row["sample"] == WHOLE_SCENE]
         assert len(values) == 5
         assert summary[name] == pytest.approx(np.mean(values))
         assert summary[f"{name}.low"] <= summary[name] <= summary[f"{name}.high"]
@@ -74,6 +77,16 @@ def test_the_summary_is_flat_and_its_means_are_those_of_the_rows(made):
     assert summary["agent_steps"] == 5 * 8 * 59
     assert summary["diversity_pairs"] == 4 * (5 // 2)
     assert 0 < summary["min_sade"] < summary["mean_sade"]
+
+
+def test_every_sample_has_rows_of_which_the_scenes_are_means(made):
+    rows = pq.read_table(made / "metrics/quality/drivegen.parquet").to_pylist()
+    found = {(row["metric"], row["sample"]): row["value"] for row in rows if row["scenario"] == "scene-d"}
+    for each, whole in (("sade", "mean_sade"), ("sfde", "mean_sfde"), *((name, name) for name in PER_SAMPLE)):
+        values = [found[each, k] for k in range(4)]
+        assert np.mean(values) == pytest.approx(found[whole, WHOLE_SCENE])
+    assert min(found["sade", k] for k in range(4)) == found["min_sade", WHOLE_SCENE]
+    assert ("sade", 4) not in found
 
 
 def test_scenes_of_another_length_are_measured_and_not_averaged(made, tmp_path):
@@ -94,7 +107,7 @@ def test_scenes_of_another_length_are_measured_and_not_averaged(made, tmp_path):
 def test_dvc_shows_few_numbers(made):
     shown = json.loads((made / "metrics/quality/drivegen.json").read_text())
     details = details_of(made, "drivegen")
-    assert len(shown) <= 12
+    assert len("reports/metrics/quality/drivegen_without_goals.json") + sum(len(name) + 4 for name in shown) <= 120
     assert all(details[name] == value for name, value in shown.items())
 
 
@@ -125,14 +138,7 @@ def test_samples_of_other_scenes_are_refused(made, tmp_path):
 
 def test_all_results_and_costs_are_collected(made, tmp_path):
     write_cost(tmp_path / "costs", "evaluate", "drivegen", {"cpu_seconds": 5.0, "scenarios": 5})
-    collect.main(
-        collect.Params(),
-        made / "metrics",
-        tmp_path / "costs",
-        tmp_path / "calls",
-        tmp_path / "costs.md",
-        tmp_path / "drivegen.duckdb",
-    )
+    collected(made, tmp_path)
     quality = query(tmp_path / "drivegen.duckdb", "from scenario_quality order by method").to_pylist()
     summary = details_of(made, "drivegen")
     assert [row["method"] for row in quality] == ["drivegen", "log"]
@@ -140,12 +146,29 @@ def test_all_results_and_costs_are_collected(made, tmp_path):
     assert query(tmp_path / "drivegen.duckdb", "from costs").schema.names == COST.names
 
 
+def collected(made, tmp_path):
+    """Run the stage on what there is; costs and calls are those of `tmp_path`."""
+    params = read_params("collect", collect.Params, ROOT / "params.yaml")
+    folders = (made / name for name in ("scenarios", "new", "shipped", "generated", "corner"))
+    collect.main(
+        params,
+        made / "metrics",
+        tmp_path / "pieces",
+        tmp_path / "costs",
+        tmp_path / "calls",
+        ROOT / "params.yaml",
+        *folders,
+        tmp_path / "costs.md",
+        tmp_path / "drivegen.duckdb",
+    )
+    return tmp_path / "drivegen.duckdb"
+
+
 def costs_of(made, tmp_path, *costs):
     """The table of costs where so much was measured here."""
     for stage, item, found in costs:
         write_cost(tmp_path / "costs", stage, item, found)
-    places = [tmp_path / name for name in ("costs", "calls", "costs.md", "drivegen.duckdb")]
-    collect.main(collect.Params(), made / "metrics", *places)
+    collected(made, tmp_path)
     return (tmp_path / "costs.md").read_text()
 
 
@@ -177,7 +200,9 @@ def test_what_was_restored_from_the_cache_is_no_number_and_no_gap(made, tmp_path
 
 
 def report_of(made, out):
-    places = [made / folder for folder in ("metrics", "plots", "test", "generated", "rejected", "goals", "maps", "costs")]
+    places = [
+        made / folder for folder in ("metrics", "plots", "test", "generated", "rejected", "goals", "corner", "maps", "costs")
+    ]
     report.main(replace(read_params("report", report.Params), scenes=2, maps=4), *places, out / "index.html", out / "tables")
     return (out / "index.html").read_text()
 

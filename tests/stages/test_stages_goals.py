@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import orjson
+import pyarrow.parquet as pq
 import pytest
 
 from drivegen.core.errors import UnusableInput
@@ -18,6 +19,8 @@ from tests import scenes
 from tests.goals.test_goals_candidates import SETTINGS
 from tests.selectors.test_selectors_contract import LEARNING
 from tests.selectors.test_selectors_vlm import SETTINGS as ASKING
+
+ENDS = ("parquet", "json")
 
 
 def several(name):
@@ -50,9 +53,16 @@ def test_training_leaves_scores_and_a_curve(trained):
 
 
 @pytest.mark.parametrize("selector", ["random", "log", "learned", "prior"])
-def test_goals_stand_beside_their_scenarios(trained, selector):
+def test_goals_stand_beside_their_scenarios(trained, selector, tmp_path):
     out, metrics = trained / "goals" / selector, trained / f"{selector}.json"
-    goals.main(goals.Params(7, 1, 20, SETTINGS, ASKING), trained / "scenarios" / "test", trained / "selector", out, metrics)
+    goals.main(
+        goals.Params(7, 1, 20, SETTINGS, ASKING),
+        trained / "scenarios" / "test",
+        trained / "selector",
+        out,
+        tmp_path / "rows.parquet",
+        metrics,
+    )
     rows = read_goals(out / "shard-00000.parquet")
     assert [row.scenario_id for row in rows] == ["test-a", "test-b"]
     found, probability = unpack(LaneGraph.of(scenes.crossing()), rows[0])
@@ -61,6 +71,9 @@ def test_goals_stand_beside_their_scenarios(trained, selector):
     assert table["all"]["vehicles"] == 16
     assert table["all"]["coverage_4m"] == 1
     assert table["all"]["nll.low"] <= table["all"]["nll"] <= table["all"]["nll.high"]
+    record = pq.read_table(tmp_path / "rows.parquet").to_pylist()
+    assert {row["scenario"] for row in record} == {"test-a", "test-b"}
+    assert np.mean([row["value"] for row in record if row["metric"] == "nll"]) == pytest.approx(table["all"]["nll"])
     if selector == "random":
         assert np.isclose(table["all"]["nll"], np.mean([np.log(len(c)) for c in found]), atol=1e-4)
 
@@ -68,7 +81,9 @@ def test_goals_stand_beside_their_scenarios(trained, selector):
 def test_a_selector_can_be_taught_by_recorded_odds_and_says_by_whose(trained, tmp_path):
     scenarios, taught = trained / "scenarios", tmp_path / "taught"
     out = tmp_path / "goals" / "prior"
-    goals.main(goals.Params(7, 1, 0, SETTINGS, ASKING), scenarios / "train", taught, out, tmp_path / "p.json")
+    goals.main(
+        goals.Params(7, 1, 0, SETTINGS, ASKING), scenarios / "train", taught, out, *(tmp_path / f"p.{end}" for end in ENDS)
+    )
     long = replace(LEARNING, training=replace(LEARNING.training, steps=200, report_every=100))
     goal_lists.main(listed(str(out), "language model little"), scenarios, tmp_path / "lists")
     params = train_selector.Params(7, SETTINGS, long)
@@ -89,7 +104,13 @@ def test_a_selector_can_be_taught_by_recorded_odds_and_says_by_whose(trained, tm
 
 def test_odds_of_other_scenarios_teach_nothing(trained, tmp_path):
     scenarios = trained / "scenarios"
-    goals.main(goals.Params(7, 1, 0, SETTINGS, ASKING), scenarios / "val", tmp_path, tmp_path / "prior", tmp_path / "p.json")
+    goals.main(
+        goals.Params(7, 1, 0, SETTINGS, ASKING),
+        scenarios / "val",
+        tmp_path,
+        tmp_path / "prior",
+        *(tmp_path / f"p.{end}" for end in ENDS),
+    )
     with pytest.raises(UnusableInput, match="other scenarios"):
         goal_lists.main(listed(str(tmp_path / "prior"), "prior"), scenarios, tmp_path / "lists")
     assert not (tmp_path / "lists").exists()

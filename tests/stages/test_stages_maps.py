@@ -27,7 +27,9 @@ def run(tmp_path, monkeypatch):
         values = vars(settings(**{"prompt": "roads-2", "output": "prompted", "retries": 0, **role}))
         lm = {"maps": values, "records": {"mode": mode, "folder": "records"}}
         (tmp_path / "params.yaml").write_text(yaml.safe_dump({"lm": lm}))
-        maps.main(maps.Params(7, 2, "language_model", PROMPTS), tmp_path / "maps", tmp_path / "maps.json")
+        maps.main(
+            maps.Params(7, 2, "language_model", PROMPTS), tmp_path / "maps", tmp_path / "maps.parquet", tmp_path / "maps.json"
+        )
         return json.loads((tmp_path / "maps.json").read_text())["maps"][0], pq.read_table(maps.CALLS).to_pylist()
 
     return run_stage
@@ -37,6 +39,9 @@ def test_a_models_maps_are_recorded_and_made_again_without_it(run):
     with serving([Says(ANSWER)]) as server:
         row, [call] = run("auto", base_url=server.url)
     assert row["writer"] == "language model little-model"
+    record = pq.read_table("maps.parquet").to_pylist()
+    assert {r["metric"]: r["value"] for r in record}["lanes"] == row["lanes"]
+    assert {(r["stage"], r["scenario"], r["backend"]) for r in record} == {("maps", "crossing", "language_model")}
     assert (call["role"], call["outcome"], call["replayed"]) == ("maps", "answered", False)
     again, [replayed] = run("replay", base_url="http://127.0.0.1:9")
     assert again == row

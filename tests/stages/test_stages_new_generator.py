@@ -110,12 +110,16 @@ def test_its_one_entry_makes_its_stages(project: Path) -> None:
 def test_it_is_in_every_table(project: Path) -> None:
     measure(NAME)
     results, costs = Path("reports/metrics"), Path(".drivegen/costs")
-    collect.main(collect.Params(), results, costs, project / "none", project / "costs.md", project / "all.duckdb")
+    none, params = project / "none", read_params("collect", collect.Params)
+    folders = (none, costs, none, project / "params.yaml", *[none] * 3, Path("data/generated"), none)
+    collect.main(params, results, *folders, project / "costs.md", project / "all.duckdb")
+    made_by = query(project / "all.duckdb", f"select distinct stage from samples where method = '{NAME}'").to_pylist()
+    assert made_by == [{"stage": "rollout_baseline"}]
     for table in ("results", "methods", "metrics", "scenario_quality", "metrics_by_label", "cost_of_methods"):
         assert query(project / "all.duckdb", f"select * from {table} where method = '{NAME}'").num_rows, table
     assert NAME in (project / "costs.md").read_text()
-    generated, none = Path("data/generated"), project / "none"
-    places = (Path("data/scenarios/test"), generated, none, none, none, costs, project / "index.html", project / "tables")
+    generated = Path("data/generated")
+    places = (Path("data/scenarios/test"), generated, none, none, none, none, costs, project / "index.html", project / "tables")
     report.main(read_params("report", report.Params), results, none, *places)
     rows = {file.stem: file.read_text() for file in (project / "tables").glob("*.md") if f"| {TITLE} " in file.read_text()}
     assert {"summary", "quality", "safety", "diversity", "realism", "scores", "distances"} <= set(rows)

@@ -1,6 +1,7 @@
 """Stage record on a small shard, read back."""
 
 import json
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -8,10 +9,14 @@ import pytest
 import rerun as rr
 
 from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.report.evidence import Link, Picture
+from drivegen.report.pictures import read_collision_pictures
+from drivegen.store.collisions import Where, read_pictured, write_pictured
 from drivegen.store.goals import COLUMNS, GoalColumns, write_goals
 from drivegen.store.rejected import write_rejected
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
+from drivegen.warehouse.tables import read_recordings
 from stages import record
 from tests.scenes import busy_crossing, noisy_samples, rejected_of
 
@@ -46,29 +51,56 @@ def made(tmp_path_factory):
         write_samples(root / "generated" / method / SHARD, [replace(one, method=method) for one in samples])
     write_goals(root / "goals" / "learned" / SHARD, [goals_of(scene) for scene in scenes])
     write_rejected(root / "rejected" / "drivegen.parquet", [rejected_of(one) for one in samples])
+    for part in ("samples", "driven"):
+        write_samples(root / "corner/1" / part / SHARD, samples)
+    where = Where("scene-b", SHARD, sample=1, partner=2, step=20)
+    write_pictured(root / "corner/1/collisions/0", b"png", "it came from the left", where)
     recorded(root, root / "recordings.json")
     return root
 
 
 def recorded(root, listing, goals="goals"):
     """Run the stage; recordings lie beside their list."""
-    places = [root / folder for folder in ("test", "generated", "rejected", goals)]
+    places = [root / folder for folder in ("test", "generated", "rejected", goals, "corner")]
     record.main(PARAMS, *places, listing.parent / "recordings", listing)
 
 
 def test_the_list_names_what_was_recorded(made):
     links = json.loads((made / "recordings.json").read_text())
-    assert len(links) == 3
+    assert len(links) == 4
+    collision = {"text": "Round 1, collision 1: scene-b", "href": "recordings/corner-1-0.rrd"}
+    assert {**collision, "scenario": "scene-b", "sample": 1, "stage": "corner", "item": "1"} in links
+    assert read_recordings(made / "recordings.json").to_pylist()[-1]["sample"] == 1
     assert all((made / link["href"]).is_file() for link in links)
     assert {(made / link["href"]).name for link in links} == {file.name for file in (made / "recordings").iterdir()}
 
 
 def test_chosen_goals_are_those_that_the_sample_follows(made):
-    file = next(file for file in (made / "recordings").iterdir() if not file.stem.endswith("-methods"))
+    file = next(
+        file for file in (made / "recordings").iterdir() if file.stem.startswith("scene") and not file.stem.endswith("-methods")
+    )
     chunks = {chunk.entity_path: chunk.to_record_batch() for chunk in rr.chunk.RrdReader(file).stream() if chunk.is_static}
-    assert chunks["/world/goals/chosen"].column("Points3D:labels").to_pylist()[0] == ["2: 50%"] * 8
+    assert chunks["/world/goals/target"].column("Points3D:labels").to_pylist()[0] == ["2: 50%"]
+    assert chunks["/world/goals/chosen"].column("Points3D:labels").to_pylist()[0] == ["2: 50%"] * 7
     assert len(chunks["/world/goals/candidates"].column("Points3D:positions").to_pylist()[0]) == 16
     assert "/bird_eye" in chunks
+
+
+def test_a_picture_in_the_report_is_linked_to_its_recording(made):
+    links = [Link(link["text"], link["href"]) for link in json.loads((made / "recordings.json").read_text())]
+    assert read_collision_pictures(made / "corner", links) == (
+        Picture("Round 1, collision 1", "it came from the left", b"png", "recordings/corner-1-0.rrd"),
+    )
+    assert read_collision_pictures(made / "corner", [])[0].recording == ""
+    assert read_collision_pictures(made / "nowhere", links) == ()
+
+
+def test_a_damaged_place_of_a_collision_is_named(made, tmp_path):
+    collisions = shutil.copytree(made / "corner/1/collisions", tmp_path / "1/collisions")
+    for text, words in (("{", "is not JSON"), ('{"step": 3}', "0.json")):
+        (collisions / "0.json").write_text(text)
+        with pytest.raises(UnusableInput, match=words):
+            read_pictured(tmp_path)
 
 
 def test_methods_stand_side_by_side_on_one_clock(made):
@@ -88,7 +120,9 @@ def test_methods_stand_side_by_side_on_one_clock(made):
 
 def test_what_was_turned_down_is_shown_dashed_and_counted_where_there_is_any(made):
     (compared,) = (made / "recordings").glob("*-methods.rrd")
-    alone = next(file for file in (made / "recordings").iterdir() if not file.stem.endswith("-methods"))
+    alone = next(
+        file for file in (made / "recordings").iterdir() if file.stem.startswith("scene") and not file.stem.endswith("-methods")
+    )
     chunks = {chunk.entity_path: chunk.to_record_batch() for chunk in rr.chunk.RrdReader(compared).stream() if chunk.is_static}
     (legend,) = chunks["/legend"].column("TextDocument:text").to_pylist()[0]
     assert "* drivegen: 16 turned down: 16 speed" in legend

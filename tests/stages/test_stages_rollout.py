@@ -5,12 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import orjson
+import pyarrow.parquet as pq
 import pytest
 
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.generators.base import Settings
+from drivegen.rollout.shipping import sample_id
 from drivegen.store.draw import draw_scenes
 from drivegen.store.rejected import read_rejected
+from drivegen.store.results import WHOLE_SCENE
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, write_shard
 from stages import corner, goals, rollout, rollout_baseline, ship
@@ -19,6 +22,7 @@ from tests.models import two_lanes
 from tests.scenes import busy_crossing
 
 SHARDS = ("shard-00000.parquet", "shard-00001.parquet")
+ENDS = ("parquet", "json")
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +33,8 @@ def root(tmp_path_factory: pytest.TempPathFactory, models: Path) -> Path:
     write_shard(root / "test" / SHARDS[1], [busy_crossing(101, "c")])
     params = replace(read_params("goals", goals.Params), workers=1)
     for selector in ("learned", "random"):
-        goals.main(params, root / "test", models / "selector", root / "goals" / selector, root / f"{selector}.json")
+        files = (root / f"{selector}.{end}" for end in ENDS)
+        goals.main(params, root / "test", models / "selector", root / "goals" / selector, *files)
     return root
 
 
@@ -109,13 +114,17 @@ def test_ship_lets_out_legal_scenarios_and_counts_everything(root: Path, models:
     params = read_params("ship", ship.Params)
     params = replace(params, workers=1, generation=quick(params.generation), settings=replace(params.settings, fewest=2))
     for out in ("shipped", "again"):
-        ship.main(params, tmp_path / "new", models, tmp_path / out, tmp_path / f"{out}.json")
+        ship.main(params, tmp_path / "new", models, tmp_path / out, *(tmp_path / f"{out}.{end}" for end in ENDS))
     counts = orjson.loads((tmp_path / "shipped.json").read_bytes())
     assert counts["asked"] == 3 * params.samples
     assert counts["asked"] == counts.get("shipped", 0) + sum(n for name, n in counts.items() if name.startswith("rejected."))
     shipped = [scene for shard in SHARDS for scene in read_shard(tmp_path / "shipped" / shard)]
     assert len(shipped) == counts["shipped"] > 0
     assert sum(len(scene.vehicles) for scene in shipped) == counts["vehicles.shipped"]
+    rows = pq.read_table(tmp_path / "shipped.parquet").to_pylist()
+    kept = {sample_id(row["scenario"], row["sample"]) for row in rows if row["metric"] == "shipped" and row["value"]}
+    assert kept == {scene.scenario_id for scene in shipped}
+    assert len([row for row in rows if row["metric"].startswith("rejected.")]) == counts["asked"] - counts["shipped"]
     for scene in shipped:
         scene.validate()
         assert scene.log is not None
@@ -132,7 +141,8 @@ def played(root: Path, models: Path, out: Path, rounds: int, strength: float | N
         params, workers=1, samples=3, draws=20, prior_strength=1.0, generation=quick(params.generation), pressure=pressure
     )
     for number in range(rounds):
-        corner.main(params, root / "test", models, root / "goals" / "learned", out / str(number), out / f"{number}.json")
+        files = (out / f"{number}.{end}" for end in ENDS)
+        corner.main(params, root / "test", models, root / "goals" / "learned", out / str(number), *files)
     return [out / str(number) for number in range(rounds)]
 
 
@@ -166,6 +176,22 @@ def test_a_rounds_numbers_are_those_that_the_report_and_the_flow_read(rounds: li
     assert orjson.loads((rounds[0].parent / "0.json").read_bytes())["log_ratio"] == pytest.approx(0, abs=1e-6)
 
 
+def test_every_run_of_a_round_is_in_the_record_and_its_means_are_the_rounds(rounds: list[Path]) -> None:
+    for number, folder in enumerate(rounds):
+        numbers = orjson.loads((folder.parent / f"{number}.json").read_bytes())
+        rows = pq.read_table(folder.parent / f"{number}.parquet").to_pylist()
+        assert {(row["stage"], row["item"], row["driver"]) for row in rows} == {("corner", str(number), "idm")}
+        runs = {(row["scenario"], row["sample"], row["metric"]): row["value"] for row in rows if row["sample"] != WHOLE_SCENE}
+        assert {sample for _, sample, _ in runs} == {0, 1, 2}
+        for name in ("collision", "collision.counted", "distance", "left_map"):
+            values = [value for (_, _, metric), value in runs.items() if metric == name]
+            assert len(values) == 9
+            assert np.mean(values) == pytest.approx(numbers[name])
+        hits = {(scene, k) for (scene, k, metric), value in runs.items() if metric == "collision" and value}
+        assert hits == {(scene, k) for scene, k, metric in runs if metric.startswith("impact.kind.")}
+        assert hits == {(scene, k) for scene, k, metric in runs if metric == "impact.partner"}
+
+
 def test_knowledge_is_pooled_over_rounds(rounds: list[Path]) -> None:
     seen = [np.sum(orjson.loads((folder / "knowledge.json").read_bytes())["encounters"]) for folder in rounds]
     assert 0 < seen[0] < seen[1]
@@ -196,5 +222,6 @@ def test_without_strength_nothing_is_leaned_on(root: Path, models: Path, tmp_pat
 
 def test_a_round_without_the_one_before_names_it(root: Path, models: Path, tmp_path: Path) -> None:
     params = replace(read_params("corner", corner.Params), workers=1)
+    files = [tmp_path / f"1.{end}" for end in ENDS]
     with pytest.raises(MissingTool, match="corner@0"):
-        corner.main(params, root / "test", models, root / "goals" / "learned", tmp_path / "1", tmp_path / "1.json")
+        corner.main(params, root / "test", models, root / "goals" / "learned", tmp_path / "1", *files)

@@ -11,7 +11,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.methods import read_methods
 from drivegen.lm.ledger import CALLS
 from drivegen.store.costs import COST, write_cost
-from drivegen.store.results import RESULT, Run, result_rows, run_id, write_results
+from drivegen.store.results import RESULT, WHOLE_SCENE, Run, record_rows, result_rows, run_id, write_results
 from drivegen.warehouse.database import build, query, read_parts, result_parts
 
 RUN = Run("0123456789ab", "evaluate", "drivegen", "", 7, "learned")
@@ -26,9 +26,8 @@ def warehouse(folder, *parts):
         write_results(folder / "metrics" / f"{i}.parquet", [part])
     write_cost(folder / "costs", "evaluate", "drivegen", {"cpu_seconds": 6.0, "scenarios": 3})
     results = read_parts(result_parts(folder / "metrics"), RESULT)
-    build(
-        folder / "drivegen.duckdb", results, read_parts(sorted((folder / "costs").glob("*.parquet")), COST), CALLS.empty_table()
-    )
+    costs = read_parts(sorted((folder / "costs").glob("*.parquet")), COST)
+    build(folder / "drivegen.duckdb", {"results": results, "costs": costs, "calls": CALLS.empty_table()})
     return folder / "drivegen.duckdb"
 
 
@@ -64,6 +63,24 @@ def test_a_run_is_named_by_settings_and_contents(tmp_path):
     changed = run_id({"seed": 7}, [tmp_path / "data"])
     file.rename(tmp_path / "data" / "y")
     assert len({before, changed, run_id({"seed": 7}, [tmp_path / "data"])}) == 3
+
+
+def test_items_of_a_stage_are_runs_of_their_own(tmp_path):
+    (tmp_path / "x").write_bytes(b"1")
+    made = [Run.of("goals", item, {"seed": 7, "workers": 1}, [tmp_path / "x"]) for item in ("learned", "random")]
+    assert made[0].run != made[1].run
+    assert (made[0].item, made[0].seed, made[0].inputs) == ("learned", 7, str(tmp_path / "x"))
+    assert made[0] == Run.of("goals", "learned", {"seed": 7, "workers": 2}, [tmp_path / "x"])
+
+
+def test_records_become_rows_of_their_numbers_and_truth_values(tmp_path):
+    found = record_rows(RUN, {"a": {"lanes": 3, "good": True, "kind": "ring"}, "b": {"lanes": None, "turn": 0.5}}).to_pylist()
+    assert {(row["scenario"], row["metric"], row["value"]) for row in found} == {
+        ("a", "lanes", 3),
+        ("a", "good", 1),
+        ("b", "turn", 0.5),
+    }
+    assert {row["sample"] for row in found} == {WHOLE_SCENE}
 
 
 def test_the_warehouse_gives_back_every_row(tmp_path):
@@ -106,7 +123,7 @@ def test_choosing_goals_is_counted_for_every_method_that_follows_a_selectors(tmp
 
 def test_a_warehouse_is_replaced_as_a_whole(tmp_path):
     made = warehouse(tmp_path, rows(min_sade=[1.0, 2.0, 6.0]))
-    build(made, RESULT.empty_table(), COST.empty_table(), CALLS.empty_table())
+    build(made, {"calls": CALLS.empty_table()})
     assert query(made, "select count(*) as n from results").to_pylist() == [{"n": 0}]
     assert [file.name for file in tmp_path.iterdir() if file.is_file()] == ["drivegen.duckdb"]
 

@@ -28,6 +28,15 @@ def test_scores_of_several_runs_stand_side_by_side_and_gaps_are_no_numbers(tmp_p
     np.testing.assert_array_equal(values["other"], [[6.0, 5.0], [np.nan, np.nan]])
 
 
+def test_scores_are_of_scenes_not_of_single_samples(tmp_path: Path) -> None:
+    run, numbers = Run("x", "evaluate", "drivegen", "", 7, ""), np.array([1.0, 3.0])
+    each = result_rows(run, ["s0", "s0"], {"error": numbers, "sade": numbers}, np.array([0, 1]))
+    write_results(tmp_path / "a.parquet", [result_rows(run, ["s0"], {"error": np.array([2.0])}), each])
+    scenarios, values = read_scores([tmp_path / "a.parquet"])
+    assert (scenarios, set(values)) == (("s0",), {"error"})
+    np.testing.assert_array_equal(values["error"], [[2.0]])
+
+
 def test_scores_of_other_scenes_are_refused(tmp_path: Path) -> None:
     parts = [part(tmp_path / "a.parquet", ["s0"], error=[1.0]), part(tmp_path / "b.parquet", ["s1"], error=[1.0])]
     with pytest.raises(UnusableInput, match=r"b\.parquet: other scenes than in .*a\.parquet"):

@@ -6,11 +6,11 @@ from drivegen.report.sections import about, corner, data, driving, generators, m
 
 _ORDER = (
     about.summary,
+    about.scenes,
+    about.comparisons,
     quality.section,
     quality.safety,
     trust.section,
-    about.scenes,
-    about.comparisons,
     driving.section,
     corner.section,
     data.section,

@@ -15,7 +15,11 @@ def summary(evidence: Evidence) -> Section:
         return Section("summary", "In brief", lead, missing=not_measured("evaluate"))
     keys = ("min_sade", "diversity_ratio", "collision_per_vehicle")
     lines = [
-        row(evidence.title(name), *(measured(values, key, 3 if "collision" in key else 2) for key in keys), origin="ours")
+        row(
+            evidence.title(name),
+            *(measured(values, key, 3 if "collision" in key else 2) for key in keys),
+            origin=evidence.origin(name),
+        )
         for name, values in methods.items()
     ]
     heads = ("", "min-sADE [m]", "diversity ratio", "vehicles in collision")

@@ -1,14 +1,12 @@
-"""Drivers: how they drive in logged and in generated traffic, and the paper's downstream training (table II)."""
+"""Drivers: how they drive in logged and in generated traffic."""
 
 from collections.abc import Mapping
-from itertools import chain
 from typing import Any
 
-from drivegen.report import paper
 from drivegen.report.averaged import over_recordings
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section, not_measured
-from drivegen.report.table import NOT_MEASURED, Table, measured, number, row
+from drivegen.report.table import Table, measured, number, row
 
 NEIGHBOURS = {"replayed": "", "reactive": "reactive."}
 """Kinds of neighbours -> what metrics of runs among them begin with."""
@@ -33,7 +31,7 @@ _COLUMNS = {
 
 
 def section(evidence: Evidence) -> Section:
-    """Every driver that was driven, by traffic, and the paper's downstream table."""
+    """Every driver that was driven, by traffic."""
     drivers = {name: by_traffic(values) for name, values in evidence.below("driving").items() if isinstance(values, Mapping)}
     lead = (
         "The target is driven by a driver; its neighbours are replayed, or react to it by braking. CR is the share of runs that "
@@ -43,7 +41,7 @@ def section(evidence: Evidence) -> Section:
     )
     found = [_table(name, traffic, evidence) for name, traffic in drivers.items()]
     missing = "" if drivers else not_measured("drive")
-    return Section("driving", "Driving", lead, (*found, _downstream()), missing=missing)
+    return Section("driving", "Driving", lead, tuple(found), missing=missing)
 
 
 def by_traffic(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
@@ -61,15 +59,9 @@ def _table(driver: str, traffic: Mapping[str, dict[str, Any]], evidence: Evidenc
         for kind, prefix in NEIGHBOURS.items():
             if f"{prefix}collision" in values:
                 cells = [measured(values, prefix + key) for key in _COLUMNS.values()]
-                lines.append(row(evidence.title(name), kind, number(values.get(f"{prefix}runs")), *cells, origin="ours"))
+                lines.append(
+                    row(evidence.title(name), kind, number(values.get(f"{prefix}runs")), *cells, origin=evidence.origin(name))
+                )
     over = tuple({over_recordings(int(values["recordings"])): None for values in traffic.values() if "recordings" in values})
     notes = (*evidence.trained_on, *over)
     return Table(f"driving-{driver}", f"Driver {driver}", ("traffic", "neighbours", "runs", *_COLUMNS), tuple(lines), notes)
-
-
-def _downstream() -> Table:
-    heads = ("", "data", *(f"{driver} {column}" for driver in ("GAIL", "SAC") for column in PAPER_COLUMNS))
-    ours = [row(f"{name}, ours", NOT_MEASURED, *[NOT_MEASURED] * 8, origin="ours") for name in ("Dataset", "DriveGen")]
-    theirs = [row(name, paper.MARK, *chain(*drivers), origin="paper") for name, drivers in paper.DOWNSTREAM.items()]
-    notes = ("Training drivers on generated scenarios is not part of this run.",)
-    return Table("downstream", "Table II. Drivers trained on generated scenarios", heads, (*ours, *theirs), notes)

@@ -39,13 +39,18 @@ def safety(evidence: Evidence) -> Section:
     rates = {"collision": "collision", "off_road": "off-road", "illegal": "any violation"}
     named = {f"{rate}_per_{of}": f"{word}, per {of}" for rate, word in rates.items() for of in ("vehicle", "scene")}
     lines = [
-        row(name_of(method, methods, evidence), *(_share(values, name) for name in (*named, *EDGES)))
+        row(
+            name_of(method, methods, evidence),
+            *(_share(values, name) for name in (*named, *EDGES)),
+            origin=evidence.origin(method),
+        )
         for method, values in methods.items()
     ]
     title = "Share of generated vehicles and scenes with a violation, and of those that drive out of the map"
     kinds = sorted({key for values in methods.values() for key in values if key.startswith("violation.")} - _bounds(methods))
     by_kind = [
-        row(name_of(method, methods, evidence), *(_share(values, kind) for kind in kinds)) for method, values in methods.items()
+        row(name_of(method, methods, evidence), *(_share(values, kind) for kind in kinds), origin=evidence.origin(method))
+        for method, values in methods.items()
     ]
     heads = ("", *(kind.removeprefix("violation.").replace("_", " ") for kind in kinds))
     notes = (*evidence.trained_on, *taken_over(methods))
@@ -67,7 +72,9 @@ def _realism(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table
     for method, values in evidence.rows(methods).items():
         cells = [replace(measured(values, key), best=method == best[key]) for key in _COLUMNS]
         source = (evidence.source or NOT_MEASURED) if values else NOT_MEASURED
-        ours.append(row(name_of(method, methods, evidence), source, _chosen_by(method, evidence), *cells, origin="ours"))
+        ours.append(
+            row(name_of(method, methods, evidence), source, _chosen_by(method, evidence), *cells, origin=evidence.origin(method))
+        )
     theirs = [row(name, paper.MARK, "", *map(number, values), origin="paper") for name, values in paper.QUALITY.items()]
     errors = ("min-sADE \u2193", "min-sFDE \u2193", "mean-sADE \u2193", "mean-sFDE \u2193", "diversity \u2192 1")
     notes = (
@@ -102,7 +109,7 @@ def _diversity(methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Tab
     readings = ("diversity_ratio", "diversity_ratio_plain", "diversity_ratio_any_sample", "diversity_ratio_any_sample_plain")
     heads = ("", "best sample, squared (paper)", "best sample, plain norm", "random sample, squared", "random sample, plain norm")
     lines = [
-        row(name_of(method, methods, evidence), *(measured(values, key) for key in readings), origin="ours")
+        row(name_of(method, methods, evidence), *(measured(values, key) for key in readings), origin=evidence.origin(method))
         for method, values in methods.items()
     ]
     pairs = number(next((values["diversity_pairs"] for values in methods.values() if "diversity_pairs" in values), None))

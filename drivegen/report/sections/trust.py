@@ -134,7 +134,7 @@ def _table(reading: Reading, methods: Mapping[str, dict[str, Any]], evidence: Ev
         row(
             name_of(name, methods, evidence),
             *(_cell(evidence.methods.get(name), values, key, reading.digits) for key in reading.columns),
-            origin="ours",
+            origin=evidence.origin(name),
         )
         for name, values in evidence.rows(methods).items()
     ]

@@ -52,25 +52,56 @@ class Drives:
         A run without a collision counts with an `impact_speed` of 0.
         """
         count = np.bincount(self.scene)
-        means = {name: np.bincount(self.scene, value.astype(np.float64)) / count for name, value in self._per_run().items()}
+        values = self._numbers() | kind_shares(self.outcome)
+        means = {name: np.bincount(self.scene, value.astype(np.float64)) / count for name, value in values.items()}
         return means | {"spread_over_samples": spread_over_samples(self.outcome.motion, self.scene)}
 
-    def _per_run(self) -> dict[str, NDArray[Any]]:
-        outcome, numbers = self.outcome, run_numbers(self.outcome.motion)
-        return {
-            "collision": outcome.collided,
-            "collision.at_fault": np.isin(outcome.kind, AT_FAULT),
-            "collision.in_first_second": outcome.in_first_second,
+    def per_run(self) -> tuple[list[str], NDArray[np.int64], dict[str, NDArray[np.float64]]]:
+        """The scenario of each run (S,), its number there, and what the means are of, by metric; and `impacts`."""
+        return [self.scenarios[s] for s in self.scene], numbered(self.scene), self._numbers() | impacts(self.outcome)
+
+    def _numbers(self) -> dict[str, NDArray[Any]]:
+        outcome = self.outcome
+        return run_metrics(outcome) | {
             "collision.artefact": outcome.artefact,
             "collision.nuplan_at_fault": outcome.at_fault,
             "impact_speed": np.nan_to_num(outcome.impact_speed),
             "imposed_braking": outcome.imposed_braking,
             "imposed_loss": outcome.imposed_loss,
-            **{f"collision.{kind.name.lower()}": outcome.kind == kind for kind in CollisionKind if kind},
-            "left_map": outcome.left_map,
-            "distance": numbers.distance,
-            "absolute_acceleration": numbers.absolute_acceleration,
-            "acceleration": numbers.acceleration,
-            "hardest_braking": numbers.hardest_braking,
+            "hardest_braking": run_numbers(outcome.motion).hardest_braking,
             "off_road": outcome.off_road,
         }
+
+
+def numbered(scene: NDArray[np.integer]) -> NDArray[np.int64]:
+    """Each run's number among those of its scene, (S,) of the scene of each (S,): the sample that it drove through."""
+    order = np.argsort(scene, kind="stable")
+    number = np.empty(len(scene), np.int64)
+    number[order] = np.arange(len(scene)) - np.searchsorted(scene[order], scene[order])
+    return number
+
+
+def run_metrics(outcome: DrivingOutcome) -> dict[str, NDArray[Any]]:
+    """What is said of each of S runs, (S,) by metric: how it ended, then `RunNumbers`."""
+    numbers = run_numbers(outcome.motion)
+    return {
+        "collision": outcome.collided,
+        "collision.at_fault": np.isin(outcome.kind, AT_FAULT),
+        "collision.in_first_second": outcome.in_first_second,
+        "left_map": outcome.left_map,
+        "distance": numbers.distance,
+        "absolute_acceleration": numbers.absolute_acceleration,
+        "acceleration": numbers.acceleration,
+    }
+
+
+def kind_shares(outcome: DrivingOutcome) -> dict[str, NDArray[np.bool_]]:
+    """Whether each of S runs ended in a collision of that kind, (S,) by metric."""
+    return {f"collision.{kind.name.lower()}": outcome.kind == kind for kind in CollisionKind if kind}
+
+
+def impacts(outcome: DrivingOutcome) -> dict[str, NDArray[np.float64]]:
+    """Of those of S runs that ended in a collision: its step, the partner, and a 1 under its kind; (S,) by metric, else NaN."""
+    kinds = {f"impact.kind.{kind.name.lower()}": np.where(outcome.kind == kind, 1.0, np.nan) for kind in CollisionKind if kind}
+    places: dict[str, NDArray[Any]] = {"impact.step": outcome.step, "impact.partner": outcome.partner}
+    return kinds | {name: np.where(outcome.collided, value, np.nan) for name, value in places.items()}

@@ -1,19 +1,56 @@
--- Everything below reads four tables: results (long rows, one number of one scenario each), costs (times, not repeatable),
--- calls (every call of a language model, or answer from the records, one row each) and methods (what every generator says of
--- itself, one row each: title, kind, the selector whose goals it follows).
+-- Everything below reads what `database.TABLES` names: results (long rows, one number of one scenario each, or of one sample of it
+-- where sample is not -1), scenarios, samples, recordings, parameters, costs (times, not repeatable), calls (every call of a language
+-- model, or answer from the records, one row each); and methods (what every generator says of itself, one row each: title, kind, the
+-- selector whose goals it follows).
+
+-- Every run of a stage that measured: what it read, and how many results it left.
+create view runs as
+select run, stage, item, method, driver, seed, backend, inputs, count(*) as results
+from results
+group by all
+order by stage, item, method;
+
+-- The results of scenes as a whole.
+create view scene_results as from results where sample = -1;
 
 -- One row a metric, method and driver: the numbers of the report's tables, before intervals.
 create view metrics as
-select stage, method, driver, metric,
+select stage, item, method, driver, metric,
        count(*) as scenarios, avg(value) as mean, median(value) as median, stddev_samp(value) as spread,
        min(value) as least, max(value) as most
-from results
+from scene_results
 where metric not like 'label.%' and metric not like 'manoeuvre.%'
 group by all;
 
+-- Every run of a driver through a sample: how it ended and how it drove. `kind` is who hit whom, null without a collision,
+-- `partner` the other vehicle's index in the scenario, `counted` whether corner cases learn from it, `made_by` the stage that made the
+-- traffic (its section of parameters says how), `shard` where that lies, `recording` one that shows it.
+create view drives as
+with runs_of_drivers as (
+    select stage, item, method, driver, scenario, sample,
+           bool_or(value = 1) filter (metric = 'collision') as collision,
+           max(split_part(metric, '.', 3)) filter (metric like 'impact.kind.%') as kind,
+           round(max(value) filter (metric = 'impact.step') / 10, 1) as seconds,
+           max(value) filter (metric = 'impact.partner')::int as partner,
+           bool_or(value = 1) filter (metric = 'collision.at_fault') as at_fault,
+           bool_or(value = 1) filter (metric = 'collision.counted') as counted,
+           bool_or(value = 1) filter (metric = 'left_map') as left_map,
+           max(value) filter (metric = 'distance') as distance,
+           max(value) filter (metric = 'absolute_acceleration') as absolute_acceleration
+    from results where driver <> '' and sample >= 0
+    group by all)
+select d.*, s.stage as made_by, s.shard, r.href as recording
+from runs_of_drivers d
+left join samples s on s.method = d.method and s.scenario = d.scenario and s.sample = d.sample
+                   and (s.stage = 'corner') = (d.stage = 'corner') and (d.stage <> 'corner' or s.item = d.item)
+left join recordings r on r.stage = s.stage and r.item = s.item and r.scenario = d.scenario and r.sample = d.sample;
+
+-- Those that ended in a collision.
+create view crashes as select * exclude (collision, left_map) from drives where collision;
+
 -- The paper's four realism columns and the rates of generated traffic, one row a method.
 create view scenario_quality as
-pivot (select method, metric, value from results where stage = 'evaluate' and metric in (
+pivot (select method, metric, value from scene_results where stage = 'evaluate' and metric in (
     'min_sade', 'min_sfde', 'mean_sade', 'mean_sfde', 'collision_per_vehicle', 'off_road_per_vehicle', 'illegal_per_vehicle'))
 on metric in ('min_sade', 'min_sfde', 'mean_sade', 'mean_sfde', 'collision_per_vehicle', 'off_road_per_vehicle', 'illegal_per_vehicle')
 using avg(value) group by method;
@@ -21,13 +58,13 @@ using avg(value) group by method;
 -- What kind of scene each scenario is: one row a scenario and aspect (road, manoeuvre, conflict, density).
 create view labels as
 select distinct scenario, split_part(metric, '.', 2) as aspect, split_part(metric, '.', 3) as label
-from results
+from scene_results
 where metric like 'label.%';
 
 -- Every metric by kind of scene, e.g. min_sade at signalised junctions.
 create view metrics_by_label as
 select l.aspect, l.label, r.stage, r.method, r.driver, r.metric, count(*) as scenarios, avg(r.value) as mean
-from results r join labels l using (scenario)
+from scene_results r join labels l using (scenario)
 where r.metric not like 'label.%' and r.metric not like 'manoeuvre.%'
 group by all;
 
@@ -47,7 +84,7 @@ with took as (
     select stage, item, max(value) filter (name = 'cpu_seconds') as cpu, max(value) filter (name = 'gpu_seconds') as gpu,
            max(value) filter (name = 'peak_megabytes') as megabytes
     from costs group by stage, item),
-seen as (select method, count(distinct scenario) as scenarios from results where stage = 'evaluate' group by method)
+seen as (select method, count(distinct scenario) as scenarios from scene_results where stage = 'evaluate' group by method)
 select seen.method, scenarios,
        if(goals is null, 0, 1000 * chosen.cpu / scenarios) as of_it_choosing_goals,
        1000 * made.cpu / scenarios + of_it_choosing_goals as cpu_seconds_per_1000,

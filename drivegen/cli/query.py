@@ -1,0 +1,53 @@
+"""`drivegen query`: a question in SQL to all results, scenarios, samples, recordings and parameters of the pipeline."""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import pyarrow as pa
+import pyarrow.csv
+from rich.console import Console
+from rich.table import Table
+from typer import Argument, Option
+
+from drivegen.warehouse.database import query
+
+WAREHOUSE = Path("reports/drivegen.duckdb")
+
+_CONTENTS = """
+    select table_name as "table", string_agg(column_name, ', ' order by ordinal_position) as columns
+    from information_schema.columns group by all order by "table"
+"""
+_SHOWN, _WIDEST = 40, 10_000
+
+
+def command(
+    sql: Annotated[str, Argument(help="One statement of SQL, as DuckDB has it; without one the tables are listed.")] = _CONTENTS,
+    warehouse: Annotated[Path, Option(help="The file that the stage collect writes.")] = WAREHOUSE,
+    csv: Annotated[bool, Option("--csv", help="Print all rows as CSV.")] = False,
+) -> None:
+    """Answer SQL over the results; nothing is changed, and no other file is read. `docs/store.md` has the tables."""
+    answer = query(warehouse, sql)
+    if csv:
+        pyarrow.csv.write_csv(answer, sys.stdout.buffer)
+    else:
+        _show(answer)
+
+
+def _show(answer: pa.Table) -> None:
+    """The first rows; where no screen is each in one line, for ids must not be cut."""
+    console = Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else _WIDEST)
+    table = Table(*answer.column_names, box=None, pad_edge=False, header_style="bold")
+    for row in answer.slice(0, _SHOWN).to_pylist():
+        table.add_row(*map(_cell, row.values()))
+    for column in table.columns:
+        column.overflow = "fold"
+    console.print(table)
+    if answer.num_rows > _SHOWN:
+        console.print(f"{_SHOWN} of {answer.num_rows} rows: --csv prints all, LIMIT chooses", style="dim")
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
