@@ -83,8 +83,11 @@ class Evidence:
         return {name: dict(measured[name]) for name in [*names, *sorted(set(measured) - set(self.methods))]}
 
     def rows(self, measured: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """The same with an empty row for every method that was not measured; bounds that were not are left out."""
-        missing: dict[str, Any] = {name: {} for name, method in self.methods.items() if method.kind != BOUND}
+        """The same with an empty row for every method that was not measured, bounds and those whose selector did not run apart."""
+        chosen = {None, *self.below("goals")}
+        missing: dict[str, Any] = {
+            name: {} for name, method in self.methods.items() if method.kind != BOUND and method.goals in chosen
+        }
         return self.ordered(missing | dict(measured))
 
     @property

@@ -63,5 +63,17 @@ def _table(driver: str, traffic: Mapping[str, dict[str, Any]], evidence: Evidenc
                     row(evidence.title(name), kind, number(values.get(f"{prefix}runs")), *cells, origin=evidence.origin(name))
                 )
     over = tuple({over_recordings(int(values["recordings"])): None for values in traffic.values() if "recordings" in values})
-    notes = (*evidence.trained_on, *over)
+    notes = (*_teaching(evidence.results.get(f"train_driver/{driver}")), *evidence.trained_on, *over)
     return Table(f"driving-{driver}", f"Driver {driver}", ("traffic", "neighbours", "runs", *_COLUMNS), tuple(lines), notes)
+
+
+def _teaching(taught: Any) -> tuple[str, ...]:
+    """Of a driver that was taught: by how much, and how well that went."""
+    if not isinstance(taught, Mapping):
+        return ()
+    share = 100 * float(taught["validation_collision"])
+    return (
+        f"Taught by {number(taught['train_scenes'])} logs for as long as this run takes, which is too short: the weights of "
+        f"iteration {number(taught['validation_step'])} collide in {share:.1f} % of {number(taught['validation_scenes'])} "
+        "validation scenes, among replayed neighbours.",
+    )
