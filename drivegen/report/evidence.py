@@ -83,7 +83,7 @@ class Evidence:
         return {name: dict(measured[name]) for name in [*names, *sorted(set(measured) - set(self.methods))]}
 
     def rows(self, measured: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """The same with an empty row for every method that was not measured, bounds and those whose selector did not run apart."""
+        """The same with an empty row for every method that was not measured but bounds and those whose selector did not run."""
         chosen = {None, *self.below("goals")}
         missing: dict[str, Any] = {
             name: {} for name, method in self.methods.items() if method.kind != BOUND and method.goals in chosen
