@@ -44,7 +44,7 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     took = time.process_time() - began
     write_network(model, name, policy.linear, ACTIVATION, squashed=False)
     write_grades(curve, grades)
-    kept = min(reversed(grades), key=lambda grade: grade.badness)
+    kept = min(reversed(grades[1:]), key=lambda grade: grade.badness)
     counts = {"train_scenes": len(train), "validation_scenes": len(validation)}
     write_json(metrics, {"driver": name, **counts, **{f"validation_{key}": value for key, value in asdict(kept).items()}})
     return {"training_cpu_seconds": took}

@@ -75,7 +75,7 @@ class Plugin(Network):
             if iteration % how.grade_every == 0 or iteration == how.iterations:
                 grades.append(graded(iteration, average, validation, logged))
                 say(f"iteration {iteration}/{how.iterations}: collisions in {grades[-1].collision:.1%} of validation scenes")
-                if grades[-1].badness <= min(grade.badness for grade in grades):
+                if grades[-1].badness <= min(grade.badness for grade in grades[1:]):  # the first is the clone's
                     kept = copy.deepcopy(average)
         return kept, grades
 

@@ -126,8 +126,9 @@ def _lines(scenes: Scenes, s: int, graph: LaneGraph) -> list[tuple[float, int]]:
     path = scenes.paths.point[s, :last].cpu().numpy().astype(np.float64)
     heading = scenes.paths.heading[s, :last].cpu().numpy()
     guarded = road_map.in_junction | np.isin(road_map.control, (LaneControl.YIELD, LaneControl.STOP, LaneControl.SIGNAL))
+    lanes = np.flatnonzero(guarded & road_map.for_vehicles)
     found = []
-    for lane in np.flatnonzero(guarded & road_map.for_vehicles).tolist():
+    for lane in lanes[_near(path, road_map, lanes)].tolist():
         if road_map.in_junction[graph.predecessors[lane]].any():
             continue  # the second half of a way across
         line = road_map.centreline[lane]
@@ -135,6 +136,14 @@ def _lines(scenes: Scenes, s: int, graph: LaneGraph) -> list[tuple[float, int]]:
         if begin is not None and end is not None and end > begin:
             found.append((min([begin, *_stop_lines(road_map, lane, path)]), lane))
     return sorted(found)
+
+
+def _near(path: Floats, road_map: RoadMap, lanes: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Which of some lanes have both ends so near to a point of the path that they may lie on it."""
+    start = road_map.centreline.start
+    ends = road_map.centreline.points[np.stack([start[lanes], start[lanes + 1] - 1])]
+    away = np.square(ends[:, :, None] - path.astype(np.float32)).sum(-1).min(-1, initial=np.inf)
+    return np.asarray((away < (ON_PATH + PATH_SPACING) ** 2).all(0))
 
 
 def _foot(path: Floats, heading: Floats, point: Floats, direction: float) -> float | None:

@@ -87,7 +87,10 @@ class Taught(Protocol):
     def teach(
         cls, how: Any, train: Lessons, validation: Lessons, seed: int, say: Callable[[str], None]
     ) -> tuple[Policy, list[Grade]]:
-        """The policy that drives best in `validation` of those that `train` gave; same input, same bytes on one machine."""
+        """The policy that drives best in `validation`, and how it drove there, first before it was taught.
+
+        Same input, same bytes on one machine.
+        """
 
 
 def graded(step: int, policy: Policy, lessons: Lessons, logged: Episodes) -> Grade:
