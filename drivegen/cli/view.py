@@ -5,6 +5,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -91,7 +92,8 @@ def _record(scenario: Path, out: Path | None) -> Path:
     sensor = any(scenario.glob("annotations*.feather"))
     log = read_whole_log(scenario) if sensor else read_folder(scenario, f"log in {scenario.name}")
     path = out or Path(f"{scenario.resolve().name}.rrd")  # not the id in the file, which may be anything
-    record_scenario(path, select(log, EVERYTHING), log_name="as in the folder")
+    begun = replace(EVERYTHING, first_step=1) if sensor else EVERYTHING  # velocities of a sensor log come from the frames before
+    record_scenario(path, select(log, begun), log_name="as in the folder")
     return path
 
 

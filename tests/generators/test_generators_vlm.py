@@ -59,9 +59,10 @@ def test_without_a_model_it_says_that_nobody_was_asked(models: Path) -> None:
     assert made.backend == "learned selector in place of a vision-language model (none was given)"
 
 
-def test_nobodys_run_is_a_row_that_reads_not_measured() -> None:
-    evidence, measured = Evidence(methods=read_methods()), {"drivegen": {"min_sade": 1.0}}
-    rows = evidence.rows(measured)
-    assert rows["drivegen_vlm"] == {}
-    line = row(name_of("drivegen_vlm", measured, evidence), number(rows["drivegen_vlm"].get("min_sade"), 2))
+def test_it_is_a_row_where_somebody_was_asked_and_none_elsewhere() -> None:
+    measured = {"drivegen": {"min_sade": 1.0}}
+    assert "drivegen_vlm" not in Evidence(methods=read_methods()).rows(measured)
+    asked = Evidence({"goals/vlm": {"described": "a model"}}, methods=read_methods())
+    assert asked.rows(measured)["drivegen_vlm"] == {}
+    line = row(name_of("drivegen_vlm", measured, asked), number(asked.rows(measured)["drivegen_vlm"].get("min_sade"), 2))
     assert [cell.text for cell in line.cells] == ["DriveGen, goals by a vision-language model", NOT_MEASURED]
