@@ -31,10 +31,13 @@ GENERATED = Path("data/generated/drivegen")
 
 _LISTED = 20
 
+LOCAL = ("--bind", "127.0.0.1")
+"""The viewer takes data from the network, too: from this machine alone."""
+
 
 def command(
     scenario: Annotated[
-        str, Argument(help="A scenario folder in Argoverse 2's layout, a sensor log's folder, or an id of data/.")
+        str, Argument(help="A scenario folder in Argoverse 2's layout, a sensor log's folder, an id of data/, or a recording.")
     ],
     out: Annotated[Path | None, Option(help="Write the recording here; else <folder>.rrd in the current folder.")] = None,
     show: Annotated[bool, Option(help="Open the viewer; without a screen only the file is written.")] = True,
@@ -45,7 +48,9 @@ def command(
     """
     console = Console()
     folder = Path(scenario)
-    if not folder.is_dir():
+    if folder.is_file() and folder.suffix == ".rrd":
+        path = folder
+    elif not folder.is_dir():
         path = _record_id(scenario, out)
     else:
         folder = _chosen(folder)
@@ -53,7 +58,7 @@ def command(
     if show and _has_screen():
         _open(path)
     else:
-        said = shlex.join([_viewer() or "rerun", str(path)])
+        said = shlex.join([_viewer() or "rerun", *LOCAL, str(path)])
         console.print(f"{path}: look at it with `{said}`", soft_wrap=True, highlight=False, markup=False)
 
 
@@ -110,6 +115,6 @@ def _open(path: Path) -> None:
     viewer = _viewer()
     if viewer is None:
         raise MissingTool(f"{path} is written but the viewer is not installed: pip install rerun-sdk==0.41.0")
-    if subprocess.run([viewer, str(path)], check=False).returncode:
-        served = shlex.join([viewer, "--serve-web", "--bind", "127.0.0.1", str(path)])
+    if subprocess.run([viewer, *LOCAL, str(path)], check=False).returncode:
+        served = shlex.join([viewer, "--serve-web", *LOCAL, str(path)])
         raise MissingTool(f"{path} is written but the viewer cannot open a window: try `{served}`")

@@ -208,6 +208,13 @@ def test_view_lists_the_scenarios_of_a_folder_and_takes_the_only_one(folder, tmp
     assert "drivegen view scene-1" in done.stderr
 
 
+def test_view_takes_a_recording_and_lets_the_viewer_listen_to_this_machine_alone(tmp_path):
+    (tmp_path / "scene.rrd").write_bytes(b"RRF2")
+    done = run("view", "scene.rrd", "--no-show", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert shlex.split(done.stdout.split("`")[1])[1:] == ["--bind", "127.0.0.1", "scene.rrd"]
+
+
 def test_view_takes_the_id_of_a_scenario_or_of_a_future_of_it(tmp_path):
     scene = replace(scenes.busy_crossing(), scenario_id="town:7")
     write_shard(tmp_path / "data/scenarios/test/shard-00000.parquet", [scene])

@@ -52,7 +52,7 @@ def comparisons(evidence: Evidence) -> Section:
 
 def recordings(evidence: Evidence) -> Section:
     """Links to recordings."""
-    lead = "Open with `.venv/bin/rerun FILE`; the layout is saved inside."
+    lead = "Open with `.venv/bin/drivegen view FILE`; the layout is saved inside."
     missing = "" if evidence.recordings else not_measured("record")
     return Section("recordings", "Recordings", lead, links=evidence.recordings, missing=missing)
 
