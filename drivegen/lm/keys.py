@@ -16,7 +16,8 @@ HIDDEN = "[key]"
 """What stands where a server repeated the key in its reply; all that is kept of a reply that holds it in disguise."""
 
 SHORTEST_SECRET = 12
-"""Letters and digits of the shortest key that is looked for in disguise: below that it is a placeholder, such as "none"."""
+"""Letters and digits of the shortest key that is looked for in disguise, too; a shorter one, such as "none", only as it stands:
+its letters would be found in honest replies."""
 
 LAYERS = 2
 """How many encodings may lie on top of one another."""

@@ -16,9 +16,6 @@ from drivegen.store.folders import whole_folder
 
 MANIFEST = "manifest.json"
 ALLOWED = (".json", ".safetensors")
-LARGEST = 2**33
-"""Bytes that a bundle may hold unpacked."""
-
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the zip format's first moment: equal models give equal bytes
 
 
@@ -55,15 +52,18 @@ def unpack(bundle: Path, models: Path) -> list[str]:
                         raise UnusableInput(f"{bundle}: {name} is not what was packed: copy the file again")
                     (folder / name).parent.mkdir(parents=True, exist_ok=True)
                     (folder / name).write_bytes(content)
-    except (zipfile.BadZipFile, KeyError, EOFError, NotImplementedError) as error:
+    except (zipfile.BadZipFile, KeyError, EOFError) as error:
         raise UnusableInput(f"{bundle} is no file of `drivegen weights save`, or was cut off ({error})") from None
     return list(digests)
 
 
 def _manifest(archive: zipfile.ZipFile, bundle: Path) -> dict[str, str]:
-    """Names and SHA-256 of what a bundle holds; raises UnusableInput for names that would lie elsewhere, and for a bomb."""
-    if sum(entry.file_size for entry in archive.infolist()) > LARGEST:
-        raise UnusableInput(f"{bundle} would unpack to more than {LARGEST / 1e9:.0f} GB: it holds no models of ours")
+    """Names and SHA-256 of what a bundle holds; raises UnusableInput for names that would lie elsewhere.
+
+    `pack` neither compresses nor encrypts: whatever is, is not ours, and could unpack to anything.
+    """
+    if any(entry.compress_type != zipfile.ZIP_STORED or entry.flag_bits & 1 for entry in archive.infolist()):
+        raise UnusableInput(f"{bundle} is compressed or encrypted: it is no file of `drivegen weights save`")
     try:
         digests: dict[str, Any] = json.loads(archive.read(MANIFEST))["sha256"]
         names = [PurePosixPath(name) for name in digests]

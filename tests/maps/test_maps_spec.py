@@ -85,4 +85,5 @@ def test_any_corridor_with_turn_lanes_is_built(
 def test_any_arcs_are_built(arcs: list[tuple[float, float]], length: float, shape: str, left_hand: bool) -> None:
     line = {"shape": shape, "length": length, "arcs": arcs}
     for kind in ("corridor", "highway"):
-        build_and_look({"kind": kind, "alignment": line}, left_hand)
+        network = build_and_look({"kind": kind, "alignment": line}, left_hand)
+        assert network.turn == pytest.approx(sum(abs(angle) for angle, _ in arcs), abs=5)

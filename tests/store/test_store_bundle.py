@@ -46,6 +46,15 @@ def test_names_that_lie_elsewhere_or_are_no_models_are_refused(tmp_path, name):
         unpack(tmp_path / "bad.zip", tmp_path / "there")
 
 
+def test_what_is_compressed_is_refused_before_it_is_unpacked(tmp_path):
+    with zipfile.ZipFile(tmp_path / "bomb.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(MANIFEST, '{"sha256": {"a.json": "0"}}')
+        archive.writestr("a.json", bytes(1 << 24))
+    with pytest.raises(UnusableInput, match=r"bomb\.zip is compressed or encrypted"):
+        unpack(tmp_path / "bomb.zip", tmp_path / "there")
+    assert not (tmp_path / "there").exists()
+
+
 def test_models_that_are_there_are_not_replaced(models, tmp_path):
     pack(models, tmp_path / "a.zip")
     with pytest.raises(UnusableInput, match="not empty"):
