@@ -74,9 +74,9 @@ def _numbers(request: TrafficRequest, start: AskedStart) -> list[Item]:
     wanted = request.kinds
     for kind in (Kind.CAR, Kind.TRUCK, Kind.BUS):
         if wanted[kind]:
-            found = int((placed == VehicleKind[kind.name]).sum())
+            number = int((placed == VehicleKind[kind.name]).sum())
             open_kinds = any(k is Kind.VEHICLE for k in start.cast.kinds[1:])
-            got = found >= wanted[kind] if open_kinds else found == wanted[kind]
+            got = number >= wanted[kind] if open_kinds else number == wanted[kind]
             items.append(Item("kind", f"{wanted[kind]} x {kind.value}", got))
     if request.target_kind not in (None, Kind.VEHICLE):
         got = bool(start.scenario.vehicles.kind[TARGET] == VehicleKind[request.target_kind.name])
@@ -92,8 +92,8 @@ def _of_group(start: AskedStart, number: int, group: Group, routes: list[list[Ro
         relation = wishes[0].relation or group.place
         heads = members[:1] if group.queue else members
         got = all(v is not None and stands(routes, vehicles, v, relation, group.distance) for v in heads)
-        said = f" {group.distance:g} m" if group.distance is not None else ""
-        items.append(Item("place", f"{group.count} x {group.kind.value}{said} {relation.value.replace('_', ' ')}", got))
+        distance = f" {group.distance:g} m" if group.distance is not None else ""
+        items.append(Item("place", f"{group.count} x {group.kind.value}{distance} {relation.value.replace('_', ' ')}", got))
     if group.queue:
         there = [v for v in members if v is not None]
         items.append(Item("queue", f"{group.count} in a queue", len(there) == len(members) and queued(routes, vehicles, there)))
@@ -111,14 +111,14 @@ def manoeuvres(start: AskedStart, samples: Samples, k: int) -> list[Item]:
     done = {duty.vehicle: (duty, natural) for duty, natural in zip(start.duties, start.ordered.natural, strict=True)}
     for order in start.cast.orders:
         vehicle = start.vehicle(order.number)
-        said = order.manoeuvre.value.replace("_", " ") + (f" within {order.within:g} s" if order.within is not None else "")
+        wording = order.manoeuvre.value.replace("_", " ") + (f" within {order.within:g} s" if order.within is not None else "")
         if vehicle is None or vehicle not in done:
-            items.append(Item(order.manoeuvre.value, said, False, 0.0))
+            items.append(Item(order.manoeuvre.value, wording, False, 0.0))
             continue
         duty, natural = done[vehicle]
         own = routes[vehicle][0] if routes[vehicle] else None
         got = not samples.dropped[k, vehicle] and does(duty, samples.motion[k], target, own)
-        items.append(Item(order.manoeuvre.value, said, bool(got), natural))
+        items.append(Item(order.manoeuvre.value, wording, bool(got), natural))
     return items
 
 

@@ -54,8 +54,8 @@ def stands(
         return side * turn < 0 and abs(abs(turn) - np.pi / 2) < ALIKE + 0.1 and side * y > 0 and x > 0
     if relation in (Relation.AHEAD, Relation.BEHIND):
         follower, leader = (TARGET, vehicle) if relation is Relation.AHEAD else (vehicle, TARGET)
-        found = [to_frenet(route, vehicles.position[leader][None])[0] for route in routes[follower]]
-        return any(abs(d) < OUT and _near(s, NEAREST - SLACK, FARTHEST + SLACK, distance) for s, d in found)
+        places = [to_frenet(route, vehicles.position[leader][None])[0] for route in routes[follower]]
+        return any(abs(d) < OUT and _near(s, NEAREST - SLACK, FARTHEST + SLACK, distance) for s, d in places)
     side = 1.0 if relation.value.startswith("left") else -1.0
     if not 1.5 < side * y < 6.5 or abs(turn) > ALIKE + 0.1:
         return False
@@ -79,10 +79,10 @@ def queued(routes: Sequence[Sequence[Route]], vehicles: Vehicles, members: list[
 
 def _in_line(routes: Sequence[Sequence[Route]], vehicles: Vehicles, members: list[int]) -> bool:
     for leader, follower in itertools.pairwise(members):
-        found = [to_frenet(route, vehicles.position[leader][None])[0] for route in routes[follower]]
+        places = [to_frenet(route, vehicles.position[leader][None])[0] for route in routes[follower]]
         length = float(vehicles.size[leader, 0] + vehicles.size[follower, 0]) / 2
         farthest = 10.0 + 2.5 * float(vehicles.speed[follower])
-        if not any(abs(d) < OUT and 0 < s - length < farthest for s, d in found):
+        if not any(abs(d) < OUT and 0 < s - length < farthest for s, d in places):
             return False
     return True
 

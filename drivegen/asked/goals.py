@@ -142,14 +142,14 @@ def _turning(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty, h
     green = [
         number for number, route in enumerate(own.routes) if _green(scenario, route, float(scenario.vehicles.speed[vehicle]))
     ]
-    found = np.equal(own.manoeuvre, TURNS[duty.manoeuvre]) & turned & np.isin(own.route, green) & (hastily | _calm(own))
+    fits = np.equal(own.manoeuvre, TURNS[duty.manoeuvre]) & turned & np.isin(own.route, green) & (hastily | _calm(own))
     if duty.manoeuvre is not Manoeuvre.TURN_LEFT_ACROSS:
-        return np.asarray(found)
+        return np.asarray(fits)
     way = keeping(candidates[TARGET])
     if way is None:
         return np.zeros(len(own), np.bool_)
     begins = to_frenet(way, scenario.vehicles.position[vehicle][None])[0, 1]
-    return np.asarray(found & (-np.sign(begins) * to_frenet(way, own.position)[:, 1] > ACROSS))
+    return np.asarray(fits & (-np.sign(begins) * to_frenet(way, own.position)[:, 1] > ACROSS))
 
 
 def _calm(own: Candidates) -> NDArray[np.bool_]:

@@ -58,8 +58,8 @@ class AskedStart:
 
     def vehicle(self, number: int) -> int | None:
         """The scenario's vehicle that is the asked vehicle `number`; None if it found no place."""
-        found = np.flatnonzero(self.number == number)
-        return int(found[0]) if len(found) else None
+        places = np.flatnonzero(self.number == number)
+        return int(places[0]) if len(places) else None
 
 
 def start(
@@ -86,9 +86,9 @@ def start(
         if best is not None and any(_missing(placed)) and _missing(placed) >= _missing(best):
             continue
         looked_at += 1
-        found = _with_goals(placed, selector, generation)
-        if best is None or _lacks(found) < _lacks(best):
-            best = found
+        start = _with_goals(placed, selector, generation)
+        if best is None or _lacks(start) < _lacks(best):
+            best = start
         if not any(_lacks(best)) or looked_at >= settings.starts:
             break
     assert best is not None
@@ -121,15 +121,15 @@ def _with_goals(placed: _Placed, selector: Selector, generation: GeneratorSettin
     return AskedStart(scenario, placed.cast, placed.number, placed.rejected, duties, free, bound)
 
 
-def _missing(found: "_Placed | AskedStart") -> tuple[int, int]:
+def _missing(start: "_Placed | AskedStart") -> tuple[int, int]:
     """How many found no place: of those with a wish, and of all."""
-    there = set(found.number.tolist())
-    wished = sum(wish.stands and number not in there for number, wish in enumerate(found.cast.wishes))
-    return wished, len(found.cast) - len(there)
+    there = set(start.number.tolist())
+    wished = sum(wish.stands and number not in there for number, wish in enumerate(start.cast.wishes))
+    return wished, len(start.cast) - len(there)
 
 
-def _lacks(found: AskedStart) -> tuple[float, ...]:
+def _lacks(start: AskedStart) -> tuple[float, ...]:
     """What is missing, the gravest first: wished vehicles, manoeuvres without a goal, vehicles, likelihood of the goals."""
-    wished, missing = _missing(found)
-    unlikely = sum(np.log(UNLIKELY / max(mass, 1e-6)) for mass in found.ordered.natural if mass < UNLIKELY)
-    return wished, len(found.cast.orders) - sum(found.ordered.feasible), missing, float(unlikely)
+    wished, missing = _missing(start)
+    unlikely = sum(np.log(UNLIKELY / max(mass, 1e-6)) for mass in start.ordered.natural if mass < UNLIKELY)
+    return wished, len(start.cast.orders) - sum(start.ordered.feasible), missing, float(unlikely)

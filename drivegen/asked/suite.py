@@ -54,14 +54,14 @@ def suite() -> list[Request]:
 
 def offers(road_map: RoadMap) -> set[str]:
     """What a map has of what requests need."""
-    found = {"any"}
+    names = {"any"}
     if road_map.may_change.any():
-        found.add("lanes")
+        names.add("lanes")
     if any(_turn(road_map.centreline[lane]) > LEFT_TURN for lane in np.flatnonzero(road_map.in_junction).tolist()):
-        found.add("junction")
+        names.add("junction")
     if turns(road_map, Ways(road_map))[:, 0].any():
-        found.add("crossing")
-    return found
+        names.add("crossing")
+    return names
 
 
 def _turn(line: NDArray[np.float32]) -> float:
@@ -159,7 +159,7 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
             for item, other in zip(done, by_chance, strict=True):
                 kinds.setdefault(item["kind"], []).append((item["got"], other["got"], item["natural"], row))
     placed = [row for row in rows if "vehicles" in row]
-    everything = [got for found in kinds.values() for got, *_ in found]
+    everything = [got for group in kinds.values() for got, *_ in group]
     return {
         "scenes": len(rows),
         "read_as_meant": sum(row["read_as_meant"] for row in rows),
@@ -168,7 +168,7 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "vehicles_placed": sum(row["vehicles"] for row in placed),
         "illegal": float(np.mean([row["illegal"] for row in placed])) if placed else 0.0,
         "illegal_free": float(np.mean([row["illegal_free"] for row in placed])) if placed else 0.0,
-        "kinds": {kind: _rates(found) for kind, found in sorted(kinds.items())},
+        "kinds": {kind: _rates(group) for kind, group in sorted(kinds.items())},
     }
 
 
@@ -187,17 +187,17 @@ def _got(name: str, items: Sequence[Mapping[str, Any]]) -> dict[str, float]:
     return {name: float(np.mean([item["got"] for item in items]))} if items else {}
 
 
-def _rates(found: Sequence[tuple[bool, bool | None, float | None, Mapping[str, Any]]]) -> dict[str, Any]:
+def _rates(rows: Sequence[tuple[bool, bool | None, float | None, Mapping[str, Any]]]) -> dict[str, Any]:
     """Of one kind of request; `by_chance` is how often it came about in the same scene without being asked for."""
-    chance = [other for _, other, _, _ in found if other is not None]
-    natural = [mass for _, _, mass, _ in found if mass is not None]
-    gaps = [row["least_time_gap"] for *_, row in found if row.get("least_time_gap") is not None]
+    chance = [other for _, other, _, _ in rows if other is not None]
+    natural = [mass for _, _, mass, _ in rows if mass is not None]
+    gaps = [row["least_time_gap"] for *_, row in rows if row.get("least_time_gap") is not None]
     return {
-        "asked": len(found),
-        "got": float(np.mean([got for got, *_ in found])),
+        "asked": len(rows),
+        "got": float(np.mean([got for got, *_ in rows])),
         "by_chance": float(np.mean(chance)) if chance else None,
         "natural": float(np.median(natural)) if natural else None,
-        "illegal": float(np.mean([row["illegal"] for *_, row in found])),
-        "illegal_free": float(np.mean([row["illegal_free"] for *_, row in found])),
+        "illegal": float(np.mean([row["illegal"] for *_, row in rows])),
+        "illegal_free": float(np.mean([row["illegal_free"] for *_, row in rows])),
         "least_time_gap": float(np.median(gaps)) if gaps else None,
     }

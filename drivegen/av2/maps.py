@@ -16,6 +16,7 @@ import orjson
 from numpy.typing import NDArray
 
 from drivegen.av2.schema import CROSSABLE_MARKS
+from drivegen.core import safe_json
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import Floats, Polylines, arc_length, interpolate
 from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap, open_ends
@@ -38,12 +39,9 @@ def read_map(raw: bytes, place: str) -> RoadMap:
         raw: the JSON file's bytes.
         place: the file's name for error sentences.
 
-    Raises UnusableInput, reason `bad-map` or `no-lanes`, naming `place` and what is wrong.
+    Raises UnusableInput, reason `bad-map` or `no-lanes`, or `too-large`, naming `place` and what is wrong.
     """
-    try:
-        tree = orjson.loads(raw)
-    except orjson.JSONDecodeError as error:
-        raise UnusableInput(f"{place} is not a JSON file: {error}", reason="bad-map") from None
+    tree = safe_json.parse(raw, place, "bad-map")
     if not isinstance(tree, dict) or not isinstance(tree.get("lane_segments"), dict):
         raise UnusableInput(f"{place} is no Argoverse 2 map: it has no `lane_segments`", reason="bad-map")
     if not tree["lane_segments"]:

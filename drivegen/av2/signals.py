@@ -8,6 +8,7 @@ import numpy as np
 import orjson
 from numpy.typing import NDArray
 
+from drivegen.core import safe_json
 from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.scenario import Signals
@@ -23,13 +24,14 @@ _STATE_OF[np.frombuffer(LETTERS.encode(), np.uint8)] = np.arange(len(LETTERS))
 def read_signals(raw: bytes, road_map: RoadMap, place: str) -> Signals:
     """Signals over the file's steps; those of lanes that a cropped map does not hold are left out.
 
-    Raises UnusableInput, reason `bad-signals`, naming `place`.
+    Raises UnusableInput, reason `bad-signals` or `too-large`, naming `place`.
     """
     index = {number: i for i, number in enumerate(road_map.lane_id.tolist())}
     try:
-        rows = [(index[row["lane"]], row["states"]) for row in orjson.loads(raw)["signals"] if row["lane"] in index]
+        tree = safe_json.parse(raw, place, "bad-signals")
+        rows = [(index[row["lane"]], row["states"]) for row in tree["signals"] if row["lane"] in index]
         state = _states([letters for _, letters in rows])
-    except (orjson.JSONDecodeError, KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError) as error:
         raise UnusableInput(f"{place} is no signals file: {error}", reason="bad-signals") from None
     return Signals(np.array([lane for lane, _ in rows], np.int32), state)
 

@@ -13,10 +13,15 @@ from numpy.typing import NDArray
 
 from drivegen.checker.limits import Limits
 from drivegen.checker.scene import SceneChecker
-from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.errors import MissingTool
 from drivegen.core.samples import Samples, Violation
 from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.seal import BLANK, expect_seal, sealed
 from drivegen.roads.leaving import STAYS, Exits, left_from
+from drivegen.store.files import as_json, whole
+
+SEAL = "checksum"
+"""The name in the file of what is no limit."""
 
 
 def read_limits(models: Path) -> Limits:
@@ -25,17 +30,21 @@ def read_limits(models: Path) -> Limits:
 
 
 def read_limits_file(path: Path) -> Limits:
-    """The checker's limits as the calibrate stage wrote them.
+    """The checker's limits as `write_limits_file` wrote them.
 
-    Raises MissingTool where the file is absent, UnusableInput where it is broken.
+    Raises MissingTool where the file is absent, UnusableInput where it is broken or changed.
     """
     if not path.exists():
         raise MissingTool(f"{path} is not there: `make run` calibrates it and trains the models beside it")
-    try:
-        values = orjson.loads(path.read_bytes())
-    except orjson.JSONDecodeError:
-        raise UnusableInput(f"{path} is not JSON: remove it and `make run` again") from None
-    return Limits.from_json(values, str(path))
+    raw = path.read_bytes()
+    expect_seal(raw, path, "remove it and `make run` again")
+    return Limits.from_json({name: value for name, value in orjson.loads(raw).items() if name != SEAL}, str(path))
+
+
+def write_limits_file(path: Path, limits: Limits) -> None:
+    """JSON, written whole, with a checksum of itself."""
+    with whole(path) as temporary:
+        temporary.write_bytes(sealed(as_json(limits.to_json() | {SEAL: BLANK})))
 
 
 def judged(scenario: Scenario, samples: Samples, limits: Limits) -> Samples:

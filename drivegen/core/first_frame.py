@@ -19,7 +19,8 @@ def first_frame(scenario: Scenario) -> Scenario:
     Signals show their state at step 0 and are UNKNOWN from then on (see `Signals.held`). Context actors that are there go
     on for a while (see `going_on`); those that come later are left out.
     """
-    return replace(scenario, log=None, context=_going_on(scenario.context), signals=_shown_now(scenario.signals))
+    now = replace(scenario, log=None, context=_going_on(scenario.context), signals=_shown_now(scenario.signals))
+    return replace(now, per_hour=0.0)  # how many others drive on is part of the future
 
 
 def _shown_now(signals: Signals) -> Signals:

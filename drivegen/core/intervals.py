@@ -31,15 +31,28 @@ class Interval:
     high: float
 
 
+_NGSIM = {
+    "USA_Lanker-2_13_T-1": ("USA_Lanker-2_14_T-1",),
+    "USA_Lanker-2_16_T-1": ("USA_Lanker-2_19_T-1", "USA_Lanker-2_21_T-1"),
+    "USA_US101-5_1_T-1": ("USA_US101-15_1_T-1",),
+    "USA_US101-6_1_T-1": tuple(f"USA_US101-{n}_1_T-1" for n in (7, 9, 20, 25, 28)),
+    "USA_US101-12_1_T-1": ("USA_US101-17_1_T-1",),
+}
+_GROUP = {file: group for group, files in _NGSIM.items() for file in files}
+"""Recordings of NGSIM in CommonRoad that show the same cars at overlapping times (found by equal sequences of speeds), and the
+one that stands for all: of 28 recordings there are 18 groups that share no cars."""
+
+
 def recording(scenario_id: str) -> str:
-    """The recording that a scenario was cut from.
+    """The recording that a scenario was cut from, the same for recordings that share vehicles.
 
     Ids are `<file>-<number>` (CommonRoad: windows one after the other, several targets in each), `<log>-<window>` (Argoverse 2
     Sensor: windows overlap), `<network>-<part>-<run>-<first step>-<target>` (corpus: a run of SUMO is the recording) and a
     UUID (Argoverse 2 Motion Forecasting: a recording of its own). Scenes of one recording show the same vehicles, at the same
     time or some seconds later, so they are resampled together and never on both sides of a split.
     """
-    return _SCENE.sub("", scenario_id)
+    name = _SCENE.sub("", scenario_id)
+    return _GROUP.get(name, name)
 
 
 def usual_length(steps: NDArray[np.generic]) -> int:

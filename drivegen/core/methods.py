@@ -20,6 +20,10 @@ DriveGen; DriveGen with a part taken out; traffic learned from logs; traffic by 
 what only anchors a measure; what is told some of what happened. The last two win nothing.
 """
 
+ADDITIONS = ("exclusion", "checker", "tempo")
+"""What may be done to the futures of any model: goals of a scene exclude one another; what the checker turns down is planned
+again, or exchanged for another trajectory of the same vehicle; the vehicles of a future share a tempo."""
+
 NOTHING, LOGS = SOURCES = ("nothing", "the logs")
 """What a method may be trained on."""
 
@@ -32,6 +36,7 @@ class Method:
         title: its name in tables. line: what it does, in one sentence. kind: one of KINDS.
         goals: the selector whose recorded goals it follows, None where it follows none.
         trains_on: one of SOURCES. places: whether it also places vehicles on a map (`Learned.placements`).
+        additions: those of ADDITIONS that are a part of it.
     """
 
     title: str
@@ -40,9 +45,10 @@ class Method:
     goals: str | None
     trains_on: str
     places: bool
+    additions: tuple[str, ...]
 
     def __post_init__(self) -> None:
-        for value, choices in ((self.kind, KINDS), (self.trains_on, SOURCES)):
+        for value, choices in ((self.kind, KINDS), (self.trains_on, SOURCES), *((one, ADDITIONS) for one in self.additions)):
             if value not in choices:
                 raise UnusableInput(f"the generator {self.title!r} is {value!r}, which is none of {', '.join(choices)}")
 

@@ -8,11 +8,12 @@ import ast
 import importlib
 import importlib.util
 import pkgutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.settings import build
 
 _NOT_PLUGINS = {"base"}
 
@@ -38,6 +39,17 @@ def load(folder: str, name: str) -> Any:
     if not hasattr(module, "Plugin"):
         raise UnusableInput(f"drivegen/{folder}/{name}.py must define `Plugin` (see drivegen/{folder}/base.py)")
     return module.Plugin
+
+
+def make(folder: str, name: str, settings: Mapping[str, Any], section: str) -> Any:
+    """The plugin made with its own of `settings`, which stand by its name in that section of params.yaml.
+
+    Raises UnusableInput as `load` does, where there are none, and where they are not what its `settings_type` says.
+    """
+    plugin = load(folder, name)
+    if name not in settings:
+        raise UnusableInput(f"params.yaml: {section} has no settings for {name!r}: write them there")
+    return plugin(build(plugin.settings_type, settings[name], f"params.yaml: {section}.{name}"))
 
 
 def about(folder: str, name: str) -> dict[str, Any]:

@@ -31,6 +31,7 @@ class RecordedLog:
         ego: index of the recording vehicle ("AV"), NO_TRACK if there is none.
         signals: Signals over T steps.
         skipped: number of tracks left out by object type, e.g. {"static": 3}.
+        per_hour: see `Scenario`.
     """
 
     scenario_id: str
@@ -45,3 +46,4 @@ class RecordedLog:
     ego: int
     signals: Signals
     skipped: dict[str, int]
+    per_hour: float = 0.0

@@ -274,6 +274,7 @@ class Scenario:
         context: Actors over the same T steps.
         signals: Signals over the same T steps.
         notes: what was adapted on the way in, counted in the report, e.g. {"target": "AV, focal track is no vehicle"}.
+        per_hour: how often such a scenario occurs in an hour of the traffic that it was drawn from [1/h]; 0 where nobody knows.
     """
 
     scenario_id: str
@@ -286,6 +287,7 @@ class Scenario:
     context: Actors
     signals: Signals
     notes: dict[str, str] = field(default_factory=dict)
+    per_hour: float = 0.0
 
     @property
     def steps(self) -> int:

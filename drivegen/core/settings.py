@@ -50,7 +50,7 @@ NotNegative = Annotated[float, Within(0)]
 Share = Annotated[float, Within(0, 1)]
 Seed = Annotated[int, Within(0, 2**63 - 1)]
 
-_SHARED_KINDS = {"seed": Seed, "training_seed": Seed, "workers": Count}
+_SHARED_KINDS = {"seed": Seed, "training_seed": Seed, "sampling_seed": Seed, "workers": Count, "cluster": str}
 
 
 def read_section(section: str, path: Path = PARAMS) -> dict[str, Any]:

@@ -53,7 +53,7 @@ async def _call(model: Callable[[Line], "Model"], requests: Sequence[Request], k
     async with line.http:
         try:
             async with asyncio.timeout(LONGEST.total_seconds()):
-                found = await model_request_batch(
+                results = await model_request_batch(
                     model(line), questions, poll_interval=FIRST_LOOK, max_poll_interval=LAST_LOOK, max_resubmissions=1
                 )
         except (UserError, NotImplementedError):
@@ -65,7 +65,7 @@ async def _call(model: Callable[[Line], "Model"], requests: Sequence[Request], k
         else:
             return [
                 _failure(request, url, reason_of(one)) if isinstance(one, Exception) else as_reply(one, key, retries=0)
-                for request, one in zip(requests, found, strict=True)
+                for request, one in zip(requests, results, strict=True)
             ]
     return [_failure(request, url, reason) for request in requests]
 

@@ -88,13 +88,13 @@ class LanguageModel:
         """What is sent for a prompt; also what an estimate is made of."""
         schema = prompt.answer.model_json_schema()
         output = cast(Output, self._settings.output)
-        told = prompt.instructions
+        instructions = prompt.instructions
         if output == "prompted":
-            told = f"{told}\n\n{_IN_WORDS}{orjson.dumps(schema, option=orjson.OPT_SORT_KEYS).decode()}"
+            instructions = f"{instructions}\n\n{_IN_WORDS}{orjson.dumps(schema, option=orjson.OPT_SORT_KEYS).decode()}"
         return Request(
             model=self._settings.model,
             prompt_version=prompt.version,
-            instructions=told,
+            instructions=instructions,
             parts=prompt.parts,
             turns=turns,
             schema=schema,
@@ -157,24 +157,26 @@ class LanguageModel:
         As `ask`, but what has no answer stands in the list as its NoAnswer. What is recorded is not asked again; what fails
         validation goes into another batch, twice at most. Raises UnusableInput where the vendor has no batch endpoint.
         """
-        found: dict[int, A | NoAnswer] = {}
+        answers: dict[int, A | NoAnswer] = {}
         turns: list[tuple[Turn, ...]] = [()] * len(prompts)
         for asked in range(1 + ASKED_AGAIN):
-            left = [i for i in range(len(prompts)) if i not in found]
+            left = [i for i in range(len(prompts)) if i not in answers]
             requests = [self.request(prompts[i], sample, turns[i]) for i in left]
             for i, (reply, row) in zip(left, self._replies(requests, asked), strict=True):
                 if isinstance(reply, NoAnswer):
-                    found[i] = reply
+                    answers[i] = reply
                     continue
                 try:
-                    found[i] = read(reply.text, prompts[i])
+                    answers[i] = read(reply.text, prompts[i])
                 except InvalidReply as wrong:
                     self.ledger.add(replace(row, outcome="asked again" if asked < ASKED_AGAIN else "invalid-answer"))
                     turns[i] = (*turns[i], Turn(reply.text, _MEND.format(wrong)))
                 else:
                     self.ledger.add(replace(row, outcome="answered"))
-        said = f"{self._settings.model} gave no valid answer in {1 + ASKED_AGAIN} attempts"
-        return [found.get(i, NoAnswer(f"{said} (prompt {prompts[i].version})", "invalid-answer")) for i in range(len(prompts))]
+        failure = f"{self._settings.model} gave no valid answer in {1 + ASKED_AGAIN} attempts"
+        return [
+            answers.get(i, NoAnswer(f"{failure} (prompt {prompts[i].version})", "invalid-answer")) for i in range(len(prompts))
+        ]
 
     def _replies(self, requests: Sequence[Request], asked: int) -> list[tuple[Reply | NoAnswer, Call]]:
         """Recorded replies, and those of one batch for the rest; rows lack the outcome, those of failures are noted."""
@@ -191,12 +193,12 @@ class LanguageModel:
         began = time.perf_counter()
         replies = self._backend().replies(requests)
         latency = time.perf_counter() - began
-        told: list[tuple[Reply | NoAnswer, Call]] = []
+        calls: list[tuple[Reply | NoAnswer, Call]] = []
         for request, row, usd, reply in zip(requests, rows, most, replies, strict=True):
-            told.append((reply, self._ended(request, row, usd, reply, latency, DISCOUNT)))
+            calls.append((reply, self._ended(request, row, usd, reply, latency, DISCOUNT)))
             if isinstance(reply, Reply):
                 self._records.keep(request, reply)
-        return told
+        return calls
 
     def _call(self, request: Request, row: Call) -> tuple[Reply, Call]:
         most = self._set_aside(request)
@@ -225,8 +227,8 @@ class LanguageModel:
             return row
         cost = self._price(request, reply.input_tokens, reply.output_tokens, share)
         self.ledger.settle(most, cost)
-        told = replace(row, latency=latency, retries=reply.retries, cost=_dollars(cost))
-        return replace(told, input_tokens=reply.input_tokens, output_tokens=reply.output_tokens)
+        entry = replace(row, latency=latency, retries=reply.retries, cost=_dollars(cost))
+        return replace(entry, input_tokens=reply.input_tokens, output_tokens=reply.output_tokens)
 
     def _price(self, request: Request, tokens_in: int | None, tokens_out: int | None, share: float) -> float | None:
         usd = price(request.model, self._backend().vendor(self._settings.base_url), tokens_in, tokens_out)

@@ -60,9 +60,9 @@ def price(model: str, vendor: str, input_tokens: int | None, output_tokens: int 
 
 def input_tokens(request: Request, backend: type[Backend]) -> int:
     """About how many tokens a request is."""
-    said = [request.instructions, *(part for part in request.parts if isinstance(part, str))]
-    said += [text for turn in request.turns for text in (turn.reply, turn.complaint)]
-    length = sum(len(text.encode()) for text in said) + len(orjson.dumps(request.schema))
+    texts = [request.instructions, *(part for part in request.parts if isinstance(part, str))]
+    texts += [text for turn in request.turns for text in (turn.reply, turn.complaint)]
+    length = sum(len(text.encode()) for text in texts) + len(orjson.dumps(request.schema))
     images = [part for part in request.parts if isinstance(part, Image)]
     return math.ceil(length / _BYTES_PER_TOKEN) + sum(backend.image_tokens(*_size(image.content)) for image in images)
 

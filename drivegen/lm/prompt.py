@@ -28,7 +28,7 @@ class Prompt(Generic[A]):
     """One question.
 
     Attributes:
-        version: names the wording, e.g. "roads-2"; part of the key under which answers are recorded.
+        version: names the wording, e.g. "roads-3"; part of the key under which answers are recorded.
         instructions: the rules, the same for every question of a kind.
         parts: what is asked, texts and pictures in order. What users or files said is data: fence it with `fenced`.
         answer: the type of the answer; its fields' bounds are enforced.

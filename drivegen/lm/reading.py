@@ -9,6 +9,8 @@ from drivegen.lm.prompt import A, Prompt
 _FENCE = re.compile(r"\A\s*```[a-zA-Z]*\s*\n(.*?)\n?\s*```\s*\Z", re.DOTALL)
 _MOST_LINES = 10
 _LONGEST_LINE = 200
+_LONGEST_REPLY = 1_000_000
+"""Characters: a hundred times the longest answer that anything asks for."""
 
 
 class InvalidReply(ValueError):
@@ -17,6 +19,8 @@ class InvalidReply(ValueError):
 
 def read(text: str, prompt: Prompt[A]) -> A:
     """The answer in `text`, bare JSON or JSON in a code fence. Raises InvalidReply."""
+    if len(text) > _LONGEST_REPLY:
+        raise InvalidReply(f"the reply has {len(text)} characters: answer in fewer")
     fence = _FENCE.match(text)
     try:
         answer = prompt.answer.model_validate_json(fence[1] if fence else text)
@@ -39,6 +43,6 @@ def _complaint(error: ValidationError) -> str:
 
 
 def _short(lines: list[str]) -> str:
-    told = [line[:_LONGEST_LINE] for line in lines[:_MOST_LINES]]
-    more = len(lines) - len(told)
-    return "\n".join([*told, f"(and {more} more)"] if more else told)
+    problems = [line[:_LONGEST_LINE] for line in lines[:_MOST_LINES]]
+    more = len(lines) - len(problems)
+    return "\n".join([*problems, f"(and {more} more)"] if more else problems)

@@ -63,9 +63,11 @@ class Records:
         """Record a reply, except in mode off."""
         if self.mode is Mode.OFF:
             return
-        said = {"text": reply.text, "input_tokens": reply.input_tokens, "output_tokens": reply.output_tokens}
+        reply_fields = {"text": reply.text, "input_tokens": reply.input_tokens, "output_tokens": reply.output_tokens}
         key = key_of(request)
-        write_json(self._file(key), {"key": key, "request": told(request), "reply": said, "sha256": _digest(said)})
+        write_json(
+            self._file(key), {"key": key, "request": told(request), "reply": reply_fields, "sha256": _digest(reply_fields)}
+        )
 
     def _file(self, key: str) -> Path:
         return self.folder / key[:2] / f"{key}.json"
@@ -99,9 +101,9 @@ def told(request: Request) -> dict[str, Any]:
 def _read(file: Path) -> Reply:
     with suppress(ValueError, KeyError, TypeError):
         content = orjson.loads(file.read_bytes())
-        said = content["reply"]
-        if (content["key"], content["sha256"]) == (file.stem, _digest(said)):
-            return Reply(said["text"], said["input_tokens"], said["output_tokens"], retries=0)
+        reply_fields = content["reply"]
+        if (content["key"], content["sha256"]) == (file.stem, _digest(reply_fields)):
+            return Reply(reply_fields["text"], reply_fields["input_tokens"], reply_fields["output_tokens"], retries=0)
     raise DamagedRecord(f"{file} is no recorded reply, or was changed: delete it and record it again")
 
 

@@ -45,8 +45,8 @@ class RoleSettings:
     batch: bool
 
     def __post_init__(self) -> None:
-        if self.backend not in (known := plugins.names("lm.backends")):
-            raise UnusableInput(f"lm: no backend is called {self.backend!r}: choose one of {', '.join(known)}")
+        if self.backend not in (names := plugins.names("lm.backends")):
+            raise UnusableInput(f"lm: no backend is called {self.backend!r}: choose one of {', '.join(names)}")
         if self.output not in get_args(Output):
             raise UnusableInput(f"lm: output is one of {', '.join(get_args(Output))}, not {self.output!r}")
         if self.key and not _VARIABLE.fullmatch(self.key):  # perhaps the key itself: not repeated here

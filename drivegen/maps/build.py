@@ -64,10 +64,10 @@ def build_spec(spec: MapSpec | WrittenNetwork, account: dict[str, Any], contradi
 
     `account` is what is known about where it comes from, `contradictions` what of the description it contradicts.
     """
-    found = examine(spec)
-    told = {**account, **_source(spec), "checks": found.checks, "failed": [*failures(found.checks), *contradictions]}
-    told["structure"] = found.structure
-    return BuiltMap(found.network, found.road_map, found.structure, found.checks, told)
+    findings = examine(spec)
+    fields = {**account, **_source(spec), "checks": findings.checks, "failed": [*failures(findings.checks), *contradictions]}
+    fields["structure"] = findings.structure
+    return BuiltMap(findings.network, findings.road_map, findings.structure, findings.checks, fields)
 
 
 def _source(spec: MapSpec | WrittenNetwork) -> dict[str, Any]:

@@ -1,10 +1,10 @@
 """Whether a network has what its specification asks for: arms, lanes, signals, lengths, ramps, and nobody stuck."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drivegen.layouts.crossings import Arm, Crossing, Roundabout
+from drivegen.layouts.crossings import Crossing, Roundabout
 from drivegen.layouts.graph import Graph
 from drivegen.layouts.highways import Fork, Highway, Interchange
 from drivegen.layouts.quadrants import QuadrantInterchange
@@ -33,23 +33,24 @@ class Check:
     passed: bool
 
 
-def check_sound(found: Structure, overlaps: Sequence[str]) -> list[Check]:
+def check_sound(structure: Structure, overlaps: Sequence[str]) -> list[Check]:
     """What every network must be, whatever was asked: each way in has a way out, no two roads lie on one another."""
     return [
-        Check("nobody stuck", "none", list(found.stuck[:5]), not found.stuck),
+        Check("nobody stuck", "none", list(structure.stuck[:5]), not structure.stuck),
         Check("no overlapping roads", "none", list(overlaps), not overlaps),
     ]
 
 
-def check(spec: MapSpec, found: Structure) -> list[Check]:
+def check(spec: MapSpec, structure: Structure) -> list[Check]:
     """Checks of a specification against its network's structure, the failed ones included."""
-    return check_asked({"left_hand": spec.left_hand, **_EXPECTED[spec.road.kind](spec.road)}, found)
+    return check_asked({"left_hand": spec.left_hand, **_EXPECTED[spec.road.kind](spec.road)}, structure)
 
 
-def check_asked(asked: Mapping[str, Any], found: Structure) -> list[Check]:
+def check_asked(asked: Mapping[str, Any], structure: Structure) -> list[Check]:
     """One check per name of `asked`, which are names of `Structure`."""
     return [
-        Check(_TITLES.get(n, n.replace("_", " ")), w, getattr(found, n), _agrees(w, getattr(found, n))) for n, w in asked.items()
+        Check(_TITLES.get(n, n.replace("_", " ")), w, getattr(structure, n), _agrees(w, getattr(structure, n)))
+        for n, w in asked.items()
     ]
 
 
@@ -68,10 +69,11 @@ def _crossing(road: Crossing) -> dict[str, Any]:
     count = len(road.arms)
     return {
         **_way_across(road),
+        "turns": _turns([road]),
         "arms": (count,),
         "signals": int(road.control == "signals"),
         "roundabouts": (),
-        "max_lanes": max(max(a.lanes_out, a.lanes_in + _pockets(a, road)) for a in road.arms),
+        "max_lanes": max(max(arm.lanes_out, arm.lanes_in + sum(road.turn_lanes(i)[:2])) for i, arm in enumerate(road.arms)),
         "merges": 0,
         "diverges": 0,
     }
@@ -92,13 +94,9 @@ def _sharpest(road: Crossing) -> float:
     return min((after - before) % 360.0 for before, after in zip(angles, [*angles[1:], angles[0] + 360.0], strict=True))
 
 
-def _pockets(arm: Arm, road: Crossing) -> int:
-    """Turn lanes that an arm really gets: only where there is somewhere to turn."""
-    if not arm.lanes_in:
-        return 0
-    turns = [(o.angle - arm.angle) % 360.0 - 180.0 for o in road.arms if o is not arm and o.lanes_out]
-    left, right = any(turn > 40 for turn in turns), any(turn < -40 for turn in turns)
-    return int(arm.left_turn_lane and left) + int(arm.right_turn_lane and right)
+def _turns(crossings: Iterable[Crossing | None]) -> int:
+    """Ways over crossings from arm to arm, those left out that are banned."""
+    return sum(len(c.turns(i)) for c in crossings if c is not None for i, arm in enumerate(c.arms) if arm.lanes_in)
 
 
 def _roundabout(road: Roundabout) -> dict[str, Any]:
@@ -110,6 +108,7 @@ def _corridor(road: Corridor) -> dict[str, Any]:
     rings = [2 + len(j.sides) for j in road.junctions if j.form == "roundabout"]
     expected: dict[str, Any] = {
         "arms": tuple(sorted((2 + len(j.sides) for j in crossings), reverse=True)),
+        "turns": _turns(road.crossings),
         "signals": sum(j.control == "signals" for j in crossings),
         "roundabouts": tuple(rings),
         "one_way": road.lanes_back == 0 and not road.junctions,

@@ -32,11 +32,11 @@ def windows(road_map: RoadMap, count: int, radius: float, rng: np.random.Generat
         return []
     points = np.concatenate([resample(road_map.centreline[i], _SPACING) for i in lanes])
     cropper = Cropper(road_map)
-    found = []
+    rows = []
     for i in rng.integers(len(points), size=count).tolist():
         inside = int((np.hypot(*(points - points[i]).T) <= radius).sum())
-        found.append({**described(cropper.around(points[i : i + 1], radius)[0]), "length": inside * _SPACING / 1000})
-    return found
+        rows.append({**described(cropper.around(points[i : i + 1], radius)[0]), "length": inside * _SPACING / 1000})
+    return rows
 
 
 def described(window: RoadMap) -> dict[str, float]:
@@ -54,15 +54,15 @@ def described(window: RoadMap) -> dict[str, float]:
     }
 
 
-def summary(found: Sequence[Mapping[str, float]]) -> dict[str, float]:
+def summary(windows: Sequence[Mapping[str, float]]) -> dict[str, float]:
     """Mean, standard deviation and the middle 80 % of every feature over the windows of one source."""
-    told: dict[str, float] = {"windows": len(found)}
+    means: dict[str, float] = {"windows": len(windows)}
     for name in FEATURES:
-        values = np.array([one[name] for one in found])
+        values = np.array([one[name] for one in windows])
         low, high = np.percentile(values, (10, 90))
-        told |= {name: float(values.mean()), f"{name}.low": float(low), f"{name}.high": float(high)}
-        told[f"{name} spread"] = float(values.std())
-    return {name: round(value, 4) for name, value in told.items()}
+        means |= {name: float(values.mean()), f"{name}.low": float(low), f"{name}.high": float(high)}
+        means[f"{name} spread"] = float(values.std())
+    return {name: round(value, 4) for name, value in means.items()}
 
 
 def junction_arms(window: RoadMap) -> list[int]:

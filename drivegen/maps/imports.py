@@ -55,9 +55,9 @@ def import_map(raw: bytes, place: str, window: Window | None = None) -> BuiltMap
         root = parse(data, place)
         source = _SOURCES.get(root.tag, "")
         if not source:
-            known = ", ".join(_SOURCES.values())
+            formats = ", ".join(_SOURCES.values())
             raise UnusableInput(
-                f"{place} is no map: it holds <{root.tag}>; known are {known} and Argoverse 2", reason="not-a-map"
+                f"{place} is no map: it holds <{root.tag}>; known are {formats} and Argoverse 2", reason="not-a-map"
             )
         network = data if root.tag == "net" else _converted(data, root.tag, place)
     if window is not None:

@@ -39,16 +39,16 @@ def overlapping(root: Element) -> tuple[str, ...]:
     nodes = {j.get("id", ""): (float(j.get("x", "0")), float(j.get("y", "0"))) for j in root.iter("junction")}
     edges = [e for e in root.iter("edge") if not e.get("function") and e.get("from") and e.get("to")]
     ends = _joined([(e.get("from", ""), e.get("to", "")) for e in edges])
-    found: dict[tuple[int, int], Point] = {}
+    places: dict[tuple[int, int], Point] = {}
     for a, b, (x, y), apart in _touching([_samples(edge) for edge in edges]):
         if apart >= _CLEARANCE:
             continue
         shared = [nodes[name] for name in ends[a] & ends[b] if name in nodes]
-        if (a, b) not in found and all(math.dist((x, y), node) > _NEAR_NODE for node in shared):
-            found[a, b] = (x, y)
+        if (a, b) not in places and all(math.dist((x, y), node) > _NEAR_NODE for node in shared):
+            places[a, b] = (x, y)
     names = [edge.get("id", "") for edge in edges]
-    told = [f"{names[a]} and {names[b]} near ({x:.0f}, {y:.0f})" for (a, b), (x, y) in sorted(found.items())]
-    return tuple(told[:_MOST])
+    lines = [f"{names[a]} and {names[b]} near ({x:.0f}, {y:.0f})" for (a, b), (x, y) in sorted(places.items())]
+    return tuple(lines[:_MOST])
 
 
 def bridges(root: Element) -> int:
@@ -57,11 +57,11 @@ def bridges(root: Element) -> int:
     if not any(lane.get("shape", "").split(" ", 1)[0].count(",") > 1 for edge in edges for lane in edge.iter("lane")):
         return 0
     above = {(a, b): place for a, b, place, apart in _touching([_samples(edge) for edge in edges]) if apart >= _CLEARANCE}
-    found: list[list[Point]] = []
+    groups: list[list[Point]] = []
     for place in above.values():
-        near = [one for one in found if any(math.dist(place, other) < _ONE_BRIDGE for other in one)]
-        found = [one for one in found if one not in near] + [[place, *(other for one in near for other in one)]]
-    return len(found)
+        near = [one for one in groups if any(math.dist(place, other) < _ONE_BRIDGE for other in one)]
+        groups = [one for one in groups if one not in near] + [[place, *(other for one in near for other in one)]]
+    return len(groups)
 
 
 def _joined(ends: list[tuple[str, str]]) -> list[set[str]]:

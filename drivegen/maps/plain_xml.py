@@ -105,67 +105,69 @@ class _Reader:
 
     def every(self, root: Element, tag: str, most: int, read: Callable[[Element], T]) -> list[T]:
         """All children called `tag`, `most` at most."""
-        found: list[T] = []
+        items: list[T] = []
         elements = root.findall(tag)
         if len(elements) > most:
             self.wrong.append(f"<{root.tag}> holds {len(elements)} elements <{tag}>, more than {most}")
         for element in elements[:most]:
             try:
-                found.append(read(element))
+                items.append(read(element))
             except _Wrong as problem:
                 self.wrong.append(str(problem))
-        return found
+        return items
 
     def node(self, element: Element) -> Node:
-        said = _attributes(element)
-        shape = said.get("type", "priority")
+        attributes = _attributes(element)
+        shape = attributes.get("type", "priority")
         if shape not in _NODE_TYPES:
-            raise _Wrong(f"node {said['id']}: type must be one of {', '.join(sorted(_NODE_TYPES))}, not {_shown(shape)}")
+            raise _Wrong(f"node {attributes['id']}: type must be one of {', '.join(sorted(_NODE_TYPES))}, not {_shown(shape)}")
         x, y = (_number(element, name, -_FAR, _FAR) for name in ("x", "y"))
-        return Node(said["id"], x, y, shape, radius=_number(element, "radius", 0, 50) if "radius" in said else None)
+        return Node(attributes["id"], x, y, shape, radius=_number(element, "radius", 0, 50) if "radius" in attributes else None)
 
     def edge(self, element: Element) -> Edge:
-        said = _attributes(element, "from", "to")
+        attributes = _attributes(element, "from", "to")
         lanes = _whole(element, "numLanes", 1, 8)
-        spread = said.get("spreadType", "right")
+        spread = attributes.get("spreadType", "right")
         if spread not in _SPREADS:
-            raise _Wrong(f"edge {said['id']}: spreadType must be one of {', '.join(sorted(_SPREADS))}, not {_shown(spread)}")
+            raise _Wrong(
+                f"edge {attributes['id']}: spreadType must be one of {', '.join(sorted(_SPREADS))}, not {_shown(spread)}"
+            )
         return Edge(
-            id=said["id"],
-            source=said["from"],
-            target=said["to"],
+            id=attributes["id"],
+            source=attributes["from"],
+            target=attributes["to"],
             lanes=lanes,
             speed=_number(element, "speed", 3, 45),
-            priority=_whole(element, "priority", 0, 100) if "priority" in said else 1,
+            priority=_whole(element, "priority", 0, 100) if "priority" in attributes else 1,
             shape=_line(element),
             spread=spread,
-            width=_number(element, "width", 2, 6) if "width" in said else None,
+            width=_number(element, "width", 2, 6) if "width" in attributes else None,
             per_lane=_lanes(element, lanes),
         )
 
     def roundabout(self, element: Element) -> Roundabout:
-        said = _attributes(element)
-        return Roundabout(tuple(said["nodes"].split()[:_POINTS]), tuple(said["edges"].split()[:_POINTS]))
+        nodes, edges = (_attributes(element)[name].split()[:_POINTS] for name in ("nodes", "edges"))
+        return Roundabout(tuple(nodes), tuple(edges))
 
     def connection(self, element: Element) -> Connection:
-        said = _attributes(element, "from", "to")
-        return Connection(said["from"], said["to"], _whole(element, "fromLane", 0, 7), _whole(element, "toLane", 0, 7))
+        ends = _attributes(element, "from", "to")
+        return Connection(ends["from"], ends["to"], _whole(element, "fromLane", 0, 7), _whole(element, "toLane", 0, 7))
 
 
 def _attributes(element: Element, *names: str) -> dict[str, str]:
     """The element's attributes, none unknown or missing; `id` and `names` are ids."""
-    said = dict(element.attrib)
-    here = f"{element.tag} {_shown(said.get('id', ''))}".strip()
-    if missing := sorted(_REQUIRED[element.tag] - set(said)):
+    attributes = dict(element.attrib)
+    here = f"{element.tag} {_shown(attributes.get('id', ''))}".strip()
+    if missing := sorted(_REQUIRED[element.tag] - set(attributes)):
         raise _Wrong(f"{here}: the attribute {missing[0]} is missing")
-    if unknown := sorted(set(said) - _REQUIRED[element.tag] - _OPTIONAL[element.tag]):
+    if unknown := sorted(set(attributes) - _REQUIRED[element.tag] - _OPTIONAL[element.tag]):
         raise _Wrong(f"{here}: the attribute {_shown(unknown[0])} is not allowed")
     for name in ("id", *names):
-        if name in said and not _NAME.fullmatch(said[name]):
+        if name in attributes and not _NAME.fullmatch(attributes[name]):
             raise _Wrong(f"{here}: {name} must be 1 to 32 letters, digits, _ . or -")
     if element.tag != "edge" and len(element):
         raise _Wrong(f"{here}: may hold nothing")
-    return said
+    return attributes
 
 
 def _number(element: Element, name: str, low: float, high: float) -> float:
@@ -203,9 +205,9 @@ def _lanes(edge: Element, count: int) -> tuple[Lane, ...]:
     for element in edge:
         if element.tag != "lane":
             raise _Wrong(f"edge {_shown(edge.get('id', ''))}: may hold lane only, not <{_shown(element.tag)}>")
-        said = _attributes(element)
+        attributes = _attributes(element)
         index = _whole(element, "index", 0, count - 1)
-        width, speed = (_number(element, n, *r) if n in said else None for n, r in (("width", (2, 6)), ("speed", (3, 45))))
+        width, speed = (_number(element, n, *r) if n in attributes else None for n, r in (("width", (2, 6)), ("speed", (3, 45))))
         lanes[index] = Lane(width=width, speed=speed)
     return tuple(lanes)
 

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from pathlib import Path
 
-import orjson
 from pydantic import ValidationError
 
+from drivegen.core import safe_json
 from drivegen.core.errors import UnusableInput
 from drivegen.layouts.spec import MapSpec
 from drivegen.maps.build import ACCOUNT, BuiltMap, build_spec
@@ -18,11 +18,11 @@ def refine_map(folder: Path, text: str, edit: Callable[[MapSpec, str], MapSpec])
     """
     file = folder / ACCOUNT
     try:
-        account = orjson.loads(file.read_bytes())
+        account = safe_json.parse(file.read_bytes(), file)
         spec = MapSpec.model_validate(account["spec"])
     except FileNotFoundError:
         raise UnusableInput(f"{file} is not there: make the map first", reason="no-map") from None
-    except (orjson.JSONDecodeError, KeyError, TypeError, ValidationError):
+    except (KeyError, TypeError, ValidationError):
         raise UnusableInput(f"{file} holds no map specification: imported maps cannot be refined", reason="no-map") from None
     done = {"edit": text, "before": account["spec"]}
     kept = {name: account[name] for name in ("text", "seed", "backend", "understood", "assumed", "ignored") if name in account}

@@ -29,7 +29,7 @@ class Structure:
 
     Attributes:
         arms: roads that meet at each junction, most first. approach_lanes: lanes of the roads into the largest one, ahead of
-            their turn lanes. signals: junctions with traffic lights.
+            their turn lanes. turns: ways over all junctions, from road to road. signals: junctions with traffic lights.
         roundabouts: roads that meet each declared ring. ring_lanes: most common number of lanes on rings, 0 without.
         merges, diverges: places where edges join into one, or one splits, and nobody has another way to go.
         lane_drops, lane_gains: places where one edge goes on as one of fewer or more lanes.
@@ -44,6 +44,7 @@ class Structure:
 
     arms: tuple[int, ...]
     approach_lanes: tuple[int, ...]
+    turns: int
     signals: int
     roundabouts: tuple[int, ...]
     ring_lanes: int
@@ -155,6 +156,7 @@ class _Graph:
         return Structure(
             arms=tuple(sorted(arms.values(), reverse=True)),
             approach_lanes=self._approaches(max(sorted(arms), key=lambda node: arms[node])) if arms else (),
+            turns=sum(len(self.on[edge]) for node in arms for edge in self.entering[node]),
             signals=len(self.lit & set(arms)),
             roundabouts=tuple(self._ring_arms(nodes, ids) for nodes, ids in self.rings),
             ring_lanes=_mode((self.edges[e].lanes, 1.0) for e in sorted(ring_edges)) if ring_edges else 0,
@@ -178,11 +180,11 @@ class _Graph:
 
     def _approaches(self, node: str) -> tuple[int, ...]:
         """Lanes of the roads into a node; where turn lanes begin on the way, those before."""
-        found = []
+        lanes = []
         for edge in self.entering[node]:
             before = [b for b in self.back[edge] if self.on[b] == {edge} and len(self.back[edge]) == 1]
-            found.append(min([self.edges[edge].lanes, *(self.edges[b].lanes for b in before)]))
-        return tuple(found)
+            lanes.append(min([self.edges[edge].lanes, *(self.edges[b].lanes for b in before)]))
+        return tuple(lanes)
 
     def _only(self, edge: str, towards: dict[str, set[str]], away: dict[str, set[str]]) -> bool:
         others = towards.get(edge, set())

@@ -5,11 +5,11 @@ and safetensors are packed or unpacked, so nothing in a bundle can run.
 """
 
 import hashlib
-import json
 import zipfile
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from drivegen.core import safe_json
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.store.files import as_json, whole
 from drivegen.store.folders import whole_folder
@@ -65,7 +65,7 @@ def _manifest(archive: zipfile.ZipFile, bundle: Path) -> dict[str, str]:
     if any(entry.compress_type != zipfile.ZIP_STORED or entry.flag_bits & 1 for entry in archive.infolist()):
         raise UnusableInput(f"{bundle} is compressed or encrypted: it is no file of `drivegen weights save`")
     try:
-        digests: dict[str, Any] = json.loads(archive.read(MANIFEST))["sha256"]
+        digests: dict[str, Any] = safe_json.parse(archive.read(MANIFEST), f"{bundle}: {MANIFEST}")["sha256"]
         names = [PurePosixPath(name) for name in digests]
     except (ValueError, TypeError, KeyError):
         raise UnusableInput(f"{bundle} has no list of models ({MANIFEST}): `drivegen weights save` writes one") from None

@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import socket
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -14,6 +15,8 @@ import pyarrow.parquet as pq
 
 from drivegen.core.errors import UnusableInput
 
+HOST = socket.gethostname()
+
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
@@ -24,7 +27,7 @@ def whole(path: Path) -> Iterator[Path]:
     """
     if path.exists() and not path.is_file():  # never replace a device
         raise UnusableInput(f"{path} is there and no plain file: name another one", reason="not-a-file")
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    temporary = part_of(path)
     with naming(path, temporary):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -38,9 +41,14 @@ def whole(path: Path) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
 
 
+def part_of(path: Path) -> Path:
+    """Where this process writes before `path` is replaced; machines that share a folder have processes of the same number."""
+    return path.with_name(f".{path.name}.{HOST}.{os.getpid()}.part")
+
+
 def sweep(path: Path) -> None:
-    """Remove temporary files and folders for `path` whose process has ended without doing so, as one that was killed has."""
-    ours = re.compile(rf"\.{re.escape(path.name)}\.(\d{{1,9}})\.part")
+    """Remove temporary files and folders for `path` whose process, one of this machine, was killed before it did so."""
+    ours = re.compile(rf"\.{re.escape(f'{path.name}.{HOST}')}\.(\d{{1,9}})\.part")
     for leftover in path.parent.glob(".*.part"):
         if (found := ours.fullmatch(leftover.name)) and not _runs(int(found[1])):
             with suppress(OSError):

@@ -1,13 +1,12 @@
 """A folder of results is written whole or not at all, as `files` does for one file."""
 
-import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from drivegen.core.errors import UnusableInput
-from drivegen.store.files import naming, sweep
+from drivegen.store.files import naming, part_of, sweep
 
 
 @contextmanager
@@ -23,7 +22,7 @@ def whole_folder(path: Path) -> Iterator[Path]:
     if path.is_dir() and any(path.iterdir()):
         raise UnusableInput(f"{path} is not empty: name a new folder, or remove it first", reason="not-empty")
     sweep(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    temporary = part_of(path)
     with naming(path, temporary):
         try:
             temporary.mkdir(parents=True)

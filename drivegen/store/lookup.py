@@ -1,16 +1,20 @@
-"""A scenario by its id, out of the folders in which the pipeline leaves shards."""
+"""A scenario by its id, and with its futures, out of the folders in which the pipeline leaves shards."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Samples
-from drivegen.core.scenario import Scenario
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
+
+_Row = TypeVar("_Row", Scenario, Samples)
 
 _SAMPLE = re.compile(r"(.+)-s(\d{2,})")
 
@@ -32,9 +36,53 @@ def find_sample(wanted: str, folders: Sequence[Path], generated: Path) -> tuple[
     if parts is None or place is None or not (generated / place[0].name).exists():
         return None
     shard, scenario = place
-    samples = next((s for s in read_samples(generated / shard.name) if s.scenario_id == scenario.scenario_id), None)
+    samples = samples_in(generated / shard.name, scenario.scenario_id)
     number = int(parts[2])
-    return (scenario, samples, number) if samples is not None and number < len(samples.dropped) else None
+    return (scenario, samples, number) if number < len(samples.dropped) else None
+
+
+def scenario_in(shard: Path, scenario_id: str) -> Scenario:
+    """That scenario of a shard; raises UnusableInput where the shard lacks it."""
+    return _only(shard, read_shard(shard), scenario_id)
+
+
+def samples_in(shard: Path, scenario_id: str) -> Samples:
+    """The futures of that scenario in a shard of samples; raises UnusableInput where the shard lacks it."""
+    return _only(shard, read_samples(shard), scenario_id)
+
+
+def logs_in(shard: Path) -> list[tuple[Scenario, Trajectories]]:
+    """Each scenario of a shard that has a log, with it."""
+    return [(scenario, scenario.log) for scenario in read_shard(shard) if scenario.log is not None]
+
+
+def logs_below(folder: Path) -> list[tuple[Scenario, Trajectories]]:
+    """Those of all shards of a folder; raises UnusableInput where there are none."""
+    logs = [one for shard in shards(folder) for one in logs_in(shard)]
+    if not logs:
+        raise UnusableInput(f"{folder} holds no scenario with a log to learn from", reason="no-scenarios")
+    return logs
+
+
+def futures_in(shard: Path, scenarios: Path) -> Iterator[tuple[Scenario, Samples]]:
+    """Each scenario of a shard of samples with its futures, in order; `scenarios` is the folder of their scenarios' shards.
+
+    Raises UnusableInput where that folder lacks the shard, or has other scenarios in it.
+    """
+    base = scenarios / shard.name
+    if not base.is_file():
+        raise UnusableInput(f"{shard} holds futures of scenarios in {base}, which is not there: name their folder")
+    rows, futures = read_shard(base), read_samples(shard)
+    if [row.scenario_id for row in rows] != [samples.scenario_id for samples in futures]:
+        raise UnusableInput(f"{shard} holds futures of other scenarios than {base}: name their folder, or make them again")
+    yield from zip(rows, futures, strict=True)
+
+
+def _only(shard: Path, rows: "Sequence[_Row]", scenario_id: str) -> "_Row":
+    for row in rows:
+        if row.scenario_id == scenario_id:
+            return row
+    raise UnusableInput(f"{shard} lacks scenario {scenario_id}: make it again (`dvc repro`)")
 
 
 def _ids(shard: Path) -> list[str]:

@@ -22,7 +22,7 @@ from drivegen.core.scenario import Actors, Scenario, Signals, Trajectories, Vehi
 from drivegen.store.lists import Shard, built, column, read_shard_table, write_shard_table
 
 KIND = "scenarios"
-VERSION = 2
+VERSION = 3
 
 _BOOL, _BYTE, _INT, _LONG = pa.bool_(), pa.uint8(), pa.int32(), pa.int64()
 _FLOAT, _DOUBLE, _WORD = pa.float32(), pa.float64(), pa.string()
@@ -71,6 +71,7 @@ _SCALARS: dict[str, tuple[pa.DataType, Callable[[Scenario], Any]]] = {
     "city": (_WORD, attrgetter("city")),
     "horizon": (_INT, attrgetter("horizon")),
     "has_log": (_BOOL, lambda scenario: scenario.log is not None),
+    "per_hour": (_DOUBLE, attrgetter("per_hour")),
     "map.dangling": (_INT, attrgetter("map.dangling")),
     "notes": (_WORD, lambda scenario: orjson.dumps(scenario.notes, option=orjson.OPT_SORT_KEYS).decode()),
 }
@@ -141,6 +142,7 @@ def _scenario(shard: Shard, row: int) -> Scenario:
         context=context,
         signals=Signals(shard["signals.lane"][row], shard["signals.state"][row].reshape(-1, steps)),
         notes=orjson.loads(shard["notes"][row]),
+        per_hour=float(shard["per_hour"][row]),
     )
     scenario.validate()
     return scenario

@@ -21,7 +21,7 @@ from drivegen.sumo.network import Network
 _SHORTEST = 150.0
 """Trips shorter than this [m] are drawn only where the network has no longer ones."""
 
-_SLOWER = 0.8
+_SLOWER = 0.6
 """Trips take longer than at the speed limit, by about the inverse of this: signals, bends, other traffic."""
 
 _USUAL_LIMIT = 14.0
@@ -38,10 +38,13 @@ class Demand:
 
     Attributes:
         vehicles: that the traffic begins with; new ones enter at the rate at which these leave.
+        exit_speed: motor vehicles leave the network no faster than this [m/s]; where that is slow, the road beyond is full and
+            queues spill back.
         seconds: until when new vehicles enter [s].
     """
 
     vehicles: int
+    exit_speed: float
     seconds: float
 
 
@@ -61,9 +64,20 @@ class _Edges:
 
 def vehicles_at_begin(network: Network, density: float, most: int) -> int:
     """How many vehicles fill the network's roads with `density` vehicles per kilometre of lane; 8 at least."""
+    return int(min(most, max(8.0, density * _road(network)[1].sum() / 1000.0)))
+
+
+def mean_limit(network: Network) -> float:
+    """Of a metre of lane [m/s]."""
+    road, metres = _road(network)
+    limit = network.map.speed_limit[road]
+    return float(np.average(np.where(np.isfinite(limit), limit, _USUAL_LIMIT), weights=metres))
+
+
+def _road(network: Network) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Lanes for cars outside junctions, and the length of each [m]."""
     road = np.flatnonzero((network.map.kind == LaneKind.VEHICLE) & ~network.map.in_junction)
-    metres = sum(float(np.hypot(*np.diff(network.map.centreline[lane], axis=0).T).sum()) for lane in road.tolist())
-    return int(min(most, max(8.0, density * metres / 1000.0)))
+    return road, np.array([np.hypot(*np.diff(network.map.centreline[lane], axis=0).T).sum() for lane in road.tolist()])
 
 
 def draw_demand(network: Network, demand: Demand, random: np.random.Generator) -> bytes:
@@ -80,10 +94,12 @@ def draw_demand(network: Network, demand: Demand, random: np.random.Generator) -
     for i, depart in enumerate([0.0] * demand.vehicles + sorted(later.tolist())):
         route = routes[int(random.integers(len(routes)))]
         open_to = everybody if edges.limit[route].max() <= CYCLED else motorised
-        kind = open_to[int(random.integers(len(open_to)))].name
-        vehicle = SubElement(root, "vehicle", id=str(i), type=kind, depart=f"{depart:.1f}")
+        kind = open_to[int(random.integers(len(open_to)))]
+        vehicle = SubElement(root, "vehicle", id=str(i), type=kind.name, depart=f"{depart:.1f}")
         vehicle.set("departLane", "best" if depart else "random")
         vehicle.set("departSpeed", "desired")
+        if kind.kind != VehicleKind.CYCLIST:
+            vehicle.set("arrivalSpeed", f"{demand.exit_speed:.1f}")
         vehicle.set("departPos", "base" if depart else "random_free")
         if not depart:
             vehicle.set("departEdge", "random")

@@ -4,32 +4,36 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import convolve1d
 
 from drivegen.core.geometry import box_corners, rotate
-from drivegen.core.scenario import Actors, Scenario, Trajectories
+from drivegen.core.scenario import DT, Actors, Scenario, Trajectories
+from drivegen.core.settings import NotNegative, Positive, Share
 
 
 @dataclass(frozen=True)
 class SensingSettings:
-    """How the simulated truth is measured; all off gives the truth.
+    """How the simulated truth is measured.
 
     Attributes:
+        share: of the recordings that are measured so; the others are the truth.
         occlusion: tracks have gaps where another vehicle hides them from the recording one (from the focal one where
             there is no recording one).
         position_noise: standard deviation of each coordinate [m]. heading_noise: of the heading [rad].
-        speed_noise: of each component of the velocity [m/s].
+        noise_time: over which errors last [s]: trackers are off for a while, not anew at each step.
     """
 
+    share: Share
     occlusion: bool
-    position_noise: float
-    heading_noise: float
-    speed_noise: float
+    position_noise: NotNegative
+    heading_noise: NotNegative
+    noise_time: Positive
 
 
 def sensed(scenario: Scenario, observer: str, settings: SensingSettings, random: np.random.Generator) -> Scenario:
     """The scenario as measured from the vehicle with track id `observer`; nobody hides that vehicle or the focal one.
 
-    Noise is white: each step is measured anew. Initial states follow their tracks.
+    Velocities are off by what the error of the position changes. Initial states follow their tracks.
     """
     if scenario.log is None:
         return scenario
@@ -64,17 +68,23 @@ def _joined(a: Trajectories, b: Trajectories) -> Trajectories:
 
 
 def _noisy(motion: Trajectories, settings: SensingSettings, random: np.random.Generator) -> Trajectories:
-    def off(values: NDArray[np.float32], deviation: float) -> NDArray[np.float32]:
-        if deviation == 0:
-            return values
-        return (values + deviation * random.standard_normal(values.shape, np.float32)).astype(np.float32)
-
+    off = settings.position_noise * _lasting((*motion.valid.shape, 2), settings.noise_time, random)
+    turned = settings.heading_noise * _lasting((*motion.valid.shape, 1), settings.noise_time, random)[..., 0]
     return replace(
         motion,
-        position=off(motion.position, settings.position_noise),
-        heading=off(motion.heading, settings.heading_noise),
-        velocity=off(motion.velocity, settings.speed_noise),
+        position=(motion.position + off).astype(np.float32),
+        heading=(motion.heading + turned).astype(np.float32),
+        velocity=(motion.velocity + np.gradient(off, DT, axis=1)).astype(np.float32),
     )
+
+
+def _lasting(shape: tuple[int, ...], seconds: float, random: np.random.Generator) -> NDArray[np.float64]:
+    """Gaussian noise (N, T, C) of variance 1 whose autocorrelation over time falls as a Gaussian of `seconds`."""
+    width = seconds / DT / np.sqrt(2)
+    reach = int(np.ceil(4 * width))
+    weight = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
+    white = random.standard_normal((shape[0], shape[1] + 2 * reach, shape[2]))
+    return np.asarray(convolve1d(white, weight / np.linalg.norm(weight), axis=1)[:, reach:-reach])
 
 
 def _hidden(motion: Trajectories, size: NDArray[np.float32], eye: int) -> NDArray[np.bool_]:

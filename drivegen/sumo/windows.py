@@ -5,7 +5,7 @@ about). In a window that makes one, who stands for the recording vehicle and whe
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,18 +66,27 @@ class Recording:
     city: str
 
 
-def cut_windows(recording: Recording, name: str, settings: WindowSettings, random: np.random.Generator) -> Iterator[Scenario]:
-    """The scenarios of a recording in order of time, called `<name>-<first step>-<track id>`, each when asked for."""
+def cut_windows(
+    recording: Recording, name: str, settings: WindowSettings, random: np.random.Generator
+) -> Iterator[tuple[int, Scenario]]:
+    """The scenarios of a recording in order of time, called `<name>-<first step>-<track id>`, each when asked for.
+
+    With the number of each one's window in time. It stands for all vehicles of that window that could be focal ones, shared
+    among those that were tried: `per_hour` is how often such scenarios would occur in an hour like that window.
+    """
     motion = recording.traffic.motion
     for first in range(0, motion.steps - settings.steps + 1, settings.steps):
         window = _slice(motion, first, settings.steps)
         clashes = overlapping_pairs(window, recording.traffic.size)
         broken = thrown(window)
-        for focal in _focal_vehicles(window, recording.traffic.kind, settings, random):
+        fit, chosen = _focal_vehicles(window, recording.traffic.kind, settings, random)
+        per_hour = 3600.0 / (settings.steps * DT) * fit / max(len(chosen), 1)
+        for focal in chosen:
             seen = _seen(window, focal, clashes, broken, settings)
             if seen is not None:
                 scenario_id = f"{name}-{first:05d}-{recording.traffic.track_id[focal]}"
-                yield _scenario(recording, window, (first, focal), seen, settings, scenario_id)
+                scenario = _scenario(recording, window, (first, focal), seen, settings, scenario_id)
+                yield first // settings.steps, replace(scenario, per_hour=per_hour)
 
 
 def _slice(motion: Trajectories, first: int, steps: int) -> Trajectories:
@@ -88,8 +97,8 @@ def _slice(motion: Trajectories, first: int, steps: int) -> Trajectories:
 
 def _focal_vehicles(
     window: Trajectories, kind: NDArray[np.uint8], settings: WindowSettings, random: np.random.Generator
-) -> list[int]:
-    """Vehicles that are there throughout and drive, far enough apart, in random order."""
+) -> tuple[int, list[int]]:
+    """How many vehicles are there throughout and drive, and those far enough apart that are taken, in random order."""
     travel = np.hypot(*(window.position[:, -1] - window.position[:, 0]).T)
     fit = window.valid.all(-1) & (travel >= settings.focal_travel) & np.isin(kind, _FOCAL_KINDS)
     chosen: list[int] = []
@@ -98,7 +107,7 @@ def _focal_vehicles(
         gaps = np.hypot(*(begin[chosen] - begin[vehicle]).T)
         if (gaps >= settings.apart).all():
             chosen.append(vehicle)
-    return chosen
+    return int(np.count_nonzero(fit)), chosen
 
 
 def _seen(

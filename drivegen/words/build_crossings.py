@@ -1,6 +1,7 @@
 """From a scene to a crossing: its arms, how many lanes each has, which ways they lead."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
@@ -8,6 +9,7 @@ from drivegen.words.things import Scene, Thing, Unfit, merged
 
 Road = dict[str, Any]
 
+TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes", "pocket")
 _LANES = ("lanes", "lanes_each", "lanes_total", "lanes_pair", "lane_road")
 
 
@@ -30,20 +32,8 @@ def crossing(scene: Scene, choices: Choices) -> Road:
         raise Unfit("say the roads by their directions, or as the main and the side road")
     streets, arms = scene.named("street"), scene.named("arm")
     joins = {link for thing in streets for link in thing.links} | scene.links
-    shape, count = whole.value("shape"), count_of(whole, arms)
     roads = [*main, *streets, *side]
-    number = sum(int(road.value("count") or 1) for road in streets if road.which is None)
-    if count is None and shape is None:
-        meets = "meets" in joins and "crosses" not in joins and not any(thing.name == "cross" for thing in side)
-        t_like = meets and len(roads) >= 2 and not any(fact.text for fact in whole.facts if fact.name == "_crossing")
-        count = number if number > 2 and not side else 3 if t_like and not scene.there("crossing") else 4
-    count = 3 if shape in ("t", "y") and count is None else count
-    if shape in ("t", "y") and count != 3:
-        raise Unfit(f"a {shape.upper()}-junction has three arms, not {count}")
-    if count is None or count not in range(3, 9):
-        raise Unfit(f"3 to 8 roads can meet at a crossing, not {count}")
-    if count == 3 and shape is None and not whole.value("evenly"):
-        shape = "t"
+    shape, count = _shape_and_count(scene, whole, joins, roads)
     whole.values("evenly")
     angles = _angles(count, shape, whole, side)
     first, second = _two_roads(count, shape, main, side, streets, joins)
@@ -60,19 +50,38 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     groups = {True: _group(shared, first), False: _group(shared, second)}
     speed = speed_of(shared)
     usual = speed if speed is not None else usual_speed([shared, *first, *second])
+    lanes_unsaid = groups[True]["lanes"] or (0, 0)
+    if not lanes_unsaid[1]:  # nothing, or a one-way road's, which say nothing of the other
+        lanes_unsaid = (2 if shared.has("arterial") else 1, 0)
     built: list[Road] = []
     length = shared.value("length") or choices.length("arms", 140, 200)
     for i, angle in enumerate(angles):
         road = groups[i in of_main]
         arm: Road = {"angle": angle, "main": i in of_main or not unequal, "speed": road["speed"] or usual}
-        lanes = road["lanes"] or groups[True]["lanes"] or (2 if shared.has("arterial") else 1, 0)
+        lanes = road["lanes"] or lanes_unsaid
         arm |= {"lanes_in": lanes[0], "lanes_out": lanes[0], "length": road["length"] or length}
         arm |= {name: value for name in ("lanes_in", "lanes_out") if (value := road["thing"].value(name)) is not None}
-        built.append(arm | _turn_lanes(shared, road["thing"], arm))
+        built.append(arm | turning((shared, road["thing"]), arm, "main_turn_bans" if i in of_main else "side_turn_bans"))
     _make_one_way(built, shared, first, second, of_main, count)
     every = [fact for fact in whole.facts if fact.name in ("lanes_in", "lanes_out")]
     own_of_arms(built, [*arms, Thing("arm", which="all", facts=every)])
     return {"kind": "crossing", "arms": built, "control": control_of(_with(shared, side), not unequal)}
+
+
+def _shape_and_count(scene: Scene, whole: Thing, joins: set[str], roads: list[Thing]) -> tuple[str | None, int]:
+    """Which letter the crossing looks like, if any, and how many arms it has."""
+    shape, count = whole.value("shape"), count_of(whole, scene.named("arm"))
+    number = sum(int(road.value("count") or 1) for road in roads if road.name == "street" and road.which is None)
+    if count is None and shape is None:
+        meets = "meets" in joins and "crosses" not in joins and not scene.there("cross")
+        t_like = meets and len(roads) >= 2 and not scene.there("crossing")
+        count = number if number > 2 and not scene.there("side", "cross") else 3 if t_like else 4
+    count = 3 if shape in ("t", "y") and count is None else count
+    if shape in ("t", "y") and count != 3:
+        raise Unfit(f"a {shape.upper()}-junction has three arms, not {count}")
+    if count is None or count not in range(3, 9):
+        raise Unfit(f"3 to 8 roads can meet at a crossing, not {count}")
+    return ("t" if count == 3 and shape is None and not whole.value("evenly") else shape), count
 
 
 def _check_one(streets: list[Thing]) -> None:
@@ -126,6 +135,8 @@ def _group(shared: Thing, roads: list[Thing]) -> dict[str, Any]:
     one_way = own.has("one_way") or shared.has("one_way")
     lanes = lanes_of(own, one_way=own.has("one_way"), arms=True)
     lanes = lanes or lanes_of(shared, one_way=one_way, arms=True)
+    if lanes and lanes[1] not in (0, lanes[0]):
+        raise Unfit("say of the arms how many lanes lead in and out")
     return {"lanes": lanes, "speed": speed_of(own), "length": own.value("length"), "thing": own}
 
 
@@ -133,6 +144,8 @@ def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing]) -> l
     """Directions of the arms [degrees]; a T has its stem to one side, a skew crossing crosses at the angle said."""
     angle = whole.value("angle") or next((v for road in side for v in road.values("angle")), None)
     turned = next((v for road in (*side, whole) for v in road.values("side")), "right")
+    if whole.value("skew") and angle is None:
+        raise Unfit("say at which angle the roads cross")
     if angle is not None and count * angle == 360.0 and shape is None:
         angle = None
     if angle is not None and (count not in (3, 4) or not 20 <= angle <= 160):
@@ -148,21 +161,24 @@ def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing]) -> l
     return [i * 360.0 / count for i in range(count)]
 
 
-def _turn_lanes(shared: Thing, road: Thing, arm: Road) -> Road:
-    """Turn lanes that are said of an arm that has those of `arm`; a length alone is that of lanes to the left, if it has none."""
-    lanes: Road = {}
-    if shared.has("no_turn_lanes") and shared.values("no_turn_lanes") and shared.has("left_turn_lane", "right_turn_lane"):
-        raise Unfit("turn lanes are asked for and ruled out")
-    for thing in (shared, road):
-        both = bool(thing.values("both_turn_lanes"))
-        for side in ("left", "right"):
-            if thing.values(f"{side}_turn_lane") or both:
-                lanes[f"{side}_turn_lane"] = True
+def turning(things: Sequence[Thing], arm: Road, bans: str = "turn_bans") -> Road:
+    """Turn lanes and bans of a road with those of `arm`, as said of `things`; a length alone is that of lanes to the left."""
+    fields: Road = {}
+    for thing in things:
+        lanes = [*thing.values("turn_lanes_n"), *((1, side) for side in thing.values("turn_lanes"))]
+        lanes += [(1, "left"), (1, "right")] if thing.values("both_turn_lanes") else []
+        if thing.values("no_turn_lanes") and lanes:
+            raise Unfit("turn lanes are asked for and ruled out")
+        if len(set(lanes)) > len({side for _, side in lanes}):
+            raise Unfit("two numbers of turn lanes are said of one road")
+        fields |= {f"{side}_turn_lanes": number for number, side in lanes}
+        if banned := {*thing.values("turn_bans"), *thing.values(bans)}:
+            fields["turn_bans"] = tuple(sorted(banned | set((arm | fields).get("turn_bans", ()))))
         if (pocket := thing.value("pocket")) is not None:
-            lanes |= {"pocket": pocket}
-            if not any(name.endswith("turn_lane") and value for name, value in (arm | lanes).items()):
-                lanes["left_turn_lane"] = True
-    return lanes
+            fields |= {"pocket": pocket}
+            if not any(name.endswith("turn_lanes") and value for name, value in (arm | fields).items()):
+                fields["left_turn_lanes"] = 1
+    return fields
 
 
 def _make_one_way(
@@ -196,7 +212,7 @@ def own_of_arms(built: list[Road], arms: list[Thing]) -> None:
                 road["main"] = main
             if (lanes := lanes_of(arm, one_way=False, arms=True)) is not None:
                 road |= {"lanes_in": lanes[0], "lanes_out": lanes[1]}
-            road |= _turn_lanes(Thing(""), arm, road)
+            road |= turning((arm,), road)
             if arm.has("control"):
                 raise Unfit("signs of single arms cannot be drawn")
 

@@ -1,7 +1,7 @@
 """From a scene to a grid of streets."""
 
 from drivegen.words.build_crossings import Road, control_of
-from drivegen.words.build_streets import spacing_of
+from drivegen.words.build_rows import spacing_of
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
 from drivegen.words.things import Scene, Unfit
 
@@ -11,7 +11,7 @@ def grid(scene: Scene, choices: Choices) -> Road:
     scene.one_road("grid")
     scene.one_road("street", "main")
     whole = scene.merged("grid", "street", "crossing")
-    sizes, spacing = set(whole.values("grid_size")), spacing_of(whole, [])
+    sizes, spacing = {*whole.values("grid_size"), *(pair[::-1] for pair in whole.values("columns_rows"))}, spacing_of(whole, [])
     counts = whole.values("count")
     if len(sizes) > 1 or counts:
         raise Unfit("say the grid as rows by columns of crossings, e.g. '3 by 4'")

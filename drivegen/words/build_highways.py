@@ -24,6 +24,8 @@ def highway(scene: Scene, choices: Choices) -> Road:
     if any(value not in (None, 1) for value in road.values("count")):
         raise Unfit("one highway is drawn at a time")
     carriageway = road.value("carriageways") == 1
+    if carriageway and any(thing.text.endswith("carriageways") for thing in scene.things):
+        raise Unfit("say 'one carriageway', or 'dual carriageway'")
     one_way = is_one_way(road) or carriageway
     road.values("no_junctions"), road.values("signals")
     divided = bool(road.value("divided"))

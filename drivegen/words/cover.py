@@ -3,10 +3,12 @@
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 from drivegen.words.forms import Pattern, first_words, match, stemmed
 from drivegen.words.phrase import Phrase
+from drivegen.words.slots import SLOTS
 from drivegen.words.table import words
 from drivegen.words.tokens import Token, stem, stems
 
@@ -38,6 +40,13 @@ class Item:
     unread: bool = False
 
     @property
+    def value(self) -> Any:
+        """Of a phrase: its own, or that of its slots, a tuple where there are several."""
+        if self.phrase is None or not self.values:
+            return None if self.phrase is None else self.phrase.value
+        return self.values[0] if len(self.values) == 1 else self.values
+
+    @property
     def cannot(self) -> bool:
         """Whether it names what cannot be."""
         return self.phrase is not None and self.phrase.kind == "cannot"
@@ -62,11 +71,11 @@ class Grammar:
 
     def __init__(self, phrases: Iterable[Phrase], silent: frozenset[str]) -> None:
         self.phrases, self.silent = tuple(phrases), frozenset(map(stem, silent))
-        self._patterns = [(phrase, stemmed(form)) for phrase in self.phrases for form in phrase.forms]
-        self._by_word: defaultdict[str, list[tuple[Phrase, Pattern]]] = defaultdict(list)
-        for phrase, pattern in self._patterns:
-            for word in first_words(pattern)[0]:
-                self._by_word[word].append((phrase, pattern))
+        self._by_first: defaultdict[str, list[tuple[Phrase, Pattern]]] = defaultdict(list)
+        for phrase in self.phrases:
+            for pattern in map(stemmed, phrase.forms):
+                for first in first_words(pattern)[0]:
+                    self._by_first[first].append((phrase, pattern))
 
     def covers(self, tokens: Sequence[Token]) -> list[Cover]:
         """The best covers, cheapest first; all have unread words or none has."""
@@ -90,7 +99,8 @@ class Grammar:
 
     def _said(self, tokens: Sequence[Token], i: int) -> Iterable[tuple[Item, float]]:
         matches: dict[tuple[Phrase, tuple[Any, ...], int], None] = {}
-        for phrase, pattern in (*self._by_word.get(tokens[i].key, ()), *self._by_word[""]):
+        firsts = [tokens[i].key, *(f"{{{name}}}" for name, slot in SLOTS.items() if slot.read(tokens, i) is not None)]
+        for phrase, pattern in chain.from_iterable(self._by_first.get(first, ()) for first in firsts):
             for values, end in match(pattern, tokens, i):
                 if end > i and _fits(phrase, tokens, end) and not (phrase.kind == "link" and _before_a_noun(tokens, i)):
                     matches[phrase, values, end] = None
@@ -113,7 +123,7 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
         return True
     last, following = tokens[end - 1], tokens[end].text if end < len(tokens) else ""
     counted = end + 1 < len(tokens) and tokens[end].value is not None
-    counts = phrase.name == "queue" or (counted and phrase.name == "count" and tokens[end + 1].text in _COUNTED)
+    counts = phrase.name == "queue" or (counted and phrase.name in ("count", "lane_road") and tokens[end + 1].text in _COUNTED)
     before_noun = not last.plural and following not in _STOPS and (not counted or counts)
     if phrase.place == "pre":
         return before_noun or (following == "," and not last.plural and phrase.name not in ("count", "nth"))

@@ -1,21 +1,19 @@
 """Edits of a specification in words: the same table and rules, each fact set where its scope says."""
 
-import math
 from contextlib import suppress
 from functools import cache
-from typing import Any
 
 from pydantic import ValidationError
 
 from drivegen.core.errors import UnusableInput
 from drivegen.layouts.spec import MapSpec
-from drivegen.words.choices import lanes_of
 from drivegen.words.cover import Grammar
+from drivegen.words.edit_fields import Edit
 from drivegen.words.read import meanings, unreadable
 from drivegen.words.roads import first_complaint
 from drivegen.words.scene import scene_of
 from drivegen.words.table import silent, table, words
-from drivegen.words.things import Scene, Thing, Unfit
+from drivegen.words.things import Scene, Unfit
 from drivegen.words.tokens import tokenise
 
 EDITS = (
@@ -31,10 +29,6 @@ EDITS = (
     "traffic on the left",
 )
 """One edit of each kind; all of them are read."""
-
-Part = dict[str, Any]
-_RAMPS = ("on_ramp", "off_ramp", "weaving")
-_SLOW = ("ring_speed", "ramp_speed", "loop_speed", "road_speed")
 
 
 @cache
@@ -70,7 +64,7 @@ def apply(spec: MapSpec, scene: Scene) -> MapSpec:
     for thing in (scene.whole, *scene.things):
         if (left_hand := thing.value("left_hand")) is not None:
             fields["left_hand"] = left_hand
-        _Edit(fields, thing).run()
+        Edit(fields, thing).run()
     if left := [fact.text for thing in (scene.whole, *scene.things) for fact in thing.facts if not fact.used]:
         raise Unfit(f"{left[0]!r} cannot be set on this {spec.road.kind.replace('_', ' ')}")
     try:
@@ -80,199 +74,3 @@ def apply(spec: MapSpec, scene: Scene) -> MapSpec:
     if after == spec:
         raise Unfit("this changes nothing")
     return after
-
-
-class _Edit:
-    """What is said of one thing, put into the fields that it means."""
-
-    def __init__(self, fields: Part, thing: Thing) -> None:
-        self.fields, self.road, self.thing = fields, fields["road"], thing
-        self.kind = self.road["kind"]
-
-    def run(self) -> None:
-        name = self.thing.name
-        if name in (*_RAMPS, "ramp", "lane_drop", "lane_gain") and self._events(name):
-            return
-        if (form := self.thing.value("form")) is not None:
-            self._form(form)
-        parts = self._parts(name)
-        if name and name != "crossing" and not parts:
-            raise Unfit(f"this road has no {self.thing.text!r}")
-        self._lanes(parts)
-        self._speed(parts, name)
-        self._control()
-        self._turn_lanes(parts, name)
-        self._lengths(parts)
-
-    def _parts(self, name: str) -> list[Part]:
-        """The fields that hold what is said of a thing of this name."""
-        road = self.road
-        arms: list[Part] = road.get("arms", [])
-        if name in (*_RAMPS, "ramp", "lane_drop", "lane_gain"):
-            return self._named_events(name)
-        if arms:
-            which = self.thing.which
-            some = {"main": [a for a in arms if a["main"]], "side": [a for a in arms if not a["main"]], "ring": [road]}
-            if name == "arm" and isinstance(which, int):
-                return arms[which - 1 : which] if which > 0 else arms[-1:]
-            if name == "arm" and isinstance(which, float):
-                return [a for a in arms if abs(math.remainder(a["angle"] - which, 360.0)) < 1.0]
-            return some.get(name, arms if name in ("", "street", "arm", "crossing", "roundabout") else [])
-        if name in ("side", "cross"):
-            return list(road.get("junctions", []))
-        if name in ("crossing", "roundabout"):
-            like = [j for j in road.get("junctions", []) if j["form"] == name]
-            which = self.thing.which
-            return like[which - 1 : which] if isinstance(which, int) and which > 0 else like
-        fits = name in ("", "street", "main", self.kind) or (name == "highway" and self.kind != "corridor")
-        return [road] if fits or name in ("upper", "left_branch", "right_branch") else []
-
-    def _named_events(self, name: str) -> list[Part]:
-        events = [e for e in self.road.get("events", []) if e["kind"] == name or (name == "ramp" and e["kind"] in _RAMPS)]
-        which = self.thing.which
-        return events[which - 1 : which] if isinstance(which, int) and which > 0 else events
-
-    def _events(self, name: str) -> bool:
-        """Remove ramps, or add one behind all that is there; whether they are gone."""
-        if self.kind != "highway":
-            raise Unfit("only motorways have ramps and lane changes along them")
-        events: list[Part] = self.road["events"]
-        if self.thing.value("remove"):
-            gone = self._named_events(name)
-            if not gone:
-                raise Unfit(f"there is no {self.thing.text!r} along this road")
-            self.road["events"] = [event for event in events if event not in gone]
-            return True
-        if not self.thing.definite and not self.thing.has("downstream", "upstream"):
-            last = max((e["position"] + e.get("length", 0.0) for e in events), default=130.0)
-            position = self.thing.value("position") or last + 120.0
-            new = {"kind": "on_ramp" if name == "ramp" else name, "position": position}
-            self.road["events"] = sorted([*events, new], key=lambda e: e["position"])
-            line = self.road["alignment"]
-            line["length"] = max(line["length"], position + 450.0)
-        return False
-
-    def _form(self, form: str) -> None:
-        road = self.road
-        if form == "roundabout" and self.kind == "crossing":
-            arms = [
-                {**arm, "left_turn_lane": False, "right_turn_lane": False, "main": True, "angle": arm["angle"] % 360}
-                for arm in road["arms"]
-            ]
-            ring = 2 if max(arm["lanes_in"] for arm in arms) > 1 else 1
-            diameter = max(30.0 + 10.0 * ring, 9.0 * len(arms) + 8.0 * ring)
-            self.fields["road"] = {"kind": "roundabout", "arms": arms, "ring_lanes": ring, "diameter": diameter}
-        elif form == "crossing" and self.kind == "roundabout":
-            self.fields["road"] = {"kind": "crossing", "arms": road["arms"]}
-        elif road.get("junctions"):
-            for junction in road["junctions"]:
-                junction |= {"form": form, "control": "yield", "left_turn_lane": False, "right_turn_lane": False}
-        else:
-            raise Unfit(f"a {self.kind.replace('_', ' ')} cannot become a {form}")
-        self.road = self.fields["road"]
-        self.kind = self.road["kind"]
-
-    def _lanes(self, parts: list[Part]) -> None:
-        more, fewer = self.thing.value("more_lanes"), self.thing.value("fewer_lanes")
-        one_way = self.road.get("lanes_back") == 0 or self.kind in ("highway", "fork") or self.road.get("one_way", False)
-        lanes = lanes_of(self.thing, one_way=one_way, arms=bool(self.road.get("arms")))
-        if more is None and fewer is None and lanes is None:
-            return
-        for part in parts:
-            for name, value in self._lane_fields(part):
-                if not value:
-                    continue
-                number = lanes[0] if lanes else value + (more or 0) - (fewer or 0)
-                part[name] = number if name not in ("lanes_back", "lanes_out") or not lanes else (lanes[1] or lanes[0])
-
-    def _lane_fields(self, part: Part) -> list[tuple[str, int]]:
-        name = self.thing.name
-        own = {"side": ("side_lanes", "lanes_in", "lanes_out"), "cross": ("side_lanes",), "ring": ("ring_lanes",),
-               "upper": ("road_lanes",), "left_branch": ("left_lanes",), "right_branch": ("right_lanes",)}  # fmt: skip
-        fields = own.get(name, ("lanes", "lanes_back", "lanes_in", "lanes_out") if name not in ("crossing", "roundabout") else ())
-        if part.get("position") is not None and name in ("crossing", "roundabout"):
-            fields = ("side_lanes",)
-        return [(field, part[field]) for field in fields if field in part]
-
-    def _speed(self, parts: list[Part], name: str) -> None:
-        speeds = [*self.thing.values("speed"), *self.thing.values("ramp_speed")]
-        if not speeds:
-            return
-        own = {"side": "side_speed", "cross": "side_speed", "ring": "ring_speed", "upper": "road_speed"}
-        for part in parts:
-            fields = [field for field in (own.get(name, ""), "speed", "ramp_speed") if field in part]
-            if not fields:
-                raise Unfit("no limit can be set there")
-            part[fields[0]] = speeds[0]
-        if name in ("", "street"):
-            for junction in self.road.get("junctions", []):
-                junction["side_speed"] = speeds[0]
-            self.road |= {slow: min(self.road[slow], speeds[0]) for slow in _SLOW if slow in self.road}
-
-    def _control(self) -> None:
-        control, signals = self.thing.value("control"), self.thing.value("signals")
-        if control is None and signals is None:
-            return
-        if control == "stop_sign":
-            mains = [arm["main"] for arm in self.road.get("arms", [])]
-            control = "all_way_stop" if (mains and all(mains)) or self.kind == "grid" else "stop"
-        rows = [part for part in self._parts("crossing") if part.get("form") == "crossing"]
-        places = rows if self.kind == "corridor" else [self.road]
-        if not places or any(place.get("control") is None or place.get("kind") == "roundabout" for place in places):
-            raise Unfit("this road has no crossing that could be controlled")
-        for place in places:
-            place["control"] = control or "yield"
-
-    def _turn_lanes(self, parts: list[Part], name: str) -> None:
-        sides = [side for side in ("left", "right") if self.thing.value(f"{side}_turn_lane")]
-        sides = ["left", "right"] if self.thing.value("both_turn_lanes") or self.thing.value("turn_lanes") else sides
-        none, pocket = self.thing.value("no_turn_lanes"), self.thing.value("pocket")
-        if not (sides or none or pocket):
-            return
-        holders = self.road.get("junctions", []) if self.kind == "corridor" else parts
-        holders = [part for part in holders if "left_turn_lane" in part]
-        if not holders or self.kind == "roundabout" or (self.kind == "corridor" and name == "side"):
-            raise Unfit("there is nothing here that could have turn lanes")
-        for part in holders:
-            if pocket and not sides and not (part["left_turn_lane"] or part["right_turn_lane"]):
-                raise Unfit("there are no turn lanes whose length could be set")
-            part |= {f"{side}_turn_lane": True for side in sides} | ({"pocket": pocket} if pocket else {})
-            part |= {"left_turn_lane": False, "right_turn_lane": False} if none else {}
-
-    def _lengths(self, parts: list[Part]) -> None:
-        length, longer, shorter = self.thing.value("length"), self.thing.value("longer"), self.thing.value("shorter")
-        step = (longer or 0.0) - (shorter or 0.0)
-        for part in parts if length is not None or step else []:
-            line = part.get("alignment", part)
-            name = "side_length" if "side_length" in line else "length"
-            name = "leg_length" if "leg_length" in line else "road_length" if "road_length" in line else name
-            if name not in line:
-                raise Unfit("there is no length here that could be set")
-            line[name] = length if length is not None else line[name] + step
-        self._moved(parts)
-
-    def _moved(self, parts: list[Part]) -> None:
-        if (straight := self.thing.value("straight")) and "alignment" in self.road:
-            self.road["alignment"] = {"shape": "straight", "length": self.road["alignment"]["length"]}
-        elif straight:
-            raise Unfit("there is no bend here")
-        moved = (self.thing.value("downstream") or 0.0) - (self.thing.value("upstream") or 0.0)
-        everything: list[Part] = self.road.get("events") or self.road.get("junctions") or []
-        first = min((everything.index(part) for part in parts if part in everything), default=None) if moved else None
-        for part in everything[first:] if first is not None else []:
-            part["position"] += moved
-        if moved and first is not None:
-            line = self.road["alignment"]
-            line["length"] = max(line["length"], everything[-1]["position"] + everything[-1].get("length", 0.0) + 150.0)
-        elif moved:
-            raise Unfit("there is nothing along this road that could be moved")
-        self._numbers(parts)
-
-    def _numbers(self, parts: list[Part]) -> None:
-        fields = {"auxiliary": "length", "keeps": "keeps", "position": "position"}
-        for name, field in {**fields, **{name: name for name in ("diameter", "spacing", "median")}}.items():
-            holders = [part for part in (parts if name in fields else [self.road]) if field in part]
-            if holders and (value := self.thing.value(name)) is not None:
-                for part in holders:
-                    lane = part["length"] if name == "position" and part.get("kind") == "off_ramp" else 0.0
-                    part[field] = value - lane if lane else value

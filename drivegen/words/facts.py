@@ -15,7 +15,7 @@ _SHARE = 0.02
 """Numbers of a text are round: a specification's may differ from them by this share."""
 
 _SPEEDS = {"speed", "ring_speed", "ramp_speed", "ramps_limit", "loop_speed", "side_speed"}
-_LENGTHS = {"length", "diameter", "radius", "spacing", "auxiliary", "median", "position", "loop_radius", "gap"}
+_LENGTHS = {"length", "diameter", "radius", "spacing", "auxiliary", "median", "position", "loop_radius", "gap", "lane_width"}
 _LANES = {"lanes_each", "ring_lanes", "lanes_in", "lanes_out"}
 _LANES_OR_TOTAL = {"lanes", "lane_road", "lanes_total"}
 
@@ -36,7 +36,7 @@ def facts(text: str) -> list[Statement]:
     """The facts that the phrase table reads in a text, the rest of which nothing may read."""
     covers = covers_of(tokenise(text))
     return [
-        Statement(item.raw, item.phrase.name, item.phrase.scope, item.values[0] if item.values else item.phrase.value)
+        Statement(item.raw, item.phrase.name, item.phrase.scope, item.value)
         for item in covers[0].items
         if item.phrase is not None and item.phrase.kind == "fact"
     ]
@@ -58,7 +58,8 @@ def contradicted(statements: list[Statement], spec: MapSpec) -> list[str]:
     arms = getattr(spec.road, "arms", None)
     counts = {value for _, field, _, value in statements if field == "arms"}
     wrong = []
-    for phrase, field, _, value in statements:
+    for phrase, field, _, values in statements:
+        value = values[0] if isinstance(values, tuple) else values
         right = (
             (field not in _SPEEDS or _among(value, speeds))
             and (field not in _LENGTHS or _among(value, lengths))
@@ -67,6 +68,8 @@ def contradicted(statements: list[Statement], spec: MapSpec) -> list[str]:
             and (field != "arms" or arms is None or len(counts) > 1 or value == len(arms))
             and ((field, value) != ("control", "signals") or lit)
             and ((field, value) != ("signals", False) or not lit)
+            and (field != "turn_lanes" or any(numbers.get(f"{value}_turn_lanes", [])))
+            and (field != "turn_lanes_n" or value in numbers.get(f"{values[1]}_turn_lanes", []))
             and (field != "left_hand" or value == spec.left_hand)
         )
         wrong += [] if right else [f"the description says {phrase!r} ({field.replace('_', ' ')}), the specification does not"]
@@ -91,7 +94,7 @@ def _lengths(numbers: Numbers) -> list[float]:
 
 def _lanes(numbers: Numbers) -> list[float]:
     """Lanes of every direction, and of both together."""
-    lanes = [value for name, values in numbers.items() if "lanes" in name for value in values]
+    lanes = [value for name, values in numbers.items() if "lanes" in name and "turn" not in name for value in values]
     both = [sum(numbers.get(name, [0.0])[:1]) for name in ("lanes", "lanes_back")]
     return [*lanes, sum(both)]
 

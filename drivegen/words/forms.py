@@ -78,7 +78,10 @@ def match(pattern: Pattern, tokens: Sequence[Token], i: int) -> Iterator[tuple[t
         return
     part, rest = pattern[0], pattern[1:]
     if isinstance(part, tuple):
+        key = tokens[i].key if i < len(tokens) else ""
         for way in part:
+            if way and isinstance(way[0], str) and way[0] != key and way[0][0] not in "{(":
+                continue  # most ways end at their first word
             for values, end in match(way, tokens, i):
                 yield from ((values + more, last) for more, last in match(rest, tokens, end))
     elif part in _PLURALS:
@@ -91,7 +94,7 @@ def match(pattern: Pattern, tokens: Sequence[Token], i: int) -> Iterator[tuple[t
 
 
 def first_words(pattern: Pattern) -> tuple[frozenset[str], bool]:
-    """The words with which the pattern can begin, "" for a slot; and whether it can be empty."""
+    """The words and slots with which the pattern can begin, and whether it can be empty."""
     firsts: frozenset[str] = frozenset()
     for part in pattern:
         if isinstance(part, tuple):
@@ -100,7 +103,7 @@ def first_words(pattern: Pattern) -> tuple[frozenset[str], bool]:
             if not any(empty for _, empty in ways):
                 return firsts, False
         elif part not in _PLURALS:
-            return firsts | {"" if part.startswith("{") else part}, False
+            return firsts | {part}, False
     return firsts, True
 
 

@@ -20,7 +20,7 @@ from drivegen.words.roads import specification
 from drivegen.words.saying import sentences
 from drivegen.words.scene import scene_of
 from drivegen.words.table import absent, silent, table, words
-from drivegen.words.things import Scene, Unfit
+from drivegen.words.things import Scene, Undrawable, Unfit
 from drivegen.words.tokens import Token, stems, tokenise
 from drivegen.words.traffic import parted, request, request_sentences
 
@@ -132,6 +132,7 @@ def meanings(covers: Sequence[Cover], mean: Callable[[Sequence[Item]], Meaning])
             result = mean(cover.items)
         except Unfit as error:
             why = why or str(error)
+            cost = min(cost, cover.cost) if isinstance(error, Undrawable) else cost
             continue
         cost = cover.cost
         if result not in results:

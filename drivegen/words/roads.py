@@ -14,9 +14,10 @@ from drivegen.words.build_interchanges import cloverleaf, interchange
 from drivegen.words.build_roundabouts import roundabout
 from drivegen.words.build_streets import street
 from drivegen.words.choices import Choices, check_lanes
-from drivegen.words.things import Scene, Unfit
+from drivegen.words.things import Scene, Undrawable, Unfit, merged
 
 _BENT = {"line", "arc", "turn", "turn_side", "turn_angle", "turn_to", "bends", "hairpins", "s_turn", "s_arc"}
+_WIDE = ("crossing", "corridor", "grid", "highway", "fork")
 Builder = Callable[[Scene, Choices], dict[str, Any]]
 
 
@@ -28,7 +29,14 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
     if len(hands) > 1:
         raise Unfit("traffic is said to keep left and right")
     _cross_streets(scene)
+    for thing in scene.things:
+        if thing.name in ("highway", "street", "main") and thing.value("undivided"):
+            thing.name = "street"
     fields = _builder(scene)(scene, choices)
+    roads = [thing for thing in scene.things if thing.name in ("street", "highway", "grid", "fork", "crossing")]
+    holders = [scene.whole, *(roads if len(roads) == 1 or fields["kind"] == "grid" else ())] if fields["kind"] in _WIDE else []
+    if (width := merged(holders).value("lane_width")) is not None:
+        fields["lane_width"] = width
     for thing in (scene.whole, *scene.things):
         thing.values("setting"), thing.values("arterial")
         if thing.name != "roundabout":
@@ -38,7 +46,7 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
     try:
         return MapSpec.model_validate({"road": fields, "left_hand": bool(hands and hands.pop())})
     except ValidationError as error:
-        raise Unfit(f"this road cannot be drawn: {first_complaint(error)}") from None
+        raise Undrawable(f"this road cannot be drawn: {first_complaint(error)}") from None
 
 
 def _cross_streets(scene: Scene) -> None:
@@ -89,7 +97,7 @@ def _in_a_row(scene: Scene) -> bool:
     junctions = [thing for thing in scene.things if thing.name in ("crossing", "roundabout")]
     news = [thing for thing in junctions if thing.which is None]
     several = len(news) > 1 or any(f.value != 1 for t in news for f in t.facts if f.name == "count")
-    along = [thing for thing in (*junctions, scene.whole) if thing.has("position", "spacing", "gap")]
+    along = [thing for thing in (*junctions, scene.whole) if thing.has("position", "spacing", "gap", "middle")]
     return bool(junctions) and (several or bool(along))
 
 

@@ -66,7 +66,10 @@ def say(spec: MapSpec) -> list[Sentence]:
     if type(spec.road) not in says:
         raise ValueError(f"a {spec.road.kind} cannot be said in words")
     hand = [Sentence("There is", (("left_hand", True),))] if spec.left_hand else []
-    return [*says[type(spec.road)](spec.road), *hand]  # type: ignore[operator]
+    width = getattr(spec.road, "lane_width", None)
+    usual = (None, type(spec.road).model_fields["lane_width"].default) if width else (None,)
+    wide = [] if width in usual else [Sentence("There are", (("lane_width", width),))]
+    return [*says[type(spec.road)](spec.road), *wide, *hand]  # type: ignore[operator]
 
 
 def sentences(spec: MapSpec) -> list[str]:
@@ -99,11 +102,16 @@ def _arms(arms: Sequence[Arm], angles: Sequence[float], main: Sequence[bool]) ->
         facts: list[FieldValue] = [("angle", arm.angle)] if arm.angle != angle else []
         facts += [("lanes_each", arm.lanes_in)] if same else [("lanes_in", arm.lanes_in), ("lanes_out", arm.lanes_out)]
         facts += [("speed", arm.speed), ("length", arm.length)]
-        facts += [(f"{side}_turn_lane", True) for side in ("left", "right") if getattr(arm, f"{side}_turn_lane")]
-        facts += [("pocket", arm.pocket)] if arm.left_turn_lane or arm.right_turn_lane else []
+        facts += [*_turn_lanes(arm), *(("turn_bans", side) for side in arm.turn_bans)]
         facts += [("priority", arm.main)] if arm.main != priority else []
         items.append(facts)
     return _grouped("Every arm has", "The {} arm has", items)
+
+
+def _turn_lanes(road: Arm | Junction) -> list[FieldValue]:
+    counts = {"left": road.left_turn_lanes, "right": road.right_turn_lanes}
+    facts: list[FieldValue] = [("turn_lanes", side) if n == 1 else ("turn_lanes_n", (n, side)) for side, n in counts.items() if n]
+    return [*facts, ("pocket", road.pocket)] if facts else []
 
 
 def _crossing(road: Crossing) -> list[Sentence]:
@@ -117,7 +125,7 @@ def _crossing(road: Crossing) -> list[Sentence]:
     side: list[FieldValue] = [("side", "left")] if shape == "t" and base[2] == 90.0 else []
     head = noun("crossing", arms=3, shape=shape) if shape else noun("crossing")
     facts: list[FieldValue] = [*([] if shape else [("arms", count)]), ("control", road.control), *side]
-    none = not any(arm.left_turn_lane or arm.right_turn_lane for arm in road.arms)
+    none = not any(arm.left_turn_lanes or arm.right_turn_lanes for arm in road.arms)
     return [Sentence(f"A {head} with", (*facts, *([("no_turn_lanes", True)] if none else []))), *_arms(road.arms, base, main)]
 
 
@@ -176,8 +184,8 @@ def _junction(junction: Junction) -> list[FieldValue]:
     else:
         facts += [("ring_lanes", junction.ring_lanes), ("diameter", junction.diameter)]
     facts += [("side_lanes", junction.side_lanes), ("side_speed", junction.side_speed), ("side_length", junction.side_length)]
-    turns = [(f"{side}_turn_lane", True) for side in ("left", "right") if getattr(junction, f"{side}_turn_lane")]
-    facts += [*turns, *([("pocket", junction.pocket)] if turns else [])]
+    facts += [*_turn_lanes(junction), *(("main_turn_bans", side) for side in junction.turn_bans)]
+    facts += [("side_turn_bans", side) for side in junction.side_turn_bans]
     return facts + ([("side_dead_end", True)] if junction.dead_end else [])
 
 

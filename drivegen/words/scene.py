@@ -21,7 +21,8 @@ WHOLES = ("crossing", "roundabout", "highway", "street", "grid", "fork", "interc
 
 
 _PLACES = ("position", "gap")
-_SEEN = ("does", "place", *(f"far_{relation}" for relation in Relation))
+_PLACED = ("place", *(f"far_{relation}" for relation in Relation))
+_SEEN = ("does", *_PLACED)
 MOVING = ("car", "truck", "bus", "vehicle", "member", "target")
 """Things of which nothing that roads have is said."""
 
@@ -132,9 +133,9 @@ class Walk:
         return self.scene.things[-1]
 
     def _fact(self, i: int, item: Item, phrase: Phrase) -> None:
-        values = item.values
-        value = phrase.value if not values else values[0] if len(values) == 1 else values
-        fact = Fact(phrase.name, value, item.raw, phrase.scope)
+        fact = Fact(phrase.name, item.value, item.raw, phrase.scope)
+        if fact.name in _PLACED:
+            self._seen_from_target(i)
         if self.mark == "at" and fact.name == "length":
             raise Unfit(f"it is not clear what lies at {fact.text!r}")
         if phrase.place == "pre" or (phrase.place == "" and self._before_noun(i, fact)):
@@ -152,6 +153,13 @@ class Walk:
         holder.facts.append(fact)
         self.segment.append((fact, holder))
         self.mark, self.det = "", ""
+
+    def _seen_from_target(self, i: int) -> None:
+        """Raises Unfit where a place is seen from something else: "behind it", "ahead of the bus"."""
+        names = [item.text if item.phrase is None else item.phrase.name for item in self.items[i + 1 : i + 3]]
+        if names[:1] in (["it"], ["them"]) or (len(names) > 1 and names[0] in _KNOWN and names[1] in MOVING):
+            seen = " ".join(item.raw for item in self.items[i + 1 : i + 3])
+            raise Unfit(f"where vehicles are can be said as seen from the target only, not from {seen!r}")
 
     def _before_noun(self, i: int, fact: Fact) -> bool:
         """Whether a noun that can hold the fact, or further words before it, follow at once."""
@@ -176,7 +184,8 @@ class Walk:
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
         holds = [t for t in (self.subject, *reversed(self.sentence)) if t is not None and _can_hold(t, fact)]
         whole = "" in fact.scope
-        if self.comma and not self.sticky and whole and holds and holds[0].name not in WHOLES and not self._things_follow(i):
+        of_one = bool(holds) and holds[0].name in WHOLES and sum(thing.name == "street" for thing in self.sentence) < 2
+        if self.comma and not self.sticky and whole and holds and not of_one and not self._things_follow(i):
             fact.loose = holds[0].name
             return self.scene.whole
         if holds and (self.subject in holds or not whole):

@@ -87,11 +87,6 @@ def _bare_speed(tokens: Sequence[Token], i: int) -> Match | None:
     )
 
 
-def _angle(tokens: Sequence[Token], i: int) -> Match | None:
-    value = _value(tokens, i)
-    return (value, i + 2) if value is not None and _text(tokens, i + 1) == "degree" else None
-
-
 def _nth(tokens: Sequence[Token], i: int) -> Match | None:
     word = _text(tokens, i)
     if word == "last" or word == "final":
@@ -123,11 +118,6 @@ def _size(tokens: Sequence[Token], i: int) -> Match | None:
     return (int(rows), int(columns)), i + 3
 
 
-def _seconds(tokens: Sequence[Token], i: int) -> Match | None:
-    value = _value(tokens, i)
-    return (value, i + 2) if value is not None and _text(tokens, i + 1) in ("second", "s") else None
-
-
 def speak_speed(value: float) -> str:
     """A speed with the unit in which it is a round number, to the bit."""
     for unit, name in ((KMH, "km/h"), (MPH, "mph")):
@@ -144,11 +134,11 @@ SLOTS = {
     "speed": Slot(_measured(_SPEEDS), speak_speed),
     "limit": Slot(_bare_speed, speak_speed),
     "length": Slot(_measured(_LENGTHS), lambda metres: f"{number(metres)} m"),
-    "angle": Slot(_angle, lambda degrees: f"{number(degrees)} degrees"),
+    "angle": Slot(_measured({"degree": 1.0}), lambda degrees: f"{number(degrees)} degrees"),
     "nth": Slot(_nth, lambda n: "last" if n == -1 else _ORDINALS[n - 1]),
     "compass": Slot(_compass, lambda degrees: next(name for name, d in _COMPASS.items() if math.isclose(d, degrees))),
     "side": Slot(_side, str),
     "size": Slot(_size, lambda pair: f"{pair[0]} by {pair[1]}"),
-    "seconds": Slot(_seconds, lambda seconds: f"{number(seconds)} seconds"),
+    "seconds": Slot(_measured({"second": 1.0, "s": 1.0}), lambda seconds: f"{number(seconds)} seconds"),
 }
 """By the names that stand in forms."""

@@ -9,6 +9,10 @@ class Unfit(Exception):
     """What is said cannot be put together; the message says why."""
 
 
+class Undrawable(Unfit):
+    """It can be put together, and cannot be: no costlier reading stands in for it."""
+
+
 @dataclass(eq=False)
 class Fact:
     """One thing said; `used` once a specification holds it."""

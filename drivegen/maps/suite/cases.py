@@ -17,6 +17,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from drivegen.core import safe_json
 from drivegen.core.errors import UnusableInput
 from drivegen.maps.structure import Structure
 from drivegen.maps.suite.expect import lacking
@@ -43,11 +44,11 @@ class Case:
     traffic: dict[str, Any] | None = None
     checker: Path | None = None
 
-    def wrong(self, network: bytes, found: Structure) -> list[str]:
+    def wrong(self, network: bytes, structure: Structure) -> list[str]:
         """What the network lacks of what was asked, as sentences; none where it is as asked."""
         if self.checker is not None:
             return _judged(self.checker, network, self.expect or {})
-        return lacking(self.expect or {}, found)
+        return lacking(self.expect or {}, structure)
 
 
 def own_cases() -> list[Case]:
@@ -71,7 +72,7 @@ def outside_cases(folder: Path) -> list[Case]:
     if not (prompts.is_file() and checker.is_file()):
         raise UnusableInput(f"{folder} must hold map_prompts.jsonl and check_map.py")
     try:
-        rows = [json.loads(line) for line in prompts.read_text().splitlines() if line.strip()]
+        rows = [safe_json.parse(line, prompts) for line in prompts.read_bytes().splitlines() if line.strip()]
         return [Case(OUTSIDE, "plain", row["prompt"], row["expect"], checker=checker.resolve()) for row in rows]
     except (ValueError, KeyError, TypeError) as error:
         raise UnusableInput(f"{prompts} is no file of descriptions: {error}", reason="not-json") from None

@@ -15,47 +15,47 @@ _SPEED, _LENGTH = 0.10, 0.30
 
 
 def _exactly(value: Callable[[Structure], Any]) -> Callable[[Structure, Any], tuple[Any, bool]]:
-    return lambda found, want: (value(found), value(found) == want)
+    return lambda structure, want: (value(structure), value(structure) == want)
 
 
 def _least(value: Callable[[Structure], Any]) -> Callable[[Structure, Any], tuple[Any, bool]]:
-    return lambda found, want: (value(found), value(found) >= want)
+    return lambda structure, want: (value(structure), value(structure) >= want)
 
 
 def _about(value: Callable[[Structure], float], share: float) -> Callable[[Structure, Any], tuple[Any, bool]]:
-    return lambda found, want: (value(found), abs(value(found) - want) <= share * want)
+    return lambda structure, want: (value(structure), abs(value(structure) - want) <= share * want)
 
 
 _JUDGES: dict[str, Callable[[Structure, Any], tuple[Any, bool]]] = {
-    "arms": lambda found, want: (list(found.arms), want in found.arms),
-    "max_arms": lambda found, want: (list(found.arms), max(found.arms, default=0) <= want),
-    "signals": _exactly(lambda found: found.signals > 0),
-    "signals_min": _least(lambda found: found.signals),
-    "approach_lanes": lambda found, want: (
-        list(found.approach_lanes),
-        2 * sum(lanes == want for lanes in found.approach_lanes) >= len(found.approach_lanes) > 0,
+    "arms": lambda structure, want: (list(structure.arms), want in structure.arms),
+    "max_arms": lambda structure, want: (list(structure.arms), max(structure.arms, default=0) <= want),
+    "signals": _exactly(lambda structure: structure.signals > 0),
+    "signals_min": _least(lambda structure: structure.signals),
+    "approach_lanes": lambda structure, want: (
+        list(structure.approach_lanes),
+        2 * sum(lanes == want for lanes in structure.approach_lanes) >= len(structure.approach_lanes) > 0,
     ),
-    "lanes": _exactly(lambda found: found.lanes),
-    "max_lanes": _exactly(lambda found: found.max_lanes),
-    "roundabout": _exactly(lambda found: bool(found.roundabouts)),
-    "roundabouts": _exactly(lambda found: len(found.roundabouts)),
-    "roundabout_arms": lambda found, want: (list(found.roundabouts), want in found.roundabouts),
-    "ring_lanes": _exactly(lambda found: found.ring_lanes),
-    "merge": _least(lambda found: found.merges),
-    "diverge": _least(lambda found: found.diverges),
-    "oneway": _exactly(lambda found: found.one_way),
-    "junctions": _exactly(lambda found: found.junctions),
-    "junctions_min": _least(lambda found: found.junctions),
-    "speed_kmh": _about(lambda found: found.speed * 3.6, _SPEED),
-    "length_m": _about(lambda found: found.length, _LENGTH),
-    "turn_deg": _least(lambda found: found.turn),
-    "lane_drop": _exactly(lambda found: found.lane_drops > 0),
+    "lanes": _exactly(lambda structure: structure.lanes),
+    "max_lanes": _exactly(lambda structure: structure.max_lanes),
+    "roundabout": _exactly(lambda structure: bool(structure.roundabouts)),
+    "roundabouts": _exactly(lambda structure: len(structure.roundabouts)),
+    "roundabout_arms": lambda structure, want: (list(structure.roundabouts), want in structure.roundabouts),
+    "ring_lanes": _exactly(lambda structure: structure.ring_lanes),
+    "merge": _least(lambda structure: structure.merges),
+    "diverge": _least(lambda structure: structure.diverges),
+    "oneway": _exactly(lambda structure: structure.one_way),
+    "junctions": _exactly(lambda structure: structure.junctions),
+    "junctions_min": _least(lambda structure: structure.junctions),
+    "speed_kmh": _about(lambda structure: structure.speed * 3.6, _SPEED),
+    "length_m": _about(lambda structure: structure.length, _LENGTH),
+    "turn_deg": _least(lambda structure: structure.turn),
+    "lane_drop": _exactly(lambda structure: structure.lane_drops > 0),
 }
 EXPECTATIONS = frozenset(_JUDGES)
 """All names."""
 
 
-def lacking(expect: Mapping[str, Any], found: Structure) -> list[str]:
+def lacking(expect: Mapping[str, Any], structure: Structure) -> list[str]:
     """What a network lacks of what is expected, as sentences. Raises KeyError for a name that is none."""
-    judged = {name: _JUDGES[name](found, want) for name, want in expect.items()}
+    judged = {name: _JUDGES[name](structure, want) for name, want in expect.items()}
     return [f"{name}: asked {expect[name]}, got {got}" for name, (got, right) in judged.items() if not right]

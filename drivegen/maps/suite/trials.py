@@ -81,15 +81,15 @@ def _written(case: Case, text: str, writer: MapWriter, seed: int, judge: Judge |
     except UnusableInput as refusal:
         return Trial(case, refused=str(refusal))
     try:
-        found = examine(understanding.spec)
+        findings = examine(understanding.spec)
     except UnusableInput as error:
         return Trial(case, wrong=(str(error),), repairs=understanding.repairs)
     if case.expect is None:
         wrong: tuple[str, ...] = ("a road was drawn where nothing may be",)
     else:
-        wrong = (*failures(found.checks), *case.wrong(found.network, found.structure))
+        wrong = (*failures(findings.checks), *case.wrong(findings.network, findings.structure))
         wrong += tuple(judge(text, case.traffic)) if judge is not None and case.traffic else ()
-    return Trial(case, drawn=True, wrong=wrong, repairs=understanding.repairs, network=found.network)
+    return Trial(case, drawn=True, wrong=wrong, repairs=understanding.repairs, network=findings.network)
 
 
 def _spent() -> float:

@@ -22,7 +22,7 @@ from drivegen.maps.plain_xml import UnusableXml
 from drivegen.maps.writers.base import Contradictions, Understanding
 from drivegen.sumo.netconvert import NetconvertRefused
 
-VERSION = "roads-2"
+VERSION = "roads-3"
 """Of the wording; a changed wording is a new version, for recorded answers belong to the old one."""
 
 ROUNDS = 3

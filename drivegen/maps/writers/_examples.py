@@ -20,7 +20,7 @@ EXAMPLES: tuple[tuple[str, dict[str, Any]], ...] = (
         {
             "kind": "crossing",
             "control": "signals",
-            "arms": _arms(0, 90, 180, 270, lanes_in=2, lanes_out=2, left_turn_lane=True, speed=50 * _KMH),
+            "arms": _arms(0, 90, 180, 270, lanes_in=2, lanes_out=2, left_turn_lanes=1, speed=50 * _KMH),
         },
     ),
     (

@@ -22,8 +22,10 @@ counter-clockwise from east. How lanes are counted in descriptions: {CONVENTION}
 In specifications lanes are those of one direction. Prefer a kind with parameters; use "graph" only for what no other kind can be.
 Fields and limits:
 - arms of a crossing or roundabout: 3 to 8, at least {LEAST_ANGLE:g} degrees apart, one of 0 lanes in or out is one-way. "main" is
-  false of arms that give way or stop where "control" is "yield" or "stop", i.e. of the side road. A turn lane is asked for by
-  "left_turn_lane" or "right_turn_lane", "pocket" is its length.
+  false of arms that give way or stop where "control" is "yield" or "stop", i.e. of the side road. "left_turn_lanes" and
+  "right_turn_lanes" are numbers, "pocket" is their length; so many need a road with as many lanes to turn into. "turn_bans" are
+  the turns, "left" or "right", that who comes in over an arm may not make.
+- "lane_width" is that of all lanes of the map.
 - "control": "signals", "all_way_stop" (everybody stops), "stop" or "yield" (side roads do), "uncontrolled" (right before left).
 - "diameter" is that of a ring's outer edge: {SMALLEST_RING:g} m at least with one lane, {SMALLEST_WIDE_RING:g} m with more.
 - "position" is counted from the road's start. A junction's is its middle; junctions are in order, {LEAST_ROOM:g} m at least
