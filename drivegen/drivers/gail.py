@@ -1,11 +1,11 @@
 """GAIL: drives as the logs do (Ho and Ermon 2016); a discriminator tells its steps from theirs, PPO makes that harder.
 
-It begins as a clone of the logs, learns on whole episodes among replayed neighbours, and keeps the running average of its weights
-that does best in validation scenes: from one look to the next its collision rate swings by a factor of two and more (`LOG.md`).
+It begins as a clone of the logs, learns on whole episodes, and keeps the running average of its weights that does best in
+validation scenes: from one look to the next its collision rate swings by a factor of two and more (`LOG.md`).
 """
 
 import copy
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import torch
@@ -16,10 +16,13 @@ from drivegen.core.settings import Count, Positive, Share
 from drivegen.drivers._gail import discriminator
 from drivegen.drivers._gail.discriminator import Discriminator, transitions
 from drivegen.drivers.shared import ppo
-from drivegen.drivers.shared.episodes import Episodes
-from drivegen.drivers.shared.lessons import Grade, Lessons, graded
+from drivegen.drivers.shared.episodes import play
+from drivegen.drivers.shared.lessons import Lessons
 from drivegen.drivers.shared.network import Network
-from drivegen.drivers.shared.policy import Policy
+from drivegen.drivers.shared.policy import Gaussian
+from drivegen.drivers.shared.teaching import Course
+from drivegen.training.checkpoint import Part
+from drivegen.world.reactive import Reaction
 from drivegen.world.world import World
 
 
@@ -28,13 +31,12 @@ class Teaching:
     """How it learns.
 
     Attributes:
-        iterations: of PPO. grade_every: iterations between two looks at the validation scenes.
-        average: share of the old in the running average of weights.
+        reaction: of its neighbours while it learns, None for replayed ones. average: share of the old in the running average.
         clone_steps, clone_rate, clone_batch: Adam's steps, learning rate and batch of the clone.
     """
 
-    iterations: Count
-    grade_every: Count
+    course: Course
+    reaction: Reaction | None
     average: Share
     clone_steps: Count
     clone_rate: Positive
@@ -50,60 +52,58 @@ class Plugin(Network):
 
     @classmethod
     def lessons_type(cls) -> type:
-        """See `lessons.Taught`."""
+        """See `teaching.Taught`."""
         return Teaching
 
     @classmethod
-    def teach(
-        cls, how: Teaching, train: Lessons, validation: Lessons, seed: int, say: Callable[[str], None]
-    ) -> tuple[Policy, list[Grade]]:
-        """See `lessons.Taught`."""
-        torch.set_num_threads(1)  # sums depend on the thread count
+    def pupil(cls, how: Teaching, lessons: Lessons, seed: int) -> "Pupil":
+        """See `teaching.Taught`."""
+        return Pupil(how, lessons, seed)
+
+
+class Pupil:
+    """The policy with its value and its judge; see `teaching.Pupil`."""
+
+    def __init__(self, how: Teaching, lessons: Lessons, seed: int) -> None:
         torch.manual_seed(seed)
-        random = torch.Generator().manual_seed(seed)
-        expert, logged = train.demonstrations(), validation.demonstrations()
-        policy = _clone(expert, how, random)
-        learner, judge = ppo.Learner(policy, how.ppo), Discriminator(transitions(expert), how.discriminator)
-        average, kept = copy.deepcopy(policy), copy.deepcopy(policy)
-        grades = [graded(0, policy, validation, logged)]
-        for iteration in range(1, how.iterations + 1):
-            chosen = torch.randint(len(train), (how.ppo.rows,), generator=random)
-            episodes = _try(policy, train, chosen, random)
-            judge.learn(transitions(episodes), random)
-            learner.learn(episodes, judge.reward(episodes, how.ppo.discount), random)
-            _pull(average, policy, 1 - how.average)
-            if iteration % how.grade_every == 0 or iteration == how.iterations:
-                grades.append(graded(iteration, average, validation, logged))
-                say(f"iteration {iteration}/{how.iterations}: collisions in {grades[-1].collision:.1%} of validation scenes")
-                if grades[-1].badness <= min(grade.badness for grade in grades[1:]):  # the first is the clone's
-                    kept = copy.deepcopy(average)
-        return kept, grades
+        self._how, self._lessons, self._expert = how, lessons, lessons.demonstrations()
+        self._world = lessons.world(how.ppo.rows, how.reaction)
+        self._tries = Gaussian()
+        self._learner = ppo.Learner(self._tries, how.ppo)
+        self._judge = Discriminator(transitions(self._expert), how.discriminator)
+        self.policy = copy.deepcopy(self._tries)
 
+    @property
+    def parts(self) -> Mapping[str, Part]:
+        """See `teaching.Pupil`."""
+        learner, judge = self._learner, self._judge
+        optimisers = {"adam": learner.optimiser, "judge_adam": judge.optimiser}
+        return {"tries": self._tries, "value": learner.value, "judge": judge, "policy": self.policy, **optimisers}
 
-def _try(policy: Policy, lessons: Lessons, chosen: Tensor, random: torch.Generator) -> Episodes:
-    """Episodes in which the policy does not quite do what it holds for best."""
+    def begin(self, seed: int) -> None:
+        """Clone the logs."""
+        how, random = self._how, torch.Generator().manual_seed(seed)
+        optimiser = torch.optim.Adam(self._tries.parameters(), how.clone_rate)
+        seen, number = self._expert.features[:-1][self._expert.live], self._expert.number[self._expert.live]
+        for _ in range(how.clone_steps):
+            rows = torch.randint(len(seen), (how.clone_batch,), generator=random)
+            loss = mse_loss(self._tries(seen[rows]), number[rows])
+            optimiser.zero_grad()
+            loss.backward()  # type: ignore[no-untyped-call]
+            optimiser.step()
+        self.policy.load_state_dict(self._tries.state_dict())
 
-    def choose(_: int, seen: Tensor, __: World) -> Tensor:
-        best: Tensor = policy(seen)
-        return best + policy.spread.exp() * torch.randn(len(seen), generator=random)
+    def study(self, number: int, seed: int) -> None:  # noqa: ARG002 as every pupil's
+        """Episodes in which the policy does not quite do what it holds for best; judge and policy learn from them."""
+        random, tries, how = torch.Generator().manual_seed(seed), self._tries, self._how
 
-    return lessons.play(choose, chosen)
+        def choose(_: int, seen: Tensor, __: World) -> Tensor:
+            best: Tensor = tries(seen)
+            return best + tries.spread.exp() * torch.randn(len(seen), generator=random)
 
-
-@torch.no_grad()
-def _pull(average: Policy, policy: Policy, share: float) -> None:
-    for old, new in zip(average.parameters(), policy.parameters(), strict=True):
-        old.lerp_(new, share)
-
-
-def _clone(expert: Episodes, how: Teaching, random: torch.Generator) -> Policy:
-    policy = Policy()
-    optimiser = torch.optim.Adam(policy.parameters(), how.clone_rate)
-    seen, number = expert.features[:-1][expert.live], expert.number[expert.live]
-    for _ in range(how.clone_steps):
-        rows = torch.randint(len(seen), (how.clone_batch,), generator=random)
-        loss = mse_loss(policy(seen[rows]), number[rows])
-        optimiser.zero_grad()
-        loss.backward()  # type: ignore[no-untyped-call]
-        optimiser.step()
-    return policy
+        episodes = play(self._world, torch.randint(len(self._lessons), (how.ppo.rows,), generator=random), choose)
+        self._judge.learn(transitions(episodes), random)
+        self._learner.learn(episodes, self._judge.reward(episodes, how.ppo.discount), random)
+        with torch.no_grad():
+            for old, new in zip(self.policy.parameters(), tries.parameters(), strict=True):
+                old.lerp_(new, 1 - how.average)

@@ -37,7 +37,8 @@ class Settings:
         exponent: delta.
         side_margin: distance that a box beside the way must keep not to count as on it [m].
         look_ahead: time for which crossing vehicles are extrapolated [s]; 0 sees only who is on the way already.
-        heeds_rules: whether it stops at lights and signs and gives way. accepted_gap: [s] to whoever has right of way.
+        heeds_rules: whether it stops at lights and, if it also `gives_way`, at signs and for who has right of way.
+        accepted_gap: [s] to whoever has right of way.
     """
 
     desired_speed: Positive
@@ -50,6 +51,7 @@ class Settings:
     side_margin: NotNegative
     look_ahead: NotNegative
     heeds_rules: bool
+    gives_way: bool
     accepted_gap: NotNegative
 
 
@@ -105,8 +107,9 @@ class Plugin:
         green = rules.signal == SignalState.GREEN
         comfortable = distance > speed**2 / (2 * _COMFORTABLE * settings.braking)
         possible = distance > speed**2 / (2 * settings.emergency_braking)
+        meets = meets & settings.gives_way
         waits = comfortable & (meets.any(1) | (rules.signal == SignalState.YELLOW))
-        stops = (rules.control == LaneControl.STOP) & ~rules.halted & ~green
+        stops = (rules.control == LaneControl.STOP) & ~rules.halted & ~green & settings.gives_way
         held = possible & ((rules.signal == SignalState.RED) | stops | waits)
         return torch.where(held & (rules.distance > -_NO_GAP), distance, torch.inf)
 

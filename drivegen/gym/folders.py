@@ -7,12 +7,12 @@ from pathlib import Path
 
 from drivegen.av2.folder import read_folder
 from drivegen.core.errors import UnusableInput
-from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.core.scenario import TARGET
+from drivegen.drivers.shared.conditions import Traffic
 from drivegen.ingest.selection import Settings, select
-from drivegen.store.samples import holds_samples, read_samples
-from drivegen.store.scenarios import read_shard, shards
-
-Traffic = tuple[Scenario, Trajectories]
+from drivegen.store.lookup import futures_in, logs_in
+from drivegen.store.samples import holds_samples
+from drivegen.store.scenarios import shards
 
 SELECTION = Settings(target="focal", max_vehicles=32, first_step=0, horizon=100, map_radius=None, smallest_shrink=0.8)
 """How an Argoverse 2 recording becomes a scenario."""
@@ -46,20 +46,10 @@ def read_traffic(folder: Path, of: Path = SCENES) -> list[Traffic]:
 
 def _of_shard(shard: Path, of: Path) -> Iterator[Traffic]:
     if not holds_samples(shard):
-        yield from ((scenario, scenario.log) for scenario in read_shard(shard) if scenario.log is not None)
+        yield from logs_in(shard)
         return
-    base = of / shard.name
-    if not base.is_file():
-        raise UnusableInput(f"{shard} holds futures of scenarios in {base}, which is not there: name their folder as `of`")
-    by_id = {scenario.scenario_id: scenario for scenario in read_shard(base)}
-    for samples in read_samples(shard):
-        if samples.scenario_id not in by_id:
-            raise UnusableInput(
-                f"{base} lacks scenario {samples.scenario_id} of {shard}: name the folder of its scenarios as `of`"
-            )
-        yield from (
-            (by_id[samples.scenario_id], motion) for motion in map(samples.motion.__getitem__, range(len(samples.dropped)))
-        )
+    for scenario, samples in futures_in(shard, of):
+        yield from ((scenario, samples.motion[k]) for k in range(len(samples.dropped)))
 
 
 def _argoverse2(folder: Path, left_out: Counter[str]) -> Iterator[Traffic]:

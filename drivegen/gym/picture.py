@@ -1,4 +1,4 @@
-"""The first row of episodes as a picture from above."""
+"""The first row of an environment as a picture from above."""
 
 from dataclasses import replace
 
@@ -6,23 +6,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.scenario import TARGET, Scenario, Signals
-from drivegen.gym.episodes import Episodes
+from drivegen.drivers.shared.environment import Environment
 from drivegen.render.bird_eye import draw_bird_eye
 
 SIZE = 512
 """Side of the picture [px]; it shows 200 m."""
 
 
-def picture(episodes: Episodes) -> NDArray[np.uint8]:
+def picture(environment: Environment) -> NDArray[np.uint8]:
     """(SIZE, SIZE, 3) red, green, blue: the target in the middle, driving upwards, with everybody and all signals as they are."""
-    image, _ = draw_bird_eye(present(episodes), TARGET, np.zeros((0, 2)), np.zeros(0, np.int64), SIZE)
+    image, _ = draw_bird_eye(present(environment), TARGET, np.zeros((0, 2)), np.zeros(0, np.int64), SIZE)
     return image
 
 
-def present(episodes: Episodes) -> Scenario:
+def present(environment: Environment) -> Scenario:
     """The first row's scenario as if it began now."""
-    world = episodes.world
-    scenario, motion = episodes.traffic[int(world.scene[0])]
+    world = environment.world
+    scenario, motion = environment.traffic[int(world.scene[0])]
     step, boxes = min(int(world.step[0]), scenario.horizon), world.neighbours.boxes(world)
     social, at = len(scenario.vehicles) - 1, int(boxes.at[0])
     vehicles, ego = scenario.vehicles, world.ego

@@ -10,10 +10,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from drivegen.gym.episodes import TERMS, Step
-from drivegen.gym.folders import Traffic
-from drivegen.gym.opening import OBSERVATION, actions, opened
-from drivegen.gym.settings import Settings
+from drivegen.drivers.shared.conditions import Settings, Traffic
+from drivegen.drivers.shared.environment import OBSERVATION, TERMS, Step
+from drivegen.gym.opening import opened
 
 Floats = NDArray[np.float32]
 
@@ -38,15 +37,15 @@ class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
     ) -> None:
         """See `env.DriveEnv`."""
         self.render_mode = render_mode
-        self.num_envs, self.episodes = num_envs, opened(scenarios, num_envs, settings, of, device)
-        self.single_observation_space, self.single_action_space = OBSERVATION, actions(self.episodes.settings)
+        self.num_envs, self.environment = num_envs, opened(scenarios, num_envs, settings, of, device)
+        self.single_observation_space, self.single_action_space = OBSERVATION, self.environment.actions
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
         """Begin an episode in every row."""
         super().reset(seed=seed, options=options)
-        return self.episodes.reset(self._drawn(self.num_envs)).cpu().numpy(), {}
+        return self.environment.reset(self.environment.drawn(self.num_envs, self.np_random)).cpu().numpy(), {}
 
     def step(self, actions: Floats) -> tuple[Floats, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """One step; where an episode ends the observation returned is the first of the next, and `final_obs` its last."""
@@ -62,17 +61,13 @@ class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
 
     def advance(self, actions: Floats) -> Step:
         """One step of all rows, none of which is reset."""
-        device = self.episodes.world.scene.device
-        return self.episodes.step(torch.from_numpy(np.array(actions, np.float32).reshape(self.num_envs, -1)).to(device))
+        device = self.environment.world.scene.device
+        return self.environment.step(torch.from_numpy(np.array(actions, np.float32).reshape(self.num_envs, -1)).to(device))
 
     def begin(self, rows: NDArray[np.intp]) -> Floats:
         """New episodes in `rows`; their first observations."""
-        index = torch.from_numpy(rows).to(self.episodes.world.scene.device)
-        return self.episodes.reset(self._drawn(len(rows)), index).cpu().numpy()
-
-    def _drawn(self, count: int) -> torch.Tensor:
-        playable = self.episodes.playable
-        return playable[torch.from_numpy(self.np_random.integers(len(playable), size=count)).to(playable.device)]
+        index = torch.from_numpy(rows).to(self.environment.world.scene.device)
+        return self.environment.reset(self.environment.drawn(len(rows), self.np_random), index).cpu().numpy()
 
     def _info(self, step: Step) -> dict[str, Any]:
         every = np.ones(self.num_envs, np.bool_)

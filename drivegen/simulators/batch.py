@@ -36,9 +36,19 @@ class Plugin:
 
     name = "batch"
 
-    def __init__(self, device: str = "cpu", reaction: Reaction | None = None) -> None:
-        """`reaction`: how neighbours react; they are replayed without it."""
-        self._device, self._reaction = torch.device(device), reaction
+    def __init__(
+        self,
+        device: str = "cpu",
+        reaction: Reaction | None = None,
+        to_target_alone: bool = False,
+        counts_lights: bool = False,
+    ) -> None:
+        """`reaction`: how neighbours react, to everybody or `to_target_alone`; they are replayed without it.
+
+        Red lights are counted where it `counts_lights`, which takes milliseconds a run.
+        """
+        self._device, self._reaction, self._to_target_alone = torch.device(device), reaction, to_target_alone
+        self._counts_lights = counts_lights
 
     def run(
         self,
@@ -49,35 +59,70 @@ class Plugin:
         attacker: NDArray[np.integer] | None = None,
     ) -> DrivingOutcome:
         """See `base.Simulator.run`."""
+        return self.run_each([driver], scenarios, traffic, paths, attacker)[0]
+
+    def run_each(
+        self,
+        drivers: Sequence[Driver],
+        scenarios: Sequence[Scenario],
+        traffic: Sequence[Trajectories],
+        paths: TargetPaths | None = None,
+        attacker: NDArray[np.integer] | None = None,
+    ) -> list[DrivingOutcome]:
+        """As `run` for each of several drivers; scenes are packed once for all."""
         torch.set_num_threads(1)  # sums depend on the thread count
         attacker = np.zeros(len(scenarios), np.int64) if attacker is None else attacker
         paths = paths if paths is not None else target_paths(scenarios, traffic)
         steps = max(motion.steps for motion in traffic)
-        parts = []
+        parts = []  # a row a chunk, a column a driver
         for begin in range(0, len(scenarios), CHUNK):
             rows = slice(begin, begin + CHUNK)
-            parts.append(self._run_chunk(driver, scenarios[rows], traffic[rows], _rows(paths, rows), steps, attacker[rows]))
-        return DrivingOutcome.joined(parts)
+            parts.append(self._run_chunk(drivers, scenarios[rows], traffic[rows], _rows(paths, rows), steps, attacker[rows]))
+        return [DrivingOutcome.joined(column) for column in zip(*parts, strict=True)]
 
     def _run_chunk(
         self,
-        driver: Driver,
+        drivers: Sequence[Driver],
         scenarios: Sequence[Scenario],
         traffic: Sequence[Trajectories],
         paths: TargetPaths,
         steps: int,
         attacker: NDArray[np.integer],
-    ) -> DrivingOutcome:
+    ) -> list[DrivingOutcome]:
         scenes = Scenes.of(scenarios, traffic, paths, CHUNK, self._device)
-        deaf = torch.zeros(CHUNK, dtype=torch.int64)
+        seen = any(map(looks, drivers))
+        lookout = Lookout.of(scenes, scenarios, traffic, arrivals=seen) if seen or self._counts_lights else None
+        return [self.drive(driver, scenes, scenarios, steps, attacker, lookout) for driver in drivers]
+
+    def drive(
+        self,
+        driver: Driver,
+        scenes: Scenes,
+        scenarios: Sequence[Scenario],
+        steps: int,
+        attacker: NDArray[np.integer],
+        lookout: Lookout | None,
+    ) -> DrivingOutcome:
+        """Drive through packed scenes, each once; beyond those of `scenarios` they are padding, of which nothing is said.
+
+        `attacker` as in `run`; `lookout` is for a driver that `looks`, and to count red lights. Motion has so many `steps`.
+        """
+        rows = len(scenes)
+        deaf = torch.zeros(rows, dtype=torch.int64)
         deaf[: len(attacker)] = torch.from_numpy(attacker.astype(np.int64))
         with torch.inference_mode():
-            neighbours = Reactive(scenes, CHUNK, self._reaction, deaf) if self._reaction else Replayed(scenes)
-            looks = isinstance(driver, RuleDriver) and driver.sees_rules
-            lookout = Lookout.of(scenes, scenarios, traffic) if looks else None
-            egos, met = _drive(driver, World(scenes, CHUNK, neighbours, lookout))
+            neighbours = (
+                Reactive(scenes, rows, self._reaction, deaf, self._to_target_alone) if self._reaction else Replayed(scenes)
+            )
+            egos, met = _drive(driver, World(scenes, rows, neighbours, lookout if looks(driver) else None))
         others = _lived(scenes.replay, met)
-        return _with_imposed(outcome(_trajectories(egos, others, steps), others, scenarios), met)
+        ended = _with_imposed(outcome(_trajectories(egos, others, steps), others, scenarios), met)
+        return _with_red_lights(ended, egos, scenes, lookout) if lookout and self._counts_lights else ended
+
+
+def looks(driver: Driver) -> bool:
+    """Whether a driver wants to see rules."""
+    return isinstance(driver, RuleDriver) and driver.sees_rules
 
 
 @dataclass(frozen=True)
@@ -124,6 +169,16 @@ def _with_imposed(ended: DrivingOutcome, met: list[_Met]) -> DrivingOutcome:
     rows, last = np.arange(len(ended.kind)), ended.motion.last_valid()
     braking, loss = (torch.stack([getattr(m, name) for m in met], 1).cpu().numpy() for name in ("hardest", "taken"))
     return replace(ended, imposed_braking=braking[rows, last], imposed_loss=loss[rows, last])
+
+
+def _with_red_lights(ended: DrivingOutcome, egos: list[Ego], scenes: Scenes, lookout: Lookout) -> DrivingOutcome:
+    """The outcome with the red lights that the targets came near and ran until their runs ended."""
+    count = len(ended.kind)
+    valid = torch.zeros((len(scenes), len(egos)), dtype=torch.bool)
+    valid[:count] = torch.from_numpy(ended.motion.valid[:, : len(egos)])
+    front = torch.stack([ego.along for ego in egos], 1) + 0.5 * scenes.size[:, :1]
+    near, ran = (lights[:count].cpu().numpy().astype(np.float32) for lights in lookout.red_lights(front, valid.to(front.device)))
+    return replace(ended, red_lights=near, red_run=ran)
 
 
 def _trajectories(egos: list[Ego], others: Replay, steps: int) -> Trajectories:

@@ -7,6 +7,7 @@ into each other.
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import njit
@@ -20,6 +21,9 @@ from drivegen.world.fault import judge
 from drivegen.world.neighbours import Boxes
 from drivegen.world.outcome import NO_PARTNER, CollisionKind, DrivingOutcome
 from drivegen.world.replay import Replay
+
+if TYPE_CHECKING:
+    from drivegen.world.world import World
 
 STANDING = 0.1
 """Slower than this [m/s] the target stands."""
@@ -40,7 +44,7 @@ def outcome(motion: Trajectories, others: Replay, scenarios: Sequence[Scenario])
     ended = Trajectories(motion.position, motion.heading, motion.velocity, motion.valid & ~after)
     gone = (left != STAYS) & (step[:count] < 0)
     contact, fault, speed = judge(motion, others, scenarios, step, partner)
-    nothing = np.zeros(count, np.float32)
+    nothing, unknown = np.zeros(count, np.float32), np.full(count, np.nan, np.float32)
     return DrivingOutcome(
         kind[:count],
         step[:count],
@@ -52,7 +56,9 @@ def outcome(motion: Trajectories, others: Replay, scenarios: Sequence[Scenario])
         speed,
         imposed_braking=nothing,
         imposed_loss=nothing,
-        off_road=np.full(count, np.nan, np.float32),
+        red_lights=unknown,
+        red_run=unknown,
+        off_road=unknown,
     )
 
 
@@ -116,16 +122,12 @@ def _overlapped(pose, size, position, heading, valid, other_size):  # type: igno
     return -1
 
 
-def touching(
-    position: Floats, heading: Floats, size: Floats, boxes: Boxes, other_size: Floats, scene: NDArray[np.integer]
-) -> NDArray[np.int64]:
-    """Which of the others (R,) the boxes of R targets overlap, the lowest number of several, -1 for none.
-
-    Positions (R, 2), headings (R,), sizes (R, 2) and scenes (R,) of the targets; sizes (S, M, 2) of the others.
-    """
-    partner = np.full(len(heading), -1, np.int64)
-    arrays = (tensor.cpu().numpy() for tensor in (boxes.at, boxes.position, boxes.heading, boxes.valid))
-    _touch(position, heading, size, *arrays, other_size, scene, partner)
+def touched(world: "World", boxes: Boxes) -> NDArray[np.int64]:
+    """Which of the others, who are in `boxes`, each target overlaps: (R,), the lowest number of several, -1 for none."""
+    ego, others = world.ego, (boxes.at, boxes.position, boxes.heading, boxes.valid)
+    tensors = (ego.position, ego.heading, world.size, *others)
+    partner = np.full(len(world.scene), -1, np.int64)
+    _touch(*(tensor.cpu().numpy() for tensor in tensors), world.scenes.replay.size, world.scene.cpu().numpy(), partner)
     return partner
 
 

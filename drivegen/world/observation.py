@@ -5,6 +5,8 @@ from dataclasses import dataclass, fields
 import torch
 from torch import Tensor
 
+from drivegen.core.scenario import SignalState
+
 PATH_SPACING = 1.0
 """Distance between points of a path [m]."""
 
@@ -116,6 +118,13 @@ class Observation:
         """(S, D) speed limits [m/s] at `distances` (D,) [m] ahead of the target's front, NaN unknown."""
         front = self.along + 0.5 * self.length
         return self.paths.speed_limit.gather(1, self.paths.row(front[:, None] + distances))
+
+    @property
+    def red_line(self) -> Tensor:
+        """(S,) [m] from the target's front to the line ahead where its signal is red, inf where it is not."""
+        if self.rules is None:
+            return torch.full_like(self.speed, torch.inf)
+        return torch.where(self.rules.signal == SignalState.RED, self.rules.distance, torch.inf)
 
 
 @dataclass(frozen=True)

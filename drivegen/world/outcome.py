@@ -60,6 +60,7 @@ class DrivingOutcome:
         impact_speed: (S,) float32 [m/s] of the two relative to one another, NaN without a collision.
         imposed_braking: (S,) float32 [m/s2] the hardest that a neighbour braked for the target, and imposed_loss: (S,) float32
             [m/s] the speed that this took from all of them; 0 where neighbours are replayed.
+        red_lights: (S,) float32 that the target came near, and red_run: (S,) of these that it ran; NaN where nobody looked.
         off_road: (S,) float32 share of valid steps with a corner off the drivable area; NaN until `with_off_road` judges it.
     """
 
@@ -73,6 +74,8 @@ class DrivingOutcome:
     impact_speed: NDArray[np.float32]
     imposed_braking: NDArray[np.float32]
     imposed_loss: NDArray[np.float32]
+    red_lights: NDArray[np.float32]
+    red_run: NDArray[np.float32]
     off_road: NDArray[np.float32]
 
     @classmethod
@@ -96,6 +99,15 @@ class DrivingOutcome:
     def artefact(self) -> NDArray[np.bool_]:
         """(S,) ended in a collision that is counted apart: of ARTEFACTS, or within the first second."""
         return np.isin(self.kind, ARTEFACTS) | self.in_first_second
+
+    @property
+    def counted(self) -> NDArray[np.bool_]:
+        """(S,) ended in a collision that says something of the driver.
+
+        FRONT, SIDE or HIT_IN_SIDE after the first second: neither run into from behind nor while standing, nor too early for
+        anybody.
+        """
+        return np.asarray(self.collided & ~self.artefact)
 
     @property
     def end(self) -> NDArray[np.float32]:

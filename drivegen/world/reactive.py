@@ -57,9 +57,14 @@ class Reactive:
 
     kind = "reactive"
 
-    def __init__(self, scenes: Scenes, rows: int, reaction: Reaction, attacker: Tensor | None = None) -> None:
-        """`attacker` (S,) int64: the vehicle of each scene that does not react, 0 where all do."""
-        self._scenes, self._law, self._plan = scenes, reaction, Plan.of(scenes)
+    def __init__(
+        self, scenes: Scenes, rows: int, reaction: Reaction, attacker: Tensor | None = None, to_target_alone: bool = False
+    ) -> None:
+        """`attacker` (S,) int64: the vehicle of each scene that does not react, 0 where all do. They react to everybody, or
+        `to_target_alone`: through one another they drive as planned.
+        """
+        self._scenes, self._law, self._plan, self._to_target_alone = scenes, reaction, Plan.of(scenes), to_target_alone
+        self.kind = "reactive to the target" if to_target_alone else self.kind
         device = scenes.steps.device
         self._reacts = torch.from_numpy(scenes.replay.vehicle).to(device)
         if attacker is not None:
@@ -74,9 +79,10 @@ class Reactive:
     def reset(self, world: "World", rows: Tensor | None) -> None:
         """See `Neighbours`."""
         chosen = rows if rows is not None else slice(None)
-        for state in (self.clock, self.watched, self.hardest, self.taken):
+        for state in (self.watched, self.hardest, self.taken):
             state[chosen] = 0.0
-        self.speed[chosen] = self._plan.speed[world.scene[chosen] * self._scenes.longest]
+        self.clock[chosen] = world.step[chosen, None].to(self.clock)
+        self.speed[chosen] = self._plan.speed[world.at[chosen]]
 
     def seen(self, world: "World") -> tuple[Tensor, Tensor]:
         """See `Neighbours`; they are seen at the speed that they have."""
@@ -126,7 +132,8 @@ class Reactive:
             torch.cat([self._size[world.scene], world.size[:, None]], 1),
             torch.cat([present, true], 1),
         )
-        pairs = looks_at(traffic, self._reacts[world.scene], late)
+        minded = torch.zeros_like(late) if self._to_target_alone else late
+        pairs = looks_at(traffic, self._reacts[world.scene], minded)
         base = (world.scene * self._scenes.longest)[:, None]
         first = base + self.clock.long()
         last = (base + self._scenes.steps[world.scene][:, None] - 1).expand_as(first)

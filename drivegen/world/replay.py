@@ -22,6 +22,10 @@ COARSE = 8
 REFRESH = 10
 """... and that whole search is repeated every tenth step; in between the search goes on from the last point."""
 
+PULL = 0.1
+"""A path may come back to where it was. A point of it counts as farther away, by this share of how far along the path it is from
+where the target is expected: so of two passes the one is meant that the target makes about then."""
+
 
 @dataclass(frozen=True)
 class Replay:
@@ -33,6 +37,7 @@ class Replay:
         position: (S, T, M, 2) float32 [m]. heading: (S, T, M) [rad]. valid: (S, T, M) bool.
         frame: (S, T, 6, M) float32 along, left, half length, half width, speed along, speed across: see `Observation`.
         target_size: (S, 2) float32 [m]. target_position: (S, 2), target_heading: (S,), target_speed: (S,) at step 0.
+        target_along: (S, T) float32 [m] how far along its path each target was planned to be.
     """
 
     steps: NDArray[np.int64]
@@ -46,10 +51,33 @@ class Replay:
     target_position: NDArray[np.float32]
     target_heading: NDArray[np.float32]
     target_speed: NDArray[np.float32]
+    target_along: NDArray[np.float32]
 
     def of(self, chosen: NDArray[np.intp]) -> "Replay":
         """Scenarios `chosen` (R,), copied."""
         return Replay(*(getattr(self, field.name)[chosen] for field in fields(self)))
+
+    def exchange(
+        self, row: NDArray[np.integer], vehicle: NDArray[np.integer], motion: Trajectories, points: Sequence[NDArray[np.float32]]
+    ) -> None:
+        """Let `vehicle` (E,) of scenario `row` (E,) move as `motion` (E, T) instead, in place.
+
+        `points` (E,) are the paths (P, 2) of the targets; tracks of one path object are projected together.
+        """
+        other, steps = vehicle - 1, motion.steps
+        self.position[row, :steps, other], self.heading[row, :steps, other] = motion.position, motion.heading
+        self.valid[row, :, other] = False
+        self.valid[row, :steps, other] = motion.valid
+        by_path: dict[int, list[int]] = {}
+        for e, path in enumerate(points):
+            by_path.setdefault(id(path), []).append(e)
+        for found in by_path.values():
+            some, size = motion[found], self.size[row[found], other[found]]
+            seen = [np.ascontiguousarray(a.swapaxes(0, 1)) for a in (some.position, some.heading, some.velocity, some.valid)]
+            frame = np.zeros((steps, 6, len(found)), np.float32)
+            expected = np.tile(self.target_along[row[found[0]], :steps, None], len(found))
+            project(points[found[0]], expected, *seen, size, frame)
+            self.frame[row[found], :steps, :, other[found]] = np.moveaxis(frame, 2, 0)
 
 
 def replay(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths: TargetPaths, rows: int) -> Replay:
@@ -71,6 +99,7 @@ def replay(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths
         np.zeros((rows, 2), np.float32),
         np.zeros(rows, np.float32),
         np.zeros(rows, np.float32),
+        np.zeros((rows, lasts), np.float32),
     )
     velocity = np.zeros((*shape[1:], 2), np.float32)
     for s, (scenario, motion) in enumerate(zip(scenarios, traffic, strict=True)):
@@ -80,9 +109,23 @@ def replay(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths
         packed.target_position[s], packed.target_heading[s] = motion.position[TARGET, 0], motion.heading[TARGET, 0]
         packed.target_speed[s] = motion.speed[TARGET, 0]
         _pack(packed, velocity, s, scenario, motion)
-        points = paths.point[s, : int(paths.length[s] / PATH_SPACING) + 1]
-        project(points, packed.position[s], packed.heading[s], velocity, packed.valid[s], packed.size[s], packed.frame[s])
+        packed.target_along[s] = progress(motion[TARGET], lasts)
+        points, expected = (
+            paths.point[s, : int(paths.length[s] / PATH_SPACING) + 1],
+            np.tile(packed.target_along[s, :, None], others),
+        )
+        seen = (packed.position[s], packed.heading[s], velocity, packed.valid[s], packed.size[s])
+        project(points, expected, *seen, packed.frame[s])
     return packed
+
+
+def progress(motion: Trajectories, steps: int) -> NDArray[np.float32]:
+    """(..., steps) [m] the way of `motion` (..., T) until each step, standing where it ends."""
+    ended = motion.standing_after_end().position
+    way = np.zeros((*ended.shape[:-2], steps), np.float32)
+    way[..., 1 : motion.steps] = np.hypot(*np.moveaxis(np.diff(ended, axis=-2), -1, 0)).cumsum(-1)
+    way[..., motion.steps :] = way[..., motion.steps - 1 : motion.steps]
+    return way
 
 
 def _pack(packed: Replay, velocity: NDArray[np.float32], s: int, scenario: Scenario, motion: Trajectories) -> None:
@@ -107,15 +150,14 @@ def _gap(points, i, x, y):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _nearest(points, x, y, guess):  # type: ignore[no-untyped-def]
-    """Index of a path point nearest to (x, y): from `guess` downhill, or, where that is -1, after a coarse search."""
+def _nearest(points, x, y, guess, here):  # type: ignore[no-untyped-def]
+    """Index of a path point nearest to (x, y): from `guess` downhill, or, where that is -1, after a search around `here` [m]."""
     count = points.shape[0]
     best = guess
     if guess < 0:
-        best = 0
-        least = _gap(points, 0, x, y)
-        for i in range(COARSE, count, COARSE):
-            gap = _gap(points, i, x, y)
+        least = np.inf
+        for i in range(0, count, COARSE):
+            gap = _gap(points, i, x, y) + (PULL * (i * PATH_SPACING - here)) ** 2
             if gap < least:
                 best, least = i, gap
     least = _gap(points, best, x, y)
@@ -129,8 +171,11 @@ def _nearest(points, x, y, guess):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def project(points, position, heading, velocity, valid, size, frame):  # type: ignore[no-untyped-def]
-    """Fill `frame` (T, 6, M) with the M boxes (T, M) as seen from the path `points` (P, 2)."""
+def project(points, expected, position, heading, velocity, valid, size, frame):  # type: ignore[no-untyped-def]
+    """Fill `frame` (T, 6, M) with the M boxes (T, M) as seen from the path `points` (P, 2).
+
+    Whoever looks is `expected` (T, M) [m] along the path.
+    """
     last = points.shape[0] - 2
     for m in range(valid.shape[1]):
         half_length, half_width = np.float32(0.5) * size[m, 0], np.float32(0.5) * size[m, 1]
@@ -140,7 +185,7 @@ def project(points, position, heading, velocity, valid, size, frame):  # type: i
                 guess = -1
                 continue
             x, y = position[t, m, 0], position[t, m, 1]
-            guess = _nearest(points, x, y, -1 if t % REFRESH == 0 else guess)
+            guess = _nearest(points, x, y, -1 if t % REFRESH == 0 else guess, expected[t, m])
             i = min(guess, last)
             sx, sy = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
             dx, dy = x - points[i, 0], y - points[i, 1]

@@ -21,6 +21,7 @@ from drivegen.core.scenario import Scenario, SignalState, Trajectories
 from drivegen.roads.gates import first_crossing
 from drivegen.roads.graph import LaneGraph
 from drivegen.world.observation import PATH_SPACING, Rules
+from drivegen.world.replay import Replay
 from drivegen.world.replay import project as seen_from
 from drivegen.world.scenes import Scenes
 
@@ -45,6 +46,9 @@ TURNS = 0.35
 PASSED = 1.0
 """A front this far [m] beyond a line has passed it."""
 
+REACH = 20.0
+"""Who is within this distance [m] of a red light has come to it."""
+
 HALTED, BEFORE = 0.1, 6.0
 """Who is slower than this [m/s] within this distance [m] of a line has halted there."""
 
@@ -59,16 +63,18 @@ class Lookout:
         place: (S, G) float32 [m] of the lines along the paths, rising, inf for none. control: (S, G) int64 LaneControl.
         signal: (S * T, G) int64 SignalState. distance: (S * T, G, M) float32 [m] that each other who has right of way is from
             where its way meets the target's, inf for the rest; row s * T + t is scene s at step t.
+        ways: (S,) by which somebody with right of way comes.
     """
 
     place: Tensor
     control: Tensor
     signal: Tensor
     distance: Tensor
+    ways: "list[list[_Way]]"
 
     @classmethod
-    def of(cls, scenes: Scenes, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories]) -> Self:
-        """Look along the paths of `scenes`, which are `scenarios` with their `traffic` (N, T)."""
+    def of(cls, scenes: Scenes, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], arrivals: bool = True) -> Self:
+        """Look along the paths of `scenes`, which are `scenarios` with `traffic` (N, T); without `arrivals` nobody comes."""
         graphs = {id(s.map): s.map for s in scenarios}
         known = {number: LaneGraph.of(road_map) for number, road_map in graphs.items()}
         lines = [_lines(scenes, s, known[id(scenario.map)]) for s, scenario in enumerate(scenarios)]
@@ -77,13 +83,42 @@ class Lookout:
         control = np.zeros(place.shape, np.int64)
         signal = np.zeros((*shape[:2], place.shape[1]), np.int64)
         distance = np.full((*shape[:2], place.shape[1], shape[2]), np.inf, np.float32)
+        ways: list[list[_Way]] = [[] for _ in range(len(scenes))]
         for s, (scenario, motion) in enumerate(zip(scenarios, traffic, strict=True)):
             for g, (at, lane) in enumerate(lines[s]):
                 place[s, g], control[s, g] = at, scenario.map.control[lane]
                 signal[s, : scenario.steps, g] = _state(scenario, lane)[: motion.steps]
-                _who_comes(known[id(scenario.map)], scenario, lane, scenes, s, distance[s, :, g])
-        arrays = (place, control, signal.reshape(-1, place.shape[1]), distance.reshape(-1, *distance.shape[2:]))
-        return cls(*(torch.from_numpy(array).to(scenes.steps.device) for array in arrays))
+                if arrivals:
+                    ways[s] += _ways(known[id(scenario.map)], scenario, g, lane)
+            _put(distance, scenes.replay, ways[s], np.full(shape[2], s), np.arange(shape[2]))
+        flat = signal.reshape(-1, place.shape[1]), distance.reshape(-1, *distance.shape[2:])
+        places, controls, signals, away = (torch.from_numpy(a).to(scenes.steps.device) for a in (place, control, *flat))
+        return cls(places, controls, signals, away, ways)
+
+    def exchanged(self, scenes: Scenes, chosen: NDArray[np.intp], row: NDArray[np.integer], vehicle: NDArray[np.integer]) -> Self:
+        """Of `scenes` (R,), which are copies of those `chosen` (R,) but for the motion of `vehicle` (E,) of copy `row` (E,)."""
+        device, count = scenes.steps.device, len(self.ways)
+        at = torch.from_numpy(chosen).to(device)
+        signal, distance = (table.view(count, -1, *table.shape[1:])[at].flatten(0, 1) for table in (self.signal, self.distance))
+        lines = distance.view(len(chosen), -1, *distance.shape[1:]).cpu().numpy()
+        for s in np.unique(chosen[row]).tolist():
+            mine = chosen[row] == s
+            lines[row[mine], :, :, vehicle[mine] - 1] = np.inf
+            _put(lines, scenes.replay, self.ways[s], row[mine], vehicle[mine] - 1)
+        distance = torch.from_numpy(lines).to(device).flatten(0, 1)
+        ways = [self.ways[s] for s in chosen.tolist()]
+        return type(self)(self.place[at], self.control[at], signal, distance, ways)
+
+    def red_lights(self, front: Tensor, valid: Tensor) -> tuple[Tensor, Tensor]:
+        """How many red lights S targets came near, and how many of these they ran: (S,) each.
+
+        `front` (S, T) [m] is how far along its path each target's front is, `valid` (S, T) whether its run is not over. Near is
+        within REACH before the line while the light is red; who crosses the line then has run it.
+        """
+        ahead = self.place[:, None] - front[..., None]
+        red = (self.signal.view(*front.shape, -1) == SignalState.RED) & valid[..., None] & (ahead > 0)
+        ran = (red[:, :-1] & (ahead[:, 1:] <= 0) & valid[:, 1:, None]).any(1)
+        return ((red & (ahead < REACH)).any(1) | ran).sum(1), ran.sum(1)
 
 
 class Watch:
@@ -163,26 +198,60 @@ def _state(scenario: Scenario, lane: int) -> NDArray[np.uint8]:
     return states[0] if len(states) else np.zeros(scenario.steps, np.uint8)
 
 
-def _who_comes(graph: LaneGraph, scenario: Scenario, lane: int, scenes: Scenes, s: int, out: NDArray[np.float32]) -> None:
-    """Fill `out` (T, M) for the line before `lane`."""
-    others, line = scenes.replay, graph.map.centreline
+@dataclass(frozen=True)
+class _Way:
+    """A way across a junction by which somebody with right of way comes.
+
+    Attributes:
+        line: number of the target's line before it. points: (P, 2) [m] of the way.
+        entry, goal: [m] along it where its lane begins, and where it meets the target's.
+        closed: (T,) bool, whether its light is red or yellow.
+    """
+
+    line: int
+    points: Floats
+    entry: float
+    goal: float
+    closed: NDArray[np.bool_]
+
+    def distance(
+        self, position: NDArray[np.float32], heading: NDArray[np.float32], valid: NDArray[np.bool_], size: NDArray[np.float32]
+    ) -> NDArray[np.float32]:
+        """(T, M) [m] that M boxes (T, M) are from where the ways meet, inf for those who do not come."""
+        frame = np.zeros((len(valid), 6, len(size)), np.float32)
+        goal = np.full(valid.shape, self.goal, np.float32)
+        seen_from(self.points, goal, position, heading, np.zeros_like(position), valid, size, frame)
+        along, reach = frame[:, 0], frame[:, 2]
+        came = np.diff(along, axis=0, append=along[-1:]) > -0.05  # not the other way
+        comes = valid & came & (np.abs(frame[:, 1]) < IN_LANE) & (along > 0) & (along - reach < self.goal + PASSED)
+        closed = self.closed[: len(valid)]
+        comes[: len(closed)] &= ~closed[:, None] | (along[: len(closed)] + reach[: len(closed)] > self.entry)
+        return np.where(comes, np.maximum(self.goal - along - reach, 0), np.inf).astype(np.float32)
+
+
+def _ways(graph: LaneGraph, scenario: Scenario, number: int, lane: int) -> Iterator[_Way]:
+    """By which somebody comes who goes before a target that wants to take `lane` behind its line `number`."""
+    line = graph.map.centreline
     for other in np.flatnonzero(graph.map.in_junction & graph.map.for_vehicles).tolist():
         if other == lane or not has_right_of_way(graph, other, lane):
             continue
         meet, x, y, _, _ = first_crossing(line.points, *line.start[[lane, lane + 1]], *line.start[[other, other + 1]])
-        if not meet:
-            continue
-        way, entry = _approach(graph, other)
-        goal = project(way, np.array([x, y]))[0]
-        frame = np.zeros((out.shape[0], 6, out.shape[1]), np.float32)
-        still = np.zeros((*out.shape, 2), np.float32)
-        seen_from(way, others.position[s], others.heading[s], still, others.valid[s], others.size[s], frame)
-        along, reach = frame[:, 0], frame[:, 2]
-        came = np.diff(along, axis=0, append=along[-1:]) > -0.05  # not the other way
-        comes = others.valid[s] & came & (np.abs(frame[:, 1]) < IN_LANE) & (along > 0) & (along - reach < goal + PASSED)
-        closed = np.isin(_state(scenario, other), (SignalState.RED, SignalState.YELLOW))[: len(out)]
-        comes[: len(closed)] &= ~closed[:, None] | (along[: len(closed)] + reach[: len(closed)] > entry)
-        out[:] = np.where(comes, np.minimum(out, np.maximum(goal - along - reach, 0)), out)
+        if meet:
+            points, entry = _approach(graph, other)
+            closed = np.isin(_state(scenario, other), (SignalState.RED, SignalState.YELLOW))
+            yield _Way(number, points, entry, project(points, np.array([x, y]))[0], closed)
+
+
+def _put(
+    distance: NDArray[np.float32], others: Replay, ways: "list[_Way]", row: NDArray[np.integer], other: NDArray[np.integer]
+) -> None:
+    """Fill `distance` (S, T, G, M) for others `other` (E,) of scenes `row` (E,), all of which `ways` hold for."""
+    position = np.ascontiguousarray(others.position[row, :, other].swapaxes(0, 1))
+    heading = np.ascontiguousarray(others.heading[row, :, other].T)
+    valid = np.ascontiguousarray(others.valid[row, :, other].T)
+    for way in ways:
+        away = way.distance(position, heading, valid, others.size[row, other])
+        distance[row, :, way.line, other] = np.minimum(distance[row, :, way.line, other], away.T)
 
 
 def has_right_of_way(graph: LaneGraph, other: int, lane: int) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.world.observation import Paths
+from drivegen.world.observation import PATH_SPACING, Paths
 from drivegen.world.paths import TargetPaths, target_paths
 from drivegen.world.replay import Replay, replay
 
@@ -51,14 +51,18 @@ class Scenes:
         """
         rows = rows or len(scenarios)
         paths = paths if paths is not None else target_paths(scenarios, traffic)
-        others = replay(scenarios, traffic, paths, rows)
+        return cls.packed(replay(scenarios, traffic, paths, rows), _tensors(paths, rows, device), device)
+
+    @classmethod
+    def packed(cls, others: Replay, paths: Paths, device: torch.device | str = "cpu") -> Self:
+        """From arrays of S scenes and the paths of their targets."""
 
         def tensor(array: NDArray[Any]) -> Tensor:
             return torch.from_numpy(array).to(device)
 
         return cls(
             others,
-            _tensors(paths, rows, device),
+            paths,
             frame=tensor(others.frame).flatten(0, 1),
             present=tensor(others.valid).flatten(0, 1),
             steps=tensor(others.steps),
@@ -66,6 +70,16 @@ class Scenes:
             speed=tensor(others.target_speed),
             start=(tensor(others.target_position), tensor(others.target_heading)),
         )
+
+    def exchanged(
+        self, chosen: NDArray[np.intp], row: NDArray[np.integer], vehicle: NDArray[np.integer], motion: Trajectories
+    ) -> "Scenes":
+        """Scenes `chosen` (R,), copied, in which `vehicle` (E,) of copy `row` (E,) moves as `motion` (E, T)."""
+        others, device = self.replay.of(chosen), self.steps.device
+        used = np.unique(chosen[row])
+        line = {s: self.paths.point[s, : int(self.paths.length[s] / PATH_SPACING) + 1].cpu().numpy() for s in used.tolist()}
+        others.exchange(row, vehicle, motion, [line[s] for s in chosen[row].tolist()])
+        return self.packed(others, self.paths.of(torch.from_numpy(chosen).to(device)), device)
 
     def __len__(self) -> int:
         return len(self.steps)

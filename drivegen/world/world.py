@@ -42,12 +42,20 @@ class World:
             position, heading = self.scenes.start
             ego = placed(ego, position[scene], heading[scene], paths)
         if rows is None:
-            self.scene, self.step = scene.clone(), torch.zeros_like(scene)
-            self.size, self.paths, self.ego = self.scenes.size[scene], paths, ego
-        else:
-            self.scene[rows], self.step[rows], self.size[rows] = scene, 0, self.scenes.size[scene]
-            self.paths.put(rows, paths)
-            self.ego.put(rows, ego)
+            self.resume(scene, torch.zeros_like(scene), ego)
+            return
+        self.scene[rows], self.step[rows], self.size[rows] = scene, 0, self.scenes.size[scene]
+        self.paths.put(rows, paths)
+        self.ego.put(rows, ego)
+        self._reset_others(rows)
+
+    def resume(self, scene: Tensor, step: Tensor, ego: Ego) -> None:
+        """Go on in `scene` (R,) from `step` (R,) with `ego` as the targets; everybody else is where the scene has them then."""
+        self.scene, self.step, self.ego = scene.clone(), step.clone(), ego
+        self.size, self.paths = self.scenes.size[scene], self.scenes.paths.of(scene)
+        self._reset_others(None)
+
+    def _reset_others(self, rows: Tensor | None) -> None:
         self.neighbours.reset(self, rows)
         if self._watch:
             self._watch.reset(rows)

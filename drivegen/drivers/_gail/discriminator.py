@@ -54,13 +54,14 @@ class Discriminator(nn.Module):
     def __init__(self, expert: Tensor, settings: Settings) -> None:
         super().__init__()
         self.settings = settings
-        self._expert, self._mean, self._scale = expert, expert.mean(0), expert.std(0).clamp_min(0.05)
-        self._mean[-1], self._scale[-1] = 0.0, 1.0  # nobody is absorbed in a log
+        mean, scale = expert.mean(0), expert.std(0).clamp_min(0.05)
+        mean[-1], scale[-1] = 0.0, 1.0  # nobody is absorbed in a log
+        self._expert, self._mean, self._scale = expert, nn.Buffer(mean), nn.Buffer(scale)
         hidden = settings.hidden
         self.layers = nn.Sequential(
             nn.Linear(COUNT + 2, hidden), nn.Tanh(), nn.Linear(hidden, hidden), nn.Tanh(), nn.Linear(hidden, 1)
         )
-        self._optimiser = torch.optim.Adam(self.layers.parameters(), settings.learning_rate)
+        self.optimiser = torch.optim.Adam(self.layers.parameters(), settings.learning_rate)
 
     def forward(self, steps: Tensor) -> Tensor:
         """See the class."""
@@ -78,9 +79,9 @@ class Discriminator(nn.Module):
                 for logit, truth in zip(logits, (1, 0), strict=True)
             )
             loss = loss + self.settings.penalty * self._steepness(expert, other, random)
-            self._optimiser.zero_grad()
+            self.optimiser.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
-            self._optimiser.step()
+            self.optimiser.step()
             right += float(((logits[0] > 0).float().mean() + (logits[1] <= 0).float().mean()) / 2)
         return right / self.settings.steps
 

@@ -3,17 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
 import torch
 from torch import Tensor
 
-from drivegen.core.scenario import Trajectories
 from drivegen.drivers.shared.features import features
 from drivegen.drivers.shared.network import pedals
-from drivegen.world.contact import first_overlaps
+from drivegen.world.contact import touched
 from drivegen.world.observation import Action
-from drivegen.world.rules import Lookout
-from drivegen.world.scenes import Scenes
 from drivegen.world.world import World
 
 Choose = Callable[[int, Tensor, World], Tensor]
@@ -27,7 +23,7 @@ class Episodes:
     Attributes:
         features: (T + 1, R, F) what was seen before each step, and at the end. number: (T, R) what was done.
         live: (T, R) bool, whether the row had not ended. crashed: (R,) bool, whether it ended at a collision.
-        speed: (T + 1, R) [m/s].
+        speed: (T + 1, R) [m/s]. ran_red: (R,) bool, whether it crossed a line at a red light.
     """
 
     features: Tensor
@@ -35,6 +31,7 @@ class Episodes:
     live: Tensor
     crashed: Tensor
     speed: Tensor
+    ran_red: Tensor
 
     @property
     def distance(self) -> Tensor:
@@ -42,33 +39,27 @@ class Episodes:
         return (self.speed[1:] * self.live).sum(0) * 0.1
 
 
-def play(scenes: Scenes, lookout: Lookout, chosen: Tensor, choose: Choose) -> Episodes:
-    """Episodes in scenes `chosen` (R,), whose rules are in `lookout`."""
-    world = World(scenes, len(chosen), lookout=lookout)
+@torch.no_grad()
+def play(world: World, chosen: Tensor, choose: Choose) -> Episodes:
+    """Episodes of the world's rows in scenes `chosen` (R,)."""
     world.reset(chosen)
-    seen, done, speed, poses = [features(world.observe())], [], [world.ego.speed], [_pose(world)]
-    for step in range(int(scenes.steps[chosen].max()) - 1):
-        number = choose(step, seen[-1], world)
+    look = world.observe()
+    seen, done, speed, touches, runs = [features(look)], [], [world.ego.speed], [_touches(world)], []
+    for step in range(int(world.scenes.steps[chosen].max()) - 1):
+        number, line, along = choose(step, seen[-1], world), look.red_line, world.ego.along
         world.advance(Action(pedals(number.clamp(-1.0, 1.0))))
+        look = world.observe()
         done.append(number)
-        seen.append(features(world.observe()))
+        seen.append(features(look))
         speed.append(world.ego.speed)
-        poses.append(_pose(world))
-    crash = _crashes(scenes, chosen, poses)
-    steps = torch.arange(len(done), device=chosen.device)[:, None]
-    ends = scenes.steps[chosen] - 1
-    live = steps < torch.where(crash >= 0, torch.minimum(crash, ends), ends)
-    return Episodes(torch.stack(seen), torch.stack(done), live, (crash >= 0) & (crash <= ends), torch.stack(speed))
+        touches.append(_touches(world))
+        runs.append((line > 0) & (world.ego.along - along >= line))
+    before = torch.stack(touches).cumsum(0)[:-1] == 0  # no collision up to this step
+    live = before & (torch.arange(len(done), device=chosen.device)[:, None] < world.scenes.steps[chosen] - 1)
+    crashed = (torch.stack(touches[1:]) & live).any(0) | touches[0]
+    ran = (torch.stack(runs) & live).any(0)
+    return Episodes(torch.stack(seen), torch.stack(done), live, crashed, torch.stack(speed), ran)
 
 
-def _pose(world: World) -> tuple[Tensor, Tensor]:
-    return world.ego.position, world.ego.heading
-
-
-def _crashes(scenes: Scenes, chosen: Tensor, poses: list[tuple[Tensor, Tensor]]) -> Tensor:
-    """(R,) step of the first collision of each row, -1 without one."""
-    position, heading = (torch.stack(part, 1).cpu().numpy() for part in zip(*poses, strict=True))
-    others = scenes.replay.of(chosen.cpu().numpy())
-    valid = np.arange(heading.shape[1]) < others.steps[:, None]
-    motion = Trajectories(position, heading, np.zeros_like(position), valid)
-    return torch.from_numpy(first_overlaps(motion, others)[0].astype(np.int64)).to(chosen.device)
+def _touches(world: World) -> Tensor:
+    return torch.from_numpy(touched(world, world.neighbours.boxes(world)) >= 0).to(world.scene.device)

@@ -1,19 +1,21 @@
 """What drivers learn from, how they are judged on the way, and the record of that."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
-from typing import Any, Protocol, Self, runtime_checkable
+from typing import Self
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from drivegen.core.scenario import DT, TARGET, Scenario, Trajectories
+from drivegen.core.scenario import DT, TARGET
+from drivegen.drivers.shared.conditions import Traffic
 from drivegen.drivers.shared.episodes import Choose, Episodes, play
 from drivegen.drivers.shared.network import pedals
 from drivegen.drivers.shared.policy import Policy, number_of
 from drivegen.store.files import whole
+from drivegen.world.reactive import Reaction, Reactive
 from drivegen.world.rules import Lookout
 from drivegen.world.scenes import Scenes
 from drivegen.world.world import World
@@ -21,33 +23,43 @@ from drivegen.world.world import World
 
 @dataclass(frozen=True)
 class Lessons:
-    """Scenes with logs and rules: `speed` (S, T) float32 [m/s] is what their targets were logged with, 0 after the end."""
+    """Scenarios with `traffic` whose targets show how to drive.
 
+    Attributes:
+        scenes: all of it, packed. lookout: its rules. speed: (S, T) float32 [m/s] of the targets, 0 after the end.
+    """
+
+    traffic: Sequence[Traffic]
     scenes: Scenes
     lookout: Lookout
     speed: Tensor
 
     @classmethod
-    def of(cls, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories]) -> Self:
-        """Scenarios with their motion (N, T), whose target shows how to drive."""
-        scenes = Scenes.of(scenarios, traffic)
-        speed = np.zeros((len(scenarios), scenes.longest), np.float32)
-        for row, motion in enumerate(traffic):
+    def of(cls, traffic: Sequence[Traffic]) -> Self:
+        """Pairs of a scenario and motion (N, T) in it."""
+        scenarios, motions = [s for s, _ in traffic], [m for _, m in traffic]
+        scenes = Scenes.of(scenarios, motions)
+        speed = np.zeros((len(traffic), scenes.longest), np.float32)
+        for row, motion in enumerate(motions):
             driven = np.hypot(*np.diff(motion.position[TARGET], axis=0).T) / DT
             seen = motion.valid[TARGET, 1:] & motion.valid[TARGET, :-1]
             speed[row, 1 : motion.steps] = np.where(seen, driven, 0.0)
-        return cls(scenes, Lookout.of(scenes, scenarios, traffic), torch.from_numpy(speed))
+        return cls(traffic, scenes, Lookout.of(scenes, scenarios, motions), torch.from_numpy(speed))
 
     def __len__(self) -> int:
         return len(self.scenes)
 
-    @torch.no_grad()
-    def play(self, choose: Choose, chosen: Tensor | None = None) -> Episodes:
-        """An episode in each scene, or in those `chosen` (R,)."""
-        return play(self.scenes, self.lookout, torch.arange(len(self)) if chosen is None else chosen, choose)
+    def world(self, rows: int, reaction: Reaction | None) -> World:
+        """Rows among neighbours that react, or, where `reaction` is None, are replayed."""
+        neighbours = Reactive(self.scenes, rows, reaction) if reaction else None
+        return World(self.scenes, rows, neighbours, self.lookout)
+
+    def play(self, choose: Choose) -> Episodes:
+        """An episode in each scene among replayed neighbours."""
+        return play(self.world(len(self), None), torch.arange(len(self)), choose)
 
     def demonstrations(self) -> Episodes:
-        """The logged driving along the same paths, in the same world: nothing but the driving tells it from a policy's."""
+        """The targets' own driving along the same paths, in the same world: nothing but the driving tells it from a policy's."""
 
         def pursue(step: int, _: Tensor, world: World) -> Tensor:
             return number_of((self.speed[:, step + 1] - world.ego.speed) / DT)
@@ -55,50 +67,37 @@ class Lessons:
         return self.play(pursue)
 
 
+USUAL = (0.95, 1.15)
+"""A way between these, relative to the logged one, is as good as any other."""
+
+
 @dataclass(frozen=True)
 class Grade:
-    """How a policy drives in validation scenes.
+    """How a policy drives in validation scenes, among replayed neighbours.
 
     Attributes:
-        step: of the training. collision: share of episodes that end at one. distance: driven, relative to the logged.
-        acceleration: mean of its absolute value [m/s2].
+        round: of the training. collision: share of episodes that end at one. red: share of those that run a red light.
+        distance: driven, relative to the logged. acceleration: mean of its absolute value [m/s2].
     """
 
-    step: int
+    round: int
     collision: float
+    red: float
     distance: float
     acceleration: float
 
     @property
     def badness(self) -> float:
-        """What the weights that are kept have least of: collisions, and how far the distance is off."""
-        return self.collision + abs(self.distance - 1.0)
+        """What the weights that are kept have least of: collisions, red lights run, and how far the distance is beyond USUAL."""
+        return self.collision + self.red + max(USUAL[0] - self.distance, self.distance - USUAL[1], 0.0)
 
 
-@runtime_checkable
-class Taught(Protocol):
-    """A driver that logs teach; `lessons_type()` is the dataclass that says how."""
-
-    @classmethod
-    def lessons_type(cls) -> type:
-        """The type of the first argument of `teach`."""
-
-    @classmethod
-    def teach(
-        cls, how: Any, train: Lessons, validation: Lessons, seed: int, say: Callable[[str], None]
-    ) -> tuple[Policy, list[Grade]]:
-        """The policy that drives best in `validation`, and how it drove there, first before it was taught.
-
-        Same input, same bytes on one machine.
-        """
-
-
-def graded(step: int, policy: Policy, lessons: Lessons, logged: Episodes) -> Grade:
+def graded(number: int, policy: Policy, lessons: Lessons, logged: Episodes) -> Grade:
     """`logged` are the demonstrations of `lessons`."""
     run = lessons.play(lambda _, seen, __: policy(seen))
     effort = pedals(run.number.clamp(-1.0, 1.0)).abs()[run.live].mean()
-    share = float(run.distance.mean() / logged.distance.mean())
-    return Grade(step, float(run.crashed.float().mean()), share, float(effort))
+    collision, red = (float(ended.float().mean()) for ended in (run.crashed, run.ran_red))
+    return Grade(number, collision, red, float(run.distance.mean() / logged.distance.mean()), float(effort))
 
 
 def write_grades(path: Path, grades: Sequence[Grade]) -> None:

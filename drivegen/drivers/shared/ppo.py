@@ -9,7 +9,7 @@ from torch.nn.utils import clip_grad_norm_
 
 from drivegen.core.settings import Count, Positive, Share
 from drivegen.drivers.shared.episodes import Episodes
-from drivegen.drivers.shared.policy import Policy, Value
+from drivegen.drivers.shared.policy import Gaussian, Value
 
 
 @dataclass(frozen=True)
@@ -51,9 +51,9 @@ def advantages(reward: Tensor, value: Tensor, episodes: Episodes, settings: Sett
 class Learner:
     """A policy and its value with one optimiser."""
 
-    def __init__(self, policy: Policy, settings: Settings) -> None:
+    def __init__(self, policy: Gaussian, settings: Settings) -> None:
         self.policy, self.value, self.settings = policy, Value(), settings
-        self._optimiser = torch.optim.Adam([*policy.parameters(), *self.value.parameters()], settings.learning_rate)
+        self.optimiser = torch.optim.Adam([*policy.parameters(), *self.value.parameters()], settings.learning_rate)
 
     def learn(self, episodes: Episodes, reward: Tensor, random: torch.Generator) -> None:
         """One iteration: `reward` (T, R) counts at live steps."""
@@ -69,10 +69,10 @@ class Learner:
             near = ratio.clamp(1 - self.settings.clip, 1 + self.settings.clip)
             surrogate = torch.minimum(ratio * gain[rows], near * gain[rows]).mean()
             loss = 0.5 * (self.value(seen[rows]) - goal[rows]).square().mean() - surrogate
-            self._optimiser.zero_grad()
+            self.optimiser.zero_grad()
             loss.backward()
             clip_grad_norm_([*self.policy.parameters(), *self.value.parameters()], 1.0)
-            self._optimiser.step()
+            self.optimiser.step()
 
     def _batches(self, count: int, random: torch.Generator) -> Iterator[Tensor]:
         for _ in range(self.settings.epochs):

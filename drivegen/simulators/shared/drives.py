@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.drivers.base import Driver
 from drivegen.metrics.driving import run_numbers, spread_over_samples
 from drivegen.simulators.base import Simulator
@@ -20,11 +20,13 @@ class Drives:
 
     Attributes:
         scenarios: (C,) scenario ids. scene: (S,) the scenario of each run. outcome: DrivingOutcome of the S runs.
+        planned: (S,) [m] the way that each target drives in its traffic, were it not for the driver.
     """
 
     scenarios: list[str]
     scene: NDArray[np.int64]
     outcome: DrivingOutcome
+    planned: NDArray[np.float64]
 
     @classmethod
     def of(cls, simulator: Simulator, driver: Driver, traffic: Sequence[tuple[Scenario, Trajectories]]) -> Self:
@@ -34,7 +36,8 @@ class Drives:
         number = {name: i for i, name in enumerate(ids)}
         outcome = simulator.run(driver, scenarios, [motion for _, motion in traffic])
         scene = np.array([number[scenario.scenario_id] for scenario in scenarios], np.int64)
-        return cls(ids, scene, with_off_road(outcome, scenarios))
+        planned = [run_numbers(motion[TARGET : TARGET + 1]).distance[0] for _, motion in traffic]
+        return cls(ids, scene, with_off_road(outcome, scenarios), np.array(planned))
 
     @classmethod
     def joined(cls, parts: "Sequence[Drives]") -> Self:
@@ -44,6 +47,7 @@ class Drives:
             [name for part in parts for name in part.scenarios],
             np.concatenate([part.scene + first for part, first in zip(parts, before[:-1], strict=True)]),
             DrivingOutcome.joined([part.outcome for part in parts]),
+            np.concatenate([part.planned for part in parts]),
         )
 
     def per_scenario(self) -> dict[str, NDArray[np.float64]]:
@@ -70,6 +74,9 @@ class Drives:
             "imposed_loss": outcome.imposed_loss,
             "hardest_braking": run_numbers(outcome.motion).hardest_braking,
             "off_road": outcome.off_road,
+            "red_lights": outcome.red_lights,
+            "red_run": outcome.red_run,
+            "planned_distance": self.planned,
         }
 
 

@@ -3,10 +3,14 @@
 from dataclasses import dataclass
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.world.reactive import Reaction
 
 MOTIONS = {"path": 1, "path_offset": 2, "free": 2}
-"""How one acts -> numbers of an action: see `episodes.py`."""
+"""How one acts -> numbers of an action: see `environment.py`."""
+
+Traffic = tuple[Scenario, Trajectories]
+"""A scenario, and how everybody moves in it (N, T)."""
 
 NEIGHBOURS = ("replayed", "reactive")
 

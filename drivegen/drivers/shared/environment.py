@@ -1,4 +1,4 @@
-"""R episodes side by side: actions in, observations, rewards and ends out. What every environment of this folder is made of.
+"""R episodes side by side: actions in, observations, rewards and ends out. What every environment is made of.
 
 An action is numbers in [-1, 1]: the first is the acceleration, 3 m/s2 times it where positive and 8 m/s2 times it where negative;
 the second is the offset from the path, 1.5 m times it to the left (`path_offset`), or the angle of the front wheels, 0.6 rad
@@ -11,18 +11,16 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
+from gymnasium.spaces import Box
 from torch import Tensor
 
 from drivegen.core.errors import UnusableInput
-from drivegen.core.scenario import DT, SignalState
-from drivegen.drivers.shared.features import features
+from drivegen.core.scenario import DT
+from drivegen.drivers.shared.conditions import MOTIONS, Rewards, Settings, Traffic
+from drivegen.drivers.shared.features import COUNT, LIMIT, features
 from drivegen.drivers.shared.network import on_path, pedals
-from drivegen.gym.folders import Traffic
-from drivegen.gym.settings import Rewards, Settings
 from drivegen.world.bicycle import SHARPEST
-from drivegen.world.contact import Pose, kind_of, touching
-from drivegen.world.ego import Ego
+from drivegen.world.contact import touched
 from drivegen.world.ends import Surface, exits
 from drivegen.world.neighbours import Boxes, Replayed
 from drivegen.world.observation import Action, Observation
@@ -31,7 +29,11 @@ from drivegen.world.paths import route_paths
 from drivegen.world.reactive import Reactive
 from drivegen.world.rules import Lookout
 from drivegen.world.scenes import Scenes
+from drivegen.world.touch import Moment, kinds
 from drivegen.world.world import World
+
+OBSERVATION = Box(-LIMIT, LIMIT, (COUNT,), np.float32)
+"""See `features` for each number and its unit."""
 
 COMFORTABLE = 3.0
 """[m/s2] The acceleration whose square is the unit of discomfort."""
@@ -58,7 +60,7 @@ class Step:
     left_map: Tensor
 
 
-class Episodes:
+class Environment:
     """See the module.
 
     Attributes:
@@ -80,12 +82,22 @@ class Episodes:
         with torch.no_grad():
             begin = self._world(len(traffic))
             self._first = features(begin.observe())
-            overlaps = torch.from_numpy(_touched(begin, begin.neighbours.boxes(begin))).to(device)
+            overlaps = torch.from_numpy(touched(begin, begin.neighbours.boxes(begin))).to(device)
             self.playable = torch.nonzero((overlaps < 0) & ~self._off_road(begin))[:, 0]
             if not len(self.playable):
                 raise UnusableInput("in every scenario the target overlaps somebody at step 0, or is off the road")
             self.world = self._world(rows)
             self.reset(self.playable[torch.arange(rows, device=device) % len(self.playable)])
+
+    @property
+    def actions(self) -> Box:
+        """Numbers in [-1, 1]; see the module for their units."""
+        return Box(-1.0, 1.0, (MOTIONS[self.settings.motion],), np.float32)
+
+    def drawn(self, count: int, random: np.random.Generator) -> Tensor:
+        """(count,) scenes to begin."""
+        index = torch.from_numpy(random.integers(len(self.playable), size=count))
+        return self.playable[index.to(self.playable.device)]
 
     @torch.no_grad()
     def reset(self, scene: Tensor, rows: Tensor | None = None) -> Tensor:
@@ -93,7 +105,7 @@ class Episodes:
         self.world.reset(scene, rows)
         if rows is None:
             self._line = torch.full((len(scene),), torch.inf, device=scene.device)
-            self._last: tuple[Ego, Boxes] = self.world.ego, self.world.neighbours.boxes(self.world)
+            self._last: Moment = self.world.ego, self.world.neighbours.boxes(self.world)
         else:
             self._line[rows] = torch.inf
         return self._first[scene]
@@ -126,15 +138,9 @@ class Episodes:
 
     def _collisions(self, boxes: Boxes) -> Tensor:
         """(R,) uint8 CollisionKind of the step just made."""
-        world, partner = self.world, _touched(self.world, boxes)
-        kind = np.zeros(len(partner), np.uint8)
-        for r in np.flatnonzero(partner >= 0).tolist():
-            m, scene = int(partner[r]), int(world.scene[r])
-            last = (world.ego, boxes) if int(world.step[r]) == 1 else self._last  # that of a row just begun is another episode's
-            poses = [(_pose(ego, r), _box(others, r, m)) for ego, others in (last, (world.ego, boxes))]
-            own, other = zip(*poses, strict=True)
-            sizes = (world.size[r].cpu().numpy(), self._scenes.replay.size[scene, m])
-            kind[r] = kind_of(own, other, sizes, float(world.ego.speed[r]))
+        world = self.world
+        begun = world.step == 1  # the moment before is another episode's
+        kind = kinds(world, touched(world, boxes), self._last, (world.ego, boxes), begun.cpu().numpy())
         return torch.from_numpy(kind).to(world.scene.device)
 
     def _off_road(self, world: World) -> Tensor:
@@ -146,7 +152,7 @@ class Episodes:
         """(R, len(TERMS)) what each weight is multiplied by."""
         hit = (kind == CollisionKind.HIT_FROM_BEHIND) | (kind == CollisionKind.HIT_STANDING)
         red = (self._line > 0) & (moved >= self._line)
-        self._line = _red_line(seen)
+        self._line = seen.red_line
         amounts = {
             "progress": moved,
             "comfort": ((seen.speed - speed) / DT / COMFORTABLE) ** 2,
@@ -157,24 +163,3 @@ class Episodes:
             "off_road": off_road,
         }
         return torch.stack([amounts[name].float() for name in TERMS], 1)
-
-
-def _red_line(seen: Observation) -> Tensor:
-    """(R,) [m] to the line ahead if its signal is red, inf if not."""
-    if seen.rules is None:
-        return torch.full_like(seen.speed, torch.inf)
-    return torch.where(seen.rules.signal == SignalState.RED, seen.rules.distance, torch.inf)
-
-
-def _touched(world: World, boxes: Boxes) -> NDArray[np.int64]:
-    """(R,) which of the others each target overlaps, -1 for none."""
-    position, heading, size = (tensor.cpu().numpy() for tensor in (world.ego.position, world.ego.heading, world.size))
-    return touching(position, heading, size, boxes, world.scenes.replay.size, world.scene.cpu().numpy())
-
-
-def _pose(ego: Ego, r: int) -> Pose:
-    return ego.position[r].cpu().numpy(), ego.heading[r].cpu().numpy()
-
-
-def _box(boxes: Boxes, r: int, m: int) -> Pose:
-    return boxes.position[boxes.at[r], m].cpu().numpy(), boxes.heading[boxes.at[r], m].cpu().numpy()

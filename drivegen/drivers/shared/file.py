@@ -1,0 +1,73 @@
+"""A driver that is one Python file with a function `act(observation)`, as `drivers.base.Driver.act`.
+
+The file is run as it is, with the rights of whoever runs DriveGen.
+"""
+
+import importlib.util
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ClassVar
+
+import torch
+
+from drivegen.core.errors import UnusableInput
+from drivegen.world.observation import Action, Observation
+
+
+class FileDriver:
+    """Asks the function; `name` is the file's. What goes wrong in it is UnusableInput, in one sentence."""
+
+    settings_type: ClassVar[type] = Path
+    sees_rules = True
+
+    def __init__(self, path: Path) -> None:
+        """Runs the file. Raises UnusableInput where it cannot be run or has no `act`."""
+        self.name, self._path = path.stem, path
+        self._act: Callable[[Observation], Any] = _function(path)
+
+    def act(self, observation: Observation) -> Action:
+        """See `drivers.base.Driver`."""
+        try:
+            answer = self._act(observation)
+        except Exception as error:
+            raise UnusableInput(f"{self._path}: act(observation) fails: {_what(error)}") from error
+        return self._checked(answer, len(observation.speed))
+
+    def _checked(self, action: Any, targets: int) -> Action:
+        if not isinstance(action, Action):
+            kind = type(action).__name__
+            raise UnusableInput(f"{self._path}: act(observation) must return drivegen.world.observation.Action, not {kind}")
+        for name in ("acceleration", "offset"):
+            value = getattr(action, name)
+            if name == "offset" and value is None:
+                continue
+            if not isinstance(value, torch.Tensor) or value.shape != (targets,):
+                raise UnusableInput(
+                    f"{self._path}: act(observation) must return as {name} a PyTorch tensor with one number for each of the"
+                    f" {targets} targets"
+                )
+            if not bool(value.isfinite().all()):
+                raise UnusableInput(f"{self._path}: act(observation) returns an {name} that is no number")
+        return action
+
+
+def _function(path: Path) -> Callable[[Observation], Any]:
+    spec = importlib.util.spec_from_file_location(f"driver_{path.stem}", path)
+    if spec is None or spec.loader is None or not path.is_file():
+        raise UnusableInput(f"{path} is no Python file: give one with a function act(observation), see docs/drivers.md")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look there for the names in annotations that are kept as text
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        del sys.modules[spec.name]
+        raise UnusableInput(f"{path} cannot be run: {_what(error)}") from error
+    act: Callable[[Observation], Any] | None = getattr(module, "act", None)
+    if not callable(act):
+        raise UnusableInput(f"{path} has no function act(observation): see docs/drivers.md")
+    return act
+
+
+def _what(error: Exception) -> str:
+    return f"{type(error).__name__}, {(str(error) or 'without a word').splitlines()[0]}"
