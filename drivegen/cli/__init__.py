@@ -21,6 +21,7 @@ from drivegen.core.errors import DriveGenError
 COMMANDS = {
     "map": "Roads from words or files, edits, other formats.",
     "generate": "Traffic: a log again, a network, words.",
+    "corner": "What makes a driver fail, by kind.",
     "export": "The pipeline's scenarios as folders.",
     "view": "Look at a scenario folder or a log.",
     "query": "SQL over all results.",

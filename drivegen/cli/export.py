@@ -18,6 +18,7 @@ from drivegen.core.samples import Samples
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.rollout.shipping import sample_id
 from drivegen.store.folders import whole_folder
+from drivegen.store.lookup import futures_in
 from drivegen.store.samples import holds_samples, read_samples
 from drivegen.store.scenarios import read_shard, shards
 
@@ -77,7 +78,7 @@ def _found(place: Path, wanted: _Wanted) -> Iterator[Scenario]:
             yield from read_shard(shard)
             continue
         driven = read_samples(place / DRIVEN / shard.name) if is_round else None
-        yield from _futures(_scenarios(wanted.of / shard.name, shard), read_samples(shard), driven, wanted)
+        yield from _futures(shard, driven, wanted)
 
 
 def _shards(place: Path) -> list[Path]:
@@ -88,21 +89,10 @@ def _shards(place: Path) -> list[Path]:
     raise UnusableInput(f"{place} holds no shard-*.parquet: `make run` writes them, e.g. to data/shipped")
 
 
-def _scenarios(shard: Path, samples: Path) -> list[Scenario]:
-    if not shard.is_file():
-        raise UnusableInput(f"{samples} holds futures of scenarios in {shard}, which is not there: name their folder with --of")
-    return read_shard(shard)
-
-
-def _futures(
-    scenarios: list[Scenario], samples: list[Samples], driven: list[Samples] | None, wanted: _Wanted
-) -> Iterator[Scenario]:
+def _futures(shard: Path, driven: list[Samples] | None, wanted: _Wanted) -> Iterator[Scenario]:
     """Each future of each scenario as a scenario of its own, without the vehicles that it leaves out."""
-    known = {scenario.scenario_id: scenario for scenario in scenarios}
-    for row, futures in enumerate(samples):
-        if futures.scenario_id not in known:
-            raise UnusableInput(f"{wanted.of} lacks scenario {futures.scenario_id}: these futures are of others, see --of")
-        scenario, own = known[futures.scenario_id], None if driven is None else driven[row]
+    for row, (scenario, futures) in enumerate(futures_in(shard, wanted.of)):
+        own = None if driven is None else driven[row]
         for k in range(len(futures.dropped)):
             if wanted.collisions and own is not None and not _collided(scenario, futures.motion[k], own, k):
                 continue

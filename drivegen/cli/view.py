@@ -27,7 +27,7 @@ SHARDS = tuple(Path("data") / name for name in ("shipped", "scenarios/test", "sc
 """Where an id is looked for, in this order."""
 
 GENERATED = Path("data/generated/drivegen")
-"""Futures of test scenarios: `<id>-s03` is number 3."""
+"""Futures of test scenarios, where no other folder is named: `<id>-s03` is number 3."""
 
 _LISTED = 20
 
@@ -40,6 +40,7 @@ def command(
         str, Argument(help="A scenario folder in Argoverse 2's layout, a sensor log's folder, an id of data/, or a recording.")
     ],
     out: Annotated[Path | None, Option(help="Write the recording here; else <folder>.rrd in the current folder.")] = None,
+    futures: Annotated[Path, Option(help="Folder of the futures that `ID-s03` is one of, as data/corner/2/samples.")] = GENERATED,
     show: Annotated[bool, Option(help="Open the viewer; without a screen only the file is written.")] = True,
 ) -> None:
     """Open the recording of SCENARIO: the one that lies in its folder, else one made of its log.
@@ -51,7 +52,7 @@ def command(
     if folder.is_file() and folder.suffix == ".rrd":
         path = folder
     elif not folder.is_dir():
-        path = _record_id(scenario, out)
+        path = _record_id(scenario, out, futures)
     else:
         folder = _chosen(folder)
         path = _recorded(folder, out) or _record(folder, out)
@@ -74,15 +75,15 @@ def _chosen(folder: Path) -> Path:
     raise UnusableInput(f"{folder} holds {len(scenes)} scenarios, view one of them:{names}{more}")
 
 
-def _record_id(scenario_id: str, out: Path | None) -> Path:
+def _record_id(scenario_id: str, out: Path | None, futures: Path) -> Path:
     """The recording of a scenario of the pipeline's shards, or of a future of one."""
     path = out or Path(f"{Path(scenario_id.replace(':', '-')).name}.rrd")
     if (place := find_scenario(scenario_id, SHARDS)) is not None:
         record_scenario(path, place[1], log_name="generated" if "motion" in place[1].notes else "logged")
-    elif (future := find_sample(scenario_id, SHARDS, GENERATED)) is not None:
+    elif (future := find_sample(scenario_id, SHARDS, futures)) is not None:
         record_scenario(path, *future)
     else:
-        places = ", ".join(str(folder) for folder in (*SHARDS, GENERATED))
+        places = ", ".join(str(folder) for folder in (*SHARDS, futures))
         raise UnusableInput(f"{scenario_id} is no folder, and no scenario in {places}: give a scenario's folder or its id")
     return path
 

@@ -107,6 +107,6 @@ def picture(one: Collision, scenario: Scenario, traffic: Samples, driven: Trajec
     moment = replace(scenario, vehicles=vehicles, context=context, signals=signals, log=None)
     way = moved[there].between(since, one.step + 1)
     red = np.zeros(len(there), np.bool_)
-    red[one.partner] = True
+    red[one.partner : one.partner + 1] = True  # a person is none of the vehicles
     view = View(here.position[TARGET, 0], WIDTH, PIXELS)
     return png(scene_picture(moment, way[np.newaxis], red[there][np.newaxis], view=view))

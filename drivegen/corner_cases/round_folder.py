@@ -11,15 +11,14 @@ from pathlib import Path
 import orjson
 
 from drivegen.core.errors import MissingTool
-from drivegen.core.samples import Samples
 from drivegen.core.scenario import Trajectories
 from drivegen.corner_cases.collisions import Collision, in_words, picture, telling
 from drivegen.corner_cases.knowledge import Knowledge
 from drivegen.corner_cases.rounds import Drive
 from drivegen.store.collisions import FOLDER, Where, write_pictured
 from drivegen.store.files import write_json
+from drivegen.store.lookup import samples_in, scenario_in
 from drivegen.store.samples import read_samples, write_samples
-from drivegen.store.scenarios import read_shard
 
 
 @dataclass(frozen=True)
@@ -74,14 +73,11 @@ class RoundFolder:
         shards = {collision.scenario_id: shard for shard, collision in collisions}
         for number, one in enumerate(telling([collision for _, collision in collisions], knowledge, most)):
             shard = shards[one.scenario_id]
-            [scenario] = [s for s in read_shard(shard) if s.scenario_id == one.scenario_id]
-            traffic, driven = (self._samples(part, shard.name, one.scenario_id) for part in ("samples", "driven"))
+            scenario = scenario_in(shard, one.scenario_id)
+            traffic, driven = (samples_in(self.path / part / shard.name, one.scenario_id) for part in ("samples", "driven"))
             png = picture(one, scenario, traffic, driven.motion[:, 0])
             where = Where(one.scenario_id, shard.name, one.sample, one.partner, one.step)
             write_pictured(self.collisions / str(number), png, in_words(one, knowledge), where)
-
-    def _samples(self, part: str, shard: str, scenario_id: str) -> Samples:
-        return next(s for s in read_samples(self.path / part / shard) if s.scenario_id == scenario_id)
 
     def _expect(self, path: Path) -> Path:
         """`path`, which this round writes; raises MissingTool where it is not there."""

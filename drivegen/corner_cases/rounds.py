@@ -24,12 +24,9 @@ from drivegen.planners.base import Planner
 from drivegen.rollout.batch import plan_all_goals, roll_out
 from drivegen.rollout.scene import Choices, RolloutSettings
 from drivegen.simulators.base import Simulator
-from drivegen.world.outcome import CollisionKind, DrivingOutcome
+from drivegen.world.outcome import DrivingOutcome
 
 METHOD = "drivegen_cs"
-
-COUNTED = (CollisionKind.FRONT, CollisionKind.SIDE, CollisionKind.HIT_IN_SIDE)
-"""Collisions that knowledge is made of: being run into from behind or while standing teaches nothing about the driver."""
 
 _OF_VEHICLES = ("violation", "first_violation", "goal", "natural", "used", "attempts", "dropped", "left_map")
 """What samples say of each vehicle (K, N), its motion apart."""
@@ -142,9 +139,8 @@ def learn(knowledge: Knowledge, drives: Sequence[Drive], choices: Sequence[Choic
 
 def taught(drive: Drive, choice: Choices) -> NDArray[np.bool_]:
     """(K, N - 1), which runs ended in a collision with which social vehicle that knowledge is made of."""
-    hit = np.isin(drive.outcome.kind, COUNTED) & ~drive.outcome.in_first_second
     partner = drive.outcome.partner[:, None] == np.arange(1, len(choice.scenario.vehicles))
-    return np.asarray(partner & hit[:, None])
+    return np.asarray(partner & drive.outcome.counted[:, None])
 
 
 def encounters_of(drive: Drive, choice: Choices) -> Encounters:

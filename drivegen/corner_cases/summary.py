@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.intervals import recording
 from drivegen.core.scenario import TARGET, Trajectories
-from drivegen.corner_cases.rounds import COUNTED, Drive
+from drivegen.corner_cases.rounds import Drive
 from drivegen.metrics.displacement import scene_errors
 from drivegen.metrics.driving import driving_summary
 from drivegen.rollout.scene import Choices
@@ -85,8 +85,7 @@ def _row(choice: Choices, drive: Drive) -> dict[str, float]:
 
 def _runs(drive: Drive) -> dict[str, NDArray[Any]]:
     """What is said of each run, (K,) by name."""
-    outcome = drive.outcome
-    return run_metrics(outcome) | {"collision.counted": np.isin(outcome.kind, COUNTED) & ~outcome.in_first_second}
+    return run_metrics(drive.outcome) | {"collision.counted": drive.outcome.counted}
 
 
 def _price(choice: Choices, drive: Drive) -> dict[str, float]:

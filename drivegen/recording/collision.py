@@ -19,7 +19,7 @@ from drivegen.recording.blueprint import layout
 from drivegen.recording.lines import flat
 from drivegen.recording.record import NARROWEST, WIDEST, recording_of
 from drivegen.recording.roads import log_roads, log_signals, surroundings, times
-from drivegen.store.collisions import Pictured
+from drivegen.store.collisions import Where
 
 _LEGEND = """**Orange**: the target as the driver drove it; its run ends at the impact. **Orange frame**: as it was planned.
 **Red**: the vehicle that it met. **Blue**: the others. **Ball**: where and when they met.
@@ -27,15 +27,16 @@ _LEGEND = """**Orange**: the target as the driver drove it; its run ends at the 
 {words}"""
 
 
-def record_collision(path: Path, scenario: Scenario, planned: Samples, driven: Trajectories, pictured: Pictured) -> None:
-    """Write the run that `pictured` names: `planned` are its samples, `driven` (K, T) the targets as they were driven."""
-    where = pictured.where
+def record_collision(
+    path: Path, scenario: Scenario, planned: Samples, driven: Trajectories, where: Where, title: str, words: str
+) -> None:
+    """Write the run that `where` names: `planned` are its samples, `driven` (K, T) the targets as they were driven."""
     traffic_planned = planned.motion[where.sample]
     motion = Trajectories.joined([driven[where.sample : where.sample + 1], traffic_planned[TARGET + 1 :]])
     target_planned = traffic_planned[TARGET : TARGET + 1]
     roads, signals = surroundings(scenario, [motion])
     show = layout(*window(motion, NARROWEST, WIDEST), image=False, verdicts=False)
-    with recording_of(path, f"{pictured.title}: {scenario.scenario_id}", show) as recording:
+    with recording_of(path, f"{title}: {scenario.scenario_id}", show) as recording:
         log_roads(recording, roads)
         log_signals(recording, roads, signals)
         _log_vehicles(recording, scenario, motion, where.partner)
@@ -43,14 +44,15 @@ def record_collision(path: Path, scenario: Scenario, planned: Samples, driven: T
         traffic.log_context(recording, scenario.context)
         whole_plan = Trajectories.joined([target_planned, traffic_planned[TARGET + 1 :]])
         traffic.log_speeds(recording, scenario, {"driven": motion, "planned": whole_plan})
-        _log_impact(recording, motion, where.partner, where.step)
-        recording.log("legend", rr.TextDocument(_LEGEND.format(words=pictured.words), media_type="text/markdown"), static=True)
+        _log_impact(recording, Trajectories.joined([motion, scenario.context.motion]), where.partner, where.step)
+        recording.log("legend", rr.TextDocument(_LEGEND.format(words=words), media_type="text/markdown"), static=True)
 
 
 def _log_vehicles(recording: rr.RecordingStream, scenario: Scenario, motion: Trajectories, partner: int) -> None:
     count = len(scenario.vehicles)
     shades = np.array([colours.SOCIAL] * count, np.uint8)
-    shades[TARGET], shades[partner] = colours.TARGET, colours.ILLEGAL
+    shades[TARGET] = colours.TARGET
+    shades[partner : partner + 1] = colours.ILLEGAL  # a person is none of the vehicles
     steady = np.broadcast_to(shades[:, None], (count, motion.steps, 4))
     traffic.log_boxes(recording, "world/traffic", motion, scenario.vehicles.size, steady, scenario.vehicles.track_id)
 

@@ -1,0 +1,70 @@
+"""CAT: the goal whose natural odds times its overlap with the driver's last motions are highest (Zhang and others, CoRL 2023).
+
+    argmax over goals g of  P(g) * sum over the last motions of DECAY ^ t(g, motion),
+
+t being the first step at which the boxes overlap; where no goal overlaps, the one that comes nearest. In the paper a network
+(DenseTNT) gives 32 futures of one opponent with their odds; here these are the project's own candidates, odds and planner, for
+every vehicle. Each run adds one of the driver's motions; what was driven is not driven again.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivegen.adversaries.base import About
+from drivegen.adversaries.shared.approach import approaches
+from drivegen.adversaries.shared.arena import Arena, everywhere, share_out
+from drivegen.adversaries.shared.goals import Goals
+from drivegen.core.settings import Count
+from drivegen.corner_cases.trials import Variants
+
+ABOUT = About(
+    title="CAT",
+    traffic="generated",
+    varies="goals",
+    source="Zhang and others, CAT, CoRL 2023",
+    stand_in="its choice among the project's goals, with their odds and planner, instead of DenseTNT's futures",
+)
+
+DECAY = 0.99
+"""An overlap a step later is worth so much less."""
+
+APART = 1e-6
+"""Of what never overlaps the nearest is worth this, less than anything that does."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """`last`: motions of the driver that are looked at. `per_scene`: runs for which one more scene of a scenario is attacked."""
+
+    last: Count
+    per_scene: Count
+
+
+class Plugin:
+    """See the module."""
+
+    settings_type = Settings
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+
+    def attack(self, arena: Arena) -> None:
+        """See `base.Adversary`."""
+        ground = arena.ground
+        scenes = share_out(ground.of, np.maximum(arena.left // self.settings.per_scene, 1))
+        motion = arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion
+        goals = Goals.allowed(arena, 1, scenes)
+        overlaps = np.zeros((self.settings.last, len(goals)))
+        turn, tried = 0, np.zeros(len(goals), np.bool_)
+        while True:
+            met = approaches(arena.trials, everywhere(motion, scenes, len(ground.of)), goals.scene, goals.vehicle, goals.motion)
+            driven = np.isin(goals.scene, scenes)
+            worth = np.where(met.contact >= 0, DECAY ** met.contact.astype(np.float64), APART / (1 + met.gap))
+            overlaps[turn % len(overlaps), driven] = worth[driven]
+            untried = np.flatnonzero(~tried)
+            order = untried[np.argsort(-(goals.odds * overlaps.sum(0))[untried], kind="stable")]
+            rows, outcome = goals.drive(arena, order, 1)
+            if not len(rows):
+                return
+            tried[rows], scenes, motion, turn = True, goals.scene[rows], outcome.motion, turn + 1

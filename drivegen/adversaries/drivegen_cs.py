@@ -1,0 +1,107 @@
+"""DriveGen-CS: goals of one attacker, planned and legal, ranked by what is known of the driver, the best of them rehearsed.
+
+Knowledge is made of runs of the driver alone, which count: first each scene is driven as it is. A candidate is dangerous where
+its planned motion meets the target's own, and where it gives little warning, since drivers brake for what they see in their way.
+What the driver did about the first candidates then teaches which encounters (relative speed, direction, behaviour) end in a
+collision: P(collision | encounter), with its denominators, ranks the rest.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.adversaries.base import About
+from drivegen.adversaries.shared.approach import approaches
+from drivegen.adversaries.shared.arena import Arena, everywhere, share_out
+from drivegen.adversaries.shared.goals import Goals
+from drivegen.core.scenario import TARGET, Trajectories
+from drivegen.core.settings import Count, NotNegative, Positive
+from drivegen.corner_cases.encounters import Encounters, encounters
+from drivegen.corner_cases.knowledge import Knowledge
+from drivegen.corner_cases.trials import Variants
+
+ABOUT = About(
+    title="DriveGen-CS",
+    traffic="generated",
+    varies="goals",
+    source="Zhang and others, DriveGen (2025)",
+)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How candidates are ranked.
+
+    Attributes:
+        draws: motions planned towards each goal. per_scene: runs for which one more scene of a scenario is attacked.
+        rounds: in which the budget is spent; after each one more is known.
+        caution: [m/s] the gap that a second of warning is worth; 0 looks at gaps alone.
+        behind: [m] the gap that coming up from behind is worth: its own duty.
+        again: [m] the gap that each earlier candidate of the same vehicle is worth: who has failed to fail once will again.
+        weight: [m] the gap that a factor of e in P(collision | encounter) is worth; 0 leaves knowledge out.
+        strength: of the prior, see `Knowledge`.
+    """
+
+    draws: Count
+    per_scene: Count
+    rounds: Count
+    caution: NotNegative
+    behind: NotNegative
+    again: NotNegative
+    weight: NotNegative
+    strength: Positive
+
+
+class Plugin:
+    """See the module."""
+
+    settings_type = Settings
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+
+    def attack(self, arena: Arena) -> None:
+        """See `base.Adversary`."""
+        settings, ground = self.settings, arena.ground
+        scenes = share_out(ground.of, np.maximum(arena.left // settings.per_scene, 1))
+        driven = everywhere(arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion, scenes, len(ground.of))
+        goals = Goals.allowed(arena, settings.draws, scenes)
+        near = approaches(arena.trials, driven, goals.scene, goals.vehicle, goals.motion)
+        cost = near.gap + settings.caution * near.warning + settings.behind * near.behind
+        met = _encounters(arena, goals, driven)
+        knowledge, tried = Knowledge.none(settings.strength), np.zeros(len(goals), np.bool_)
+        for turn in range(settings.rounds):
+            danger = settings.weight * np.log(knowledge.probability()[met.speed_bin, met.direction, met.behaviour])
+            order = _in_turn(cost - danger, goals, tried, settings.again)
+            most = -(-int(arena.left.max(initial=0)) // (settings.rounds - turn))
+            rows, outcome = goals.drive(arena, order, most)
+            tried[rows] = True
+            mine = outcome.partner == goals.vehicle[rows]
+            knowledge = knowledge.with_outcomes(_some(met, rows), outcome.counted & mine, np.inf)
+
+
+def _encounters(arena: Arena, goals: Goals, driven: Trajectories) -> Encounters:
+    """(Q,) of each candidate with the target as it drove."""
+    sizes = [scenario.vehicles.size for scenario in arena.trials.scenarios]
+    target = driven.standing_after_end()
+    target = replace(target, valid=np.ones_like(target.valid))[goals.scene]
+    own = np.array([sizes[s][TARGET] for s in goals.scene.tolist()]).reshape(-1, 3)
+    other = np.array([sizes[s][n] for s, n in zip(goals.scene.tolist(), goals.vehicle.tolist(), strict=True)]).reshape(-1, 1, 3)
+    met = encounters(target, own, goals.motion[:, None], other)
+    return Encounters(**{name: getattr(met, name)[:, 0] for name in met.__dataclass_fields__})
+
+
+def _some(met: Encounters, rows: NDArray[np.int64]) -> Encounters:
+    return Encounters(**{name: getattr(met, name)[rows] for name in met.__dataclass_fields__})
+
+
+def _in_turn(cost: NDArray[np.floating], goals: Goals, tried: NDArray[np.bool_], again: float) -> NDArray[np.int64]:
+    """Candidates (Q,) that were not tried, the least cost first, each vehicle's later ones dearer by `again`."""
+    attacker = goals.scene * (int(goals.vehicle.max(initial=0)) + 1) + goals.vehicle
+    order = np.lexsort((cost, ~tried, attacker))  # those that were tried come first
+    first = np.searchsorted(attacker[order], attacker[order])
+    dearer = cost.astype(np.float64).copy()
+    dearer[order] += again * (np.arange(len(order)) - first)
+    left = np.flatnonzero(~tried & np.isfinite(cost))
+    return left[np.argsort(dearer[left], kind="stable")]

@@ -1,0 +1,31 @@
+"""Random goals: one vehicle takes another of its goals, all alike, as if nothing were known.
+
+A scenario in which no goal is allowed is driven as it is, once.
+"""
+
+import numpy as np
+
+from drivegen.adversaries.base import About
+from drivegen.adversaries.shared.arena import Arena, share_out
+from drivegen.adversaries.shared.goals import Goals
+from drivegen.adversaries.shared.settings import WithoutSettings
+from drivegen.core import seeds
+from drivegen.corner_cases.trials import Variants
+
+ABOUT = About(title="random goals", traffic="generated", varies="goals", source="none")
+
+
+class Plugin(WithoutSettings):
+    """See the module."""
+
+    def attack(self, arena: Arena) -> None:
+        """See `base.Adversary`."""
+        goals = Goals.allowed(arena, 1)
+        luck = np.empty(len(goals))
+        scenario = arena.ground.of[goals.scene]
+        for c, choice in enumerate(arena.ground.choices):
+            mine = np.flatnonzero(scenario == c)
+            luck[mine] = seeds.rng(arena.seed, "random goals", choice.scenario.scenario_id).random(len(mine))
+        goals.drive(arena, np.argsort(luck, kind="stable"), arena.bounds.budget)
+        idle = share_out(arena.ground.of, (arena.spent == 0).astype(np.int64))
+        arena.drive(Variants.unchanged(idle, arena.trials.steps))

@@ -1,0 +1,157 @@
+"""`drivegen corner`: what makes a driver fail, by kind, with odds, whether it could have been avoided, and files to look at."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+from typer import Option
+
+from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
+from drivegen.adversaries.shared.ground import logged, sampled
+from drivegen.cli import _project
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.first_frame import first_frame
+from drivegen.core.scenario import Scenario
+from drivegen.core.settings import Count, Index, build, read_section
+from drivegen.corner_cases.avoidance import Avoidable
+from drivegen.corner_cases.case import Case
+from drivegen.corner_cases.judgement import Judgement, judgements
+from drivegen.corner_cases.kind_folder import PICTURE, RECORDING, write_kind
+from drivegen.corner_cases.kinds import Group, groups
+from drivegen.corner_cases.survival import Reacting
+from drivegen.drivers.base import Driver
+from drivegen.drivers.shared.file import FileDriver
+from drivegen.gym.folders import read_traffic
+from drivegen.rollout.batch import choose, roll_out
+from drivegen.store.files import write_json
+from drivegen.store.folders import whole_folder
+from drivegen.world.reactive import Reaction
+
+CASES = "cases.json"
+
+
+@dataclass(frozen=True)
+class _Settings:
+    """What of params.yaml, `attack`, a search needs (see `stages/attack.py`); of `queries` the first counts."""
+
+    samples: Count
+    queries: list[Count]
+    reaction_steps: Index
+    reaction: Reaction
+    adversaries: dict[str, dict[str, Any]]
+
+
+def command(
+    driver: Annotated[
+        str, Option(help="A driver of params.yaml, or a Python file with a function act(observation), run with your rights.")
+    ],
+    scenarios: Annotated[Path, Option(help="A folder of scenarios: data/scenarios/test, data/shipped, Argoverse 2's layout.")],
+    out: Annotated[Path, Option(help="New folder, with one of each kind of cases.")],
+    adversary: Annotated[str, Option(help="Who looks for them: a file of drivegen/adversaries.")] = "drivegen_cs",
+    most: Annotated[int | None, Option(min=1, help="Only the first so many scenarios.")] = None,
+) -> None:
+    """Find what makes DRIVER fail: legal traffic that it collides in, judged, by kind, written for other programs."""
+    settings, tested = _settings(), _driver(driver)
+    with whole_folder(out) as folder:  # refused before the search, which takes minutes
+        where = {scenario.scenario_id: scenario for scenario, _ in read_traffic(scenarios)}
+        cases, runs = _cases(tested, adversary, list(where.values())[:most], settings)
+        found = groups(cases)
+        judged = judgements(cases, tested, settings.reaction)
+        for group in found:
+            write_kind(folder / _folder(group), judged[group.cases[0]])
+        write_json(folder / CASES, [_row(one) for one in judged])
+    console = Console(soft_wrap=True, highlight=False, markup=False)
+    searched = f"{tested.name}: {runs} runs in {len(where) if most is None else min(most, len(where))} scenarios"
+    if not cases:
+        console.print(f"{searched}, no case found")
+        return
+    console.print(_table(found, judged))
+    for group in found:
+        place = out / _folder(group)
+        console.print(f"{group.kind}: {judged[group.cases[0]].sentence}\n  {place / PICTURE}  {place / RECORDING}")
+    console.print(f"{searched}, {sum(len(group.cases) for group in found)} cases of {len(found)} kinds in {out}")
+
+
+def _settings() -> _Settings:
+    section, names = read_section("attack"), {field.name for field in fields(_Settings)}
+    settings = build(_Settings, {name: section[name] for name in names & section.keys()}, "params.yaml: attack")
+    if not settings.queries:
+        raise UnusableInput("params.yaml: attack.queries is empty: say how often the driver may be run in each scenario")
+    return settings
+
+
+def _driver(name: str) -> Driver:
+    """A driver by its name, or of a file."""
+    if name.endswith(".py"):
+        return FileDriver(Path(name))
+    driver: Driver = plugins.make("drivers", name, read_section("attack.drivers"), "attack.drivers")
+    return driver
+
+
+def _cases(driver: Driver, adversary: str, scenarios: Sequence[Scenario], attack: _Settings) -> tuple[list[Case], int]:
+    """The counted collisions that the adversary finds, each a case, and how often the driver was run."""
+    attacker = plugins.make("adversaries", adversary, attack.adversaries, "attack.adversaries")
+    ground = _ground(plugins.about("adversaries", adversary)["traffic"], scenarios, attack.samples)
+    arena = Arena(driver, ground, Bounds("legal", attack.queries[0], attack.reaction_steps), read_section("run")["seed"])
+    attacker.attack(arena)
+    runs = arena.runs()
+    good = np.flatnonzero(runs.outcome.counted).tolist()
+    return [runs.case(run, driver.name, adversary) for run in good], int(arena.spent.sum())
+
+
+def _ground(traffic: str, scenarios: Sequence[Scenario], samples: int) -> Ground:
+    """The scenarios with logged or generated traffic."""
+    settings = _project.generation(scored=True)
+    equipment = _project.equipment(settings)
+    shown = choose([first_frame(s) for s in scenarios], equipment.selector, settings.candidates, settings.temperature)
+    choices = [replace(choice, scenario=scenario) for choice, scenario in zip(shown, scenarios, strict=True)]
+    if traffic == "log":
+        return logged(choices, equipment.planner, equipment.limits)
+    seed = read_section("run")["seed"]
+    made = roll_out(choices, equipment.planner, equipment.limits, settings.rollout, samples, seed, "drivegen")
+    return sampled(choices, made, samples, equipment.planner, equipment.limits)
+
+
+def _folder(group: Group) -> str:
+    return group.kind.replace(" ", "-")
+
+
+def _table(found: Sequence[Group], judged: Sequence[Judgement]) -> Table:
+    table = Table("kind", "cases", "odds", "avoidable", "time to react", "holds when all react", box=None, pad_edge=False)
+    for group in found:
+        mine = [judged[c] for c in group.cases]
+        avoidable = sum(one.replayed.verdict != Avoidable.NO for one in mine)
+        holds = sum(one.holds["ordinary", Reacting.ALL] for one in mine)
+        odds, budget = (_median(values) for values in ([m.case.odds for m in mine], [m.replayed.budget for m in mine]))
+        shares = (f"{count} of {len(mine)}" for count in (avoidable, holds))
+        table.add_row(group.kind, str(len(mine)), f"{odds:.2g}", next(shares), f"{budget:.1f} s", next(shares))
+    return table
+
+
+def _median(values: Sequence[float]) -> float:
+    there = [value for value in values if not np.isnan(value)]
+    return float(np.median(there)) if there else float("nan")
+
+
+def _row(one: Judgement) -> dict[str, Any]:
+    """A case for programs."""
+    case = one.case
+    return {
+        "scenario": case.scenario_id,
+        "kind": one.kind,
+        "sentence": one.sentence,
+        "attacker": case.attacker,
+        "partner": case.partner,
+        "seconds": round(case.step * 0.1, 1),
+        "odds": None if np.isnan(case.odds) else case.odds,
+        "avoidable": one.replayed.verdict,
+        "time_to_react": None if np.isnan(one.replayed.budget) else round(one.replayed.budget, 1),
+        "avoidable_reacting": one.reacting.verdict,
+        "holds": {f"{who}, {attention}": held for (attention, who), held in one.holds.items()},
+        "query": case.queries,
+    }

@@ -1,0 +1,151 @@
+"""Kinds of corner cases: named by how the other came to be where the target ran into it, and who of the two turned or shifted.
+
+Relative headings and what each did are those of `encounters`, over the last 3 s before the collision.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from drivegen.core.geometry import wrap_angle
+from drivegen.core.roadmap import NO_LANE
+from drivegen.core.scenario import TARGET
+from drivegen.corner_cases.case import Case
+from drivegen.corner_cases.cue import WANDER
+from drivegen.corner_cases.encounters import AGAINST, ALONG, LOOK_BACK, Behaviour, Direction, encounters
+from drivegen.roads.graph import LaneGraph
+from drivegen.world.outcome import CollisionKind
+
+LANE_WIDTH = 3.5
+"""[m] The target is in a lane whose middle is no farther away."""
+
+_TURNS = (Behaviour.TURNING_LEFT, Behaviour.TURNING_RIGHT)
+_SHIFTS = (Behaviour.SHIFTING_LEFT, Behaviour.SHIFTING_RIGHT)
+
+
+class Kind(StrEnum):
+    """How a case came about; the value is its name for readers."""
+
+    CUT_IN = "cut-in"
+    OWN_SHIFT = "own lane change"
+    REAR = "rear"
+    STANDING = "standing"
+    BESIDE = "side by side"
+    MERGE = "merge"
+    ONCOMING_TURN = "oncoming turn"
+    OWN_TURN = "own turn"
+    ONCOMING = "oncoming"
+    CROSSING_LEFT = "crossing from the left"
+    CROSSING_RIGHT = "crossing from the right"
+    PERSON = "person or two-wheeler"
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """How target and other met.
+
+    Attributes:
+        direction: where the other came from in the end. opposed: whether it came the other way before.
+        did, own: what the other and the target did.
+    """
+
+    direction: Direction
+    opposed: bool
+    did: Behaviour
+    own: Behaviour
+
+
+def meeting(case: Case) -> Meeting:
+    """How the two of a case met."""
+    other, size = case.other
+    own, own_size = case.driven.until(case.step + 1), case.scenario.vehicles.size[TARGET]
+    other = other.until(case.step + 1)
+    met = encounters(own, own_size, other[np.newaxis], size[np.newaxis])
+    mirrored = encounters(other, size, own[np.newaxis], own_size[np.newaxis])
+    since = max(case.step - LOOK_BACK, 0)
+    before = float(wrap_angle(np.asarray(other.heading[since] - own.heading[since])))
+    return Meeting(
+        Direction(int(met.direction[0])),
+        bool(other.valid[since]) and abs(before) > AGAINST,
+        Behaviour(int(met.behaviour[0])),
+        Behaviour(int(mirrored.behaviour[0])),
+    )
+
+
+def kind_of(case: Case) -> Kind:
+    """The kind of a case."""
+    if case.partner >= len(case.scenario.vehicles):
+        return Kind.PERSON
+    met = meeting(case)
+    if met.did == Behaviour.STANDING:
+        return Kind.STANDING
+    if met.opposed:
+        return Kind.ONCOMING_TURN if met.did in _TURNS else Kind.OWN_TURN if met.own in _TURNS else Kind.ONCOMING
+    if met.direction == Direction.SAME:
+        return _same_way(met, case)
+    if met.own in _TURNS:
+        return Kind.OWN_TURN
+    if met.did in _TURNS:
+        return Kind.MERGE
+    if met.direction == Direction.OPPOSITE:
+        return Kind.ONCOMING
+    return Kind.CROSSING_LEFT if met.direction == Direction.FROM_LEFT else Kind.CROSSING_RIGHT
+
+
+def _same_way(met: Meeting, case: Case) -> Kind:
+    if met.own in _SHIFTS and met.did not in _SHIFTS:
+        return Kind.OWN_SHIFT
+    if met.did in _TURNS and met.own not in _TURNS:
+        return Kind.MERGE
+    if met.did in _SHIFTS:
+        return Kind.CUT_IN
+    if case.kind == CollisionKind.FRONT:
+        return Kind.REAR
+    other, own = _sideways(case)
+    if other + own < WANDER:
+        return Kind.BESIDE
+    return Kind.CUT_IN if other >= own else Kind.OWN_SHIFT
+
+
+def _sideways(case: Case) -> tuple[float, float]:
+    """[m] that the other, and the target, have come nearer to one another across the lane."""
+    steps = [max(case.step - LOOK_BACK, 0), case.step]
+    at, own_heading = case.driven.position[steps[1:]], case.driven.heading[steps[1:]]
+    lane, nearest = LaneGraph.of(case.scenario.map).nearest(at, own_heading, radius=LANE_WIDTH, max_angle=ALONG)
+    heading = float(nearest[0, 2] if lane[0] != NO_LANE else own_heading[0])
+    left = np.array([-np.sin(heading), np.cos(heading)])
+    other, own = (motion.position[steps].astype(np.float64) @ left for motion in (case.other[0], case.driven))
+    side = np.sign(other[1] - own[1])
+    return float(side * (other[0] - other[1])), float(side * (own[1] - own[0]))
+
+
+@dataclass(frozen=True)
+class Group:
+    """The cases of one kind.
+
+    Attributes:
+        kind: theirs. cases: their numbers, the likeliest of each pair of scenario and partner, likeliest first.
+        duplicates: how many more of the same pairs there are.
+    """
+
+    kind: Kind
+    cases: tuple[int, ...]
+    duplicates: int
+
+
+def groups(cases: Sequence[Case]) -> list[Group]:
+    """Cases by kind, the kind of most cases first."""
+    of: dict[Kind, list[int]] = {}
+    for c, case in enumerate(cases):
+        of.setdefault(kind_of(case), []).append(c)
+    found = [_group(kind, members, cases) for kind, members in of.items()]
+    return sorted(found, key=lambda group: (-len(group.cases), group.kind))
+
+
+def _group(kind: Kind, members: list[int], cases: Sequence[Case]) -> Group:
+    first: dict[tuple[str, int], int] = {}
+    for c in sorted(members, key=lambda c: (-np.nan_to_num(cases[c].odds), c)):
+        first.setdefault((cases[c].scenario_id, cases[c].partner), c)
+    return Group(kind, tuple(first.values()), len(members) - len(first))

@@ -1,0 +1,129 @@
+"""A road map as OpenDRIVE 1.5: every lane is a road of its own with one lane to the right of its reference line.
+
+The reference line is the lane's middle, a straight piece between every two points, and the lane is offset by half its width. Ways
+across a junction are connecting roads. A road is linked to the one after it where it has one successor that has one predecessor;
+where lanes part or join outside a junction OpenDRIVE has no link for roads, and none is written.
+"""
+
+from collections import Counter
+from collections.abc import Iterator
+from xml.etree.ElementTree import Element, indent, tostring
+
+import numpy as np
+from numpy.typing import NDArray
+from scenariogeneration import xodr
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from drivegen.core.geometry import Floats
+from drivegen.core.roadmap import LaneKind, RoadMap
+
+_TYPES = {LaneKind.VEHICLE: xodr.LaneType.driving, LaneKind.BUS: xodr.LaneType.bus, LaneKind.BIKE: xodr.LaneType.biking}
+_LANE = -1
+"""OpenDRIVE's number of the only lane of each road."""
+
+
+def opendrive(roads: RoadMap, name: str) -> bytes:
+    """The map as an OpenDRIVE file, without a date; coordinates are the map's."""
+    made = xodr.OpenDrive(name)
+    junction = _junctions(roads)
+    links = _Links(roads, junction)
+    for lane in range(len(roads)):
+        made.add_road(_road(roads, lane, int(junction[lane]), links))
+    for number in range(int(junction.max()) + 1):
+        made.add_junction(links.junction(number, len(roads) + number))
+    root = made.get_element()
+    root.find("header").attrib.pop("date", None)
+    return serialised(root)
+
+
+def serialised(root: Element) -> bytes:
+    """An XML file, indented."""
+    indent(root)
+    return b'<?xml version="1.0" encoding="utf-8"?>\n' + bytes(tostring(root, encoding="utf-8")) + b"\n"
+
+
+class _Links:
+    """Which road follows which, and by which junction."""
+
+    def __init__(self, roads: RoadMap, junction: NDArray[np.integer]) -> None:
+        self._junction, self._count = junction, len(roads)
+        self._pairs = [(int(a), int(b)) for a, b in roads.links]
+        self._after, self._before = (Counter(pair[end] for pair in self._pairs) for end in (0, 1))
+
+    def link(self, road: xodr.Road, lane: int) -> None:
+        """Say what comes before and after the road of a lane."""
+        for a, b in self._pairs:
+            inside = (int(self._junction[a]), int(self._junction[b]))
+            if lane == a and (self._single(a, b) or inside[0] >= 0):
+                road.add_successor(xodr.ElementType.road, b, xodr.ContactPoint.start)
+            elif lane == b and (self._single(a, b) or inside[1] >= 0):
+                road.add_predecessor(xodr.ElementType.road, a, xodr.ContactPoint.end)
+            elif lane == a and inside[1] >= 0 and road.successor is None:
+                road.add_successor(xodr.ElementType.junction, self._count + inside[1])
+            elif lane == b and inside[0] >= 0 and road.predecessor is None:
+                road.add_predecessor(xodr.ElementType.junction, self._count + inside[0])
+
+    def junction(self, number: int, road_id: int) -> xodr.Junction:
+        """A junction with the ways that lead into it."""
+        made = xodr.Junction(f"junction {number}", road_id)
+        for a, b in self._pairs:
+            if self._junction[b] == number and self._junction[a] < 0:
+                connection = xodr.Connection(a, b, xodr.ContactPoint.start)
+                connection.add_lanelink(_LANE, _LANE)
+                made.add_connection(connection)
+        return made
+
+    def _single(self, a: int, b: int) -> bool:
+        return self._after[a] == self._before[b] == 1 and self._junction[a] < 0 and self._junction[b] < 0
+
+
+def _junctions(roads: RoadMap) -> NDArray[np.int64]:
+    """(L,) the number of each lane's junction, -1 for none: ways across that begin or end at the same place are one junction's.
+
+    A lane is two nodes, its beginning n and its end L + n; only ways across join theirs, so a lane between two junctions keeps
+    them apart.
+    """
+    inside, count = roads.in_junction, len(roads)
+    ways, touches = np.flatnonzero(inside), roads.links[inside[roads.links].any(1)]
+    end, beginning = np.concatenate([touches[:, 0] + count, ways + count]), np.concatenate([touches[:, 1], ways])
+    near = coo_matrix((np.ones(len(end)), (end, beginning)), (2 * count, 2 * count))
+    label = connected_components(near, directed=False)[1][:count]
+    numbers = np.unique(label[inside])
+    return np.where(inside, np.searchsorted(numbers, label), -1)
+
+
+def _road(roads: RoadMap, lane: int, junction: int, links: _Links) -> xodr.Road:
+    width = _width(roads, lane)
+    section = xodr.LaneSection(0, xodr.Lane(xodr.LaneType.none))
+    section.add_right_lane(xodr.Lane(_TYPES[LaneKind(roads.kind[lane])], a=width))
+    lanes = xodr.Lanes()
+    lanes.add_lanesection(section)
+    lanes.add_laneoffset(xodr.LaneOffset(a=width / 2))
+    road_type = len(roads) + junction if junction >= 0 else -1
+    road = xodr.Road(lane, _plan(roads.centreline[lane].astype(np.float64)), lanes, road_type, f"lane {roads.lane_id[lane]}")
+    limit = float(roads.speed_limit[lane])
+    road.add_type(xodr.RoadType.town, speed=None if np.isnan(limit) else round(limit, 3))
+    links.link(road, lane)
+    return road
+
+
+def _plan(line: Floats) -> xodr.PlanView:
+    plan = xodr.PlanView()
+    for start, length, heading in _pieces(line):
+        plan.add_fixed_geometry(xodr.Line(length), float(start[0]), float(start[1]), heading)
+    plan.adjust_geometries()
+    return plan
+
+
+def _pieces(line: Floats) -> Iterator[tuple[Floats, float, float]]:
+    for start, step in zip(line[:-1], np.diff(line, axis=0), strict=True):
+        if (length := float(np.hypot(*step))) > 0:
+            yield start, length, float(np.arctan2(step[1], step[0]))
+
+
+def _width(roads: RoadMap, lane: int) -> float:
+    """[m] the median of how far the points of its left edge are from the right one's nearest."""
+    left, right = (lines[lane].astype(np.float64) for lines in (roads.left, roads.right))
+    apart = np.hypot(*np.moveaxis(left[:, None] - right[None], -1, 0)).min(1)
+    return round(float(np.median(apart)), 3)
