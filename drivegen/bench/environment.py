@@ -9,10 +9,9 @@ import numpy as np
 
 from drivegen.bench import _scene
 from drivegen.bench._row import Row, cpu_seconds
+from drivegen.drivers.shared.conditions import Rewards, Settings, Traffic
 from drivegen.gym.env import DriveEnv
-from drivegen.gym.folders import Traffic
 from drivegen.gym.sb3 import DriveVecEnv
-from drivegen.gym.settings import Rewards, Settings
 from drivegen.gym.vector import DriveVectorEnv, Floats
 from drivegen.world.reactive import Reaction
 

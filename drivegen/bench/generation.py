@@ -47,7 +47,7 @@ _CANDIDATES = CandidateSettings(
 )
 _SHIPPED = ShipSettings(fewest=1, moved=0.0)
 _TEMPERATURE = 0.45
-_ROLLOUT = RolloutSettings(attempts=4, rounds=5, evictions=2, drop_illegal=True, target_steps=None, tempo=0.8)
+_ROLLOUT = RolloutSettings(attempts=4, rounds=5, evictions=2, drop_illegal=True, target_steps=None, exclusion=True, tempo=0.8)
 
 Result = TypeVar("Result")
 

@@ -18,7 +18,7 @@ DIFFERENT = 16
 
 DRIVER = Settings(
     desired_speed=13.9, headway=1.5, min_gap=2.0, acceleration=1.5, braking=2.0, emergency_braking=9.0, exponent=4.0,
-    side_margin=0.2, look_ahead=0.0, heeds_rules=False, accepted_gap=4.0,
+    side_margin=0.2, look_ahead=0.0, heeds_rules=False, gives_way=True, accepted_gap=4.0,
 )  # fmt: skip
 
 

@@ -1,12 +1,13 @@
 """The embedded corpus: simulated logs in Argoverse 2's layout, many scenarios to a file.
 
     <root>/<split>/tracks-<part>.parquet   official columns and length, width, height; one row group a scenario
-    <root>/<split>/maps-<part>.parquet     scenario_id, city, log_map_archive (official JSON), signals (JSON of av2.signals)
+    <root>/<split>/maps-<part>.parquet     scenario_id, city, log_map_archive, signals (JSON of av2.signals), per_hour
 
 Row group k of the tracks belongs to row k of the maps. Everything is named "SUMO corpus (simulated)".
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pyarrow as pa
@@ -27,6 +28,7 @@ _MAPS = pa.schema(
         ("city", pa.string()),
         ("log_map_archive", pa.binary()),
         ("signals", pa.binary()),
+        ("per_hour", pa.float64()),
     ]
 )
 
@@ -64,7 +66,8 @@ class Plugin:
         except (pa.ArrowException, OSError, IndexError) as error:
             raise UnusableInput(f"{place} cannot be read: {error}", reason="truncated") from None
         road_map = read_map(record["log_map_archive"], place)
-        return read_log(table, road_map, self.description, place, read_signals(record["signals"], road_map, place))
+        log = read_log(table, road_map, self.description, place, read_signals(record["signals"], road_map, place))
+        return replace(log, per_hour=record["per_hour"])
 
     def files(self, split: str, scene: str) -> tuple[Path, ...]:
         """The scene's shard: tracks and maps."""
@@ -120,6 +123,7 @@ def write_part(folder: Path, part: str, scenarios: Sequence[Scenario]) -> None:
             "city": scenario.city,
             "log_map_archive": write_map(scenario.map),
             "signals": write_signals(scenario.signals, scenario.map),
+            "per_hour": scenario.per_hour,
         }
         for scenario in scenarios
     ]

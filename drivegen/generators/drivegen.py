@@ -20,6 +20,7 @@ ABOUT = Method(
     goals="learned",
     trains_on="the logs",
     places=False,
+    additions=("exclusion", "checker", "tempo"),
 )
 
 

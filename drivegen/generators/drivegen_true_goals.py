@@ -10,6 +10,7 @@ ABOUT = Method(
     goals="log",
     trains_on="the logs",
     places=False,
+    additions=("exclusion", "checker", "tempo"),
 )
 
 

@@ -14,6 +14,7 @@ ABOUT = Method(
     goals="vlm",
     trains_on="the logs",
     places=False,
+    additions=("exclusion", "checker", "tempo"),
 )
 
 

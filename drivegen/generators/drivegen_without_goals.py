@@ -14,6 +14,7 @@ ABOUT = Method(
     goals="random",
     trains_on="the logs",
     places=False,
+    additions=("exclusion", "checker", "tempo"),
 )
 
 

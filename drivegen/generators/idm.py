@@ -38,6 +38,7 @@ ABOUT = Method(
     goals=None,
     trains_on="the logs",
     places=False,
+    additions=(),
 )
 
 WISHES = (0.5, 1.5)

@@ -47,6 +47,7 @@ ABOUT = Method(
     goals=None,
     trains_on="the logs",
     places=True,
+    additions=(),
 )
 
 CHUNK = 16

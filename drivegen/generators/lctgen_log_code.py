@@ -10,6 +10,7 @@ ABOUT = Method(
     goals=None,
     trains_on="the logs",
     places=True,
+    additions=(),
 )
 
 

@@ -17,6 +17,7 @@ ABOUT = Method(
     goals=None,
     trains_on="nothing",
     places=False,
+    additions=(),
 )
 
 

@@ -22,6 +22,7 @@ ABOUT = Method(
     goals=None,
     trains_on="nothing",
     places=False,
+    additions=(),
 )
 
 MEAN, SPREAD = 1.0, 0.1

@@ -42,6 +42,7 @@ ABOUT = Method(
     goals=None,
     trains_on="the logs",
     places=False,
+    additions=(),
 )
 
 CHUNK = 8

@@ -10,12 +10,12 @@ instead of every step; one head for position and velocity (the integral of the o
 state of others, since only the first frame is given. What is added: distances near the vehicle are told on a finer scale
 as well, and gates are residual with normalisation, without which so small a network learnt next to nothing in minutes; what
 is driven is what a vehicle can do, so modes say how hard to accelerate and to steer; half of the examples begin somewhat
-beside the logged way, as roll-outs soon are; and weights are chosen by the error of roll-outs, not by the loss of one step.
+beside the logged way, as roll-outs soon are.
 
 The initialisation of the paper, its other half, is `Plugin.place`, see `_trafficgen.placement`.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +27,7 @@ from drivegen.core.methods import Method
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import DT, Scenario, Vehicles
 from drivegen.core.settings import Count, Positive
-from drivegen.generators._trafficgen.driving import Driver, rolled_error
+from drivegen.generators._trafficgen.driving import Driver
 from drivegen.generators._trafficgen.learning import HELD_OUT, Disturbance, Logs, MotionExamples, TrafficGenObjective
 from drivegen.generators._trafficgen.net import KNOT, Modes, MotionNet
 from drivegen.generators._trafficgen.placement import PlacementExamples, PlacementNet, Regions, place
@@ -43,13 +43,11 @@ ABOUT = Method(
     goals=None,
     trains_on="the logs",
     places=True,
+    additions=(),
 )
 
 SCENES = 16
 """Scenarios that are driven on together; bounds memory."""
-
-PROBED = 4
-"""Futures of each scene behind the choice of the weights."""
 
 
 @dataclass(frozen=True)
@@ -126,15 +124,6 @@ class Plugin(Learned):
         motion = MotionExamples(train, *shape), MotionExamples(validation, *shape, most=HELD_OUT)
         placement = PlacementExamples(train.tracks, train.vectors, _around_target(settings))
         return TrafficGenObjective(*motion, placement, settings.disturbance)
-
-    @classmethod
-    def probe(cls, settings: TrafficGenSettings, validation: Logs, seed: int) -> Callable[[TrafficGenNet], float]:
-        """Its error when rolled out: the validation loss is no guide to that, it is low before anything is learnt."""
-
-        def rolled(net: TrafficGenNet) -> float:
-            return rolled_error(driver(settings, net), validation.vectors, validation.tracks, PROBED, seed)
-
-        return rolled
 
     def place(self, scenario: Scenario, count: int, seed: int) -> Vehicles:
         """TrafficGen's initialisation: the scenario's target, and others drawn around it, `count` in all if there is room.

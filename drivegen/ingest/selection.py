@@ -100,6 +100,7 @@ def select(log: RecordedLog, settings: Settings) -> Scenario:
         context=_context(log, size),
         signals=log.signals,
         notes=notes,
+        per_hour=log.per_hour,
     )
     if touching := _context_overlaps(scenario):
         notes["context_overlaps"] = str(touching)

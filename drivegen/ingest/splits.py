@@ -34,12 +34,14 @@ class Plan:
         train_on: the data sets that models learn from.
         held_out: the split of each data set, "val" or "test", that is measured on where the data set is trained on.
         limits: at most so many scenes per split of ours; None for all.
+        recordings: how the names of those of the source begin that are measured on; all, where none is named.
     """
 
     source: str
     train_on: tuple[str, ...]
     held_out: dict[str, str]
     limits: dict[str, int | None]
+    recordings: tuple[str, ...]
 
 
 def trained_on(
@@ -66,7 +68,8 @@ def items(plan: Plan, opened: Opened, split: str) -> list[str]:
     """
     if split == "test":
         theirs = (_held_out(plan, plan.source),) if plan.source in plan.train_on else SPLITS
-        found = [f"{plan.source}/{word}/{scene}" for word in theirs for scene in opened(plan.source).scenes(word)]
+        scenes = ((word, scene) for word in theirs for scene in opened(plan.source).scenes(word))
+        found = [f"{plan.source}/{word}/{scene}" for word, scene in scenes if scene.startswith(plan.recordings or "")]
     else:
         found = [item for name in plan.train_on for item in _training_items(plan, opened(name), name, split)]
     limit = plan.limits.get(split)

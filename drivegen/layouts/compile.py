@@ -12,6 +12,7 @@ from drivegen.layouts.compilers.interchanges import compile_interchange
 from drivegen.layouts.compilers.quadrants import compile_quadrants
 from drivegen.layouts.compilers.roundabouts import compile_roundabout
 from drivegen.layouts.spec import MapSpec
+from drivegen.layouts.values import STREET_LANE
 from drivegen.sumo.netconvert import plain_to_net
 from drivegen.sumo.plain import PlainNetwork, Point
 
@@ -46,6 +47,8 @@ def draw(spec: MapSpec) -> PlainNetwork:
     if spec.left_hand:
         road = type(road).model_validate(_reflected(road.model_dump()))
     _COMPILERS[road.kind](road, plain)
+    if (width := getattr(road, "lane_width", STREET_LANE)) != STREET_LANE:
+        plain.edges = [replace(edge, width=edge.width or width) for edge in plain.edges]
     return _mirrored(plain) if spec.left_hand else plain
 
 

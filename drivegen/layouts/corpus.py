@@ -1,8 +1,9 @@
-"""The networks that a corpus is simulated on: real ones that come with SUMO, and layouts of our own."""
+"""The networks that a corpus is simulated on: real ones, from SUMO's package and from a folder, and layouts of our own."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -17,26 +18,38 @@ REAL, OWN = KINDS = ("real", "own")
 
 @dataclass(frozen=True)
 class Networks:
-    """By split and name, `real` networks as paths below SUMO_HOME and our `own` as map specifications."""
+    """By split and name: `real` networks as paths below SUMO_HOME, real ones `outside` it as paths below a folder that a user
+    has, and our `own` as map specifications."""
 
     real: dict[str, dict[str, str]]
+    outside: dict[str, dict[str, str]]
     own: dict[str, dict[str, Any]]
 
     def check(self, scenarios: Iterable[str], density: Iterable[str]) -> None:
         """Raise UnusableInput unless no network is in two splits, every split is one, and both kinds have a density."""
         if set(density) != set(KINDS):
             raise UnusableInput("corpus.density needs a range for `real` and one for `own`, and nothing else")
-        for splits in (scenarios, self.real, self.own):
+        for splits in (scenarios, self.real, self.outside, self.own):
             if unknown := set(splits) - set(SPLITS):
                 raise UnusableInput(f"corpus: there is no split {unknown.pop()!r}; there are {', '.join(SPLITS)}")
         seen: dict[str, str] = {}
         for split in SPLITS:
-            for name, source in [*self.real.get(split, {}).items(), *self.own.get(split, {}).items()]:
+            for name, source in chain.from_iterable(group.get(split, {}).items() for group in vars(self).values()):
                 for word in (name, str(source)):
                     if seen.setdefault(word, split) != split or not name.replace("_", "").isalnum():
                         raise UnusableInput(
                             f"corpus: network {name!r} is in {seen[word]} and {split}, or its name is no plain word"
                         )
+
+    def located(self, folder: str) -> "tuple[Networks, list[str]]":
+        """The networks with those of `folder` ("": none) among the real ones, and the names of those that are not there."""
+        files = {
+            split: {name: Path(folder, path).resolve() for name, path in paths.items()} for split, paths in self.outside.items()
+        }
+        there = {split: {n: str(f) for n, f in named.items() if folder and f.is_file()} for split, named in files.items()}
+        real = {split: {**self.real.get(split, {}), **there.get(split, {})} for split in SPLITS}
+        missing = [name for split, named in files.items() for name in named if name not in there[split]]
+        return replace(self, real=real, outside={}), missing
 
     def shares(self, split: str, total: int, own_share: float) -> Iterator[tuple[str, str, int]]:
         """Name, kind and number of scenarios of each network of a split that gets any of its `total`."""

@@ -1,14 +1,29 @@
 """Places where three to eight roads meet: crossings and roundabouts."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
-from drivegen.layouts.values import Angle, Control, Length, NoOrMoreLanes, Part, Pocket, Speed
+from drivegen.layouts.values import (
+    STREET_LANE,
+    Angle,
+    Control,
+    LaneWidth,
+    Length,
+    NoOrMoreLanes,
+    Part,
+    Pocket,
+    Side,
+    Speed,
+    TurnLaneCount,
+)
 
 SMALLEST_RING, SMALLEST_WIDE_RING = 14.0, 24.0
 """Least outer diameter of a roundabout [m], a mini-roundabout's with one lane on its ring, and with more lanes."""
+
+STRAIGHT = 40.0
+"""Who turns by less [degrees] goes straight on."""
 
 LEAST_ANGLE = 20.0
 """Degrees between two arms at least."""
@@ -20,17 +35,33 @@ LEAST_ARC, LEAST_WIDE_ARC = 7.8, 9.0
 """Least distance along the ring between two roads [m], on a ring with one lane (a mini-roundabout's) and with more."""
 
 
+class TurnLanes(NamedTuple):
+    """How many turn lanes an approach has on either side, and their length [m]."""
+
+    left: int
+    right: int
+    length: float
+
+
+NO_TURN_LANES = TurnLanes(0, 0, 0.0)
+
+
 class Arm(Part):
-    """One road that meets a crossing or a roundabout, seen from there; its turn lanes are `pocket` long, half the arm at most."""
+    """One road that meets a crossing or a roundabout, seen from there.
+
+    Turn lanes are `pocket` long, half the arm at most; those to the left or right of who comes in, as `turn_bans` are. Rings
+    have neither.
+    """
 
     angle: Angle
     lanes_in: NoOrMoreLanes = 1
     lanes_out: NoOrMoreLanes = 1
     speed: Speed = 50 / 3.6
     length: Length = 150.0
-    left_turn_lane: bool = False
-    right_turn_lane: bool = False
+    left_turn_lanes: TurnLaneCount = 0
+    right_turn_lanes: TurnLaneCount = 0
     pocket: Pocket = 60.0
+    turn_bans: Annotated[tuple[Side, ...], Field(max_length=2)] = ()
     main: bool = True
 
     @model_validator(mode="after")
@@ -59,6 +90,33 @@ class Crossing(_Arms):
 
     kind: Literal["crossing"] = "crossing"
     control: Control = "yield"
+    lane_width: LaneWidth = STREET_LANE
+
+    @model_validator(mode="after")
+    def _turns_lead_somewhere(self) -> "Crossing":
+        for i, arm in enumerate(self.arms):
+            turns, (left, right, _) = self.turns(i), self.turn_lanes(i)
+            if arm.lanes_in and not turns:
+                raise ValueError(f"who comes in over arm {i + 1} can go nowhere")
+            for lanes, side in ((left, 1), (right, -1)):
+                if lanes > max((self.arms[k].lanes_out for k, turn in turns.items() if side * turn > STRAIGHT), default=lanes):
+                    raise ValueError(f"{lanes} turn lanes need a road with {lanes} lanes to turn into")
+        return self
+
+    def turns(self, here: int) -> dict[int, float]:
+        """By the other arms with a way out the turn towards them [degrees, left positive], banned turns left out."""
+        arm = self.arms[here]
+        others = [(i, other.angle) for i, other in enumerate(self.arms) if i != here and other.lanes_out]
+        turns = {i: (angle - arm.angle) % 360.0 - 180.0 for i, angle in others}
+        banned = {"left": 1, "right": -1}
+        return {i: turn for i, turn in turns.items() if not any(banned[side] * turn > STRAIGHT for side in arm.turn_bans)}
+
+    def turn_lanes(self, here: int) -> TurnLanes:
+        """Those that an arm gets: only where there is somewhere to turn."""
+        arm, turns = self.arms[here], self.turns(here).values()
+        left = arm.left_turn_lanes if arm.lanes_in and any(turn > STRAIGHT for turn in turns) else 0
+        right = arm.right_turn_lanes if arm.lanes_in and any(turn < -STRAIGHT for turn in turns) else 0
+        return TurnLanes(left, right, min(arm.pocket, arm.length / 2))
 
 
 class Roundabout(_Arms):
@@ -75,6 +133,8 @@ class Roundabout(_Arms):
     @model_validator(mode="after")
     def _lanes_fit_into_the_ring(self) -> "Roundabout":
         check_ring(self.ring_lanes, self.diameter)
+        if any(arm.turn_bans for arm in self.arms):
+            raise ValueError("who enters a roundabout may leave it anywhere: no turn can be banned")
         least = least_diameter([arm.angle for arm in self.arms], self.ring_lanes)
         if self.diameter < least:
             raise ValueError(f"{len(self.arms)} roads need a roundabout of at least {math.ceil(least)} m across")

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from drivegen.layouts.alignment import Alignment
-from drivegen.layouts.values import Control, Lanes, Length, Part, Side, Speed
+from drivegen.layouts.values import HIGHWAY_LANE, Control, Lanes, LaneWidth, Length, Part, Side, Speed
 
 LEAST_BETWEEN = 40.0
 """Metres of plain road between two events, and behind the last one, at least."""
@@ -54,6 +54,7 @@ class Highway(Part):
     median: Annotated[float, Field(ge=1.0, le=60.0, allow_inf_nan=False)] = 4.0
     events: Annotated[tuple[HighwayEvent, ...], Field(max_length=8)] = ()
     both: bool = False
+    lane_width: LaneWidth = HIGHWAY_LANE
 
     @model_validator(mode="after")
     def _events_fit(self) -> "Highway":
@@ -86,6 +87,7 @@ class Fork(Part):
     length: Length = 200.0
     stem: Length | None = None
     joins: bool = False
+    lane_width: LaneWidth = HIGHWAY_LANE
 
     @property
     def stem_length(self) -> float:

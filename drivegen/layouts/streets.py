@@ -1,13 +1,26 @@
 """Streets with junctions along them: corridors and grids."""
 
 import math
-from typing import Annotated, Literal, NamedTuple
+from functools import cached_property
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
 from drivegen.layouts.alignment import Alignment
-from drivegen.layouts.crossings import SMALLEST_RING, check_ring, least_diameter
-from drivegen.layouts.values import Control, Lanes, Length, NoOrMoreLanes, Part, Pocket, Side, Speed
+from drivegen.layouts.crossings import NO_TURN_LANES, SMALLEST_RING, Arm, Crossing, TurnLanes, check_ring, least_diameter
+from drivegen.layouts.values import (
+    STREET_LANE,
+    Control,
+    Lanes,
+    LaneWidth,
+    Length,
+    NoOrMoreLanes,
+    Part,
+    Pocket,
+    Side,
+    Speed,
+    TurnLaneCount,
+)
 
 LEAST_ROOM = 20.0
 """Metres of road between two junctions, and between one and the road's ends, at least."""
@@ -24,7 +37,8 @@ class Junction(Part):
     spread evenly over it, so that three to eight roads meet.
 
     At a crossing the main road may have turn lanes, in each direction that has a side road to turn to; they are `pocket`
-    long, at most `POCKET_SHARE` of the way from what lies before the crossing. A roundabout has none.
+    long, at most `POCKET_SHARE` of the way from what lies before the crossing. `turn_bans` are those of the main road,
+    `side_turn_bans` those of the side roads, left and right of who drives there. A roundabout has none of these.
     """
 
     position: Annotated[float, Field(ge=30.0, le=10000.0, allow_inf_nan=False)]
@@ -34,9 +48,11 @@ class Junction(Part):
     side_lanes: Lanes = 1
     side_speed: Speed = 50 / 3.6
     side_length: Length = 120.0
-    left_turn_lane: bool = False
-    right_turn_lane: bool = False
+    left_turn_lanes: TurnLaneCount = 0
+    right_turn_lanes: TurnLaneCount = 0
     pocket: Pocket = 60.0
+    turn_bans: Annotated[tuple[Side, ...], Field(max_length=2)] = ()
+    side_turn_bans: Annotated[tuple[Side, ...], Field(max_length=2)] = ()
     dead_end: bool = False
     ring_lanes: Annotated[int, Field(ge=1, le=3)] = 1
     diameter: Annotated[float, Field(ge=SMALLEST_RING, le=120.0, allow_inf_nan=False)] = 40.0
@@ -62,17 +78,6 @@ class Junction(Part):
         return tuple(found)
 
 
-class TurnLanes(NamedTuple):
-    """How many turn lanes an approach has on either side, and their length [m]."""
-
-    left: int
-    right: int
-    length: float
-
-
-NO_TURN_LANES = TurnLanes(0, 0, 0.0)
-
-
 class Corridor(Part):
     """A road of any line with junctions along it: crossings or roundabouts in a row, side streets, a staggered junction.
 
@@ -86,6 +91,7 @@ class Corridor(Part):
     speed: Speed = 50 / 3.6
     junctions: Annotated[tuple[Junction, ...], Field(max_length=12)] = ()
     dead_end: bool = False
+    lane_width: LaneWidth = STREET_LANE
 
     @model_validator(mode="after")
     def _junctions_fit(self) -> "Corridor":
@@ -93,6 +99,9 @@ class Corridor(Part):
             raise ValueError(f"junctions must be in order, at least {LEAST_ROOM:.0f} m apart and that far from the road's ends")
         if self.lanes_back == 0 and (self.dead_end or any(j.form == "roundabout" for j in self.junctions)):
             raise ValueError("a one-way street can neither be a dead end nor lead through roundabouts here")
+        if self.lane_width != STREET_LANE and any(j.form == "roundabout" for j in self.junctions):
+            raise ValueError("rings have lanes of their own width, so that of a road with roundabouts cannot be set")
+        _ = self.crossings  # raises ValueError where a turn leads nowhere
         return self
 
     def _ways(self) -> list[float]:
@@ -101,15 +110,26 @@ class Corridor(Part):
         rooms = [0.0, *(j.diameter / 2 if j.form == "roundabout" else 0.0 for j in self.junctions), 0.0]
         return [places[i + 1] - places[i] - (rooms[i] + rooms[i + 1]) for i in range(len(places) - 1)]
 
+    @cached_property
+    def crossings(self) -> tuple[Crossing | None, ...]:
+        """The junctions, seen with the road heading east: its arms ahead, behind, then side roads; None for a ring."""
+        return tuple(map(self._crossing, self.junctions))
+
+    def _crossing(self, junction: Junction) -> Crossing | None:
+        if junction.form == "roundabout":
+            return None
+        road: Any = {name: getattr(junction, name) for name in ("left_turn_lanes", "right_turn_lanes", "turn_bans")}
+        side: Any = {"lanes_in": junction.side_lanes, "lanes_out": junction.side_lanes, "turn_bans": junction.side_turn_bans}
+        ahead = Arm(angle=0.0, lanes_in=self.lanes_back, lanes_out=self.lanes, **road)
+        behind = Arm(angle=180.0, lanes_in=self.lanes, lanes_out=self.lanes_back, **road)
+        return Crossing(arms=(ahead, behind, *(Arm(angle=angle, **side) for angle in junction.directions)))
+
     def turn_lanes(self, number: int, back: bool = False) -> TurnLanes:
         """Those that the road gets ahead of junction `number` (from 0), or on the way `back`: towards sides with a road."""
-        junction, (left, right) = self.junctions[number], ("right", "left") if back else ("left", "right")
-        here = junction.form == "crossing" and (not back or self.lanes_back > 0)
-        return TurnLanes(
-            int(here and junction.left_turn_lane and left in junction.sides),
-            int(here and junction.right_turn_lane and right in junction.sides),
-            min(junction.pocket, POCKET_SHARE * self._ways()[number + back]),
-        )
+        if (crossing := self.crossings[number]) is None:
+            return NO_TURN_LANES
+        length = min(self.junctions[number].pocket, POCKET_SHARE * self._ways()[number + back])
+        return crossing.turn_lanes(0 if back else 1)._replace(length=length)
 
 
 class Grid(Part):
@@ -127,3 +147,4 @@ class Grid(Part):
     speed: Speed = 50 / 3.6
     control: Control = "yield"
     one_way: bool = False
+    lane_width: LaneWidth = STREET_LANE

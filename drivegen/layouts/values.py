@@ -11,6 +11,8 @@ Lanes = Annotated[int, Field(ge=1, le=8)]
 NoOrMoreLanes = Annotated[int, Field(ge=0, le=8)]
 Speed = Annotated[float, Field(ge=1.0, le=45.0, allow_inf_nan=False)]
 Length = Annotated[float, Field(ge=20.0, le=10000.0, allow_inf_nan=False)]
+TurnLaneCount = Annotated[int, Field(ge=0, le=3)]
+LaneWidth = Annotated[float, Field(ge=2.5, le=5.0, allow_inf_nan=False)]
 Pocket = Annotated[float, Field(ge=15.0, le=500.0, allow_inf_nan=False)]
 Angle = Annotated[float, Field(ge=-360.0, le=360.0, allow_inf_nan=False)]
 Turn = Annotated[float, Field(ge=-280.0, le=280.0, allow_inf_nan=False)]
@@ -23,10 +25,13 @@ Control = Literal["signals", "all_way_stop", "stop", "yield", "uncontrolled"]
 
 Side = Literal["left", "right"]
 
+STREET_LANE, HIGHWAY_LANE = 3.2, 3.5
+"""Usual widths of lanes [m]; SUMO's own is that of streets."""
 
 CONVENTION = (
     "'N lanes in each direction' is always right. 'N lanes' are in each direction, 'a four-lane road' has four in both "
-    "directions together. On motorways, one-way roads, ramps, forks and rings every number of lanes is that of one carriageway."
+    "directions together. On motorways, one-way roads, ramps, forks and rings every number of lanes is that of one carriageway. "
+    "Turn lanes are counted on each road into a junction."
 )
 """How lanes are counted, for help and for language models."""
 

@@ -11,6 +11,8 @@ positions p_i(t), speeds v_i(t) and accelerations a_i(t) = (v_i(t + 1) - v_i(t))
 * Div, "the average standard deviation of trajectories in test scenarios", sigma(t) = sqrt(var x(t) + var y(t)) averaged over
   t: over all runs, each moved to the frame of its own first pose (`spread_over_runs`), or over the samples of one scenario,
   averaged over scenarios (`spread_over_samples`) [m]. A step counts where at least two runs are valid.
+* Progress = Dis / mean way that the targets drive in the same traffic without the driver; the share of red lights run is of those
+  that targets came near. Both are ratios of sums over scenarios.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,6 +24,9 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import rotate
 from drivegen.core.intervals import bootstrap_means, percentiles, resamplings
 from drivegen.core.scenario import DT, Trajectories
+
+RATIOS = (("progress", "distance", "planned_distance"), ("red_share", "red_run", "red_lights"))
+"""Names of ratios, and of the metrics that they are of."""
 
 
 @dataclass(frozen=True)
@@ -78,10 +83,23 @@ def driving_summary(
         out |= {name: interval.value, f"{name}.low": interval.low, f"{name}.high": interval.high}
     out["comfort_absolute"] = comfort(out["absolute_acceleration"])
     out["comfort_signed"] = comfort(out["acceleration"])
-    weights = np.concatenate([np.ones((1, count)), resamplings(recordings, draws, rng)])[:, scene]
+    resampled = np.concatenate([np.ones((1, count)), resamplings(recordings, draws, rng)])
+    for name, part, whole in RATIOS:
+        if part in metrics and whole in metrics:
+            out |= _ratio(name, resampled @ metrics[part], resampled @ metrics[whole])
+    weights = resampled[:, scene]
     spread, *spreads = spread_over_runs(motion, weights)
     low, high = percentiles(np.array(spreads))
     return out | {"spread_over_runs": float(spread), "spread_over_runs.low": low, "spread_over_runs.high": high}
+
+
+def _ratio(name: str, part: NDArray[np.float64], whole: NDArray[np.float64]) -> dict[str, float]:
+    """The first of the ratios with the interval of the others; nothing where there is nothing to compare with."""
+    if not whole[0] > 0:
+        return {}
+    value, *others = part[whole > 0] / whole[whole > 0]
+    low, high = percentiles(np.array(others))
+    return {name: float(value), f"{name}.low": low, f"{name}.high": high}
 
 
 def comfort(mean_acceleration: float) -> float:

@@ -1,9 +1,10 @@
-"""Means over scenes and training seeds together: what a table's number would be on other scenes, trained once more.
+"""Means over scenes, training and sampling seeds together: what a number would be on other scenes, trained and drawn once more.
 
-Scenes of one recording share cars, so they are resampled together (cluster bootstrap), crossed with the seeds (two-way
-bootstrap: Owen, "The pigeonhole bootstrap", 2007, which is conservative).
+Scenes of one recording share cars, so they are resampled together (cluster bootstrap), crossed with the training seeds and
+with the sampling seeds (three-way: Owen, "The pigeonhole bootstrap", 2007, which is conservative).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,25 +20,29 @@ class Resampling:
     """How often each seed and each scene is drawn, the same for all that is compared, so differences are paired.
 
     Attributes:
-        seeds: (D, S). scenes: (D, N), those of one recording equally often.
+        runs: (D, S), the product of how often a run's two seeds are drawn. scenes: (D, N), those of one recording equally often.
     """
 
-    seeds: Floats
+    runs: Floats
     scenes: Floats
 
     @classmethod
-    def of(cls, seeds: int, recordings: list[str], draws: int, rng: np.random.Generator) -> "Resampling":
-        """D = `draws` resamples of S = `seeds` seeds and of the distinct names in `recordings`, one name a scene.
+    def of(cls, runs: Sequence[tuple[int, int]], recordings: list[str], draws: int, rng: np.random.Generator) -> "Resampling":
+        """D = `draws` resamples of S `runs` and of the distinct names in `recordings`, one name a scene.
 
-        D = 0 where there is one recording only.
+        `runs` are pairs of a training and a sampling seed; each seed is drawn with all its runs. D = 0 where there is one
+        recording only.
         """
-        drawn = counts(seeds, draws, rng)
+        drawn = np.ones((draws, len(runs)))
+        for seeds in zip(*runs, strict=True):
+            names, number = np.unique(seeds, return_inverse=True)
+            drawn *= counts(len(names), draws, rng)[:, number]
         scenes = resamplings(recordings, draws, rng)
         return cls(drawn[: len(scenes)], scenes)
 
 
 def pooled_mean(values: Floats, resampling: Resampling) -> Interval:
-    """Mean of `values` (S, N) over seeds and scenes with its interval; NaN cells don't count."""
+    """Mean of `values` (S, N) over runs and scenes with its interval; NaN cells don't count."""
     known = np.isfinite(values)
     count = known.sum()
     if count == 0:
@@ -49,7 +54,7 @@ def pooled_mean(values: Floats, resampling: Resampling) -> Interval:
 
 
 def envelope(intervals: list[Interval]) -> Interval:
-    """One interval for a number of whole sets, one a seed: their mean, from the lowest end to the highest. Wider than needed.
+    """One interval for a number of whole sets, one a run: their mean, from the lowest end to the highest. Wider than needed.
 
     Seeds without a number are left out; if one of the others has no ends (NaN), the envelope has none.
     """
@@ -72,7 +77,7 @@ def rank_correlation(one: Floats, other: Floats) -> float:
 
 def _drawn(values: Floats, resampling: Resampling) -> Floats:
     """Weighted sums (D,) of `values` (S, N)."""
-    return np.asarray(((resampling.seeds @ values) * resampling.scenes).sum(axis=1))
+    return np.asarray(((resampling.runs @ values) * resampling.scenes).sum(axis=1))
 
 
 def _ranks(values: Floats) -> Floats:

@@ -54,6 +54,18 @@ def energy_scores(samples: Trajectories, log: Trajectories) -> EnergyScores:
     )
 
 
+def spread(samples: Trajectories, log: Trajectories) -> float:
+    """How far two of K samples (K, N, T) are apart [m]: mean over pairs, scored vehicles and their scored steps; 0 for K = 1."""
+    scored = scored_steps(log)
+    vehicles = scored.any(axis=1)
+    first, second = np.triu_indices(len(samples.position), 1)
+    if not len(first):
+        return 0.0
+    gap = samples.position[first][:, vehicles] - samples.position[second][:, vehicles]
+    distance = np.where(scored[vehicles], np.hypot(gap[..., 0], gap[..., 1]), 0)
+    return float((distance.sum(axis=-1, dtype=np.float64) / scored[vehicles].sum(axis=1)).mean())
+
+
 def _squares(a: NDArray[np.float32], b: NDArray[np.float32], scored: NDArray[np.bool_]) -> tuple[Floats, Floats]:
     """Squared distances of paths (P, N, T, 2): mean over scored steps, and at the last one, each (P, N) [m2]."""
     gap = a - b

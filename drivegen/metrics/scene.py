@@ -13,7 +13,7 @@ from drivegen.metrics.distributions import SceneCounts, scene_counts
 from drivegen.metrics.features import scene_features
 from drivegen.metrics.joint import SceneJoint, scene_joint
 from drivegen.metrics.labels import label
-from drivegen.metrics.proper import energy_scores, log_densities
+from drivegen.metrics.proper import energy_scores, log_densities, spread
 from drivegen.metrics.realism import realism
 from drivegen.metrics.road_edge import RoadEdges
 from drivegen.metrics.safety import box_rates, safety_rates, sample_rates, violation_shares
@@ -70,6 +70,7 @@ def score(
     metrics = {
         **asdict(summarise(sade, sfde)),
         **asdict(energy_scores(motion, log)),
+        "spread": spread(motion, log),
         **{f"realism.{name}".removesuffix(".score"): value for name, value in realism(features).items()},
         **asdict(safety_rates(samples)),
         **{f"violation.{kind}": share for kind, share in violation_shares(samples).items()},

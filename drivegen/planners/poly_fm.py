@@ -56,7 +56,7 @@ class Plugin(FlowPlanner[PolyFmSettings]):
     def _new_net(self) -> FlowNet:
         s = self.settings
         encoder = PolylineEncoder(s.tokens, s.heads, s.width, s.dropout)
-        return FlowNet(encoder, self._size, s.width, s.blocks, s.dropout)
+        return FlowNet(encoder, self.size, s.width, s.blocks, s.dropout)
 
     def _encoded(self, examples: Examples) -> tuple[NDArray[np.float32], Coefficients]:
         found = encode(examples.requests, examples.motion)

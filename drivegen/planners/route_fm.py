@@ -50,7 +50,7 @@ class Plugin(FlowPlanner[RouteFmSettings]):
 
     def _new_net(self) -> FlowNet:
         s = self.settings
-        return FlowNet(dense_encoder(FEATURES, s.width, s.dropout), self._size, s.width, s.blocks, s.dropout)
+        return FlowNet(dense_encoder(FEATURES, s.width, s.dropout), self.size, s.width, s.blocks, s.dropout)
 
     def _encoded(self, examples: Examples) -> tuple[NDArray[np.float32], Coefficients]:
         frames = Frames.of(examples.requests)
@@ -59,9 +59,15 @@ class Plugin(FlowPlanner[RouteFmSettings]):
         return features(frames, examples.requests)[found.usable], coefficients
 
     def _planned(self, _: Sequence[Scenario], requests: PlanRequests, steps: int, /) -> Trajectories:
-        frames = Frames.of(requests)
-        latents = self._latents(features(frames, requests), requests)
-        return decode(frames, requests, self._residuals(latents), steps)
+        return self.motion(requests, self._latents(self.told(requests), requests), steps)
+
+    def told(self, requests: PlanRequests) -> NDArray[np.float32]:
+        """(B, F) what the network is told of requests."""
+        return features(Frames.of(requests), requests)
+
+    def motion(self, requests: PlanRequests, latents: NDArray[np.float32], steps: int) -> Trajectories:
+        """Motion (B, steps) of latents (B, Z)."""
+        return decode(Frames.of(requests), requests, self._residuals(latents), steps)
 
     def _residuals(self, latents: NDArray[np.float32]) -> Residuals:
         """Residuals of latents (B, Z) on the grid."""

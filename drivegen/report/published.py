@@ -1,9 +1,10 @@
-"""What is published: every method on every data set, over scenes and training seeds, as intervals and as rows."""
+"""What is published: every method on every data set, over scenes and seeds, as intervals and as rows."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +28,7 @@ FLOOR = "constant_velocity"
 
 MARKS = (
     "A rival that does not beat constant velocity in min-sADE is marked under-trained: beating it counts for nothing.",
-    "That is lenient, for it is the best of several samples against one. Behind in the mean: its mean-sADE does not beat "
-    "constant velocity's.",
+    "That is lenient, for it is the best of several samples against one: so who does not beat it in mean-sADE is marked, too.",
 )
 """Notes on what `mark` puts behind names."""
 
@@ -51,20 +51,40 @@ _COUNTS = ("steps", "agent_steps", "vehicles", "bandwidth.", "manoeuvre.", "labe
 """What evaluation counts on the way to its metrics: says how much was measured, not how well anybody did."""
 
 
+class Run(NamedTuple):
+    """The seeds of one run of a data set: of training, and of the futures."""
+
+    training: int
+    sampling: int
+
+    @property
+    def folder(self) -> str:
+        """Below that of the data set."""
+        return f"{self.training}-{self.sampling}"
+
+
+def pairs(training: Iterable[int], sampling: Iterable[int]) -> list[Run]:
+    """The runs of a data set: every training seed with every sampling seed."""
+    return [Run(*pair) for pair in product(training, sampling)]
+
+
 @dataclass(frozen=True)
 class Results:
     """One method on one data set.
 
     Attributes:
-        scenarios: ids of N scenes. values: (S, N) by metric, one row a training seed, NaN where there is none.
-        sets: an interval a seed, by the name of what only a whole set has: of scenes of the usual length, see `metrics.whole`.
+        scenarios: ids of N scenes. values: (S, N) by metric, one row a run, NaN where there is none.
+        sets: an interval a run, by the name of what only a whole set has: of scenes of the usual length, see `metrics.whole`.
         chosen_by: who chose goals, in words.
+        plateau: whether the roll-outs of all its trained models had stopped gaining in every run; None where none tells, or
+            nothing is trained.
     """
 
     scenarios: tuple[str, ...]
     values: Mapping[str, Floats]
     sets: Mapping[str, list[Interval]]
     chosen_by: str
+    plateau: bool | None = None
 
     @property
     def averaged(self) -> "Results":
@@ -89,21 +109,33 @@ class DataSet:
 
     Attributes:
         name, title: in the JSON, and in words. trained_on: what models were trained on, in words.
-        seeds: of training. about: every generator, in the tables' order. methods: results by name, of some of these.
+        runs: those that were evaluated. about: every generator, in the tables' order. methods: results by name, of some of these.
         by_scene: too few scenes for means; every scene is a row.
         tracks: how many vehicles are scored, in words; "" where nobody counted.
+        added: results by `<name>/<additions>`, see stage additions, those of a method as it is under `<name>/none`.
         left_out: results by name on scenes of another length, which are shown scene by scene and not averaged.
     """
 
     name: str
     title: str
     trained_on: str
-    seeds: tuple[int, ...]
+    runs: tuple[Run, ...]
     about: Mapping[str, Method]
     methods: Mapping[str, Results]
     by_scene: bool
     tracks: str = ""
+    added: Mapping[str, Results] = field(default_factory=dict)
     left_out: Mapping[str, Results] = field(default_factory=dict)
+
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """Of training."""
+        return tuple(dict.fromkeys(run.training for run in self.runs))
+
+    @property
+    def sampling_seeds(self) -> tuple[int, ...]:
+        """Of the futures."""
+        return tuple(dict.fromkeys(run.sampling for run in self.runs))
 
     @property
     def rows(self) -> dict[str, Method]:
@@ -163,7 +195,7 @@ def pool(data: DataSet, draws: int, rng: np.random.Generator) -> dict[str, dict[
     """Every metric of every method over seeds and scenes; scenes of one recording stay together."""
     out = {}
     resampling = resampling_of(data, draws, rng)
-    for name, results in data.methods.items():
+    for name, results in {**data.methods, **data.added}.items():
         out[name] = {metric: pooled_mean(values, resampling) for metric, values in sorted(results.values.items())}
         out[name] |= {metric: envelope(list(seeds)) for metric, seeds in sorted(results.sets.items())}
     return out
@@ -180,16 +212,25 @@ def tracks(scenes: Iterable[Scenario], methods: Mapping[str, Results]) -> str:
 
 
 def rows(data: DataSet, pooled: Pooled) -> list[dict[str, Any]]:
-    """{data, method, metric, value, low, high, n, seeds, selector}: one number each; neither NaN nor counts."""
+    """One number each, neither NaN nor counts: {data, method, metric, value, low, high, n, seeds, sampling_seeds, plateau,
+    additions, selector}."""
+    every = {**data.methods, **data.added}
     return [
         {
-            "data": data.name, "method": method, "metric": metric, "value": found.value, "low": _finite(found.low),
-            "high": _finite(found.high), "n": len(data.methods[method].scenarios), "seeds": len(data.seeds),
-            "selector": data.methods[method].chosen_by,
+            "data": data.name, "method": name.partition("/")[0], "metric": metric, "value": found.value,
+            "low": _finite(found.low), "high": _finite(found.high), "n": len(every[name].scenarios), "seeds": len(data.seeds),
+            "sampling_seeds": len(data.sampling_seeds), "plateau": data.methods[name.partition("/")[0]].plateau,
+            "additions": list(_additions(data, name)), "selector": every[name].chosen_by,
         }
-        for method, metrics in pooled.items() for metric, found in metrics.items()
-        if is_metric(metric) and np.isfinite(found.value)
+        for name, metrics in pooled.items() for metric, found in metrics.items()
+        if is_metric(metric) and np.isfinite(found.value) and not name.endswith("/none")
     ]  # fmt: skip
+
+
+def _additions(data: DataSet, name: str) -> Sequence[str]:
+    """Those of a method, or of its futures with some."""
+    method, _, added = name.partition("/")
+    return added.split("+") if added else data.about[method].additions
 
 
 def is_metric(name: str) -> bool:
@@ -198,9 +239,9 @@ def is_metric(name: str) -> bool:
 
 
 def resampling_of(data: DataSet, draws: int, rng: np.random.Generator) -> Resampling:
-    """`draws` resamples of a data set's seeds and recordings, the same for all its methods."""
+    """`draws` resamples of a data set's runs and recordings, the same for all its methods."""
     scenarios = next(iter(data.methods.values())).scenarios
-    return Resampling.of(len(data.seeds), [recording(name) for name in scenarios], draws, rng)
+    return Resampling.of(data.runs, [recording(name) for name in scenarios], draws, rng)
 
 
 def mark(name: str, about: Method | None, errors: Mapping[str, float | None], floor: Mapping[str, float | None]) -> str:
@@ -210,7 +251,7 @@ def mark(name: str, about: Method | None, errors: Mapping[str, float | None], fl
     if about.kind == LEARNED and _no_better(errors, floor, "min_sade"):
         return ", under-trained"
     if _no_better(errors, floor, "mean_sade"):
-        return ", behind in the mean"
+        return ", not better than constant velocity in the mean"
     return ""
 
 

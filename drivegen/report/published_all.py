@@ -7,6 +7,7 @@ from drivegen.core.methods import Method
 from drivegen.core.seeds import rng
 from drivegen.report import published_tables
 from drivegen.report.published import DataSet, Pooled
+from drivegen.report.published_additions import added
 from drivegen.report.published_best import best
 from drivegen.report.published_costs import costs
 from drivegen.report.published_front import front
@@ -32,8 +33,9 @@ def tables_of(
     first, paired, *others = published_tables.tables(data, pooled, draws, streams["paired"])
     tables = [first, paired, *best(data, pooled, draws, streams["best"]), *others]
     if at := read_temperatures(folder, temperatures):
-        tables.append(front(data, at, pooled, read_param(folder / str(data.seeds[0]), "rollout.generation.temperature")))
-    if goal_metrics := read_goal_metrics(folder, data.seeds):
+        tables.append(front(data, at, pooled, read_param(folder / data.runs[0].folder, "rollout.generation.temperature")))
+    tables += added(data, pooled, draws, rng(seed, "publish", "additions", data.name))
+    if goal_metrics := read_goal_metrics(folder, data.runs):
         tables.append(goals(data.name, data.title, selectors, goal_metrics))
     return published_tables.few(data, tables)
 
@@ -65,5 +67,5 @@ def models_and_costs(pooled_sets: PooledSets, runs: Path, about: Mapping[str, Me
     """
     data_sets = [data for data, _ in pooled_sets.values()]
     most = max(data_sets, key=lambda data: data.scenes)
-    samples = read_param(runs / most.name / str(most.seeds[0]), "rollout.samples")
+    samples = read_param(runs / most.name / most.runs[0].folder, "rollout.samples")
     return [*models(read_trained(runs, data_sets), about), costs(most, read_took(runs, most), samples)]

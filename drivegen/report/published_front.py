@@ -35,8 +35,8 @@ def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled, in_use: fl
         for (name, cells), best in zip(found.items(), bold, strict=True)
     ]
     notes = (
-        f"One training seed ({data.seeds[0]}) at each temperature; the temperature in use was chosen on the validation split, "
-        f"and its row is of {'all seeds' if len(data.seeds) > 1 else 'that seed'}.",
+        f"One run (seeds {data.runs[0].folder} of training and sampling) at each temperature; the temperature in use was chosen "
+        f"on the validation split, and its row is of {'all runs' if len(data.runs) > 1 else 'that run'}.",
         "Bold: on the front, that is, no other row has a lower mean-sADE and a diversity as near to 1, or the reverse.",
         *_beaten(
             [names.get(OURS, ""), *(f"DriveGen, temperature {t:g}" for t in curve)],

@@ -79,7 +79,7 @@ def _order(methods: Sequence[str], metric: str, one: Pooled, other: Pooled) -> t
 
 
 def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator) -> Table:
-    """The scenes and seeds that both have, by models that learnt from less and from more: errors of each, the difference.
+    """The scenes and runs that both have, by models that learnt from less and from more: errors of each, the difference.
 
     Where there are none the table has no rows and says what is missing.
     """
@@ -88,11 +88,11 @@ def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator)
     first, second = (next(iter(data.methods.values())).scenarios for data in (less, more))
     shared = sorted(set(first) & set(second))
     columns = [[names.index(scene) for scene in shared] for names in (first, second)]
-    seeds = sorted(set(less.seeds) & set(more.seeds))
-    if not (shared and seeds):
+    runs = sorted(set(less.runs) & set(more.runs))
+    if not (shared and runs):
         return Table(name, title, ("", *heads), (), (_nothing_shared(less, more, bool(shared)),))
-    trained = [[data.seeds.index(seed) for seed in seeds] for data in (less, more)]
-    resampling = Resampling.of(len(seeds), [recording(scene) for scene in shared], draws, rng)
+    trained = [[data.runs.index(run) for run in runs] for data in (less, more)]
+    resampling = Resampling.of(runs, [recording(scene) for scene in shared], draws, rng)
     lines = []
     for method in [name for name in less.generators if name in more.methods]:
         before, after = (
@@ -113,28 +113,32 @@ def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator)
 def _nothing_shared(less: DataSet, more: DataSet, scenes: bool) -> str:
     if not scenes:
         return f"Nothing to compare: {less.title} and {more.title} have no scene in common."
-    ran = " and ".join(f"{data.title} with {', '.join(map(str, data.seeds))}" for data in (less, more))
-    return f"Nothing to compare: {ran} have no training seed in common; `make tables` runs those that are missing."
+    ran = " and ".join(f"{data.title} with {', '.join(run.folder for run in data.runs)}" for data in (less, more))
+    return f"Nothing to compare: {ran} have no run in common; `make tables` runs those that are missing."
 
 
 def _quality(data: DataSet, pooled: Pooled) -> Table:
+    columns = (*FIVE, "spread")
     ours = [
-        row(label(m, data, pooled), _chosen(data, m), *(cell(pooled.get(m, {}).get(metric)) for metric in FIVE), origin="ours")
+        row(label(m, data, pooled), _chosen(data, m), *(cell(pooled.get(m, {}).get(metric)) for metric in columns), origin="ours")
         for m in data.rows
     ]
-    theirs = [row(name, paper.MARK, *(f"{v:.2f}" for v in values), origin="paper") for name, values in paper.QUALITY.items()]
+    theirs = [
+        row(name, paper.MARK, *(f"{v:.2f}" for v in values), "\u2013", origin="paper") for name, values in paper.QUALITY.items()
+    ]
+    seeds = f"{len(data.seeds)} training by {len(data.sampling_seeds)} sampling seeds"
     notes = (
-        " ".join(
-            filter(None, [f"{data.title}; {data.scenes} scenes, {len(data.seeds)} training seeds.", data.tracks, data.trained_on])
-        ),
-        "Intervals: bootstrap over recordings, whose scenes share vehicles, crossed with training seeds; of diversity, over "
-        "recordings, widened to hold every seed's.",
+        " ".join(filter(None, [f"{data.title}; {data.scenes} scenes, {seeds}.", data.tracks, data.trained_on])),
+        "Intervals: bootstrap over groups of recordings that share vehicles, crossed with training and with sampling seeds; "
+        "of diversity, over such groups, widened to hold every run's.",
         "All are given map and first frame, where data has signals with their states then, and nothing of what follows: a signal "
         "is taken to stay as it is, who is on foot or bicycle to keep its velocity for 2 s. Nobody is charged for a later red.",
         "The paper's rows were measured on other data by others: they cannot be compared with ours.",
+        "Diversity is the paper's ratio of two sets of scenes, in which what never varies may have 1. Within a scene: how far "
+        "two samples are apart, the mean over steps and vehicles; it has no best value.",
         *MARKS,
     )
-    heads = ("", "goals chosen by", *HEADS)
+    heads = ("", "goals chosen by", *HEADS, "within a scene [m]")
     return Table(f"quality-{data.name}", f"Table I. Scenario quality: {data.title}", heads, (*ours, *theirs), notes)
 
 

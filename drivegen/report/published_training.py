@@ -1,11 +1,11 @@
-"""What was trained, how large it is, how long it took and whether its loss is flat: every seed, DriveGen beside its rivals."""
+"""What was trained, how large it is, how long it took and whether more would help: every seed, DriveGen beside its rivals."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from drivegen.core.methods import LEARNED, Method
 from drivegen.report import plots
-from drivegen.report.sections.generators import FLAT_NOTE, flat
+from drivegen.report.sections.generators import PLATEAU_NOTE, yes_no
 from drivegen.report.table import Cell, Row, Table, number, row, taken
 from drivegen.warehouse.runs import Model
 
@@ -48,13 +48,13 @@ def _models(source: str, trained: list[Trained], about: Mapping[str, Method]) ->
     seeds = ", ".join(map(str, sorted({one.seed for one in trained})))
     notes = (
         f"Where there are several numbers, they are of training seeds {seeds}. Parameters: all numbers in the weights' files.",
-        FLAT_NOTE,
+        PLATEAU_NOTE,
         "CPU-seconds are of one machine and of one run: another one has others.",
         *filter(None, [_budget(groups, about)]),
         _TUNING,
     )
-    columns = ("", "parameters", "steps", "CPU-s of the whole stage", "CPU-s of training alone", "flat")
-    title = f"What was trained on {source}: size, time, and whether the loss is flat"
+    columns = ("", "parameters", "steps", "CPU-s of the whole stage", "CPU-s of training alone", "plateau")
+    title = f"What was trained on {source}: size, time, and whether more training would help"
     drawn = {
         titles.get(name, name): {
             f"seed {one.seed}": (one.model.curve["step"], one.model.curve["validation"]) for one in group if one.model.curve
@@ -85,7 +85,7 @@ def _line(text: str, group: list[Trained]) -> Row:
                 for one in group
             ]
         ),
-        Cell(_each([flat(one.model.curve.get("validation", ())) for one in group])),
+        Cell(_each([yes_no(one.model.plateau) for one in group])),
         origin="ours",
     )
 

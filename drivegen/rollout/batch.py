@@ -112,7 +112,7 @@ def plan_all_goals(choices: Sequence[Choices], planner: Planner, seed: int) -> l
         np.array([(0, n, c, 0) for n, cands in enumerate(choice.candidates) for c in range(len(cands))], np.int64).reshape(-1, 4)
         for choice in choices
     ]
-    requests = _requests(choices, wanted, lambda s: seeds.derive(seed, "all-goals", choices[s].scenario.scenario_id))
+    requests = goal_requests(choices, wanted, lambda s: seeds.derive(seed, "all-goals", choices[s].scenario.scenario_id))
     motion = planner.sample([c.scenario for c in choices], requests)
     ends = np.cumsum([0, *map(len, wanted)])
     return [
@@ -132,7 +132,7 @@ def _plan(
 ) -> list[tuple[Rollout, NDArray[np.int64], Trajectories]]:
     """Plan what all scenarios want in one call and hand each its own part."""
     choices = [r.choice for r in rollouts]
-    requests = _requests(choices, wanted, lambda s: seeds.derive(seed, "plan", choices[s].scenario.scenario_id, turn))
+    requests = goal_requests(choices, wanted, lambda s: seeds.derive(seed, "plan", choices[s].scenario.scenario_id, turn))
     motion = planner.sample([c.scenario for c in choices], requests)
     ends = np.cumsum([0, *map(len, wanted)])
     return [
@@ -142,7 +142,9 @@ def _plan(
     ]
 
 
-def _requests(choices: Sequence[Choices], wanted: list[NDArray[np.int64]], base_seed: Callable[[int], int]) -> PlanRequests:
+def goal_requests(
+    choices: Sequence[Choices], wanted: Sequence[NDArray[np.int64]], base_seed: Callable[[int], int]
+) -> PlanRequests:
     """Plan requests for rows (sample, vehicle, candidate, attempt) of every scenario.
 
     The seed of a request mixes the scenario's with the row, so it does not depend on what else is wanted.

@@ -51,6 +51,7 @@ class RolloutSettings:
         target_steps: others avoid the target's planned motion up to this step only, None for always. In corner cases
             its driver has to react, and this is the time that it is given. Who comes from behind avoids it always: a
             replayed vehicle that runs into the target's rear asks nothing of its driver.
+        exclusion: whether goals of a sample exclude one another (`goals.joint`); else each vehicle draws its own.
         tempo: share of the variance of ranks that the vehicles of a sample have in common (`goals.joint`).
     """
 
@@ -59,6 +60,7 @@ class RolloutSettings:
     evictions: Index
     drop_illegal: bool
     target_steps: Index | None
+    exclusion: bool
     tempo: Annotated[float, Within(0.0, 0.95)]
 
 
@@ -113,10 +115,10 @@ class Rollout:
             _put(self.motion, (slice(None), TARGET), target)
             self.pending[:, TARGET] = False
             self.evictions[:, TARGET] = settings.evictions
-        self.target_steps = _steps_to_avoid_target(scenario, settings.target_steps)
+        self.target_steps = steps_to_avoid_target(scenario, settings.target_steps)
         self.outlooks = Outlooks.of(scenario, choice.candidates, self.target_steps)
         self.start = self.outlooks.start
-        self.exclusive = self.outlooks.exclusions()
+        self.exclusive = self.outlooks.exclusions() if settings.exclusion else np.zeros((self.start[-1],) * 2, np.bool_)
         used = np.concatenate(choice.used)
         noise = gumbel(seed, scenario.scenario_id, samples, len(used))
         odds: NDArray[np.floating] = used
@@ -255,7 +257,7 @@ class Rollout:
         return np.stack(columns, axis=1).astype(np.float32)
 
 
-def _steps_to_avoid_target(scenario: Scenario, limit: int | None) -> NDArray[np.int64]:
+def steps_to_avoid_target(scenario: Scenario, limit: int | None) -> NDArray[np.int64]:
     """(N,) steps for which each vehicle avoids the target: all of them if it heads the same way from behind it."""
     vehicles = scenario.vehicles
     if limit is None:

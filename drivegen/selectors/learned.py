@@ -41,6 +41,9 @@ from drivegen.training.weights import fill, read_weights, write_weights
 KIND, NAME = "goal selector", "learned"
 """As they stand in the settings beside the weights."""
 
+DRAWN = 4
+"""Goals of each vehicle that are drawn to tell how good weights are, as many as rivals' futures (train_generator.watched)."""
+
 CHUNK = 64
 """Lists are ranked in chunks of this many, padded, so that a result does not depend on its neighbours."""
 
@@ -109,7 +112,9 @@ class Plugin(FirstFrameSelector):
             rows = objective.x[objective.there]
             net.mean.copy_(rows.mean(0))
             net.scale.copy_(rows.std(0).clamp(min=0.05))
-        net, curve = train(net, objective, settings.training, seed, checkpoint, report, keep_best=True)
+        net, curve = train(
+            net, objective, settings.training, seed, checkpoint, report, keep_best=True, probe=objective.goal_distance
+        )
         calibration = objective if len(held_out) == 0 else _Listwise(held_out, held_out, settings)
         net.temperature.fill_(_temperature(net.eval(), calibration, settings.floor))
         return cls(net, settings.floor, described=f"learned selector (distilled from {teacher})" if teacher else ""), curve
@@ -154,7 +159,7 @@ class _Listwise:
     """Soft-label cross-entropy over lists; an `Objective` of the training loop."""
 
     def __init__(self, learnt: Lists, held_out: Lists, settings: Settings) -> None:
-        self.x, self.there, self.label, self.prior = _tensors(learnt, settings)
+        self.x, self.there, self.label, self.prior, _ = _tensors(learnt, settings)
         self.held_out = _tensors(held_out, settings)
         self.size = len(self.x)
 
@@ -165,8 +170,19 @@ class _Listwise:
         return _cross_entropy(model(self.x[rows], self.there[rows]), self.label[rows])
 
     def validation(self, model: torch.nn.Module) -> float:
-        x, there, label, _ = self.held_out
+        x, there, label, _, _ = self.held_out
         return float(_cross_entropy(model(x, there), label)) if len(x) else float("nan")
+
+    @torch.no_grad()
+    def goal_distance(self, model: torch.nn.Module) -> float:
+        """Distance [m] to where the log ended of the nearest of DRAWN goals: its mean over draws and validation lists."""
+        x, there, _, _, distance = self.held_out
+        if not len(x):
+            return float("nan")
+        near, order = distance.sort(-1)
+        left = model(x, there).exp().gather(-1, order).flip(-1).cumsum(-1).flip(-1)  # chance that one draw is no nearer
+        none = torch.nn.functional.pad(left.clamp(max=1) ** DRAWN, (0, 1))
+        return float((near * -none.diff()).sum(-1).mean())
 
 
 def _staying(odds: NDArray[np.float32], c: Candidates) -> NDArray[np.float32]:
@@ -182,8 +198,8 @@ def _cross_entropy(log_probability: Tensor, label: Tensor) -> Tensor:
     return -(label * log_probability.clamp(min=-30)).sum(-1).mean()
 
 
-def _tensors(lists: Lists, settings: Settings) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-    """x, there, soft label and prior of the lists that have a candidate near enough."""
+def _tensors(lists: Lists, settings: Settings) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:
+    """x, there, soft label, prior and distance [m] of the lists that have a candidate near enough."""
     near = lists.distance.min(1, initial=np.inf) <= settings.farthest + lists.doubt
     distance, doubt = lists.distance[near].astype(np.float64), lists.doubt[near, None].astype(np.float64)
     label = np.exp(-(distance**2 - distance.min(1, keepdims=True) ** 2) / (2 * (settings.sigma**2 + doubt**2)))
@@ -191,7 +207,8 @@ def _tensors(lists: Lists, settings: Settings) -> tuple[Tensor, Tensor, Tensor, 
     label = np.where(taught.any(1, keepdims=True), taught, label)
     label = (label / label.sum(1, keepdims=True)).astype(np.float32)
     there = np.isfinite(distance)
-    return torch.from_numpy(lists.x[near]), torch.from_numpy(there), torch.from_numpy(label), torch.from_numpy(lists.prior[near])
+    arrays = lists.x[near], there, label, lists.prior[near], np.where(there, distance, 0.0).astype(np.float32)
+    return tuple(map(torch.from_numpy, arrays))  # type: ignore[return-value]  # as many as there are arrays
 
 
 def _floored(score: Tensor, prior: Tensor, temperature: float, floor: float) -> Tensor:

@@ -1,80 +1,57 @@
 """Interrupted training on disk: one safetensors file, written whole, that holds everything the next step needs.
 
-What the next step needs is the weights, their moving average (and the best one so far, where that is kept), Adam's
-moments, the step number and the loss curve so far. No generator state is among it, because the loop derives every
-random number from (seed, step).
+That is networks, their moving averages and the best so far, Adam's moments, other tensors, and, as JSON, how far training is and
+its curve. No generator state is among it, because training derives every random number from (seed, step).
 """
 
-import dataclasses
 import hashlib
 import json
 import sys
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 import torch
-from safetensors import SafetensorError, safe_open
-from safetensors.torch import save_file
+from safetensors import SafetensorError
+from safetensors.torch import load, save
 from torch import Tensor, nn
+from torch.optim import Optimizer
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.seal import BLANK, expect_seal, sealed
 from drivegen.store.files import whole
-from drivegen.training.curve import LossRow
+from drivegen.training.weights import metadata
+
+Part = nn.Module | Optimizer | Tensor
 
 _STATE = "state"
 
 
-@dataclass
-class Progress:
-    """How far training has come: optimiser steps done, the curve, and the sum of the losses since its last row."""
-
-    step: int = 0
-    since: int = 0
-    loss_since: float = 0.0
-    curve: list[LossRow] = field(default_factory=list)
-
-
-def write(
-    path: Path,
-    model: nn.Module,
-    average: nn.Module,
-    optimiser: torch.optim.AdamW,
-    progress: Progress,
-    best: nn.Module | None = None,
-) -> None:
-    """Write the file whole: a kill leaves the old one or the new one."""
-    nets = {"model": model, "average": average} | ({} if best is None else {"best": best})
-    tensors = {f"{name}/{k}": v for name, net in nets.items() for k, v in net.state_dict().items()}
-    for index, moments in optimiser.state_dict()["state"].items():
-        tensors |= {f"adam/{index}/{k}": v for k, v in moments.items()}
-    state = json.dumps(dataclasses.asdict(progress))  # Python writes floats so that they read back exactly
+def write(path: Path, parts: Mapping[str, Part], state: Mapping[str, Any]) -> None:
+    """Write the file whole, `state` as JSON: a kill leaves the old one or the new one."""
+    tensors = {f"{name}/{key}": tensor for name, part in parts.items() for key, tensor in _tensors(part).items()}
+    about = json.dumps({"checksum": BLANK, **state})  # floats are written so that they read back exactly
+    content = save({k: v.detach().cpu().contiguous().clone() for k, v in tensors.items()}, {_STATE: about})
     with whole(path) as temporary:
-        save_file({k: v.detach().cpu().contiguous().clone() for k, v in tensors.items()}, temporary, {_STATE: state})
+        temporary.write_bytes(sealed(content))
 
 
-def read(
-    path: Path, model: nn.Module, average: nn.Module, optimiser: torch.optim.AdamW, best: nn.Module | None = None
-) -> Progress:
-    """Fill model, average, optimiser and best (if it is kept) from `path`; a fresh Progress where there is no file.
+def read(path: Path, parts: Mapping[str, Part]) -> dict[str, Any] | None:
+    """Fill `parts` from `path` and give back the state; None where there is no file.
 
-    Raises UnusableInput for a file that is damaged or belongs to another network.
+    Raises UnusableInput for a file that is damaged or belongs to another training.
     """
     if not path.exists():
-        return Progress()
+        return None
+    raw = path.read_bytes()
+    expect_seal(raw, f"checkpoint {path}", "remove it to start anew")
     try:
-        with safe_open(path, framework="pt") as stored:
-            tensors = {key: stored.get_tensor(key) for key in stored.keys()}  # noqa: SIM118 (no mapping)
-            state = json.loads(stored.metadata()[_STATE])
-        model.load_state_dict(_below("model/", tensors))
-        average.load_state_dict(_below("average/", tensors))
-        if best is not None:
-            best.load_state_dict(_below("best/", tensors))
-        _read_moments(optimiser, _below("adam/", tensors))
-        curve = [LossRow(**row) for row in state.pop("curve")]
-        return Progress(**state, curve=curve)
+        tensors, state = load(raw), metadata(raw, _STATE)
+        for name, part in parts.items():
+            _fill(part, _below(f"{name}/", tensors))
     except (SafetensorError, RuntimeError, KeyError, TypeError, ValueError) as error:
         raise UnusableInput(f"checkpoint {path} does not fit this training ({error}): remove it to start anew") from None
+    return state
 
 
 def name_of(inputs: object, files: Iterable[Path], code: str) -> str:
@@ -102,13 +79,28 @@ def source_digest(*packages: str) -> str:
     return digest.hexdigest()
 
 
+def _tensors(part: Part) -> dict[str, Tensor]:
+    if isinstance(part, Tensor):
+        return {"tensor": part}
+    if isinstance(part, nn.Module):
+        return part.state_dict()
+    moments = part.state_dict()["state"]
+    return {f"{index}/{name}": tensor for index, of in moments.items() for name, tensor in of.items()}
+
+
+@torch.no_grad()
+def _fill(part: Part, tensors: dict[str, Tensor]) -> None:
+    if isinstance(part, Tensor):
+        part.copy_(tensors["tensor"])
+    elif isinstance(part, nn.Module):
+        part.load_state_dict(tensors)
+    else:
+        moments: dict[int, dict[str, Tensor]] = {}
+        for key, value in tensors.items():
+            index, name = key.split("/")
+            moments.setdefault(int(index), {})[name] = value
+        part.load_state_dict({**part.state_dict(), "state": moments})
+
+
 def _below(prefix: str, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
     return {key.removeprefix(prefix): value for key, value in tensors.items() if key.startswith(prefix)}
-
-
-def _read_moments(optimiser: torch.optim.AdamW, moments: dict[str, Tensor]) -> None:
-    state: dict[int, dict[str, Tensor]] = {}
-    for key, value in moments.items():
-        index, name = key.split("/")
-        state.setdefault(int(index), {})[name] = value
-    optimiser.load_state_dict({**optimiser.state_dict(), "state": state})

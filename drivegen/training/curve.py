@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from drivegen.store.files import whole
 
 
@@ -16,13 +18,28 @@ class LossRow:
         step: optimiser steps done.
         train: mean training loss since the row before.
         validation: loss of the averaged weights on the validation examples, with fixed noise.
-        error: what the averaged weights are good for in metres (a planner's mean ADE), NaN where nobody asked.
+        error: of the averaged weights' roll-outs on validation logs [m] (a planner's mean ADE), NaN where nobody asked.
     """
 
     step: int
     train: float
     validation: float
     error: float = float("nan")
+
+
+GAIN = 0.01
+"""A gain below this share is none: the error of so few scenes moves by more from row to row."""
+
+
+def plateau(rows: Sequence[LossRow]) -> bool | None:
+    """Whether the last third of the steps gained nothing: its least error is no more than GAIN below the least before.
+
+    None where a part has fewer than two errors to choose from: such a curve says nothing.
+    """
+    before, after = ([row.error for row in rows if (row.step > rows[-1].step * 2 / 3) == late] for late in (False, True))
+    if min(len(before), len(after)) < 2 or not np.isfinite([*before, *after]).all():
+        return None
+    return min(after) >= (1 - GAIN) * min(before)
 
 
 def kept(rows: Sequence[LossRow]) -> LossRow:

@@ -11,9 +11,9 @@ import math
 import os
 from collections.abc import Callable
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 import torch
@@ -102,7 +102,7 @@ def train(
     torch.set_num_threads(1)  # sums depend on the number of threads
     run = _Run(model, objective, settings, seed, keep_best)
     if path is not None:
-        run.progress = checkpoint.read(path, model, run.averaged, run.optimiser, run.best)
+        run.progress = Progress.of(checkpoint.read(path, run.parts))
     if run.progress.step:
         report(f"going on from step {run.progress.step}")
     while run.progress.step < settings.steps:
@@ -112,8 +112,25 @@ def train(
             row = run.close_row(probe)
             report(f"step {done}/{settings.steps} loss {row.train:.4f} validation {row.validation:.4f}")
         if path is not None and run.rank == 0 and done % settings.checkpoint_every == 0:
-            checkpoint.write(path, model, run.averaged, run.optimiser, run.progress, run.best)
+            checkpoint.write(path, run.parts, asdict(run.progress))
     return run.averaged if run.best is None else run.best, run.progress.curve
+
+
+@dataclass
+class Progress:
+    """How far training has come: optimiser steps done, the curve, and the sum of the losses since its last row."""
+
+    step: int = 0
+    since: int = 0
+    loss_since: float = 0.0
+    curve: list[LossRow] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, state: dict[str, Any] | None) -> Self:
+        """What `asdict` made of it; none yet where that is None."""
+        if state is None:
+            return cls()
+        return cls(state["step"], state["since"], state["loss_since"], [LossRow(**row) for row in state["curve"]])
 
 
 class _Run(Generic[Net]):
@@ -133,7 +150,13 @@ class _Run(Generic[Net]):
         self.optimiser = torch.optim.AdamW(
             model.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay, foreach=True
         )
-        self.progress = checkpoint.Progress()
+        self.progress = Progress()
+
+    @property
+    def parts(self) -> dict[str, checkpoint.Part]:
+        """What the next step depends on, beside the progress."""
+        best = {} if self.best is None else {"best": self.best}
+        return {"model": self.model, "average": self.averaged, "adam": self.optimiser, **best}
 
     def step(self) -> None:
         """One optimiser step."""

@@ -32,8 +32,8 @@ def write_weights(folder: Path, kind: str, name: str, settings: Mapping[str, Any
     """
     check_finite(tensors, f"the trained {kind} {name!r}")
     about = as_json({kind: name, "settings": settings})
-    metadata = json.dumps({"checksum": BLANK, SETTINGS: _digest(about)})  # one entry: safetensors writes several in any order
-    written = save({key: np.ascontiguousarray(tensor) for key, tensor in sorted(tensors.items())}, {_ABOUT: metadata})
+    beside = json.dumps({"checksum": BLANK, SETTINGS: _digest(about)})  # one entry: safetensors writes several in any order
+    written = save({key: np.ascontiguousarray(tensor) for key, tensor in sorted(tensors.items())}, {_ABOUT: beside})
     for file, content in ((WEIGHTS, sealed(written)), (SETTINGS, about)):
         with whole(folder / file) as temporary:
             temporary.write_bytes(content)
@@ -52,7 +52,7 @@ def read_weights(folder: Path, kind: str, name: str) -> tuple[dict[str, Any], di
         if about[kind] != name:
             raise UnusableInput(f"{folder} holds {kind} {about[kind]!r}, not {name!r}")
         expect_seal(raw, folder / WEIGHTS, _AGAIN)
-        if _metadata(raw)[SETTINGS] != _digest(told):
+        if metadata(raw, _ABOUT)[SETTINGS] != _digest(told):
             raise UnusableInput(f"{folder / SETTINGS} is not what these weights were trained with: {_AGAIN}", reason="damaged")
         settings, tensors = dict(about["settings"]), load(raw)
     except (SafetensorError, OSError, ValueError, KeyError, TypeError) as error:
@@ -61,11 +61,11 @@ def read_weights(folder: Path, kind: str, name: str) -> tuple[dict[str, Any], di
     return settings, tensors
 
 
-def _metadata(raw: bytes) -> dict[str, str]:
-    """What stands beside the tensors: safetensors begin with the length of a JSON header, 8 bytes."""
+def metadata(raw: bytes, name: str) -> dict[str, Any]:
+    """The JSON of that name beside the tensors: safetensors begin with the length of a JSON header, 8 bytes."""
     header = json.loads(raw[8 : 8 + int.from_bytes(raw[:8], "little")])
-    metadata: dict[str, str] = json.loads(header["__metadata__"][_ABOUT])
-    return metadata
+    values: dict[str, Any] = json.loads(header["__metadata__"][name])
+    return values
 
 
 def _digest(content: bytes) -> str:

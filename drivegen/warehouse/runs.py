@@ -60,12 +60,14 @@ class Model:
     Attributes:
         name: "<stage>/<item>", as costs are named. parameters: numbers in its weights, None where they are not there.
         curve: columns of its training curve by name. took: what its stage took here, by name; empty where it did not run.
+        plateau: as `training.curve.plateau` says, None also where nobody asked.
     """
 
     name: str
     parameters: int | None
     curve: dict[str, list[float]]
     took: dict[str, float]
+    plateau: bool | None = None
 
 
 def read_models(workspace: Path) -> list[Model]:
@@ -75,7 +77,9 @@ def read_models(workspace: Path) -> list[Model]:
         stage = file.relative_to(workspace / PLOTS).parts[0].removesuffix(".csv")
         weights = workspace / "data/models" / _WEIGHTS[stage] / (file.stem if file.stem != stage else "")
         name = f"{stage}/{file.stem}"
-        models.append(Model(name, count_weights(weights), read_curve(file), took.get(name, {})))
+        metrics = workspace / METRICS / file.relative_to(workspace / PLOTS).with_suffix(".json")
+        plateau = orjson.loads(metrics.read_bytes()).get("plateau") if metrics.exists() else None
+        models.append(Model(name, count_weights(weights), read_curve(file), took.get(name, {}), plateau))
     return models
 
 

@@ -1,13 +1,12 @@
 """TrafficGen in closed loop: modes are drawn, a part of each is driven, everything is encoded again."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from drivegen.core import seeds
 from drivegen.core.geometry import rotate
 from drivegen.core.scenario import DT, Trajectories
 from drivegen.generators._trafficgen.net import KNOT, MotionNet
@@ -16,9 +15,6 @@ from drivegen.generators.shared.closed_loop import Crowd, Tracks
 
 CHUNK = 256
 """Vehicles that go through the network at once, always: sums differ between batch sizes."""
-
-LOOKED_AT = 40
-"""Validation scenes that are driven to tell how good weights are."""
 
 
 @dataclass(frozen=True)
@@ -107,30 +103,6 @@ class Driver:
         mode = (odds <= (chance * odds[:, -1])[:, None]).sum(axis=1)
         rows = np.arange(len(state))
         return between_knots(state, velocity[rows, mode], turn[rows, mode], self.commit)
-
-
-def rolled_error(driver: Driver, vectors: LaneVectors, logs: Tracks, copies: int, seed: int) -> float:
-    """Mean of the least sADE [m] of `copies` futures over LOOKED_AT scenes with something to score, spread over the logs.
-
-    As in `metrics.displacement`, signals as at step 0 throughout. NaN if there is no such scene.
-    """
-    vectors = replace(vectors, state=vectors.state[:, :1])
-    scenes = (
-        np.unique(np.linspace(0, len(logs.start) - 2, LOOKED_AT).astype(np.intp)) if len(logs.start) > 1 else np.zeros(0, np.intp)
-    )
-    tracks = logs.beginnings(scenes, copies)
-    with torch.inference_mode():
-        driver.drive(vectors, scenes, tracks, copies, [seeds.rng(seed, "rolled", int(scene)) for scene in scenes])
-    truth = logs.boxes(np.repeat(scenes, copies))[1]
-    scored = logs.valid[truth] & logs.planned[truth, None]
-    scored[:, 0] = False  # it is given
-    gap = np.where(scored, np.linalg.norm(tracks.position - logs.position[truth], axis=-1), 0.0)
-    counted = np.flatnonzero(scored.any(axis=1))
-    error, group = gap[counted].sum(axis=1) / scored[counted].sum(axis=1), tracks.scene[counted]
-    vehicles = np.bincount(group, minlength=len(scenes) * copies)
-    mean = np.bincount(group, error, minlength=len(vehicles)) / np.maximum(vehicles, 1)
-    least = mean.reshape(len(scenes), copies).min(axis=1)[vehicles[::copies] > 0]
-    return float(least.mean()) if len(least) else float("nan")
 
 
 def between_knots(

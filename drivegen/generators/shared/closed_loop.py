@@ -11,7 +11,6 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.first_frame import going_on
 from drivegen.core.geometry import unit
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Actors, Scenario, Trajectories, Vehicles
@@ -115,19 +114,6 @@ class Tracks:
         count = np.diff(self.start)[scene]
         start = np.concatenate([[0], np.cumsum(count)])
         return start, np.arange(start[-1]) + np.repeat(self.start[scene] - start[:-1], count)
-
-    def beginnings(self, scene: NDArray[np.integer], copies: int) -> "Tracks":
-        """`copies` copies of each of `scene` (S,) side by side, of which nothing but the first frame is known.
-
-        Context actors that are there go on as in `core.first_frame`.
-        """
-        start, box = self.boxes(np.repeat(scene, copies))
-        planned = self.planned[box]
-        motion = Trajectories(self.position[box], self.heading[box], self.velocity[box], self.valid[box])
-        motion = going_on(motion)
-        motion.valid[planned, 1:] = False
-        moving = {name: getattr(motion, name) for name in _MOVING}
-        return Tracks(start=start, planned=planned, size=self.size[box], kind=self.kind[box], **moving)
 
     def at(self, scene: NDArray[np.integer], step: NDArray[np.integer]) -> Crowd:
         """The boxes of each of `scene` (G,) at its `step` (G,)."""

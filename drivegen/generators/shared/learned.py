@@ -5,6 +5,7 @@ logs are seen by `examples`, in training, alone. It imports neither goals nor pl
 rival anew.
 """
 
+import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -85,12 +86,6 @@ class Learned(ABC):
     def objective(cls, settings: Any, net: Any, train: Any, validation: Any, seed: int) -> loop.Objective:
         """What is minimised; may set buffers of `net` (already on its device) from the train examples."""
 
-    @classmethod
-    def probe(cls, settings: Any, validation: Any, seed: int) -> Callable[[Any], float] | None:
-        """What tells how good a network is in metres, on the validation examples; None: the validation loss does."""
-        del settings, validation, seed
-        return None
-
     @abstractmethod
     def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         """See `generators.base.Generator`."""
@@ -104,8 +99,12 @@ class Learned(ABC):
         seed: int,
         checkpoints: Path | None,
         report: Callable[[str], None],
+        rolled: Callable[[Self], float] | None = None,
     ) -> tuple[Self, list[LossRow]]:
-        """The trained generator and its loss curve; the weights of `curve.kept` are kept: of the least error by `probe`.
+        """The trained generator and its loss curve; the weights of `curve.kept` are kept.
+
+        `rolled` is the error [m] of a generator's roll-outs, asked at every row: whose error is least is kept. The loss of one
+        step is no guide to that, some are lowest before anything is learnt. Without `rolled` the validation loss decides.
 
         Same arguments, same weights, also when killed and started again: `checkpoints` is a folder for interrupted
         work, named by the caller after all inputs; `report` takes progress lines. Raises UnusableInput where there is
@@ -115,12 +114,20 @@ class Learned(ABC):
         net = cls.network(settings).to(loop.device())
         path = None if checkpoints is None else checkpoints / f"{cls.name}.safetensors"
         objective = cls.objective(settings, net, train, validation, seed)
-        probe = cls.probe(settings, validation, seed)
+
+        def probe(averaged: nn.Module) -> float:
+            return float("nan") if rolled is None else rolled(cls._with(settings, copy.deepcopy(averaged)))
+
         best, curve = loop.train(net, objective, settings.training, seed, path, report, keep_best=True, probe=probe)
+        return cls._with(settings, best), curve
+
+    @classmethod
+    def _with(cls, settings: Any, net: nn.Module) -> Self:
+        """The generator of a network, which goes to the CPU."""
         made = cls.__new__(cls)
-        made.settings, made.net = settings, best.cpu()
+        made.settings, made.net = settings, net.cpu()
         made._ready()
-        return made, curve
+        return made
 
     def bounds(self) -> "dict[str, Learned]":
         """By their own names, generators with these very weights that are told some of what happened: bounds, no methods."""

@@ -11,8 +11,8 @@ from math import cos, radians, sin, sqrt
 import numpy as np
 
 from drivegen.layouts.compilers import _lines as lines
-from drivegen.layouts.compilers.highways import LANE_WIDTH
 from drivegen.layouts.quadrants import QUADRANTS, QuadrantInterchange
+from drivegen.layouts.values import HIGHWAY_LANE
 from drivegen.sumo.plain import Point
 
 ACCELERATION = 200.0
@@ -61,7 +61,7 @@ class Plan:
 
     def half(self, i: int) -> float:
         """From the middle of the road of carriageway i to its outer edge."""
-        return self.spec.median / 2 + LANE_WIDTH * (self.spec.road_lanes if i % 2 else self.spec.lanes)
+        return self.spec.median / 2 + HIGHWAY_LANE * (self.spec.road_lanes if i % 2 else self.spec.lanes)
 
     @property
     def lanes(self) -> int:
@@ -71,7 +71,7 @@ class Plan:
     @property
     def loop_radius(self) -> float:
         """Of the left edge of a loop, which is its outer one."""
-        return self.spec.loop_radius + self.lanes * LANE_WIDTH / 2
+        return self.spec.loop_radius + self.lanes * HIGHWAY_LANE / 2
 
     def near(self, i: int) -> float:
         """Where loops leave or join carriageway i. A trumpet's loop goes on as a carriageway, beside the median."""
@@ -129,7 +129,7 @@ class StreetPlan(Plan):
     @property
     def _beside(self) -> float:
         """From the street to the loops beside it."""
-        return _SETBACK + self.spec.road_lanes * LANE_WIDTH + self._corner
+        return _SETBACK + self.spec.road_lanes * HIGHWAY_LANE + self._corner
 
     @property
     def _corner(self) -> float:

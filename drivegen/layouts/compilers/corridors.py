@@ -7,10 +7,10 @@ import numpy as np
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import arc_length, resample, rotate
 from drivegen.layouts.compilers import _lines as lines
-from drivegen.layouts.compilers.crossings import LANE_WIDTH, MAIN, MINOR, NODE_TYPES, add_arm, open_pockets
+from drivegen.layouts.compilers.crossings import MAIN, MINOR, NODE_TYPES, add_arm, assign_lanes, open_pockets
 from drivegen.layouts.compilers.roundabouts import add_ring
-from drivegen.layouts.crossings import RING_LANE, Arm
-from drivegen.layouts.streets import NO_TURN_LANES, Corridor, Junction, TurnLanes
+from drivegen.layouts.crossings import NO_TURN_LANES, RING_LANE, Arm, Crossing, TurnLanes
+from drivegen.layouts.streets import Corridor, Junction
 from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
 
 _STRAIGHT = 2  # points of a straight line
@@ -46,9 +46,9 @@ def compile_corridor(spec: Corridor, plain: PlainNetwork) -> None:
         leaving = east
     count = len(spec.junctions)
     _stretch(plain, spec, line, count, leaving, end)
-    for i in range(count):
-        _assign_lanes(plain, spec, i, back=False)
-        _assign_lanes(plain, spec, i, back=True)
+    for i, crossing in enumerate(spec.crossings):
+        if crossing is not None:
+            _assign_lanes(plain, spec, i, crossing)
     if spec.dead_end:
         heading = float(np.arctan2(*(line[-1] - line[-2])[::-1]))
         add_turning_place(plain, "e", end.at, heading, f"m{count}", f"-m{count}", spec.speed)
@@ -131,14 +131,15 @@ def _shape(spec: Corridor, line: lines.Line, source: Place, target: Place, more:
 def _edge_marks(spec: Corridor, source: Place, target: Place, more: TurnLanes, back: bool) -> tuple[tuple[float, float], ...]:
     """How far the left edge of a piece of the main road lies to the left of the road's middle: (distance along, left) [m].
 
-    Empty where no left-turn lane opens. Where some do, the lanes that go on keep clear of the middle by one lane all along the
-    road, so that nobody swerves; only ahead of a ring and of a turning place they come back to the middle, and behind them
-    they leave it.
+    Empty where no left-turn lane opens. Where some do, the lanes that go on keep clear of the middle by as many lanes all along
+    the road, so that nobody swerves; only ahead of a ring and of a turning place they come back to the middle, and behind
+    them they leave it.
     """
-    if not any(spec.turn_lanes(i, back).left for i in range(len(spec.junctions))):
+    most = max((spec.turn_lanes(i, back).left for i in range(len(spec.junctions))), default=0)
+    if not most:
         return ()
     start, end = source.along, target.along
-    clear = (LANE_WIDTH - more.left * LANE_WIDTH) * (1.0 if back else -1.0)
+    clear = (most - more.left) * spec.lane_width * (1.0 if back else -1.0)
     taper = min(_TAPER, abs(end - start) / 3) * (1.0 if end > start else -1.0)
     first = [(start, 0.0), (start + taper, clear)] if _is_narrow(spec, source) else [(start, clear)]
     last = [(end - taper, clear), (end, 0.0)] if _is_narrow(spec, target) else [(end, clear)]
@@ -153,22 +154,17 @@ def _is_narrow(spec: Corridor, place: Place) -> bool:
     )
 
 
-def _assign_lanes(plain: PlainNetwork, spec: Corridor, number: int, back: bool) -> None:
-    """Lane connections of an approach with turn lanes: those turn, the lanes between go on."""
-    more, junction = spec.turn_lanes(number, back), spec.junctions[number]
-    if not more.left + more.right:
-        return
-    entering = f"-m{number + 1}_w" if back else f"m{number}_e"
-    lanes = spec.lanes_back if back else spec.lanes
-    leaving = next(e.id for e in plain.edges if e.source == f"j{number}" and e.id.startswith("-m" if back else "m"))
-    plain.connections += [Connection(entering, leaving, lane + more.right, lane) for lane in range(lanes)]
-    left, right = ("right", "left") if back else ("left", "right")
-    for name, side in zip(_side_names(number, junction), junction.sides, strict=True):
-        if side == left:
-            last = more.right + lanes - 1 + more.left
-            plain.connections.append(Connection(entering, f"{name}_out", last, junction.side_lanes - 1))
-        if side == right:
-            plain.connections.append(Connection(entering, f"{name}_out", 0, 0))
+def _assign_lanes(plain: PlainNetwork, spec: Corridor, number: int, crossing: Crossing) -> None:
+    """Lane connections of all roads into a junction that have turn lanes or bans."""
+    sides = _side_names(number, spec.junctions[number])
+    at = f"j{number}"
+    entering = [next((e.id for e in plain.edges if e.target == at and e.id.startswith(way)), "") for way in ("-m", "m")]
+    leaving = [next((e.id for e in plain.edges if e.source == at and e.id.startswith(way)), "") for way in ("m", "-m")]
+    exits = [*leaving, *(f"{name}_out" for name in sides)]
+    for here in (1, 0, *range(2, len(crossing.arms))):
+        edge = [*entering, *(f"{name}_in" for name in sides)][here]
+        if edge:
+            assign_lanes(plain, crossing, here, edge, exits)
 
 
 def _junction(plain: PlainNetwork, number: int, junction: Junction, line: lines.Line) -> tuple[Place, Place]:
@@ -225,7 +221,7 @@ def _direction(a: Point, b: Point) -> float:
 def _side_road(plain: PlainNetwork, name: str, junction: Junction, angle: float, node: str, at: Point) -> None:
     lanes = junction.side_lanes
     arm = Arm(angle=angle, lanes_in=lanes, lanes_out=lanes, speed=junction.side_speed, length=junction.side_length, main=False)
-    add_arm(plain, name, arm, node, at, {})
+    add_arm(plain, name, arm, node, at, NO_TURN_LANES)
     if junction.dead_end:
         heading = float(np.radians(angle))
         end = (at[0] + arm.length * np.cos(heading), at[1] + arm.length * np.sin(heading))

@@ -12,9 +12,6 @@ from drivegen.layouts.compilers import _lines as lines
 from drivegen.layouts.highways import Fork, Highway, HighwayEvent
 from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
 
-LANE_WIDTH = 3.5
-"""Width of a highway lane [m]."""
-
 _RAMP_LENGTH = 180.0
 _SHORTEST_RAMP = 60.0
 _RAMP_AWAY = 32.0
@@ -31,14 +28,15 @@ RampEnds = dict[str, tuple[str, Point]]
 class _Carriageway:
     """A carriageway while it is drawn: its line, how far it is drawn, lanes there, and how far its left edge has moved.
 
-    `room` is how long its next ramp may be, so that it does not cross another one [m]. `ends` takes where ramps begin and
-    end, by their names, where somebody else draws them.
+    `width` is that of its lanes, `room` how long its next ramp may be, so that it does not cross another one [m]. `ends` takes
+    where ramps begin and end, by their names, where somebody else draws them.
     """
 
     name: str
     line: lines.Line
     speed: float
     lanes: int
+    width: float
     drawn: float = 0.0
     left: float = 0.0
     cuts: int = 0
@@ -87,16 +85,16 @@ def add_backwards(split: PlainNetwork, plain: PlainNetwork) -> None:
 
 def _draw_split(spec: Fork, plain: PlainNetwork) -> None:
     stem = np.array([[-spec.stem_length, 0.0], [0.0, 0.0]])
-    way = _Carriageway("h", stem, spec.speed, spec.lanes)
+    way = _Carriageway("h", stem, spec.speed, spec.lanes, spec.lane_width)
     _begin(plain, way)
     _draw_to(plain, way, spec.stem_length, spec.lanes)
     for name, lanes, side in (("left", spec.left_lanes, 1.0), ("right", spec.right_lanes, -1.0)):
         first = spec.lanes - lanes if side > 0 else 0
         edge_line = _branch(side * np.radians(spec.angle / 2), spec.length)
-        offset = 0.0 if side > 0 else -(spec.lanes - lanes) * LANE_WIDTH
+        offset = 0.0 if side > 0 else -(spec.lanes - lanes) * spec.lane_width
         shape = lines.part(edge_line, 0.0, lines.length(edge_line), offset)
         plain.nodes.append(Node(name, float(shape[-1][0]), float(shape[-1][1])))
-        branch = Edge(f"{name}_branch", way.node, name, lanes, spec.speed, _PRIORITY, lines.points(shape), width=LANE_WIDTH)
+        branch = Edge(f"{name}_branch", way.node, name, lanes, spec.speed, _PRIORITY, lines.points(shape), width=spec.lane_width)
         plain.edges.append(branch)
         plain.connections += [Connection(way.last_edge, branch.id, first + lane, lane) for lane in range(lanes)]
 
@@ -119,7 +117,7 @@ def add_carriageway(
     """Draw the carriageway that runs along `axis`, with ramps `{name}ramp{i}_in` and `_out`: only noted in `ends`, if given."""
     line = lines.part(axis, 0.0, lines.length(axis), -spec.median / 2 if spec.carriageways == 2 else 0.0)
     stretch = lines.length(line) / spec.alignment.length if spec.alignment.shape == "straight" else 1.0
-    way = _Carriageway(name, line, spec.speed, spec.lanes, ends=ends)
+    way = _Carriageway(name, line, spec.speed, spec.lanes, spec.lane_width, ends=ends)
     _begin(plain, way)
     for i, event in enumerate(events):
         way.room = _room(events, i)
@@ -193,7 +191,7 @@ def _change_lanes(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent) -
         source, new = (0, range(change)) if event.side == "right" else (before - 1, range(before, way.lanes))
         plain.connections += [Connection(entered, after, source, lane) for lane in new]
     if event.side == "left":
-        way.left += change * LANE_WIDTH
+        way.left += change * way.width
 
 
 def _begin(plain: PlainNetwork, way: _Carriageway) -> None:
@@ -213,13 +211,13 @@ def _draw_to(plain: PlainNetwork, way: _Carriageway, end: float, widest: int, le
     x, y = shape[-1]
     cut = _across(way, end, widest, left_too) if widest else None
     plain.nodes.append(Node(way.node, float(x), float(y), shape=cut))
-    edge = Edge(way.last_edge, source, way.node, way.lanes, way.speed, _PRIORITY, lines.points(shape), width=LANE_WIDTH)
+    edge = Edge(way.last_edge, source, way.node, way.lanes, way.speed, _PRIORITY, lines.points(shape), width=way.width)
     plain.edges.append(edge)
 
 
 def _across(way: _Carriageway, at: float, lanes: int, left_too: bool) -> tuple[Point, ...]:
     """The outline of a cut: a thin rectangle across the carriageway, so that netconvert cuts nothing else off."""
-    left, right = way.left + (lanes - way.lanes) * LANE_WIDTH * left_too, way.left - lanes * LANE_WIDTH
+    left, right = way.left + (lanes - way.lanes) * way.width * left_too, way.left - lanes * way.width
     along = np.array([at - _HALF_CUT, at + _HALF_CUT, at + _HALF_CUT, at - _HALF_CUT])
     return lines.points(lines.beside(way.line, along, np.array([left, left, right, right])))
 
@@ -227,18 +225,18 @@ def _across(way: _Carriageway, at: float, lanes: int, left_too: bool) -> tuple[P
 def _add_ramp(plain: PlainNetwork, way: _Carriageway, name: str, event: HighwayEvent, at: float, main: int, joins: bool) -> None:
     """A ramp that runs in (or out) beside the `main` lanes, tangent to them at distance `at`."""
     if way.ends is not None:
-        beside = lines.beside(way.line, np.array([at]), np.array([way.left - main * LANE_WIDTH]))
+        beside = lines.beside(way.line, np.array([at]), np.array([way.left - main * way.width]))
         way.ends[name] = (way.node, lines.points(beside)[0])
         return
     room = at if joins else lines.length(way.line) - at
     length = min(_RAMP_LENGTH, max(room, _SHORTEST_RAMP), way.room)
     share = np.linspace(1.0, 0.0, 25)
-    away = way.left - main * LANE_WIDTH - _RAMP_AWAY * (length / _RAMP_LENGTH) * share**2
+    away = way.left - main * way.width - _RAMP_AWAY * (length / _RAMP_LENGTH) * share**2
     shape = lines.beside(way.line, at - (length if joins else -length) * share, away)
     shape = shape if joins else shape[::-1]
     x, y = shape[0] if joins else shape[-1]
     far = f"{name}_end"
     plain.nodes.append(Node(far, float(x), float(y)))
     source, target = (far, way.node) if joins else (way.node, far)
-    edge = Edge(name, source, target, event.lanes, event.ramp_speed, _RAMP_PRIORITY, lines.points(shape), width=LANE_WIDTH)
+    edge = Edge(name, source, target, event.lanes, event.ramp_speed, _RAMP_PRIORITY, lines.points(shape), width=way.width)
     plain.edges.append(edge)

@@ -5,8 +5,9 @@ from itertools import pairwise
 from drivegen.layouts.alignment import Alignment
 from drivegen.layouts.compilers import _lines as lines
 from drivegen.layouts.compilers.crossings import MAIN, MINOR, NODE_TYPES
-from drivegen.layouts.compilers.highways import LANE_WIDTH, add_carriageway
+from drivegen.layouts.compilers.highways import add_carriageway
 from drivegen.layouts.highways import Highway, HighwayEvent, Interchange
+from drivegen.layouts.values import HIGHWAY_LANE
 from drivegen.sumo.plain import Edge, Node, PlainNetwork
 
 HEIGHT = 6.0
@@ -53,7 +54,7 @@ def _draw_highway(spec: Interchange, plain: PlainNetwork, ramps: _Ramps) -> None
 
 def _draw_road(spec: Interchange, plain: PlainNetwork, south: bool, north: bool) -> None:
     """The road from south to north, with a crossing on each side of the highway where ramps end."""
-    away = _AWAY + spec.lanes * LANE_WIDTH
+    away = _AWAY + spec.lanes * HIGHWAY_LANE
     stops = [("road_s", -away - spec.road_length), ("road_n", away + spec.road_length)]
     crossings = [("road_h", -away)] * south + [("road_g", away)] * north
     for name, y in (*stops, *crossings):

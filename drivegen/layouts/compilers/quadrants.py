@@ -17,11 +17,11 @@ from drivegen.layouts.alignment import Alignment
 from drivegen.layouts.compilers import _lines as lines
 from drivegen.layouts.compilers._quadrant_plans import ACCELERATION, WEST, Plan, StreetPlan
 from drivegen.layouts.compilers.crossings import MAIN, MINOR, NODE_TYPES
-from drivegen.layouts.compilers.highways import LANE_WIDTH, RampEnds, add_backwards, add_carriageway
+from drivegen.layouts.compilers.highways import RampEnds, add_backwards, add_carriageway
 from drivegen.layouts.compilers.interchanges import HEIGHT
 from drivegen.layouts.highways import Highway, HighwayEvent
 from drivegen.layouts.quadrants import QUADRANTS, QuadrantInterchange
-from drivegen.layouts.values import Control
+from drivegen.layouts.values import HIGHWAY_LANE, Control
 from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
 
 _DECELERATION = 150.0
@@ -196,7 +196,7 @@ def _draw_ramp(plan: Plan, plain: PlainNetwork, ramps: _Ramps, name: str) -> Non
     shape = (start, *lines.points(line[1:-1]), end)
     heights = (HEIGHT, 0.0) if q % 2 == loop else (0.0, HEIGHT)
     priority = _PRIORITY if plan.spec.control is None else MINOR
-    plain.edges.append(Edge(name, source, target, plan.lanes, speed, priority, shape, width=LANE_WIDTH, heights=heights))
+    plain.edges.append(Edge(name, source, target, plan.lanes, speed, priority, shape, width=HIGHWAY_LANE, heights=heights))
     renamed = dict.fromkeys(stubs, name)
     plain.connections = [
         replace(c, source=renamed.get(c.source, c.source), target=renamed.get(c.target, c.target)) for c in plain.connections

@@ -4,7 +4,7 @@ import numpy as np
 
 from drivegen.layouts.compilers import _lines as lines
 from drivegen.layouts.compilers.crossings import MAIN, add_arm
-from drivegen.layouts.crossings import RING_LANE, Roundabout
+from drivegen.layouts.crossings import NO_TURN_LANES, RING_LANE, Roundabout
 from drivegen.sumo.plain import Edge, Node, PlainNetwork, Point
 from drivegen.sumo.plain import Roundabout as Ring
 
@@ -17,7 +17,7 @@ def compile_roundabout(spec: Roundabout, plain: PlainNetwork) -> None:
     places = add_ring(plain, "r", (0.0, 0.0), angles, spec.ring_lanes, spec.diameter, spec.ring_speed)
     for i, arm in enumerate(spec.arms):
         node, at = places[i]
-        add_arm(plain, f"a{i}", arm, node, at, {})
+        add_arm(plain, f"a{i}", arm, node, at, NO_TURN_LANES)
 
 
 def add_ring(

@@ -124,12 +124,17 @@ class FlowPlanner(ABC, Generic[S]):
 
     def _latents(self, told: NDArray[np.float32], requests: PlanRequests) -> NDArray[np.float32]:
         """Latents (B, Z) of requests from what the network is told of them (B, F)."""
-        return draw(self.net, told, normals(requests.seed, self._size), self.settings.euler_steps)
+        return draw(self.net, told, normals(requests.seed, self.size), self.settings.euler_steps)
 
     @property
-    def _size(self) -> int:
+    def size(self) -> int:
         """Z: latents of all groups together, an even number."""
         return sum(self._kept().values())
+
+    @property
+    def euler_steps(self) -> int:
+        """Steps when sampling."""
+        return self.settings.euler_steps
 
     @abstractmethod
     def _kept(self) -> dict[str, int]:

@@ -1,6 +1,6 @@
 """The latent space of a flow: whitened principal components of groups of spline coefficients, and drawing from it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import torch
@@ -50,22 +50,25 @@ def expanded(latents: NDArray[np.float32], basis: Basis, name: str, table: NDArr
 
 
 def draw(net: FlowNet, told: NDArray[np.float32], noise: NDArray[np.float32], steps: int) -> NDArray[np.float32]:
-    """Latents (B, Z) from features (B, F) and noise (B, Z), on this process's device, in chunks of one size.
+    """Latents (B, Z) from features (B, F) and noise (B, Z), see `in_chunks`."""
+    return in_chunks(net, lambda features, z: net.sample(features, z, steps), told, noise)
+
+
+def in_chunks(net: FlowNet, function: Callable[..., Tensor], *inputs: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(B, R) what `function` of `net` makes of inputs (B, ...), on this process's device, in chunks of one size.
 
     The last chunk is filled up with zeros. Bytes agree between batches on one device, not between devices.
     """
     torch.set_num_threads(1)
     device = loop.device()
-    net = net.to(device)
-    out = np.empty_like(noise)
-    chunk = CHUNK[device.type]
-    padded = [torch.zeros(chunk, a.shape[1]) for a in (told, noise)]
+    net.to(device)
+    chunk, parts = CHUNK[device.type], []
+    padded = [torch.zeros(chunk, a.shape[1]) for a in inputs]
     with torch.inference_mode():
-        for low in range(0, len(noise), chunk):
-            count = min(chunk, len(noise) - low)
-            for buffer, array in zip(padded, (told, noise), strict=True):
+        for low in range(0, max(len(inputs[0]), 1), chunk):
+            count = min(chunk, len(inputs[0]) - low)
+            for buffer, array in zip(padded, inputs, strict=True):
                 buffer[:count] = torch.from_numpy(array[low : low + count])
                 buffer[count:] = 0
-            found = net.sample(padded[0].to(device), padded[1].to(device), steps)
-            out[low : low + count] = found[:count].cpu().numpy()
-    return out
+            parts.append(function(*(buffer.to(device) for buffer in padded))[:count].cpu().numpy())
+    return np.concatenate(parts)

@@ -2,7 +2,20 @@
 
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Section
-from drivegen.report.sections import about, corner, data, driving, generators, maps, models, planners, quality, trust, vehicles
+from drivegen.report.sections import (
+    about,
+    attack,
+    corner,
+    data,
+    driving,
+    generators,
+    maps,
+    models,
+    planners,
+    quality,
+    trust,
+    vehicles,
+)
 
 _ORDER = (
     about.summary,
@@ -13,7 +26,9 @@ _ORDER = (
     trust.section,
     driving.section,
     corner.section,
+    attack.section,
     data.section,
+    data.likeness,
     data.limits,
     models.selector,
     planners.section,

@@ -7,7 +7,17 @@ from drivegen.report import plots
 from drivegen.report.evidence import Evidence
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.sections._generic import matrix, tables, words
-from drivegen.report.table import Table
+from drivegen.report.table import Table, number, row
+
+_QUANTITIES = {
+    "speed": "speed [m/s]",
+    "acceleration": "acceleration [m/s2]",
+    "headway": "headway [s]",
+    "lateral_offset": "lateral offset [m]",
+    "lane_changes": "lane changes [1/km]",
+    "standing": "share that stands",
+    "time_to_collision": "time to collision [s]",
+}
 
 
 def section(evidence: Evidence) -> Section:
@@ -19,6 +29,42 @@ def section(evidence: Evidence) -> Section:
     figures = _labels(evidence)
     found = (*_counts(ingest), *tables("assets", "Vehicle assets", evidence.results.get("assets")))
     return Section("data", "Data", lead, found, figures, missing="" if ingest else not_measured("ingest"))
+
+
+def likeness(evidence: Evidence) -> Section:
+    """How near the corpus' traffic is to that of people."""
+    found = evidence.results.get("likeness")
+    lead = (
+        "What learns from simulated logs is judged on people. Seven distances say how far the simulated traffic is from theirs."
+    )
+    if not isinstance(found, Mapping):
+        return Section("likeness", "Simulated and real traffic", lead, missing=not_measured("likeness"))
+    if "distance" not in found:
+        missing = f"Not measured: likeness.root names no folder with recordings of {', '.join(found['without'])}."
+        return Section("likeness", "Simulated and real traffic", lead, missing=missing)
+    return Section("likeness", "Simulated and real traffic", lead, (_distances(found),))
+
+
+def _distances(found: Mapping[str, Any]) -> Table:
+    unit, distance = found["unit"], found["distance"]
+    columns = ("", "halves of real driving", *(f"{'real driving' if name == 'all' else name} [halves]" for name in distance))
+    rows = [
+        row(
+            text,
+            number(unit[name], 3),
+            *(number(apart[name] / unit[name] if unit[name] else float("nan"), 2) for apart in distance.values()),
+            origin="ours",
+        )
+        for name, text in _QUANTITIES.items()
+    ]
+    notes = (
+        f"{found['scenes']} training scenes of the SUMO corpus (simulated) beside recordings of people, as distances in units of "
+        "how far halves of the recordings are apart: 1 is as different as one half of real driving is from the other. "
+        "Real driving: all data sets, each counted equally.",
+        "Wasserstein-1 distances in the unit of the first column; lane changes and the standing share are differences. Motor "
+        "vehicles on a lane, tracks averaged over 0.4 s on both sides; lateral offsets less the recording's median.",
+    )
+    return Table("likeness", "Distance of simulated to real traffic", columns, tuple(rows), notes)
 
 
 def limits(evidence: Evidence) -> Section:

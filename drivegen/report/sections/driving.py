@@ -20,9 +20,11 @@ _COLUMNS = {
     "by nuPlan's classes": "collision.nuplan_at_fault",
     "artefacts": "collision.artefact",
     "imposed braking [m/s2]": "imposed_braking",
+    "red lights run": "red_share",
     "in the first second": "collision.in_first_second",
     "off-road": "off_road",
     "Dis [m]": "distance",
+    "of what was planned": "progress",
     "Comfort, absolute": "comfort_absolute",
     "Comfort, signed": "comfort_signed",
     "Div over scenes": "spread_over_runs",
@@ -73,7 +75,7 @@ def _teaching(taught: Any) -> tuple[str, ...]:
         return ()
     share = 100 * float(taught["validation_collision"])
     return (
-        f"Taught by {number(taught['train_scenes'])} logs for as long as this run takes, which is too short: the weights of "
-        f"iteration {number(taught['validation_step'])} collide in {share:.1f} % of {number(taught['validation_scenes'])} "
-        "validation scenes, among replayed neighbours.",
+        f"Taught in {number(taught['train_scenes'])} logged scenes for as long as this run takes, which is too short: the "
+        f"weights of round {number(taught['validation_round'])} collide in {share:.1f} % of "
+        f"{number(taught['validation_scenes'])} validation scenes, among replayed neighbours.",
     )

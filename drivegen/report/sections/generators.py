@@ -1,6 +1,6 @@
-"""Generators to compare with: how large they are, what they learnt from, how long it took, and whether the loss is flat."""
+"""Generators to compare with: how large they are, what they learnt from, how long it took, and whether more would help."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from drivegen.report import plots
@@ -8,20 +8,20 @@ from drivegen.report.evidence import Curve, Evidence
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.table import Cell, Row, Table, measured, number, row, taken
 
-_FLAT = 0.05
-"""A curve is called flat if its last quarter gained no more than this share of all that was gained."""
-
-FLAT_NOTE = f"Flat: the last quarter of the steps gained at most {_FLAT:.0%} of all that was gained."
+PLATEAU_NOTE = (
+    "Plateau: in the last third of the steps the least error of roll-outs on validation logs fell by less than 1 %. Where it "
+    "says no, the training was stopped while it still gained; \u2013: too short to tell."
+)
 
 _SCORES = ("min_sade", "min_sfde", "mean_sade", "mean_sfde")
 _BOUND = ".validation_min_sade"
 """Ends the name of a figure of a bound, which begins with the bound's own name."""
 
 _NOTES = (
-    "Trained on the same logs as DriveGen; the weights of the lowest validation loss are kept, TrafficGen's of the lowest error "
-    "when rolled out on some validation scenes. Errors [m] are those of the validation scenes, on which every choice was made, "
-    "not of the test scenes. Losses of different generators don't compare.",
-    FLAT_NOTE,
+    "Trained on the same logs as DriveGen; the weights of the lowest error when rolled out on some validation scenes are kept. "
+    "Errors [m] are those of the validation scenes, on which every choice was made, not of the test scenes. Losses of different "
+    "generators don't compare.",
+    PLATEAU_NOTE,
 )
 
 
@@ -35,11 +35,11 @@ def section(evidence: Evidence) -> Section:
     curves = {curve.title.removeprefix("train_generator/"): curve for curve in evidence.curves}
     rows: list[Row] = []
     for name, values in trained.items():
-        rows.append(_line(evidence.title(name), values, curves.get(name)))
+        rows.append(_line(evidence.title(name), values))
         bounds = [key.removesuffix(_BOUND) for key in values if key.endswith(_BOUND)]
         rows += [_bound(f"{evidence.title(bound)} (a bound, no method)", values, bound) for bound in bounds]
     columns = (
-        "generator", "parameters", "train examples", "steps", "validation loss", "flat",
+        "generator", "parameters", "train examples", "steps", "validation loss", "plateau",
         *(key.replace("_s", "-s").replace("sade", "sADE").replace("sfde", "sFDE") for key in _SCORES),
     )  # fmt: skip
     table = Table("generators", title, columns, tuple(rows), (*_NOTES, *evidence.trained_on))
@@ -48,12 +48,11 @@ def section(evidence: Evidence) -> Section:
     return Section("generators", title, lead, (table, _times(times)), _figures(drawn))
 
 
-def _line(title: str, values: Mapping[str, Any], curve: Curve | None) -> Row:
+def _line(title: str, values: Mapping[str, Any]) -> Row:
     counts = (number(values.get(key)) for key in ("parameters", "train_examples", "steps"))
     loss = measured(dict(values), "validation_loss", 3)
-    settled = "–" if curve is None else flat(curve.columns.get("validation", ()))
     scores = (measured(dict(values), f"validation_{key}", 2) for key in _SCORES)
-    return row(title, *counts, loss, settled, *scores)
+    return row(title, *counts, loss, yes_no(values.get("plateau")), *scores)
 
 
 def _bound(text: str, values: Mapping[str, Any], key: str) -> Row:
@@ -68,13 +67,9 @@ def _times(times: Mapping[str, Mapping[str, float]]) -> Table:
     return Table("generators-times", "Training of generators", ("generator", "CPU-s"), tuple(rows), (note,), repeatable=False)
 
 
-def flat(losses: Sequence[float]) -> str:
-    """Whether the best loss of the first three quarters is near the best of all; nothing for fewer than four rows."""
-    seen = [loss for loss in losses if loss == loss]
-    if len(seen) < 4:
-        return "–"
-    before, best = min(seen[: len(seen) * 3 // 4]), min(seen)
-    return "yes" if before - best <= _FLAT * max(seen[0] - best, 0.0) else "not yet"
+def yes_no(plateau: bool | None) -> str:
+    """What a model's `plateau` says, in a word."""
+    return "–" if plateau is None else "yes" if plateau else "no"
 
 
 def _figures(curves: Mapping[str, Curve]) -> tuple[Figure, ...]:

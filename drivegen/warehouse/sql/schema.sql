@@ -27,7 +27,7 @@ group by all;
 -- traffic (its section of parameters says how), `shard` where that lies, `recording` one that shows it.
 create view drives as
 with runs_of_drivers as (
-    select stage, item, method, driver, scenario, sample,
+    select stage, item, method, driver, scenario, sample, reactive,
            bool_or(value = 1) filter (metric = 'collision') as collision,
            max(split_part(metric, '.', 3)) filter (metric like 'impact.kind.%') as kind,
            round(max(value) filter (metric = 'impact.step') / 10, 1) as seconds,
@@ -37,7 +37,8 @@ with runs_of_drivers as (
            bool_or(value = 1) filter (metric = 'left_map') as left_map,
            max(value) filter (metric = 'distance') as distance,
            max(value) filter (metric = 'absolute_acceleration') as absolute_acceleration
-    from results where driver <> '' and sample >= 0
+    from (select * exclude metric, starts_with(metric, 'reactive.') as reactive, regexp_replace(metric, '^reactive[.]', '') as metric
+          from results where driver <> '' and sample >= 0)
     group by all)
 select d.*, s.stage as made_by, s.shard, r.href as recording
 from runs_of_drivers d

@@ -1,0 +1,63 @@
+"""Corner cases for the published tables: rows of figures over several seeds, and the tables of the first one's."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+METRICS = {
+    "cr": "collision",
+    "dis": "distance",
+    "comfort": "comfort_absolute",
+    "div": "spread_over_runs",
+    "counted": "counted",
+    "avoidable": "avoidable",
+    "legal_share": "legal_share",
+    "kinds": "kinds",
+    "survives_reaction": "survives_reaction",
+    "odds": "odds",
+}
+"""Published name -> that of the stage's JSON."""
+
+Attacks = Mapping[str, dict[str, Any]]
+"""What one driver's attacks came to, by adversary, what is allowed and runs."""
+
+Costs = Mapping[str, Mapping[str, float]]
+"""What each attack took, by the same key."""
+
+
+def corner_rows(data: str, driver: str, runs: Sequence[tuple[Attacks, Costs]]) -> Iterator[dict[str, Any]]:
+    """Rows {data, driver, method, neighbours, allowed, queries, metric, value, low, high, n, seeds} of one driver, a run a seed.
+
+    Values and ends are means over seeds; ends are NaN where none were measured. n is the number of scenes.
+    """
+    for key, first in runs[0][0].items():
+        about = {
+            "data": data,
+            "driver": driver,
+            "method": first["method"],
+            "allowed": first["allowed"],
+            "queries": first["budget"],
+        }
+        for name, source in METRICS.items():
+            three = [[attacks[key].get(source + end) for attacks, _ in runs] for end in ("", ".low", ".high")]
+            value, low, high = map(_mean, three)
+            if value is not None:
+                neighbours = "reactive" if name == "survives_reaction" else "replayed"
+                ends = {"low": low, "high": high, "n": int(first["scenarios"]), "seeds": len(runs)}
+                yield {**about, "neighbours": neighbours, "metric": name, "value": value, **ends}
+        cases, seconds = (sum(costs[key][name] for _, costs in runs if key in costs) for name in ("cases", "cpu_seconds"))
+        if cases:
+            price = {
+                "metric": "cpu_seconds_per_1000",
+                "value": 1000 * seconds / cases,
+                "low": None,
+                "high": None,
+                "n": int(cases),
+            }
+            yield {**about, "neighbours": "replayed", **price, "seeds": len(runs)}
+
+
+def _mean(values: Sequence[Any]) -> float | None:
+    known = [float(value) for value in values if value is not None and np.isfinite(value)]
+    return float(np.mean(known)) if known else None

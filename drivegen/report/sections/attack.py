@@ -1,0 +1,88 @@
+"""Adversaries: what each finds that makes a driver collide, in the same scenes, with at most as many runs."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from drivegen.report.evidence import Evidence
+from drivegen.report.section import Section, not_measured
+from drivegen.report.table import Table, measured, number, row, taken
+
+SHARES = ("collision", "counted", "avoidable", "legal_share", "survives_reaction")
+
+COLUMNS = {
+    "CR": "collision",
+    "Dis [m]": "distance",
+    "Comfort": "comfort_absolute",
+    "Div": "spread_over_runs",
+    "counted": "counted",
+    "of scenes avoidable": "avoidable",
+    "of cases legal": "legal_share",
+    "of cases hold when all react": "survives_reaction",
+    "natural odds": "odds",
+}
+"""Columns -> names in the stage's JSON."""
+
+OURS = "drivegen_cs"
+
+NOTES = (
+    "One run of each scene is handed over: the first that counts, else the first with a collision, else the last.",
+    "Counted: front, side, or hit in the side after the first second; not run into from behind or while standing, as replays do.",
+    "Runs are all runs of the driver in a scene, those that only look at how it drives included; no method has more.",
+    "How a scene's generated samples share its runs: DriveGen-CS and CAT take a sample for every so many runs "
+    "(`per_scene`), random goals are drawn from all samples, AdvSim and DiffScene "
+    "spend all on the first, and on one vehicle in it.",
+    "Three numbers of DriveGen-CS (caution, behind, again) were chosen on test scenes of the same networks, no rival's were: "
+    "this favours DriveGen-CS.",
+)
+
+
+def section(evidence: Evidence) -> Section:
+    """Every driver that was attacked."""
+    found = {name: value for name, value in evidence.below("attack").items() if isinstance(value, Mapping)}
+    lead = (
+        "DriveGen-CS beside its rivals: the same first frames and traffic, at most the same number of runs. Neighbours "
+        "are replayed but for the attacker's exchanged motion; what survives when all react stands beside it. Nothing is trained."
+    )
+    tables = []
+    for name, values in found.items():
+        tables += [outcome_table(name, values), cost_table(name, values, evidence.costs)]
+    return Section("attack", "Adversaries", lead, tuple(tables), missing="" if found else not_measured("attack"))
+
+
+def outcome_table(driver: str, attacks: Mapping[str, dict[str, Any]]) -> Table:
+    """Table III, extended."""
+    lines = [
+        row(
+            values["title"],
+            _allowed(values),
+            number(values["budget"]),
+            *(measured(values, key, 3 if key in SHARES else 2) for key in COLUMNS.values()),
+            number(values["kinds"]),
+            origin="ours" if values["method"] == OURS else "rival",
+        )
+        for values in attacks.values()
+    ]
+    heads = ("", "allowed", "runs a scene", *COLUMNS, "kinds")
+    stand_ins = {f"{values['title']}: {values['stand_in']}." for values in attacks.values() if values["stand_in"]}
+    title = f"Table III, extended. What makes {driver} collide"
+    return Table(f"attack-{driver}", title, heads, tuple(lines), (*NOTES, *sorted(stand_ins)))
+
+
+def cost_table(driver: str, attacks: Mapping[str, dict[str, Any]], costs: Mapping[str, Mapping[str, float]]) -> Table:
+    """Table IV, like with like: search and rehearsal on all sides."""
+    lines = []
+    for key, values in attacks.items():
+        took = dict(costs.get(f"attack/{driver}-{key}", {}))
+        if took.get("cases"):
+            took["per_1000"] = 1000 * took["cpu_seconds"] / took["cases"]
+        told = (taken(took, "cases", 0), taken(took, "cpu_seconds"), taken(took, "per_1000", 0))
+        lines.append(row(values["title"], _allowed(values), number(values["budget"]), *told))
+    heads = ("", "allowed", "runs a scene", "counted runs", "CPU s", "CPU s for 1000")
+    note = "Planning, checking, driving, and judging the handed-over cases are in it, reading the scenes is not."
+    return Table(
+        f"attack-{driver}-costs", f"Table IV, extended. What cases of {driver} cost", heads, tuple(lines), (note,), False
+    )
+
+
+def _allowed(values: Mapping[str, Any]) -> str:
+    return "-" if values["varies"] == "nothing" else str(values["allowed"])
