@@ -21,8 +21,8 @@ lint: $(INSTALLED)       ## the part of `make test` that needs no running
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports --no-logo
 
-tables: $(INSTALLED)     ## the published tables: every data set, several training seeds, pooled into reports/published; PART=maps: single pieces
-	@$(BIN)/python -m flows tables --part $(or $(PART),all)
+tables: $(INSTALLED)     ## the published tables: every data set, several seeds, pooled into reports/published; PART=quality, maps (single pieces), drivers, corner
+	@$(BIN)/python -m flows tables --part $(or $(PART),quality)
 
 bench: $(INSTALLED)      ## speed, each row beside its reference; fails if a row misses its target
 	@$(BIN)/drivegen bench

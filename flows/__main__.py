@@ -1,4 +1,4 @@
-"""`python -m flows experiment|regenerate|iterate|tables`: run one flow with a local Prefect server around it."""
+"""`python -m flows experiment|regenerate|iterate|corpus|tables`: run one flow with a local Prefect server around it."""
 
 import argparse
 import os
@@ -12,11 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from flows import attended, server
+from flows.rooms import PARTS, QUALITY
 
 MADE: dict[str, Callable[[Any], str]] = {
     "experiment": lambda _: f"Report: {Path('reports/index.html').resolve()}",
     "regenerate": lambda state: f"New version: {Path(state.result()).resolve()}",
     "iterate": lambda state: f"Collision rate of each round: {', '.join(f'{rate:.3f}' for rate in state.result())}",
+    "corpus": lambda state: f"Scenarios: {Path(state.result()).resolve()}",
     "tables": lambda state: str(state.message),
 }
 """What each flow says it has made."""
@@ -74,11 +76,21 @@ def _parser() -> argparse.ArgumentParser:
     regenerate.add_argument("--seed", type=int, help="the seed; made from the version if not given")
     iterate = flows.add_parser("iterate", help="corner-case rounds until the collision rate stops rising")
     iterate.add_argument("--min-gain", type=float, default=0.0, help="a round must raise the rate by more than this")
+    corpus = flows.add_parser("corpus", help="the corpus in another size, simulated and ingested in a workspace of its own")
+    corpus.add_argument("size", help="its name in flows/sizes.yaml")
     tables = flows.add_parser("tables", help="the published tables: all data sets, several training seeds")
     real = Path(os.environ.get("DRIVEGEN_REAL_DATA", "../shared/data"))
     said = "folder of real recordings (publish.data says which of its folders); what is not there is left out"
+    corpus.add_argument(
+        "--real", type=Path, default=real, help="folder of real data, with networks; those not there are left out"
+    )
     tables.add_argument("--real", type=Path, default=real, help=said)
-    tables.add_argument("--part", choices=("all", "maps"), default="all", help="maps: what measures single pieces alone")
+    tables.add_argument(
+        "--part",
+        choices=PARTS,
+        default=QUALITY,
+        help="quality: scenarios of all methods; maps: single pieces; drivers: tables of them; corner: corner cases",
+    )
     return parser
 
 
@@ -92,6 +104,10 @@ def _run(arguments: argparse.Namespace) -> Any:
         from flows.regenerate import regenerate
 
         return regenerate(version=arguments.version, seed=arguments.seed, return_state=True)
+    if arguments.flow == "corpus":
+        from flows.corpus import corpus
+
+        return corpus(size=arguments.size, real=arguments.real, return_state=True)
     if arguments.flow == "tables":
         from flows.tables import tables
 

@@ -28,7 +28,7 @@ from flows import attended
 from flows.mending import is_whole, mend
 
 MEASURES = "stages/dvc.yaml"
-"""The stages that only measure us: `make tables PART=maps` runs them, `make run` and a plain `dvc repro` do not."""
+"""The stages that only measure us: `make tables` runs them, each part its own; `make run` and a plain `dvc repro` do not."""
 
 _LOG = logging.getLogger("flows")
 _BUSY = ("is busy", "Unable to acquire lock")

@@ -60,5 +60,9 @@ def _git(source: Path, *words: str) -> str | None:
 
 
 def _is_of(cost: str, stage: str) -> bool:
-    """Whether the costs `<stage>-<item>` are of a stage of dvc.lock, `<stage>@<item>` or one without items."""
-    return cost == stage.replace("@", "-", 1) or ("@" not in stage and cost.startswith(f"{stage}-"))
+    """Whether costs `<stage>-<item>`, or `<stage>-<item>-<part>`, are of dvc.lock's `<stage>@<item>`, or of one without items.
+
+    A stage `<stage>_taught` is the same door as `<stage>`.
+    """
+    name = stage.replace("_taught@", "@").replace("@", "-", 1)
+    return cost == name or cost.startswith(f"{name}-")

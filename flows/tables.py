@@ -1,14 +1,11 @@
-"""The published tables: the pipeline once for every data set, training seed and temperature, then one door that pools them.
+"""The published tables: the pipeline once for every run of a part (`rooms.py`), then one door that pools them.
 
-Each run is a workspace of its own beside this one (`workspace.py`) with other parameters: `publish.data` of params.yaml says
-which. They share DVC's cache, so what two of them have in common (the corpus, models that only the measured data set tells
-apart) is computed once, and a run that was interrupted goes on where it was. Real recordings are looked for in one folder;
-data sets that are not there are left out, and the tables say so.
+Each run is a workspace of its own beside this one (`workspace.py`) with other parameters. They share DVC's cache, so what two
+of them have in common (the corpus, models that only the measured data set or the sampling seed tells apart) is computed
+once, and a run that was interrupted goes on where it was.
 """
 
 import shutil
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,43 +17,17 @@ from prefect.states import Completed, Failed
 from flows import pipeline, workspace
 from flows.experiment import RUNNER, submit
 from flows.provenance import Times, note_code
+from flows.rooms import DOORS, MEASURED, QUALITY, ROOMS, Room, rooms
 
-ROOMS = Path(".drivegen/tables")
 PUBLISHED = Path("reports/published")
-
-MEASURED = ("evaluate", "evaluate_rival", "evaluate_baseline", "goals", "train_selector", "train_planner", "train_generator")
-"""Stages whose results the tables show; what they need is run, too."""
-
-ALL, MAPS = PARTS = ("all", "maps")
-"""What can be asked for: the paper's tables, or those of single pieces, maps from words first."""
-
-PIECES = "pieces"
-"""The workspace of the second part."""
-
-OF_PIECES = ("map_suite", "map_diversity", "initial_states", "asked")
-"""Stages that measure nothing but a piece; they are in a file of their own, `pipeline.MEASURES`."""
-
-FRONT = ("evaluate",)
-"""Those of a run at another temperature."""
-
-
-@dataclass(frozen=True)
-class Room:
-    """One run: `<data set>/<what varies>`, the parameters by which it differs from params.yaml, and what is wanted of it."""
-
-    name: str
-    params: dict[str, Any]
-    measured: tuple[str, ...]
 
 
 @flow(name="tables", task_runner=RUNNER)  # type: ignore[arg-type]  # Prefect's own generics disagree
-def tables(real: Path, part: str = ALL) -> Any:
+def tables(real: Path, part: str = QUALITY) -> Any:
     """Run every room of a part and pool them into reports/published; `real` is the folder of real recordings."""
-    values = yaml.safe_load(Path("params.yaml").read_text())
     rows: list[dict[str, str]] = []
     done: list[Room] = []
-    wanted = [pieces(values["publish_maps"])] if part == MAPS else rooms(values["publish"], real.resolve())
-    for room in wanted:
+    for room in rooms(part, yaml.safe_load(Path("params.yaml").read_text()), real.resolve()):
         rows.append({"run": room.name, "why": _bring_up(room, done)})
         done.append(room)
         if rows[-1]["why"]:
@@ -64,42 +35,9 @@ def tables(real: Path, part: str = ALL) -> Any:
     create_table_artifact(rows, key="tables", description="Runs behind the published tables")
     if failed := [f"{row['run']}: {row['why']}" for row in rows if row["why"]]:
         return Failed(message="; ".join(failed))
-    if part == MAPS:
-        pipeline.run_door("publish_maps", [ROOMS / PIECES / "reports", PUBLISHED], get_run_logger().info)
-    else:
-        pipeline.run_door("publish", [ROOMS, PUBLISHED], get_run_logger().info)
+    door, made = DOORS[part]
+    pipeline.run_door(door, [made, PUBLISHED], get_run_logger().info)
     return Completed(message=f"{PUBLISHED} from {len(rows)} runs")
-
-
-def pieces(publish: dict[str, Any]) -> Room:
-    """The run that measures single pieces: maps and traffic from words, placement, planners and selectors that nothing uses."""
-    return Room(PIECES, publish["params"], (*OF_PIECES, "train_planner", "goals"))
-
-
-def rooms(publish: dict[str, Any], real: Path) -> Iterator[Room]:
-    """Every data set that is there with every training seed, then DriveGen alone at other temperatures with the first seed."""
-    data_sets = publish["data"]
-    if isinstance(data_sets, str):  # the name of a file stands for what is in it
-        data_sets = yaml.safe_load(Path(data_sets).read_text())
-    for name, data in data_sets.items():
-        folder = real / data["folder"]
-        if data["folder"] and not folder.is_dir():
-            continue
-        params = {**publish["params"], **data["params"]}
-        if data["folder"]:
-            params |= {key: _placed(value, str(folder)) for key, value in data["folders"].items()}
-        for seed in publish["seeds"]:
-            yield Room(f"{name}/{seed}", {**params, "run.training_seed": seed}, MEASURED)
-        for temperature in publish["temperatures"] if data["front"] else ():
-            alone = {"run.own": ["drivegen"], "rollout.generation.temperature": temperature}
-            yield Room(f"{name}/t{temperature}", {**params, "run.training_seed": publish["seeds"][0], **alone}, FRONT)
-
-
-def _placed(value: Any, folder: str) -> Any:
-    """`value` with the folder of real recordings where it says FOLDER, one level deep."""
-    if isinstance(value, dict):
-        return {key: _placed(item, folder) for key, item in value.items()}
-    return folder if value == "FOLDER" else value
 
 
 def nearest(room: Room, done: list[Room]) -> Room | None:
@@ -125,7 +63,7 @@ def _bring_up(room: Room, done: list[Room]) -> str:
         shutil.copy2(ROOMS / like.name / "dvc.lock", root / "dvc.lock")
         workspace.share_compiled(ROOMS / done[-1].name, root)
     pipeline.restore(root)
-    plan = pipeline.read(root, measures=room.name == PIECES)
+    plan = pipeline.read(root, measures=True)
     wanted = [stage for stage in plan.needs if stage.rpartition(":")[2].partition("@")[0] in room.measured]
     needed = {name for stage in wanted for name in (*plan.upstream(stage), stage)}
     stale, idle = needed & plan.stale, set(plan.needs) - needed

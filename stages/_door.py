@@ -12,6 +12,7 @@ if __name__ == "__main__":
 """
 
 import errno
+import importlib
 import inspect
 import multiprocessing
 import os
@@ -22,13 +23,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from drivegen.core.errors import DriveGenError, MissingTool, UnusableInput
+from drivegen.core.settings import SHARED
 from drivegen.core.settings import build as build
 from drivegen.core.settings import read_params as read_params
 from drivegen.core.settings import read_section as read_section
 from drivegen.store.costs import write_cost
+from stages._cluster import USED, cpu_seconds, on_cluster
 
 P = TypeVar("P")
 Task = TypeVar("Task")
@@ -48,6 +51,7 @@ def enter(section: str, params: type[P], main: Callable[..., Mapping[str, float]
     began = time.perf_counter()
     try:
         _expect_paths(main, len(paths))
+        params, main = _imported(params), _imported(main)
         counts = main(read_params(section, params), *paths) or {}
         write_cost(COST_FOLDER, section, paths[-1].stem if paths else "", {**counts, **_taken(began)})
     except DriveGenError as error:
@@ -59,6 +63,14 @@ def enter(section: str, params: type[P], main: Callable[..., Mapping[str, float]
     except OSError as error:
         print(f"{section}: {_what_failed(error)}; nothing half-written was kept", file=sys.stderr)
         sys.exit(1)
+
+
+def _imported(thing: Any) -> Any:
+    """The function or class of the module that `python -m` runs, as any process imports it: tasks that name it can be sent."""
+    spec = sys.modules["__main__"].__spec__
+    if spec is None or thing.__module__ != "__main__":
+        return thing
+    return getattr(importlib.import_module(spec.name), thing.__name__)
 
 
 def _what_failed(error: OSError) -> str:
@@ -80,34 +92,40 @@ def _expect_paths(main: Callable[..., object], given: int) -> None:
 def _taken(began: float) -> dict[str, float]:
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return {
-        "cpu_seconds": sum(u.ru_utime + u.ru_stime for u in used),
+        "cpu_seconds": cpu_seconds() + USED["cpu_seconds"],
         "wall_seconds": time.perf_counter() - began,
         "peak_megabytes": max(u.ru_maxrss for u in used) / 1024,
     }
 
 
 def spread(work: Callable[[Task], Result], tasks: Sequence[Task], workers: int, what: str) -> Iterator[tuple[Task, Result]]:
-    """Run `work` over tasks in spawned processes and yield (task, result) in task order, with a line of progress each.
+    """Run `work` over tasks and yield (task, result) in task order, with a line of progress each.
 
-    `work` must be a top-level function. With one worker everything runs here. Results never depend on `workers`.
+    `work` must be a top-level function. With one worker everything runs here; with more in so many spawned processes, or on
+    the cluster that `run.cluster` names. Results never depend on where.
     """
-    total = len(tasks)
-    if workers <= 1 or total <= 1:
-        for done, task in enumerate(tasks, 1):
-            yield task, work(task)
-            _progress(what, done, total)
-        return
-    context = multiprocessing.get_context("spawn")  # fork is unsafe with torch, rerun and threads
-    with ProcessPoolExecutor(min(workers, total), mp_context=context) as pool:
-        futures = {pool.submit(work, task): i for i, task in enumerate(tasks)}
-        results: dict[int, Result] = {}
-        following = 0
-        for done, future in enumerate(as_completed(futures), 1):
-            results[futures[future]] = _result(future, what)
-            _progress(what, done, total)
-            while following in results:
-                yield tasks[following], results.pop(following)
-                following += 1
+    results: dict[int, Result] = {}
+    following = 0
+    for done, (number, result) in enumerate(_done(work, tasks, workers, what), 1):
+        results[number] = result
+        _progress(what, done, len(tasks))
+        while following in results:
+            yield tasks[following], results.pop(following)
+            following += 1
+
+
+def _done(work: Callable[[Task], Result], tasks: Sequence[Task], workers: int, what: str) -> Iterator[tuple[int, Result]]:
+    """The number and the result of each task, in the order in which they are done."""
+    if workers <= 1 or len(tasks) <= 1:
+        yield from enumerate(map(work, tasks))
+    elif cluster := read_section(SHARED).get("cluster"):
+        yield from on_cluster(cluster, work, tasks, what)
+    else:
+        context = multiprocessing.get_context("spawn")  # fork is unsafe with torch, rerun and threads
+        with ProcessPoolExecutor(min(workers, len(tasks)), mp_context=context) as pool:
+            futures = {pool.submit(work, task): i for i, task in enumerate(tasks)}
+            for future in as_completed(futures):
+                yield futures[future], _result(future, what)
 
 
 def _result(future: "Future[Result]", what: str) -> Result:

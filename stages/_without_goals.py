@@ -22,7 +22,7 @@ from stages._door import require, spread
 class Params:
     """`samples`: futures of each scenario, as many as of every method."""
 
-    seed: int
+    sampling_seed: int
     workers: Count
     samples: Count
 
@@ -52,6 +52,6 @@ def _generate_shard(task: Task) -> int:
     if plugin.about.goals is not None:
         raise UnusableInput(f"generator {name!r} follows goals: of the lists in params.yaml it belongs in run.own")
     limits = read_limits(task.models)
-    made = plugin(task.models, None).generate(scenarios, task.params.samples, task.params.seed)
+    made = plugin(task.models, None).generate(scenarios, task.params.samples, task.params.sampling_seed)
     write_samples(task.out / task.shard.name, [judged(s, m, limits) for s, m in zip(scenarios, made, strict=True)])
     return len(scenarios)

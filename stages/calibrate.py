@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from drivegen.checker.calibration import calibrate, logged_severities, pass_rates
 from drivegen.checker.limits import RULES, Limits
+from drivegen.checker.verdicts import write_limits_file
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count, Share
 from drivegen.store.files import write_json
@@ -35,7 +36,7 @@ def main(params: Params, scenarios: Path, limits: Path, rates: Path) -> None:
         raise UnusableInput(f"{scenarios}/train holds no scenario to calibrate the checker on", reason="no-scenarios")
     calibration = calibrate(train, params.floors, params.share)
     unseen = np.concatenate([np.zeros((0, len(RULES)), np.float32), *held_out])
-    write_json(limits, calibration.limits.to_json())
+    write_limits_file(limits, calibration.limits)
     write_json(rates, calibration.to_json() | {"held_out": pass_rates(unseen, calibration.limits)})
 
 

@@ -4,7 +4,7 @@ argv: the corpus' folder, which gets <split>/{tracks,maps}-<network>-<part>.parq
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from drivegen.core.settings import Count, Share
@@ -21,7 +21,7 @@ class Params:
 
     Attributes:
         scenarios: how many per split. per_part: at most so many in one file and one task.
-        networks: of each split, see `Networks`.
+        networks: of each split, see `Networks`. outside: the folder of those outside SUMO's package, "" for none.
         density: for "real" and "own" networks the least and the most vehicles per kilometre of lane that a run begins with.
         own_share: share of the scenarios that own networks give where a split has both.
         settings: see `CorpusSettings`.
@@ -32,6 +32,7 @@ class Params:
     scenarios: dict[str, int]
     per_part: Count
     networks: Networks
+    outside: str
     density: dict[str, tuple[float, float]]
     own_share: Share
     settings: CorpusSettings
@@ -54,14 +55,18 @@ class Task:
 def main(params: Params, out: Path) -> None:
     """Prepare the networks, simulate all parts, and count what came out."""
     params.networks.check(params.scenarios, params.density)
+    networks, missing = params.networks.located(params.outside)
+    if missing:
+        print(f"corpus: without {', '.join(missing)}: corpus.outside ({params.outside!r}) is no folder that holds their files")
     tasks: list[Task] = []
     for split in SPLITS:
-        for city, raw, density, count in _networks(params, split):
+        settings = params.settings if split == "train" else replace(params.settings, without_signals=0.0)
+        for city, raw, density, count in _networks(replace(params, networks=networks), split):
             network = out / "networks" / f"{city}.net.xml"
             with whole(network) as temporary:
                 temporary.write_bytes(prepare_network(raw, city, params.seed))
             tasks += [
-                Task(network, city, out / split, part, some, density, params.settings, params.seed)
+                Task(network, city, out / split, part, some, density, settings, params.seed)
                 for part, some in enumerate(_parts(count, params.per_part))
             ]
     counts: dict[str, dict[str, dict[str, int]]] = {}

@@ -18,11 +18,11 @@ from drivegen.drivers.base import Driver
 from drivegen.metrics.driving import driving_summary
 from drivegen.simulators.shared.drives import Drives
 from drivegen.store.files import write_json
+from drivegen.store.lookup import futures_in, logs_in
 from drivegen.store.results import Run, result_rows, write_results
-from drivegen.store.samples import read_samples
-from drivegen.store.scenarios import read_shard, shards
+from drivegen.store.scenarios import shards
 from drivegen.world.reactive import Reaction
-from stages._door import build, enter, require, spread
+from stages._door import enter, require, spread
 
 LOG = "log"
 SIMULATOR = "batch"
@@ -43,7 +43,7 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
     """Drive through every method's traffic."""
     *generated, results, summary = paths
     name = results.stem
-    driver = make_driver(name, params)
+    driver: Driver = plugins.make("drivers", name, params.drivers, "drive.drivers")
     tables = []
     numbers: dict[str, float] = {}
     for folder in (None, *generated):
@@ -64,15 +64,6 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
     write_json(summary, numbers)
 
 
-def make_driver(name: str, params: Params) -> Driver:
-    """The driver plugin `name` with its settings; raises UnusableInput where params know none."""
-    plugin = plugins.load("drivers", name)
-    if name not in params.drivers:
-        raise UnusableInput(f"params.yaml: drive.drivers has no settings for the driver {name!r}")
-    driver: Driver = plugin(build(plugin.settings_type, params.drivers[name], f"params.yaml: drive.drivers.{name}"))
-    return driver
-
-
 def _drive_all(
     driver: Driver, scenarios: Path, generated: Path | None, reaction: Reaction | None, workers: int, what: str
 ) -> Drives:
@@ -86,18 +77,16 @@ def _drive_all(
 
 def _drive_shard(task: tuple[Driver, Path, Path | None, Reaction | None]) -> Drives:
     driver, shard, generated, reaction = task
-    return Drives.of(plugins.load("simulators", SIMULATOR)(reaction=reaction), driver, _traffic(shard, generated))
+    simulator = plugins.load("simulators", SIMULATOR)(reaction=reaction, counts_lights=True)
+    return Drives.of(simulator, driver, _traffic(shard, generated))
 
 
 def _traffic(shard: Path, generated: Path | None) -> list[tuple[Scenario, Trajectories]]:
     """Every scenario of a shard with its log, or with each of its samples."""
-    scenarios = read_shard(shard)
     if generated is None:
-        return [(scenario, scenario.log) for scenario in scenarios if scenario.log is not None]
-    by_id = {samples.scenario_id: samples for samples in read_samples(require(generated / shard.name, "run the rollout stage"))}
-    if missing := [s.scenario_id for s in scenarios if s.scenario_id not in by_id]:
-        raise UnusableInput(f"{generated} lacks scenario {missing[0]}: run the rollout stage again")
-    return [(s, by_id[s.scenario_id].motion[k]) for s in scenarios for k in range(len(by_id[s.scenario_id].motion.valid))]
+        return logs_in(shard)
+    futures = futures_in(require(generated / shard.name, "run the rollout stage"), shard.parent)
+    return [(scenario, samples.motion[k]) for scenario, samples in futures for k in range(len(samples.dropped))]
 
 
 if __name__ == "__main__":

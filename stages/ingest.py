@@ -27,7 +27,7 @@ class Params:
     Attributes:
         source: the data set that is regenerated and measured on. root: its folder; the corpus has its own.
         train_on: the data sets that models are trained on. roots: folders of those that are neither source nor corpus.
-        held_out, limits: see `ingest.splits.Plan`.
+        held_out, limits, recordings: see `ingest.splits.Plan`.
         fewest_tracks: with fewer usable training tracks a data set is not trained on, but the corpus.
         shard_size: scenarios to a file.
         selection: see `ingest.selection.Settings`. horizons: the horizon of data sets whose recordings are short [steps], in
@@ -42,6 +42,7 @@ class Params:
     held_out: dict[str, str]
     fewest_tracks: Index
     limits: dict[str, int | None]
+    recordings: tuple[str, ...]
     shard_size: Count
     selection: Settings
     horizons: dict[str, int]
@@ -51,7 +52,7 @@ def main(params: Params, corpus: Path, out: Path, metrics: Path) -> dict[str, fl
     """Plan the shards, make those that are not there yet, count everything."""
     sources = _sources(params, corpus)
     names, note = trained_on(params.train_on, sources.open, sources.settings, params.fewest_tracks)
-    admissions = _make_shards(params, sources, Plan(params.source, names, params.held_out, params.limits), out)
+    admissions = _make_shards(params, sources, Plan(params.source, names, params.held_out, params.limits, params.recordings), out)
     for name, table in accounts(admissions).items():
         write_table(out / f"{name}.parquet", table)
     rejected = out / "rejected.parquet"

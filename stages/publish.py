@@ -1,8 +1,8 @@
 """Door `publish`: the published tables from the runs that `python -m flows tables` made; a stage of no dvc.yaml.
 
-argv: folder of runs (<data set>/<training seed>, and <data set>/t<temperature>, each a workspace whose reports/metrics hold
-what was measured), folder to write: scenario_quality.json, a list of {data, method, metric, value, low, high, n, seeds,
-selector}; every table as Markdown, its picture as SVG; README.md; provenance.json.
+argv: folder of runs (<data set>/<training seed>-<sampling seed>, and <data set>/t<temperature>, each a workspace whose
+reports/metrics hold what was measured), folder to write: scenario_quality.json (see `published.rows`); every table as Markdown,
+its picture as SVG; README.md; provenance.json.
 """
 
 from collections.abc import Iterator
@@ -47,11 +47,10 @@ class Params:
     """Section `publish`.
 
     Attributes:
-        draws: bootstrap draws. seeds: of training. temperatures: at which the front of error and diversity is measured.
-        params: what differs from params.yaml in every run.
-        data: data sets, in the order of the tables. transfer: pairs of them whose order of methods is compared.
-        training: pairs of data sets with the same scenes, by models that learnt from less and from more.
-        own, rivals, baselines, selectors: of `run`, the order of rows.
+        draws: bootstrap draws. seeds, sampling_seeds: of training and of the futures, every pair a run. temperatures: of the
+            front of error and diversity. params: what differs from params.yaml in every run. data: in the order of the tables.
+        transfer: pairs of data sets whose order of methods is compared. training: pairs of the same scenes, by models that learnt
+            from less and from more. own, rivals, baselines, selectors: of `run`, the order of rows.
     """
 
     seed: int
@@ -61,6 +60,7 @@ class Params:
     selectors: tuple[str, ...]
     draws: int
     seeds: tuple[int, ...]
+    sampling_seeds: tuple[int, ...]
     temperatures: tuple[float, ...]
     params: dict[str, Any]
     data: dict[str, About]
@@ -74,8 +74,9 @@ class Params:
 
     @property
     def runs(self) -> Iterator[str]:
-        """Every run that tables are made from, as <data set>/<training seed> or <data set>/t<temperature>."""
-        yield from (f"{name}/{seed}" for name in self.data for seed in self.seeds)
+        """The folder of every run that tables are made from."""
+        pairs = published.pairs(self.seeds, self.sampling_seeds)
+        yield from (f"{name}/{pair.folder}" for name in self.data for pair in pairs)
         yield from (f"{name}/t{t}" for name, about in self.data.items() if about.front for t in self.temperatures)
 
 
@@ -96,9 +97,9 @@ def main(params: Params, runs: Path, out: Path) -> None:
 
 def _pool(params: Params, runs: Path) -> PooledSets:
     """Every data set that was run, pooled."""
-    pooled_sets: dict[str, tuple[DataSet, Pooled]] = {}
+    pooled_sets, pairs = dict[str, tuple[DataSet, Pooled]](), published.pairs(params.seeds, params.sampling_seeds)
     for name, about in params.data.items():
-        data = read_data_set(runs / name, about.title, params.seeds, params.methods, by_scene=about.by_scene)
+        data = read_data_set(runs / name, about.title, pairs, params.methods, by_scene=about.by_scene)
         if data is not None:
             pooled_sets[name] = (data, published.pool(data, params.draws, rng(params.seed, "publish", "pool", name)))
     return pooled_sets

@@ -10,11 +10,11 @@ from typing import Any
 import orjson
 
 from drivegen.report import Evidence
-from drivegen.report.sections import maps, models, planners, vehicles
+from drivegen.report.sections import data, maps, models, planners, vehicles
 from drivegen.store.files import whole
 from stages._door import enter
 
-SECTIONS = (maps.suites, vehicles.section, planners.section, models.selector)
+SECTIONS = (maps.suites, data.likeness, vehicles.section, planners.section, models.selector)
 
 
 @dataclass(frozen=True)

@@ -27,10 +27,11 @@ from stages._door import enter, require, spread
 class Params:
     """`samples`: futures of each scenario. `generation`: see `generators.base.Settings`.
 
-    `rejected`: scenes, the first that pictures draw (`store.draw`), of which is kept what was turned down.
+    `rejected`: scenes, the first that pictures draw (`store.draw`, by `seed`), of which is kept what was turned down.
     """
 
     seed: int
+    sampling_seed: int
     workers: Count
     samples: Count
     rejected: Index
@@ -69,7 +70,7 @@ def _generate_shard(task: Task) -> list[Rejected]:
         raise UnusableInput(f"generator {task.out.name!r} knows no goals: put it into run.baselines of params.yaml, not run.own")
     recorded = read_goals(require(task.goals / generator.about.goals / task.shard.name, "run the goals stage"))
     rejections = {scenarios[row].scenario_id: Rejections() for row in task.shown}
-    samples = generator.follow(scenarios, recorded, params.samples, params.seed, rejections)
+    samples = generator.follow(scenarios, recorded, params.samples, params.sampling_seed, rejections)
     write_samples(task.out / task.shard.name, samples)
     return [rejections[samples[row].scenario_id].replaced_in(samples[row]) for row in task.shown]
 

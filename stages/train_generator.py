@@ -1,5 +1,8 @@
 """Stage train_generator@<rival>: train a generator to compare with on the train split's logs, then score it on the val split.
 
+While it trains it is rolled out on a few validation scenes, the same for all: the weights of the least error are
+kept. `plateau` of the metrics says whether the last third of the training gained nothing there; `watched` names the scenes.
+
 argv: scenarios (folder with train and val), model (folder; its name is the generator's), metrics (JSON), loss curve (CSV).
 An interrupted training goes on from `.drivegen/checkpoints/`, in a folder named after everything that it depends on.
 """
@@ -11,19 +14,17 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
-from drivegen.core.first_frame import first_frame
 from drivegen.core.settings import Count
 from drivegen.generators.shared.learned import Learned
-from drivegen.metrics.displacement import scene_errors, summarise
+from drivegen.metrics.displacement import mean_errors
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import checkpoint
-from drivegen.training.curve import kept, write_curve
+from drivegen.training.curve import kept, plateau, write_curve
 from stages._door import build, enter, spread_splits
+from stages._rolled_out import WATCHED_SEED, Watched, rolled_out, scores_of
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
 
@@ -34,35 +35,44 @@ class Params:
 
     Attributes:
         samples: futures of each validation scenario behind the metrics.
+        watched: scenes and futures of each that are rolled out on the way.
         generators: settings by name, as the generator's `Settings` says.
     """
 
     training_seed: int
     workers: Count
     samples: Count
+    watched: Watched
     generators: dict[str, Any]
 
 
 def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Path) -> dict[str, float]:
     """Train, save, score."""
-    plugin, settings = _chosen(model.name, params)
+    seed, (plugin, settings) = params.training_seed, _chosen(model.name, params)
     train, validation = _examples(plugin, settings, scenarios, params.workers)
-    inputs = (model.name, asdict(settings), params.training_seed)
+    inputs = (model.name, asdict(settings), seed, params.watched)
     data = [*shards(scenarios / "train"), *shards(scenarios / "val")]
     checkpoints = CHECKPOINTS / checkpoint.name_of(inputs, data, checkpoint.source_digest("drivegen", "stages"))
     say = partial(print, f"train_generator {model.name}:", flush=True)
+    watched = params.watched.of(scenarios / "val")
+
+    def rolled(made: Learned) -> float:
+        return mean_errors(rolled_out(made, watched, params.watched.samples, WATCHED_SEED)).get("min_sade", float("nan"))
+
     began = time.process_time()
-    generator, rows = plugin.fit(settings, train, validation, params.training_seed, checkpoints, say)
+    generator, rows = plugin.fit(settings, train, validation, seed, checkpoints, say, rolled)
     trained = time.process_time() - began
     generator.save(model)
-    write_curve(curve, rows)
+    write_curve(curve, rows, error="min_sade")
     counts = {"train_examples": len(train), "validation_examples": len(validation), "steps": rows[-1].step}
-    best = kept(rows)
+    best, names = kept(rows), [scenario.scenario_id for scenario in watched]
     learnt = {"parameters": generator.parameters, "kept_step": best.step, "validation_loss": best.validation}
-    scores = _scores(generator, scenarios / "val", params)
+    watch = {"plateau": plateau(rows), "watched": names}
+    scores = {f"validation_{key}": value for key, value in scores_of(generator, scenarios / "val", params.samples, seed).items()}
     for bound, told in generator.bounds().items():
-        scores |= {f"{bound}.{key}": value for key, value in _scores(told, scenarios / "val", params, told_log=True).items()}
-    write_json(metrics, {"generator": model.name, **counts, **learnt, **scores})
+        found = scores_of(told, scenarios / "val", params.samples, seed, told_log=True)
+        scores |= {f"{bound}.validation_{key}": value for key, value in found.items()}
+    write_json(metrics, {"generator": model.name, **counts, **learnt, **watch, **scores})
     shutil.rmtree(checkpoints, ignore_errors=True)
     return {**{key: float(value) for key, value in counts.items()}, "training_cpu_seconds": trained}
 
@@ -88,23 +98,6 @@ def _examples(plugin: type[Learned], settings: Any, scenarios: Path, workers: in
 def _shard_examples(task: tuple[type[Learned], Any, Path]) -> Any:
     plugin, settings, shard = task
     return plugin.examples(settings, read_shard(shard))
-
-
-def _scores(generator: Learned, split: Path, params: Params, told_log: bool = False) -> dict[str, float]:
-    """Displacement errors [m] of `samples` futures of every validation scenario, the mean over scenarios."""
-    found = []
-    for shard in shards(split):
-        logged = [s for s in read_shard(shard) if s.log is not None]
-        shown = logged if told_log else [first_frame(s) for s in logged]
-        for scenario, made in zip(logged, generator.generate(shown, params.samples, params.training_seed), strict=True):
-            assert scenario.log is not None
-            try:
-                found.append(summarise(*scene_errors(made.motion, scenario.log)))
-            except UnusableInput as error:
-                if error.reason != "nothing-to-score":
-                    raise
-    names = ("min_sade", "min_sfde", "mean_sade", "mean_sfde")
-    return {f"validation_{n}": float(np.mean([getattr(one, n) for one in found])) for n in names} if found else {}
 
 
 if __name__ == "__main__":

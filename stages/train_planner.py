@@ -26,7 +26,7 @@ from drivegen.roads.graph import LaneGraph
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import checkpoint
-from drivegen.training.curve import write_curve
+from drivegen.training.curve import plateau, write_curve
 from drivegen.training.timing import timed
 from stages._door import build, enter, spread_splits
 
@@ -79,7 +79,7 @@ def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Pa
 
     drawn = drawn_tracks(validation, params.scored, params.scored_scenes.get(model.name), params.training_seed)
     scores = score(sample, validation, drawn, params.samples, params.training_seed, judge)
-    about = {"planner": model.name, **counts, "epochs": epochs, "validation_loss": rows[-1].validation}
+    about = {"planner": model.name, **counts, "epochs": epochs, "validation_loss": rows[-1].validation, "plateau": plateau(rows)}
     write_json(metrics, {**about, **scores})
     shutil.rmtree(checkpoints, ignore_errors=True)
     return {**{key: float(value) for key, value in counts.items()}, **costs}

@@ -21,7 +21,7 @@ from drivegen.selectors.random import Plugin as Random
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import checkpoint
-from drivegen.training.curve import write_curve
+from drivegen.training.curve import plateau, write_curve
 from stages._door import enter, require
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
@@ -47,10 +47,10 @@ def main(params: Params, scenarios: Path, lists: Path, model: Path, metrics: Pat
     selector, rows = Plugin.fit(learnt, held_out, params.learned, params.training_seed, interrupted, _say, teacher)
     took = time.process_time() - began
     selector.save(model)
-    write_curve(curve, rows)
+    write_curve(curve, rows, error="goal_distance")
     counts = {"described": selector.described, "train_lists": len(learnt), "validation_lists": len(held_out)}
-    temperature = {"temperature": float(selector.net.temperature)}
-    write_json(metrics, counts | temperature | {"validation": _scores(scenarios / "val", params, selector)})
+    learned = {"temperature": float(selector.net.temperature), "plateau": plateau(rows)}
+    write_json(metrics, counts | learned | {"validation": _scores(scenarios / "val", params, selector)})
     interrupted.unlink(missing_ok=True)
     return {"training_cpu_seconds": took}
 

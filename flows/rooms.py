@@ -1,0 +1,95 @@
+"""Which runs each part of the published tables is made from, and the door that pools them.
+
+A run is a room: a workspace of its own with parameters that differ from params.yaml. Real recordings are looked for in one
+folder; data sets that are not there are left out.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+ROOMS = Path(".drivegen/tables")
+
+QUALITY, MAPS, DRIVERS, CORNER = PARTS = ("quality", "maps", "drivers", "corner")
+"""The paper's first table; single pieces, maps from words first; drivers; corner cases."""
+
+DOORS = {
+    QUALITY: ("publish", ROOMS),
+    MAPS: ("publish_maps", ROOMS / "pieces" / "reports"),
+    DRIVERS: ("publish_drivers", ROOMS / DRIVERS),
+    CORNER: ("publish_corner", ROOMS / CORNER),
+}
+"""What pools each part, and from where."""
+
+MEASURED = (
+    "evaluate", "evaluate_rival", "evaluate_baseline", "additions", "goals", "train_selector", "train_planner", "train_generator",
+)  # fmt: skip
+"""Stages whose results the first table shows; what they need is run, too."""
+
+FRONT = ("evaluate",)
+"""Those of a run at another temperature."""
+
+OF_PIECES = ("map_suite", "map_diversity", "likeness", "initial_states", "asked", "train_planner", "goals")
+OF_CORNER = ("attack", "attack_taught")
+
+
+@dataclass(frozen=True)
+class Room:
+    """One run: `<data set>/<what varies>`, the parameters by which it differs from params.yaml, and what is wanted of it."""
+
+    name: str
+    params: dict[str, Any]
+    measured: tuple[str, ...]
+
+
+def rooms(part: str, values: dict[str, Any], real: Path) -> Iterator[Room]:
+    """The runs of a part, by the `values` of params.yaml and the folder of real recordings."""
+    publish = values[DOORS[part][0]]
+    if part == MAPS:
+        folder = str(real) if real.is_dir() else ""
+        yield Room("pieces", {name: placed(value, folder) for name, value in publish["params"].items()}, OF_PIECES)
+    elif part == DRIVERS:
+        for name, data, params in _data_sets(publish, real):
+            yield Room(f"{DRIVERS}/{name}", params, tuple(data["measured"]))
+    elif part == CORNER:
+        for seed in publish["seeds"]:
+            yield Room(f"{CORNER}/{seed}", {**publish["params"], "run.seed": seed}, OF_CORNER)
+    else:
+        yield from _of_quality(publish, real)
+
+
+def _of_quality(publish: dict[str, Any], real: Path) -> Iterator[Room]:
+    """Every data set that is there with every pair of seeds, then DriveGen alone at other temperatures with the first pair."""
+    pairs = [
+        {"run.training_seed": trained, "run.sampling_seed": drawn}
+        for trained in publish["seeds"]
+        for drawn in publish["sampling_seeds"]
+    ]
+    for name, data, params in _data_sets(publish, real):
+        for pair in pairs:
+            yield Room(f"{name}/{'-'.join(map(str, pair.values()))}", params | pair, MEASURED)
+        for temperature in publish["temperatures"] if data["front"] else ():
+            alone = {"run.own": ["drivegen"], "rollout.generation.temperature": temperature}
+            yield Room(f"{name}/t{temperature}", params | pairs[0] | alone, FRONT)
+
+
+def _data_sets(publish: dict[str, Any], real: Path) -> Iterator[tuple[str, dict[str, Any], dict[str, Any]]]:
+    """Name, entry and parameters of each data set that is there."""
+    data_sets = publish["data"]
+    if isinstance(data_sets, str):  # the name of a file stands for what is in it
+        data_sets = yaml.safe_load(Path(data_sets).read_text())
+    for name, data in data_sets.items():
+        folder = real / data["folder"]
+        if not data["folder"] or folder.is_dir():
+            folders = {key: placed(value, str(folder)) for key, value in data["folders"].items()}
+            yield name, data, {**publish["params"], **data["params"], **folders}
+
+
+def placed(value: Any, folder: str) -> Any:
+    """`value` with the folder of real recordings where it says FOLDER, one level deep."""
+    if isinstance(value, dict):
+        return {key: placed(item, folder) for key, item in value.items()}
+    return folder if value == "FOLDER" else value

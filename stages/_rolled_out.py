@@ -1,0 +1,46 @@
+"""A generator's roll-outs on validation logs: few of them while it trains, all of them when it is trained."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from drivegen.core.first_frame import first_frame
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.settings import Count
+from drivegen.generators.shared.learned import Learned
+from drivegen.metrics.displacement import mean_errors
+from drivegen.store.draw import draw_places
+from drivegen.store.scenarios import read_shard, shards
+
+WATCHED_SEED = 0
+"""Of the scenes that are watched and of their futures, whatever is trained by whichever seed: so errors compare."""
+
+
+@dataclass(frozen=True)
+class Watched:
+    """`scenes` validation scenarios with a log, and `samples` futures of each."""
+
+    scenes: Count
+    samples: Count
+
+    def of(self, split: Path) -> list[Scenario]:
+        """The scenes, the same for every generator; none where there is no split."""
+        places = draw_places(WATCHED_SEED, split, self.scenes) if split.is_dir() else []
+        scenes = [read_shard(shard)[row] for shard, row in places]
+        return [scene for scene in scenes if scene.log is not None]
+
+
+def rolled_out(
+    generator: Learned, logged: Sequence[Scenario], samples: int, seed: int, told_log: bool = False
+) -> Iterator[tuple[Trajectories, Trajectories]]:
+    """Futures (K, N, T) of every scenario, which is `logged`, and its log (N, T); bounds are `told_log`."""
+    shown = logged if told_log else [first_frame(scene) for scene in logged]
+    for scene, made in zip(logged, generator.generate(shown, samples, seed), strict=True):
+        assert scene.log is not None
+        yield made.motion, scene.log
+
+
+def scores_of(generator: Learned, split: Path, samples: int, seed: int, told_log: bool = False) -> dict[str, float]:
+    """Displacement errors [m] of `samples` futures of every scenario of a split, means over scenarios; shard by shard."""
+    logs = ([scene for scene in read_shard(shard) if scene.log is not None] for shard in shards(split))
+    return mean_errors(pair for part in logs for pair in rolled_out(generator, part, samples, seed, told_log))

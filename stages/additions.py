@@ -1,0 +1,77 @@
+"""Stage additions@<method>: one method's futures of the test scenarios as they are, and with the same additions as every other's.
+
+argv: scenarios (folder of shards), models (folder with the checker's limits), generated (folder; its name is the method's),
+results (Parquet rows: "<additions>/<metric>", "none" for the futures as they are), their means over scenarios (JSON).
+"""
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.checker.verdicts import read_limits
+from drivegen.core.first_frame import first_frame
+from drivegen.core.settings import Share
+from drivegen.metrics.displacement import scene_errors, standing_at_exit, summarise
+from drivegen.metrics.safety import safety_rates
+from drivegen.rollout.additions import VARIANTS, with_additions
+from drivegen.store.files import write_json
+from drivegen.store.results import Run, result_rows, write_results
+from drivegen.store.samples import read_samples
+from drivegen.store.scenarios import read_shard, shards
+from stages._door import enter, require, spread
+
+
+@dataclass(frozen=True)
+class Params:
+    """`tempo`: share of how far a vehicle gets that all of a future have in common."""
+
+    sampling_seed: int
+    workers: int
+    tempo: Share
+
+
+@dataclass(frozen=True)
+class Task:
+    """One shard of scenarios and of a method's samples."""
+
+    shard: Path
+    generated: Path
+    models: Path
+    params: Params
+
+
+def main(params: Params, scenarios: Path, models: Path, generated: Path, results: Path, means: Path) -> dict[str, float]:
+    """Choose anew and score, shard after shard."""
+    tasks = [Task(shard, require(generated / shard.name, "run the rollout stage"), models, params) for shard in shards(scenarios)]
+    found: dict[str, dict[str, float]] = {}
+    for _, part in spread(_score_shard, tasks, params.workers, f"additions {generated.name}"):
+        found |= part
+    names = sorted({name for metrics in found.values() for name in metrics})
+    columns: dict[str, NDArray[np.float64]] = {name: np.array([metrics[name] for metrics in found.values()]) for name in names}
+    settings = {**asdict(params), "seed": params.sampling_seed}
+    run = Run.of("additions", generated.name, settings, [scenarios, generated], method=generated.name)
+    write_results(results, [result_rows(run, list(found), columns)])
+    write_json(means, {name: float(np.mean(column)) for name, column in columns.items()})
+    return {"scenarios": float(len(found))}
+
+
+def _score_shard(task: Task) -> dict[str, dict[str, float]]:
+    """Metrics of every scenario with a log, by its id."""
+    limits, found = read_limits(task.models), {}
+    for scenario, samples in zip(read_shard(task.shard), read_samples(task.generated), strict=True):
+        if scenario.log is None:
+            continue
+        metrics = {"steps": float(scenario.steps)}
+        for additions in VARIANTS:
+            made = with_additions(first_frame(scenario), samples, limits, additions, task.params.tempo, task.params.sampling_seed)
+            errors = summarise(*scene_errors(standing_at_exit(made.motion, scenario.log), scenario.log))
+            name = "+".join(additions) or "none"
+            metrics |= {f"{name}/{key}": value for key, value in (asdict(errors) | asdict(safety_rates(made))).items()}
+        found[scenario.scenario_id] = metrics
+    return found
+
+
+if __name__ == "__main__":
+    enter("additions", Params, main)

@@ -1,0 +1,112 @@
+"""Stage attack@<driver>: every adversary looks for collisions of one driver, in the same scenes, with at most as many runs.
+
+argv: scenarios (folder of shards), models, recorded goals of one selector, samples that are the traffic (folder of shards),
+cases (folder), results (Parquet rows), metrics (JSON). The driver is named by the results' stem. Every adversary has an attack of
+its own for all that is allowed and every number of queries; the folder gets the cases of each, and the cost table what each took.
+"""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
+from drivegen.adversaries.shared.findings import Findings
+from drivegen.adversaries.shared.ground import logged, sampled
+from drivegen.checker.verdicts import read_limits
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.settings import Count, Index
+from drivegen.drivers.base import Driver
+from drivegen.rollout.batch import recorded_choices
+from drivegen.rollout.models import read_planner
+from drivegen.store.costs import write_cost
+from drivegen.store.files import write_json
+from drivegen.store.goals import read_goals
+from drivegen.store.results import Run, result_rows, write_results
+from drivegen.store.samples import read_samples, write_samples
+from drivegen.store.scenarios import read_shard, shards
+from drivegen.world.reactive import Reaction
+from stages._cluster import cpu_seconds
+from stages._door import COST_FOLDER, enter, require
+
+
+@dataclass(frozen=True)
+class Params:
+    """Section `attack`.
+
+    Attributes:
+        planner: fills in motion. scenarios: the first so many of each shard. samples: scenes of each, its first samples.
+        allowed: of `adversaries.shared.rules.RULES`. queries: runs of the driver in each scenario.
+        reaction_steps: others avoid the target's plan for so many steps. reaction: of neighbours, where they react.
+        drivers, adversaries: settings of each by its name. draws: bootstrap draws behind intervals.
+    """
+
+    seed: int
+    planner: str
+    scenarios: Count
+    samples: Count
+    allowed: list[str]
+    queries: list[int]
+    reaction_steps: Index
+    reaction: Reaction
+    drivers: dict[str, dict[str, Any]]
+    adversaries: dict[str, dict[str, Any]]
+    draws: Count
+
+    def __post_init__(self) -> None:
+        if not (self.queries and self.allowed):
+            raise UnusableInput("params.yaml: attack.queries and attack.allowed are empty: name at least one of each")
+
+
+def main(
+    params: Params, scenarios: Path, models: Path, goals: Path, traffic: Path, cases: Path, results: Path, metrics: Path
+) -> None:
+    """Attack by every adversary, judge what it found, report."""
+    driver, tables, numbers = plugins.make("drivers", results.stem, params.drivers, "attack.drivers"), [], {}
+    for name in params.adversaries:
+        about = plugins.about("adversaries", name)
+        grounds = list(_grounds(about["traffic"], params, scenarios, models, goals, traffic))
+        for bounds in _bounds(params, about):
+            began, key = cpu_seconds(), f"{name}.{bounds.allowed}.{bounds.budget}"
+            found = Findings.joined([_attack(name, driver, ground, bounds, params) for ground in grounds])
+            costs = {"cases": float(found.metrics["cases"].sum()), "cpu_seconds": cpu_seconds() - began}
+            write_cost(COST_FOLDER, "attack", f"{driver.name}-{key}", costs)
+            run = Run.of(
+                "attack", key, asdict(params), [scenarios, traffic], method=name, driver=driver.name, backend=bounds.allowed
+            )
+            tables.append(result_rows(run, found.scenarios, found.metrics))
+            write_samples(cases / key / "samples.parquet", found.samples)
+            write_samples(cases / key / "driven.parquet", found.driven)
+            said = {"method": name, "title": about["title"], "stand_in": about.get("stand_in", ""), "varies": about["varies"]}
+            numbers[key] = {**said, **asdict(bounds), **found.summary(params.draws, params.seed)}
+    write_results(results, tables)
+    write_json(metrics, numbers)
+
+
+def _bounds(params: Params, about: dict[str, Any]) -> Iterator[Bounds]:
+    """Of all attacks of an adversary; one that varies nothing has one run of each of its scenes, of which a log is one."""
+    if about["varies"] == "nothing":
+        yield Bounds("legal", 1 if about["traffic"] == "log" else params.samples, params.reaction_steps)
+        return
+    yield from (Bounds(allowed, queries, params.reaction_steps) for allowed in params.allowed for queries in params.queries)
+
+
+def _attack(name: str, driver: Driver, ground: Ground, bounds: Bounds, params: Params) -> Findings:
+    arena = Arena(driver, ground, bounds, params.seed)
+    plugins.make("adversaries", name, params.adversaries, "attack.adversaries").attack(arena)
+    return Findings.of(arena.runs(), driver, name, params.reaction)
+
+
+def _grounds(kind: str, params: Params, scenarios: Path, models: Path, goals: Path, traffic: Path) -> Iterator[Ground]:
+    """One for every shard."""
+    planner, limits = read_planner(models, params.planner), read_limits(models)
+    for shard in shards(require(scenarios, "run the ingest stage")):
+        here = slice(0, params.scenarios)
+        choices = recorded_choices(read_shard(shard), read_goals(require(goals / shard.name, "run the goals stage")), 1.0)[here]
+        samples = read_samples(require(traffic / shard.name, "run the corner stage"))[here]
+        yield logged(choices, planner, limits) if kind == "log" else sampled(choices, samples, params.samples, planner, limits)
+
+
+if __name__ == "__main__":
+    enter("attack", Params, main)

@@ -1,0 +1,66 @@
+"""Stage tune@<driver>-<seed>: a driver is taught on logs, then tuned from there on each method's scenes, for as long on each.
+
+argv: scenarios (folder with train and val), tuning scenes (a folder a method), policies (folder <driver>/<seed>, gets the
+weights of each row, `dataset` and `dataset_longer` among them), how they did on the way (JSON).
+Stops are chosen on the val split.
+"""
+
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from drivegen.core import plugins
+from drivegen.drivers.shared.lessons import Lessons
+from drivegen.drivers.shared.policy import Policy
+from drivegen.drivers.shared.teaching import Pupil, teach
+from drivegen.drivers.shared.tuning import Continued
+from drivegen.store.files import write_json
+from drivegen.store.lookup import logs_below
+from stages._door import build, enter, require
+
+BASE, LONGER = "dataset", "dataset_longer"
+
+
+@dataclass(frozen=True)
+class Params:
+    """`methods`: on whose scenes drivers are tuned. `drivers`: how each is taught (`base`), and tuned (`tuned`).
+
+    `seeds` of policies; dvc.yaml makes a stage of each.
+    """
+
+    seeds: tuple[int, ...]
+    methods: tuple[str, ...]
+    drivers: dict[str, dict[str, Any]]
+
+
+def main(params: Params, scenarios: Path, scenes: Path, out: Path, metrics: Path) -> None:
+    """The base policy, then one policy for each method, all from the same base."""
+    name, seed = out.parent.name, int(out.name)
+    plugin = plugins.load("drivers", name)
+    how = {
+        key: build(plugin.lessons_type(), params.drivers[name][key], f"params.yaml: tune.drivers.{name}.{key}")
+        for key in ("base", "tuned")
+    }
+    folders = [require(scenarios / split, "run the ingest stage") for split in ("train", "val")]
+    train, validation = (Lessons.of(logs_below(folder)) for folder in folders)
+    base: Pupil = plugin.pupil(how["base"], train, seed)
+    grades: dict[str, Any] = {}
+
+    def learn(method: str, pupil: Pupil, course: Any) -> Policy:
+        say = partial(print, f"tune {name} {seed} {method}:", flush=True)
+        policy, looked = teach(pupil, course, validation, seed, None, say)
+        policy.write(out / method, name)
+        grades[method] = [asdict(grade) for grade in looked]
+        return policy
+
+    kept = learn(BASE, base, how["base"].course)
+    base.policy.load_state_dict(kept.state_dict())  # all go on from the policy that the base's row shows, not from its last round
+    for method in (LONGER, *params.methods):
+        lessons = train if method == LONGER else Lessons.of(logs_below(require(scenes / method, "run the stage tune_traffic")))
+        learn(method, Continued(base, plugin.pupil(how["tuned"], lessons, seed)), how["tuned"].course)
+    write_json(metrics, grades)
+
+
+if __name__ == "__main__":
+    enter("tune", Params, main)
