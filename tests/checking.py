@@ -44,6 +44,7 @@ IDM = idm.Settings(
     side_margin=0.0,
     look_ahead=0.0,
     heeds_rules=False,
+    gives_way=True,
     accepted_gap=4.0,
 )
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from drivegen.checker.verdicts import write_limits_file
 from drivegen.core import plugins
 from drivegen.core.scenario import Scenario
 from drivegen.core.settings import build
@@ -15,7 +16,6 @@ from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.learned import Plugin as Learned
 from drivegen.selectors.learned import Settings as LearnedSettings
-from drivegen.store.files import write_json
 from stages import train_selector
 from stages._door import read_params, read_section
 from tests.checking import LIMITS
@@ -29,7 +29,7 @@ def write_models(folder: Path) -> Path:
     scenes = [busy_crossing(101, "taught-crossing"), *(two_lanes(speed) for speed in (4.0, 8.0, 12.0))]
     planner(scenes).save(folder / "planners" / "route_fm")
     selector(scenes).save(folder / "selector")
-    write_json(folder / "limits.json", LIMITS.to_json())
+    write_limits_file(folder / "limits.json", LIMITS)
     return folder
 
 

@@ -145,7 +145,7 @@ def test_a_round_teaches_what_the_driver_might_have_prevented_and_of_whom():
     runs = drive((0, 0), 0.0, 5.0)[np.newaxis][np.zeros(5, int)]
     outcome = DrivingOutcome(
         np.array(kinds, np.uint8), np.array([40, 5, 40, 40, -1], np.int16), np.array([1, 1, 2, 2, NO_PARTNER], np.int32),
-        np.zeros(5, np.bool_), runs, np.zeros(5, np.uint8), np.zeros(5, np.bool_), *np.zeros((4, 5), np.float32),
+        np.zeros(5, np.bool_), runs, np.zeros(5, np.uint8), np.zeros(5, np.bool_), *np.zeros((6, 5), np.float32),
     )  # fmt: skip
     choice = SimpleNamespace(scenario=SimpleNamespace(vehicles=range(3)))
     found = taught(Drive(None, runs, outcome), choice)

@@ -26,7 +26,7 @@ PLACING = PlaceSettings(
 SETTINGS = Settings(
     vehicles=10, horizon=100, shares={"car": 0.9, "bus": 0.1}, map_radius=30.0, longest_cycle=60.0, placement=PLACING
 )
-ROLLOUT = RolloutSettings(attempts=3, rounds=3, evictions=1, drop_illegal=True, target_steps=None, tempo=0.8)
+ROLLOUT = RolloutSettings(attempts=3, rounds=3, evictions=1, drop_illegal=True, target_steps=None, exclusion=True, tempo=0.8)
 ARMS = [{"angle": angle, "lanes_in": 1, "lanes_out": 1, "length": 90} for angle in (0, 95, 180, 260)]
 ROADS = {
     "crossing": {"kind": "crossing", "control": "yield", "arms": ARMS},

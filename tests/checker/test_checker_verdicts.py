@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivegen.checker.verdicts import SingleJudge, read_limits_file
+from drivegen.checker.verdicts import SingleJudge, read_limits_file, write_limits_file
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.scenario import Trajectories
 from tests.checking import LIMITS
@@ -42,6 +42,11 @@ def test_steps_after_a_scenarios_last_are_not_judged() -> None:
 def test_limits_that_are_missing_or_broken_are_named(tmp_path: Path) -> None:
     with pytest.raises(MissingTool, match=r"limits\.json is not there"):
         read_limits_file(tmp_path / "limits.json")
-    (tmp_path / "limits.json").write_text("{")
-    with pytest.raises(UnusableInput, match=r"limits\.json is not JSON"):
-        read_limits_file(tmp_path / "limits.json")
+    file = tmp_path / "limits.json"
+    write_limits_file(file, LIMITS)
+    assert read_limits_file(file) == LIMITS
+    whole = file.read_bytes()
+    for changed, sentence in ((b"{", "has no checksum"), (whole.replace(b"0", b"1", 1), "is not what was written")):
+        file.write_bytes(changed)
+        with pytest.raises(UnusableInput, match=rf"limits\.json {sentence}"):
+            read_limits_file(file)

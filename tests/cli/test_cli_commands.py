@@ -165,8 +165,8 @@ def test_a_collision_in_the_last_frame_is_one_too(corner_round, hit):
     ("words", "sentence"),
     [
         (["round/samples", "--collisions"], "is no round of corner cases"),
-        (["round", "--of", "elsewhere"], "elsewhere/shard-00000.parquet, which is not there: name their folder with --of"),
-        (["round", "--of", "other"], "other lacks scenario recording:3"),
+        (["round", "--of", "elsewhere"], "elsewhere/shard-00000.parquet, which is not there: name their folder"),
+        (["round", "--of", "other"], "holds futures of other scenarios than other/"),
     ],
 )
 def test_futures_need_their_scenarios_and_only_rounds_know_collisions(corner_round, words, sentence):
@@ -225,6 +225,9 @@ def test_view_takes_the_id_of_a_scenario_or_of_a_future_of_it(tmp_path):
         assert done.returncode == code, done.stderr
         assert code == 0 or f"{name} is no folder, and no scenario in data/shipped" in done.stderr
     assert {file.name for file in tmp_path.glob("*.rrd")} == {"town-7.rrd", "town-7-s01.rrd"}
+    (tmp_path / "data/generated").rename(tmp_path / "data/corner")
+    done = run("view", "town:7-s01", "--futures", "data/corner/drivegen", "--out", "round.rrd", "--no-show", cwd=tmp_path)
+    assert (done.returncode, (tmp_path / "round.rrd").exists()) == (0, True), done.stderr
 
 
 def test_without_models_generate_says_who_makes_them(tmp_path):

@@ -28,7 +28,7 @@ def project(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def write(**role):
-        values = vars(settings(**{"prompt": "roads-2", "output": "prompted", "retries": 0, **role}))
+        values = vars(settings(**{"prompt": "roads-3", "output": "prompted", "retries": 0, **role}))
         off = vars(settings(backend="offline", model=""))
         lm = {"maps": values, "goals": values, "corner_cases": off, "records": {"mode": "replay", "folder": "records"}}
         maps = {"prompts": {"a": "a crossing", "b": "a roundabout"}}

@@ -10,7 +10,7 @@ import pytest
 from dvc.repo import Repo
 
 ROOT = Path(__file__).parents[2]
-MOST_MODULES, MOST_FOLDERS, MOST_NODES = 6, 8, 25
+MOST_MODULES, MOST_FOLDERS, MOST_NODES = 6, 8, 27
 
 
 @cache
@@ -59,7 +59,7 @@ ALL: set[str] = set()
 """Stands for every stage."""
 
 LEARNERS = frozenset({"train_selector", "train_planner", "train_generator"})
-PLANNING = frozenset({"rollout", "ship", "corner", "asked"})
+PLANNING = frozenset({"rollout", "ship", "corner", "asked", "attack", "attack_taught", "tune_traffic"})
 """Stages in which the planner plans."""
 
 EDITS = {
@@ -67,26 +67,29 @@ EDITS = {
     "a colour": ("drivegen/render/marks.py", {"maps", "goals", "record", "corner", "report"}),
     "the checker": (
         "drivegen/checker/road.py",
-        {"calibrate", "train_planner", "rollout", "rollout_rival", "rollout_baseline", "ship", "corner", "asked"},
+        {"calibrate", "train_planner", "rollout_rival", "rollout_baseline", "additions", *PLANNING},
     ),
     "a rival": (
         "drivegen/generators/bits.py",
-        {"train_generator", "rollout_rival", "initial_states", "record", "collect", "report"},
+        {"train_generator", "rollout_rival", "initial_states", "record", "collect", "report", "tune_traffic"},
     ),
     "geometry": ("drivegen/core/geometry.py", ALL),
-    "the training loop": ("drivegen/training/loop.py", {*LEARNERS, *PLANNING, "goals", "rollout_rival", "initial_states"}),
+    "the training loop": (
+        "drivegen/training/loop.py",
+        {*LEARNERS, *PLANNING, "goals", "rollout_rival", "initial_states", "rank", "tune", "drive_tuned"},
+    ),
     "a planner": ("drivegen/planners/poly_fm.py", {*PLANNING, "report"}),
     "the question to a model": ("drivegen/questions/goals.py", {"goals", "corner"}),
     "a view of the results": ("drivegen/warehouse/sql/schema.sql", {"collect", "report"}),
     "the page": ("drivegen/report/page.py", {"collect", "report"}),
-    "the placement": ("drivegen/placement/slots.py", {"assets", "place", "initial_states", "asked"}),
+    "the placement": ("drivegen/placement/slots.py", {"assets", "place", "initial_states", "asked", "tune_traffic"}),
     "the recordings": ("drivegen/recording/roads.py", {"record"}),
 }
 """What is edited, in which file, and which stages have to run again for it (with those that follow if their inputs change)."""
 
-WIDE = {"corner@0", "corner@1", "corner@2", "report"}
-"""Stages that list more: a round of corner cases generates, drives, asks and draws in one; the report reads what plugins of three
-folders say of themselves."""
+WIDE = {"corner@0", "corner@1", "corner@2", "attack@idm", "attack_taught@gail", "attack_taught@sac", "report"}
+"""Stages that list more: a round of corner cases generates, drives, asks and draws in one, an attack plans, checks and drives;
+the report reads what plugins of three folders say of themselves."""
 
 
 def listed(stage) -> list[str]:

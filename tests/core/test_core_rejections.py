@@ -17,7 +17,7 @@ from tests.checking import LIMITS
 from tests.models import candidate_settings, two_lanes
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
-SETTINGS = RolloutSettings(attempts=3, rounds=4, evictions=1, drop_illegal=False, target_steps=None, tempo=0.8)
+SETTINGS = RolloutSettings(attempts=3, rounds=4, evictions=1, drop_illegal=False, target_steps=None, exclusion=True, tempo=0.8)
 ROAD = straight_road()
 LINE = ROAD.centreline[0].astype(np.float64)
 FINE = drive(LINE, 10, 10, 101)

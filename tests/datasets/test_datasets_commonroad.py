@@ -11,6 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from drivegen.commonroad.recording import read_recording
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap, project
+from drivegen.core.intervals import recording
 from drivegen.core.recorded_log import RecordedLog
 from drivegen.core.scenario import SizeSource, Trajectories, VehicleKind
 from drivegen.datasets import commonroad
@@ -126,12 +127,25 @@ class Named:
 
 @pytest.mark.parametrize("recordings", [2, 7, 40])
 def test_scenes_of_one_recording_are_never_both_trained_on_and_validated_on(recordings: int) -> None:
-    plan = Plan("named", ("named",), {"named": "val"}, {})
+    plan = Plan("named", ("named",), {"named": "val"}, {}, ())
     train, val, test = ({item.partition(":")[0] for item in items(plan, lambda _: Named(recordings), split)} for split in SPLITS)
     assert train
     assert val
     assert len(train) + len(val) == recordings
     assert test == {f"named/val/val-{i}" for i in range(recordings)}
+
+
+def test_only_the_recordings_that_are_named_are_measured_on_and_all_are_trained_on() -> None:
+    plan = Plan("named", ("named",), {"named": "val"}, {}, ("val-1", "val-3"))
+    train, val, test = (items(plan, lambda _: Named(4), split) for split in SPLITS)
+    assert {item.partition(":")[0] for item in test} == {"named/val/val-1", "named/val/val-3"}
+    assert len(train) + len(val) == 12
+
+
+@real
+def test_the_28_recordings_of_ngsim_are_18_groups_and_no_group_is_in_two_splits() -> None:
+    groups = [{recording(f"{file.stem}-000") for file in (REAL / split).glob("*.xml")} for split in ("train", "val", "test")]
+    assert sum(map(len, groups)) == len(set().union(*groups)) == 18
 
 
 RECORDINGS = {

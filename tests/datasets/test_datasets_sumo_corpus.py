@@ -29,7 +29,8 @@ PARAMS = Params(
     workers=1,
     scenarios={"train": 5, "test": 2},
     per_part=3,
-    networks=Networks(real={"test": {"square": "tools/game/square/square.net.xml"}}, own={"train": {"cross": CROSS}}),
+    networks=Networks(real={"test": {"square": "tools/game/square/square.net.xml"}}, outside={}, own={"train": {"cross": CROSS}}),
+    outside="",
     density={"real": (10.0, 15.0), "own": (10.0, 15.0)},
     own_share=0.5,
     settings=CorpusSettings(
@@ -37,11 +38,14 @@ PARAMS = Params(
         warm_up=10.0,
         most_windows_per_run=1,
         lateral_resolution=0.8,
+        fast_density=(15.0, 30.0),
+        exit_speed=(5.0, 15.0),
         time_limit=60.0,
         window=WindowSettings(
             steps=110, radius=150.0, map_radius=100.0, apart=20.0, focal_travel=8.0, fewest=4, moving_share=0.6
         ),
-        sensing=SensingSettings(occlusion=False, position_noise=0.0, heading_noise=0.0, speed_noise=0.0),
+        sensing=SensingSettings(share=0.0, occlusion=True, position_noise=0.1, heading_noise=0.01, noise_time=0.6),
+        without_signals=0.0,
     ),
 )
 
@@ -88,6 +92,13 @@ def test_vehicles_stand_on_the_map_that_comes_with_them(logs):
         assert near.max() < 3.5  # a lane's width; they stand beside its centre while they change lanes
         assert log.signals.state.shape == (len(log.signals.lane), 110)
         assert len(log.signals) > 0
+
+
+def test_windows_say_how_often_they_occur(logs):
+    """An hour of five cars or more that drive on a crossing holds hundreds of windows and not millions."""
+    per_city = {city: sum(log.per_hour for log in logs if log.city == city) for city in ("cross", "square")}
+    assert all(log.per_hour > 0 for log in logs)
+    assert all(3600 / 11 <= total < 3600 / 11 * 2 * PARAMS.settings.most_vehicles for total in per_city.values())
 
 
 def test_files_have_the_official_columns_and_one_row_group_a_scenario(corpus):
@@ -175,21 +186,37 @@ def row_of_cars(steps: int = 20):
 
 
 def test_occlusion_hides_who_is_behind_another_and_never_the_target():
-    seen = sensed(row_of_cars(), "AV", SensingSettings(True, 0.0, 0.0, 0.0), np.random.default_rng(0))
+    seen = sensed(row_of_cars(), "AV", SensingSettings(1.0, True, 0.0, 0.0, 0.6), np.random.default_rng(0))
     assert seen.vehicles.track_id.tolist() == ["track-0", "track-1", "track-3"]
     assert seen.log is not None
     assert seen.log.valid[TARGET].all()
 
 
-def test_noise_has_the_asked_size_and_sensing_off_is_the_truth():
+def test_noise_has_the_asked_size_and_lasts_and_velocities_follow_it():
     truth = row_of_cars(100)
     assert truth.log is not None
-    off = sensed(truth, "AV", SensingSettings(False, 0.0, 0.0, 0.0), np.random.default_rng(0))
-    assert off.log is not None
-    assert np.array_equal(off.log.position, truth.log.position)
-    noisy = sensed(truth, "AV", SensingSettings(False, 0.2, 0.02, 0.0), np.random.default_rng(0))
-    assert noisy.log is not None
-    assert np.std(noisy.log.position - truth.log.position) == pytest.approx(0.2, rel=0.1)
-    assert np.std(noisy.log.heading - truth.log.heading) == pytest.approx(0.02, rel=0.1)
-    assert np.array_equal(noisy.log.velocity, truth.log.velocity)
-    assert np.array_equal(noisy.vehicles.position, noisy.log.position[:, 0])
+    errors = []
+    for seed in range(20):
+        noisy = sensed(truth, "AV", SensingSettings(1.0, False, 0.2, 0.02, 0.6), np.random.default_rng(seed))
+        assert noisy.log is not None
+        assert np.array_equal(noisy.vehicles.position, noisy.log.position[:, 0])
+        errors.append((noisy.log.position - truth.log.position, noisy.log.velocity - truth.log.velocity))
+    off, faster = (np.stack(parts) for parts in zip(*errors, strict=True))
+    assert np.std(off) == pytest.approx(0.2, rel=0.1)
+    later = (off[:, :, 6:] * off[:, :, :-6]).mean() / off.var()
+    assert later == pytest.approx(np.exp(-0.5), abs=0.1)  # 0.6 s later
+    assert faster[:, :, 1:-1] == pytest.approx((off[:, :, 2:] - off[:, :, :-2]) / 0.2, abs=1e-3)
+
+
+def test_a_share_of_runs_is_measured_with_errors_and_a_share_of_training_runs_tells_no_signals(corpus, tmp_path):
+    sensing = replace(PARAMS.settings.sensing, share=1.0)
+    main(replace(PARAMS, settings=replace(PARAMS.settings, sensing=sensing, without_signals=1.0)), tmp_path)
+    truth, measured = Plugin(corpus), Plugin(tmp_path)
+    for split, told in (("train", False), ("test", True)):
+        assert truth.scenes(split) == measured.scenes(split)
+        for scene in truth.scenes(split):
+            a, b = truth.read(split, scene), measured.read(split, scene)
+            assert len(a.signals) > 0
+            assert (len(b.signals) > 0) == told
+            assert not np.allclose(a.motion.position[a.focal], b.motion.position[b.focal], atol=1e-3)
+            assert set(b.track_id) <= set(a.track_id)

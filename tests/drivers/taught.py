@@ -11,9 +11,8 @@ from drivegen.core.scenario import Scenario
 from drivegen.core.settings import build
 from drivegen.drivers.base import Driver
 from drivegen.drivers.idm import Plugin as Idm
-from drivegen.drivers.shared.lessons import Lessons, Taught
-from drivegen.drivers.shared.network import write_network
-from drivegen.drivers.shared.policy import ACTIVATION
+from drivegen.drivers.shared.lessons import Lessons
+from drivegen.drivers.shared.teaching import Taught, teach
 from drivegen.simulators.batch import Plugin as Batch
 from stages._door import read_section
 from tests.scenes import drive, scenario, stack, straight_road
@@ -33,15 +32,24 @@ def teaching(name: str, **changed: Any) -> Any:
     return build(plugins.load("drivers", name).lessons_type(), {**read_section(section, PARAMS), **changed}, section)
 
 
+def quick(name: str) -> Any:
+    """A teaching of seconds that is enough for straight roads."""
+    ppo = {**read_section("train_driver.drivers.gail.ppo", PARAMS), "rows": 32, "batch": 1024}
+    few: dict[str, dict[str, Any]] = {
+        "gail": {"course": {"rounds": 2, "grade_every": 1}, "clone_steps": 500, "ppo": ppo},
+        "sac": {"course": {"rounds": 6, "grade_every": 1}, "rows": 16, "updates": 2, "batch": 128, "rewards": 10, "pull": 0.02},
+    }
+    return teaching(name, **few[name])
+
+
 def make(name: str, folder: Path) -> Driver:
     """The driver `name`; one that learns is taught for seconds and keeps its weights in `folder`."""
     plugin = plugins.load("drivers", name)
     if not issubclass(plugin, Taught):
         return plugin(settings_of(name))
-    ppo = {**read_section(f"train_driver.drivers.{name}.ppo", PARAMS), "rows": 32, "batch": 1024}
-    lessons = straight_lessons(24)
-    policy, _ = plugin.teach(teaching(name, iterations=2, clone_steps=500, ppo=ppo), lessons, lessons, 7, lambda _: None)
-    write_network(folder, name, policy.linear, ACTIVATION, squashed=False)
+    how, lessons = quick(name), straight_lessons(24)
+    policy, _ = teach(plugin.pupil(how, lessons, 7), how.course, lessons, 7, None, lambda _: None)
+    policy.write(folder, name)
     return plugin(replace(settings_of(name), weights=str(folder)))
 
 
@@ -58,4 +66,4 @@ def straight_lessons(count: int) -> Lessons:
     motion = [scene.log for scene in scenes if scene.log is not None]
     driven = Batch().run(Idm(settings_of("idm")), scenes, motion).motion
     logs = [stack([driven[n], *(log[i] for i in range(1, len(log.valid)))]) for n, log in enumerate(motion)]
-    return Lessons.of(scenes, logs)
+    return Lessons.of(list(zip(scenes, logs, strict=True)))

@@ -1,22 +1,28 @@
 """Learning to drive: episodes, advantages, the discriminator's reward, and that the same seed gives the same weights."""
 
+import subprocess
+import sys
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
 from drivegen.drivers._gail.discriminator import Discriminator, transitions
 from drivegen.drivers.gail import Plugin
 from drivegen.drivers.shared import ppo
 from drivegen.drivers.shared.episodes import Episodes
 from drivegen.drivers.shared.features import COUNT, features
-from drivegen.drivers.shared.lessons import Lessons, write_grades
-from drivegen.drivers.shared.network import FULL_BRAKING, FULL_THROTTLE, Settings, pedals, write_network
-from drivegen.drivers.shared.policy import ACTIVATION, Policy, number_of
+from drivegen.drivers.shared.lessons import Lessons
+from drivegen.drivers.shared.network import FULL_BRAKING, FULL_THROTTLE, Settings, pedals
+from drivegen.drivers.shared.policy import Policy, number_of
+from drivegen.drivers.shared.teaching import teach
 from drivegen.world.world import World
-from stages._door import read_section
-from tests.drivers.taught import PARAMS, straight_lessons, teaching
+from tests.drivers.taught import PARAMS, quick, straight_lessons, teaching
 from tests.scenes import drive, scenario, stack, straight_road
 
 
@@ -26,7 +32,14 @@ def episodes(live: list[list[int]], crashed: list[bool]) -> Episodes:
     steps, rows = alive.shape
     torch.manual_seed(0)
     speed = torch.full((steps + 1, rows), 10.0)
-    return Episodes(torch.randn(steps + 1, rows, COUNT), torch.randn(steps, rows), alive, torch.tensor(crashed), speed)
+    return Episodes(
+        torch.randn(steps + 1, rows, COUNT),
+        torch.randn(steps, rows),
+        alive,
+        torch.tensor(crashed),
+        speed,
+        torch.zeros(rows, dtype=torch.bool),
+    )
 
 
 @given(st.integers(1, 6), st.integers(1, 6), st.booleans(), st.integers(0, 99))
@@ -88,7 +101,7 @@ def test_numbers_stand_for_accelerations_and_back():
 def test_a_demonstration_is_the_log_s_own_way():
     road = straight_road()
     log = stack([drive(road.centreline[0].astype(np.float64), 10, 6, 61, 0.8)])
-    shown = Lessons.of([scenario(road, log)], [log]).demonstrations()
+    shown = Lessons.of([(scenario(road, log), log)]).demonstrations()
     driven = float(np.hypot(*(log.position[0, -1] - log.position[0, 0])))
     assert float(shown.distance[0]) == pytest.approx(driven, abs=0.2)
     assert bool(shown.live.all())
@@ -98,31 +111,55 @@ def test_a_replayed_vehicle_that_is_run_into_ends_the_episode_there():
     road = straight_road()
     line = road.centreline[0].astype(np.float64)
     log = stack([drive(line, 10, 10, 61), drive(line, 40, 0, 61)])
-    lessons = Lessons.of([scenario(road, log)], [log])
+    lessons = Lessons.of([(scenario(road, log), log)])
     run = lessons.play(lambda _, seen, __: torch.zeros(len(seen)))
     assert bool(run.crashed[0])
     assert int(run.live.sum()) == 26  # 25.5 m at 10 m/s
 
 
-def test_the_same_seed_gives_the_same_weights(tmp_path):
-    lessons = straight_lessons(8)
-    small = {**read_section("train_driver.drivers.gail.ppo", PARAMS), "rows": 8, "epochs": 1, "batch": 256}
-    how = teaching("gail", iterations=1, clone_steps=5, ppo=small)
-    for name in ("one", "two"):
-        policy, grades = Plugin.teach(how, lessons, lessons, 3, lambda _: None)
-        write_network(tmp_path / name, "gail", policy.linear, ACTIVATION, squashed=False)
-        write_grades(tmp_path / f"{name}.csv", grades)
-    for file in ("weights.safetensors", "settings.json"):
-        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
-    assert (tmp_path / "one.csv").read_text() == (tmp_path / "two.csv").read_text()
-    assert [grade.step for grade in grades] == [0, 1]
+@pytest.fixture(scope="module")
+def lessons():
+    return straight_lessons(8)
 
 
-def test_the_driver_does_what_its_policy_holds_for_best(tmp_path):
-    lessons = straight_lessons(4)
+def taught(name, lessons, folder, checkpoint=None, rounds=2, seed=3):
+    """Bytes of the weights, and the grades, of a teaching of `rounds`."""
+    how = replace(quick(name), **{"gail": {"clone_steps": 20}, "sac": {"rows": 4, "updates": 1, "batch": 32}}[name])
+    pupil = plugins.load("drivers", name).pupil(how, lessons, seed)
+    policy, grades = teach(pupil, replace(how.course, rounds=rounds), lessons, seed, checkpoint, lambda _: None)
+    policy.write(folder, name)
+    return (folder / "weights.safetensors").read_bytes(), grades
+
+
+@pytest.mark.parametrize("name", ["gail", "sac"])
+def test_the_same_seed_gives_the_same_weights_and_so_does_a_training_that_was_interrupted(name, lessons, tmp_path):
+    checkpoint = tmp_path / "checkpoint.safetensors"
+    taught(name, lessons, tmp_path / "begun", checkpoint, rounds=1)
+    torch.rand(3), np.random.rand(3)  # noqa: NPY002 another process has other global generators
+    resumed = taught(name, lessons, tmp_path / "resumed", checkpoint)
+    assert resumed == taught(name, lessons, tmp_path / "whole")
+    assert resumed != taught(name, lessons, tmp_path / "other", seed=4)
+    assert [grade.round for grade in resumed[1]] == [0, 1, 2]
+
+
+@pytest.mark.parametrize("name", ["gail", "sac"])
+def test_a_checkpoint_that_is_damaged_or_another_driver_s_is_refused(name, lessons, tmp_path):
+    path = tmp_path / "checkpoint.safetensors"
+    taught({"gail": "sac", "sac": "gail"}[name], lessons, tmp_path / "other", path, rounds=1)
+    with pytest.raises(UnusableInput, match="does not fit this training"):
+        taught(name, lessons, tmp_path / "own", path)
+
+
+def test_who_drives_needs_no_stable_baselines():
+    code = "import sys, drivegen.drivers.sac; print('stable_baselines3' in sys.modules, 'gymnasium' in sys.modules)"
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=PARAMS.parent).stdout
+    assert said.split() == ["False", "False"]
+
+
+def test_the_driver_does_what_its_policy_holds_for_best(lessons, tmp_path):
     policy = Policy()
-    write_network(tmp_path, "gail", policy.linear, ACTIVATION, squashed=False)
-    world = World(lessons.scenes, 4, lookout=lessons.lookout)
+    policy.write(tmp_path, "gail")
+    world = World(lessons.scenes, 8, lookout=lessons.lookout)
     driver = Plugin(Settings(str(tmp_path), sees_rules=True))
     wanted = pedals(policy(features(world.observe())).clamp(-1, 1)).detach()
     torch.testing.assert_close(driver.act(world.observe()).acceleration, wanted)

@@ -121,10 +121,10 @@ def test_tables_are_pooled_from_runs_that_share_what_they_have_in_common(runs):
     assert state.is_completed(), state.message
     assert state.message == "reports/published from 3 runs"
     assert (runs / "reports" / "published" / "pooled").read_text().splitlines() == [
-        "toy/7/data/table-drivegen drivegen 7 1.0",
-        "toy/7/data/table-log log 7 1.0",
-        "toy/8/data/table-drivegen drivegen 8 1.0",
-        "toy/8/data/table-log log 8 1.0",
+        "toy/7-7/data/table-drivegen drivegen 7 1.0",
+        "toy/7-7/data/table-log log 7 1.0",
+        "toy/8-7/data/table-drivegen drivegen 8 1.0",
+        "toy/8-7/data/table-log log 8 1.0",
         "toy/t0.5/data/table-drivegen drivegen 7 0.5",
     ]
     assert (runs / "ingested").read_text() == "once\n"  # the first run computed it, the others took it from the cache
@@ -139,8 +139,8 @@ def test_a_run_that_fails_ends_the_tables_by_name_and_keeps_the_old_ones(runs):
     (runs / "dvc.yaml").write_text((runs / "dvc.yaml").read_text().replace("> data/table-${item}", "> no/such/folder"))
     state = tables(real=runs, return_state=True)
     assert state.is_failed()
-    assert str(state.message).startswith("toy/7: stage evaluate@drivegen failed: ")
-    assert not (runs / ".drivegen" / "tables" / "toy" / "8").exists()
+    assert str(state.message).startswith("toy/7-7: stage evaluate@drivegen failed: ")
+    assert not (runs / ".drivegen" / "tables" / "toy" / "8-7").exists()
     assert not (runs / "reports").exists()
 
 

@@ -60,10 +60,12 @@ EVALUATE = """
 
 PUBLISH = """
   training_seed: 7
+  sampling_seed: 7
   own: [drivegen, log]
 rollout: {generation: {temperature: 1.0}}
 publish:
   seeds: [7, 8]
+  sampling_seeds: [7]
   temperatures: [0.5]
   params: {run.seed: 3}
   data:

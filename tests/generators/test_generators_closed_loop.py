@@ -56,15 +56,3 @@ def test_copies_begin_alike_and_are_driven_apart():
     assert made.motion.valid[1].all()
     assert not made.motion.valid[0, :, 1:].any()
     np.testing.assert_array_equal(made.motion.position[:, :, 0], np.stack([SCENES[0].vehicles.position] * 2))
-
-
-def test_beginnings_of_logs_are_their_first_frames():
-    logs = Tracks.of_logs(SCENES)
-    found, wanted = logs.beginnings(np.array([2, 0]), 2), Tracks.of_beginnings([SCENES[2], SCENES[0]], 2)
-    assert found.start.tolist() == wanted.start.tolist()
-    steps = wanted.valid.shape[1]
-    assert not found.valid[:, steps:].any()
-    np.testing.assert_array_equal(found.valid[:, :steps], wanted.valid)
-    np.testing.assert_allclose(found.position[:, 0], wanted.position[:, 0])
-    assert not found.valid[found.planned, 1:].any()
-    assert logs.valid[logs.planned, 1:].any()  # the logs are left as they are

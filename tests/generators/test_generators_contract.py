@@ -18,8 +18,8 @@ from drivegen.generators.base import Generator, Settings
 from drivegen.generators.shared.learned import Learned
 from stages import rollout
 from stages._door import read_params
+from tests.generators.rivals import fitted, trained
 from tests.generators.rivals import scenes as three_scenes
-from tests.generators.rivals import trained
 
 NAMES = plugins.names("generators")
 SAMPLES = 3
@@ -224,3 +224,19 @@ def test_who_says_that_it_places_vehicles_does() -> None:
     assert {name for name in learned if ways[name]} == {name for name in learned if read_methods()[name].places}
     assert ways["trafficgen"] == {"TrafficGen"}
     assert ways["lctgen"] == {"LCTGen, code of a training log", "LCTGen, code from the log (a bound, no method)"}
+
+
+@pytest.mark.parametrize("name", ["lctgen", "trafficgen"])
+def test_the_weights_whose_roll_outs_are_nearest_are_kept(name: str) -> None:
+    """And the generator that is asked for its roll-outs on the way can be rolled out."""
+    heads, errors = [], iter((3.0, 1.0, 2.0, 4.0))
+
+    def rolled(made: Learned) -> float:
+        made.generate(three_scenes()[:1], 1, 7)
+        heads.append(next(iter(made.net.parameters())).clone())
+        return next(errors)
+
+    generator, curve = fitted(name, 12, rolled)
+    assert [row.error for row in curve] == [3.0, 1.0, 2.0, 4.0]
+    assert (next(iter(generator.net.parameters())) == heads[1]).all()
+    assert not (heads[1] == heads[2]).all()

@@ -8,18 +8,15 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.core import seeds
 from drivegen.core.geometry import boxes_overlap, rotate
 from drivegen.core.scenario import Scenario, Signals, SignalState
-from drivegen.generators._trafficgen.driving import between_knots, rolled_error
+from drivegen.generators._trafficgen.driving import between_knots
 from drivegen.generators._trafficgen.learning import RECOVERY, Disturbance, MotionExamples, motion_loss
 from drivegen.generators._trafficgen.net import ACCELERATION, BRAKING, CURVATURE, DT_KNOT, LATERAL, Gates, Modes, driven
 from drivegen.generators._trafficgen.placement import PlacementExamples
 from drivegen.generators._trafficgen.vectors import REACH, LaneVectors, Surroundings
 from drivegen.generators.shared.closed_loop import Tracks
-from drivegen.generators.trafficgen import driver
-from drivegen.metrics.displacement import scene_errors
-from tests.generators.rivals import scenes, trained
+from tests.generators.rivals import trained
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
 COUNTS = (200, 6)  # more than there are pieces of lanes: of the nearest there may be several equally near
@@ -183,19 +180,6 @@ def test_who_was_disturbed_gets_back_to_the_logged_way():
 def logs_of(logged: list[Scenario]):
     generator, _, _ = trained("trafficgen")
     return generator.examples(generator.settings, logged)
-
-
-def test_weights_are_chosen_by_the_least_error_of_what_they_drive():
-    generator, _, _ = trained("trafficgen")
-    logs = logs_of(scenes())
-    found = rolled_error(driver(generator.settings, generator.net), logs.vectors, logs.tracks, 3, 5)
-    tracks = logs.tracks.beginnings(np.arange(3), 3)
-    with torch.inference_mode():
-        chances = [seeds.rng(5, "rolled", n) for n in range(3)]
-        driver(generator.settings, generator.net).drive(logs.vectors, np.arange(3), tracks, 3, chances)
-    made = tracks.samples(scenes(), 3, "trafficgen")
-    least = [scene_errors(m.motion, s.log)[0].min() for m, s in zip(made, scenes(), strict=True)]
-    assert found == pytest.approx(np.mean(least), rel=1e-4)
 
 
 def test_the_mode_that_ends_nearest_wins_and_the_others_are_left_alone():

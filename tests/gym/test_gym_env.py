@@ -15,11 +15,11 @@ from drivegen.av2.export import export_scenario
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Signals, SignalState
 from drivegen.core.settings import read_params
+from drivegen.drivers.shared.conditions import Settings
+from drivegen.drivers.shared.environment import TERMS, Environment
 from drivegen.drivers.shared.features import COUNT
-from drivegen.gym.episodes import TERMS, Episodes
 from drivegen.gym.folders import read_traffic
 from drivegen.gym.sb3 import DriveVecEnv
-from drivegen.gym.settings import Settings
 from drivegen.simulators.batch import Plugin as Batch
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
@@ -74,7 +74,7 @@ def test_the_name_and_the_project_s_params_are_enough(folder):
 def test_folders_of_samples_and_of_argoverse_scenarios_are_read_too(folder):
     assert len(read_traffic(folder / "scenarios")) == 3
     assert len(read_traffic(folder / "generated", of=folder / "scenarios")) == 6
-    with pytest.raises(UnusableInput, match="name their folder as `of`"):
+    with pytest.raises(UnusableInput, match="name their folder"):
         read_traffic(folder / "generated", of=folder)
     with pytest.raises(UnusableInput, match="no folder"):
         read_traffic(folder / "nothing")
@@ -181,7 +181,7 @@ def test_one_row_and_many_tell_the_same_story_and_the_same_seed_does(neighbours)
 def test_a_free_target_follows_its_wheels_within_limits_and_ends_off_the_road():
     settings = replace(SETTINGS, motion="free")
     log = stack([drive(LINE, 50, 10, 101)])
-    episodes = Episodes([(scenario(ROAD, log), log)], 1, settings)
+    episodes = Environment([(scenario(ROAD, log), log)], 1, settings)
     for _ in range(20):
         episodes.step(torch.zeros(1, 2))
     assert float(episodes.world.ego.position[0, 0]) == pytest.approx(70.0, abs=0.1)
@@ -219,7 +219,7 @@ def test_episodes_end_where_whole_runs_of_the_simulator_do(acceleration, neighbo
     """Step by step and after the run: two ways to the first collision and its kind."""
     pairs = [(busy_crossing(), busy_crossing().log), alone(steps=101), *map(behind_a_parked_car, (15.0, 30.0, 60.0, 90.0))]
     pairs += [(busy_crossing(), noisy_samples(busy_crossing(), 4, seed=3).motion[k]) for k in range(4)]
-    episodes = Episodes(pairs, len(pairs), replace(SETTINGS, neighbours=neighbours))
+    episodes = Environment(pairs, len(pairs), replace(SETTINGS, neighbours=neighbours))
     batch = Batch(reaction=SETTINGS.reaction if neighbours == "reactive" else None)
     outcome = batch.run(Held(acceleration), *zip(*pairs, strict=True))
     episodes.reset(torch.arange(len(pairs)))

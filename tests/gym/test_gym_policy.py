@@ -10,11 +10,11 @@ from torch import nn
 
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.settings import read_params
+from drivegen.drivers.shared.conditions import Settings
 from drivegen.drivers.shared.features import COUNT, DISTANCES, LIMIT, NEAREST, crossing, features, leader, nearest_boxes
 from drivegen.drivers.shared.network import Network
 from drivegen.drivers.shared.network import Settings as Weights
 from drivegen.gym.sb3 import DriveVecEnv, save_policy
-from drivegen.gym.settings import Settings
 from drivegen.simulators.batch import Plugin as Batch
 from drivegen.world.rules import Lookout
 from drivegen.world.scenes import Scenes
@@ -42,9 +42,10 @@ def test_the_driver_decides_as_the_policy_did(env, tmp_path, algorithm, activati
     model.learn(32)
     save_policy(model, tmp_path / "mine", "mine")
     driver = Mine(Weights(str(tmp_path / "mine"), sees_rules=False))
-    seen, _ = env.rows.reset(seed=0)
+    env.seed(0)
+    seen = env.reset()
     wanted, _ = model.predict(seen, deterministic=True)
-    acceleration = driver.act(env.rows.episodes.world.observe()).acceleration.numpy()
+    acceleration = driver.act(env.environment.world.observe()).acceleration.numpy()
     np.testing.assert_allclose(acceleration, np.where(wanted[:, 0] > 0, 3 * wanted[:, 0], 8 * wanted[:, 0]), atol=1e-4)
     scene = busy_crossing(61)
     assert Batch().run(driver, [scene], [scene.log]).motion.valid[0].sum() > 1

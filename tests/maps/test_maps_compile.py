@@ -23,10 +23,19 @@ from drivegen.sumo.traffic import Run, simulate
 FOUR = [{"angle": angle} for angle in (0, 90, 180, 270)]
 ROADS: dict[str, dict[str, Any]] = {
     "crossing": {"kind": "crossing", "arms": FOUR, "control": "signals"},
+    "turn_bans": {
+        "kind": "corridor",
+        "lanes": 2,
+        "lane_width": 3.5,
+        "junctions": [
+            {"position": 200, "sides": ["left", "left", "right"], "turn_bans": ["left"], "side_turn_bans": ["left"]},
+            {"position": 400, "sides": ["right"], "side_turn_bans": ["left"], "right_turn_lanes": 1},
+        ],
+    },
     "pockets": {
         "kind": "crossing",
         "control": "stop",
-        "arms": [{"angle": a, "lanes_in": 2, "left_turn_lane": True, "right_turn_lane": True} for a in (0, 180, 270)],
+        "arms": [{"angle": a, "lanes_in": 2, "left_turn_lanes": 1, "right_turn_lanes": 1} for a in (0, 180, 270)],
     },
     "roundabout": {"kind": "roundabout", "arms": FOUR, "ring_lanes": 2, "diameter": 60},
     "corridor": {
@@ -40,30 +49,30 @@ ROADS: dict[str, dict[str, Any]] = {
         "lanes": 2,
         "lanes_back": 2,
         "alignment": {"length": 700},
-        "junctions": [{"position": p, "control": "signals", "left_turn_lane": True} for p in (150, 350, 550)],
+        "junctions": [{"position": p, "control": "signals", "left_turn_lanes": 1} for p in (150, 350, 550)],
     },
     "turn_lanes_of_all_sorts": {
         "kind": "corridor",
         "alignment": {"length": 600},
         "junctions": [
-            {"position": 40, "sides": ["left"], "left_turn_lane": True, "right_turn_lane": True, "side_lanes": 2},
-            {"position": 200, "form": "roundabout", "left_turn_lane": True},
-            {"position": 450, "sides": ["right"], "control": "stop", "right_turn_lane": True, "pocket": 500},
+            {"position": 40, "sides": ["left"], "left_turn_lanes": 1, "right_turn_lanes": 1, "side_lanes": 2},
+            {"position": 200, "form": "roundabout", "left_turn_lanes": 1},
+            {"position": 450, "sides": ["right"], "control": "stop", "right_turn_lanes": 1, "pocket": 500},
         ],
         "dead_end": True,
     },
     "turn_lanes_one_way": {
         "kind": "corridor",
         "lanes_back": 0,
-        "junctions": [{"position": 300, "left_turn_lane": True, "right_turn_lane": True}],
+        "junctions": [{"position": 300, "left_turn_lanes": 1, "right_turn_lanes": 1}],
     },
     "junctions_along_bends": {
         "kind": "corridor",
         "alignment": {"shape": "s_curve", "length": 700, "angle": 70, "radius": 80},
         "lanes": 2,
         "junctions": [
-            {"position": 120, "sides": ["left"], "left_turn_lane": True},
-            {"position": 350, "sides": ["left", "right"], "control": "signals", "left_turn_lane": True, "side_length": 60},
+            {"position": 120, "sides": ["left"], "left_turn_lanes": 1},
+            {"position": 350, "sides": ["left", "right"], "control": "signals", "left_turn_lanes": 1, "side_length": 60},
             {"position": 580, "sides": ["right"], "form": "roundabout"},
         ],
     },
@@ -71,7 +80,7 @@ ROADS: dict[str, dict[str, Any]] = {
         "kind": "corridor",
         "junctions": [
             {"position": 200, "sides": ["left", "right", "left"], "form": "roundabout"},
-            {"position": 420, "sides": ["right", "left", "right"], "control": "signals", "right_turn_lane": True},
+            {"position": 420, "sides": ["right", "left", "right"], "control": "signals", "right_turn_lanes": 1},
         ],
     },
     "mini_roundabout": {"kind": "roundabout", "arms": FOUR, "diameter": 14},
@@ -165,6 +174,30 @@ def test_turn_lanes_in_a_row_open_ahead_of_each_crossing_and_lead_only_into_side
 
 
 @pytest.mark.parametrize("left_hand", [False, True], ids=["right-hand", "left-hand"])
+def test_two_turn_lanes_lead_into_two_lanes_and_a_banned_turn_has_no_way(left_hand: bool) -> None:
+    arms = [{**arm, "lanes_in": 2, "lanes_out": 2} for arm in FOUR]
+    arms[0] |= {"left_turn_lanes": 2, "turn_bans": ["right"]}
+    road = {"kind": "crossing", "arms": arms, "lane_width": 3.0}
+    network = ElementTree.fromstring(compile_map(MapSpec.model_validate({"road": road, "left_hand": left_hand})))
+    entering = next(e for e in network.iter("edge") if e.get("to") == "c" and e.get("id", "").startswith("a0"))
+    assert [lane.get("width") for lane in entering.iter("lane")] == ["3.00"] * 4
+    ways: dict[str, list[tuple[str | None, str | None]]] = {}
+    for link in network.iter("connection"):
+        if link.get("from") == entering.get("id"):
+            ways.setdefault(link.get("to", ""), []).append((link.get("fromLane"), link.get("toLane")))
+    left, straight = ("01", "23") if left_hand else ("23", "01")  # lane 0 is the outermost
+    assert sorted(ways["a3_out"]) == [(left[0], "0"), (left[1], "1")]
+    assert "".join(sorted(str(lane) for lane, _ in ways["a2_out"])) == straight
+    assert set(ways) - {"a0_out"} == {"a3_out", "a2_out"}
+
+
+def test_a_turn_lane_needs_a_lane_to_turn_into_and_a_road_some_way_on() -> None:
+    for arm, why in (({"left_turn_lanes": 2}, "2 lanes to turn into"), ({"turn_bans": ["left", "right"]}, "nowhere")):
+        with pytest.raises(ValidationError, match=why):
+            MapSpec.model_validate({"road": {"kind": "crossing", "arms": [*FOUR[:1], FOUR[2], {"angle": 270, **arm}]}})
+
+
+@pytest.mark.parametrize("left_hand", [False, True], ids=["right-hand", "left-hand"])
 def test_each_arc_turns_to_its_own_side_with_its_own_radius(left_hand: bool) -> None:
     plain = draw(MapSpec.model_validate({"road": ROADS["uneven_s_curve"], "left_hand": left_hand}))
     steps = np.diff(np.array(plain.edges[0].shape), axis=0)
@@ -183,7 +216,7 @@ def test_bends_are_told_one_by_one_or_all_alike(more: dict[str, Any]) -> None:
 
 
 def test_there_are_turn_lanes_only_where_a_road_leaves_on_that_side() -> None:
-    road = {"kind": "corridor", "lanes_back": 2, "junctions": [{"position": 300, "sides": ["left"], "left_turn_lane": True}]}
+    road = {"kind": "corridor", "lanes_back": 2, "junctions": [{"position": 300, "sides": ["left"], "left_turn_lanes": 1}]}
     spec = MapSpec.model_validate({"road": road}).road
     assert isinstance(spec, Corridor)
     assert spec.turn_lanes(0) == (1, 0, 60.0)
@@ -239,7 +272,7 @@ def test_vehicles_drive_through_the_smallest_ring(arms: int) -> None:
     raw = compile_map(MapSpec.model_validate({"road": road}))
     network = Network.read(raw, "mini-roundabout")
     run = Run(seed=3, warm_up=30.0, seconds=30.0, lateral_resolution=0.8, time_limit=60.0)
-    motion = simulate(raw, draw_demand(network, Demand(20, 40.0), seeds.rng(3, "ring")), network.map.origin, run).motion
+    motion = simulate(raw, draw_demand(network, Demand(20, 14.0, 40.0), seeds.rng(3, "ring")), network.map.origin, run).motion
     distance = np.hypot(*np.moveaxis(motion.position + network.map.origin, -1, 0))
     inside = motion.valid & (distance < 7.0)
     last = np.argmax(np.cumsum(motion.valid, axis=1), axis=1)
@@ -253,7 +286,7 @@ def test_any_arms_that_are_apart_meet_at_one_crossing(sectors: list[int], lanes:
     ring = sorted(sectors)
     nearest = min((after - before) % 18 for before, after in zip(ring, [*ring[1:], ring[0] + 18], strict=True))
     assume(lanes <= 2 * nearest)  # wider roads at 20 degrees lie on top of one another, which the checks say
-    arms = [{"angle": 20.0 * s, "lanes_in": lanes, "lanes_out": lanes, "left_turn_lane": s % 2 == 0} for s in sectors]
+    arms = [{"angle": 20.0 * s, "lanes_in": lanes, "lanes_out": lanes, "left_turn_lanes": s % 2 == 0} for s in sectors]
     control = "signals" if signals else "yield"
     built = build_spec(MapSpec.model_validate({"road": {"kind": "crossing", "arms": arms, "control": control}}), {})
     assert failures(list(built.checks)) == []

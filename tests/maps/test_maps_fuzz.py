@@ -34,7 +34,7 @@ def specs() -> list[dict[str, Any]]:
     texts += ["a motorway with an on-ramp and an off-ramp", "a cul-de-sac", "a 2 by 2 grid", "a motorway that forks into two"]
     texts += ["a trumpet interchange"]
     fork = {"kind": "fork", "length": 400, "stem": 600}
-    pockets = {"kind": "corridor", "junctions": [{"position": 300, "left_turn_lane": True, "pocket": 40}]}
+    pockets = {"kind": "corridor", "junctions": [{"position": 300, "left_turn_lanes": 1, "pocket": 40}]}
     arcs = {"kind": "corridor", "alignment": {"shape": "s_curve", "arcs": [[90, 50], [-70, 75]]}}
     bent = {
         "kind": "corridor",
@@ -87,7 +87,7 @@ def test_mutated_words_are_understood_or_refused(strayed: list[str]) -> None:
         text = mutated_text(rng, SUITE[i % len(SUITE)])
         with at_most(), contextlib.suppress(UnusableInput):
             answered += read(text, 7).road is not None
-    assert answered > COUNT // 5
+    assert answered >= COUNT // 5
 
 
 def test_mutated_specifications_are_built_or_refused(strayed: list[str]) -> None:

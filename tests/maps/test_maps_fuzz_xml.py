@@ -34,7 +34,7 @@ def files() -> list[list[str]]:
 class Parrot:
     """Stands in for a language model: says one thing whatever it is asked, through the real reader of replies."""
 
-    prompt_version = "roads-2"
+    prompt_version = "roads-3"
     description = "parrot"
 
     def __init__(self, reply: str) -> None:

@@ -26,7 +26,7 @@ def says(road, **more) -> Says:
 
 
 def asked(tmp_path, url, mode=Mode.AUTO) -> LanguageModel:
-    return model(tmp_path / "records", url, mode, output="prompted", retries=0, prompt="roads-2")
+    return model(tmp_path / "records", url, mode, output="prompted", retries=0, prompt="roads-3")
 
 
 def test_the_models_specification_becomes_the_map_and_the_account_names_the_model(tmp_path):
@@ -139,5 +139,5 @@ def test_every_example_is_a_specification_and_the_likest_comes_last():
 
 
 def test_a_wording_that_does_not_exist_is_refused(tmp_path):
-    with pytest.raises(UnusableInput, match="roads-2"):
+    with pytest.raises(UnusableInput, match="roads-3"):
         Plugin(model(tmp_path, prompt="roads-0"))

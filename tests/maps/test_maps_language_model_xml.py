@@ -27,7 +27,7 @@ def says(**answer) -> Says:
 
 
 def asked(tmp_path, url, **more):
-    return model(tmp_path / "records", url, output="prompted", retries=0, prompt="roads-2", **more)
+    return model(tmp_path / "records", url, output="prompted", retries=0, prompt="roads-3", **more)
 
 
 def fenced(request) -> list[str]:

@@ -292,7 +292,7 @@ def test_vehicles_drive_through_its_loops(form: str) -> None:
     raw = compile_map(spec)
     network = Network.read(raw, form)
     run = Run(seed=3, warm_up=30.0, seconds=120.0, lateral_resolution=0.8, time_limit=120.0)
-    motion = simulate(raw, draw_demand(network, Demand(40, 150.0), seeds.rng(3, form)), network.map.origin, run).motion
+    motion = simulate(raw, draw_demand(network, Demand(40, 14.0, 150.0), seeds.rng(3, form)), network.map.origin, run).motion
     for loop in ramps(draw(spec), "loop"):
         line = circle(loop, spec)
         middle = (line.max(axis=0) + line.min(axis=0)) / 2

@@ -24,8 +24,8 @@ JUNCTION = st.fixed_dictionaries(
     {
         "sides": SIDES,
         "form": st.sampled_from(["crossing", "roundabout"]),
-        "left_turn_lane": st.booleans(),
-        "right_turn_lane": st.booleans(),
+        "left_turn_lanes": st.booleans(),
+        "right_turn_lanes": st.booleans(),
         "pocket": st.floats(15, 500),
         "side_lanes": st.integers(1, 3),
         "diameter": st.floats(14, 60),

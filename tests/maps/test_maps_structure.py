@@ -11,7 +11,7 @@ from drivegen.maps.examine import examine
 from drivegen.maps.overlaps import overlapping
 from drivegen.maps.structure import measure
 
-ARMS = [{"angle": angle, "lanes_in": 3, "lanes_out": 3, "left_turn_lane": True} for angle in (0, 30, 90, 180, 270)]
+ARMS = [{"angle": angle, "lanes_in": 3, "lanes_out": 3, "left_turn_lanes": 1} for angle in (0, 30, 90, 180, 270)]
 NETWORK = examine(MapSpec.model_validate({"road": {"kind": "crossing", "arms": ARMS, "control": "signals"}})).network
 
 

@@ -85,7 +85,7 @@ def test_an_outside_folder_brings_its_own_judge(tmp_path):
     (tmp_path / "check_map.py").write_text(f"import sys; assert sys.executable == {sys.executable!r}")
     assert tried([case], Scripted({"crossing": CROSSING}), 7)[0].right
     (tmp_path / "map_prompts.jsonl").write_text("{")
-    with pytest.raises(UnusableInput, match="no file of descriptions"):
+    with pytest.raises(UnusableInput, match=r"map_prompts\.jsonl is not JSON"):
         outside_cases(tmp_path)
     with pytest.raises(UnusableInput, match="must hold"):
         outside_cases(tmp_path / "nowhere")

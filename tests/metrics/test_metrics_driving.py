@@ -78,12 +78,18 @@ def test_a_summary_counts_runs_and_has_intervals_over_recordings():
         "collision": np.array([0.0, 0.5, 1.0]),
         "absolute_acceleration": np.full(3, 0.5),
         "acceleration": np.full(3, -0.25),
+        "distance": np.array([30.0, 50.0, 80.0]),
+        "planned_distance": np.array([40.0, 60.0, 100.0]),
+        "red_run": np.array([1.0, 0.5, 0.0]),
+        "red_lights": np.array([1.0, 1.0, 2.0]),
     }
     found = driving_summary(metrics, ["a", "a", "b"], runs, scene, 200, np.random.default_rng(7))
     assert (found["scenarios"], found["recordings"], found["runs"]) == (3, 2, 5)
     assert found["collision"] == pytest.approx(0.5)
     assert (found["collision.low"], found["collision.high"]) == pytest.approx((0.25, 1.0))  # all of a, all of b
     assert (found["comfort_absolute"], found["comfort_signed"]) == pytest.approx((2.0, 4.0))
+    assert (found["progress"], found["progress.low"], found["progress.high"]) == pytest.approx((160 / 200, 0.8, 0.8))
+    assert (found["red_share"], found["red_share.low"], found["red_share.high"]) == pytest.approx((1.5 / 4, 0.0, 0.75))
     assert found["spread_over_runs"] == pytest.approx(spread_over_runs(runs, np.ones((1, 5)))[0])
     ends = [spread_over_runs(runs, times[None])[0] for times in (np.array([2.0, 2, 2, 0, 0]), np.array([0, 0, 0, 2.0, 2]))]
     assert (found["spread_over_runs.low"], found["spread_over_runs.high"]) == pytest.approx(

@@ -57,6 +57,12 @@ def test_twenty_alike_scenes_of_a_recording_say_no_more_than_one():
     assert (together.low, together.high) == pytest.approx((once.low, once.high))
 
 
+def test_recordings_that_show_the_same_cars_are_one() -> None:
+    same = ("USA_US101-6_1_T-1-000", "USA_US101-28_1_T-1-003", "USA_US101-9_1_T-1-001")
+    assert len({recording(name) for name in same}) == 1
+    assert recording("USA_US101-3_1_T-1-000") == "USA_US101-3_1_T-1"
+
+
 def test_one_recording_says_nothing_about_others():
     [found] = bootstrap_means(np.array([[1.0], [3.0]]), ["a", "a"], 100, np.random.default_rng(0))
     assert found.value == 2.0

@@ -8,7 +8,7 @@ from drivegen.metrics.pooled import Resampling, envelope, pooled_mean, rank_corr
 
 
 def resampling(seeds: int, groups: list[str], draws: int = 400) -> Resampling:
-    return Resampling.of(seeds, groups, draws, np.random.default_rng(5))
+    return Resampling.of([(seed, 0) for seed in range(seeds)], groups, draws, np.random.default_rng(5))
 
 
 def test_the_mean_is_over_all_cells_that_are_known():
@@ -35,6 +35,16 @@ def test_what_differs_between_seeds_widens_the_interval():
     assert pooled_mean(different, resampling(3, groups)).high > 0.5
 
 
+def test_what_differs_between_sampling_seeds_widens_the_interval_too_and_pairs_are_crossed():
+    runs = [(trained, drawn) for trained in (7, 8, 9) for drawn in (7, 17, 27)]
+    by_sampling = np.repeat([[drawn / 10] for _, drawn in runs], 50, axis=1)
+    found = Resampling.of(runs, [str(i) for i in range(50)], 400, np.random.default_rng(5))
+    interval = pooled_mean(by_sampling, found)
+    assert (interval.value, interval.low, interval.high) == pytest.approx((1.7, 0.7, 2.7), abs=0.4)
+    grid = found.runs.reshape(-1, 3, 3)
+    np.testing.assert_allclose(grid * grid.sum((1, 2), keepdims=True), grid.sum(2, keepdims=True) * grid.sum(1, keepdims=True))
+
+
 def test_draws_agree_with_resampling_by_plain_loops():
     rng = np.random.default_rng(3)
     values, groups = rng.normal(size=(2, 6)), ["a", "a", "b", "c", "c", "c"]
@@ -42,7 +52,7 @@ def test_draws_agree_with_resampling_by_plain_loops():
     drawn = resampling(2, groups, draws=50)
     means = []
     for d in range(50):
-        cells = [values[s, n] for s in range(2) for n in range(6) for _ in range(int(drawn.seeds[d, s] * drawn.scenes[d, n]))]
+        cells = [values[s, n] for s in range(2) for n in range(6) for _ in range(int(drawn.runs[d, s] * drawn.scenes[d, n]))]
         known = [cell for cell in cells if np.isfinite(cell)]
         means += [np.mean(known)] if known else []
     found = pooled_mean(values, drawn)

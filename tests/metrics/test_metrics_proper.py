@@ -1,5 +1,7 @@
 """Energy score and likelihood: by hand, by plain loops, and that honesty pays (propriety)."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,7 +9,8 @@ from hypothesis import strategies as st
 
 from drivegen.core.geometry import rotate
 from drivegen.core.scenario import Trajectories
-from drivegen.metrics.proper import energy_scores, likeliest_for_others, log_densities
+from drivegen.metrics.displacement import scored_steps
+from drivegen.metrics.proper import energy_scores, likeliest_for_others, log_densities, spread
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -56,6 +59,16 @@ def by_loops(samples, log):
 def test_arrays_and_loops_agree(seed):
     samples, log = drawn(seed)
     np.testing.assert_allclose(list(vars(energy_scores(samples, log)).values()), by_loops(samples, log), rtol=1e-5)
+
+
+def test_the_spread_of_a_scene_is_the_mean_distance_of_two_samples() -> None:
+    samples, log = drawn(3)
+    scored = scored_steps(log)
+    rows = [n for n in range(len(scored)) if scored[n].any()]
+    pairs = itertools.combinations(samples.position.astype(np.float64), 2)
+    apart = [np.mean([np.linalg.norm(a[n] - b[n], axis=-1)[scored[n]].mean() for n in rows]) for a, b in pairs]
+    assert spread(samples, log) == pytest.approx(np.mean(apart), rel=1e-5)
+    assert spread(samples[:1], log) == 0
 
 
 def test_two_samples_around_the_log_by_hand():

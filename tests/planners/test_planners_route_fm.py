@@ -11,6 +11,7 @@ from drivegen.core.geometry import wrap_angle
 from drivegen.core.scenario import DT, Trajectories
 from drivegen.planners.base import Planner, PlanRequests
 from drivegen.planners.shared.fitting import encode
+from drivegen.planners.shared.guidance import Guidance, guided
 from drivegen.planners.shared.motion import GRID, Residuals, decode
 from drivegen.planners.shared.noise import normals
 from drivegen.planners.shared.paths import Frames
@@ -137,3 +138,14 @@ def test_noise_is_normal_and_depends_on_seed_and_stream_alone() -> None:
     np.testing.assert_allclose(np.cov(noise.T), np.eye(16), atol=0.05)
     np.testing.assert_array_equal(noise[7:8], normals(seed[7:8], 16))
     assert abs(np.corrcoef(noise.ravel(), normals(seed, 16, 1).ravel())[0, 1]) < 0.01
+
+
+def test_guided_motion_of_a_request_does_not_depend_on_the_others(planner: Planner) -> None:
+    requests = LOGS.requests[~LOGS.requests.parked]
+
+    def motion(some: PlanRequests) -> Trajectories:
+        return guided(planner, some, 91, lambda motion, _: motion.position[:, 45].sum(-1), Guidance(last=2, inner=1, step=0.3))
+
+    together = motion(requests)
+    for b in (0, len(requests) // 2):
+        np.testing.assert_array_equal(motion(requests[b : b + 1]).position[0], together.position[b])

@@ -14,7 +14,7 @@ from drivegen.recording import GoalMarks, record_scenario
 from drivegen.recording.collision import record_collision
 from drivegen.recording.roads import surroundings
 from drivegen.recording.traffic import FREE, clearance
-from drivegen.store.collisions import Pictured, Where
+from drivegen.store.collisions import Where
 from tests.scenes import busy_crossing, drive, noisy_samples, road_map, scenario, stack, straight_road
 
 
@@ -125,8 +125,8 @@ def test_a_collision_marks_the_impact_and_says_who_drove(tmp_path):
     samples = noisy_samples(scene)
     driven = samples.motion[:, TARGET]
     driven.valid[0, 31:] = False
-    words = Pictured(tmp_path / "2/collisions/0", Where(scene.scenario_id, "shard-0.parquet", 0, 3, 30), "it came from the left")
-    record_collision(tmp_path / "hit.rrd", scene, samples, driven, words)
+    where = Where(scene.scenario_id, "shard-0.parquet", 0, 3, 30)
+    record_collision(tmp_path / "hit.rrd", scene, samples, driven, where, "Round 2, collision 1", "it came from the left")
     found = read(tmp_path / "hit.rrd")
     ball = found["/world/impact"]
     assert ball["Points3D:labels"] == [["impact, 3.0 s"]]

@@ -4,7 +4,7 @@ import numpy as np
 
 from drivegen.core.intervals import Interval
 from drivegen.core.methods import read_methods
-from drivegen.report.published import DataSet, Results
+from drivegen.report.published import DataSet, Results, Run
 from drivegen.report.published_front import front
 
 ABOUT = read_methods()
@@ -24,7 +24,7 @@ def test_rows_on_the_front_are_bold_and_the_log_is_no_row():
         }
         for method, (error, diversity) in {"bits": (1.8, 0.6), "constant_velocity": (5.0, 0.9), "log": (0.0, 1.0)}.items()
     }
-    data = DataSet("x", "some scenes", "", (7,), ABOUT, {method: results(1, 1) for method in pooled}, by_scene=False)
+    data = DataSet("x", "some scenes", "", (Run(7, 7),), ABOUT, {method: results(1, 1) for method in pooled}, by_scene=False)
     table = front(data, at, pooled, 0.6)
     bold = {row.cells[0].text for row in table.rows if row.cells[0].best}
     assert bold == {"DriveGen, temperature 0.5", "DriveGen, temperature 0.7", "BITS"}
@@ -34,7 +34,7 @@ def test_rows_on_the_front_are_bold_and_the_log_is_no_row():
 def test_the_temperature_in_use_is_named_and_those_that_are_beaten_stand_below_the_table():
     at = {0.5: results(2.0, 0.9), 1.5: results(4.0, 0.8)}
     pooled = {"drivegen": {"mean_sade": Interval(1.9, 1, 2), "diversity": Interval(0.95, 0.9, 1)}}
-    data = DataSet("x", "some scenes", "", (7,), ABOUT, {"drivegen": results(1.9, 0.95)}, by_scene=False)
+    data = DataSet("x", "some scenes", "", (Run(7, 7),), ABOUT, {"drivegen": results(1.9, 0.95)}, by_scene=False)
     table = front(data, at, pooled, 0.4)
     assert "DriveGen, temperature 0.4 (in use)" in {row.cells[0].text for row in table.rows}
     assert table.notes[-1].endswith("DriveGen at temperature 0.5; temperature 1.5.")
@@ -45,6 +45,6 @@ def test_the_temperature_in_use_is_named_and_those_that_are_beaten_stand_below_t
 
 def test_a_row_that_was_not_measured_is_not_said_to_be_beaten():
     pooled = {"drivegen": {"mean_sade": Interval(1.9, 1, 2)}}
-    data = DataSet("x", "some scenes", "", (7,), ABOUT, {"drivegen": results(1.9, 0.95)}, by_scene=False)
+    data = DataSet("x", "some scenes", "", (Run(7, 7),), ABOUT, {"drivegen": results(1.9, 0.95)}, by_scene=False)
     notes = front(data, {0.5: results(2.0, 0.9), 1.0: results(3.0, 0.8)}, pooled, 0.4).notes
     assert notes[-1].endswith("DriveGen at temperature 1.")

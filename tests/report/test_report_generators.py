@@ -12,11 +12,11 @@ LCTGEN = {
 STEPS = [100.0, 200.0, 300.0, 400.0]
 
 
-def made(losses: list[float]):
+def made(losses: list[float], plateau: bool | None = True):
     return section(
         Evidence(
             methods=read_methods(),
-            results={"train_generator/lctgen": LCTGEN},
+            results={"train_generator/lctgen": LCTGEN | {"plateau": plateau}},
             curves=(Curve("train_generator/lctgen", {"step": STEPS, "train": losses, "validation": losses}),),
             costs={"train_generator/lctgen": {"training_cpu_seconds": 71.25}},
         )
@@ -41,9 +41,10 @@ def test_what_was_trained_elsewhere_says_so():
     assert [cell.text for cell in times.rows[0].cells] == ["LCTGen", "not measured here: restored from cache"]
 
 
-def test_a_loss_that_still_falls_is_not_called_flat():
-    texts = [cell.text for cell in made([9.0, 8.0, 7.0, 6.0]).tables[0].rows[0].cells]
-    assert "not yet" in texts
+def test_what_still_gained_is_said_to_and_what_is_too_short_says_nothing():
+    for plateau, word in ((False, "no"), (None, "\u2013")):
+        table = made([9.0, 8.0, 7.0, 6.0], plateau).tables[0]
+        assert table.rows[0].cells[table.columns.index("plateau")].text == word
 
 
 def test_nothing_trained_says_so():

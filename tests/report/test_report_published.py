@@ -8,7 +8,8 @@ import pytest
 from drivegen.core.intervals import Interval
 from drivegen.core.methods import read_methods
 from drivegen.core.seeds import rng
-from drivegen.report.published import DataSet, Results, pool, set_numbers
+from drivegen.report.published import DataSet, Results, Run, pool, rows, set_numbers
+from drivegen.report.published_additions import added
 from drivegen.report.published_best import best
 from drivegen.report.published_costs import costs
 from drivegen.report.published_goals import goals
@@ -37,7 +38,7 @@ def data_set(**changes: object) -> DataSet:
         "log": results(0.0, min_sade=0.0, nll_1s=0.0, realism=0.9, energy_final=0.0, rejected=0.0),
     }
     return DataSet(**{
-        "name": "x", "title": "some scenes", "trained_on": "", "seeds": (7,), "about": ABOUT, "methods": methods,
+        "name": "x", "title": "some scenes", "trained_on": "", "runs": (Run(7, 7),), "about": ABOUT, "methods": methods,
         "by_scene": False, **changes,
     })  # fmt: skip
 
@@ -137,17 +138,17 @@ def curve(*losses: float) -> dict[str, list[float]]:
     return {"step": [100.0 * (n + 1) for n in range(len(losses))], "validation": list(losses)}
 
 
-def trained(name: str, parameters: int, seconds: float, seed: int = 7, *losses: float) -> Trained:
+def trained(name: str, parameters: int, seconds: float, seed: int = 7, plateau: bool | None = True) -> Trained:
     took = {"cpu_seconds": seconds, "training_cpu_seconds": seconds - 10} if seconds else {}
-    return Trained("toys", seed, Model(name, parameters, curve(*(losses or (9.0, 4.0, 3.5, 3.5))), took))
+    return Trained("toys", seed, Model(name, parameters, curve(9.0, 4.0, 3.5, 3.5), took, plateau))
 
 
-def test_models_stand_with_size_time_and_whether_each_seed_is_flat():
+def test_models_stand_with_size_time_and_whether_each_seed_is_at_its_plateau():
     found = [trained(name, 100, 60.0) for name in ("train_planner/route_fm", "train_selector/train_selector")]
-    found += [trained("train_generator/bits", 7, 100.0), trained("train_generator/bits", 7, 120.0, 8, 9.0, 8.0, 7.0, 6.0)]
+    found += [trained("train_generator/bits", 7, 100.0), trained("train_generator/bits", 7, 120.0, 8, plateau=False)]
     [table] = models(found, ABOUT)
     rows = {row.cells[0].text: [cell.text for cell in row.cells[1:]] for row in table.rows}
-    assert rows["BITS"] == ["7", "400", "100, 120", "90, 110", "yes, not yet"]
+    assert rows["BITS"] == ["7", "400", "100, 120", "90, 110", "yes, no"]
     assert rows["DriveGen, together"][:3] == ["200", "\u2013", "120"]
     assert list(rows)[:3] == ["DriveGen: planner", "DriveGen: goal selector", "DriveGen, together"]
     assert any(
@@ -229,3 +230,24 @@ def test_the_table_of_contents_goes_by_data_set(missing: list[str], said: str):
         < text.index("## Across data sets")
         < text.index("models-toys")
     )
+
+
+def test_what_an_addition_is_worth_stands_beside_what_it_changes():
+    plain, safer = (
+        results(0.5, min_sade=error, collision_per_vehicle=share, illegal_per_vehicle=share)
+        for error, share in ((2.0, 0.4), (2.5, 0.1))
+    )
+    data = data_set(added={"bits/none": plain, "bits/checker": safer})
+    pooled = pooled_of(data)
+    [table] = added(data, pooled, 50, rng(7, "added"))
+    lines = {row.cells[0].text: row.cells for row in table.rows}
+    assert list(lines) == [
+        "DriveGen, its own exclusion + checker + tempo",
+        "BITS, as it is",
+        "BITS, + checker",
+        "Log (recorded futures)",
+    ]
+    assert (lines["BITS, + checker"][5].text, lines["BITS, + checker"][5].note) == ("0.100", "-0.300, -0.300 to -0.300")
+    told = {(row["method"], tuple(row["additions"]), row["metric"]): row["value"] for row in rows(data, pooled)}
+    assert (told["bits", (), "min_sade"], told["bits", ("checker",), "min_sade"]) == (2.0, 2.5)
+    assert added(data_set(), pooled, 50, rng(7, "added")) == []

@@ -14,6 +14,7 @@ from drivegen.core.geometry import wrap_angle
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.routes import SPACING, feasible_routes, from_frenet, match_route, to_frenet
 from tests import scenes
+from tests.timing import yardstick
 
 CROSSING = LaneGraph.of(scenes.crossing())
 ROAD = LaneGraph.of(scenes.straight_road(300, 3))
@@ -165,4 +166,4 @@ def test_real_maps_give_drivable_routes_in_a_millisecond():
                 assert np.abs(np.diff(route.heading)).max() < 0.5
                 assert abs(wrap_angle(route.heading[0] - heading)) < 1.2
     assert kept / asked > 0.95, "a vehicle on a lane should have a route along it"
-    assert spent / asked < 0.003, "routes should take about a millisecond a vehicle"
+    assert spent / asked < 0.03 * yardstick(), "routes should take about a millisecond a vehicle"

@@ -17,12 +17,12 @@ from drivegen.goals.packing import pack
 from drivegen.roads.graph import LaneGraph
 from drivegen.rollout.batch import choose, recorded_choices, roll_out, tempered
 from drivegen.rollout.models import Equipment
-from drivegen.rollout.scene import Choices, Rollout, RolloutSettings, _steps_to_avoid_target
+from drivegen.rollout.scene import Choices, Rollout, RolloutSettings, steps_to_avoid_target
 from tests.checking import LIMITS
 from tests.models import candidate_settings, two_lanes
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
-SETTINGS = RolloutSettings(attempts=3, rounds=4, evictions=1, drop_illegal=False, target_steps=None, tempo=0.8)
+SETTINGS = RolloutSettings(attempts=3, rounds=4, evictions=1, drop_illegal=False, target_steps=None, exclusion=True, tempo=0.8)
 SAMPLES = 4
 
 
@@ -149,8 +149,8 @@ def test_who_comes_from_behind_avoids_the_target_always_the_others_until_its_dri
     cars = [drive(line, 100, 8, 101), drive(line, 50, 8, 101), drive(line, 150, 8, 101), drive(line[::-1], 250, 8, 101)]
     scene = scenario(road, stack(cars))  # the target, behind it, ahead of it, and behind it the other way
     assert scene.vehicles.position[3, 0] < scene.vehicles.position[0, 0]
-    assert _steps_to_avoid_target(scene, 20).tolist() == [101, 101, 20, 20]
-    assert _steps_to_avoid_target(scene, None).tolist() == [101] * 4
+    assert steps_to_avoid_target(scene, 20).tolist() == [101, 101, 20, 20]
+    assert steps_to_avoid_target(scene, None).tolist() == [101] * 4
 
 
 @pytest.mark.parametrize(("target_steps", "sent_away"), [(None, [1, 1, 0]), (20, [0, 1, 0])])

@@ -44,6 +44,8 @@ class Replay:
             impact_speed=np.where(hit, 4, np.nan).astype(np.float32),
             imposed_braking=np.zeros(count, np.float32),
             imposed_loss=np.zeros(count, np.float32),
+            red_lights=np.full(count, 2, np.float32),
+            red_run=np.ones(count, np.float32),
             off_road=np.full(count, np.nan, np.float32),
         )
 

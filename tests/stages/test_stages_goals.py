@@ -49,7 +49,7 @@ def test_training_leaves_scores_and_a_curve(trained):
     metrics = orjson.loads((trained / "train.json").read_bytes())
     assert set(metrics["validation"]) == {"learned", "prior", "random"}
     assert metrics["train_lists"] == 2 * 16
-    assert (trained / "curve.csv").read_text().splitlines()[0] == "step,train,validation"
+    assert (trained / "curve.csv").read_text().splitlines()[0] == "step,train,validation,goal_distance"
 
 
 @pytest.mark.parametrize("selector", ["random", "log", "learned", "prior"])

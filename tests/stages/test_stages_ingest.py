@@ -38,6 +38,7 @@ def params(world: Path, **changes: object) -> ingest.Params:
         held_out={"sumo_corpus": "test", "argoverse2": "val"},
         fewest_tracks=200,
         limits={"train": None, "val": None, "test": None},
+        recordings=(),
         shard_size=2,
         selection=SELECTION,
         horizons={},

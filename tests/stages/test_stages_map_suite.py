@@ -28,7 +28,7 @@ def run(tmp_path, monkeypatch):
     monkeypatch.setattr(map_suite, "own_cases", lambda: SUITE)
 
     def run_stage(models, mode="auto", **role):
-        values = vars(settings(**{"prompt": "roads-2", "output": "prompted", "retries": 0, **role}))
+        values = vars(settings(**{"prompt": "roads-3", "output": "prompted", "retries": 0, **role}))
         lm = {"maps": values, "records": {"mode": mode, "folder": "records"}}
         (tmp_path / "params.yaml").write_text(yaml.safe_dump({"lm": lm}))
         costs = map_suite.main(map_suite.Params(7, ["offline"], models, 1, ""), tmp_path / "table.json")

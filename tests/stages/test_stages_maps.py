@@ -24,7 +24,7 @@ def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def run_stage(mode, **role):
-        values = vars(settings(**{"prompt": "roads-2", "output": "prompted", "retries": 0, **role}))
+        values = vars(settings(**{"prompt": "roads-3", "output": "prompted", "retries": 0, **role}))
         lm = {"maps": values, "records": {"mode": mode, "folder": "records"}}
         (tmp_path / "params.yaml").write_text(yaml.safe_dump({"lm": lm}))
         maps.main(

@@ -9,6 +9,7 @@ import yaml
 from dvc.repo import Repo
 
 import drivegen.generators
+from drivegen.checker.verdicts import write_limits_file
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.methods import RULES, read_methods
@@ -32,7 +33,7 @@ from drivegen.core.samples import Samples
 from drivegen.core.scenario import Trajectories
 
 ABOUT = Method(
-    title="{TITLE}", line="Nobody ever moves.", kind="rules", goals=None, trains_on="nothing", places=False,
+    title="{TITLE}", line="Nobody ever moves.", kind="rules", goals=None, trains_on="nothing", places=False, additions=(),
 )
 
 
@@ -76,7 +77,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "params.yaml").write_text(yaml.safe_dump(params))
     scenes = [busy_crossing(60, f"recording-{letter}") for letter in "abc"]
     write_shard(tmp_path / "data/scenarios/test/shard-00000.parquet", scenes)
-    write_json(tmp_path / "data/models/limits.json", LIMITS.to_json())
+    write_limits_file(tmp_path / "data/models/limits.json", LIMITS)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -128,7 +129,7 @@ def test_it_is_in_every_table(project: Path) -> None:
 def test_it_is_in_every_published_table_and_a_stranger_is_no_row_but_an_error(project: Path) -> None:
     measure(NAME)
     measure("constant_velocity")
-    room = project / "runs/sumo_corpus/7"
+    room = project / "runs/sumo_corpus/7-7"
     for name in ("reports", "data"):
         (room / name).parent.mkdir(parents=True, exist_ok=True)
         (room / name).symlink_to(project / name)

@@ -8,6 +8,7 @@ import orjson
 import pytest
 
 from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.report.published import pairs
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, write_results
 from stages import publish
@@ -24,7 +25,7 @@ def about(title: str, **changes: object) -> About:
 def params(**changes: object) -> Params:
     data = {"here": about("Here"), "there": about("There", by_scene=True), "absent": about("Absent")}
     values = {
-        "seed": 7, "draws": 50, "seeds": (7, 8), "temperatures": (0.5,), "params": {}, "data": data,
+        "seed": 7, "draws": 50, "seeds": (7, 8), "sampling_seeds": (7,), "temperatures": (0.5,), "params": {}, "data": data,
         "transfer": (("here", "there"),), "training": (("here", "there"),),
         "own": ("drivegen",), "rivals": ("bits",), "baselines": (), "selectors": ("random",),
     }  # fmt: skip
@@ -52,7 +53,7 @@ def runs(tmp_path: Path) -> Path:
     for seed, shift in ((7, 0.0), (8, 1.0)):
         for name in ("here", "there"):
             run(
-                tmp_path / "runs" / name / str(seed),
+                tmp_path / "runs" / name / f"{seed}-7",
                 {"drivegen": [1 + shift, 2, 3], "bits": [9.0, 9, 9], "constant_velocity": [5.0, 5, 5]},
             )
     run(tmp_path / "runs/here/t0.5", {"drivegen": [1.0, 1, 1]})
@@ -62,11 +63,29 @@ def runs(tmp_path: Path) -> Path:
 def test_every_figure_is_a_row_with_its_interval_and_who_chose(runs, tmp_path):
     publish.main(params(), runs, tmp_path / "out")
     rows = orjson.loads((tmp_path / "out/scenario_quality.json").read_bytes())
-    assert all(set(row) == {"data", "method", "metric", "value", "low", "high", "n", "seeds", "selector"} for row in rows)
+    assert all(
+        set(row)
+        == {
+            "data",
+            "method",
+            "metric",
+            "value",
+            "low",
+            "high",
+            "n",
+            "seeds",
+            "sampling_seeds",
+            "plateau",
+            "additions",
+            "selector",
+        }
+        for row in rows
+    )
     found = {(row["data"], row["method"], row["metric"]): row for row in rows}
     mine = found["here", "drivegen", "min_sade"]
     assert mine["value"] == pytest.approx(6.5 / 3)
     assert mine["low"] < mine["value"] < mine["high"]
+    assert (mine["sampling_seeds"], mine["plateau"], mine["additions"]) == (1, None, ["exclusion", "checker", "tempo"])
     assert (mine["n"], mine["seeds"], mine["selector"]) == (3, 2, "learned selector (imitates logs)")
     assert found["here", "drivegen", "diversity"]["low"] == 0.8
     assert {metric for _, _, metric in found} == {"min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity", "distance.speed"}
@@ -74,7 +93,7 @@ def test_every_figure_is_a_row_with_its_interval_and_who_chose(runs, tmp_path):
 
 def test_scenes_of_one_recording_are_drawn_together(runs, tmp_path):
     for seed in (7, 8):
-        run(runs / "here" / str(seed), {"drivegen": [1.0, 1.0, 4.0]})
+        run(runs / "here" / f"{seed}-7", {"drivegen": [1.0, 1.0, 4.0]})
     publish.main(params(), runs, tmp_path / "out")
     rows = orjson.loads((tmp_path / "out/scenario_quality.json").read_bytes())
     [mine] = [row for row in rows if (row["data"], row["method"], row["metric"]) == ("here", "drivegen", "min_sade")]
@@ -92,8 +111,8 @@ def test_tables_mark_the_under_trained_and_what_nobody_measured(runs, tmp_path):
     assert (tmp_path / "out/scenes-there.md").exists()
     assert "1.00" in (tmp_path / "out/transfer-here-there.md").read_text()
     missing = orjson.loads((tmp_path / "out/provenance.json").read_bytes())["runs_missing"]
-    assert missing == ["absent/7", "absent/8", "there/t0.5", "absent/t0.5"]
-    assert "INCOMPLETE: from 5 of 9 runs; not there: absent/7" in (tmp_path / "out/README.md").read_text()
+    assert missing == ["absent/7-7", "absent/8-7", "there/t0.5", "absent/t0.5"]
+    assert "INCOMPLETE: from 5 of 9 runs; not there: absent/7-7" in (tmp_path / "out/README.md").read_text()
 
 
 def test_runs_that_nobody_asks_for_any_more_are_not_counted(runs, tmp_path):
@@ -103,12 +122,12 @@ def test_runs_that_nobody_asks_for_any_more_are_not_counted(runs, tmp_path):
     publish.main(asked, runs, tmp_path / "out")
     assert "From all 5 runs that `publish`" in (tmp_path / "out/README.md").read_text()
     made = orjson.loads((tmp_path / "out/provenance.json").read_bytes())
-    assert set(made["runs"]) == {"here/7", "here/8", "here/t0.5", "there/7", "there/8"}
+    assert set(made["runs"]) == {"here/7-7", "here/8-7", "here/t0.5", "there/7-7", "there/8-7"}
     assert not (tmp_path / "out/front-there.md").exists()
 
 
 def test_trained_on_less_and_on_more_is_compared_over_the_seeds_that_both_have(runs, tmp_path):
-    shutil.rmtree(runs / "there/8")
+    shutil.rmtree(runs / "there/8-7")
     publish.main(params(), runs, tmp_path / "out")
     text = (tmp_path / "out/training-there.md").read_text()
     assert "| DriveGen | 2.00 " in text
@@ -116,14 +135,14 @@ def test_trained_on_less_and_on_more_is_compared_over_the_seeds_that_both_have(r
 
 
 def test_where_no_seed_or_no_scene_is_in_common_the_table_says_so(runs, tmp_path):
-    shutil.rmtree(runs / "here/8")
-    shutil.rmtree(runs / "there/7")
+    shutil.rmtree(runs / "here/8-7")
+    shutil.rmtree(runs / "there/7-7")
     publish.main(params(), runs, tmp_path / "out")
     text = (tmp_path / "out/training-there.md").read_text()
-    assert "Nothing to compare: Here with 7 and There with 8 have no training seed in common; `make tables`" in text
+    assert "Nothing to compare: Here with 7-7 and There with 8-7 have no run in common; `make tables`" in text
     assert "DriveGen" not in text
-    run(runs / "there/7", {"drivegen": [1.0, 2.0]}, ["USA_US101-9_1_T-1-000", "USA_US101-9_1_T-1-001"])
-    shutil.rmtree(runs / "there/8")
+    run(runs / "there/7-7", {"drivegen": [1.0, 2.0]}, ["USA_US101-9_1_T-1-000", "USA_US101-9_1_T-1-001"])
+    shutil.rmtree(runs / "there/8-7")
     publish.main(params(), runs, tmp_path / "out")
     assert "Nothing to compare: Here and There have no scene in common." in (tmp_path / "out/training-there.md").read_text()
 
@@ -136,7 +155,7 @@ def test_the_same_runs_give_the_same_bytes(runs, tmp_path):
 
 
 def test_seeds_with_other_scenes_are_refused(runs, tmp_path):
-    run(runs / "here/8", {"drivegen": [1.0, 2.0]}, SCENES[:2])
+    run(runs / "here/8-7", {"drivegen": [1.0, 2.0]}, SCENES[:2])
     with pytest.raises(UnusableInput, match="other scenes"):
         publish.main(params(), runs, tmp_path / "out")
 
@@ -144,7 +163,9 @@ def test_seeds_with_other_scenes_are_refused(runs, tmp_path):
 def test_the_section_of_params_yaml_is_what_the_door_takes(monkeypatch):
     monkeypatch.chdir(Path(publish.__file__).parents[1])
     asked = read_params("publish", Params)
-    assert set(asked.runs) >= {f"{name}/{seed}" for name in asked.data for seed in asked.seeds}
+    assert set(asked.runs) >= {
+        f"{name}/{pair.folder}" for name in asked.data for pair in pairs(asked.seeds, asked.sampling_seeds)
+    }
 
 
 def test_no_runs_are_said_to_be_missing(tmp_path):

@@ -1,5 +1,6 @@
 """Rollout, ship and corner from end to end on hand-made shards, with models that were trained for seconds."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +17,9 @@ from drivegen.store.rejected import read_rejected
 from drivegen.store.results import WHOLE_SCENE
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, write_shard
-from stages import corner, goals, rollout, rollout_baseline, ship
+from drivegen.training import weights
+from drivegen.warehouse.runs import read_scores
+from stages import additions, corner, goals, rollout, rollout_baseline, ship
 from stages._door import read_params
 from tests.models import two_lanes
 from tests.scenes import busy_crossing
@@ -53,8 +56,23 @@ def generated(root: Path, models: Path, method: str, out: str = "generated", **c
 
 def continued(root: Path, models: Path, method: str) -> list[Path]:
     """What stage rollout_baseline leaves."""
-    rollout_baseline.main(rollout_baseline.Params(seed=7, workers=1, samples=2), root / "test", models, root / "plain" / method)
+    rollout_baseline.main(
+        rollout_baseline.Params(sampling_seed=7, workers=1, samples=2), root / "test", models, root / "plain" / method
+    )
     return sorted((root / "plain" / method).iterdir())
+
+
+def test_additions_are_scored_beside_the_futures_as_they_are(root: Path, models: Path) -> None:
+    generated(root, models, "drivegen_alone")
+    files = [root / f"additions/drivegen_alone.{end}" for end in ("parquet", "json")]
+    params = replace(read_params("additions", additions.Params), workers=1)
+    additions.main(params, root / "test", models, root / "generated/drivegen_alone", *files)
+    scenarios, values = read_scores([files[0]])
+    assert scenarios == ("a", "b", "c")
+    means = orjson.loads(files[1].read_bytes())
+    assert means["tempo/mean_sade"] == pytest.approx(means["none/mean_sade"])
+    assert means["checker+tempo/illegal_per_vehicle"] <= means["none/illegal_per_vehicle"]
+    assert values.keys() == means.keys()
 
 
 def test_what_follows_goals_and_what_does_not_have_stages_of_their_own(root: Path, models: Path) -> None:
@@ -106,6 +124,24 @@ def test_what_was_turned_down_is_kept_of_the_scenes_that_pictures_draw_and_chang
         assert one.method == method
         assert len(one) == int((scene.samples.attempts - 1).sum())
         assert one.violation.all()
+
+
+def test_a_planner_of_whose_weights_one_is_no_number_ships_nothing(
+    root: Path, models: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Sealed as if it were whole: the checksum is right, the number is not."""
+    broken, folder = tmp_path / "models", tmp_path / "models" / "planners" / "route_fm"
+    shutil.copytree(models, broken)
+    settings, tensors = weights.read_weights(folder, "planner", "route_fm")
+    name = min(tensors)
+    tensors[name] = np.where(np.arange(tensors[name].size).reshape(tensors[name].shape) == 0, np.nan, tensors[name])
+    with monkeypatch.context() as patch:
+        patch.setattr(weights, "check_finite", lambda *_: None)
+        weights.write_weights(folder, "planner", "route_fm", settings, tensors)
+    params = replace(read_params("ship", ship.Params), workers=1)
+    with pytest.raises(UnusableInput, match=rf"route_fm/weights\.safetensors: {name} has a number that is not finite"):
+        ship.main(params, root / "test", broken, tmp_path / "shipped", *(tmp_path / f"shipped.{end}" for end in ENDS))
+    assert [path.name for path in tmp_path.iterdir()] == ["models"]
 
 
 def test_ship_lets_out_legal_scenarios_and_counts_everything(root: Path, models: Path, tmp_path: Path) -> None:

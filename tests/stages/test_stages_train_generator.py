@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from drivegen.checker.verdicts import write_limits_file
 from drivegen.core.errors import MissingTool, UnusableInput
-from drivegen.store.files import write_json
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import write_shard
 from stages import rollout_rival, train_generator
@@ -67,10 +67,10 @@ def test_a_rival_is_rolled_out_and_judged(
     monkeypatch.chdir(tmp_path)
     models = tmp_path / "models"
     train_generator.main(params, scenarios, models / "generators/lctgen", tmp_path / "metrics.json", tmp_path / "curve.csv")
-    rolling = rollout_rival.Params(seed=7, workers=1, samples=3)
+    rolling = rollout_rival.Params(sampling_seed=7, workers=1, samples=3)
     with pytest.raises(MissingTool, match="calibrates"):
         rollout_rival.main(rolling, scenarios / "val", models, tmp_path / "generated" / "lctgen")
-    write_json(models / "limits.json", LIMITS.to_json())
+    write_limits_file(models / "limits.json", LIMITS)
     rollout_rival.main(rolling, scenarios / "val", models, tmp_path / "generated" / "lctgen")
     samples = read_samples(tmp_path / "generated" / "lctgen" / "shard-00000.parquet")
     assert [s.scenario_id for s in samples] == ["val-crossing", "taught-6"]

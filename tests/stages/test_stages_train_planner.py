@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import yaml
 
+from drivegen.checker.verdicts import write_limits_file
 from drivegen.core.errors import MissingTool, UnusableInput
-from drivegen.store.files import write_json
 from drivegen.store.scenarios import write_shard
 from stages import train_planner
 from stages._door import read_params
@@ -35,7 +35,7 @@ def params(tmp_path: Path) -> train_planner.Params:
 @pytest.fixture
 def limits(tmp_path: Path) -> Path:
     """The checker's limits as the calibrate stage writes them."""
-    write_json(tmp_path / "limits.json", LIMITS.to_json())
+    write_limits_file(tmp_path / "limits.json", LIMITS)
     return tmp_path / "limits.json"
 
 
@@ -100,6 +100,18 @@ def test_a_slow_planner_is_scored_on_the_tracks_of_few_scenes(
     train_planner.main(few, scenarios, limits, tmp_path / "route_fm", tmp_path / "metrics.json", tmp_path / "curve.csv")
     metrics = json.loads((tmp_path / "metrics.json").read_text())
     assert (metrics["scored_scenes"], metrics["scored_tracks"]) == (1, 3)
+
+
+def test_a_rate_at_which_the_loss_explodes_is_one_sentence_and_leaves_no_weights(
+    params: train_planner.Params, scenarios: Path, limits: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    settings = params.planners["route_fm"]
+    absurd = settings | {"training": settings["training"] | {"learning_rate": 1e4, "warmup": 0, "steps": 40}}
+    rest = (tmp_path / "made" / "route_fm", tmp_path / "metrics.json", tmp_path / "curve.csv")
+    with pytest.raises(UnusableInput, match=r"the loss is (nan|inf) at step \d+ of 40; lower learning_rate \(10000\)"):
+        train_planner.main(replace(params, planners={"route_fm": absurd}), scenarios, limits, *rest)
+    assert not any(path.exists() for path in rest)
 
 
 def test_unknown_planners_missing_settings_missing_scenarios_and_missing_limits_are_named(

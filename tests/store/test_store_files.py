@@ -13,7 +13,7 @@ import pyarrow as pa
 import pytest
 
 from drivegen.core.errors import UnusableInput
-from drivegen.store.files import whole, write_json, write_table, write_together
+from drivegen.store.files import HOST, whole, write_json, write_table, write_together
 
 TABLE = pa.table({"x": np.arange(50_000, dtype=np.float64)})
 
@@ -67,8 +67,12 @@ def test_a_killed_writer_leaves_nothing_that_is_taken_as_done(tmp_path):
     assert not path.exists()
     assert list(tmp_path.glob("shard-*.parquet")) == []
     [left] = tmp_path.iterdir()
-    assert left.name == f".shard-00000.parquet.{writer.pid}.part"
-    others = [tmp_path / f".shard-00000.parquet.{os.getppid()}.part", tmp_path / ".shard-00001.parquet.4194305.part"]
+    assert left.name == f".shard-00000.parquet.{HOST}.{writer.pid}.part"
+    others = [
+        tmp_path / f".shard-00000.parquet.{HOST}.{os.getppid()}.part",
+        tmp_path / f".shard-00001.parquet.{HOST}.4194305.part",
+        tmp_path / ".shard-00000.parquet.elsewhere.4194305.part",  # of another machine that shares the folder
+    ]
     for other in others:
         other.write_bytes(b"")
     write_table(path, TABLE)  # what a dead writer left goes, what others are at stays

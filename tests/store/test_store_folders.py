@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from drivegen.core.errors import UnusableInput
+from drivegen.store.files import HOST
 from drivegen.store.folders import whole_folder
 
 
@@ -76,7 +77,7 @@ def test_what_a_killed_run_left_is_removed_by_the_next_and_what_others_are_at_is
     subprocess.run([sys.executable, "-c", KILLED], cwd=tmp_path, check=False)
     [left] = tmp_path.iterdir()
     assert left.name.endswith(".part")
-    others = [tmp_path / f".out.{os.getppid()}.part", tmp_path / ".out2.4194305.part", tmp_path / ".out.txt.part"]
+    others = [tmp_path / f".out.{HOST}.{os.getppid()}.part", tmp_path / f".out2.{HOST}.4194305.part", tmp_path / ".out.txt.part"]
     for other in others:
         other.mkdir()
     with whole_folder(tmp_path / "out") as folder:

@@ -113,12 +113,16 @@ def test_choosing_goals_is_counted_for_every_method_that_follows_a_selectors(tmp
     selectors = {name: method.goals for name, method in read_methods().items()}
     following = {name: selector for name, selector in selectors.items() if selector is not None}
     assert len(following) > 2
-    for n, (method, selector) in enumerate(following.items()):
-        write_cost(tmp_path / "costs", "goals", selector, {"cpu_seconds": 3.0 * (n + 1)})
+    seconds = {selector: 3.0 * n for n, selector in enumerate(dict.fromkeys(following.values()), 1)}  # two may follow one
+    for method, selector in following.items():
+        write_cost(tmp_path / "costs", "goals", selector, {"cpu_seconds": seconds[selector]})
         write_cost(tmp_path / "costs", "rollout", method, {"cpu_seconds": 30.0})
     made = warehouse(tmp_path, *(rows(replace(RUN, method=name), min_sade=[1.0, 2.0, 6.0]) for name in selectors))
     found = {row["method"]: row["of_it_choosing_goals"] for row in query(made, "from cost_of_methods").to_pylist()}
-    assert found == {**dict.fromkeys(selectors, 0.0), **{name: 1000.0 * (n + 1) for n, name in enumerate(following)}}
+    assert found == {
+        **dict.fromkeys(selectors, 0.0),
+        **{name: 1000.0 / 3.0 * seconds[selector] for name, selector in following.items()},
+    }
 
 
 def test_a_warehouse_is_replaced_as_a_whole(tmp_path):

@@ -45,6 +45,7 @@ def made(tmp_path_factory) -> Path:
     runs = {"collision": [0, 0, 0, 1], "collision.at_fault": [0, 0, 0, 1], "collision.counted": [0, 0, 0, 1]}
     runs |= {"impact.kind.front": [np.nan] * 3 + [1], "impact.step": [np.nan] * 3 + [37], "impact.partner": [np.nan] * 3 + [5]}
     runs |= {"distance": [50, 60, 70, 20], "left_map": [0, 0, 1, 0], "absolute_acceleration": [0.5, 0.5, 0.5, 3.0]}
+    runs |= {"reactive.collision": [0, 0, 0, 0], "reactive.distance": [49, 59, 69, 19]}
     values = {name: np.array(each, float) for name, each in runs.items()}
     tables = {
         "results": pa.concat_tables(
@@ -99,12 +100,22 @@ def test_one_query_says_what_crashed_how_where_it_is_recorded_and_with_which_par
 
 
 def test_every_run_of_a_driver_has_one_row(ask):
-    rows = ask("from drives order by scenario, sample")
+    rows = ask("from drives where not reactive order by scenario, sample")
     assert [(row["collision"], row["left_map"], row["kind"]) for row in rows] == [
         (False, False, None),
         (False, False, None),
         (False, True, None),
         (True, False, "front"),
+    ]
+
+
+def test_a_run_among_neighbours_that_react_is_a_row_of_its_own(ask):
+    sql = (
+        f"select reactive, collision, kind, distance from drives where scenario = '{SCENES[1]}' and sample = 1 order by reactive"
+    )
+    assert ask(sql) == [
+        {"reactive": False, "collision": True, "kind": "front", "distance": 20},
+        {"reactive": True, "collision": False, "kind": None, "distance": 19},
     ]
 
 

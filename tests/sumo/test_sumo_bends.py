@@ -89,7 +89,7 @@ def test_cyclists_keep_to_slow_roads():
     def kinds(speed: float) -> set[str]:
         arms = [{"angle": angle, "speed": speed} for angle in (0, 120, 240)]
         network = Network.read(compile_map(MapSpec.model_validate({"road": {"kind": "crossing", "arms": arms}})), "y")
-        root = parse(draw_demand(network, Demand(300, 1.0), seeds.rng(1, "demand")), "demand")
+        root = parse(draw_demand(network, Demand(300, 14.0, 1.0), seeds.rng(1, "demand")), "demand")
         return {vehicle.get("type", "").partition("-")[0] for vehicle in root.iter("vehicle")}
 
     assert "cyclist" in kinds(13.9)

@@ -30,7 +30,7 @@ def raw() -> bytes:
 
 def test_tracks_are_box_centres_on_lanes_with_matching_speeds(raw):
     net = Network.read(raw, "crossing")
-    demand = draw_demand(net, Demand(12, 10.0), seeds.rng(7, "test"))
+    demand = draw_demand(net, Demand(12, 14.0, 10.0), seeds.rng(7, "test"))
     traffic = simulate(raw, demand, net.map.origin, RUN)
     motion = traffic.motion
     assert motion.valid.shape == (len(traffic.track_id), 60)
@@ -61,7 +61,7 @@ def test_a_lorry_is_known_by_its_size_and_its_centre_is_half_a_length_behind_its
 
 def test_lights_follow_the_networks_own_programs(raw):
     net = Network.read(raw, "crossing")
-    traffic = simulate(raw, draw_demand(net, Demand(8, 8.0), seeds.rng(1)), net.map.origin, RUN)
+    traffic = simulate(raw, draw_demand(net, Demand(8, 14.0, 8.0), seeds.rng(1)), net.map.origin, RUN)
     (name,) = traffic.lights
     own = net.signals(5.0 + 0.1 * np.arange(60))
     links = net.signal_link[net.signal_name == name]
@@ -71,9 +71,9 @@ def test_lights_follow_the_networks_own_programs(raw):
 
 def test_the_same_seed_drives_the_same_and_another_does_not(raw):
     net = Network.read(raw, "crossing")
-    demand = draw_demand(net, Demand(8, 8.0), seeds.rng(1))
-    assert demand == draw_demand(net, Demand(8, 8.0), seeds.rng(1))
-    assert demand != draw_demand(net, Demand(8, 8.0), seeds.rng(2))
+    demand = draw_demand(net, Demand(8, 14.0, 8.0), seeds.rng(1))
+    assert demand == draw_demand(net, Demand(8, 14.0, 8.0), seeds.rng(1))
+    assert demand != draw_demand(net, Demand(8, 14.0, 8.0), seeds.rng(2))
     a, b = (simulate(raw, demand, net.map.origin, RUN).motion for _ in range(2))
     assert np.array_equal(a.position, b.position)
 
@@ -95,7 +95,7 @@ def test_what_sumo_refuses_and_what_never_drives_are_typed_failures(raw):
 
 def test_a_run_that_takes_too_long_is_stopped(raw):
     net = Network.read(raw, "crossing")
-    demand = draw_demand(net, Demand(60, 2000.0), seeds.rng(1))
+    demand = draw_demand(net, Demand(60, 14.0, 2000.0), seeds.rng(1))
     with pytest.raises(SimulationFailed) as caught:
         simulate(raw, demand, net.map.origin, Run(1, 100_000.0, 1.0, 0.8, time_limit=0.4))
     assert caught.value.reason in ("timeout", "sumo-crashed")  # stopped by our clock, or by its own limit on processor time
@@ -107,7 +107,7 @@ def test_a_network_without_a_trip_is_said_to_be_so():
     net = Network.read(lone, "lone")
     assert vehicles_at_begin(net, 10.0, 100) == 8
     with pytest.raises(UnusableInput, match="trip"):
-        draw_demand(net, Demand(8, 10.0), seeds.rng(1))
+        draw_demand(net, Demand(8, 14.0, 10.0), seeds.rng(1))
 
 
 def distance_to_lanes(road_map: RoadMap, points: np.ndarray) -> np.ndarray:

@@ -25,13 +25,13 @@ def recording() -> Recording:
     """Four seconds of light traffic on a grid."""
     raw = compile_map(MapSpec.model_validate({"road": {"kind": "grid", "rows": 2, "columns": 3, "control": "signals"}}))
     network = Network.read(raw, "grid")
-    demand = draw_demand(network, Demand(25, 20.0), seeds.rng(3, "windows"))
+    demand = draw_demand(network, Demand(25, 14.0, 20.0), seeds.rng(3, "windows"))
     traffic = simulate(raw, demand, network.map.origin, Run(3, 15.0, STEPS * 0.1, 0.8, 60.0))
     return Recording(network, traffic, Cropper(network.map), "grid")
 
 
 def windows(recording: Recording) -> list[Scenario]:
-    return list(cut_windows(recording, "w", WINDOWS, np.random.default_rng(1)))
+    return [window for _, window in cut_windows(recording, "w", WINDOWS, np.random.default_rng(1))]
 
 
 def shown_otherwise(recording: Recording) -> Recording:

@@ -22,7 +22,7 @@ from torch import Tensor, nn
 
 from drivegen.core.errors import UnusableInput
 from drivegen.training import weights
-from drivegen.training.curve import LossRow, kept
+from drivegen.training.curve import LossRow, kept, plateau
 from drivegen.training.loop import Settings, batch_rows, train
 from drivegen.training.weights import SETTINGS as SETTINGS_FILE
 from drivegen.training.weights import WEIGHTS, read_weights, write_weights
@@ -125,6 +125,22 @@ def test_training_lowers_the_loss_and_reports_a_curve() -> None:
     _, curve = train(net(0.0), NoisyCosine(), replace(SETTINGS, steps=200), 5, None, lambda line: None)
     assert [row.step for row in curve] == list(range(20, 201, 20))
     assert curve[-1].validation < 0.2 * curve[0].validation
+
+
+@pytest.mark.parametrize(
+    ("errors", "expected"),
+    [
+        ((9, 8, 5, 4.0, 4.1, 3.97), True),  # 0.75 % less in the last third: no gain
+        ((9, 8, 5, 4.0, 4.1, 3.9), False),
+        ((9, 8, 5, 4.0, 5.0, 6.0), True),  # it gets worse
+        ((9, 8, 5, 4.0, float("nan"), 3.9), None),
+        ((9, 4.0, 3.0), None),  # a last third of one row
+        ((), None),
+    ],
+)
+def test_a_plateau_is_a_last_third_without_gain(errors: tuple[float, ...], expected: bool | None) -> None:
+    rows = [LossRow(100 * n, 0.0, 0.0, error) for n, error in enumerate(errors, 1)]
+    assert plateau(rows) is expected
 
 
 def test_a_probe_is_asked_of_the_averaged_network_at_every_row_and_changes_nothing() -> None:

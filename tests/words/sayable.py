@@ -18,27 +18,39 @@ lanes = st.integers(1, 4)
 speeds = st.one_of(st.integers(10, 150).map(lambda v: v * KMH), st.integers(10, 90).map(lambda v: v * MPH))
 lengths = st.integers(60, 900).map(float)
 controls = st.sampled_from(CONTROLS)
+bans = st.sampled_from(((), (), ("left",), ("right",), ("left", "right")))
+widths = st.sampled_from((3.2, 3.5, 3.0, 2.75))
+
+
+@st.composite
+def turnings(draw):
+    turned = draw(st.dictionaries(st.sampled_from(("left_turn_lanes", "right_turn_lanes")), st.integers(1, 2)))
+    return turned | ({"pocket": float(draw(st.integers(20, 90)))} if turned else {})
 
 
 @st.composite
 def arms(draw, count, pockets=True):
     step = 360 / count
-    found = []
+    ways = []
     for i in range(count):
         one_way = draw(st.sampled_from((None, None, "in", "out"))) if 0 < i < count - 1 else None
         n = draw(lanes)
-        arm = {"angle": float(draw(st.integers(round(i * step), round(i * step) + 4))), "speed": draw(speeds)}
-        arm |= {"length": draw(lengths), "main": draw(st.booleans()), "lanes_in": n, "lanes_out": draw(st.sampled_from((n, 1)))}
-        arm |= {f"lanes_{'out' if one_way == 'in' else 'in'}": 0} if one_way else {}
-        turned = draw(st.sets(st.sampled_from(("left_turn_lane", "right_turn_lane")))) if pockets else ()
-        turns = dict.fromkeys(turned, True) | ({"pocket": float(draw(st.integers(20, 90)))} if turned else {})
-        found.append(arm | turns)
-    return tuple(found)
+        around = {"angle": float(draw(st.integers(round(i * step), round(i * step) + 4))), "speed": draw(speeds)}
+        around |= {
+            "length": draw(lengths),
+            "main": draw(st.booleans()),
+            "lanes_in": n,
+            "lanes_out": draw(st.sampled_from((n, 1))),
+        }
+        around |= {f"lanes_{'out' if one_way == 'in' else 'in'}": 0} if one_way else {}
+        ways.append(around | (draw(turnings()) | {"turn_bans": draw(bans)} if pockets else {}))
+    return tuple(ways)
 
 
 @st.composite
 def crossings(draw):
-    return {"kind": "crossing", "arms": draw(st.integers(3, 6).flatmap(arms)), "control": draw(controls)}
+    road = {"kind": "crossing", "lane_width": draw(widths), "control": draw(controls)}
+    return road | {"arms": draw(st.integers(3, 6).flatmap(arms))}
 
 
 @st.composite
@@ -68,9 +80,10 @@ def lines(draw, least=400):
 @st.composite
 def corridors(draw):
     back = draw(lanes)
+    width = {"lane_width": draw(widths)}
     road = {"kind": "corridor", "lanes": draw(lanes), "lanes_back": back, "speed": draw(speeds), "alignment": draw(lines(3000))}
     if draw(st.booleans()):
-        return {**road, "lanes_back": draw(st.sampled_from((0, back))), "alignment": draw(lines())}
+        return {**road, **width, "lanes_back": draw(st.sampled_from((0, back))), "alignment": draw(lines())}
     places = [200.0 + 180.0 * i + draw(st.integers(0, 60)) for i in range(draw(st.integers(1, 4)))]
     return {**road, "junctions": [draw(junctions(place)) for place in places], "dead_end": draw(st.booleans())}
 
@@ -88,9 +101,8 @@ def junctions(draw, position):
     }
     if ring:
         return found | {"form": "roundabout", "ring_lanes": draw(st.integers(1, 3)), "diameter": float(draw(st.integers(40, 60)))}
-    turned = draw(st.sets(st.sampled_from(("left_turn_lane", "right_turn_lane"))))
-    turns = dict.fromkeys(turned, True) | ({"pocket": float(draw(st.integers(20, 90)))} if turned else {})
-    return found | {"control": draw(controls), "dead_end": draw(st.booleans()), **turns}
+    found |= {"turn_bans": draw(bans), "side_turn_bans": draw(bans)}
+    return found | {"control": draw(controls), "dead_end": draw(st.booleans()), **draw(turnings())}
 
 
 @st.composite
@@ -98,7 +110,7 @@ def grids(draw):
     beyond = draw(st.one_of(st.none(), st.integers(20, 200).map(float)))
     size = {"rows": draw(st.integers(1, 8)), "columns": draw(st.integers(1, 8)), "spacing": float(draw(st.integers(40, 400)))}
     rest = {"lanes": draw(lanes), "speed": draw(speeds), "control": draw(controls), "one_way": draw(st.booleans())}
-    return {"kind": "grid", **size, **rest, "beyond": beyond}
+    return {"kind": "grid", **size, **rest, "beyond": beyond, "lane_width": draw(widths)}
 
 
 @st.composite
@@ -111,7 +123,7 @@ def highways(draw):
     events = [draw(kinds.flatmap(lambda kind, at=place: happenings(kind, at))) for place in places]
     drops = [event for event in events if event["kind"] == "lane_drop"]
     events = [event for event in events if event not in drops[2:]]
-    return {**road, "events": events, "both": draw(st.booleans()), "alignment": draw(lines(3500))}
+    return {**road, "events": events, "both": draw(st.booleans()), "alignment": draw(lines(3500)), "lane_width": draw(widths)}
 
 
 @st.composite
@@ -127,7 +139,15 @@ def happenings(draw, kind, position):
 def forks(draw):
     left, right = draw(st.integers(1, 4)), draw(st.integers(1, 4))
     joins, stem = draw(st.booleans()), draw(st.one_of(st.none(), lengths))
-    found = {"kind": "fork", "lanes": max(left, right), "left_lanes": left, "right_lanes": right, "joins": joins, "stem": stem}
+    found = {
+        "kind": "fork",
+        "lane_width": draw(widths),
+        "lanes": max(left, right),
+        "left_lanes": left,
+        "right_lanes": right,
+        "joins": joins,
+        "stem": stem,
+    }
     return found | {"angle": float(draw(st.integers(10, 120))), "speed": draw(speeds), "length": draw(lengths)}
 
 

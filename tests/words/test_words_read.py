@@ -1,7 +1,5 @@
 """Descriptions read whole or declined: by name, with the words that nothing reads, and with a sentence to try."""
 
-import time
-
 import pytest
 
 from drivegen.core.errors import UnusableInput
@@ -10,6 +8,7 @@ from drivegen.words.facts import contradicted, facts
 from drivegen.words.read import covers_of, read
 from drivegen.words.request import Density, Kind, Manoeuvre
 from drivegen.words.tokens import tokenise
+from tests.timing import cpu_seconds, yardstick
 
 KMH = 1 / 3.6
 
@@ -52,6 +51,12 @@ def declined(text: str) -> str:
         ("25 cars on a motorway, and the car ahead of me brakes hard", "among 'cars'"),
         ("off ramp from a motorway with 4 lanes per direction, one exit, 60 mph", "exit"),
         ("a street with side streets", "say how many"),
+        ("a coach on a country road and three cars behind it", "from the target only"),
+        ("three cars behind the bus on a road", "from the target only"),
+        ("a skewed crossroads", "which angle"),
+        ("a crossroads with dual left-turn lanes", "2 lanes to turn into"),
+        ("the main road has 3 m lanes at a T-junction with a side road", "3 m lanes"),
+        ("a T-junction with right turn only from the side road", "turn bans"),
     ],
 )
 def test_what_cannot_be_read_is_declined_by_name_with_a_sentence_to_try(text, word):
@@ -112,7 +117,7 @@ def test_a_place_before_its_noun_is_of_that_noun():
 @pytest.mark.parametrize(
     ("text", "has", "lacks"),
     [
-        ("a motorway section with three lanes and an on-ramp after 500 m", ("3 lanes", "500 m"), ()),
+        ("a motorway portion with three lanes and an on-ramp after 500 m", ("3 lanes", "500 m"), ()),
         ("a motorway without an off-ramp at its end", ("motorway",), ("off-ramp",)),
         ("a street with three crossings, the second one signalised", ("3 crossings",), ("traffic lights",)),
         ("an intersection with an eastbound one-way street", ("crossing",), ("lanes in", "lanes out", "one-way")),
@@ -142,6 +147,27 @@ def test_who_stands_at_a_light_stands_at_one_that_is_there():
     assert words.road.road.control == "signals"
     assert (words.traffic.groups[0].queue, words.traffic.groups[0].speed) == (True, 0.0)
     assert read("a truck turning left at the intersection", 7).road.road.kind == "crossing"
+
+
+def test_what_a_third_set_of_lines_had_wrong_is_right():
+    assert read("one carriageway of a motorway, 2 lanes, with an exit slip road", 7).road.road.carriageways == 1
+    grid = read("a grid: four north-south streets crossing three east-west streets", 7).road.road
+    assert (grid.rows, grid.columns) == (3, 4)
+    arms = read("an arterial with 3 lanes per direction crossing another arterial, 50 mph limit", 7).road.road.arms
+    assert {arm.speed for arm in arms} == {50 * 0.44704}
+    arms = read("a four-lane one-way avenue crossed by a two-way street", 7).road.road.arms
+    assert [arm.lanes_in for arm in arms] == [4, 1, 0, 1]
+
+
+def test_turns_are_banned_where_it_is_said():
+    def bans(text):
+        return [arm.turn_bans for arm in read(text, 7).road.road.arms]
+
+    assert bans("a crossroads, no left turns") == [("left",)] * 4
+    assert bans("a T-junction of a main road and a side road, no left turn from the side road") == [(), (), ("left",)]
+    assert bans("a T-junction, no left turn into the side road") == [("left",), ("left",), ()]
+    row = read("a road with two side streets, left turns from the side streets are not allowed", 7).road.road.junctions
+    assert [(junction.turn_bans, junction.side_turn_bans) for junction in row] == [((), ("left",))] * 2
 
 
 def test_facts_belong_to_what_their_scope_names():
@@ -195,9 +221,7 @@ def test_a_models_specification_is_held_against_the_texts_numbers():
     ],
 )
 def test_long_ambiguous_texts_are_read_soon(text):
-    began = time.process_time()
-    declined(text)
-    assert time.process_time() - began < 4.0  # about 1 s, tables included
+    assert cpu_seconds(lambda: declined(text)) < 15 * yardstick()  # about 3, tables included
 
 
 def test_covers_that_differ_in_silent_words_are_one():
@@ -207,6 +231,5 @@ def test_covers_that_differ_in_silent_words_are_one():
 
 
 def test_long_nonsense_is_declined_soon():
-    began = time.process_time()
-    declined("two lanes in each direction at the crossing with a song " * 35)
-    assert time.process_time() - began < 5.0
+    text = "two lanes in each direction at the crossing with a song " * 35
+    assert cpu_seconds(lambda: declined(text)) < 20 * yardstick()

@@ -17,7 +17,7 @@ from drivegen.words.traffic import request_sentences
 from tests.words.sayable import ROADS, requests, specifications
 
 EXAMPLES_EACH = 60 if "DRIVEGEN_FUZZ" in os.environ else 20
-"""Sixty take 80 CPU seconds, a twentieth of the whole suite's time; twenty a third of that."""
+"""Sixty take about 27 CPU seconds, twenty a third of that."""
 
 THOROUGH = settings(max_examples=EXAMPLES_EACH, phases=[Phase.generate], deadline=None, suppress_health_check=list(HealthCheck))
 

@@ -46,10 +46,10 @@ class AsLogged:
         return Action((self.speed[int(seen.step[0]) + 1] - seen.speed) / 0.1)
 
 
-def lived(driver, log, scene=None, attacker=None):
+def lived(driver, log, scene=None, attacker=None, **more):
     """The world after every step, and the others' positions (T, M, 2)."""
     scenes = Scenes.of([scene or scenario(ROAD, log)], [log])
-    world = World(scenes, 1, Reactive(scenes, 1, LAW, attacker))
+    world = World(scenes, 1, Reactive(scenes, 1, LAW, attacker, **more))
     positions = [world.neighbours.boxes(world).position[0].clone()]
     for _ in range(scenes.longest - 1):
         world.advance(driver.act(world.observe()))
@@ -113,6 +113,13 @@ def test_who_follows_one_that_brakes_brakes_too_and_who_drives_beside_does_not()
     assert late == [True, True, False]
     assert positions[-1, 1, 0] + 4.6 < positions[-1, 0, 0]  # no pile-up
     assert positions[-1, 2, 0] == pytest.approx(150, abs=0.1)
+
+
+def test_who_reacts_to_the_target_alone_does_not_mind_who_brakes_for_it():
+    cars = stack([drive(LINE, 60, 10, 101), drive(LINE, 45, 10, 101), drive(LINE, 33, 10, 101)])
+    gaps = [lived(Braking(6.0), cars, to_target_alone=alone)[1][-1] for alone in (False, True)]
+    minds, runs_on = (float(at[0, 0] - at[1, 0]) - 4.6 for at in gaps)
+    assert minds > 0 > runs_on
 
 
 def test_it_goes_on_when_the_way_is_free_again_and_waits_no_longer_than_its_plan_does():

@@ -89,3 +89,14 @@ def test_replayed_boxes_are_projected_like_by_exhaustive_search(seed):
     half = np.hypot(4.6, 1.9) / 2
     assert (half + 1e-5 >= others.frame[0, :, 2:4, 0].T).all()
     assert np.allclose(np.hypot(others.frame[0, :, 4, 0], others.frame[0, :, 5, 0]), 6.0, atol=1e-4)
+
+
+def test_on_a_path_that_comes_back_others_are_seen_where_the_target_is_about_then():
+    angle = np.arange(0.0, 220.0) / 20.0  # 1.7 times round a circle of 126 m
+    ring = 20.0 * np.stack([np.sin(angle), 1 - np.cos(angle)], 1)
+    ahead, behind = drive(ring, 25, 10, 101), drive(ring, 20, 0, 101)  # one drives before the target, the other stands
+    scene = scenario(straight_road(), stack([drive(ring, 10, 10, 101), ahead, behind]))
+    seen = replay([scene], [scene.log], packed([ring[10:]], [np.full(210, LIMIT)]), 1).frame[0, :, 0]
+    assert seen[:, 0] == pytest.approx(15 + np.arange(101), abs=0.5)
+    round_once = 2 * np.pi * 20
+    assert seen[[0, 30, 95], 1] == pytest.approx([10, 10, 10 + round_once], abs=0.5)

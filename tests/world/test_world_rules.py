@@ -69,6 +69,17 @@ def test_red_light():
     assert passes(driven(meet(LaneControl.SIGNAL, STRAIGHT, states=np.full(STEPS, SignalState.YELLOW)))[1]) is None
 
 
+@pytest.mark.parametrize("heeds", [True, False])
+def test_red_lights_that_are_run_are_counted(heeds):
+    """The target comes to a light that is red for as long as it drives, and to one that has turned green long before."""
+    red = meet(LaneControl.SIGNAL, STRAIGHT, states=np.full(STEPS, SignalState.RED))
+    states = np.where(np.arange(STEPS) < 5, SignalState.RED, SignalState.GREEN)
+    outcomes = [driven(scene, heeds, counts_lights=True)[0] for scene in (red, meet(LaneControl.SIGNAL, STRAIGHT, states=states))]
+    assert [float(outcome.red_lights[0]) for outcome in outcomes] == [1, 0]
+    assert [float(outcome.red_run[0]) for outcome in outcomes] == [0 if heeds else 1, 0]
+    assert np.isnan(driven(red, False)[0].red_run[0])  # nobody looked
+
+
 def test_yield():
     comes = (1, STRAIGHT, 30.0, 10.0)  # abreast of the target, from its right; it has priority
     scene = meet(LaneControl.FREE, STRAIGHT, [comes], own_control=LaneControl.YIELD)

@@ -1,0 +1,74 @@
+"""Every kind of corner case by a handmade one, and what one kind holds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivegen.core.scenario import Actors
+from drivegen.corner_cases.avoidance import Avoidance
+from drivegen.corner_cases.judgement import Judgement
+from drivegen.corner_cases.kinds import Kind, groups, kind_of
+from tests.corner_cases.handmade import LINE, NEXT, collision
+from tests.corner_cases.test_corner_cases_avoidance import shifting
+from tests.scenes import crossing, drive, joined, stack
+
+CROSSING = crossing()
+STRAIGHT, LEFT = joined(CROSSING, 0, 8, 4), joined(CROSSING, 0, 9, 5)
+ONCOMING, TURNING = joined(CROSSING, 2, 14, 6), joined(CROSSING, 2, 15, 7)
+FROM_RIGHT, FROM_LEFT = joined(CROSSING, 1, 11, 5), joined(CROSSING, 3, 17, 7)
+JOINING = joined(CROSSING, 1, 13, 4)
+BACK = LINE[::-1].copy()
+
+SCENES = {
+    Kind.CUT_IN: (drive(LINE, 20, 14, 101), shifting(NEXT, 50, 8, 2.0, 2.0)),
+    Kind.OWN_SHIFT: (shifting(NEXT, 20, 14, 2.0, 2.0), drive(LINE, 48, 8, 101)),
+    Kind.REAR: (drive(LINE, 20, 14, 101), drive(LINE, 50, 8, 101)),
+    Kind.STANDING: (drive(LINE, 20, 14, 101), drive(LINE, 90, 0, 101)),
+    Kind.ONCOMING: (drive(LINE, 20, 14, 101), drive(BACK, 450, 8, 101)),
+    Kind.ONCOMING_TURN: (drive(STRAIGHT, 40, 10, 101), drive(TURNING, 38, 10, 101)),
+    Kind.OWN_TURN: (drive(LEFT, 38, 10, 101), drive(ONCOMING, 40, 10, 101)),
+    Kind.CROSSING_LEFT: (drive(STRAIGHT, 40, 10, 101), drive(FROM_LEFT, 40, 10, 101)),
+    Kind.CROSSING_RIGHT: (drive(STRAIGHT, 40, 10, 101), drive(FROM_RIGHT, 41, 10, 101)),
+    Kind.MERGE: (drive(STRAIGHT, 30, 12, 101), drive(JOINING, 68, 5, 101)),
+}
+
+
+@pytest.mark.parametrize("kind", SCENES)
+def test_each_kind_is_named(kind):
+    roads = {"roads": CROSSING} if kind in list(SCENES)[5:] else {}
+    assert kind_of(collision(stack(list(SCENES[kind])), **roads)) == kind
+
+
+def test_who_comes_over_slowly_cuts_in_and_who_stays_beside_does_not():
+    pair = (drive(LINE, 20, 12, 101), shifting(NEXT, 20, 12, 2.0, 10.0))
+    assert kind_of(collision(stack(list(pair)))) == Kind.CUT_IN
+    assert kind_of(collision(stack(list(pair[::-1])))) == Kind.OWN_SHIFT
+
+
+def test_a_person_is_a_kind_of_its_own():
+    case = collision(stack(list(SCENES[Kind.STANDING])))
+    walker = Actors(np.array(["p"]), np.array([5], np.uint8), np.float32([[0.6, 0.6, 1.8]]), case.traffic[1:])
+    assert kind_of(replace(case, scenario=replace(case.scenario, context=walker), partner=2)) == Kind.PERSON
+
+
+def test_duplicates_are_one_case_the_likeliest_and_the_largest_kind_comes_first():
+    rear, stands = (collision(stack(list(SCENES[kind])), scenario_id=kind) for kind in (Kind.REAR, Kind.STANDING))
+    twice = [replace(rear, odds=odds) for odds in (0.1, 0.3)]
+    elsewhere = replace(stands, scenario=replace(stands.scenario, scenario_id="elsewhere"))
+    found = groups([*twice, stands, elsewhere])
+    assert [(group.kind, group.cases, group.duplicates) for group in found] == [
+        (Kind.STANDING, (2, 3), 0),
+        (Kind.REAR, (1,), 1),
+    ]
+
+
+def test_the_sentence_says_what_happens_and_how_much_time_there_was():
+    case = collision(stack(list(SCENES[Kind.STANDING])))
+    in_time, too_late = Avoidance(3.0, 1.2, 1.4), Avoidance(0.4, 0.6, float("nan"))
+    said = Judgement(case, Kind.STANDING, in_time, in_time, {}).sentence
+    assert said == (
+        "Another stands in its way; after 4.7 s blind runs into it with its front (14 against 0 m/s). "
+        "It can be seen coming 3.0 s before and avoided until 1.2 s before: 1.8 s to react."
+    )
+    assert "no longer" in Judgement(case, Kind.STANDING, too_late, too_late, {}).sentence

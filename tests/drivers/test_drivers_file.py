@@ -1,0 +1,61 @@
+"""A driver that is a file of somebody's own: it drives, or one sentence says why it cannot."""
+
+import numpy as np
+import pytest
+
+from drivegen.core.errors import UnusableInput
+from drivegen.drivers.shared.file import FileDriver
+from drivegen.simulators.batch import Plugin as Batch
+from drivegen.world.outcome import CollisionKind
+from tests.scenes import drive, scenario, stack, straight_road
+
+GOOD = "from drivegen.world.observation import Action\ndef act(seen): return Action(0 * seen.speed)\n"
+BAD = {
+    "no_function": ("x = 1\n", "has no function act"),
+    "does_not_run": ("import nothing_like_it\n", "cannot be run: ModuleNotFoundError"),
+    "no_python": ("def act(:\n", "cannot be run: SyntaxError"),
+    "raises": ("def act(seen): return seen.nothing\n", "fails: AttributeError"),
+    "no_action": ("def act(seen): return -1.0\n", "must return"),
+    "too_few": (GOOD.replace("0 * seen.speed", "seen.speed[:1]"), "each of the 512 targets"),
+    "no_number": (GOOD.replace("0 *", "float('nan') *"), "acceleration that is no number"),
+    "numpy": (GOOD.replace("seen.speed)", "seen.speed.numpy())"), "as acceleration a PyTorch tensor"),
+    "numpy_offset": (GOOD.replace("seen.speed)", "seen.speed, seen.speed.numpy())"), "as offset a PyTorch tensor"),
+    "no_offset": (GOOD.replace("seen.speed)", "seen.speed, seen.speed * float('nan'))"), "offset that is no number"),
+}
+ROAD = straight_road(600)
+LINE = ROAD.centreline[0].astype(float)
+LOG = stack([drive(LINE, 20, 12, 101), drive(LINE, 80, 0, 101)])
+DATACLASS = "from __future__ import annotations\nfrom dataclasses import dataclass\n@dataclass\nclass Mine:\n    x: float = 0.0\n"
+
+
+def outcome(tmp_path, text, name="mine.py"):
+    file = tmp_path / name
+    file.write_text(text)
+    return Batch().run(FileDriver(file), [scenario(ROAD, LOG)], [LOG])
+
+
+def test_it_drives(tmp_path):
+    assert np.array_equal(outcome(tmp_path, GOOD).kind, [CollisionKind.FRONT])
+
+
+def test_its_file_may_have_dataclasses_with_annotations_as_text(tmp_path):
+    assert len(outcome(tmp_path, DATACLASS + GOOD).kind) == 1
+
+
+def test_it_sees_rules(tmp_path):
+    assert len(outcome(tmp_path, GOOD.replace("0 * seen.speed", "0 * seen.rules.distance.clamp_max(1)")).kind) == 1
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_one_that_cannot_be_run_gives_one_sentence(name, tmp_path):
+    text, why = BAD[name]
+    with pytest.raises(UnusableInput, match=why) as raised:
+        outcome(tmp_path, text)
+    assert str(tmp_path / "mine.py") in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_file_that_is_not_there_or_no_python_is_named(tmp_path):
+    for name in ("nowhere.py", "mine.txt"):
+        with pytest.raises(UnusableInput, match=name):
+            FileDriver(tmp_path / name)

@@ -1,0 +1,20 @@
+"""CPU time in units of the machine that runs the test, so that a limit holds on a slow machine as on a fast one."""
+
+import time
+from collections.abc import Callable
+
+
+def cpu_seconds(task: Callable[[], object], times: int = 1) -> float:
+    """The least CPU seconds of so many runs of the task."""
+
+    def once() -> float:
+        began = time.process_time()
+        task()
+        return time.process_time() - began
+
+    return min(once() for _ in range(times))
+
+
+def yardstick() -> float:
+    """CPU seconds of a fixed piece of plain Python: about 0.1 s on the machine on which limits were set."""
+    return cpu_seconds(lambda: sum(number % 7 for number in range(2_000_000)), times=3)
