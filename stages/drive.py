@@ -21,11 +21,14 @@ from drivegen.store.files import write_json
 from drivegen.store.lookup import futures_in, logs_in
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.scenarios import shards
+from drivegen.world.paths import target_paths
 from drivegen.world.reactive import Reaction
 from stages._door import enter, require, spread
 
 LOG = "log"
 SIMULATOR = "batch"
+KINDS = ("", "reactive.")
+"""What metrics begin with where neighbours are replayed, and where they react."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +53,7 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
         method = folder.name if folder else LOG
         inputs = [scenarios, folder] if folder else [scenarios]
         run = Run.of("drive", name, asdict(params), inputs, method=method, driver=name, backend=SIMULATOR)
-        for kind, reaction in (("", None), ("reactive.", params.reaction)):
-            drives = _drive_all(driver, scenarios, folder, reaction, params.workers, f"drive {name} {kind}{method}")
+        for kind, drives in _drive_all(driver, scenarios, folder, params, f"drive {name} {method}").items():
             metrics = drives.per_scenario()
             ids, sample, each = drives.per_run()
             tables.append(result_rows(run, drives.scenarios, {f"{kind}{key}": value for key, value in metrics.items()}))
@@ -64,21 +66,27 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
     write_json(summary, numbers)
 
 
-def _drive_all(
-    driver: Driver, scenarios: Path, generated: Path | None, reaction: Reaction | None, workers: int, what: str
-) -> Drives:
-    tasks = [(driver, shard, generated, reaction) for shard in shards(scenarios)]
-    parts = [part for _, part in spread(_drive_shard, tasks, workers, what)]
-    parts = [part for part in parts if part.scenarios]
+def _drive_all(driver: Driver, scenarios: Path, generated: Path | None, params: Params, what: str) -> dict[str, Drives]:
+    """Drives among neighbours of both KINDS, by the beginning of their metrics' names."""
+    tasks = [(driver, shard, generated, params.reaction) for shard in shards(scenarios)]
+    parts = [part for _, part in spread(_drive_shard, tasks, params.workers, what) if part]
     if not parts:
         raise UnusableInput(f"{scenarios} holds no scenario with traffic to drive through", reason="no-scenarios")
-    return Drives.joined(parts)
+    return {kind: Drives.joined([part[kind] for part in parts]) for kind in KINDS}
 
 
-def _drive_shard(task: tuple[Driver, Path, Path | None, Reaction | None]) -> Drives:
+def _drive_shard(task: tuple[Driver, Path, Path | None, Reaction]) -> dict[str, Drives]:
+    """As `_drive_all` for a shard; nothing where it has no traffic."""
     driver, shard, generated, reaction = task
-    simulator = plugins.load("simulators", SIMULATOR)(reaction=reaction, counts_lights=True)
-    return Drives.of(simulator, driver, _traffic(shard, generated))
+    traffic = _traffic(shard, generated)
+    if not traffic:
+        return {}
+    paths = target_paths([scenario for scenario, _ in traffic], [motion for _, motion in traffic])
+    simulator = plugins.load("simulators", SIMULATOR)
+    return {
+        kind: Drives.of(simulator(reaction=reaction if kind else None, counts_lights=True), driver, traffic, paths)
+        for kind in KINDS
+    }
 
 
 def _traffic(shard: Path, generated: Path | None) -> list[tuple[Scenario, Trajectories]]:

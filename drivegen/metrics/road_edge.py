@@ -1,6 +1,6 @@
 """How far boxes are from the edge of the road, looked up in a raster of signed distances.
 
-The raster is handed in (`render.drivable.road_field` makes one per map). A place beyond its border has the distance of the
+The raster is handed in (`roads.drivable.road_surface` makes one per map). A place beyond its border has the distance of the
 border's nearest cell: where a map is cut off lanes go on there, and so does what is no road.
 """
 

@@ -42,23 +42,18 @@ _CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.uint8)
 
 
 @dataclass(frozen=True)
-class RoadField:
-    """Rasters of one map; cell (row, column) has its centre at `origin + CELL * (column, row)`.
+class RoadSurface:
+    """Where road is; cell (row, column) has its centre at `origin + CELL * (column, row)`.
 
     Attributes:
         origin: (2,) float32 [m] centre of the first cell in the map's frame.
         outside: (H, W) float32 [m] signed distance to the drivable area, negative inside.
-        directions: (H, W) uint16 bit mask of the headings of the lanes that cover the cell; all bits inside junctions,
-            0 where no lane is.
-        limit: (H, W) uint8 highest speed limit of these lanes in LIMIT_UNIT, 0 where unknown.
         rim: (H, W) bool cells that are road only because a lane is cut before them.
         around: signed distance [m] of everything outside the raster: -inf around a cut-out, FAR around a whole network.
     """
 
     origin: NDArray[np.float32]
     outside: NDArray[np.float32]
-    directions: NDArray[np.uint16]
-    limit: NDArray[np.uint8]
     rim: NDArray[np.bool_]
     around: float
 
@@ -74,9 +69,23 @@ class RoadField:
 
     def _cells(self, points: NDArray[np.floating]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
         """Row and column (...) of the cells of points (..., 2), 0 where they are not inside (...) the raster."""
-        cell = np.rint((points - self.origin) / CELL).astype(np.int64)
+        cell = np.rint((points.astype(np.float64) - self.origin) / CELL).astype(np.int64)  # a tie is one in every window
         inside = (cell >= 0).all(axis=-1) & (cell[..., 1] < self.outside.shape[0]) & (cell[..., 0] < self.outside.shape[1])
         return np.where(inside, cell[..., 1], 0), np.where(inside, cell[..., 0], 0), inside
+
+
+@dataclass(frozen=True)
+class RoadField(RoadSurface):
+    """Where road is, which way it leads and how fast one may drive.
+
+    Attributes:
+        directions: (H, W) uint16 bit mask of the headings of the lanes that cover the cell; all bits inside junctions,
+            0 where no lane is.
+        limit: (H, W) uint8 highest speed limit of these lanes in LIMIT_UNIT, 0 where unknown.
+    """
+
+    directions: NDArray[np.uint16]
+    limit: NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -86,34 +95,60 @@ class _Quads:
     lane: NDArray[np.int32]  # (Q,)
 
 
+@dataclass(frozen=True)
+class _Frame:
+    """Which part of the plane is painted: its first cell's centre [m] and (rows, columns)."""
+
+    low: NDArray[np.float64]
+    shape: tuple[int, int]
+
+    @classmethod
+    def of(cls, map_: RoadMap, quads: _Quads, about: NDArray[np.floating] | None) -> "_Frame":
+        """Of the whole map, or of what of it is within MARGIN of the points (P, 2)."""
+        points = np.concatenate([quads.corner.reshape(-1, 2), map_.drivable.points, map_.centreline.points])
+        low, high = np.floor(points.min(0) - MARGIN), points.max(0) + MARGIN
+        if about is not None:
+            low = np.clip(np.floor(about.min(0) - MARGIN), low, np.floor(high))
+            high = np.clip(about.max(0) + MARGIN, low, high)
+        width, height = (np.ceil((high - low) / CELL).astype(int) + 1).tolist()
+        return cls(low.astype(np.float64), (height, width))
+
+    def pixels(self, outline: NDArray[np.floating]) -> NDArray[np.int32]:
+        """Points (..., 2) [m] as OpenCV's whole numbers, with _SUBPIXEL bits behind the point."""
+        pixels: NDArray[np.int32] = np.rint((outline - self.low) * (2**_SUBPIXEL / CELL)).astype(np.int32)
+        return pixels
+
+
 def road_field(map_: RoadMap) -> RoadField:
     """The rasters of `map_`. The drivable area is that of the map joined with its vehicle lanes, or the lanes alone."""
     quads = _lane_pieces(map_)
-    beyond = _continuations(map_, quads)
-    points = np.concatenate([quads.corner.reshape(-1, 2), map_.drivable.points, map_.centreline.points])
-    low = np.floor(points.min(0) - MARGIN)
-    width, height = (np.ceil((points.max(0) + MARGIN - low) / CELL).astype(int) + 1).tolist()
-    shape = (height, width)
-
-    def to_pixels(outline: NDArray[np.float32]) -> NDArray[np.int32]:
-        pixels: NDArray[np.int32] = np.rint((outline - low) * (2**_SUBPIXEL / CELL)).astype(np.int32)
-        return pixels
-
-    pieces = to_pixels(quads.corner)
-    road = np.zeros(shape, np.uint8)
-    for outline in map_.drivable.lines():
-        cv2.fillPoly(road, [to_pixels(outline)], 1, shift=_SUBPIXEL)
-    _fill(road, pieces, np.ones(len(pieces), np.int64))
-    mapped = road.copy() if len(beyond) else road
-    _fill(road, to_pixels(beyond), np.ones(len(beyond), np.int64))
+    frame = _Frame.of(map_, quads, None)
+    pieces = frame.pixels(quads.corner)
+    surface = _surface(map_, quads, frame)
     return RoadField(
-        low.astype(np.float32),
-        _signed_distance(road),
-        _directions(map_, quads, pieces, shape),
-        _limits(map_, quads, pieces, shape),
-        road > mapped,
-        float(-np.inf) if map_.is_cut_out else FAR,
-    )
+        surface.origin, surface.outside, surface.rim, surface.around,
+        _directions(map_, quads, pieces, frame.shape), _limits(map_, quads, pieces, frame.shape),
+    )  # fmt: skip
+
+
+def road_surface(map_: RoadMap, about: NDArray[np.floating] | None = None) -> RoadSurface:
+    """As `road_field`, without directions and limits; with points `about` (P, 2) [m] made only around these.
+
+    Distances of these points are then the same up to MARGIN; nobody may ask for those of other points.
+    """
+    quads = _lane_pieces(map_)
+    return _surface(map_, quads, _Frame.of(map_, quads, about))
+
+
+def _surface(map_: RoadMap, quads: _Quads, frame: _Frame) -> RoadSurface:
+    road = np.zeros(frame.shape, np.uint8)
+    for outline in map_.drivable.lines():
+        cv2.fillPoly(road, [frame.pixels(_cut(outline))], 1, shift=_SUBPIXEL)
+    _paint(road, frame.pixels(quads.corner))
+    mapped = road.copy()
+    _paint(road, frame.pixels(_continuations(map_, quads)))
+    around = float(-np.inf) if map_.is_cut_out else FAR
+    return RoadSurface(frame.low.astype(np.float32), _signed_distance(road), road > mapped, around)
 
 
 def sectors(heading: NDArray[np.floating]) -> NDArray[np.uint8]:
@@ -125,6 +160,13 @@ def sectors(heading: NDArray[np.floating]) -> NDArray[np.uint8]:
 def _fill(plane: NDArray[np.uint8], pieces: NDArray[np.int32], values: NDArray[np.integer]) -> None:
     for piece, value in zip(pieces, values.tolist(), strict=True):
         cv2.fillConvexPoly(plane, piece, value, shift=_SUBPIXEL)
+
+
+def _paint(road: NDArray[np.uint8], pieces: NDArray[np.int32]) -> None:
+    """Mark as road the pieces (Q, 4, 2) that touch the plane."""
+    size = np.array(road.shape[::-1]) << _SUBPIXEL
+    near = (pieces.max(axis=1) >= -1).all(axis=-1) & (pieces.min(axis=1) <= size).all(axis=-1)
+    _fill(road, pieces[near], np.ones(near.sum(), np.int64))
 
 
 def _signed_distance(road: NDArray[np.uint8]) -> NDArray[np.float32]:
@@ -185,6 +227,14 @@ def _continuations(map_: RoadMap, quads: _Quads) -> NDArray[np.float32]:
         a, b = quads.corner[rows, left], quads.corner[rows, right]
         strips.append(np.stack([a, a + ahead, b + ahead, b], axis=1))
     return np.concatenate(strips)
+
+
+def _cut(outline: NDArray[np.floating]) -> NDArray[np.float64]:
+    """The closed outline (P, 2) with a point at least every PIECE metres: where OpenCV clips an edge, it draws it differently."""
+    edge = np.roll(outline, -1, axis=0) - outline.astype(np.float64)
+    count = np.clip(np.ceil(np.hypot(*edge.T) / PIECE), 1, 1000).astype(np.int64)
+    index = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    return np.repeat(outline, count, axis=0) + np.repeat(edge / count[:, None], count, axis=0) * index[:, None]
 
 
 def _lengths(lines: Polylines) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
-from drivegen.roads.drivable import CELL, road_field
+from drivegen.roads.drivable import CELL, road_surface
 from drivegen.roads.leaving import Exits
 from drivegen.world.observation import PATH_SPACING
 from drivegen.world.outcome import OFF_ROAD_TOLERANCE
@@ -49,7 +49,7 @@ class Surface:
     def of(cls, scenarios: Sequence[Scenario], device: torch.device | str = "cpu") -> Self:
         """The rasters of `scenarios`; those that share a map share its raster."""
         maps = {id(scenario.map): scenario.map for scenario in scenarios}
-        fields = [road_field(road_map) for road_map in maps.values()]
+        fields = [road_surface(road_map) for road_map in maps.values()]
         start = np.cumsum([0, *(field.outside.size for field in fields)])[:-1]
         which = [list(maps).index(id(scenario.map)) for scenario in scenarios]
         return cls(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import box_corners
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
-from drivegen.roads.drivable import RoadField, road_field
+from drivegen.roads.drivable import road_surface
 
 NO_PARTNER = -1
 
@@ -121,13 +121,15 @@ OFF_ROAD_TOLERANCE = 0.3
 
 def with_off_road(outcome: DrivingOutcome, scenarios: Sequence[Scenario]) -> DrivingOutcome:
     """The outcome with `off_road` filled in; scenarios that share a map object share its raster."""
-    fields: dict[int, RoadField] = {}
-    share = np.full(len(scenarios), np.nan, np.float32)
+    rows: dict[int, list[int]] = {}
     for s, scenario in enumerate(scenarios):
-        if id(scenario.map) not in fields:
-            fields[id(scenario.map)] = road_field(scenario.map)
-        motion, size = outcome.motion[s], scenario.vehicles.size[TARGET]
-        corners = box_corners(motion.position, motion.heading, np.full(motion.steps, size[0]), np.full(motion.steps, size[1]))
-        out = fields[id(scenario.map)].distance_outside(corners).max(axis=-1) > OFF_ROAD_TOLERANCE
-        share[s] = np.mean(out, where=motion.valid)
+        rows.setdefault(id(scenario.map), []).append(s)
+    share = np.full(len(scenarios), np.nan, np.float32)
+    for same in rows.values():
+        motion = outcome.motion[same]
+        size = np.stack([scenarios[s].vehicles.size[TARGET] for s in same])[:, np.newaxis]
+        corners = box_corners(motion.position, motion.heading, size[..., 0], size[..., 1])
+        surface = road_surface(scenarios[same[0]].map, corners[motion.valid].reshape(-1, 2))
+        out = surface.distance_outside(corners).max(axis=-1) > OFF_ROAD_TOLERANCE
+        share[same] = np.mean(out, axis=-1, where=motion.valid)
     return replace(outcome, off_road=share)

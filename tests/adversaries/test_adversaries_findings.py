@@ -95,7 +95,7 @@ def test_who_leaves_out_a_scenario_is_stopped_and_random_goals_drive_one_without
     left_out.drive(Variants.unchanged(np.zeros(1), 101))
     with pytest.raises(AssertionError, match="left out a scenario"):
         Findings.of(left_out.runs(), idm.Plugin(IDM), "made_up", LAW)
-    random.Plugin(random.Settings()).attack(attacked)
+    random.Plugin(random.Plugin.settings_type()).attack(attacked)
     assert attacked.spent.tolist()[1] == 1
     assert (attacked.runs().delivered() >= 0).all()
 

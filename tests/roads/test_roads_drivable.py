@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.core.geometry import Polylines, rotate
-from drivegen.roads.drivable import CELL, EVERY_DIRECTION, FAR, LIMIT_UNIT, road_field, sectors
+from drivegen.roads.drivable import CELL, EVERY_DIRECTION, FAR, LIMIT_UNIT, MARGIN, road_field, road_surface, sectors
 from tests.scenes import LANE_WIDTH, LIMIT, crossing, road_map, straight_road
 
 
@@ -83,3 +83,16 @@ def test_a_map_without_lanes_for_vehicles_is_an_empty_road():
     assert (field.outside > 0).all()
     assert not field.directions.any()
     assert isinstance(bikes.drivable, Polylines)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(-3.1, 3.1), st.floats(-400, 400), st.floats(-60, 60), st.floats(-60, 60))
+def test_a_surface_made_around_points_is_the_same_there_as_that_of_the_whole_map(angle, away, x, y):
+    line = rotate(np.stack([np.linspace(-60, 60, 13), np.zeros(13)], axis=1), np.float64(angle)) + np.array([away, -away])
+    whole = road_map([line])
+    points = np.array([[away + x, y - away], [away + x + 20.0, y - away - 7.0]], np.float32)
+    surface, field = road_surface(whole, points), road_field(whole)
+    near = np.abs(field.distance_outside(points)) < MARGIN
+    assert np.array_equal(surface.distance_outside(points)[near], field.distance_outside(points)[near])
+    assert (np.abs(surface.distance_outside(points))[~near] >= MARGIN).all()
+    assert np.array_equal(surface.beyond_rim(points), field.beyond_rim(points))

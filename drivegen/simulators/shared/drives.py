@@ -12,6 +12,7 @@ from drivegen.drivers.base import Driver
 from drivegen.metrics.driving import run_numbers, spread_over_samples
 from drivegen.simulators.base import Simulator
 from drivegen.world.outcome import AT_FAULT, CollisionKind, DrivingOutcome, with_off_road
+from drivegen.world.paths import TargetPaths
 
 
 @dataclass(frozen=True)
@@ -29,12 +30,21 @@ class Drives:
     planned: NDArray[np.float64]
 
     @classmethod
-    def of(cls, simulator: Simulator, driver: Driver, traffic: Sequence[tuple[Scenario, Trajectories]]) -> Self:
-        """Let `driver` drive through every pair of a scenario and traffic (N, T) in it; a scenario may come several times."""
+    def of(
+        cls,
+        simulator: Simulator,
+        driver: Driver,
+        traffic: Sequence[tuple[Scenario, Trajectories]],
+        paths: TargetPaths | None = None,
+    ) -> Self:
+        """Let `driver` drive through every pair of a scenario and traffic (N, T) in it; a scenario may come several times.
+
+        `paths`: the `target_paths` of the pairs, where they were made already.
+        """
         scenarios = [scenario for scenario, _ in traffic]
         ids = list(dict.fromkeys(scenario.scenario_id for scenario in scenarios))
         number = {name: i for i, name in enumerate(ids)}
-        outcome = simulator.run(driver, scenarios, [motion for _, motion in traffic])
+        outcome = simulator.run(driver, scenarios, [motion for _, motion in traffic], paths)
         scene = np.array([number[scenario.scenario_id] for scenario in scenarios], np.int64)
         planned = [run_numbers(motion[TARGET : TARGET + 1]).distance[0] for _, motion in traffic]
         return cls(ids, scene, with_off_road(outcome, scenarios), np.array(planned))
