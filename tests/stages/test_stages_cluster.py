@@ -29,7 +29,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     few = dask.config.set({"distributed.scheduler.allowed-failures": 1})  # 3 cost three more processes
     with pytest.MonkeyPatch.context() as patch, few:
         patch.chdir(folder)
-        with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
             (folder / "params.yaml").write_text(f"run:\n  cluster: {cluster.scheduler_address}\n")
             yield folder
 
@@ -133,7 +133,7 @@ def test_without_a_scheduler_the_address_is_named(tmp_path, monkeypatch, address
 def test_a_cluster_without_workers_is_one_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr(_cluster, "_PATIENCE", 0.2)
     with (
-        distributed.LocalCluster(n_workers=0, dashboard_address=None) as cluster,
+        distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as cluster,
         pytest.raises(MissingTool, match=r"has no worker after 0\.2 s: start some \(docs/cluster\.md\)"),
     ):
         list(_cluster.on_cluster(cluster.scheduler_address, process, [1], "squares"))
