@@ -19,7 +19,7 @@ MADE: dict[str, Callable[[Any], str]] = {
     "regenerate": lambda state: f"New version: {Path(state.result()).resolve()}",
     "iterate": lambda state: f"Collision rate of each round: {', '.join(f'{rate:.3f}' for rate in state.result())}",
     "corpus": lambda state: f"Scenarios: {Path(state.result()).resolve()}",
-    "gate": lambda state: str(state.result()),
+    "gate": lambda state: str(state.message),
     "tables": lambda state: str(state.message),
 }
 """What each flow says it has made."""

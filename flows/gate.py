@@ -1,11 +1,13 @@
 """The release gate: bring what it drives in up to date, drive both drivers, and fail where the new one is worse.
 
-Which drivers is said in params.yaml, section `gate`; the stage is one of stages/dvc.yaml, so nothing is driven again that has not changed.
+Which drivers is said in params.yaml, section `gate`. The stage is one of stages/dvc.yaml, so nothing is driven again that has
+not changed.
 """
 
 from prefect import flow, get_run_logger, task
 from prefect.artifacts import create_table_artifact
 from prefect.cache_policies import NO_CACHE
+from prefect.states import Completed, Failed, State
 
 from flows import pipeline
 
@@ -15,8 +17,8 @@ WORSE = "worse"
 
 
 @flow(name="gate")
-def gate() -> str:
-    """What is said of the new driver. Raises StageFailed, which fails the flow, where it is worse."""
+def gate() -> State:
+    """Completed or, where the new driver is worse, failed, with what is said of it. Raises StageFailed where a stage fails."""
     plan = pipeline.read(measures=True)
     if STAGE not in plan.needs:
         raise pipeline.StageFailed(f"{pipeline.MEASURES} has no stage gate")
@@ -26,9 +28,8 @@ def gate() -> str:
     record = pipeline.metrics(STAGE)
     create_table_artifact([record["collisions"]], key="gate", description=record["sentence"])
     get_run_logger().info(record["sentence"])
-    if record["finding"] == WORSE:
-        raise pipeline.StageFailed(record["sentence"])
-    return str(record["sentence"])
+    state = Failed if record["finding"] == WORSE else Completed
+    return state(message=record["sentence"])
 
 
 @task(cache_policy=NO_CACHE)

@@ -1,7 +1,7 @@
 """Stage gate: whether the new one of two drivers, or of two versions of one, collides more often than the old one.
 
-argv: scenarios of one split, futures of them (folder of shards of samples), record (JSON, see `corner_cases.gate.Gate.record`). Both drive
-through all futures, neighbours replayed. A worse driver is no failure here: the record says so, and whoever asked decides.
+argv: scenarios of one split, futures of them (folder of shards of samples), record (JSON, see `corner_cases.gate.Gate.record`).
+Both drive through all futures, neighbours replayed. A worse driver is no failure here: the record says so, who asked decides.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from stages._door import enter, require
 
 @dataclass(frozen=True)
 class Params:
-    """`settings`: see their class; `drivers`: usual settings by name; `old`, `new`: one name each, with what differs from these."""
+    """`settings`: see their class; `drivers`: usual settings by name; `old`, `new`: one name each, with what differs."""
 
     seed: int
     settings: Settings

@@ -93,7 +93,8 @@ def drivegen(
     """Traffic scenarios for autonomous driving: roads from words, traffic from goals, corner cases for a driver.
 
     Exit codes: 0 done; 1 failed (a missing tool or weights, a full disk); 2 the request was not understood or the
-    input is unusable; 3 the new driver is worse (`gate`), 4 not told apart (`gate --strict`); 128 and a signal's number: stopped by it.
+    input is unusable; 3 `gate` finds the new driver worse, 4 with --strict does not tell it apart; 128 and a signal's
+    number: stopped by it.
     """
 
 

@@ -28,7 +28,9 @@ _DRIVER = "a driver of params.yaml, a YAML file with one and its settings, or a 
 def command(
     old: Annotated[str, Argument(help=f"The driver that is in use: {_DRIVER}")],
     new: Annotated[str, Argument(help=f"The one that is to take its place: {_DRIVER}")],
-    scenarios: Annotated[Path, Option(help="A folder of scenarios, or of their futures: data/scenarios/test, data/generated/drivegen.")],
+    scenarios: Annotated[
+        Path, Option(help="A folder of scenarios, or of their futures: data/scenarios/test, data/generated/drivegen.")
+    ],
     of: Annotated[Path, Option(help="Where the scenarios are that SCENARIOS holds futures of.")] = SCENES,
     out: Annotated[Path | None, Option(help=f"New folder for {RECORD}, with the runs in which only one collided.")] = None,
     most: Annotated[int | None, Option(min=1, help="Only the first so many scenarios, with all their futures.")] = None,

@@ -1,12 +1,12 @@
 """The release gate: two drivers, or two versions of one, through the same scenes, and whether the new one collides more often.
 
-Counted are collisions that say something of the driver (`DrivingOutcome.counted`) or, of these, the avoidable ones. Scenes must not have been chosen for
-what one of the two did in them: cases found against the old one flatter the new one.
+Counted are collisions that say something of the driver (`DrivingOutcome.counted`) or, of these, the avoidable ones. Scenes must
+not have been chosen for what one of the two did in them: cases found against the old one flatter the new one.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import Interval, bootstrap_means, recording
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.seeds import rng
-from drivegen.core.settings import Count, Share
+from drivegen.core.settings import Count, Within
 from drivegen.corner_cases.avoidance import Avoidable, judge
 from drivegen.corner_cases.case import Case
 from drivegen.drivers.base import Driver
@@ -32,9 +32,9 @@ Traffic = Sequence[tuple[Scenario, Trajectories]]
 
 @dataclass(frozen=True)
 class Settings:
-    """`alarms`: share of alike drivers that may be called worse; `avoidable`: only such collisions count; `draws` for intervals."""
+    """`alarms`: share of alike drivers that may be called worse; `avoidable`: only such collisions count; bootstrap `draws`."""
 
-    alarms: Share
+    alarms: Annotated[float, Within(0, 0.5, above=True)]
     avoidable: bool
     draws: Count
 
@@ -74,9 +74,9 @@ class Gate:
         share = f" ({more / paired.old:+.0%})" if paired.old else ""
         alike = chance(sign * paired.differences)
         return (
-            f"{self.finding}: {where} {new} has {abs(more)} {self.counted} {'more' if sign > 0 else 'fewer'} than {old}{share}; odds"
-            f" {_to_one(odds(sign * paired.differences))} that it is {self.finding} rather than alike, for alike drivers differ so in"
-            f" {alike:.2g} of all cases"
+            f"{self.finding}: {where} {new} has {abs(more)} {self.counted} {'more' if sign > 0 else 'fewer'} than {old}{share};"
+            f" odds {_to_one(odds(sign * paired.differences))} that it is {self.finding} rather than alike;"
+            f" of alike drivers {alike:.2g} differ so"
         )
 
     def _why_not(self) -> str:
@@ -88,7 +88,8 @@ class Gate:
             return f"only {np.count_nonzero(paired.differences)} recordings differ, too few to tell: give more recordings"
         share = f" ({least / paired.old:.0%})" if paired.old else ""
         worse, better = (_to_one(odds(sign * paired.differences)) for sign in (1, -1))
-        return f"odds {worse} that it is worse rather than alike, {better} that it is better; about {least:.0f} more{share} would be noticed"
+        said = f"odds {worse} that it is worse rather than alike, {better} that it is better"
+        return f"{said}; about {least:.0f} more{share} would be noticed"
 
     def record(self, old: str, new: str) -> dict[str, Any]:
         """All of it for programs; `differ` are the runs in which one collided and the other did not."""
@@ -108,13 +109,18 @@ class Gate:
             "noticed": paired.noticed(self.settings.alarms),
             "settings": asdict(self.settings),
             "differ": [
-                {"scenario": self.scenarios[r], "sample": int(sample[r]), "collided": "new" if self.collided[1, r] else "old"} for r in differ
+                {
+                    "scenario": self.scenarios[run],
+                    "sample": int(sample[run]),
+                    "collided": "new" if self.collided[1, run] else "old",
+                }
+                for run in differ
             ],
         }
 
 
 def gate(old: Driver, new: Driver, traffic: Traffic, settings: Settings, seed: int) -> Gate:
-    """Drive both through every scene of `traffic`, neighbours replayed, and compare. Raises UnusableInput where there is no scene."""
+    """Drive both through every scene of `traffic`, neighbours replayed, and compare. Raises UnusableInput without one."""
     if not traffic:
         raise UnusableInput("there is no scene to drive both through", reason="no-scenarios")
     blocks = [traffic[first : first + BLOCK] for first in range(0, len(traffic), BLOCK)]

@@ -1,8 +1,8 @@
-"""Whether the newer of two drivers collides more often than the older one in the same scenes: an exact test over recordings, with odds.
+"""Whether the newer of two drivers collides more often than the older one in the same scenes: exact, over recordings, with odds.
 
-Runs of one recording show the same road and vehicles, so they count as one piece of evidence: the runs in which the newer driver
-alone collided less those in which the older one alone did, its difference. Were the drivers alike, each recording's difference would
-have either sign with the same chance. That fixes the distribution of the sum, given how large the differences are (Fisher's
+Runs of one recording show the same road and vehicles, so they are one piece of evidence: the runs in which the newer driver
+alone collided less those in which the older one alone did, its difference. Were the drivers alike, each recording's difference
+would have either sign with the same chance. That fixes the distribution of the sum, given how large the differences are (Fisher's
 randomisation test), so a false alarm is no more frequent than was asked, with few recordings and collisions, too.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _EFFECTS = np.array([1.0, 2.0, 3.0, 4.0])
-"""Sums of differences, in standard deviations of those of alike drivers, that a worse driver is thought to have: equally likely."""
+"""Sums of differences that a worse driver is thought to have, equally likely, in standard deviations of alike drivers'."""
 
 _POWER = 0.9
 """In so many of such sets of runs what is `noticed` would be."""
@@ -87,8 +87,8 @@ def chance(differences: NDArray[np.int64]) -> float:
 def odds(differences: NDArray[np.int64]) -> float:
     """How much likelier the signs of these differences (G,) are for a worse driver than for an alike one: a Bayes factor.
 
-    A worse driver has sign + with log odds 2 k |d|; k is such that the sum is any of `_EFFECTS`. It is an e-value, too: alike drivers
-    reach odds of x in one of x cases at most.
+    A worse driver has sign + with log odds 2 k |d|; k is such that the sum is about one of `_EFFECTS`. It is an e-value, too:
+    alike drivers reach odds of x in one of x cases at most.
     """
     sizes = differences[differences != 0].astype(np.float64)
     if not len(sizes):
