@@ -15,8 +15,11 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-_EFFECTS = np.array([1.0, 2.0, 3.0, 4.0])
-"""Sums of differences that a worse driver is thought to have, equally likely, in standard deviations of alike drivers'."""
+_TILTS = np.array([1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 1.0])
+"""What a worse driver is thought to be, equally likely: half the log odds that a difference of one run is its own."""
+
+_MOST = 700.0
+"""Log odds beyond which a float ends."""
 
 _POWER = 0.9
 """In so many of such sets of runs what is `noticed` would be."""
@@ -87,12 +90,9 @@ def chance(differences: NDArray[np.int64]) -> float:
 def odds(differences: NDArray[np.int64]) -> float:
     """How much likelier the signs of these differences (G,) are for a worse driver than for an alike one: a Bayes factor.
 
-    A worse driver has sign + with log odds 2 k |d|; k is such that the sum is about one of `_EFFECTS`. It is an e-value, too:
-    alike drivers reach odds of x in one of x cases at most.
+    A worse driver has sign + with log odds 2 k |d| for some k of `_TILTS`, fixed beforehand. So it is a martingale of alike drivers
+    as recordings are added: they reach odds of x in one of x cases at most, whenever one stops (Ville's inequality).
     """
-    sizes = differences[differences != 0].astype(np.float64)
-    if not len(sizes):
-        return 1.0
-    tilted = np.outer(_EFFECTS / np.sqrt((sizes**2).sum()), sizes)
+    tilted = np.outer(_TILTS, differences[differences != 0].astype(np.float64))
     likelihoods = (tilted - np.logaddexp(tilted, -tilted) + np.log(2.0)).sum(axis=1)
-    return float(np.exp(np.logaddexp.reduce(likelihoods) - np.log(len(_EFFECTS))))
+    return float(np.exp(min(np.logaddexp.reduce(likelihoods) - np.log(len(_TILTS)), _MOST)))

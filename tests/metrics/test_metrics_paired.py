@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from drivegen.metrics.paired import _EFFECTS, Finding, Paired, chance, odds
+from drivegen.metrics.paired import _TILTS, Finding, Paired, chance, odds
 
 
 def signs(count: int) -> np.ndarray:
@@ -54,11 +54,8 @@ def test_chance_and_odds_are_those_of_all_signs_counted_one_by_one(seed):
     differences = sizes * rng.choice([-1, 1], len(sizes))
     sums = signs(len(sizes)) @ sizes
     assert chance(differences) == pytest.approx((sums >= differences.sum()).mean())
-    if sizes.any():
-        tilts = _EFFECTS / np.sqrt(np.sum(sizes**2.0))
-        assert odds(differences) == pytest.approx(
-            np.mean([np.prod(np.exp(tilt * differences) / np.cosh(tilt * differences)) for tilt in tilts])
-        )
+    by_tilt = [np.prod(np.exp(tilt * differences) / np.cosh(tilt * differences)) for tilt in _TILTS]
+    assert odds(differences) == pytest.approx(np.mean(by_tilt))
 
 
 @pytest.mark.parametrize("sizes", [[1] * 9, [1, 2, 3, 4, 5, 6, 7], [40, 1, 1, 1, 1, 1], [5, 5, 5, 0, 2]])
@@ -70,6 +67,17 @@ def test_of_alike_drivers_no_more_than_asked_are_called_worse_and_odds_are_fair(
     assert values.mean() == pytest.approx(1.0)
     for x in (2, 5, 20):
         assert (values >= x).mean() <= 1 / x
+
+
+def test_odds_stay_fair_where_one_stops_at_the_best_moment():
+    best = [max(odds(np.array(d[:n])) for n in range(1, 11)) for d in signs(10) * np.array([1, 2, 1, 5, 1, 3, 1, 1, 2, 4])]
+    for x in (1.5, 2, 5, 10):
+        assert np.mean(np.array(best) >= x) <= 1 / x
+
+
+def test_odds_do_not_leave_the_numbers():
+    assert 1e300 < odds(np.full(5000, 3)) < np.inf
+    assert 0.0 <= odds(np.full(5000, -3)) < 1e-200
 
 
 def test_exchanging_the_drivers_exchanges_the_findings():
