@@ -55,8 +55,8 @@ class Paired:
         names, number = np.unique(np.asarray(recordings), return_inverse=True)
         change = new.astype(np.int64) - old.astype(np.int64)
         differences = np.bincount(number, change, minlength=len(names)).astype(np.int64)
-        counts = (int(part.sum()) for part in (old, new, old & ~new, new & ~old))
-        return cls(len(old), *counts, differences)
+        only_old, only_new = old & ~new, new & ~old
+        return cls(len(old), int(old.sum()), int(new.sum()), int(only_old.sum()), int(only_new.sum()), differences)
 
     def finding(self, alarms: float) -> Finding:
         """Worse, better or neither; alike drivers are called worse in a share `alarms` of all cases at most, and better, too."""
@@ -90,8 +90,8 @@ def chance(differences: NDArray[np.int64]) -> float:
 def odds(differences: NDArray[np.int64]) -> float:
     """How much likelier the signs of these differences (G,) are for a worse driver than for an alike one: a Bayes factor.
 
-    A worse driver has sign + with log odds 2 k |d| for some k of `_TILTS`, fixed beforehand. So it is a martingale of alike drivers
-    as recordings are added: they reach odds of x in one of x cases at most, whenever one stops (Ville's inequality).
+    A worse driver has sign + with log odds 2 k |d| for some k of `_TILTS`, fixed beforehand. So it is a martingale of alike
+    drivers as recordings are added: they reach odds of x in one of x cases at most, whenever one stops (Ville's inequality).
     """
     tilted = np.outer(_TILTS, differences[differences != 0].astype(np.float64))
     likelihoods = (tilted - np.logaddexp(tilted, -tilted) + np.log(2.0)).sum(axis=1)
