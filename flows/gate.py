@@ -4,10 +4,10 @@ Which drivers is said in params.yaml, section `gate`. The stage is one of stages
 not changed.
 """
 
-from prefect import flow, get_run_logger, task
+from prefect import State, flow, get_run_logger, task
 from prefect.artifacts import create_table_artifact
 from prefect.cache_policies import NO_CACHE
-from prefect.states import Completed, Failed, State
+from prefect.states import Completed, Failed
 
 from flows import pipeline
 
