@@ -152,7 +152,8 @@ def _cases(outcome: DrivingOutcome, traffic: Traffic, driver: Driver, runs: NDAr
     """The collisions of `runs`; nobody's motion was exchanged, and nobody asks for odds."""
     for run in runs.tolist():
         yield Case(
-            *traffic[run],
+            scenario=traffic[run][0],
+            traffic=traffic[run][1],
             attacker=0,
             driven=outcome.motion[run],
             step=int(outcome.step[run]),
