@@ -1,4 +1,4 @@
-"""`python -m flows experiment|regenerate|iterate|corpus|tables`: run one flow with a local Prefect server around it."""
+"""`python -m flows experiment|regenerate|iterate|corpus|gate|tables`: run one flow with a local Prefect server around it."""
 
 import argparse
 import os
@@ -19,6 +19,7 @@ MADE: dict[str, Callable[[Any], str]] = {
     "regenerate": lambda state: f"New version: {Path(state.result()).resolve()}",
     "iterate": lambda state: f"Collision rate of each round: {', '.join(f'{rate:.3f}' for rate in state.result())}",
     "corpus": lambda state: f"Scenarios: {Path(state.result()).resolve()}",
+    "gate": lambda state: str(state.message),
     "tables": lambda state: str(state.message),
 }
 """What each flow says it has made."""
@@ -78,6 +79,7 @@ def _parser() -> argparse.ArgumentParser:
     iterate.add_argument("--min-gain", type=float, default=0.0, help="a round must raise the rate by more than this")
     corpus = flows.add_parser("corpus", help="the corpus in another size, simulated and ingested in a workspace of its own")
     corpus.add_argument("size", help="its name in flows/sizes.yaml")
+    flows.add_parser("gate", help="whether a new driver is worse than the old one, both of params.yaml: exit code 1 if it is")
     tables = flows.add_parser("tables", help="the published tables: all data sets, several training seeds")
     real = Path(os.environ.get("DRIVEGEN_REAL_DATA", "../shared/data"))
     said = "folder of real recordings (publish.data says which of its folders); what is not there is left out"
@@ -108,6 +110,10 @@ def _run(arguments: argparse.Namespace) -> Any:
         from flows.corpus import corpus
 
         return corpus(size=arguments.size, real=arguments.real, return_state=True)
+    if arguments.flow == "gate":
+        from flows.gate import gate
+
+        return gate(return_state=True)
     if arguments.flow == "tables":
         from flows.tables import tables
 

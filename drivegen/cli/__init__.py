@@ -22,6 +22,7 @@ COMMANDS = {
     "map": "Roads from words or files, edits, other formats.",
     "generate": "Traffic: a log again, a network, words.",
     "corner": "What makes a driver fail, by kind.",
+    "gate": "Whether a driver collides more than another.",
     "export": "The pipeline's scenarios as folders.",
     "view": "Look at a scenario folder or a log.",
     "query": "SQL over all results.",
@@ -92,7 +93,8 @@ def drivegen(
     """Traffic scenarios for autonomous driving: roads from words, traffic from goals, corner cases for a driver.
 
     Exit codes: 0 done; 1 failed (a missing tool or weights, a full disk); 2 the request was not understood or the
-    input is unusable; 128 and a signal's number: stopped by it.
+    input is unusable; 3 `gate` finds the new driver worse, 4 with --strict does not tell it apart; 128 and a signal's
+    number: stopped by it.
     """
 
 

@@ -13,6 +13,7 @@ from typer import Option
 from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
 from drivegen.adversaries.shared.ground import logged, sampled
 from drivegen.cli import _project
+from drivegen.cli._drivers import driver_of
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.first_frame import first_frame
@@ -25,7 +26,6 @@ from drivegen.corner_cases.kind_folder import PICTURE, RECORDING, write_kind
 from drivegen.corner_cases.kinds import Group, groups
 from drivegen.corner_cases.survival import Reacting
 from drivegen.drivers.base import Driver
-from drivegen.drivers.shared.file import FileDriver
 from drivegen.gym.folders import read_traffic
 from drivegen.rollout.batch import choose, roll_out
 from drivegen.store.files import write_json
@@ -48,7 +48,8 @@ class _Settings:
 
 def command(
     driver: Annotated[
-        str, Option(help="A driver of params.yaml, or a Python file with a function act(observation), run with your rights.")
+        str,
+        Option(help="A driver of params.yaml, a YAML file with one and its settings, or a Python file, run with your rights."),
     ],
     scenarios: Annotated[Path, Option(help="A folder of scenarios: data/scenarios/test, data/shipped, Argoverse 2's layout.")],
     out: Annotated[Path, Option(help="New folder, with one of each kind of cases.")],
@@ -56,7 +57,7 @@ def command(
     most: Annotated[int | None, Option(min=1, help="Only the first so many scenarios.")] = None,
 ) -> None:
     """Find what makes DRIVER fail: legal traffic that it collides in, judged, by kind, written for other programs."""
-    settings, tested = _settings(), _driver(driver)
+    settings, tested = _settings(), driver_of(driver)
     with whole_folder(out) as folder:  # refused before the search, which takes minutes
         where = {scenario.scenario_id: scenario for scenario, _ in read_traffic(scenarios)}
         cases, runs = _cases(tested, adversary, list(where.values())[:most], settings)
@@ -83,14 +84,6 @@ def _settings() -> _Settings:
     if not settings.queries:
         raise UnusableInput("params.yaml: attack.queries is empty: say how often the driver may be run in each scenario")
     return settings
-
-
-def _driver(name: str) -> Driver:
-    """A driver by its name, or of a file."""
-    if name.endswith(".py"):
-        return FileDriver(Path(name))
-    driver: Driver = plugins.make("drivers", name, read_section("attack.drivers"), "attack.drivers")
-    return driver
 
 
 def _cases(driver: Driver, adversary: str, scenarios: Sequence[Scenario], attack: _Settings) -> tuple[list[Case], int]:

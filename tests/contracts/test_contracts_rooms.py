@@ -76,7 +76,7 @@ EDITS = {
     "geometry": ("drivegen/core/geometry.py", ALL),
     "the training loop": (
         "drivegen/training/loop.py",
-        {*LEARNERS, *PLANNING, "goals", "rollout_rival", "initial_states", "rank", "tune", "drive_tuned"},
+        {*LEARNERS, *PLANNING, "goals", "rollout_rival", "initial_states", "rank", "tune", "drive_tuned", "gate"},
     ),
     "a planner": ("drivegen/planners/poly_fm.py", {*PLANNING, "report"}),
     "the question to a model": ("drivegen/questions/goals.py", {"goals", "corner"}),

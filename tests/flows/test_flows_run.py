@@ -65,6 +65,19 @@ def test_rounds_go_on_until_the_collision_rate_stops_rising(root):
     assert iterate(min_gain=0.25) == [0.1, 0.3]
 
 
+@pytest.mark.parametrize(("finding", "passes"), [("better", True), ("not told apart", True), ("worse", False)])
+def test_the_gate_makes_what_it_needs_and_fails_where_the_new_driver_is_worse(root, finding, passes):
+    from flows.gate import gate
+
+    (root / "stages").mkdir()
+    (root / "stages" / "dvc.yaml").write_text(toy.GATE.replace("FINDING", finding))
+    state = gate(return_state=True)
+    assert (root / "data" / "scenarios").read_text() == "logs\n"
+    assert not (root / "data" / "maps").exists()
+    assert state.is_completed() == passes
+    assert state.message == f"{finding}: in 3 runs"
+
+
 def test_a_version_has_its_own_seed_and_a_manifest_and_is_never_overwritten(root):
     from flows.experiment import experiment
     from flows.regenerate import regenerate, seed_of

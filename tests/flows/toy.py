@@ -34,6 +34,17 @@ stages:
       - data/round-${item.k}.json
 """
 
+GATE = """
+stages:
+  gate:
+    wdir: ..
+    cmd: >-
+      grep -q logs data/scenarios &&
+      echo '{"finding":"FINDING","sentence":"FINDING{colon} in 3 runs","collisions":{"old":1,"new":2}}' > data/gate.json
+    deps: [data/scenarios]
+    outs: [data/gate.json]
+""".replace("{colon}", ":")
+
 PARAMS = """
 run:
   seed: 7

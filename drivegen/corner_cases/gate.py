@@ -1,0 +1,174 @@
+"""The release gate: two drivers, or two versions of one, through the same scenes, and whether the new one collides more often.
+
+Counted are collisions that say something of the driver (`DrivingOutcome.counted`) or, of these, the avoidable ones. Scenes must
+not have been chosen for what one of the two did in them: cases found against the old one flatter the new one.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.core.errors import UnusableInput
+from drivegen.core.intervals import Interval, bootstrap_means, recording
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.seeds import rng
+from drivegen.core.settings import Count, Within
+from drivegen.corner_cases.avoidance import Avoidable, judge
+from drivegen.corner_cases.case import Case
+from drivegen.drivers.base import Driver
+from drivegen.metrics.paired import Finding, Paired, chance, odds
+from drivegen.simulators.batch import Plugin as Batch
+from drivegen.simulators.shared.drives import numbered
+from drivegen.world.outcome import CollisionKind, DrivingOutcome
+
+BLOCK = 4096
+"""Runs that are in memory with all that is known of them."""
+
+Traffic = Sequence[tuple[Scenario, Trajectories]]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """`alarms`: share of alike drivers that may be called worse; `avoidable`: only such collisions count; bootstrap `draws`."""
+
+    alarms: Annotated[float, Within(0, 0.5, above=True)]
+    avoidable: bool
+    draws: Count
+
+
+@dataclass(frozen=True)
+class Gate:
+    """What R runs say of two drivers.
+
+    Attributes:
+        scenarios: of each run. collided: (2, R) whether each driver did, the old one's first. paired: what follows.
+        shares: of collisions, of the old driver, of the new one, and the latter less the former, with intervals over recordings.
+    """
+
+    settings: Settings
+    scenarios: Sequence[str]
+    collided: NDArray[np.bool_]
+    paired: Paired
+    shares: Sequence[Interval]
+
+    @property
+    def finding(self) -> Finding:
+        """Worse, better, or not told apart."""
+        return self.paired.finding(self.settings.alarms)
+
+    @property
+    def counted(self) -> str:
+        """What is counted, in words."""
+        return "avoidable collisions" if self.settings.avoidable else "counted collisions"
+
+    def sentence(self, old: str, new: str) -> str:
+        """The verdict on two drivers of these names."""
+        paired, more = self.paired, self.paired.new - self.paired.old
+        where = f"in {paired.runs} runs of {len(paired.differences)} recordings"
+        if self.finding == Finding.UNDECIDED:
+            return f"{self.finding}: {where} {old} has {paired.old} {self.counted}, {new} {paired.new}; {self._why_not()}"
+        sign = 1 if self.finding == Finding.WORSE else -1
+        share = f" ({more / paired.old:+.0%})" if paired.old else ""
+        alike = chance(sign * paired.differences)
+        return (
+            f"{self.finding}: {where} {new} has {abs(more)} {self.counted} {'more' if sign > 0 else 'fewer'} than {old}{share};"
+            f" odds {_to_one(odds(sign * paired.differences))} that it is {self.finding} rather than alike;"
+            f" of alike drivers {alike:.2g} differ so"
+        )
+
+    def _why_not(self) -> str:
+        paired = self.paired
+        if not paired.differences.any():
+            return "each recording has as many of both"
+        least = paired.noticed(self.settings.alarms)
+        if np.isnan(least):
+            return f"only {np.count_nonzero(paired.differences)} recordings differ, too few to tell: give more recordings"
+        share = f" ({least / paired.old:.0%})" if paired.old else ""
+        worse, better = (_to_one(odds(sign * paired.differences)) for sign in (1, -1))
+        said = f"odds {worse} that it is worse rather than alike, {better} that it is better"
+        return f"{said}; about {least:.0f} more{share} would be noticed"
+
+    def record(self, old: str, new: str) -> dict[str, Any]:
+        """All of it for programs; `differ` are the runs in which one collided and the other did not."""
+        paired, differences = self.paired, self.paired.differences
+        sample = numbered(np.unique(self.scenarios, return_inverse=True)[1])
+        differ = np.flatnonzero(self.collided[0] != self.collided[1]).tolist()
+        return {
+            "finding": self.finding,
+            "sentence": self.sentence(old, new),
+            "counted": self.counted,
+            "runs": paired.runs,
+            "recordings": len(differences),
+            "collisions": {"old": paired.old, "new": paired.new, "only_old": paired.only_old, "only_new": paired.only_new},
+            "shares": {name: asdict(one) for name, one in zip(("old", "new", "difference"), self.shares, strict=True)},
+            "chance_if_alike": {"worse": chance(differences), "better": chance(-differences)},
+            "odds_over_alike": {"worse": odds(differences), "better": odds(-differences)},
+            "noticed": paired.noticed(self.settings.alarms),
+            "settings": asdict(self.settings),
+            "differ": [
+                {
+                    "scenario": self.scenarios[run],
+                    "sample": int(sample[run]),
+                    "collided": "new" if self.collided[1, run] else "old",
+                }
+                for run in differ
+            ],
+        }
+
+
+def gate(old: Driver, new: Driver, traffic: Traffic, settings: Settings, seed: int) -> Gate:
+    """Drive both through every scene of `traffic`, neighbours replayed, and compare. Raises UnusableInput without one."""
+    if not traffic:
+        raise UnusableInput("there is no scene to drive both through", reason="no-scenarios")
+    blocks = [traffic[first : first + BLOCK] for first in range(0, len(traffic), BLOCK)]
+    collided = np.concatenate([_collided((old, new), block, settings.avoidable) for block in blocks], axis=1)
+    scenarios = [scenario.scenario_id for scenario, _ in traffic]
+    recordings = [recording(name) for name in scenarios]
+    values = np.stack([*collided, collided[1].astype(np.int64) - collided[0]], axis=1).astype(np.float64)
+    shares = bootstrap_means(values, recordings, settings.draws, rng(seed, "gate", "bootstrap"))
+    return Gate(settings, scenarios, collided, Paired.of(collided[0], collided[1], recordings), shares)
+
+
+def _collided(drivers: Sequence[Driver], traffic: Traffic, avoidable: bool) -> NDArray[np.bool_]:
+    """(D, R) whether each driver has a collision that counts in each run."""
+    outcomes = Batch().run_each(drivers, [scenario for scenario, _ in traffic], [motion for _, motion in traffic])
+    if not avoidable:
+        return np.stack([outcome.counted for outcome in outcomes])
+    return np.stack([_avoidable(outcome, traffic, driver) for outcome, driver in zip(outcomes, drivers, strict=True)])
+
+
+def _avoidable(outcome: DrivingOutcome, traffic: Traffic, driver: Driver) -> NDArray[np.bool_]:
+    runs = np.flatnonzero(outcome.counted)
+    judged = judge(list(_cases(outcome, traffic, driver, runs)))
+    counts = np.zeros(len(traffic), np.bool_)
+    counts[runs] = [one.verdict != Avoidable.NO for one in judged]
+    return counts
+
+
+def _cases(outcome: DrivingOutcome, traffic: Traffic, driver: Driver, runs: NDArray[np.integer]) -> Iterator[Case]:
+    """The collisions of `runs`; nobody's motion was exchanged, and nobody asks for odds."""
+    for run in runs.tolist():
+        yield Case(
+            scenario=traffic[run][0],
+            traffic=traffic[run][1],
+            attacker=0,
+            driven=outcome.motion[run],
+            step=int(outcome.step[run]),
+            partner=int(outcome.partner[run]),
+            kind=CollisionKind(int(outcome.kind[run])),
+            at_fault=bool(outcome.at_fault[run]),
+            impact_speed=float(outcome.impact_speed[run]),
+            violation=0,
+            odds=float("nan"),
+            queries=1,
+            driver=driver.name,
+            method="gate",
+        )
+
+
+def _to_one(value: float) -> str:
+    """Odds as they are said."""
+    return f"{value:.3g} to 1" if value >= 1 else f"1 to {1 / value:.3g}"

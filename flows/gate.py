@@ -1,0 +1,38 @@
+"""The release gate: bring what it drives in up to date, drive both drivers, and fail where the new one is worse.
+
+Which drivers is said in params.yaml, section `gate`. The stage is one of stages/dvc.yaml, so nothing is driven again that has
+not changed.
+"""
+
+from prefect import State, flow, get_run_logger, task
+from prefect.artifacts import create_table_artifact
+from prefect.cache_policies import NO_CACHE
+from prefect.states import Completed, Failed
+
+from flows import pipeline
+
+STAGE = f"{pipeline.MEASURES}:gate"
+WORSE = "worse"
+"""What the record calls a driver that must not be released."""
+
+
+@flow(name="gate")
+def gate() -> State:
+    """Completed or, where the new driver is worse, failed, with what is said of it. Raises StageFailed where a stage fails."""
+    plan = pipeline.read(measures=True)
+    if STAGE not in plan.needs:
+        raise pipeline.StageFailed(f"{pipeline.MEASURES} has no stage gate")
+    for stage in [*plan.upstream(STAGE), STAGE]:
+        if stage in plan.stale:
+            run_stage.with_options(task_run_name=stage)(stage)
+    record = pipeline.metrics(STAGE)
+    create_table_artifact([record["collisions"]], key="gate", description=record["sentence"])
+    get_run_logger().info(record["sentence"])
+    state = Failed if record["finding"] == WORSE else Completed
+    return state(message=record["sentence"])
+
+
+@task(cache_policy=NO_CACHE)
+def run_stage(stage: str) -> None:
+    """The gate, or a stage that it needs."""
+    pipeline.reproduce(stage, get_run_logger().info)

@@ -1,0 +1,90 @@
+"""The release gate on hand-made scenes: who is worse, what counts, what is said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import Trajectories
+from drivegen.corner_cases.gate import Gate, Settings, gate
+from drivegen.drivers import idm
+from drivegen.drivers.mutants.table import Mutant
+from drivegen.metrics.paired import Finding, Paired
+from tests.checking import IDM
+from tests.scenes import drive, scenario, stack, straight_road
+
+ROAD = straight_road(600)
+LINE = ROAD.centreline[0].astype(np.float64)
+SETTINGS = Settings(alarms=0.05, avoidable=False, draws=100)
+SOUND = idm.Plugin(IDM)
+BLIND = Mutant("idm.ignores_standing", SOUND)
+
+
+def parked(recording: str, sample: int = 0, place: float = 80.0):
+    """A target on its way to a parked car, cut from that recording."""
+    log = stack([drive(LINE, 20, 12, 101), drive(LINE, place + 2 * sample, 0, 101)])
+    scene = scenario(ROAD, log, f"{recording}-{sample}")
+    return scene, scene.log
+
+
+def appears(recording: str):
+    """A car stands in the target's way that is there from one second and a half on: nobody can avoid it."""
+    scene, log = parked(recording, place=40.0)
+    valid = log.valid.copy()
+    valid[1, :15] = False
+    log = Trajectories(log.position, log.heading, log.velocity, valid)
+    return replace(scene, log=log), log
+
+
+def test_who_overlooks_parked_cars_is_worse_and_who_sees_them_again_is_better():
+    traffic = [parked(f"run{n}", k) for n in range(6) for k in range(2)]
+    worse = gate(SOUND, BLIND, traffic, SETTINGS, 7)
+    assert worse.finding == Finding.WORSE
+    assert worse.collided.tolist() == [[False] * 12, [True] * 12]
+    assert worse.paired.differences.tolist() == [2] * 6
+    assert worse.shares[2].value == 1.0
+    assert "worse: in 12 runs of 6 recordings new has 12 counted collisions more than old; odds" in worse.sentence("old", "new")
+    assert gate(BLIND, SOUND, traffic, SETTINGS, 7).finding == Finding.BETTER
+
+
+def test_a_driver_is_not_told_from_itself_nor_two_by_one_recording():
+    traffic = [parked("run", k) for k in range(20)]
+    same = gate(BLIND, BLIND, traffic, SETTINGS, 7)
+    assert same.finding == Finding.UNDECIDED
+    assert "each recording has as many of both" in same.sentence("a", "b")
+    alone = gate(SOUND, BLIND, traffic, SETTINGS, 7)
+    assert (alone.finding, alone.paired.only_new) == (Finding.UNDECIDED, 20)
+    assert "too few to tell: give more recordings" in alone.sentence("a", "b")
+
+
+def test_what_nobody_could_avoid_counts_only_where_all_counts():
+    traffic = [appears("sudden"), parked("seen")]
+    both = gate(SOUND, BLIND, traffic, SETTINGS, 7)
+    assert both.collided.tolist() == [[True, False], [True, True]]
+    seen = gate(SOUND, BLIND, traffic, replace(SETTINGS, avoidable=True), 7)
+    assert seen.collided.tolist() == [[False, False], [False, True]]
+    assert "avoidable collisions" in seen.sentence("a", "b")
+
+
+def test_the_record_names_the_runs_in_which_only_one_collided():
+    scene, log = parked("run")
+    free, way = parked("free", place=500.0)
+    record = gate(SOUND, BLIND, [(scene, log), (scene, log), (free, way)], SETTINGS, 7).record("a", "b")
+    assert record["differ"] == [{"scenario": "run-0", "sample": k, "collided": "new"} for k in (0, 1)]
+    assert (record["runs"], record["recordings"], record["finding"]) == (3, 2, "not told apart")
+    assert record["collisions"] == {"old": 0, "new": 2, "only_old": 0, "only_new": 2}
+
+
+def test_what_would_have_been_noticed_is_said_where_nothing_is_found():
+    names = [f"run{n}" for n in range(20)]
+    collided = np.array([[n % 2 == which for n in range(20)] for which in range(2)])
+    result = Gate(SETTINGS, names, collided, Paired.of(*collided, names), [])
+    assert result.finding == Finding.UNDECIDED
+    assert result.paired.noticed(0.05) == pytest.approx(np.sqrt(20) * 2.926, rel=1e-3)
+    assert "about 13 more (131%) would be noticed" in result.sentence("a", "b")
+
+
+def test_without_scenes_there_is_nothing_to_compare():
+    with pytest.raises(UnusableInput, match="no scene"):
+        gate(SOUND, BLIND, [], SETTINGS, 7)
