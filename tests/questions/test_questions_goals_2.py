@@ -12,6 +12,7 @@ from drivegen.core.roadmap import LaneControl
 from drivegen.core.scenario import Signals, SignalState
 from drivegen.goals.candidates import MOST, candidates
 from drivegen.goals.manoeuvres import Manoeuvre
+from drivegen.goals.prior import GAP
 from drivegen.goals.traffic import STAND
 from drivegen.questions.account import odds
 from drivegen.questions.goals import Case, about_vehicle
@@ -172,39 +173,33 @@ def test_the_end_of_a_lane_is_told_where_the_road_goes_on_beside_it():
     assert "Its lane ends in 150 m, the road goes on beside it." in told(scene)[1]
 
 
-@pytest.mark.parametrize("vehicle", range(4))
-def test_a_place_to_stop_is_added_at_the_line_and_behind_the_queue(vehicle):
-    scene = queue(gaps=(18, 44, 52), speeds=(6.0, 0.0, 0.0), own=9.0)
-    c = offered(scene, vehicle)
-    more = with_stops(scene, vehicle, c)
-    assert len(more) <= MOST
-    for name in list(c.__dataclass_fields__)[:10]:
-        assert np.array_equal(getattr(more, name)[: len(c)], getattr(c, name)), name
-    assert float(more.prior.sum()) == pytest.approx(float(c.prior.sum()), rel=1e-5)
-    assert (more.prior > 0).all()
-    assert with_stops(scene, vehicle, more) is more
-    stands = more.position[more.speed < STANDING]
-    if vehicle == 0:  # 44 m to who stands first, less half of both cars, both gaps and the car between
-        tail = scene.vehicles.position[0] + np.float32([44 - 4.6 - 2 * 2.5 - 4.6, 0])
-        assert np.hypot(*(stands - tail).T).min() < 1.5
-    else:
-        first = passages(scene.map, scene.signals, c.routes[0])[0]
-        line = scene.vehicles.position[vehicle] + np.float32([first.begin - 2.3 - STAND, 0])
-        nearest = float(c.s[c.route == 0].min())
-        assert nearest > first.begin or np.hypot(*(stands - line).T).min() < 1.5
-
-
-def test_an_added_place_is_where_the_planner_can_be_sent():
-    scene = queue(gaps=(18, 44, 52), speeds=(6.0, 0.0, 0.0), own=9.0)
-    c = offered(scene)
-    more = with_stops(scene, 0, c)
-    assert len(more) > len(c)
-    for i in range(len(c), len(more)):
-        on = c.route == more.route[i]
-        assert c.s[on].min() - 1 <= more.s[i] <= c.s[on].max()
-        assert more.speed[i] == 0
-        assert more.step[i] == c.step[0]
-        assert not more.leaves_map[i]
+@pytest.mark.parametrize("own", [9.0, 14.0])
+def test_a_place_to_stop_is_added_where_there_is_none_at_the_line_or_behind_the_queue(own):
+    added = 0
+    for first in np.arange(38.0, 62.0, 1.5).tolist():
+        scene = queue(gaps=(18, first, first + 8), speeds=(6.0, 0.0, 0.0), own=own)
+        c = offered(scene)
+        more = with_stops(scene, 0, c)
+        added += len(more) - len(c)
+        assert len(more) <= MOST
+        for name in list(c.__dataclass_fields__)[:10]:
+            assert np.array_equal(getattr(more, name)[: len(c)], getattr(c, name)), name
+        assert float(more.prior.sum()) == pytest.approx(float(c.prior.sum()), rel=1e-5)
+        assert (more.prior > 0).all()
+        assert with_stops(scene, 0, more) is more
+        for i in range(len(c), len(more)):  # as a candidate that the planner is given: on a route, within reach, standing
+            on = c.route == more.route[i]
+            assert c.s[on].min() - 1 <= more.s[i] <= c.s[on].max()
+            assert more.speed[i] == 0
+            assert more.step[i] == c.step[0]
+            assert not more.leaves_map[i]
+        stands = more.position[more.speed < STANDING]
+        line = passages(scene.map, scene.signals, c.routes[0])[0].begin - 2.3 - STAND
+        tail = first - 4.6 - 2 * GAP - 4.6  # less half of both cars, both gaps and the car between
+        for s in (line, tail):
+            if c.s.min() <= s <= c.s[c.route == 0].max():
+                assert np.hypot(*(stands - scene.vehicles.position[0] - np.float32([s, 0])).T).min() <= 1.0
+    assert added > 2
 
 
 def test_others_have_letters_nearest_first_and_ways_and_speeds():
