@@ -6,26 +6,25 @@ What the readers of `goals-1` found misleading, and what was done about it, is i
 import numpy as np
 
 from drivegen.core.geometry import to_vehicle_frame, wrap_angle
-from drivegen.core.roadmap import NO_LANE, LaneControl
+from drivegen.core.roadmap import LaneControl
 from drivegen.core.scenario import DT, TARGET, Scenario, SignalState, VehicleKind
-from drivegen.goals.candidates import NO_ROUTE, Candidates
-from drivegen.goals.departures import Departures, departures
+from drivegen.goals.candidates import Candidates
+from drivegen.goals.departures import departures
 from drivegen.goals.prior import shares
-from drivegen.goals.traffic import HALTED, STAND
+from drivegen.goals.traffic import HALTED
 from drivegen.lm.prompt import Image, fenced
 from drivegen.questions.goals import Case, Wording
-from drivegen.questions.others import Others, pace, where
+from drivegen.questions.others import Others, pace
+from drivegen.questions.place_table import table
 from drivegen.questions.places import Place, gathered
 from drivegen.questions.ways import Passage, lane_end, lane_words, passages, way_words
-from drivegen.render.goal_picture import Reach, draw_goal_picture
+from drivegen.render.goal_picture import draw_goal_picture
+from drivegen.render.goal_window import Reach
 from drivegen.render.png import png
 from drivegen.roads.frenet import to_frenet
 from drivegen.roads.leaving import Exits
 from drivegen.roads.line import Route
 from drivegen.roads.parked import STANDING
-
-AT_LINE = 2.0
-"""Who stands with its front within this distance before a line [m] stands at it."""
 
 MOST_AHEAD = 4
 """Vehicles ahead in its lane that are told one by one."""
@@ -36,17 +35,8 @@ OFF_MIDDLE, ASKEW = 0.5, np.deg2rad(2.5)
 NEAR = 0.5
 """Routes whose lines are nearly as near as the nearest [m] begin in the lane that it is in."""
 
-SLOW = 2.0
-"""A place past somebody in its lane who is slower than this [m/s] is told to be: whoever stands has to drive on first."""
-
-BEHIND = 6.0
-"""Who stands with its front within this distance of the next one's rear [m] stands close behind it."""
-
 LOOK = 300.0
 """The end of a lane is told if it is nearer than this [m]."""
-
-OTHERWISE = 2.0
-"""An end speed that differs from the present one by less [m/s] is about the same."""
 
 _LIKELIEST = """\
 You judge road traffic. For a vehicle you get what is known of its surroundings, a table of the others, a table of numbered places
@@ -91,7 +81,7 @@ def show(case: Case, pixels: int, wording: Wording) -> tuple[str, Image]:
     others = Others.of(scenario, n, reach)
     picture, _ = draw_goal_picture(scenario, n, position, others.letters, reach, pixels)
     own = _own(c)
-    told = [_situation(case, wording, others, own), others.table(own), _table(case, seen, others)]
+    told = [_situation(case, wording, others, own), others.table(own), table(case, seen, others)]
     return fenced(f"vehicle_{n}", "\n".join(told)), Image(png(picture), "image/png")
 
 
@@ -193,69 +183,6 @@ def _missing(scenario: Scenario, others: Others) -> str:
         f"{count}The scene holds {len(v)} vehicles, those nearest to the target, the farthest {far:.0f} m from it: beyond that "
         "others may drive who are not shown."
     )
-
-
-def _table(case: Case, shown: Departures, others: Others) -> str:
-    """A line per place, by number; a place beyond an exit is where the vehicle leaves the map."""
-    v, c, scenario = case.scenario.vehicles, case.candidates, case.scenario
-    local = to_vehicle_frame(shown.place, v.position[case.vehicle], v.heading[case.vehicle])
-    words = way_words(scenario.map, scenario.signals, c)
-    queues = [others.in_lane(route) for route in c.routes]
-    lines = ["place: where; what the vehicle does, lane there; way along the road; speed there, against the present one"]
-    for number, place in enumerate(case.places):
-        i = place.shown
-        lane = "" if c.lane[i] == NO_LANE or shown.leaves[i] else lane_words(scenario.map, int(c.lane[i]))
-        does = [words[i], *([lane] if lane else []), *_remarks(case, shown, others, queues, place)]
-        way = f"{shown.way[i]:.0f} m" if c.route[i] >= 0 else "no lane"
-        lines.append(f"{number}: {where(*local[i].tolist())}; {', '.join(does)}; {way}; {_speed(case, shown, place)}")
-    return "\n".join(lines)
-
-
-def _remarks(
-    case: Case, shown: Departures, others: Others, queues: list[list[tuple[int, float, float]]], place: Place
-) -> list[str]:
-    """That it leaves the map there, stands at a line or behind somebody, has passed where others now are in its lane."""
-    c, i = case.candidates, place.shown
-    if shown.leaves[i]:
-        after = shown.after[place.members]
-        first, last = f"{after.min():.1f}", f"{after.max():.1f}"
-        return [f"leaves the map here after {first} s" if first == last else f"leaves the map here after {first} to {last} s"]
-    told = ["beyond the map"] if c.leaves_map[i] else []
-    if c.route[i] == NO_ROUTE:
-        return told
-    s, half = float(c.s[i]), float(case.scenario.vehicles.size[case.vehicle, 0]) / 2
-    queue = queues[c.route[i]]
-    waits = [p.begin for p in passages(case.scenario.map, case.scenario.signals, c.routes[c.route[i]]) if _may_wait(p)]
-    if place.slowest < STANDING and any(0 <= line - half - s < AT_LINE + STAND for line in waits):
-        told.append("at the line")
-    past = [others.name(k) for k, at, speed in queue if at < s + half and speed < SLOW]
-    if past:
-        told.append(f"past {', '.join(past[:MOST_AHEAD])}{' and more' if len(past) > MOST_AHEAD else ''}")
-    elif place.slowest < STANDING and queue and queue[0][2] < SLOW:
-        first, at, _ = queue[0]
-        if 0 <= at - float(others.length[first]) / 2 - half - s < BEHIND:
-            told.append(f"close behind where {others.name(first)} is now")
-    return told
-
-
-def _may_wait(p: Passage) -> bool:
-    return p.begin > 0 and p.control != LaneControl.FREE
-
-
-def _speed(case: Case, shown: Departures, place: Place) -> str:
-    """The end speed in words, against the limit and the present one."""
-    c, i = case.candidates, place.shown
-    speed, now = float(shown.speed[i]), max(float(case.scenario.vehicles.speed[case.vehicle]), 0.0)
-    if speed < STANDING:
-        return "stands" if place.fastest < STANDING else "stands or creeps"
-    if c.route[i] != NO_ROUTE:
-        route = c.routes[c.route[i]]
-        limit = float(route.speed_limit[min(int(max(shown.way[i], 0.0)), len(route.speed_limit) - 1)])
-        if speed > 1.05 * limit:
-            return f"{pace(speed)}, above the limit"
-    if abs(speed - now) < OTHERWISE:
-        return f"{pace(speed)}, as now"
-    return f"{pace(speed)}, {'faster' if speed > now else 'slower'}"
 
 
 LIKELIEST = Wording(

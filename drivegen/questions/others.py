@@ -11,7 +11,7 @@ from drivegen.core.geometry import Floats, to_vehicle_frame, wrap_angle
 from drivegen.core.scenario import TARGET, Scenario, VehicleKind
 from drivegen.goals.traffic import IN_LANE, SAME_WAY
 from drivegen.questions.ways import WIDTH
-from drivegen.render.goal_picture import Reach
+from drivegen.render.goal_window import Reach
 from drivegen.roads.frenet import to_frenet
 from drivegen.roads.line import SPACING, Route
 from drivegen.roads.parked import STANDING

@@ -21,7 +21,7 @@ from drivegen.questions.others import Others, pace
 from drivegen.questions.places import with_stops
 from drivegen.questions.ways import lane_end, lane_words, passages, way_words
 from drivegen.questions.wordings import likeliest
-from drivegen.render.goal_picture import LONGEST_SIDE, Reach
+from drivegen.render.goal_window import LONGEST_SIDE, Reach
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.parked import STANDING
 from tests import scenes

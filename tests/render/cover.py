@@ -6,7 +6,8 @@ import numpy as np
 from drivegen.core.geometry import to_vehicle_frame
 from drivegen.goals.departures import departures
 from drivegen.questions.others import Others
-from drivegen.render.goal_picture import Boxes, Reach, draw_goal_picture, signal_bars
+from drivegen.render.goal_picture import draw_goal_picture
+from drivegen.render.goal_window import Boxes, Reach, signal_bars
 from drivegen.roads.leaving import Exits
 
 ANOTHER = 50

@@ -14,7 +14,8 @@ from drivegen.goals.candidates import candidates
 from drivegen.questions.goals import Case
 from drivegen.questions.places import with_stops
 from drivegen.questions.wordings import likeliest
-from drivegen.render.goal_picture import ASKED, Reach, draw_goal_picture
+from drivegen.render.goal_picture import ASKED, draw_goal_picture
+from drivegen.render.goal_window import Reach
 from drivegen.roads.graph import LaneGraph
 from tests import scenes
 from tests.models import candidate_settings
