@@ -100,7 +100,7 @@ def _situation(case: Case, wording: Wording, others: Others, own: list[Route]) -
     now = "stands" if speed < STANDING else f"drives {speed:.1f} m/s"
     target = " It is the scenario's target." if n == TARGET else ""
     lines = [
-        f"A {VehicleKind(v.kind[n]).name.lower()} {v.size[n, 0]:.1f} m long {now}.{target}",
+        f"Vehicle {n}, a {VehicleKind(v.kind[n]).name.lower()} {v.size[n, 0]:.1f} m long, {now}.{target}",
         wording.question.format(seconds=float(c.step.max()) * DT),
     ]
     if not own:
@@ -122,7 +122,7 @@ def _lane(case: Case, own: Route) -> str:
     else:
         text = [f"It is in {words}, counted from the right" if words else "Its road has one lane in its direction"]
     aside = float(to_frenet(own, start[None])[0, 1])
-    askew = float(wrap_angle(float(v.heading[n]) - float(own.heading[0])))
+    askew = float(wrap_angle(np.array(float(v.heading[n]) - float(own.heading[0]))))
     if abs(aside) > OFF_MIDDLE:
         text.append(f"{abs(aside):.1f} m {'left' if aside > 0 else 'right'} of the lane's middle")
     if abs(askew) > ASKEW:

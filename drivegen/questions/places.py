@@ -153,7 +153,8 @@ def _joined(c: Candidates, found: list[tuple[int, float]]) -> Candidates:
         for name, value in zip(_COLUMNS, (*told, route.lane[at], s > route.exit_s, prior[nearest]), strict=True):
             rows[name].append(value)
     first = replace(c, prior=prior)
-    return replace(c, **{name: _longer(getattr(first, name), values) for name, values in rows.items()})
+    columns: dict[str, Any] = {name: _longer(getattr(first, name), values) for name, values in rows.items()}
+    return replace(c, **columns)
 
 
 _COLUMNS = tuple(f.name for f in fields(Candidates))[:11]

@@ -140,7 +140,7 @@ def _across(road: RoadMap, lane: int) -> float:
         if len(onward) != 1 or not road.in_junction[onward[0]]:
             break
         lane = int(onward[0])
-    return float(wrap_angle(_heading(road, lane, -1) - begin))
+    return float(wrap_angle(np.array(_heading(road, lane, -1) - begin)))
 
 
 def _turn(angle: float) -> str:
