@@ -24,7 +24,9 @@ from drivegen.lm.prices import MAP_TOKENS, RANKING_TOKENS, TRAFFIC_TOKENS, Estim
 from drivegen.lm.prompt import Image
 from drivegen.lm.settings import RoleSettings
 from drivegen.maps.writers.language_model import prompt
-from drivegen.questions.goals import LIKELIEST, Case, Wording, about_scenario, about_vehicle, examples
+from drivegen.questions.goals import Case, Wording, about_scenario, about_vehicle, examples
+from drivegen.questions.places import with_stops
+from drivegen.questions.wordings import likeliest
 from drivegen.render.png import png
 from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.vlm import LAYOUTS
@@ -76,7 +78,7 @@ def _goals(settings: RoleSettings, asking: LanguageModel) -> list[str]:
     lines = []
     for layout in LAYOUTS:
         how = replace(asked, layout=layout)
-        requests, answer = _questions(scenes, how, asking, LIKELIEST, examples(asked.examples), first=0)
+        requests, answer = _questions(scenes, how, asking, likeliest(settings.prompt), examples(asked.examples), first=0)
         plain, batch = (estimate(settings, requests, answer, batch=one).times(share) for one in (False, True))
         lines += _lines(f"goals, {layout}", asking, settings, plain, batch)
     return lines
@@ -96,7 +98,9 @@ def _questions(
     for scenario in scenes:
         graph = LaneGraph.of(scenario.map)
         found = [(n, candidates(graph, scenario, n, offered)) for n in range(first, len(scenario.vehicles))]
-        cases = [Case.of(scenario, n, c, 0) for n, c in found if len(c) > 1]
+        if wording.stops:
+            found = [(n, with_stops(scenario, n, c)) for n, c in found]
+        cases = [Case.of(scenario, n, c, 0, wording) for n, c in found if len(c) > 1]
         cases = cases[: max(round(asked.ask_when_unsure * len(cases)), 1)]
         vehicles += len(cases)
         if asked.layout == "per_scenario":

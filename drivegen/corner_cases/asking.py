@@ -18,7 +18,8 @@ from drivegen.lm.prices import RANKING_TOKENS
 from drivegen.lm.prompt import Image, fenced
 from drivegen.questions.account import Account
 from drivegen.questions.asking import Asking, Scene, Settings
-from drivegen.questions.goals import THE_PICTURE, Wording
+from drivegen.questions.goals import Wording
+from drivegen.questions.goals_1 import THE_PICTURE, every, shown
 from drivegen.rollout.scene import Choices
 
 _INSTRUCTIONS = """\
@@ -35,6 +36,8 @@ WORDING = Wording(
     _INSTRUCTIONS + THE_PICTURE,
     "Where should it be in {seconds:.0f} seconds to endanger the target?",
     "most dangerous",
+    every,
+    shown,
 )
 """Where vehicles would endanger the target."""
 

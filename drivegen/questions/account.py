@@ -9,14 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def odds(ranked: Sequence[int], usual: NDArray[np.float32], decay: float, trust: float) -> NDArray[np.float32]:
-    """Probabilities (C,) from a ranking of candidates: a declared mixture, not what the model believes, which it never said.
+def odds(ranked: Sequence[NDArray[np.intp]], usual: NDArray[np.float32], decay: float, trust: float) -> NDArray[np.float32]:
+    """Probabilities (C,) from a ranking of places: a declared mixture, not what the model believes, which it never said.
 
-    The share `trust` goes to the ranked ones, each `decay` times the one before; the rest goes as `usual` (C,).
+    The share `trust` goes to the ranked ones, each `decay` times the one before and within each to its candidates, which are
+    what `ranked` holds, as `usual` (C,) has them; the rest goes as `usual`.
     """
     weights = decay ** np.arange(len(ranked), dtype=np.float64)
+    weights /= weights.sum()
     told = np.zeros(len(usual))
-    told[np.asarray(ranked, int)] = weights / weights.sum()
+    for weight, members in zip(weights.tolist(), ranked, strict=True):
+        within = usual[members].astype(np.float64)
+        told[members] = weight * (within / within.sum() if within.any() else 1 / len(members))
     mixed = trust * told + (1 - trust) * usual.astype(np.float64)
     return np.asarray(mixed / mixed.sum(), np.float32)
 

@@ -106,8 +106,8 @@ class Asking:
             if isinstance(numbers, NoAnswer):
                 account.fallback[numbers.reason] += 1
                 continue
-            account.note(numbers[0], len(case.order))
-            own = case.order[numbers].tolist()
+            account.note(numbers[0], len(case.places))
+            own = [case.places[number].members for number in numbers]
             told[case.vehicle] = odds(own, told[case.vehicle], self.settings.decay, self.settings.trust)
         return told
 
@@ -121,7 +121,8 @@ class Asking:
             lot = float(seeds.rng(self.seed, "ask-when-unsure", scene.scenario.scenario_id).random())
             exclusive = Outlooks.of(scene.scenario, found, everybody).exclusions()
             chosen = worth_asking(scene.usual, exclusive, share, lot).tolist()
-        return [Case.of(scene.scenario, n, found[n], self.seed) for n in chosen if n not in self.spared]
+        cases = [Case.of(scene.scenario, n, found[n], self.seed, self.wording) for n in chosen if n not in self.spared]
+        return [case for case in cases if len(case.places) > 1]
 
     def _prompts(self, cases: Sequence[Case]) -> list[Prompt[Any]]:
         """A question for each case, or one for all."""

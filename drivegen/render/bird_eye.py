@@ -65,19 +65,29 @@ class Marks:
 
 
 @dataclass(frozen=True)
-class _View:
-    """The window: pose of the vehicle, pixels per metre, side in pixels."""
+class View:
+    """A window: pose of the vehicle whose heading is up, pixels per metre.
+
+    Attributes:
+        size: (2,) its width and height [px]. middle: (2,) where the vehicle is in it [px].
+    """
 
     position: Floats
     heading: float
     scale: float
-    size: int
+    size: NDArray[np.int64]
+    middle: NDArray[np.float64]
+
+    @classmethod
+    def around(cls, position: Floats, heading: float, size: int) -> "View":
+        """A square one of EXTENT, with the vehicle in its middle."""
+        return cls(position, heading, size / EXTENT, np.array([size, size]), np.array([size / 2, size / 2]))
 
     def pixels(self, points: Floats) -> NDArray[np.float64]:
         """Pixel coordinates (..., 2): forward is up, left is left."""
         flat = np.asarray(points, np.float64).reshape(-1, 2)
         local = to_vehicle_frame(flat, np.asarray(self.position, np.float64), np.asarray(self.heading))
-        return np.asarray(self.size / 2 - local[:, ::-1] * self.scale, np.float64).reshape(*points.shape)
+        return np.asarray(self.middle - local[:, ::-1] * self.scale, np.float64).reshape(*points.shape)
 
 
 def draw_bird_eye(
@@ -88,10 +98,10 @@ def draw_bird_eye(
     Candidate i is at `position[i]` (C, 2) [m] on lane `lane[i]` (-1 for none) and is numbered i.
     """
     v = scenario.vehicles
-    view = _View(v.position[vehicle], float(v.heading[vehicle]), size / EXTENT, size)
+    view = View.around(v.position[vehicle], float(v.heading[vehicle]), size)
     picture: Picture = np.empty((size, size, 3), np.uint8)
     cv2.rectangle(picture, (0, 0), (size, size), _GROUND, cv2.FILLED)
-    _draw_roads(picture, scenario.map, view)
+    draw_roads(picture, scenario.map, view)
     _draw_signals(picture, scenario, view)
     boxes = _boxes(scenario, view)
     marks, notes = _placed(view, np.asarray(position, np.float64), lane, boxes)
@@ -110,7 +120,7 @@ class _Boxes:
     next: NDArray[np.float64]
 
 
-def _boxes(scenario: Scenario, view: _View) -> _Boxes:
+def _boxes(scenario: Scenario, view: View) -> _Boxes:
     """Vehicles, then the context actors that are there."""
     v, a = scenario.vehicles, scenario.context
     here = np.flatnonzero(a.motion.valid[:, 0])
@@ -122,12 +132,12 @@ def _boxes(scenario: Scenario, view: _View) -> _Boxes:
     return _Boxes(view.pixels(corners), view.pixels(position + speed[:, None] * unit(heading)))
 
 
-def _fixed(points: Floats) -> NDArray[np.int32]:
+def fixed(points: Floats) -> NDArray[np.int32]:
     """Fixed point for OpenCV; far points are clipped, since it overflows."""
     return np.rint(np.clip(points, -_FAR, _FAR) * (1 << _SHIFT)).astype(np.int32)
 
 
-def _seen(lines: Polylines, pixels: NDArray[np.float64], size: int) -> NDArray[np.bool_]:
+def _seen(lines: Polylines, pixels: NDArray[np.float64], size: NDArray[np.int64]) -> NDArray[np.bool_]:
     """(L,) lines whose bounding box touches the window."""
     if len(lines) == 0:
         return np.zeros(0, np.bool_)
@@ -136,14 +146,14 @@ def _seen(lines: Polylines, pixels: NDArray[np.float64], size: int) -> NDArray[n
     return np.asarray(((high >= 0) & (low <= size)).all(-1))
 
 
-def _draw_roads(picture: Picture, road_map: RoadMap, view: _View) -> None:
+def draw_roads(picture: Picture, road_map: RoadMap, view: View) -> None:
     """Surfaces, boundaries, centrelines with arrows."""
     pixels = {name: view.pixels(getattr(road_map, name).points) for name in ("drivable", "left", "right", "centreline")}
-    fixed = {name: _fixed(points) for name, points in pixels.items()}
+    drawn = {name: fixed(points) for name, points in pixels.items()}
 
     def part(name: str, i: int) -> NDArray[np.int32]:
         start = getattr(road_map, name).start
-        return fixed[name][start[i] : start[i + 1]]
+        return drawn[name][start[i] : start[i + 1]]
 
     for i in np.flatnonzero(_seen(road_map.drivable, pixels["drivable"], view.size)).tolist():
         cv2.fillPoly(picture, [part("drivable", i)], _ASPHALT, cv2.LINE_8, _SHIFT)
@@ -155,7 +165,7 @@ def _draw_roads(picture: Picture, road_map: RoadMap, view: _View) -> None:
     edges = [part(side, i) for side in ("left", "right") for i in plain]
     cv2.polylines(picture, edges, False, _EDGE, 1, cv2.LINE_8, _SHIFT)
     cv2.polylines(picture, [part("centreline", i) for i in lanes], False, _CENTRE, 1, cv2.LINE_8, _SHIFT)
-    arrows = _fixed(_arrows(pixels["centreline"], road_map.centreline.start, np.array(lanes, int)))
+    arrows = fixed(_arrows(pixels["centreline"], road_map.centreline.start, np.array(lanes, int)))
     cv2.polylines(picture, list(arrows), False, _CENTRE, 1, cv2.LINE_8, _SHIFT)
 
 
@@ -168,7 +178,7 @@ def _arrows(pixels: NDArray[np.float64], start: NDArray[np.int32], lanes: NDArra
     return np.stack([tip - 5 * forward + 4 * left, tip, tip - 5 * forward - 4 * left], axis=1)
 
 
-def _draw_signals(picture: Picture, scenario: Scenario, view: _View) -> None:
+def _draw_signals(picture: Picture, scenario: Scenario, view: View) -> None:
     """A coloured bar where each guarded lane begins."""
     lines = scenario.map.centreline
     for lane, state in zip(scenario.signals.lane.tolist(), scenario.signals.state[:, 0].tolist(), strict=True):
@@ -177,7 +187,7 @@ def _draw_signals(picture: Picture, scenario: Scenario, view: _View) -> None:
         a, b = view.pixels(lines[lane][:2])
         step = (b - a) / max(float(np.hypot(*(b - a))), 1e-6)
         across = np.array([step[1], -step[0]]) * 1.4 * view.scale
-        cv2.line(picture, _point(a - across), _point(a + across), _SIGNALS[state], 3, cv2.LINE_8, _SHIFT)
+        cv2.line(picture, point(a - across), point(a + across), _SIGNALS[state], 3, cv2.LINE_8, _SHIFT)
 
 
 def _draw_vehicles(picture: Picture, scenario: Scenario, vehicle: int, boxes: _Boxes) -> None:
@@ -186,8 +196,8 @@ def _draw_vehicles(picture: Picture, scenario: Scenario, vehicle: int, boxes: _B
     Each has a white outline, thick at the front, and a thin line to where it will be in a second.
     """
     count = len(scenario.vehicles)
-    corners, ahead = _fixed(boxes.corners), _fixed(boxes.next)
-    middle = _fixed(boxes.corners.mean(1))
+    corners, ahead = fixed(boxes.corners), fixed(boxes.next)
+    middle = fixed(boxes.corners.mean(1))
     for i in range(len(corners)):
         cv2.line(picture, middle[i].tolist(), ahead[i].tolist(), _SPEED, 1, cv2.LINE_8, _SHIFT)
     for i in [*range(vehicle), *range(vehicle + 1, len(corners)), vehicle]:
@@ -198,10 +208,11 @@ def _draw_vehicles(picture: Picture, scenario: Scenario, vehicle: int, boxes: _B
         cv2.line(picture, corners[i][0].tolist(), corners[i][3].tolist(), _WHITE, 2, cv2.LINE_AA, _SHIFT)
 
 
-def _placed(view: _View, position: Floats, lane: NDArray[np.integer], boxes: _Boxes) -> tuple[Marks, list[str]]:
+def _placed(view: View, position: Floats, lane: NDArray[np.integer], boxes: _Boxes) -> tuple[Marks, list[str]]:
     """Where discs go, clear of vehicles and the scale bar, and what is written beside those at the border."""
     place = view.pixels(position)
-    middle = view.size / 2
+    size = int(view.size[0])
+    middle = size / 2
     inside = np.asarray((np.abs(place - middle) <= middle).all(-1))
     onto_border = np.maximum(np.abs(place - middle).max(-1, keepdims=True) / middle, 1.0)
     distance = np.hypot(*(position - view.position).T)
@@ -210,29 +221,29 @@ def _placed(view: _View, position: Floats, lane: NDArray[np.integer], boxes: _Bo
     half = np.stack([_RADIUS + width / 2, np.full(len(place), float(_RADIUS))], axis=-1)
     first = np.argsort(~inside, kind="stable")  # those at the border make way
     mark = np.empty_like(place)
-    mark[first] = place_marks((middle + (place - middle) / onto_border)[first], half[first], _GAP, view.size, _taken(view, boxes))
+    mark[first] = place_marks((middle + (place - middle) / onto_border)[first], half[first], _GAP, size, _taken(view, boxes))
     disc = mark - np.stack([width / 2, np.zeros(len(place))], axis=-1)
     return Marks(disc, place, inside), notes
 
 
-def _taken(view: _View, boxes: _Boxes) -> NDArray[np.float64]:
+def _taken(view: View, boxes: _Boxes) -> NDArray[np.float64]:
     """(B, 4) low x, low y, high x, high y [px] of what no disc may cover."""
     around = np.concatenate([boxes.corners.min(1), boxes.corners.max(1)], axis=-1)
     left, right, height = _SCALE_BAR
-    return np.concatenate([around, [[left, view.size - height, right, view.size]]])
+    return np.concatenate([around, [[left, view.size[1] - height, right, view.size[1]]]])
 
 
 def _draw_ties(picture: Picture, marks: Marks) -> None:
     """Dots at the places, lines from discs that moved."""
     for i in np.flatnonzero(marks.inside).tolist():
-        cv2.circle(picture, _point(marks.place[i]), 3 << _SHIFT, _DISC, cv2.FILLED, cv2.LINE_8, _SHIFT)
-        cv2.line(picture, _point(marks.place[i]), _point(marks.disc[i]), _DISC, 1, cv2.LINE_8, _SHIFT)
+        cv2.circle(picture, point(marks.place[i]), 3 << _SHIFT, _DISC, cv2.FILLED, cv2.LINE_8, _SHIFT)
+        cv2.line(picture, point(marks.place[i]), point(marks.disc[i]), _DISC, 1, cv2.LINE_8, _SHIFT)
 
 
 def _draw_discs(picture: Picture, marks: Marks, notes: list[str]) -> None:
     """Discs with their numbers on top of everything, notes of those at the border."""
     for i, centre in enumerate(marks.disc):
-        cv2.circle(picture, _point(centre), _RADIUS << _SHIFT, _DISC, cv2.FILLED, cv2.LINE_AA, _SHIFT)
+        cv2.circle(picture, point(centre), _RADIUS << _SHIFT, _DISC, cv2.FILLED, cv2.LINE_AA, _SHIFT)
         (wide, high), _ = cv2.getTextSize(str(i), _FONT, _DIGIT_SIZE, 1)
         corner = (round(centre[0] - wide / 2), round(centre[1] + high / 2))
         cv2.putText(picture, str(i), corner, _FONT, _DIGIT_SIZE, _WHITE, 1, cv2.LINE_AA)
@@ -245,15 +256,16 @@ def _note(distance: float, lane: int) -> str:
     return f"{distance:.0f} m" + (f" L{lane}" if lane >= 0 else "")
 
 
-def _draw_scale_bar(picture: Picture, view: _View) -> None:
+def _draw_scale_bar(picture: Picture, view: View) -> None:
     """20 m at the bottom left."""
-    y, x = view.size - 14, 14
+    y, x = int(view.size[1]) - 14, 14
     end = round(x + 20 * view.scale)
     for a, b in (((x, y), (end, y)), ((x, y - 4), (x, y + 4)), ((end, y - 4), (end, y + 4))):
         cv2.line(picture, a, b, _DISC, 1, cv2.LINE_8)
     cv2.putText(picture, "20 m", (end + 6, y + 4), _FONT, 0.4, _DISC, 1, cv2.LINE_AA)
 
 
-def _point(pixel: NDArray[np.float64]) -> tuple[int, int]:
-    x, y = _fixed(pixel).tolist()
+def point(pixel: NDArray[np.float64]) -> tuple[int, int]:
+    """A pixel (2,) in OpenCV's fixed point."""
+    x, y = fixed(pixel).tolist()
     return x, y

@@ -12,13 +12,13 @@ def place_marks(
     anchors: NDArray[np.floating],
     half: NDArray[np.floating],
     gap: float,
-    size: int,
+    size: int | NDArray[np.int64],
     taken: NDArray[np.floating] | None = None,
 ) -> NDArray[np.float64]:
     """Centres (C, 2) [px] of upright boxes of half sizes `half` (C, 2): at `anchors` (C, 2) or at the nearest free place.
 
-    Boxes lie wholly inside the `size` x `size` picture with at least `gap` pixels between them and from the boxes `taken`
-    (B, 4: low x, low y, high x, high y), as long as the picture holds them at all; earlier ones choose first.
+    Boxes lie wholly inside the picture of `size` (its side, or width and height) with at least `gap` pixels between them and
+    from the boxes `taken` (B, 4: low x, low y, high x, high y), as long as the picture holds them; earlier ones choose first.
     """
     low, high = half + 1.0, size - half - 1.0
     inside = np.clip(np.asarray(anchors, np.float64), low, high)
@@ -28,7 +28,7 @@ def place_marks(
     centres = np.concatenate([(fixed[:, :2] + fixed[:, 2:]) / 2, inside])
     halves = np.concatenate([(fixed[:, 2:] - fixed[:, :2]) / 2 + margin, half.astype(np.float64) + margin])
     low, high = (np.concatenate([fixed[:, :2], bound]) for bound in (low, high))
-    placed: NDArray[np.float64] = _place(centres, halves, low, high, float(size), count)[count:]
+    placed: NDArray[np.float64] = _place(centres, halves, low, high, float(np.max(size)), count)[count:]
     return placed
 
 

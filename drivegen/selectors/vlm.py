@@ -20,7 +20,9 @@ from drivegen.questions.account import Account
 from drivegen.questions.asking import LAYOUTS as LAYOUTS
 from drivegen.questions.asking import Asking, Scene
 from drivegen.questions.asking import Settings as Settings
-from drivegen.questions.goals import LIKELIEST, examples
+from drivegen.questions.goals import examples
+from drivegen.questions.places import with_stops
+from drivegen.questions.wordings import likeliest
 from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.base import FirstFrameSelector
 from drivegen.selectors.learned import Plugin as Learned
@@ -49,9 +51,16 @@ class Plugin(FirstFrameSelector):
 
     @classmethod
     def asking(cls, folder: Path, model: LanguageModel, settings: Settings, seed: int) -> Self:
-        """With a model to ask. Raises MissingTool where the learned selector was not trained."""
+        """With a model to ask. Raises MissingTool where the learned selector was not trained, UnusableInput for no wording."""
         told = (fenced("knowledge", settings.knowledge),) if settings.knowledge else ()
-        return cls(Learned.load(folder), Asking(model, settings, seed, (*examples(settings.examples), *told), LIKELIEST))
+        wording = likeliest(model.prompt_version)
+        return cls(Learned.load(folder), Asking(model, settings, seed, (*examples(settings.examples), *told), wording))
+
+    def offer(self, graph: LaneGraph, scenario: Scenario, candidates: Sequence[Candidates]) -> list[Candidates]:  # noqa: ARG002 protocol
+        """The given ones; where a model is asked, with a place to stand at every line and behind every queue."""
+        if self._asking is None or not self._asking.wording.stops:
+            return list(candidates)
+        return [with_stops(scenario, n, c) for n, c in enumerate(candidates)]
 
     def rank(self, graph: LaneGraph, scenario: Scenario, candidates: Sequence[Candidates]) -> list[NDArray[np.float32]]:
         """The model's odds where it was asked and gave an answer, the learned selector's elsewhere.
@@ -80,4 +89,6 @@ class Plugin(FirstFrameSelector):
             self._asking.ahead(self._scenes(offered))
 
     def _scenes(self, offered: Sequence[Offered]) -> list[Scene]:
-        return [Scene(scenario, found, self._usual.rank(graph, scenario, found)) for graph, scenario, found in offered]
+        """As `rank` will ask about them: `offer` adds nothing to what it has added to."""
+        scenes = [(graph, scenario, self.offer(graph, scenario, found)) for graph, scenario, found in offered]
+        return [Scene(scenario, found, self._usual.rank(graph, scenario, found)) for graph, scenario, found in scenes]

@@ -30,7 +30,8 @@ def project(tmp_path, monkeypatch):
     def write(**role):
         values = vars(settings(**{"prompt": "roads-3", "output": "prompted", "retries": 0, **role}))
         off = vars(settings(backend="offline", model=""))
-        lm = {"maps": values, "goals": values, "corner_cases": off, "records": {"mode": "replay", "folder": "records"}}
+        goals, records = {**values, "prompt": "goals-2"}, {"mode": "replay", "folder": "records"}
+        lm = {"maps": values, "goals": goals, "corner_cases": off, "records": records}
         maps = {"prompts": {"a": "a crossing", "b": "a roundabout"}}
         (tmp_path / "params.yaml").write_text(yaml.safe_dump({"lm": lm, "maps": maps}))
 

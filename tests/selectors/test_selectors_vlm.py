@@ -17,7 +17,8 @@ from drivegen.lm import batch
 from drivegen.lm.prompt import OverBudget
 from drivegen.lm.records import Mode
 from drivegen.questions.account import Account, odds, worth_asking
-from drivegen.questions.goals import LIKELIEST, Case, about_vehicle, examples
+from drivegen.questions.goals import Case, about_vehicle, examples
+from drivegen.questions.wordings import likeliest
 from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.learned import Plugin as Learned
 from drivegen.selectors.vlm import Plugin, Settings
@@ -33,6 +34,7 @@ SETTINGS = Settings("per_vehicle", 768, 3, 4, 0.5, 0.8, 1.0, "", "")
 SCENE = scenes.busy_crossing(101)
 GRAPH = LaneGraph.of(SCENE.map)
 FOUND = [candidates(GRAPH, SCENE, n, CANDIDATES) for n in range(len(SCENE.vehicles))]
+WORDING = likeliest("goals-2")
 
 
 def ranking(*numbers):
@@ -44,7 +46,8 @@ def says(*numbers):
 
 
 def selector(models, folder, url, mode=Mode.AUTO, settings=SETTINGS, **more):
-    lm = asking.model(folder, url, mode, max_calls=more.pop("max_calls", 100), max_tokens=4000, **more)
+    more = {"max_calls": 100, "max_tokens": 4000, "prompt": WORDING.version, **more}
+    lm = asking.model(folder, url, mode, **more)
     return Plugin.asking(models / "selector", lm, settings, 7), lm
 
 
@@ -55,10 +58,12 @@ def test_a_ranking_becomes_odds_of_the_places_that_the_numbers_stood_for(models,
         found = asked.rank(GRAPH, SCENE, FOUND)
     assert len(server.requests) == len(FOUND)
     for n, (p, before) in enumerate(zip(found, usual, strict=True)):
-        order = Case.of(SCENE, n, FOUND[n], 7).order
-        ranked = order[[4, 0, 2]]
-        assert np.allclose(p[ranked], 0.8 * np.array([4, 2, 1]) / 7 + 0.2 * before[ranked], atol=1e-6)
-        rest = np.setdiff1d(np.arange(len(p)), ranked)
+        places = Case.of(SCENE, n, FOUND[n], 7, WORDING).places
+        ranked = [places[number].members for number in (4, 0, 2)]
+        for members, share in zip(ranked, np.array([4, 2, 1]) / 7, strict=True):
+            within = before[members] / before[members].sum()
+            assert np.allclose(p[members], 0.8 * share * within + 0.2 * before[members], atol=1e-6)
+        rest = np.setdiff1d(np.arange(len(p)), np.concatenate(ranked))
         assert np.allclose(p[rest], 0.2 * before[rest], atol=1e-6)
     assert asked.account.asked == len(FOUND)
     assert "little-model" in asked.described
@@ -73,8 +78,9 @@ def test_every_question_has_its_picture_and_every_candidate(models, tmp_path):
     assert all("drivers here are  patient" in words for words in told)
     for n, c in enumerate(FOUND):
         [mine] = [words for words in told if f"<vehicle_{n}>" in words]
-        assert all(f"\\n{k}: " in mine for k in range(len(c)))
-        assert f"\\n{len(c)}: " not in mine
+        count = len(Case.of(SCENE, n, c, 7, WORDING).places)
+        assert all(f"\\n{k}: " in mine for k in range(count))
+        assert f"\\n{count}: " not in mine
     assert len(set(told)) == len(FOUND)
 
 
@@ -83,7 +89,8 @@ def test_a_place_beyond_an_exit_is_told_as_the_exit_with_a_time(whole):
     roads = scenes.straight_road(100, 1, whole)
     scene = scenes.scenario(roads, scenes.stack([scenes.drive(scenes.joined(roads, 0), 40, 14, 101)]))
     found = candidates(LaneGraph.of(roads), scene, 0, CANDIDATES)
-    asked = about_vehicle(Case.of(scene, 0, found, 7), 3, 256, (), LIKELIEST)
+    first = likeliest("goals-1")
+    asked = about_vehicle(Case.of(scene, 0, found, 7, first), 3, 256, (), first)
     [told] = [part for part in asked.parts if isinstance(part, str) and "place: where" in part]
     out = found.leaves_map.sum()
     assert out > 0
@@ -94,10 +101,11 @@ def test_a_place_beyond_an_exit_is_told_as_the_exit_with_a_time(whole):
 
 
 def test_numbers_are_drawn_by_seed_scenario_and_vehicle():
-    first = Case.of(SCENE, 0, FOUND[0], 7).order
-    assert np.array_equal(np.sort(first), np.arange(len(FOUND[0])))
-    assert np.array_equal(first, Case.of(SCENE, 0, FOUND[0], 7).order)
-    others = [Case.of(SCENE, 0, FOUND[0], 8), Case.of(replace(SCENE, scenario_id="x"), 0, FOUND[0], 7)]
+    first = Case.of(SCENE, 0, FOUND[0], 7, WORDING).order
+    assert len(np.unique(first)) == len(first) <= len(FOUND[0])
+    assert np.array_equal(first, Case.of(SCENE, 0, FOUND[0], 7, WORDING).order)
+    elsewhere = replace(SCENE, scenario_id="x")
+    others = [Case.of(SCENE, 0, FOUND[0], 8, WORDING), Case.of(elsewhere, 0, FOUND[0], 7, WORDING)]
     assert not any(np.array_equal(first, other.order) for other in others)
 
 
@@ -132,7 +140,7 @@ def test_per_scenario_is_one_call_with_a_picture_of_each_vehicle(models, tmp_pat
     [request] = server.requests
     assert str(request).count("data:image/png;base64,") == len(FOUND)
     for n, p in enumerate(found):
-        assert p[Case.of(SCENE, n, FOUND[n], 7).order[n % 3]] > 0.8 * 0.6
+        assert p[Case.of(SCENE, n, FOUND[n], 7, WORDING).places[n % 3].members].sum() > 0.8 * 0.6
 
 
 def test_a_vehicle_that_is_left_out_of_a_joint_answer_makes_it_invalid(models, tmp_path):
@@ -207,7 +215,7 @@ def test_a_budget_ends_the_run(models, tmp_path):
 def test_odds_sum_to_one_whatever_is_ranked():
     usual = np.full(7, 1 / 7, np.float32)
     for ranked in ([3], [6, 0], list(range(7))):
-        p = odds(ranked, usual, 0.5, 0.7)
+        p = odds([np.array([place]) for place in ranked], usual, 0.5, 0.7)
         assert p.dtype == np.float32
         assert p.sum() == pytest.approx(1)
         assert np.array_equal(np.argsort(-p)[: len(ranked)], ranked)
@@ -239,7 +247,7 @@ def test_a_recorded_run_is_replayed_to_the_same_bytes_with_nobody_called(models,
     params = goals.Params(7, 2, 10, CANDIDATES, SETTINGS)
 
     def run(url, mode, out):
-        role = vars(asking.settings(url, max_calls=100))
+        role = vars(asking.settings(url, max_calls=100, prompt=WORDING.version))
         (tmp_path / "params.yaml").write_text(
             yaml.safe_dump({"lm": {"goals": role, "records": {"mode": mode, "folder": "store"}}})
         )
@@ -253,7 +261,7 @@ def test_a_recorded_run_is_replayed_to_the_same_bytes_with_nobody_called(models,
         return (tmp_path / out / "vlm" / "shard-00000.parquet").read_bytes(), (tmp_path / f"{out}.json").read_bytes()
 
     with serving([says(2, 1)]) as server:
-        with pytest.raises(MissingTool, match="goals-1"):
+        with pytest.raises(MissingTool, match="goals-2"):
             run(server.url, "replay", "missing")
         assert not server.requests
         recorded = run(server.url, "record", "first")
@@ -274,7 +282,10 @@ def test_a_shard_may_be_asked_about_in_one_batch_with_the_same_bytes_as_one_by_o
     params = goals.Params(7, 2, 10, CANDIDATES, SETTINGS)
 
     def run(url, mode, out, **role):
-        lm = {"goals": vars(asking.settings(url, max_calls=100, **role)), "records": {"mode": mode, "folder": "store"}}
+        lm = {
+            "goals": vars(asking.settings(url, max_calls=100, prompt=WORDING.version, **role)),
+            "records": {"mode": mode, "folder": "store"},
+        }
         (tmp_path / "params.yaml").write_text(yaml.safe_dump({"lm": lm}))
         goals.main(
             params,
