@@ -80,11 +80,29 @@ class Layer(nn.Module):
         self.looks = nn.ModuleList([Look(width, heads) for _ in range(3)])
         self.feed = nn.Sequential(nn.Linear(width, 4 * width), nn.GELU(), nn.Linear(4 * width, width))
 
+    def forward(
+        self, x: Tensor, seen: Seen, codes: tuple[Tensor, ...], known: Tensor, back: Tensor, there: Tensor
+    ) -> tuple[Tensor, Tensor]:
+        """x (V, T, width), and what is known (V, P + T, width) after `known` (V, P, width) of earlier moments.
+
+        `codes` of how past, road and others lie; `back`, `there`: see `SmartNet._remembered`.
+        """
+        normal = self.norms[0](x)
+        known = torch.cat([known, normal], dim=1)
+        x = x + self.looks[0](normal, known[:, back] + codes[0], there)
+        x = x + self.looks[1](self.norms[1](x), codes[1], seen.road_there)
+        normal, moment = self.norms[2](x), torch.arange(x.shape[1], device=x.device)[:, None]
+        theirs = torch.where((seen.who >= 0)[..., None], normal[seen.who.clamp_min(0), moment], 0.0)
+        x = x + self.looks[2](normal, theirs + codes[2], seen.other_there)
+        x = x + self.feed(self.norms[3](x))
+        return x, known
+
 
 class SmartNet(nn.Module):
     """`tokens` W of `width`; `layers` of `heads`; each token remembers `memory` of its own, itself included."""
 
     way: Tensor
+    code: Tensor
 
     def __init__(self, tokens: int, width: int, heads: int, layers: int, memory: int) -> None:
         super().__init__()
@@ -109,17 +127,9 @@ class SmartNet(nn.Module):
         codes = self.past(_between(seen.pose, pose[:, back])), self.road(seen.road), self.other(seen.other)
         moving = torch.where(seen.fresh[..., None], self.begin, self.word(self.code)[seen.token])
         x, known = moving + self.told(seen.own), []
-        driven = (seen.who >= 0)[..., None]
-        moment = torch.arange(x.shape[1], device=x.device)[:, None]
         for number, layer in enumerate(self.layers):
-            normal = layer.norms[0](x)
-            known.append(torch.cat([first.known[number], normal], dim=1) if first.known else normal)
-            x = x + layer.looks[0](normal, known[-1][:, back] + codes[0], there)
-            x = x + layer.looks[1](layer.norms[1](x), codes[1], seen.road_there)
-            normal = layer.norms[2](x)
-            theirs = torch.where(driven, normal[seen.who.clamp_min(0), moment], 0.0)
-            x = x + layer.looks[2](normal, theirs + codes[2], seen.other_there)
-            x = x + layer.feed(layer.norms[3](x))
+            x, now = layer(x, seen, codes, first.known[number] if first.known else x[:, :0], back, there)
+            known.append(now)
         kept = max(self.memory - 1, 1)
         return self._odds(x, seen), Past(pose[:, -kept:], fresh[:, -kept:], [part[:, -kept:] for part in known])
 

@@ -42,7 +42,7 @@ _WHOLE = 30.0
 def codes(way: NDArray[np.floating]) -> NDArray[np.float32]:
     """(..., CODE) of ways (..., SPAN, 3) x, y [m], turn [rad] at steps 1..SPAN: Euclidean distances [m] between corners."""
     corners = np.stack([way[..., 0], way[..., 1], RADIUS * np.cos(way[..., 2]), RADIUS * np.sin(way[..., 2])], axis=-1)
-    return (corners / np.sqrt(SPAN)).reshape(*way.shape[:-2], CODE).astype(np.float32)
+    return np.asarray((corners / np.sqrt(SPAN)).reshape(*way.shape[:-2], CODE), np.float32)
 
 
 def ways(pose: NDArray[np.floating], after: NDArray[np.floating]) -> NDArray[np.float32]:
