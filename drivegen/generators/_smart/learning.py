@@ -1,0 +1,197 @@
+"""What SMART learns from: logs as words, spoken with slips, and the odds of the word that comes next.
+
+A vehicle's log is told in tokens one after the other, each the nearest to what it did from where the token before has led it.
+Some are slips: one of the nearest few. The word to be learnt is then the one that leads back to the log, so that who is driven
+by drawn words recovers from them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.nn import functional
+
+from drivegen.core.scenario import DT, VehicleKind
+from drivegen.core.settings import Count, Share
+from drivegen.generators._smart.around import PACE, Roads, others
+from drivegen.generators._smart.net import AGE, Seen
+from drivegen.generators._smart.tokens import SPAN, Vocabulary, gone, logged, pace, ways
+from drivegen.generators.shared.closed_loop import Tracks
+
+WORDS = 20
+"""Tokens of a log that are learnt at most: 10 s."""
+
+HELD_OUT, HELD_OUT_CHUNK = 48, 8
+"""Validation scenes that the loss is taken over, and how many go through the network at once."""
+
+
+@dataclass(frozen=True)
+class Slips:
+    """How logs are told to be learnt from.
+
+    Attributes:
+        share: of the tokens that are one of the `nearest`, each as likely, in place of the nearest.
+        cut: share of the scenes in which everybody forgets all before some moment, which is another first frame.
+    """
+
+    share: Share
+    nearest: Count
+    cut: Share
+
+
+@dataclass(frozen=True)
+class Logs:
+    """Logged scenes: who is where, and the lanes."""
+
+    tracks: Tracks
+    roads: Roads
+
+    def __len__(self) -> int:
+        return len(self.tracks.start) - 1
+
+    @classmethod
+    def joined(cls, parts: Sequence["Logs"]) -> "Logs":
+        """All scenes in order."""
+        return cls(Tracks.joined([p.tracks for p in parts]), Roads.joined([p.roads for p in parts]))
+
+
+@dataclass(frozen=True)
+class Told:
+    """V vehicles at T moments as they were told: what led there, where that is, what is to come.
+
+    Attributes:
+        pose: (V, T, 3), speed: (V, T) [m/s], token: (V, T), fresh: (V, T) as in `Seen`.
+        target: (V, T) the token that comes next, -1 where the log doesn't say.
+    """
+
+    pose: NDArray[np.float32]
+    speed: NDArray[np.float32]
+    token: NDArray[np.int64]
+    fresh: NDArray[np.bool_]
+    target: NDArray[np.int64]
+
+
+def tell(
+    words: Vocabulary, tracks: Tracks, box: NDArray[np.integer], step: NDArray[np.integer], cut: NDArray[np.integer],
+    slips: Slips, random: np.random.Generator,
+) -> Told:  # fmt: skip
+    """The logs of boxes (V,) in tokens from moment to moment, `step` (V, T), anew from moment `cut` (V,) on."""
+    steps, count = tracks.valid.shape[1], step.shape[1]
+    at = np.minimum(step, steps - 1)
+    there = tracks.valid[box[:, None], at] & (step < steps)
+    pose, speed = logged(tracks, box[:, None], at), np.hypot(*np.moveaxis(tracks.velocity[box[:, None], at], -1, 0))
+    ahead = step[..., None] + np.arange(1, SPAN + 1)
+    every = np.broadcast_to(box[:, None, None], ahead.shape)
+    after = logged(tracks, every, ahead)
+    known = there & (tracks.valid[every, np.minimum(ahead, steps - 1)] & (ahead < steps)).all(axis=-1)
+    token, fresh, target = np.zeros(step.shape, np.int64), np.ones(step.shape, np.bool_), np.full(step.shape, -1, np.int64)
+    for t in range(count):
+        between = words.distances(ways(pose[:, t], after[:, t]))
+        nearest = between.argmin(axis=1)
+        target[:, t] = np.where(known[:, t], nearest, -1)
+        slip = random.random(len(box)) < slips.share
+        said = np.where(slip, words.disturbed(between, slips.nearest, random), nearest)
+        if t + 1 < count:
+            on = known[:, t] & there[:, t + 1] & (cut != t + 1)
+            way = words.way[said[on]]
+            pose[on, t + 1], speed[on, t + 1] = gone(pose[on, t], way)[:, -1], pace(way)
+            token[on, t + 1], fresh[on, t + 1] = said[on], False
+    return Told(pose, speed.astype(np.float32), token, fresh, target)
+
+
+def own_features(
+    speed: NDArray[np.float32], size: NDArray[np.float32], kind: NDArray[np.integer], age: NDArray[np.floating],
+    fresh: NDArray[np.bool_],
+) -> NDArray[np.float32]:  # fmt: skip
+    """(V, T, OWN_FEATURES) of speeds (V, T) [m/s], sizes (V, 2) [m], kinds (V,), ages (V, T) [s] and `fresh` (V, T)."""
+    fixed = np.concatenate([size / (5.0, 2.0), np.eye(len(VehicleKind))[kind]], axis=1)
+    fixed = np.broadcast_to(fixed[:, None], (*speed.shape, fixed.shape[1]))
+    return np.concatenate([np.stack([speed / PACE, age / AGE, fresh], axis=-1), fixed], axis=-1).astype(np.float32)
+
+
+class Examples:
+    """Scenes as sentences; `counts` are the pieces of road and the others that a vehicle sees."""
+
+    def __init__(self, logs: Logs, words: Vocabulary, counts: tuple[int, int]) -> None:
+        self.logs, self.words, self.counts = logs, words, counts
+
+    def batch(
+        self, scenes: NDArray[np.integer], phase: NDArray[np.integer], cut: NDArray[np.integer], slips: Slips,
+        random: np.random.Generator,
+    ) -> tuple[Seen, Tensor]:  # fmt: skip
+        """What the vehicles of `scenes` (b,) see, and their next tokens (V, T); they begin at step `phase` (b,)."""
+        tracks = self.logs.tracks
+        start, box = tracks.boxes(scenes)
+        group = np.repeat(np.arange(len(scenes)), np.diff(start))
+        moments = min(WORDS, max(1, (tracks.valid.shape[1] - 1) // SPAN))
+        step = phase[group, None] + SPAN * np.arange(moments)
+        row = np.flatnonzero(tracks.planned[box])
+        told = tell(self.words, tracks, box[row], step[row], cut[group[row]], slips, random)
+        state, there = self._states(box, step, row, told)
+        begun = np.where(np.arange(moments) >= cut[group[row], None], cut[group[row], None], 0)
+        shown = phase[group[row], None] + SPAN * begun
+        age = (np.arange(moments) - begun) * SPAN * DT
+        own = own_features(told.speed, tracks.size[box[row]], tracks.kind[box[row]], age, told.fresh)
+        scene = np.repeat(scenes[group[row]], moments)
+        road, drawn = self.logs.roads.around(scene, state[row].reshape(-1, 4), shown.reshape(-1), self.counts[0])
+        span = np.stack([start[:-1], start[1:]], axis=1)[group[row]]
+        other, seen, who = others(span, row, state, there, tracks.size[box], tracks.planned[box], self.counts[1])
+        number = np.full(len(box), -1, np.int64)
+        number[row] = np.arange(len(row))
+        shape = (len(row), moments, -1)
+        arrays = (
+            told.token, own, told.pose, told.fresh, road.reshape(*shape, road.shape[-1]), drawn.reshape(shape), other, seen,
+            number[who],
+        )  # fmt: skip
+        return Seen(*(torch.from_numpy(a) for a in arrays)), torch.from_numpy(told.target)
+
+    def _states(
+        self, box: NDArray[np.integer], step: NDArray[np.integer], row: NDArray[np.integer], told: Told
+    ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        """(X, T, 4) x, y, heading, speed of all boxes, vehicles where they were told to be, and (X, T) whether they are there."""
+        tracks, at = self.logs.tracks, np.minimum(step, self.logs.tracks.valid.shape[1] - 1)
+        speed = np.hypot(*np.moveaxis(tracks.velocity[box[:, None], at], -1, 0))
+        state = np.concatenate([logged(tracks, box[:, None], at), speed[..., None]], axis=-1)
+        state[row] = np.concatenate([told.pose, told.speed[..., None]], axis=-1)
+        return state, tracks.valid[box[:, None], at] & (step == at)
+
+
+class SmartObjective:
+    """See `training.loop.Objective`: the cross-entropy of the next token."""
+
+    def __init__(self, train: Examples, validation: Examples, slips: Slips) -> None:
+        self.train, self.held_out, self.slips = train, validation, slips
+        self.size = len(train.logs)
+
+    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:
+        """A number (rows, 1) that the randomness of each scene hangs on."""
+        return (torch.randint(2**31, (rows, 1), generator=generator),)
+
+    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:
+        """Mean over the tokens of the scenes; the first frame is one of the first SPAN steps."""
+        random = np.random.default_rng(drawn[0].flatten().tolist())
+        phase, cut = random.integers(0, SPAN, len(rows)), random.integers(1, WORDS, len(rows))
+        cut[random.random(len(rows)) >= self.slips.cut] = 0
+        seen, target = self.train.batch(rows.cpu().numpy(), phase, cut, self.slips, random)
+        return _entropy(model, seen, target, rows.device)
+
+    def validation(self, model: nn.Module) -> float:
+        """Over scenes spread evenly over the validation logs, told without slips."""
+        count = len(self.held_out.logs)
+        chosen = np.unique(np.linspace(0, count - 1, min(count, HELD_OUT)).astype(np.intp))
+        losses, plain = [], Slips(0.0, 1, 0.0)
+        for low in range(0, len(chosen), HELD_OUT_CHUNK):
+            scenes = chosen[low : low + HELD_OUT_CHUNK]
+            zero = np.zeros(len(scenes), np.int64)
+            seen, target = self.held_out.batch(scenes, zero, zero, plain, np.random.default_rng(0))
+            losses.append((len(scenes), float(_entropy(model, seen, target, next(model.parameters()).device))))
+        return sum(n * loss for n, loss in losses) / len(chosen) if losses else float("nan")
+
+
+def _entropy(model: nn.Module, seen: Seen, target: Tensor, device: torch.device) -> Tensor:
+    logit, _ = model(Seen(*(part.to(device) for part in seen)))
+    known = target.to(device) >= 0
+    return functional.cross_entropy(logit[known], target.to(device)[known], reduction="sum") / known.sum().clamp_min(1)

@@ -1,0 +1,111 @@
+"""SMART (Wu et al., NeurIPS 2024): motion as words of half a second, the next of which is predicted as a language model does.
+
+What is the paper's: a vocabulary of motions clustered from logs (k-disks, boxes' corners compared), the map as tokens, too;
+attention factorised over a vehicle's own past, the map and the others, all told in relative positions; the cross-entropy of
+the next token; noise in matching, so that what is learnt leads back from slips; in closed loop a token for every vehicle is
+drawn, driven and seen again.
+
+What is reduced: width, layers and the vocabulary, one for all kinds (paper: 2 048 tokens); pieces of lanes stand for the map's
+tokens, are looked at by vehicles only and are not taught to continue themselves; a window of the last tokens is remembered; no
+history, since only the first frame is given. What is added: some scenes are cut, so that any moment may be a first frame,
+whose signals are told until the end; odds of a token are a product with a code of its motion, so that motions alike share what is
+learnt, and fall with its distance from the motion that is expected, which is the last one before anything is learnt.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import torch
+
+from drivegen.core import seeds
+from drivegen.core.methods import Method
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario
+from drivegen.core.settings import Count, Positive, Share
+from drivegen.generators._smart.around import Roads
+from drivegen.generators._smart.driving import Driver
+from drivegen.generators._smart.learning import Examples, Logs, Slips, SmartObjective
+from drivegen.generators._smart.net import SmartNet
+from drivegen.generators._smart.tokens import Vocabulary, codes, disks, motions
+from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.learned import Learned
+from drivegen.training import loop
+
+ABOUT = Method(
+    title="SMART",
+    line="Motion as words of half a second; the next is drawn for each vehicle, and seen by all (Wu et al., NeurIPS 2024).",
+    kind="learned",
+    goals=None,
+    trains_on="the logs",
+    places=False,
+    additions=(),
+)
+
+
+@dataclass(frozen=True)
+class SmartSettings:
+    """Values stand in params.yaml, `train_generator.generators.smart`.
+
+    Attributes:
+        tokens: of the vocabulary. lanes, boxes: pieces of lanes and boxes (itself among them) that a vehicle sees, the nearest.
+        width, heads, layers: of the network. memory: last tokens that a vehicle knows of itself.
+        slips: how logs are told in training.
+        temperature, likely: how tokens are drawn, see `_smart.driving.Driver`.
+        training: see `training.loop.Settings`; a batch is so many scenes.
+    """
+
+    tokens: Count
+    lanes: Count
+    boxes: Count
+    width: Count
+    heads: Count
+    layers: Count
+    memory: Count
+    slips: Slips
+    temperature: Positive
+    likely: Share
+    training: loop.Settings
+
+
+class Plugin(Learned):
+    """See `generators.shared.learned.Learned`."""
+
+    name = "smart"
+    about = ABOUT
+    Settings = SmartSettings
+    Examples = Logs
+    settings: SmartSettings
+    net: SmartNet
+
+    @classmethod
+    def network(cls, settings: SmartSettings) -> SmartNet:
+        """See `Learned`."""
+        return SmartNet(settings.tokens, settings.width, settings.heads, settings.layers, settings.memory)
+
+    @classmethod
+    def examples(cls, settings: SmartSettings, scenarios: Sequence[Scenario]) -> Logs:
+        """See `Learned`."""
+        del settings
+        logged = [s for s in scenarios if s.log is not None]
+        return Logs(Tracks.of_logs(logged), Roads.of(logged))
+
+    @classmethod
+    def objective(cls, settings: SmartSettings, net: SmartNet, train: Logs, validation: Logs, seed: int) -> SmartObjective:
+        """See `Learned`; the vocabulary becomes a part of the network."""
+        way = disks(motions(train.tracks), settings.tokens, seeds.rng(seed, cls.name, "vocabulary"))
+        net.way.copy_(torch.from_numpy(way))
+        net.code.copy_(torch.from_numpy(codes(way)))
+        counts, words = (settings.lanes, settings.boxes), Vocabulary(way)
+        return SmartObjective(Examples(train, words, counts), Examples(validation, words, counts), settings.slips)
+
+    def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
+        """K = `samples` futures of each scenario, driven in closed loop, all of a scenario at once."""
+        counts = self.settings.lanes, self.settings.boxes
+        driver = Driver(self.net, counts, self.settings.temperature, self.settings.likely)
+        made = []
+        with torch.inference_mode():
+            for scenario in scenarios:
+                tracks = Tracks.of_beginnings([scenario], samples)
+                driver.drive(scenario, tracks, seeds.rng(seed, self.name, scenario.scenario_id))
+                made += tracks.samples([scenario], samples, self.name)
+        return made
