@@ -107,9 +107,8 @@ def test_the_score_is_published_with_one_table_and_one_chart(made, tmp_path):
     rows = orjson.loads((tmp_path / "out/mutation_score.json").read_bytes())
     found = {(row["tester"], row["driver"], row["metric"]): row for row in rows}
     score = orjson.loads((tmp_path / "runs/7" / publish_corner.SCORE).read_bytes())
-    assert found["log", "", "killed"] == {
-        "data": "sumo_corpus", "tester": "log", "driver": "", "metric": "killed", "value": score["log"]["killed"], "n": 8, "seeds": 2,
-    }  # fmt: skip
+    killed = {"metric": "killed", "value": score["log"]["killed"], "n": 8, "seeds": 2}
+    assert found["log", "", "killed"] == {"data": "sumo_corpus", "tester": "log", "driver": "", **killed}
     assert found["log", "idm.ignores_standing", "p"]["value"] == 0.5**12
     assert found["log", "", "runs_to_kill"]["value"] is None  # most are not killed
     text = (tmp_path / "out/mutation-score.md").read_text()
