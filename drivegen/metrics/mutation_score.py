@@ -43,7 +43,7 @@ class Pairs:
     @property
     def excess(self) -> NDArray[np.int64]:
         """(R,) 1 where only the mutant fails, -1 where only the sound one does, else 0."""
-        return (self.mutant != "").astype(np.int64) - (self.sound != "")
+        return np.asarray((self.mutant != "").astype(np.int64) - (self.sound != ""), np.int64)
 
     @property
     def by_kind(self) -> dict[str, int]:
@@ -61,7 +61,8 @@ class Pairs:
             "only_mutant": self.excess > 0,
             "only_sound": self.excess < 0,
         }
-        return ids.tolist(), {name: np.bincount(at, value, len(ids)) for name, value in happened.items()}
+        sums = {name: np.bincount(at, value, len(ids)).astype(np.float64) for name, value in happened.items()}
+        return ids.tolist(), sums
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ def clustered(excess: NDArray[np.integer]) -> float:
 def mcnemar(more: int, less: int) -> float:
     """McNemar's exact test, one-sided: P(at least `more` heads) of `more + less` tosses of a coin."""
     tosses = more + less
-    return sum(comb(tosses, heads) for heads in range(more, tosses + 1)) / 2**tosses
+    return float(sum(comb(tosses, heads) for heads in range(more, tosses + 1)) / 2**tosses)
 
 
 def holm(p: NDArray[np.floating], level: float) -> NDArray[np.bool_]:

@@ -51,7 +51,7 @@ def mutation_table(scores: Scores) -> Table:
         return str(plugins.about("adversaries", tester)["title"]) if tester in adversaries else methods[tester].title
 
     first = scores[order[0]]
-    curves = [{title(t): scores[t]["curve"] for t in order if (t in adversaries) == search} for search in (False, True)]
+    still, searching = ({title(t): scores[t]["curve"] for t in order if (t in adversaries) == search} for search in (False, True))
     return Table(
         NAME,
         "Mutation score: which faulty drivers does a tester tell from the sound ones?",
@@ -69,7 +69,7 @@ def mutation_table(scores: Scores) -> Table:
         ),
         tuple(_line(title(tester), tester in adversaries, scores[tester]) for tester in order),
         _notes(first["level"]),
-        picture=plots.two_kinds(*curves, "runs of each driver", "faulty drivers killed (dashed: searches)"),
+        picture=plots.two_kinds(still, searching, "runs of each driver", "faulty drivers killed (dashed: searches)"),
     )
 
 
