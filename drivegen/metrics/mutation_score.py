@@ -117,8 +117,8 @@ def scored(
     * `killed`: share of the faulty, `false_kills`: of the equivalent; the same with `_apart`: if runs were independent.
     * `named`: share of the killed faulty ones whose kind is named (`names`); `named_by_guess`: had the one kind been named for
       all of them that most fail by.
-    * `first_kill`: the fewest of `looks` by which half of the orders have killed a faulty driver; `runs_to_kill`: the median
-      over faulty drivers of the same for each. `curve`: looks, all runs the last, and the share of the faulty killed by then.
+    * `first_kill`: the fewest of `looks` by which half of the orders have killed a faulty driver; `runs_to_kill`: the same for
+      as many as half of the faulty drivers, each by itself. `curve`: looks, all runs the last, and the share of the faulty killed by then.
 
     Shares of nothing, and numbers beyond the last look, are None.
     """
@@ -146,7 +146,7 @@ def scored(
         "named": _share([each["named"] for each in dead]),
         "named_by_guess": _by_guess([each["fails"] for each in dead]),
         "first_kill": _finite(_first(looks, by_then[:, :, faulty].any(axis=2).mean(axis=0) >= 0.5)),
-        "runs_to_kill": _finite(float(np.median(np.array(runs)[faulty]))) if bad else None,
+        "runs_to_kill": _finite(float(np.sort(np.array(runs)[faulty])[(len(bad) - 1) // 2])) if bad else None,
         "curve": [looks, by_then[:, :, faulty].mean(axis=(0, 2)).tolist() if bad else []],
         "drivers": drivers,
     }
