@@ -118,7 +118,8 @@ def scored(
     * `named`: share of the killed faulty ones whose kind is named (`names`); `named_by_guess`: had the one kind been named for
       all of them that most fail by.
     * `first_kill`: the fewest of `looks` by which half of the orders have killed a faulty driver; `runs_to_kill`: the same for
-      as many as half of the faulty drivers, each by itself. `curve`: looks, all runs the last, and the share of the faulty killed by then.
+      as many as half of the faulty drivers, each by itself.
+    * `curve`: looks, all runs the last, and the share of the faulty killed by then.
 
     Shares of nothing, and numbers beyond the last look, are None.
     """
