@@ -1,7 +1,7 @@
 """The door `publish_corner`: tables III and IV, extended, from the runs of `make tables PART=corner`. It is in no dvc.yaml.
 
 argv: folder of runs (one a seed, each a workspace), the folder of published tables (gets corner_cases.json, corner-<driver>.md
-and corner-<driver>-costs.md).
+and corner-<driver>-costs.md; mutation_score.json, mutation-score.md and its chart where all runs have a score).
 """
 
 from dataclasses import dataclass
@@ -13,11 +13,13 @@ import pyarrow.parquet as pq
 
 from drivegen.core.errors import MissingTool
 from drivegen.report.published_corner import Attacks, Costs, corner_rows
+from drivegen.report.published_mutation import mutation_rows, mutation_table
 from drivegen.report.sections.attack import cost_table, outcome_table
 from drivegen.store.files import whole, write_json
 from stages._door import COST_FOLDER, enter
 
 DATA = "sumo_corpus"
+SCORE = Path("reports/pieces/mutation_score.json")
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,16 @@ def main(params: Params, runs: Path, published: Path) -> None:
             with whole(published / f"corner-{driver}{name}.md") as temporary:
                 temporary.write_text(table.markdown(), encoding="utf-8")
     write_json(published / "corner_cases.json", rows)
+    if all((root / SCORE).exists() for root in roots):
+        _publish_score([orjson.loads((root / SCORE).read_bytes()) for root in roots], published)
+
+
+def _publish_score(scores: list[dict[str, Any]], published: Path) -> None:
+    write_json(published / "mutation_score.json", list(mutation_rows(DATA, scores)))
+    table = mutation_table(scores[0])
+    for name, content in ((f"{table.name}.md", table.markdown().encode()), (f"{table.name}.svg", table.picture)):
+        with whole(published / name) as temporary:
+            temporary.write_bytes(content)
 
 
 def _read(root: Path, driver: str) -> tuple[Attacks, Costs]:

@@ -16,7 +16,7 @@ from drivegen.core import plugins
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.settings import Count
 from drivegen.drivers.base import Driver
-from drivegen.drivers.mutants.table import MUTATIONS, Mutant
+from drivegen.drivers.mutants.table import mutated
 from drivegen.metrics.near_miss import near_misses
 from drivegen.store.lookup import futures_in, logs_in
 from drivegen.store.results import Run, result_rows, write_results
@@ -96,9 +96,7 @@ def _traffic(task: Task) -> list[tuple[Scenario, Trajectories]]:
 def _drivers(params: Params) -> dict[str, Driver]:
     """The sound drivers, then what the table of mutations makes of them."""
     sound: dict[str, Driver] = {name: plugins.make("drivers", name, params.drivers, "rank.drivers") for name in params.drivers}
-    bases = {name: name.partition(".")[0] for name in MUTATIONS}
-    mutants: dict[str, Driver] = {name: Mutant(name, sound[base]) for name, base in bases.items() if base in sound}
-    return sound | mutants
+    return {**sound, **mutated(sound)}
 
 
 if __name__ == "__main__":

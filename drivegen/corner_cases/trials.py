@@ -4,6 +4,7 @@ What scenes have in common (paths, packed traffic, lines ahead) is made once, so
 """
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,6 +86,14 @@ class Trials:
         self.driver, self.scenarios, self.traffic = driver, list(scenarios), list(traffic)
         self._simulator, self._scenes = Plugin(reaction=reaction), Scenes.of(self.scenarios, self.traffic)
         self._lookout = Lookout.of(self._scenes, self.scenarios, self.traffic) if looks(driver) else None
+
+    def by(self, driver: Driver) -> "Trials":
+        """The same scenes, which are not packed again, with another driver."""
+        other = copy(self)
+        other.driver = driver
+        if other._lookout is None and looks(driver):
+            other._lookout = Lookout.of(self._scenes, self.scenarios, self.traffic)
+        return other
 
     @property
     def steps(self) -> int:

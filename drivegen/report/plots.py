@@ -15,6 +15,9 @@ SERIES = ("#ea6914", "#2570c4", "#7c42d6", "#26a65b", "#d62846", "#8a6d3b", "#0f
 
 Thing = TypeVar("Thing")
 
+Series = Mapping[str, tuple[Sequence[float], Sequence[float]]]
+"""Named lines (x, y)."""
+
 _STYLE = {
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
@@ -197,4 +200,19 @@ def lines(series: Mapping[str, tuple[Sequence[float], Sequence[float]]], across:
         axes.set_ylim(bottom=0)
         if series:
             axes.legend(frameon=False, fontsize=8)
+    return canvas.svg
+
+
+def two_kinds(solid: Series, dashed: Series, across: str, up: str) -> bytes:
+    """Named lines (x, y) of two kinds of things, each kind with all colours; x on a logarithmic axis, y are shares."""
+    with Canvas(6.8, 3.6) as (canvas, axes):
+        for series, style in ((solid, "-"), (dashed, "--")):
+            for (name, (xs, ys)), colour in coloured(series.items()):
+                axes.plot(xs, ys, color=colour, lw=1.4, ls=style, marker="o", ms=3, label=name)
+        axes.set_xscale("log")
+        axes.set_xlabel(across)
+        axes.set_ylabel(up)
+        axes.set_ylim(0, 1)
+        if solid or dashed:
+            axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return canvas.svg

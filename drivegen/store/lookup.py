@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
 
@@ -76,6 +77,32 @@ def futures_in(shard: Path, scenarios: Path) -> Iterator[tuple[Scenario, Samples
     if [row.scenario_id for row in rows] != [samples.scenario_id for samples in futures]:
         raise UnusableInput(f"{shard} holds futures of other scenarios than {base}: name their folder, or make them again")
     yield from zip(rows, futures, strict=True)
+
+
+def in_turn(scenarios: Path, samples: Path | None, most: int) -> list[tuple[Scenario, Trajectories, int]]:
+    """Traffic of a shard of scenarios: the log of each (0), or the first future of each (0), then the second of each (1), ...
+
+    `most` of it; where that is less than one of each scenario, these are spread over the shard.
+    """
+    if samples is None:
+        found = [(scenario, log, 0) for scenario, log in logs_in(scenarios)]
+    else:
+        futures = list(futures_in(samples, scenarios.parent))
+        deep = max((len(made.dropped) for _, made in futures), default=0)
+        found = [(scenario, made.motion[k], k) for k in range(deep) for scenario, made in futures if k < len(made.dropped)]
+    first = sum(turn == 0 for *_, turn in found)
+    return [found[n] for n in evenly(first, most)] if most < first else found[:most]
+
+
+def evenly(count: int, most: int) -> list[int]:
+    """At most so many numbers below `count`, spread over them; all where `most` is as many."""
+    return [n * count // min(most, count) for n in range(min(most, count))]
+
+
+def shared(total: int, sizes: Sequence[int]) -> list[int]:
+    """`total` shared out in proportion to `sizes`, none of which may be negative; nothing is lost in rounding."""
+    ends = [round(total * sum(sizes[:n]) / max(sum(sizes), 1)) for n in range(len(sizes) + 1)]
+    return [end - begin for begin, end in pairwise(ends)]
 
 
 def _only(shard: Path, rows: "Sequence[_Row]", scenario_id: str) -> "_Row":

@@ -9,6 +9,7 @@ import torch
 from drivegen.core import plugins
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.scenario import Signals, SignalState
+from drivegen.corner_cases.kinds import Kind
 from drivegen.drivers import gail, idm
 from drivegen.drivers.mutants.table import EQUIVALENTS, FAULTS, FAULTY, MUTATIONS, Mutant
 from drivegen.drivers.shared.network import Settings
@@ -89,6 +90,12 @@ def test_there_are_24_faulty_and_8_equivalent_ones_each_with_its_sentence():
     assert all(mutation.line and not mutation.line.endswith(".") for mutation in MUTATIONS.values())
     assert set(EQUIVALENTS) <= set(plugins.names("drivers"))
     assert set(SCENES) == set(FAULTS)
+
+
+def test_every_faulty_one_says_by_which_kinds_of_collisions_it_should_fail_and_no_equivalent_one_does():
+    for name, mutation in MUTATIONS.items():
+        assert bool(mutation.fails) == (name.split(".")[1] in FAULTS)
+        assert set(mutation.fails) <= set(Kind)
 
 
 @pytest.mark.parametrize("fault", FAULTY["idm"])

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegen.report.plots import SERIES, apart, coloured, curves, front, lines, panels, shares
+from drivegen.report.plots import SERIES, apart, coloured, curves, front, lines, panels, shares, two_kinds
 
 LINE = 0.4
 
@@ -42,8 +42,9 @@ LINE_OF = {name: ([0.0, 1.0], [1.0, 2.0]) for name in MANY}
         lines(LINE_OF, "x", "y"),
         panels({"group": LINE_OF}, "x", "y"),
         shares({name: [1.0, 2.0] for name in MANY}, "x"),
+        two_kinds(dict(list(LINE_OF.items())[:2]), dict(list(LINE_OF.items())[2:]), "x", "y"),
     ],
-    ids=["curves", "lines", "panels", "shares"],
+    ids=["curves", "lines", "panels", "shares", "two kinds"],
 )
 def test_no_line_is_missing_where_there_are_more_than_colours(picture: bytes):
     assert [name for name in MANY if f"<!-- {name} -->" not in picture.decode()] == []

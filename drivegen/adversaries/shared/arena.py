@@ -1,8 +1,10 @@
 """Where a driver is attacked: scenes with their traffic, who drives, what is allowed, and how often it may be driven."""
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +61,7 @@ class Arena:
 
     Attributes:
         ground, bounds, seed: see their classes. trials: runs of the driver. spent: (C,) int64 runs in each scenario.
+        made: what was made here whoever drives, by what it was asked for with.
     """
 
     def __init__(self, driver: Driver, ground: Ground, bounds: Bounds, seed: int) -> None:
@@ -66,6 +69,13 @@ class Arena:
         self.trials = Trials(driver, ground.scenarios, ground.traffic)
         self.spent = np.zeros(len(ground.choices), np.int64)
         self._runs: list[tuple[Variants, NDArray[np.floating], NDArray[np.int64], DrivingOutcome]] = []
+        self.made: dict[tuple[Any, ...], Any] = {}
+
+    def again(self, driver: Driver) -> Self:
+        """The same ground and bounds for another driver, no run made; what does not depend on who drives is shared."""
+        other = copy(self)
+        other.trials, other.spent, other._runs = self.trials.by(driver), np.zeros_like(self.spent), []
+        return other
 
     @cached_property
     def judges(self) -> list[Judge]:

@@ -34,7 +34,12 @@ class Goals:
         A motion is the same in all scenes of its scenario.
         """
         scenes = np.arange(len(arena.ground.of)) if scenes is None else scenes
-        return cls._joined([cls._planned(arena, scenes, seeds.derive(arena.seed, "exchanged goals", d)) for d in range(draws)])
+        asked = ("goals", draws, *scenes.tolist())
+        if asked not in arena.made:
+            streams = [seeds.derive(arena.seed, "exchanged goals", d) for d in range(draws)]
+            arena.made[asked] = cls._joined([cls._planned(arena, scenes, stream) for stream in streams])
+        made: Goals = arena.made[asked]
+        return made
 
     @classmethod
     def _joined(cls, parts: "Sequence[Goals]") -> "Goals":

@@ -4,7 +4,7 @@ A fault changes what the driver sees or what becomes of its action, row by row, 
 An equivalent one takes another way to what the sound one does, and should be ranked beside it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -31,11 +31,14 @@ class Mutation:
     Attributes:
         line: what is wrong with the driver, or by which way it does the same, in a plain sentence.
         see: what it sees of an observation. do: what becomes of its action, given what there was to see.
+        fails: the kinds of collisions (`corner_cases.kinds.Kind`) that it should have by what is wrong with it, declared before
+            it was driven; none of an equivalent one.
     """
 
     line: str
     see: Callable[[Observation], Observation] = _as_it_is
     do: Callable[[Action, Observation], Action] = _as_meant
+    fails: tuple[str, ...] = ()
 
 
 def _gap(seen: Observation) -> Tensor:
@@ -65,23 +68,44 @@ def _looking_up(action: Action, seen: Observation) -> Action:
     return replace(action, acceleration=action.acceleration.masked_fill(away, 0.0))
 
 
+_AHEAD = ("rear", "standing")
+_CROSSING = ("crossing from the left", "crossing from the right")
+
 FAULTS = {
-    "blind_left": Mutation("sees nobody whose middle is left of its path", lambda s: without(s, _beside(s) > 0.5)),
-    "blind_right": Mutation("sees nobody whose middle is right of its path", lambda s: without(s, _beside(s) < -0.5)),
-    "short_sight": Mutation("sees 12 m far", lambda s: without(s, _gap(s) > 12.0)),
-    "late": Mutation("notices others 1.5 s before it would hit them", lambda s: without(s, _time_left(s) > 1.5)),
-    "ignores_merging": Mutation("ignores who moves across its path", lambda s: without(s, s.speed_across.abs() > 0.3)),
+    "blind_left": Mutation(
+        "sees nobody whose middle is left of its path",
+        lambda s: without(s, _beside(s) > 0.5),
+        fails=("crossing from the left", "oncoming turn"),
+    ),
+    "blind_right": Mutation(
+        "sees nobody whose middle is right of its path",
+        lambda s: without(s, _beside(s) < -0.5),
+        fails=("crossing from the right", "merge"),
+    ),
+    "short_sight": Mutation("sees 12 m far", lambda s: without(s, _gap(s) > 12.0), fails=_AHEAD),
+    "late": Mutation("notices others 1.5 s before it would hit them", lambda s: without(s, _time_left(s) > 1.5), fails=_AHEAD),
+    "ignores_merging": Mutation(
+        "ignores who moves across its path",
+        lambda s: without(s, s.speed_across.abs() > 0.3),
+        fails=("cut-in", "merge", "oncoming turn", *_CROSSING),
+    ),
     "ignores_standing": Mutation(
-        "ignores who stands", lambda s: without(s, (s.speed_along.abs() < 0.5) & (s.speed_across.abs() < 0.5))
+        "ignores who stands",
+        lambda s: without(s, (s.speed_along.abs() < 0.5) & (s.speed_across.abs() < 0.5)),
+        fails=("standing",),
     ),
-    "ignores_rules": Mutation("ignores signals, signs and right of way", lambda s: replace(s, rules=None)),
+    "ignores_rules": Mutation(
+        "ignores signals, signs and right of way", lambda s: replace(s, rules=None), fails=("own turn", *_CROSSING)
+    ),
     "cuts_gaps": Mutation(
-        "takes gaps ahead for 8 m longer than they are", lambda s: replace(s, ahead=s.ahead + 8.0 * (s.ahead > 0))
+        "takes gaps ahead for 8 m longer than they are", lambda s: replace(s, ahead=s.ahead + 8.0 * (s.ahead > 0)), fails=_AHEAD
     ),
-    "misjudges_speeds": Mutation("takes others for 5 m/s faster", lambda s: replace(s, speed_along=s.speed_along + 5.0)),
-    "weak_brakes": Mutation("brakes by 1.5 m/s2 at most", do=lambda a, _: _braking(a, lambda b: b.clamp_max(1.5))),
-    "slow_brakes": Mutation("brakes a third as hard as it means to", do=lambda a, _: _braking(a, lambda b: b / 3)),
-    "distracted": Mutation("looks away and rolls for 1.5 s out of every 3 s", do=_looking_up),
+    "misjudges_speeds": Mutation(
+        "takes others for 5 m/s faster", lambda s: replace(s, speed_along=s.speed_along + 5.0), fails=_AHEAD
+    ),
+    "weak_brakes": Mutation("brakes by 1.5 m/s2 at most", do=lambda a, _: _braking(a, lambda b: b.clamp_max(1.5)), fails=_AHEAD),
+    "slow_brakes": Mutation("brakes a third as hard as it means to", do=lambda a, _: _braking(a, lambda b: b / 3), fails=_AHEAD),
+    "distracted": Mutation("looks away and rolls for 1.5 s out of every 3 s", do=_looking_up, fails=_AHEAD),
 }
 
 
@@ -148,3 +172,9 @@ class Mutant:
         """See `base.Driver`."""
         mutation = MUTATIONS[self.name]
         return mutation.do(self.sound.act(mutation.see(observation)), observation)
+
+
+def mutated(sound: Mapping[str, Driver]) -> dict[str, Mutant]:
+    """Every mutated driver of these, by its name."""
+    bases = {name: name.partition(".")[0] for name in MUTATIONS}
+    return {name: Mutant(name, sound[base]) for name, base in bases.items() if base in sound}

@@ -1,0 +1,79 @@
+"""Testers of mutated drivers: who fails in traffic as it is, and what a search spends and finds."""
+
+import numpy as np
+import pytest
+
+from drivegen.adversaries.shared.arena import Arena, Bounds
+from drivegen.adversaries.shared.testers import by_search, by_traffic
+from drivegen.core import plugins
+from drivegen.core.settings import read_section
+from drivegen.corner_cases.failures import alike
+from drivegen.drivers.mutants.table import mutated
+from drivegen.metrics.mutation_score import clustered
+from drivegen.simulators.batch import Plugin as Batch
+from tests.adversaries.test_adversaries_contract import attack, ground  # noqa: F401  # a fixture
+from tests.drivers.test_drivers_mutants import SCENES, SOUND, STANDS, behind
+from tests.models import ROOT
+from tests.scenes import busy_crossing
+
+MUTANTS = mutated({"idm": SOUND})
+BUDGET = 3
+SETTINGS = read_section("attack.adversaries", ROOT / "params.yaml")
+
+
+@pytest.fixture(scope="module")
+def in_traffic():
+    scenes = [SCENES["ignores_standing"], SCENES["ignores_merging"], behind(STANDS, 14.0)]
+    return by_traffic(MUTANTS, scenes, [scene.log for scene in scenes], [0, 0, 1])
+
+
+def test_who_ignores_the_standing_runs_into_them_and_the_sound_one_does_not(in_traffic):
+    pairs = in_traffic["idm.ignores_standing"]
+    assert pairs.mutant.tolist() == ["standing", "", "standing"]
+    assert pairs.sound.tolist() == ["", "", ""]
+    assert (pairs.excess.tolist(), pairs.turn.tolist()) == ([1, 0, 1], [0, 0, 1])
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, mutant in MUTANTS.items() if name.split(".")[1] in ("mirrored", "double", "doubled")]
+)
+def test_an_equivalent_one_has_no_excess(name, in_traffic):
+    assert not in_traffic[name].excess.any()
+
+
+def test_runs_are_alike_to_the_bit_or_not_at_all():
+    scenes = [SCENES["ignores_standing"], busy_crossing()]
+    traffic = [scene.log for scene in scenes]
+    names = ("idm.ignores_standing", "idm.doubled")
+    sound, standing, doubled = Batch().run_each([SOUND, *(MUTANTS[name] for name in names)], scenes, traffic)
+    assert alike(sound, standing).tolist()[0] is False
+    assert alike(sound, doubled).all()
+    assert alike(sound, sound).all()
+
+
+@pytest.mark.parametrize("name", ["random", "drivegen_cs", "advsim"])
+def test_a_search_spends_its_runs_on_the_mutant_and_the_sound_one_drives_the_same(name, ground):  # noqa: F811
+    adversary = plugins.make("adversaries", name, SETTINGS, "here")
+    some = {key: MUTANTS[key] for key in ("idm.ignores_merging", "idm.doubled")}
+    found = dict(by_search(some, adversary, ground, Bounds("physical", BUDGET, 20), 7))
+    for key, mutant in some.items():
+        alone = Arena(mutant, ground, Bounds("physical", BUDGET, 20), 7)
+        adversary.attack(alone)
+        pairs, runs = found[key], alone.runs()
+        counts = dict(zip(*np.unique(pairs.scenario, return_counts=True), strict=True))
+        assert counts == {f"crossing-{c}": n for c, n in enumerate(alone.spent.tolist())}  # what is shared changes nothing
+        again = alone.trials.by(SOUND).run(runs.variants)
+        order = np.lexsort((runs.query, runs.scenario))
+        assert ((pairs.mutant != "") <= runs.outcome.counted[order]).all()
+        assert ((pairs.sound != "") <= again.counted[order]).all()
+    assert not found["idm.doubled"].excess.any()
+    assert clustered(found["idm.doubled"].excess) == 1.0
+
+
+def test_an_arena_for_another_driver_has_made_no_run_and_finds_the_same(ground):  # noqa: F811
+    first = attack("random", ground, "physical", BUDGET)
+    other = first.again(first.trials.driver)
+    assert other.spent.sum() == 0
+    plugins.make("adversaries", "random", {"random": {}}, "here").attack(other)
+    np.testing.assert_array_equal(first.runs().variants.motion.position, other.runs().variants.motion.position)
+    np.testing.assert_array_equal(first.runs().outcome.motion.position, other.runs().outcome.motion.position)

@@ -1,0 +1,124 @@
+"""The stage `mutation_score` on hand-made scenes, and what the door `publish_corner` makes of it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import orjson
+import pyarrow.parquet as pq
+import pytest
+
+from drivegen.core.errors import UnusableInput
+from drivegen.drivers.mutants.table import MUTATIONS
+from drivegen.goals.packing import pack
+from drivegen.metrics.mutation_score import Settings
+from drivegen.rollout.batch import choose
+from drivegen.selectors.random import Plugin as Random
+from drivegen.store.files import write_json
+from drivegen.store.goals import write_goals
+from drivegen.store.lookup import evenly, in_turn, shared
+from drivegen.store.samples import write_samples
+from drivegen.store.scenarios import write_shard
+from stages import mutation_score, publish_corner
+from stages._door import read_params, read_section
+from tests.drivers.taught import PARAMS
+from tests.models import candidate_settings, write_models
+from tests.scenes import busy_crossing, drive, noisy_samples, scenario, stack, straight_road
+
+LINE = straight_road().centreline[0].astype(np.float64)
+MINE = [name for name in MUTATIONS if name.startswith("idm.")]
+SHARD = "shard-00000.parquet"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> Path:
+    """Twelve recordings of somebody who stands in the way, one of a crossing; samples that are the logs, and goals."""
+    root = tmp_path_factory.mktemp("mutation")
+    parked = scenario(straight_road(), stack([drive(LINE, 10, 10, 101), drive(LINE, 80, 0, 101)]), "parked-0")
+    scenes = [*(replace(parked, scenario_id=f"parked{n}-0") for n in range(12)), busy_crossing(101, "crossing-0")]
+    write_shard(root / "test" / SHARD, scenes)
+    samples = [noisy_samples(scene, 2) for scene in scenes]
+    for folder in ("generated/drivegen", "round"):
+        write_samples(root / folder / SHARD, samples)
+    choices = choose(scenes, Random(), candidate_settings(), 1.0)
+    write_goals(root / "goals" / SHARD, [pack(c.scenario, "random", c.candidates, c.natural) for c in choices])
+    write_models(root / "models")
+    return root
+
+
+def params(**changes: object) -> mutation_score.Params:
+    values = read_params("mutation_score", mutation_score.Params, PARAMS)
+    drivers = {"idm": read_section("mutation_score.drivers.idm", PARAMS)}
+    small = {"workers": 1, "methods": ("drivegen",), "adversaries": {"random": {}}, "drivers": drivers, "runs": 26, "queries": 2}
+    return replace(values, **{**small, "test": Settings(0.05, (5, 10), 4), **changes})
+
+
+def run(made: Path, out: Path, **changes: object) -> dict[str, float]:
+    places = (made / "test", made / "generated", made / "models", made / "goals", made / "round")
+    return mutation_score.main(params(**changes), *places, out / "score.parquet", out / publish_corner.SCORE)
+
+
+def test_every_tester_tests_every_driver_and_who_ignores_the_standing_is_killed(made, tmp_path):
+    took = run(made, tmp_path)
+    score = orjson.loads((tmp_path / publish_corner.SCORE).read_bytes())
+    assert list(score) == ["drivegen", "log", "random"]
+    assert all(set(each["drivers"]) == set(MINE) for each in score.values())
+    assert [score[tester]["drivers"][MINE[0]]["runs"] for tester in ("log", "drivegen")] == [13, 26]
+    assert score["random"]["runs"] <= 26
+    standing = score["log"]["drivers"]["idm.ignores_standing"]
+    assert (standing["killed"], standing["kinds"], standing["named"], standing["p"]) == (True, {"standing": 12}, True, 0.5**12)
+    assert all(each["false_kills"] == 0 for each in score.values())
+    rows = pq.read_table(tmp_path / "score.parquet").to_pylist()
+    runs = sum(row["value"] for row in rows if row["metric"] == "runs")
+    assert runs == took["runs"] == sum(each["runs"] for tester in score.values() for each in tester["drivers"].values())
+    mine = [row for row in rows if (row["method"], row["driver"]) == ("log", "idm.ignores_standing")]
+    failed = {row["scenario"] for row in mine if row["metric"] == "only_mutant" and row["value"]}
+    assert failed == {f"parked{n}-0" for n in range(12)}
+
+
+def test_the_same_seed_gives_the_same_bytes_whatever_the_processes(made, tmp_path):
+    for name, workers in (("one", 1), ("other", 2)):
+        run(made, tmp_path / name, workers=workers, adversaries={})
+    for file in ("score.parquet", publish_corner.SCORE):
+        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "other" / file).read_bytes()
+
+
+def test_who_has_too_few_runs_is_told(made, tmp_path):
+    with pytest.raises(UnusableInput, match=r"random has nothing to drive in .*mutation_score\.runs is too small"):
+        run(made, tmp_path, runs=1)
+
+
+def test_traffic_comes_in_turns_and_few_runs_are_spread(made):
+    found = in_turn(made / "test" / SHARD, made / "round" / SHARD, 15)
+    assert [turn for *_, turn in found] == [0] * 13 + [1] * 2
+    assert found[13][0].scenario_id == "parked0-0"
+    spread = in_turn(made / "test" / SHARD, None, 3)
+    assert [scene.scenario_id for scene, *_ in spread] == ["parked0-0", "parked4-0", "parked8-0"]
+    assert (evenly(5, 9), evenly(0, 4), evenly(10, 3)) == ([0, 1, 2, 3, 4], [], [0, 3, 6])
+    assert shared(10, [1, 1, 1]) == [3, 4, 3]
+    assert shared(10, []) == []
+
+
+def test_the_score_is_published_with_one_table_and_one_chart(made, tmp_path):
+    for seed in ("7", "8"):
+        run(made, tmp_path / "runs" / seed)
+        write_json(tmp_path / "runs" / seed / "reports/metrics/attack/idm.json", {})
+    publish_corner.main(publish_corner.Params([7, 8], {}), tmp_path / "runs", tmp_path / "out")
+    rows = orjson.loads((tmp_path / "out/mutation_score.json").read_bytes())
+    found = {(row["tester"], row["driver"], row["metric"]): row for row in rows}
+    score = orjson.loads((tmp_path / "runs/7" / publish_corner.SCORE).read_bytes())
+    killed = {"metric": "killed", "value": score["log"]["killed"], "n": 8, "seeds": 2}
+    assert found["log", "", "killed"] == {"data": "sumo_corpus", "tester": "log", "driver": "", **killed}
+    assert found["log", "idm.ignores_standing", "p"]["value"] == 0.5**12
+    assert found["log", "", "runs_to_kill"]["value"] is None  # most are not killed
+    text = (tmp_path / "out/mutation-score.md").read_text()
+    assert "| logs | no | 13 (13 recordings) |" in text
+    assert "| random goals | yes |" in text
+    assert "![Mutation score" in text
+    assert b"<!-- logs -->" in (tmp_path / "out/mutation-score.svg").read_bytes()
+
+
+def test_without_a_score_nothing_of_it_is_published(tmp_path):
+    write_json(tmp_path / "runs/7/reports/metrics/attack/idm.json", {})
+    publish_corner.main(publish_corner.Params([7], {}), tmp_path / "runs", tmp_path / "out")
+    assert not (tmp_path / "out/mutation_score.json").exists()
