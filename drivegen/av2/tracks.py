@@ -29,7 +29,8 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import wrap_angle
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
 from drivegen.core.roadmap import RoadMap
-from drivegen.core.scenario import DT, TARGET, Scenario, Signals, Trajectories, VehicleKind
+from drivegen.core.scenario import DT, TARGET, Scenario, Trajectories, VehicleKind
+from drivegen.core.signals import Signals
 
 FARTHEST = 50_000.0
 """Positions farther from the map's origin than this [m] are a broken file: float32 would lose the centimetres."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from drivegen.commonroad.junctions import ways
 from drivegen.commonroad.values import Points, identity, number, points, references, refuse, required, value
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import SignalState
+from drivegen.core.signals import SignalState
 
 SIGNS = {
     "205": LaneControl.YIELD,

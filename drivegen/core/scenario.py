@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import RoadMap
+from drivegen.core.signals import Signals
 
 DT = 0.1
 """Time between steps [s]."""
@@ -32,15 +33,6 @@ class VehicleKind(IntEnum):
     MOTORCYCLE = 3
     CYCLIST = 4
     PEDESTRIAN = 5
-
-
-class SignalState(IntEnum):
-    """State of a signal at one step, for the lane that it guards."""
-
-    UNKNOWN = 0
-    GREEN = 1
-    YELLOW = 2
-    RED = 3
 
 
 class SizeSource(IntEnum):
@@ -218,45 +210,6 @@ class Actors:
     def none(cls, steps: int) -> "Actors":
         """No context actors over `steps` steps."""
         return cls(np.zeros(0, np.str_), np.zeros(0, np.uint8), np.zeros((0, 3), np.float32), Trajectories.empty(0, steps))
-
-
-@dataclass(frozen=True)
-class Signals:
-    """Traffic signals M_d: signal g guards the entry into lane `lane[g]`.
-
-    Attributes:
-        lane: (G,) int32 index into the map's lanes.
-        state: (G, T) uint8 SignalState.
-    """
-
-    lane: NDArray[np.int32]
-    state: NDArray[np.uint8]
-
-    def __len__(self) -> int:
-        return len(self.lane)
-
-    def validate(self, lanes: int) -> None:
-        """Raise UnusableInput unless they guard some of so many lanes and their states are among `SignalState`."""
-        if self.lane.size and not 0 <= self.lane.min() <= self.lane.max() < lanes:
-            raise UnusableInput("a signal guards a lane that the map does not hold", reason="bad-signals")
-        if (self.state > max(SignalState)).any():
-            raise UnusableInput("a signal has a state that is none", reason="bad-signals")
-
-    def held(self) -> "Signals":
-        """The same, each signal showing its last known state wherever the state is UNKNOWN: what drivers assume."""
-        known = np.where(self.state != SignalState.UNKNOWN, np.arange(self.state.shape[1]), 0)
-        return Signals(self.lane, np.take_along_axis(self.state, np.maximum.accumulate(known, axis=1), axis=1))
-
-    def on_lanes(self, kept: NDArray[np.integer]) -> "Signals":
-        """The signals of the lanes `kept` (K,) only, which are numbered 0..K-1 from now on."""
-        number = {lane: i for i, lane in enumerate(kept.tolist())}
-        inside = np.array([g for g, lane in enumerate(self.lane.tolist()) if lane in number], np.intp)
-        return Signals(np.array([number[lane] for lane in self.lane[inside].tolist()], np.int32), self.state[inside])
-
-    @classmethod
-    def none(cls, steps: int) -> "Signals":
-        """No signals over `steps` steps."""
-        return cls(np.zeros(0, np.int32), np.zeros((0, steps), np.uint8))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 from drivegen.av2.sensor import EGO_TRACK, FITTED, SensorLog, count_frames, log_files, read_sensor_log
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
-from drivegen.core.scenario import Signals
+from drivegen.core.signals import Signals
 
 SPLITS = ("train", "val", "test")
 

@@ -16,7 +16,7 @@ import numpy as np
 from drivegen.commonroad.recording import read_recording
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
-from drivegen.core.scenario import Signals
+from drivegen.core.signals import Signals
 from drivegen.datasets._targets import spread_targets
 
 SPLITS = ("train", "val", "test")

@@ -16,8 +16,8 @@ import torch
 from torch import Tensor
 
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import SignalState
 from drivegen.core.settings import NotNegative, Positive
+from drivegen.core.signals import SignalState
 from drivegen.world.observation import Action, Observation, Rules
 
 _NO_GAP = 0.001

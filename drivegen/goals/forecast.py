@@ -13,7 +13,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats
-from drivegen.core.scenario import DT, Signals, SignalState
+from drivegen.core.scenario import DT
+from drivegen.core.signals import Signals, SignalState
 from drivegen.goals.reach import Dynamics, speed_caps
 from drivegen.goals.traffic import STAND, Ahead, Queue
 from drivegen.roads.line import SPACING, Route

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.scenario import DT, Signals, SignalState
+from drivegen.core.scenario import DT
+from drivegen.core.signals import Signals, SignalState
 from drivegen.goals.traffic import HALTED, STAND, Ahead, Queue
 from drivegen.roads.line import SPACING, Route
 

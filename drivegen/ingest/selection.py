@@ -17,8 +17,9 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap, wrap_angle
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
 from drivegen.core.roadmap import NO_LANE
-from drivegen.core.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
+from drivegen.core.scenario import DT, Actors, Scenario, SizeSource, Trajectories, VehicleKind, Vehicles
 from drivegen.core.settings import Count, Index, Positive, Share
+from drivegen.core.signals import Signals
 
 PLANNED_KINDS = (VehicleKind.CAR, VehicleKind.TRUCK, VehicleKind.BUS)
 """Kinds that are planned; all others are context."""

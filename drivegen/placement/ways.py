@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats, arc_length, line_heading, wrap_angle
 from drivegen.core.roadmap import RoadMap
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 
 CLOSED = (SignalState.RED, SignalState.YELLOW)
 """Nobody starts moving just before a signal that shows one of these."""

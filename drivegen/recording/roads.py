@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from drivegen.core.crop import Cropper
 from drivegen.core.geometry import Floats, arc_length, interpolate
 from drivegen.core.roadmap import RoadMap
-from drivegen.core.scenario import DT, Scenario, Signals, Trajectories
+from drivegen.core.scenario import DT, Scenario, Trajectories
+from drivegen.core.signals import Signals
 from drivegen.recording import colours
 from drivegen.recording.lines import closed, flat, thinned
 

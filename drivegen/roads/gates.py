@@ -12,7 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.roadmap import LaneControl, RoadMap
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 
 HALF_WIDTH = 2.5
 """Half the width over which a gate is crossed [m]."""

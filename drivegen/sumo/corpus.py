@@ -12,8 +12,9 @@ import numpy as np
 from drivegen.core import seeds
 from drivegen.core.crop import Cropper
 from drivegen.core.errors import UnusableInput
-from drivegen.core.scenario import DT, Scenario, Signals
+from drivegen.core.scenario import DT, Scenario
 from drivegen.core.settings import Count, NotNegative, Positive, Share
+from drivegen.core.signals import Signals
 from drivegen.sumo.bends import with_human_speeds
 from drivegen.sumo.demand import Demand, draw_demand, mean_limit, vehicles_at_begin
 from drivegen.sumo.netconvert import convert

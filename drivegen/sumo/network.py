@@ -15,7 +15,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import Floats, Polylines
 from drivegen.core.roadmap import LaneControl, LaneKind, RoadMap
 from drivegen.core.safe_xml import parse
-from drivegen.core.scenario import Signals
+from drivegen.core.signals import Signals
 from drivegen.sumo import net_lanes, strips
 from drivegen.sumo.neighbours import neighbours
 from drivegen.sumo.net_lanes import NetLanes

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from drivegen.core.crop import Cropper, reach
 from drivegen.core.geometry import boxes_overlap, wrap_angle
-from drivegen.core.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
+from drivegen.core.scenario import DT, Actors, Scenario, SizeSource, Trajectories, VehicleKind, Vehicles
 from drivegen.core.settings import Count, NotNegative, Positive, Share
+from drivegen.core.signals import Signals
 from drivegen.sumo.network import Network
 from drivegen.sumo.traffic import Traffic
 

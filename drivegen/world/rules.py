@@ -17,7 +17,8 @@ from torch import Tensor
 
 from drivegen.core.geometry import Floats, arc_length, interpolate, project, wrap_angle
 from drivegen.core.roadmap import LaneControl, RoadMap
-from drivegen.core.scenario import Scenario, SignalState, Trajectories
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.signals import SignalState
 from drivegen.roads.gates import first_crossing
 from drivegen.roads.graph import LaneGraph
 from drivegen.world.observation import PATH_SPACING, Rules

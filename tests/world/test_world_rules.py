@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 from drivegen.drivers import idm
 from drivegen.roads.graph import LaneGraph
 from drivegen.simulators.batch import Plugin

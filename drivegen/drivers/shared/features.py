@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import SignalState
+from drivegen.core.signals import SignalState
 from drivegen.world.observation import Observation
 
 DISTANCES = (5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 80.0)
