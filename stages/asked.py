@@ -71,11 +71,11 @@ def main(params: Params, maps: Path, assets: Path, models: Path, results: Path, 
     run = Run.of("asked", out.stem, asdict(params), [assets, *(maps / name / "map.net.xml" for name in there)], backend=READER)
     of_samples = [record_rows(run, sample_records(rows, k), k) for k in range(params.samples)]
     write_results(results, [record_rows(run, scene_records(rows)), *of_samples])
-    told = summary(rows)
+    numbers = summary(rows)
     of_suite = {"requests": len(requests), "maps": there, "reader": READER}
-    write_json(out, {**of_suite, **told, "rows": rows})
-    meant = f"{told['read_as_meant']} of {told['scenes']} read as meant"
-    print(f"asked: {meant}; {told['got']:.0%} of what was asked for was got")
+    write_json(out, {**of_suite, **numbers, "rows": rows})
+    meant = f"{numbers['read_as_meant']} of {numbers['scenes']} read as meant"
+    print(f"asked: {meant}; {numbers['got']:.0%} of what was asked for was got")
     return {"scenes": float(len(rows))}
 
 

@@ -90,12 +90,17 @@ def _build(task: _Task) -> dict[str, Any]:
             "why": str(error),
             "understood": error.reason.startswith("netconvert"),
         }
-    found = built.structure
-    told = {"writer": built.account["backend"], "kind": built.account["kind"], "reason": ""}
-    told |= {"ignored": built.account["ignored"], "failed": built.account["failed"]}
-    told |= {"lanes": len(built.road_map), "junctions": found.junctions, "roundabouts": len(found.roundabouts)}
-    told |= {"most_lanes": found.max_lanes, "length": found.length, "turn": found.turn, "signals": found.signals}
-    return {**row, **told, "understood": True, "network": True, "as_asked": built.as_asked}
+    structure = built.structure
+    numbers = {"writer": built.account["backend"], "kind": built.account["kind"], "reason": ""}
+    numbers |= {"ignored": built.account["ignored"], "failed": built.account["failed"]}
+    numbers |= {"lanes": len(built.road_map), "junctions": structure.junctions, "roundabouts": len(structure.roundabouts)}
+    numbers |= {
+        "most_lanes": structure.max_lanes,
+        "length": structure.length,
+        "turn": structure.turn,
+        "signals": structure.signals,
+    }
+    return {**row, **numbers, "understood": True, "network": True, "as_asked": built.as_asked}
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.errors import UnusableInput
+from drivegen.core.errors import UnusableInput, naming
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.signals import Signals
 
@@ -249,10 +249,8 @@ class Scenario:
 
     def validate(self) -> None:
         """Raise UnusableInput, naming the scenario, unless all parts are sound and agree with one another."""
-        try:
+        with naming(f"scenario {self.scenario_id}"):
             self._validate_parts()
-        except UnusableInput as error:
-            raise UnusableInput(f"scenario {self.scenario_id}: {error}", reason=error.reason) from None
 
     def _validate_parts(self) -> None:
         if self.horizon < 1:

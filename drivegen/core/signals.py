@@ -42,12 +42,12 @@ class Signals:
 
     def held(self) -> "Signals":
         """The same, each signal showing its last known state wherever the state is UNKNOWN: what drivers assume."""
-        known = np.where(self.state != SignalState.UNKNOWN, np.arange(self.state.shape[1]), 0)
-        return Signals(self.lane, np.take_along_axis(self.state, np.maximum.accumulate(known, axis=1), axis=1))
+        last_shown = np.where(self.state != SignalState.UNKNOWN, np.arange(self.state.shape[1]), 0)
+        return Signals(self.lane, np.take_along_axis(self.state, np.maximum.accumulate(last_shown, axis=1), axis=1))
 
-    def on_lanes(self, kept: NDArray[np.integer]) -> "Signals":
-        """The signals of the lanes `kept` (K,) only, which are numbered 0..K-1 from now on."""
-        number = {lane: i for i, lane in enumerate(kept.tolist())}
+    def on_lanes(self, lanes: NDArray[np.integer]) -> "Signals":
+        """The signals of the lanes `lanes` (K,) only, which are numbered 0..K-1 from now on."""
+        number = {lane: i for i, lane in enumerate(lanes.tolist())}
         inside = np.array([g for g, lane in enumerate(self.lane.tolist()) if lane in number], np.intp)
         return Signals(np.array([number[lane] for lane in self.lane[inside].tolist()], np.int32), self.state[inside])
 

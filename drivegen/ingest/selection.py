@@ -119,14 +119,14 @@ def _cut_time(log: RecordedLog, settings: Settings) -> RecordedLog:
     return replace(log, motion=cut, signals=Signals(log.signals.lane, log.signals.state[:, first:last]))
 
 
-def _target(log: RecordedLog, wanted: str, notes: dict[str, str]) -> int:
+def _target(log: RecordedLog, role: str, notes: dict[str, str]) -> int:
     """The focal track or the ego, if it is a vehicle and there at step 0; else the other one, noted."""
-    if wanted not in ("focal", "ego"):
-        raise UnusableInput(f"the target must be 'focal' or 'ego', not {wanted!r}")
+    if role not in ("focal", "ego"):
+        raise UnusableInput(f"the target must be 'focal' or 'ego', not {role!r}")
     if not np.isin(log.kind, PLANNED_KINDS).any():
         raise UnusableInput(f"scenario {log.scenario_id} has no vehicles", reason="no-vehicles")
     names = {"focal": ("focal track", log.focal), "ego": ("AV", log.ego)}
-    (word, first), (other_word, second) = names[wanted], names["ego" if wanted == "focal" else "focal"]
+    (word, first), (other_word, second) = names[role], names["ego" if role == "focal" else "focal"]
     problem = _unfit(log, first)
     if not problem:
         return first
@@ -250,11 +250,11 @@ def _in_frame_of(log: RecordedLog, chosen: NDArray[np.intp], radius: float | Non
     if radius is None:
         return replace(log, map=road_map, motion=motion)
     within = reach(motion.speed[chosen, 0], (motion.steps - 1) * DT, radius)
-    road_map, kept = Cropper(road_map).around(position[chosen, 0], within)
-    if not len(kept):
+    road_map, lanes = Cropper(road_map).around(position[chosen, 0], within)
+    if not len(lanes):
         raise UnusableInput(f"scenario {log.scenario_id}: no lane within {radius:g} m of its vehicles' reach", reason="no-lanes")
     lane = np.full(len(log.map), NO_LANE, np.int32)
-    lane[kept] = np.arange(len(kept), dtype=np.int32)
+    lane[lanes] = np.arange(len(lanes), dtype=np.int32)
     guarded = lane[log.signals.lane]
     signals = Signals(guarded[guarded != NO_LANE], log.signals.state[guarded != NO_LANE])
     return replace(log, map=road_map, motion=motion, signals=signals)

@@ -32,13 +32,13 @@ class Networks:
         for splits in (scenarios, self.real, self.outside, self.own):
             if unknown := set(splits) - set(SPLITS):
                 raise UnusableInput(f"corpus: there is no split {unknown.pop()!r}; there are {', '.join(SPLITS)}")
-        seen: dict[str, str] = {}
+        split_of: dict[str, str] = {}
         for split in SPLITS:
             for name, source in chain.from_iterable(group.get(split, {}).items() for group in vars(self).values()):
                 for word in (name, str(source)):
-                    if seen.setdefault(word, split) != split or not name.replace("_", "").isalnum():
+                    if split_of.setdefault(word, split) != split or not name.replace("_", "").isalnum():
                         raise UnusableInput(
-                            f"corpus: network {name!r} is in {seen[word]} and {split}, or its name is no plain word"
+                            f"corpus: network {name!r} is in {split_of[word]} and {split}, or its name is no plain word"
                         )
 
     def chosen(self, names: Iterable[str]) -> "Networks":

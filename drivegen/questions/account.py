@@ -15,9 +15,9 @@ def odds(ranked: Sequence[int], usual: NDArray[np.float32], decay: float, trust:
     The share `trust` goes to the ranked ones, each `decay` times the one before; the rest goes as `usual` (C,).
     """
     weights = decay ** np.arange(len(ranked), dtype=np.float64)
-    told = np.zeros(len(usual))
-    told[np.asarray(ranked, int)] = weights / weights.sum()
-    mixed = trust * told + (1 - trust) * usual.astype(np.float64)
+    odds_of_model = np.zeros(len(usual))
+    odds_of_model[np.asarray(ranked, int)] = weights / weights.sum()
+    mixed = trust * odds_of_model + (1 - trust) * usual.astype(np.float64)
     return np.asarray(mixed / mixed.sum(), np.float32)
 
 

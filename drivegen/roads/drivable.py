@@ -203,5 +203,5 @@ def _at(lines: Polylines, line: NDArray[np.integer], fraction: NDArray[np.floati
     """Points (Q, 2) at `fraction` (Q,) of the length of lines number `line` (Q,)."""
     along = _global_arc(lines)
     begin, end = along[lines.start[:-1]][line], along[lines.start[1:] - 1][line]
-    wanted = begin + fraction * (end - begin)
-    return np.stack([np.interp(wanted, along, lines.points[:, axis]) for axis in (0, 1)], axis=-1)
+    places = begin + fraction * (end - begin)
+    return np.stack([np.interp(places, along, lines.points[:, axis]) for axis in (0, 1)], axis=-1)

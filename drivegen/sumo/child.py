@@ -39,11 +39,11 @@ def simulate(program: Path, folder: Path, time_limit: float) -> None:
     if done.returncode < 0:
         raise SimulationFailed(f"SUMO crashed (signal {-done.returncode})", reason="sumo-crashed")
     if done.returncode:
-        told = _cause(done.stderr.decode("utf-8", "replace")) or f"exit code {done.returncode}"
-        raise SimulationFailed(f"SUMO refuses the run: {told[:_LONGEST_MESSAGE]}", reason="sumo-refused")
+        cause = _cause(done.stderr.decode("utf-8", "replace")) or f"exit code {done.returncode}"
+        raise SimulationFailed(f"SUMO refuses the run: {cause[:_LONGEST_MESSAGE]}", reason="sumo-refused")
 
 
-def _cause(said: str) -> str:
+def _cause(text: str) -> str:
     """SUMO's first line about an error, or, where it printed none, the exception at the end."""
-    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
     return next((line for line in lines if "Error" in line), lines[-1] if lines else "")

@@ -116,8 +116,8 @@ def _arguments(folder: Path, run: Run) -> list[str]:
         "--xml-validation.net": "never",
     }
     sublanes = {"--lateral-resolution": str(run.lateral_resolution)} if run.lateral_resolution > 0 else {}
-    given = {"-n": str(folder / "net.net.xml"), "-r": str(folder / "demand.rou.xml")}
-    return [word for pair in (given | tracks | quiet | rules | sublanes).items() for word in pair]
+    inputs = {"-n": str(folder / "net.net.xml"), "-r": str(folder / "demand.rou.xml")}
+    return [word for pair in (inputs | tracks | quiet | rules | sublanes).items() for word in pair]
 
 
 def _states(changes: list[list[object]], first: int, steps: int) -> NDArray[np.uint8]:

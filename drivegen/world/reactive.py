@@ -137,14 +137,14 @@ class Reactive:
         base = (world.scene * self._scenes.longest)[:, None]
         first = base + self.clock.long()
         last = (base + self._scenes.steps[world.scene][:, None] - 1).expand_as(first)
-        asked = demands(pairs, traffic, self._plan.pose, self._scenes.present, first, last, pose[:, ARC], self._law)
+        accelerations = demands(pairs, traffic, self._plan.pose, self._scenes.present, first, last, pose[:, ARC], self._law)
         row, neighbour, box = pairs
         others = self.clock.shape[1]
-        least = torch.full((self.clock.numel(),), torch.inf, device=asked.device)
+        least = torch.full((self.clock.numel(),), torch.inf, device=accelerations.device)
         target, at = least.clone(), row * others + neighbour
-        least.scatter_reduce_(0, at, asked, "amin")
+        least.scatter_reduce_(0, at, accelerations, "amin")
         mine = box == others
-        target[at[mine]] = asked[mine]
+        target[at[mine]] = accelerations[mine]
         return least.view_as(self.clock), target.view_as(self.clock)
 
     def _impose(self, braked: Tensor, speed: Tensor, wished: Tensor) -> None:

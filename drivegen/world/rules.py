@@ -77,8 +77,8 @@ class Lookout:
     def of(cls, scenes: Scenes, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], arrivals: bool = True) -> Self:
         """Look along the paths of `scenes`, which are `scenarios` with `traffic` (N, T); without `arrivals` nobody comes."""
         graphs = {id(s.map): s.map for s in scenarios}
-        known = {number: LaneGraph.of(road_map) for number, road_map in graphs.items()}
-        lines = [_lines(scenes, s, known[id(scenario.map)]) for s, scenario in enumerate(scenarios)]
+        graph_of = {number: LaneGraph.of(road_map) for number, road_map in graphs.items()}
+        lines = [_lines(scenes, s, graph_of[id(scenario.map)]) for s, scenario in enumerate(scenarios)]
         count, shape = max(map(len, lines), default=0), scenes.replay.valid.shape
         place = np.full((len(scenes), max(count, 1)), np.inf, np.float32)
         control = np.zeros(place.shape, np.int64)
@@ -90,7 +90,7 @@ class Lookout:
                 place[s, g], control[s, g] = at, scenario.map.control[lane]
                 signal[s, : scenario.steps, g] = _state(scenario, lane)[: motion.steps]
                 if arrivals:
-                    ways[s] += _ways(known[id(scenario.map)], scenario, g, lane)
+                    ways[s] += _ways(graph_of[id(scenario.map)], scenario, g, lane)
             _put(distance, scenes.replay, ways[s], np.full(shape[2], s), np.arange(shape[2]))
         flat = signal.reshape(-1, place.shape[1]), distance.reshape(-1, *distance.shape[2:])
         places, controls, signals, away = (torch.from_numpy(a).to(scenes.steps.device) for a in (place, control, *flat))
@@ -163,15 +163,15 @@ def _lines(scenes: Scenes, s: int, graph: LaneGraph) -> list[tuple[float, int]]:
     heading = scenes.paths.heading[s, :last].cpu().numpy()
     guarded = road_map.in_junction | np.isin(road_map.control, (LaneControl.YIELD, LaneControl.STOP, LaneControl.SIGNAL))
     lanes = np.flatnonzero(guarded & road_map.for_vehicles)
-    found = []
+    lines = []
     for lane in lanes[_near(path, road_map, lanes)].tolist():
         if road_map.in_junction[graph.predecessors[lane]].any():
             continue  # the second half of a way across
         line = road_map.centreline[lane]
         begin, end = (_foot(path, heading, line[i], graph.heading[lane, i]) for i in (0, -1))
         if begin is not None and end is not None and end > begin:
-            found.append((min([begin, *_stop_lines(road_map, lane, path)]), lane))
-    return sorted(found)
+            lines.append((min([begin, *_stop_lines(road_map, lane, path)]), lane))
+    return sorted(lines)
 
 
 def _near(path: Floats, road_map: RoadMap, lanes: NDArray[np.intp]) -> NDArray[np.bool_]:

@@ -18,7 +18,7 @@ from dvc.repo import Repo
 from stages import _door
 
 ROOT = Path(__file__).parents[2]
-LOADED = re.compile(r"""\bload\(\s*"([\w.]+)",""")
+LOADED = re.compile(r"""\b(?:load|make)\(\s*"([\w.]+)",""")
 NAMED = re.compile(r"""\bplugins\.names\(\s*"([\w.]+)",""")
 UNTRACKED = [str(_door.COST_FOLDER), ".drivegen/calls", "reports/pieces"]
 """Read, but no dep: times differ from run to run, of calls of language models too; single pieces are measured on their own."""
