@@ -188,7 +188,7 @@ def row(traffic: Traffic, k: int) -> dict[str, Any]:
 def _asked(traffic: Traffic, k: int) -> dict[str, Any]:
     """`asked`: one {kind, what, got, natural} for each thing that the words asked for; nothing without words.
 
-    A future that leaves vehicles out has not the number that was asked for, whoever stood there at the first frame.
+    Where a future leaves vehicles out, the number asked for counts as not reached, even if all stood there at the first frame.
     """
     start = traffic.start
     if start.asked is None:

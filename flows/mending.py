@@ -1,7 +1,7 @@
-"""What a run that was killed has left of DVC's own files is put right before DVC reads them.
+"""Repairs DVC's own files after a run was killed, before DVC reads them.
 
-DVC writes dvc.lock in place: a kill then cuts it off. The committed one takes its place, or none: either way nothing is lost,
-for DVC's run cache, which is written before, gives back every stage whose inputs are the same. What was there is kept aside.
+DVC writes dvc.lock in place, so a kill may leave half of it. The committed file replaces it, or none does. No result is lost:
+DVC's run cache is written first and restores every stage whose inputs are the same. The damaged file is moved to a folder.
 """
 
 import json

@@ -48,11 +48,11 @@ def nearest(room: Room, done: list[Room]) -> Room | None:
 
 
 def _bring_up(room: Room, done: list[Room]) -> str:
-    """Run what the room's tables need; "" if it went well, else what failed. Its workspace is made anew, its cache is not.
+    """Run the stages that the room's tables need; returns "" if all succeeded, else what failed.
 
-    It begins with what the nearest room made, so that stages which both share need not even be asked for, and with all code
-    that was compiled before. What its tables do not need is neither there nor in its dvc.lock. Of the workspace that was there
-    the times stay of what is the same.
+    The workspace is deleted and made again; DVC's cache stays. It starts from the outputs of the nearest room, so stages that
+    both share are not run again, and from all code compiled so far. Other stages are neither in it nor in its dvc.lock.
+    Recorded times are carried over for every output that has not changed.
     """
     root = ROOMS / room.name
     times = Times.of(root)

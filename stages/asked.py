@@ -29,8 +29,12 @@ SOURCE, SELECTOR = "DriveGen (map from words)", "learned"
 
 @dataclass(frozen=True)
 class Params:
-    """Section `asked`: the first `requests` (null: all), `per_request` of the `maps` for each that have what it needs,
-    `samples` futures of each, `vehicles` in all where a request does not say how many.
+    """Section `asked`.
+
+    Attributes:
+        requests: the first so many of the suite, all if null. maps: names of maps. per_request: on how many of the maps that
+            offer what it asks for each request is tried. samples: futures of each scene.
+        vehicles: in a scene, where the request gives no number. settings: see `AskedSettings`.
     """
 
     seed: int

@@ -91,9 +91,9 @@ class Trajectories:
         return np.where(self.valid.any(-1), self.steps - 1 - np.argmax(self.valid[..., ::-1], axis=-1), 0)
 
     def standing_after_end(self, seen: NDArray[np.bool_] | None = None) -> "Trajectories":
-        """The same with every track standing, after its last step of `seen` (..., T), where it was then; valid as before.
+        """A copy in which every track stands still after its last step in `seen` (..., T), by default its last valid one.
 
-        `seen` are the valid steps where it is not given; a track without any stays as it is.
+        `valid` does not change, nor does a track without any such step.
         """
         seen = self.valid if seen is None else seen
         steps = np.arange(self.steps)

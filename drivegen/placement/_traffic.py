@@ -61,8 +61,8 @@ class Traffic:
     def spots(self, fits: NDArray[np.bool_], row: int, attempts: int) -> Iterator[Spots]:
         """Spots for a vehicle of `row` among the slots (Q,) on which it fits, group by group until one is taken.
 
-        Few at first: each is drawn on its own, and most are free. At last somebody may come closely before another one, who
-        might have followed a third.
+        Few are drawn at first, one by one, as most of them are free. In the last group a vehicle may stand closely ahead of
+        another that already follows a third.
         """
         for vehicle in range(len(self._followers), len(self._scene.slot)):
             self._note(vehicle)

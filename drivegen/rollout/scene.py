@@ -1,10 +1,10 @@
-"""One scenario on its way through the rollout: goals drawn together, motion committed, what is illegal asked for again.
+"""One scenario during the rollout: goals are drawn together, motion is committed, illegal motion is planned again.
 
 The first goals of a sample are drawn for all vehicles together (`goals.joint`), so that a follower does not end beyond its
-leader. Vehicles are committed in asset order, each against those before it; who is illegal is planned again in the next
-round, towards the goals that its own odds and the outlook on what is committed leave, in whatever tempo. Asset order alone
-leaves dead ends: whoever is committed first may run over the place of a vehicle that is planned later and can't get out of
-its way. Such a vehicle takes its best trajectory that is legal but for collisions, and those that it collides with are
+leader. Vehicles are committed in asset order, each against those before it; an illegal vehicle is planned again in the
+next round, towards goals drawn by its own odds (without the common tempo) among those whose outlook is clear of committed motion.
+Asset order alone leads into dead ends: a committed vehicle may drive over the place of one that is planned later and
+cannot get out. Such a vehicle takes its best trajectory that is legal but for collisions, and those that it collides with are
 planned again, a bounded number of times.
 """
 

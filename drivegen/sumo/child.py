@@ -1,8 +1,8 @@
 """Run one of our programs that load libsumo, in a process of its own.
 
 libsumo crashes its process on malformed networks, keeps one simulation per process and holds the interpreter's lock. The
-program is run by path, with the name of the folder that holds what it reads, and gets no more of the environment than SUMO
-needs. It limits its own processor time and memory; what it says while it dies becomes one sentence.
+program is run by path, gets the name of the folder with its input, and no more of the environment than SUMO
+needs. It limits its own processor time and memory; its last error message becomes one sentence.
 """
 
 import os

@@ -27,7 +27,7 @@ class Pupil(Protocol):
     """A driver that learns from its lessons.
 
     Attributes:
-        policy: what it would drive by now. parts: all that its next round depends on, beside that round's number and seed.
+        policy: learned so far. parts: everything that its next round depends on, apart from that round's number and seed.
     """
 
     policy: Policy
