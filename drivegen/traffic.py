@@ -124,12 +124,10 @@ def make(start: Start, tools: Equipment, settings: Settings, samples: int, seed:
         choices = [start.asked.ordered.choices]
     else:
         choices = choose([start.scenario], tools.selector, settings.candidates, settings.temperature)
-    generated = roll_out(choices, tools.planner, tools.limits, settings.rollout, samples, seed, METHOD)[0]
+    futures = roll_out(choices, tools.planner, tools.limits, settings.rollout, samples, seed, METHOD)[0]
     goals = pack(start.scenario, SELECTOR, choices[0].candidates, choices[0].used)
     bound = start.asked is not None and any(start.asked.ordered.feasible)
-    traffic = Traffic(
-        start, generated, goals, f"{tools.selector.described}, bound by words" if bound else tools.selector.described
-    )
+    traffic = Traffic(start, futures, goals, f"{tools.selector.described}, bound by words" if bound else tools.selector.described)
     if all(rejected(traffic, k) for k in range(samples)):
         raise UnusableInput(
             f"no legal traffic was found in {samples} samples ({rejected(traffic, 0)}): try another seed or more samples",

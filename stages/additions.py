@@ -65,12 +65,12 @@ def _score_shard(task: Task) -> dict[str, dict[str, float]]:
             continue
         metrics = {"steps": float(scenario.steps)}
         for additions in VARIANTS:
-            changed = with_additions(
+            other = with_additions(
                 first_frame(scenario), samples, limits, additions, task.params.tempo, task.params.sampling_seed
             )
-            errors = summarise(*scene_errors(standing_at_exit(changed.motion, scenario.log), scenario.log))
+            errors = summarise(*scene_errors(standing_at_exit(other.motion, scenario.log), scenario.log))
             name = "+".join(additions) or "none"
-            metrics |= {f"{name}/{key}": value for key, value in (asdict(errors) | asdict(safety_rates(changed))).items()}
+            metrics |= {f"{name}/{key}": value for key, value in (asdict(errors) | asdict(safety_rates(other))).items()}
         by_scene[scenario.scenario_id] = metrics
     return by_scene
 

@@ -78,13 +78,8 @@ def main(
             tables.append(result_rows(run, findings.scenarios, findings.metrics))
             write_samples(cases / key / "samples.parquet", findings.samples)
             write_samples(cases / key / "driven.parquet", findings.driven)
-            description = {
-                "method": name,
-                "title": about["title"],
-                "stand_in": about.get("stand_in", ""),
-                "varies": about["varies"],
-            }
-            numbers[key] = {**description, **asdict(bounds), **findings.summary(params.draws, params.seed)}
+            head = {"method": name, "title": about["title"], "stand_in": about.get("stand_in", ""), "varies": about["varies"]}
+            numbers[key] = {**head, **asdict(bounds), **findings.summary(params.draws, params.seed)}
     write_results(results, tables)
     write_json(metrics, numbers)
 

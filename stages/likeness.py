@@ -50,10 +50,8 @@ def main(params: Params, corpus: Path, table: Path) -> None:
     unit = halves_apart(list(real.values()), params.draws, seeds.rng(params.seed, "likeness"))
     totals = {name: Traffic.total(groups) for name, groups in real.items()}
     apart = {"all": list(totals.values()), **{name: [total] for name, total in totals.items()}}
-    apart_by_name = {
-        name: dict(zip(NAMES, distances([simulated], sources).tolist(), strict=True)) for name, sources in apart.items()
-    }
-    write_json(table, {"scenes": scenes, "unit": dict(zip(NAMES, unit.tolist(), strict=True)), "distance": apart_by_name})
+    gaps = {name: dict(zip(NAMES, distances([simulated], sources).tolist(), strict=True)) for name, sources in apart.items()}
+    write_json(table, {"scenes": scenes, "unit": dict(zip(NAMES, unit.tolist(), strict=True)), "distance": gaps})
 
 
 def _corpus(data: Dataset, most: int) -> tuple[Traffic, int]:

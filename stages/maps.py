@@ -90,16 +90,11 @@ def _build(task: _Task) -> dict[str, Any]:
             "why": str(error),
             "understood": error.reason.startswith("netconvert"),
         }
-    structure = built.structure
+    road = built.structure
     numbers = {"writer": built.account["backend"], "kind": built.account["kind"], "reason": ""}
     numbers |= {"ignored": built.account["ignored"], "failed": built.account["failed"]}
-    numbers |= {"lanes": len(built.road_map), "junctions": structure.junctions, "roundabouts": len(structure.roundabouts)}
-    numbers |= {
-        "most_lanes": structure.max_lanes,
-        "length": structure.length,
-        "turn": structure.turn,
-        "signals": structure.signals,
-    }
+    numbers |= {"lanes": len(built.road_map), "junctions": road.junctions, "roundabouts": len(road.roundabouts)}
+    numbers |= {"most_lanes": road.max_lanes, "length": road.length, "turn": road.turn, "signals": road.signals}
     return {**row, **numbers, "understood": True, "network": True, "as_asked": built.as_asked}
 
 

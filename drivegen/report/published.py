@@ -184,10 +184,10 @@ def tracks(scenes: Iterable[Scenario], methods: Mapping[str, Results]) -> str:
     logged = [(scene, scene.log) for scene in scenes if scene.log is not None and scene.scenario_id in scored]
     vehicles = [(recording(scene.scenario_id), track) for scene, _ in logged for track in scene.vehicles.track_id]
     ended = sum(int(log.valid[:, -1].sum()) for _, log in logged)
-    sentence = (
+    text = (
         f"{len(vehicles)} vehicles, {len(set(vehicles))} of them distinct tracks of a recording, {ended} seen to the last step."
     )
-    return sentence if vehicles else ""
+    return text if vehicles else ""
 
 
 def rows(data: DataSet, pooled: Pooled) -> list[dict[str, Any]]:

@@ -69,16 +69,14 @@ def _line(
     data: DataSet, mine: Interval, others: Mapping[str, Interval], metric: str, words: str, resampling: Resampling
 ) -> tuple[Row, str]:
     rival = min(others, key=lambda method: badness(metric, others[method].value))
-    difference_found = _less(data, rival, metric, resampling)
-    if difference_found is None:
+    less = _less(data, rival, metric, resampling)
+    if less is None:
         gain = badness(metric, others[rival].value) - badness(metric, mine.value)
         difference, verdict = Cell("not paired"), _verdict(gain, significant=False)
     else:
-        note = f"{difference_found.low:.3f} to {difference_found.high:.3f}" if np.isfinite(difference_found.low) else ""
-        difference = Cell(f"{difference_found.value:+.3f}", note)
-        verdict = _verdict(
-            -badness(metric, difference_found.value), significant=difference_found.low > 0 or difference_found.high < 0
-        )
+        note = f"{less.low:.3f} to {less.high:.3f}" if np.isfinite(less.low) else ""
+        difference = Cell(f"{less.value:+.3f}", note)
+        verdict = _verdict(-badness(metric, less.value), significant=less.low > 0 or less.high < 0)
     figures = (f"{mine.value:.3f}", data.about[rival].title, f"{others[rival].value:.3f}")
     return row(Cell(words), *figures, difference, Cell(verdict, best=verdict == "better"), origin="ours"), verdict
 

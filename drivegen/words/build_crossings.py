@@ -23,6 +23,11 @@ def control_of(thing: Thing, equal_roads: bool, usual: str = "yield") -> str:
     return control or usual
 
 
+def said_control(things: Sequence[Thing]) -> str | None:
+    """Who goes first by the first of the things of which it is said, None where it is said of none."""
+    return next((control_of(thing, False) for thing in things if thing.has("control")), None)
+
+
 def crossing(scene: Scene, choices: Choices) -> Road:
     """The one place where roads cross or meet."""
     whole = scene.merged("crossing")

@@ -75,21 +75,19 @@ def limits(evidence: Evidence) -> Section:
     return Section("limits", "Legal checker", lead, _by_rule(measured), missing=missing)
 
 
-def _by_rule(measured: Any) -> tuple[Table, ...]:
+def _by_rule(limits: Any) -> tuple[Table, ...]:
     """`{"limits": {rule: x}, "pass_rate": {rule: y}, ...}` with one row a rule; what has no limit is a verdict or "legal"."""
-    if not isinstance(measured, Mapping):
+    if not isinstance(limits, Mapping):
         return ()
     groups = {
-        name: measured[name]
-        for name in ("limits", *sorted(set(measured) - {"limits"}))
-        if isinstance(measured.get(name), Mapping)
+        name: limits[name] for name in ("limits", *sorted(set(limits) - {"limits"})) if isinstance(limits.get(name), Mapping)
     }
     limited = groups.get("limits", {})
     names = list(dict.fromkeys(name for values in groups.values() for name in values))
     rows = {name: {group: values[name] for group, values in groups.items() if name in values} for name in names}
     rules = {name: row for name, row in rows.items() if name in limited}
     verdicts = {name.lower(): row for name, row in rows.items() if name not in limited}
-    rest = {name: value for name, value in measured.items() if name not in groups}
+    rest = {name: value for name, value in limits.items() if name not in groups}
     named = [matrix("checker", "Limits and pass rates", rules, "rule")] if rules else []
     named += [matrix("checker-verdicts", "Pass rates by verdict", verdicts, "verdict")] if verdicts else []
     return (*named, *tables("checker-settings", "Calibration", rest))

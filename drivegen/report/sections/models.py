@@ -69,10 +69,8 @@ def _chosen_by(values: dict[str, Any]) -> str:
     """Who chose, and for how many vehicles the fallback did."""
     asking = values.get("asking", {})
     stood_in = sum(asking.get("fallback", {}).values())
-    description = str(values.get("described", NOT_MEASURED))
-    return (
-        f"{description}; learned selector for {stood_in} of {asking['vehicles']} without an answer" if stood_in else description
-    )
+    words = str(values.get("described", NOT_MEASURED))
+    return f"{words}; learned selector for {stood_in} of {asking['vehicles']} without an answer" if stood_in else words
 
 
 def _label_bias(values: dict[str, Any]) -> Cell:
