@@ -51,6 +51,11 @@ class Signals:
         inside = np.array([g for g, lane in enumerate(self.lane.tolist()) if lane in number], np.intp)
         return Signals(np.array([number[lane] for lane in self.lane[inside].tolist()], np.int32), self.state[inside])
 
+    def of_lane(self, lane: int) -> NDArray[np.uint8]:
+        """(T,) state of the signal of a lane, UNKNOWN where there is none."""
+        states = self.state[self.lane == lane]
+        return states[0] if len(states) else np.zeros(self.state.shape[1], np.uint8)
+
     @classmethod
     def none(cls, steps: int) -> "Signals":
         """No signals over `steps` steps."""
