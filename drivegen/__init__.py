@@ -6,7 +6,8 @@ contents is `dvc.yaml` beside this package.
 
 from drivegen.core.errors import DriveGenError, MissingTool, UnusableInput
 from drivegen.core.roadmap import LaneControl, LaneKind, RoadMap
-from drivegen.core.scenario import Actors, Scenario, Signals, SignalState, Trajectories, VehicleKind, Vehicles
+from drivegen.core.scenario import Actors, Scenario, Trajectories, VehicleKind, Vehicles
+from drivegen.core.signals import Signals, SignalState
 
 __all__ = [
     "Actors",

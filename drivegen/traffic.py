@@ -101,7 +101,7 @@ def from_words(
     initialiser: Initialiser,
     name: str,
     request: TrafficRequest,
-    wanted: AskedSettings,
+    how: AskedSettings,
     vehicles: int,
     tools: Equipment,
     settings: Settings,
@@ -111,8 +111,8 @@ def from_words(
 
     Raises UnusableInput where not even the target finds a place.
     """
-    found = asked_start(initialiser, name, request, wanted, vehicles, tools.selector, settings, seed)
-    return Start(found.scenario, found.rejected, found, tuple(first_frame(request, found, wanted.densities)))
+    first = asked_start(initialiser, name, request, how, vehicles, tools.selector, settings, seed)
+    return Start(first.scenario, first.rejected, first, tuple(first_frame(request, first, how.densities)))
 
 
 def make(start: Start, tools: Equipment, settings: Settings, samples: int, seed: int) -> Traffic:
@@ -124,10 +124,10 @@ def make(start: Start, tools: Equipment, settings: Settings, samples: int, seed:
         choices = [start.asked.ordered.choices]
     else:
         choices = choose([start.scenario], tools.selector, settings.candidates, settings.temperature)
-    made = roll_out(choices, tools.planner, tools.limits, settings.rollout, samples, seed, METHOD)[0]
+    futures = roll_out(choices, tools.planner, tools.limits, settings.rollout, samples, seed, METHOD)[0]
     goals = pack(start.scenario, SELECTOR, choices[0].candidates, choices[0].used)
     bound = start.asked is not None and any(start.asked.ordered.feasible)
-    traffic = Traffic(start, made, goals, f"{tools.selector.described}, bound by words" if bound else tools.selector.described)
+    traffic = Traffic(start, futures, goals, f"{tools.selector.described}, bound by words" if bound else tools.selector.described)
     if all(rejected(traffic, k) for k in range(samples)):
         raise UnusableInput(
             f"no legal traffic was found in {samples} samples ({rejected(traffic, 0)}): try another seed or more samples",
@@ -186,14 +186,14 @@ def row(traffic: Traffic, k: int) -> dict[str, Any]:
 def _asked(traffic: Traffic, k: int) -> dict[str, Any]:
     """`asked`: one {kind, what, got, natural} for each thing that the words asked for; nothing without words.
 
-    A future that leaves vehicles out has not the number that was asked for, whoever stood there at the first frame.
+    Where a future leaves vehicles out, the number asked for counts as not reached, even if all stood there at the first frame.
     """
     start = traffic.start
     if start.asked is None:
         return {}
     all_there = not traffic.samples.dropped[k].any()
-    seen = [replace(item, got=item.got and (all_there or item.kind != "number")) for item in start.got]
-    items = [*seen, *manoeuvres(start.asked, traffic.samples, k)]
+    achieved = [replace(item, got=item.got and (all_there or item.kind != "number")) for item in start.got]
+    items = [*achieved, *manoeuvres(start.asked, traffic.samples, k)]
     return {"asked": [asdict(item) for item in items]}
 
 

@@ -1,7 +1,7 @@
-"""What a run that was killed has left of DVC's own files is put right before DVC reads them.
+"""Repairs DVC's own files after a run was killed, before DVC reads them.
 
-DVC writes dvc.lock in place: a kill then cuts it off. The committed one takes its place, or none: either way nothing is lost,
-for DVC's run cache, which is written before, gives back every stage whose inputs are the same. What was there is kept aside.
+DVC writes dvc.lock in place, so a kill may leave half of it. The committed file replaces it, or none does. No result is lost:
+DVC's run cache is written first and restores every stage whose inputs are the same. The damaged file is moved to a folder.
 """
 
 import json
@@ -42,12 +42,12 @@ def is_whole(raw: bytes) -> bool:
 
 
 def _restored(root: Path, name: str) -> str:
-    kept = _set_aside(root / name, root)
+    aside = _set_aside(root / name, root)
     done = subprocess.run(["git", "show", f"HEAD:./{name}"], cwd=root, capture_output=True, timeout=60, check=False)
     if done.returncode or not is_whole(done.stdout):
-        return f"it is made anew (what was there: {kept})"
+        return f"it is made anew (what was there: {aside})"
     _replace(root / name, done.stdout)
-    return f"the committed one takes its place (what was there: {kept})"
+    return f"the committed one takes its place (what was there: {aside})"
 
 
 def _mended_lock(file: Path, root: Path) -> str:
@@ -55,8 +55,8 @@ def _mended_lock(file: Path, root: Path) -> str:
     try:
         held = LOCK_SCHEMA(json.loads(file.read_bytes()))
     except (ValueError, Invalid):
-        kept = _set_aside(file, root)
-        return f"{file.name}, DVC's list of files in use, was broken and is begun anew (what was there: {kept})"
+        aside = _set_aside(file, root)
+        return f"{file.name}, DVC's list of files in use, was broken and is begun anew (what was there: {aside})"
     alive = {
         "read": {path: left for path, infos in held["read"].items() if (left := [info for info in infos if _runs(info)])},
         "write": {path: info for path, info in held["write"].items() if _runs(info)},
@@ -78,10 +78,10 @@ def _runs(info: dict[str, Any]) -> bool:
 
 def _set_aside(file: Path, root: Path) -> Path:
     """Move a file away; returns its new place, below the workspace."""
-    kept = ASIDE / file.name
-    (root / kept).parent.mkdir(parents=True, exist_ok=True)
-    file.replace(root / kept)
-    return kept
+    aside = ASIDE / file.name
+    (root / aside).parent.mkdir(parents=True, exist_ok=True)
+    file.replace(root / aside)
+    return aside
 
 
 def _replace(file: Path, content: bytes) -> None:

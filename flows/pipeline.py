@@ -139,8 +139,8 @@ def restore(root: Path) -> None:
 
 def discard(stages: Collection[str], root: Path) -> None:
     """Remove what dvc.lock says that `stages` wrote: nothing of another run may be taken for this one's."""
-    known = locked(root)
-    for path in [root / out["path"] for stage in stages for out in known.get(stage, {}).get("outs", ())]:
+    entries = locked(root)
+    for path in [root / out["path"] for stage in stages for out in entries.get(stage, {}).get("outs", ())]:
         if path.is_dir():
             shutil.rmtree(path)
         path.unlink(missing_ok=True)
@@ -148,9 +148,9 @@ def discard(stages: Collection[str], root: Path) -> None:
 
 def forget_all_but(stages: Collection[str], root: Path) -> None:
     """Leave only `stages` in dvc.lock: DVC reads and writes all of it round every stage, two seconds where it has fifty."""
-    kept = {name: entry for name, entry in locked(root).items() if name in stages and not name.startswith(MEASURES)}
+    entries = {name: entry for name, entry in locked(root).items() if name in stages and not name.startswith(MEASURES)}
     with (root / "dvc.lock").open("w") as file:
-        yaml.dump({"schema": "2.0", "stages": kept}, file, yaml.CSafeDumper, sort_keys=False)
+        yaml.dump({"schema": "2.0", "stages": entries}, file, yaml.CSafeDumper, sort_keys=False)
 
 
 def outputs(stage: str, root: Path = Path()) -> list[str]:
@@ -162,9 +162,9 @@ def outputs(stage: str, root: Path = Path()) -> list[str]:
 def inputs(stage: str, root: Path = Path()) -> list[str]:
     """The paths that `stage` reads and another stage writes."""
     with _repo(root) as repo:
-        found = _find(repo, stage)
+        entry = _find(repo, stage)
         written = {out.fs_path: str(out.def_path) for other in repo.index.stages for out in other.outs}
-        return [path for where, path in written.items() if any(_overlap(where, dep.fs_path) for dep in found.deps)]
+        return [path for where, path in written.items() if any(_overlap(where, dep.fs_path) for dep in entry.deps)]
 
 
 def metrics(stage: str, root: Path = Path()) -> dict[str, Any]:

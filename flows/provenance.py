@@ -38,9 +38,9 @@ class Times:
 
 
 def note_code(source: Path, root: Path) -> None:
-    """Write down in the workspace `root` of which commit of `source` it is, and whether files that make runs differ from it.
+    """Record in the workspace `root` the commit of `source`, and whether files that runs depend on differ from it.
 
-    Both are null where git cannot say.
+    Both are null where git cannot tell.
     """
     commit, changes = _git(source, "rev-parse", "HEAD"), _git(source, "status", "--porcelain", "--", *_MAKES_RUNS)
     file = root / CODE

@@ -49,8 +49,8 @@ def regenerate(version: str | None = None, seed: int | None = None) -> str:
 @task(cache_policy=NO_CACHE)
 def prepare(room: Path) -> None:
     """Fetch from the cache what the generation stages read and do not make themselves."""
-    made = {path for stage in STAGES for path in pipeline.outputs(stage, room)}
-    needed = {path for stage in STAGES for path in pipeline.inputs(stage, room)} - made
+    outputs = {path for stage in STAGES for path in pipeline.outputs(stage, room)}
+    needed = {path for stage in STAGES for path in pipeline.inputs(stage, room)} - outputs
     pipeline.checkout(sorted(needed), room)
 
 

@@ -64,9 +64,9 @@ def rooms(part: str, values: dict[str, Any], real: Path) -> Iterator[Room]:
 def _of_quality(publish: dict[str, Any], real: Path) -> Iterator[Room]:
     """Every data set that is there with every pair of seeds, then DriveGen alone at other temperatures with the first pair."""
     pairs = [
-        {"run.training_seed": trained, "run.sampling_seed": drawn}
+        {"run.training_seed": trained, "run.sampling_seed": sampling_seed}
         for trained in publish["seeds"]
-        for drawn in publish["sampling_seeds"]
+        for sampling_seed in publish["sampling_seeds"]
     ]
     for name, data, params in _data_sets(publish, real):
         for pair in pairs:

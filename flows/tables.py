@@ -35,8 +35,8 @@ def tables(real: Path, part: str = QUALITY) -> Any:
     create_table_artifact(rows, key="tables", description="Runs behind the published tables")
     if failed := [f"{row['run']}: {row['why']}" for row in rows if row["why"]]:
         return Failed(message="; ".join(failed))
-    door, made = DOORS[part]
-    pipeline.run_door(door, [made, PUBLISHED], get_run_logger().info)
+    door, finished = DOORS[part]
+    pipeline.run_door(door, [finished, PUBLISHED], get_run_logger().info)
     return Completed(message=f"{PUBLISHED} from {len(rows)} runs")
 
 
@@ -48,11 +48,11 @@ def nearest(room: Room, done: list[Room]) -> Room | None:
 
 
 def _bring_up(room: Room, done: list[Room]) -> str:
-    """Run what the room's tables need; "" if it went well, else what failed. Its workspace is made anew, its cache is not.
+    """Run the stages that the room's tables need; returns "" if all succeeded, else what failed.
 
-    It begins with what the nearest room made, so that stages which both share need not even be asked for, and with all code
-    that was compiled before. What its tables do not need is neither there nor in its dvc.lock. Of the workspace that was there
-    the times stay of what is the same.
+    The workspace is deleted and made again; DVC's cache stays. It starts from the outputs of the nearest room, so stages that
+    both share are not run again, and from all code compiled so far. Other stages are neither in it nor in its dvc.lock.
+    Recorded times are carried over for every output that has not changed.
     """
     root = ROOMS / room.name
     times = Times.of(root)
@@ -64,10 +64,10 @@ def _bring_up(room: Room, done: list[Room]) -> str:
         workspace.share_compiled(ROOMS / done[-1].name, root)
     pipeline.restore(root)
     plan = pipeline.read(root, measures=True)
-    wanted = [stage for stage in plan.needs if stage.rpartition(":")[2].partition("@")[0] in room.measured]
-    needed = {name for stage in wanted for name in (*plan.upstream(stage), stage)}
+    measuring = [stage for stage in plan.needs if stage.rpartition(":")[2].partition("@")[0] in room.measured]
+    needed = {name for stage in measuring for name in (*plan.upstream(stage), stage)}
     stale, idle = needed & plan.stale, set(plan.needs) - needed
-    pipeline.discard((stale & set(wanted)) | idle, root)  # a run that is stopped must not be pooled with another's figures
+    pipeline.discard((stale & set(measuring)) | idle, root)  # a run that is stopped must not be pooled with another's figures
     pipeline.forget_all_but(needed, root)
     get_run_logger().info("%s: %d stages, %d to run", room.name, len(needed), len(stale))
     futures = submit(plan, stale, root)

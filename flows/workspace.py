@@ -27,8 +27,8 @@ def duplicate(source: Path, target: Path, params: Mapping[str, Any], cache: Path
     share_compiled(source, target)
     values = yaml.safe_load((target / "params.yaml").read_text())
     (target / "params.yaml").write_text(yaml.safe_dump(overridden(values, params), sort_keys=False))
-    kept = (cache or source / ".dvc" / "cache").resolve()
-    (target / ".dvc" / "config.local").write_text(f"[core]\n    no_scm = true\n[cache]\n    dir = {kept}\n")
+    folder = (cache or source / ".dvc" / "cache").resolve()
+    (target / ".dvc" / "config.local").write_text(f"[core]\n    no_scm = true\n[cache]\n    dir = {folder}\n")
 
 
 def share_compiled(source: Path, target: Path) -> None:
@@ -37,9 +37,9 @@ def share_compiled(source: Path, target: Path) -> None:
     Either compares it with the code before it is used. Compiling all anew takes a workspace about a minute.
     """
     for folder in sorted({file.parent.relative_to(target) for file in target.rglob("*.py")}):
-        made = source / folder / "__pycache__"
-        if made.is_dir():
-            shutil.copytree(made, target / folder / "__pycache__", dirs_exist_ok=True)
+        compiled = source / folder / "__pycache__"
+        if compiled.is_dir():
+            shutil.copytree(compiled, target / folder / "__pycache__", dirs_exist_ok=True)
 
 
 def overridden(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:

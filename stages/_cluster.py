@@ -142,8 +142,8 @@ def code() -> str:
 @cache
 def packages() -> dict[str, str]:
     """The versions of Python and of what DriveGen is declared to need."""
-    wanted = [line for line in metadata.requires("drivegen") or [] if "extra ==" not in line]
-    names = [name[0] for line in wanted if (name := re.match(r"[\w.-]+", line))]
+    requirements = [line for line in metadata.requires("drivegen") or [] if "extra ==" not in line]
+    names = [name[0] for line in requirements if (name := re.match(r"[\w.-]+", line))]
     return {"Python": platform.python_version(), **{name: metadata.version(name) for name in names}}
 
 

@@ -81,12 +81,12 @@ def _what_failed(error: OSError) -> str:
     return " ".join((f"{error.filename}: {text}" if error.filename else text).split())
 
 
-def _expect_paths(main: Callable[..., object], given: int) -> None:
+def _expect_paths(main: Callable[..., object], count: int) -> None:
     """Raise UnusableInput unless `main` takes its parameters and so many paths: `dvc repro` gives them, a person may not."""
-    wanted = list(inspect.signature(main).parameters.values())[1:]
-    if given != len(wanted) and all(path.kind is not path.VAR_POSITIONAL for path in wanted):
-        names = ", ".join(path.name for path in wanted)
-        raise UnusableInput(f"takes {len(wanted)} paths ({names}), {given} are given; `dvc repro` knows them (dvc.yaml)")
+    expected = list(inspect.signature(main).parameters.values())[1:]
+    if count != len(expected) and all(path.kind is not path.VAR_POSITIONAL for path in expected):
+        names = ", ".join(path.name for path in expected)
+        raise UnusableInput(f"takes {len(expected)} paths ({names}), {count} are given; `dvc repro` knows them (dvc.yaml)")
 
 
 def _taken(began: float) -> dict[str, float]:

@@ -35,9 +35,9 @@ def rolled_out(
 ) -> Iterator[tuple[Trajectories, Trajectories]]:
     """Futures (K, N, T) of every scenario, which is `logged`, and its log (N, T); bounds are `told_log`."""
     shown = logged if told_log else [first_frame(scene) for scene in logged]
-    for scene, made in zip(logged, generator.generate(shown, samples, seed), strict=True):
+    for scene, futures in zip(logged, generator.generate(shown, samples, seed), strict=True):
         assert scene.log is not None
-        yield made.motion, scene.log
+        yield futures.motion, scene.log
 
 
 def scores_of(generator: Learned, split: Path, samples: int, seed: int, told_log: bool = False) -> dict[str, float]:

@@ -40,8 +40,8 @@ class Task:
 def main(params: Params, scenarios: Path, models: Path, generated: Path) -> dict[str, float]:
     """Generate and judge shard after shard."""
     tasks = [Task(shard, models, generated, params) for shard in shards(require(scenarios, "run the ingest stage"))]
-    made = [count for _, count in spread(_generate_shard, tasks, params.workers, f"rollout {generated.name}")]
-    return {"scenarios": float(sum(made))}
+    counts = [count for _, count in spread(_generate_shard, tasks, params.workers, f"rollout {generated.name}")]
+    return {"scenarios": float(sum(counts))}
 
 
 def _generate_shard(task: Task) -> int:
@@ -52,6 +52,6 @@ def _generate_shard(task: Task) -> int:
     if plugin.about.goals is not None:
         raise UnusableInput(f"generator {name!r} follows goals: of the lists in params.yaml it belongs in run.own")
     limits = read_limits(task.models)
-    made = plugin(task.models, None).generate(scenarios, task.params.samples, task.params.sampling_seed)
-    write_samples(task.out / task.shard.name, [judged(s, m, limits) for s, m in zip(scenarios, made, strict=True)])
+    futures = plugin(task.models, None).generate(scenarios, task.params.samples, task.params.sampling_seed)
+    write_samples(task.out / task.shard.name, [judged(s, m, limits) for s, m in zip(scenarios, futures, strict=True)])
     return len(scenarios)

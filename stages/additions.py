@@ -45,32 +45,34 @@ class Task:
 def main(params: Params, scenarios: Path, models: Path, generated: Path, results: Path, means: Path) -> dict[str, float]:
     """Choose anew and score, shard after shard."""
     tasks = [Task(shard, require(generated / shard.name, "run the rollout stage"), models, params) for shard in shards(scenarios)]
-    found: dict[str, dict[str, float]] = {}
+    by_scene: dict[str, dict[str, float]] = {}
     for _, part in spread(_score_shard, tasks, params.workers, f"additions {generated.name}"):
-        found |= part
-    names = sorted({name for metrics in found.values() for name in metrics})
-    columns: dict[str, NDArray[np.float64]] = {name: np.array([metrics[name] for metrics in found.values()]) for name in names}
+        by_scene |= part
+    names = sorted({name for metrics in by_scene.values() for name in metrics})
+    columns: dict[str, NDArray[np.float64]] = {name: np.array([metrics[name] for metrics in by_scene.values()]) for name in names}
     settings = {**asdict(params), "seed": params.sampling_seed}
     run = Run.of("additions", generated.name, settings, [scenarios, generated], method=generated.name)
-    write_results(results, [result_rows(run, list(found), columns)])
+    write_results(results, [result_rows(run, list(by_scene), columns)])
     write_json(means, {name: float(np.mean(column)) for name, column in columns.items()})
-    return {"scenarios": float(len(found))}
+    return {"scenarios": float(len(by_scene))}
 
 
 def _score_shard(task: Task) -> dict[str, dict[str, float]]:
     """Metrics of every scenario with a log, by its id."""
-    limits, found = read_limits(task.models), {}
+    limits, by_scene = read_limits(task.models), {}
     for scenario, samples in zip(read_shard(task.shard), read_samples(task.generated), strict=True):
         if scenario.log is None:
             continue
         metrics = {"steps": float(scenario.steps)}
         for additions in VARIANTS:
-            made = with_additions(first_frame(scenario), samples, limits, additions, task.params.tempo, task.params.sampling_seed)
-            errors = summarise(*scene_errors(standing_at_exit(made.motion, scenario.log), scenario.log))
+            other = with_additions(
+                first_frame(scenario), samples, limits, additions, task.params.tempo, task.params.sampling_seed
+            )
+            errors = summarise(*scene_errors(standing_at_exit(other.motion, scenario.log), scenario.log))
             name = "+".join(additions) or "none"
-            metrics |= {f"{name}/{key}": value for key, value in (asdict(errors) | asdict(safety_rates(made))).items()}
-        found[scenario.scenario_id] = metrics
-    return found
+            metrics |= {f"{name}/{key}": value for key, value in (asdict(errors) | asdict(safety_rates(other))).items()}
+        by_scene[scenario.scenario_id] = metrics
+    return by_scene
 
 
 if __name__ == "__main__":

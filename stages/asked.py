@@ -29,8 +29,12 @@ SOURCE, SELECTOR = "DriveGen (map from words)", "learned"
 
 @dataclass(frozen=True)
 class Params:
-    """Section `asked`: the first `requests` (null: all), `per_request` of the `maps` for each that have what it needs,
-    `samples` futures of each, `vehicles` in all where a request does not say how many.
+    """Section `asked`.
+
+    Attributes:
+        requests: the first so many of the suite, all if null. maps: names of maps. per_request: on how many of the maps that
+            offer what it asks for each request is tried. samples: futures of each scene.
+        vehicles: in a scene, where the request gives no number. settings: see `AskedSettings`.
     """
 
     seed: int
@@ -71,11 +75,11 @@ def main(params: Params, maps: Path, assets: Path, models: Path, results: Path, 
     run = Run.of("asked", out.stem, asdict(params), [assets, *(maps / name / "map.net.xml" for name in there)], backend=READER)
     of_samples = [record_rows(run, sample_records(rows, k), k) for k in range(params.samples)]
     write_results(results, [record_rows(run, scene_records(rows)), *of_samples])
-    told = summary(rows)
+    numbers = summary(rows)
     of_suite = {"requests": len(requests), "maps": there, "reader": READER}
-    write_json(out, {**of_suite, **told, "rows": rows})
-    meant = f"{told['read_as_meant']} of {told['scenes']} read as meant"
-    print(f"asked: {meant}; {told['got']:.0%} of what was asked for was got")
+    write_json(out, {**of_suite, **numbers, "rows": rows})
+    meant = f"{numbers['read_as_meant']} of {numbers['scenes']} read as meant"
+    print(f"asked: {meant}; {numbers['got']:.0%} of what was asked for was got")
     return {"scenes": float(len(rows))}
 
 

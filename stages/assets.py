@@ -24,11 +24,11 @@ class Params:
 
 def main(params: Params, scenarios: Path, out: Path, gaps: Path) -> None:
     """Read the train split only: what is measured on the test split is placed on no other map."""
-    found = shards(require(scenarios / "train", "run the ingest stage"))
-    table = build_table(scenario for shard in found for scenario in read_shard(shard))
+    files = shards(require(scenarios / "train", "run the ingest stage"))
+    table = build_table(scenario for shard in files for scenario in read_shard(shard))
     write_assets(out, table.to_arrow())
-    of_each = -(-params.gap_scenarios // max(len(found), 1))
-    rows = measure_gaps(scenario for shard in found for scenario in islice(read_shard(shard), of_each))
+    of_each = -(-params.gap_scenarios // max(len(files), 1))
+    rows = measure_gaps(scenario for shard in files for scenario in islice(read_shard(shard), of_each))
     write_assets(gaps, rows.to_arrow())
     led = int(rows.led.sum())
     print(f"assets: {len(table)} different vehicles, {int(table.count.sum())} tracks; gaps of {len(rows)}, {led} with a leader")

@@ -69,17 +69,17 @@ def main(
         grounds = list(_grounds(about["traffic"], params, scenarios, models, goals, traffic))
         for bounds in _bounds(params, about):
             began, key = cpu_seconds(), f"{name}.{bounds.allowed}.{bounds.budget}"
-            found = Findings.joined([_attack(name, driver, ground, bounds, params) for ground in grounds])
-            costs = {"cases": float(found.metrics["cases"].sum()), "cpu_seconds": cpu_seconds() - began}
+            findings = Findings.joined([_attack(name, driver, ground, bounds, params) for ground in grounds])
+            costs = {"cases": float(findings.metrics["cases"].sum()), "cpu_seconds": cpu_seconds() - began}
             write_cost(COST_FOLDER, "attack", f"{driver.name}-{key}", costs)
             run = Run.of(
                 "attack", key, asdict(params), [scenarios, traffic], method=name, driver=driver.name, backend=bounds.allowed
             )
-            tables.append(result_rows(run, found.scenarios, found.metrics))
-            write_samples(cases / key / "samples.parquet", found.samples)
-            write_samples(cases / key / "driven.parquet", found.driven)
-            said = {"method": name, "title": about["title"], "stand_in": about.get("stand_in", ""), "varies": about["varies"]}
-            numbers[key] = {**said, **asdict(bounds), **found.summary(params.draws, params.seed)}
+            tables.append(result_rows(run, findings.scenarios, findings.metrics))
+            write_samples(cases / key / "samples.parquet", findings.samples)
+            write_samples(cases / key / "driven.parquet", findings.driven)
+            head = {"method": name, "title": about["title"], "stand_in": about.get("stand_in", ""), "varies": about["varies"]}
+            numbers[key] = {**head, **asdict(bounds), **findings.summary(params.draws, params.seed)}
     write_results(results, tables)
     write_json(metrics, numbers)
 

@@ -70,10 +70,10 @@ def main(
 def _samples(params: Params, generated: Path, corner: Path) -> pa.Table:
     """Every future by every method, and of every round of corner cases."""
     stages = {"rollout": params.own, "rollout_rival": params.rivals, "rollout_baseline": params.baselines}
-    made = [read_sample_table(stage, name, generated / name) for stage, names in stages.items() for name in names]
+    rolled_out = [read_sample_table(stage, name, generated / name) for stage, names in stages.items() for name in names]
     rounds = sorted(folder.parent for folder in corner.glob("*/samples"))
     played = [read_sample_table("corner", folder.name, folder / "samples") for folder in rounds]
-    return pa.concat_tables([SAMPLES.empty_table(), *made, *played])
+    return pa.concat_tables([SAMPLES.empty_table(), *rolled_out, *played])
 
 
 if __name__ == "__main__":

@@ -21,7 +21,8 @@ class Params:
 
     Attributes:
         scenarios: how many per split. per_part: at most so many in one file and one task.
-        networks: of each split, see `Networks`. outside: the folder of those outside SUMO's package, "" for none.
+        networks: of each split, see `Networks`. only: names of those in use, all where none is named.
+        outside: the folder of those outside SUMO's package, "" for none.
         density: for "real" and "own" networks the least and the most vehicles per kilometre of lane that a run begins with.
         own_share: share of the scenarios that own networks give where a split has both.
         settings: see `CorpusSettings`.
@@ -32,6 +33,7 @@ class Params:
     scenarios: dict[str, int]
     per_part: Count
     networks: Networks
+    only: tuple[str, ...]
     outside: str
     density: dict[str, tuple[float, float]]
     own_share: Share
@@ -55,7 +57,7 @@ class Task:
 def main(params: Params, out: Path) -> None:
     """Prepare the networks, simulate all parts, and count what came out."""
     params.networks.check(params.scenarios, params.density)
-    networks, missing = params.networks.located(params.outside)
+    networks, missing = params.networks.chosen(params.only).located(params.outside)
     if missing:
         print(f"corpus: without {', '.join(missing)}: corpus.outside ({params.outside!r}) is no folder that holds their files")
     tasks: list[Task] = []

@@ -76,8 +76,8 @@ def main(params: Params, scenarios: Path, policies: Path, results: Path, diversi
 
 def _spread(motion: Trajectories, ids: Sequence[str], params: Params) -> dict[str, float]:
     """Div over all runs, with its interval over recordings."""
-    drawn = resamplings([recording(name) for name in ids], params.draws, rng(params.seed, "drive_tuned"))
-    value, *draws = spread_over_runs(motion, np.concatenate([np.ones((1, len(ids))), drawn]))
+    resampled = resamplings([recording(name) for name in ids], params.draws, rng(params.seed, "drive_tuned"))
+    value, *draws = spread_over_runs(motion, np.concatenate([np.ones((1, len(ids))), resampled]))
     ends = percentiles(np.array([draw for draw in draws if np.isfinite(draw)]))
     return dict(zip(("value", "low", "high"), (float(value), *ends), strict=True))
 
@@ -86,8 +86,8 @@ def _drive_shard(task: Task) -> tuple[list[str], list[Numbers], list[list[Trajec
     """Ids (S,), and of each policy its numbers (S,) and its motion among either kind of neighbours."""
     traffic = [(scenario, scenario.log) for scenario in read_shard(task.shard) if scenario.log is not None]
     scenarios, logs = [scenario for scenario, _ in traffic], [log for _, log in traffic]
-    made = [(plugins.load("drivers", name), weights) for name, weights in task.policies]
-    drivers = [plugin(plugin.settings_type(weights=weights, sees_rules=True)) for plugin, weights in made]
+    policies = [(plugins.load("drivers", name), weights) for name, weights in task.policies]
+    drivers = [plugin(plugin.settings_type(weights=weights, sees_rules=True)) for plugin, weights in policies]
     simulator = plugins.load("simulators", SIMULATOR)
     worlds = [simulator(reaction=reaction, counts_lights=True) for reaction in (None, task.reaction)]
     kinds = [world.run_each(drivers, scenarios, logs) for world in worlds]

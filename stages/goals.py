@@ -63,32 +63,32 @@ class Task:
 def main(params: Params, scenarios: Path, model: Path, goals: Path, results: Path, metrics: Path) -> None:
     """Find, rank, write, score."""
     selector: Selector = plugins.load("selectors", goals.name).load(model)
-    found = shards(require(scenarios, "run the ingest stage"))
-    asked: dict[str, Any] = {}
+    files = shards(require(scenarios, "run the ingest stage"))
+    asking: dict[str, Any] = {}
     if isinstance(selector, AskingSelector):
         lm = LanguageModel("goals", read_params("lm.goals", RoleSettings), read_params("lm.records", RecordSettings).open())
         selector = AskingSelector.asking(model, lm, params.vlm, params.seed)
-        print(_forecast(found, selector, lm, params.candidates), flush=True)
-        tasks = [Task(shard, model, goals, params.candidates, selector) for shard in found]
+        print(_forecast(files, selector, lm, params.candidates), flush=True)
+        tasks = [Task(shard, model, goals, params.candidates, selector) for shard in files]
         with lm.ledger.kept(CALLS):
             done = list(spread(_shard_goals, tasks, 1, f"goals by {goals.name}"))  # one budget, one list of calls
-        asked = {"asking": selector.account.table()}
+        asking = {"asking": selector.account.table()}
     else:
-        tasks = [Task(shard, model, goals, params.candidates, None) for shard in found]
+        tasks = [Task(shard, model, goals, params.candidates, None) for shard in files]
         done = list(spread(_shard_goals, tasks, params.workers, f"goals by {goals.name}"))
     judged = Judged.joined([part for _, part in done])
     run = Run.of(
         "goals", goals.name, asdict(params), [scenarios, *([model] if model.exists() else [])], backend=selector.described
     )
     write_results(results, [result_rows(run, *scene_scores(judged))])
-    told = {"selector": goals.name, "described": selector.described, **asked}
-    write_json(metrics, told | scores(judged, params.seed, params.draws))
+    about = {"selector": goals.name, "described": selector.described, **asking}
+    write_json(metrics, about | scores(judged, params.seed, params.draws))
 
 
-def _forecast(found: list[Path], selector: AskingSelector, model: LanguageModel, settings: Settings) -> str:
+def _forecast(files: list[Path], selector: AskingSelector, model: LanguageModel, settings: Settings) -> str:
     """What the calls will cost, from the questions about the first scenes."""
-    total = sum(pq.read_metadata(shard).num_rows for shard in found)  # a row is a scenario
-    first = [_offered(first_frame(scenario), settings) for scenario in read_shard(found[0])[:_SCENES]]
+    total = sum(pq.read_metadata(shard).num_rows for shard in files)  # a row is a scenario
+    first = [_offered(first_frame(scenario), settings) for scenario in read_shard(files[0])[:_SCENES]]
     questions = selector.questions(first)
     answer = RANKING_TOKENS * sum(len(scenario.vehicles) for _, scenario, _ in first) // max(len(questions), 1)
     return model.forecast(questions, answer, total / max(len(first), 1))
@@ -107,8 +107,8 @@ def _shard_goals(task: Task) -> Judged:
     if isinstance(selector, AskingSelector) and selector.in_batches:
         selector.ahead([_offered(scene, task.settings) for scene in shown])
     for scenario, scene in zip(scenarios, shown, strict=True):
-        graph, _, found = _offered(scene, task.settings)
-        offered = selector.offer(graph, scene, found)
+        graph, _, offered_places = _offered(scene, task.settings)
+        offered = selector.offer(graph, scene, offered_places)
         probabilities = selector.rank(graph, scene, offered)
         packed.append(pack(scenario, task.goals.name, offered, probabilities))
         judged.append(judge(scenario, offered, probabilities))

@@ -51,8 +51,8 @@ def main(params: Params, scenarios: Path, assets: Path, gaps: Path, models: Path
     rivals = _rivals(models, scenarios / "train", params.seed)
     names = [*own.names, *rivals]
     truth: list[Beginning] = []
-    made: dict[str, list[Beginning]] = {name: [] for name in names}
-    wanted = 0
+    beginnings: dict[str, list[Beginning]] = {name: [] for name in names}
+    vehicles = 0
     for scenario in logs:
         try:
             placed = own.places(scenario) | {name: place(scenario) for name, place in rivals.items()}
@@ -63,21 +63,21 @@ def main(params: Params, scenarios: Path, assets: Path, gaps: Path, models: Path
         graph = LaneGraph.of(scenario.map)
         truth.append(Beginning.of(scenario, scenario.vehicles, graph))
         for name in names:
-            made[name].append(Beginning.of(scenario, placed[name], graph))
-        wanted += len(scenario.vehicles)
+            beginnings[name].append(Beginning.of(scenario, placed[name], graph))
+        vehicles += len(scenario.vehicles)
     rng = seeds.rng(params.seed, "initial_states", "bootstrap")
-    rows = [_row(LOGS, truth, wanted, rates(truth, params.draws, rng))]
-    rows += [_row(name, made[name], wanted, compared(truth, made[name], params.draws, rng)) for name in names]
+    rows = [_row(LOGS, truth, vehicles, rates(truth, params.draws, rng))]
+    rows += [_row(name, beginnings[name], vehicles, compared(truth, beginnings[name], params.draws, rng)) for name in names]
     recordings = len({one.recording for one in truth})
     write_json(out, {"scenes": len(truth), "recordings": recordings, "left_out": len(logs) - len(truth), "methods": rows})
     print(f"initial_states: {len(names)} methods on {len(truth)} maps")
     return {"scenes": float(len(truth))}
 
 
-def _row(name: str, made: list[Beginning], wanted: int, measures: dict[str, Interval]) -> dict[str, Any]:
+def _row(name: str, beginnings: list[Beginning], vehicles: int, measures: dict[str, Interval]) -> dict[str, Any]:
     ends = {"": "value", ".low": "low", ".high": "high"}
     numbers = {f"{measure}{end}": getattr(value, part) for measure, value in measures.items() for end, part in ends.items()}
-    return {"name": name, "placed": sum(one.vehicles for one in made), "asked": wanted, **numbers}
+    return {"name": name, "placed": sum(one.vehicles for one in beginnings), "asked": vehicles, **numbers}
 
 
 def _rivals(models: Path, train: Path, seed: int) -> Mapping[str, Placement]:

@@ -46,12 +46,12 @@ def main(params: Params, corpus: Path, table: Path) -> None:
         write_json(table, {"without": missing})
         return
     real = {name: _groups(Path(params.root), one) for name, one in params.real.items()}
-    made, scenes = _corpus(plugins.load("datasets", "sumo_corpus")(corpus), params.scenes)
+    simulated, scenes = _corpus(plugins.load("datasets", "sumo_corpus")(corpus), params.scenes)
     unit = halves_apart(list(real.values()), params.draws, seeds.rng(params.seed, "likeness"))
     totals = {name: Traffic.total(groups) for name, groups in real.items()}
     apart = {"all": list(totals.values()), **{name: [total] for name, total in totals.items()}}
-    found = {name: dict(zip(NAMES, distances([made], sources).tolist(), strict=True)) for name, sources in apart.items()}
-    write_json(table, {"scenes": scenes, "unit": dict(zip(NAMES, unit.tolist(), strict=True)), "distance": found})
+    gaps = {name: dict(zip(NAMES, distances([simulated], sources).tolist(), strict=True)) for name, sources in apart.items()}
+    write_json(table, {"scenes": scenes, "unit": dict(zip(NAMES, unit.tolist(), strict=True)), "distance": gaps})
 
 
 def _corpus(data: Dataset, most: int) -> tuple[Traffic, int]:

@@ -40,18 +40,18 @@ class Params:
 
 def main(params: Params, maps: Path, table: Path) -> None:
     """Measure every source; one that is not there stands in the table as not measured."""
-    made = sorted(maps.glob("*/map.net.xml"))
+    files = sorted(maps.glob("*/map.net.xml"))
     logs = sorted(Path(params.argoverse2).rglob("log_map_archive_*.json")) if params.argoverse2 else []
     places = {name: path for split in read_section("corpus.networks.real").values() for name, path in split.items()}
     if unknown := set(params.networks) - set(places):
         raise UnusableInput(f"map_diversity.networks names {min(unknown)!r}, which is no real network of corpus.networks")
     real = {name: _home() / places[name] for name in sorted(params.networks)}
-    found = {
-        MADE: _measured(params, {f.parent.name: read_network(f.read_bytes(), str(f)) for f in made}, params.per_made),
+    measured = {
+        MADE: _measured(params, {f.parent.name: read_network(f.read_bytes(), str(f)) for f in files}, params.per_made),
         SUMO: _measured(params, {name: _network(name, file) for name, file in real.items()}, params.per_network),
         ARGOVERSE: _measured(params, {f.name: read_map(f.read_bytes(), str(f)) for f in logs}, params.per_log),
     }
-    write_json(table, {"radius": params.radius, "sources": found})
+    write_json(table, {"radius": params.radius, "sources": measured})
 
 
 def _measured(params: Params, maps: dict[str, RoadMap], count: int) -> dict[str, float] | None:
@@ -70,10 +70,10 @@ def _network(name: str, file: Path) -> RoadMap:
 
 
 def _home() -> Path:
-    found = find_spec("sumo")
-    if found is None or found.origin is None:
+    spec = find_spec("sumo")
+    if spec is None or spec.origin is None:
         raise MissingTool("real networks come with eclipse-sumo: pip install eclipse-sumo==1.28.0")
-    return Path(found.origin).parent
+    return Path(spec.origin).parent
 
 
 if __name__ == "__main__":

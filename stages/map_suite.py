@@ -45,11 +45,11 @@ def main(params: Params, table: Path) -> dict[str, float]:
     """Try every writer; returns what each took, for the cost table."""
     cases = [*own_cases(), *(outside_cases(Path(params.outside)) if params.outside else [])][:: params.every]
     costs = {"descriptions": float(len(cases))}
-    found = {name: _measured(name, writer_called(name), cases, params.seed, costs) for name in params.writers}
+    results = {name: _measured(name, writer_called(name), cases, params.seed, costs) for name in params.writers}
     role = read_params("lm.maps", RoleSettings)
     for name in params.models:
         if not role.model:
-            found[name] = not_measured(name.replace("_", " "))
+            results[name] = not_measured(name.replace("_", " "))
             continue
         model = LanguageModel("maps", role, read_params("lm.records", RecordSettings).open())
         writer = asking_writer(name, model)
@@ -57,8 +57,8 @@ def main(params: Params, table: Path) -> dict[str, float]:
         print(f"map_suite, {name}: {model.forecast(questions, MAP_TOKENS)}", flush=True)
         with model.ledger.kept(FOLDER / f"map_suite-{name}.parquet"):
             model.ask_ahead(questions, sample=params.seed)
-            found[name] = _measured(name, writer, cases, params.seed, costs)
-    write_json(table, {"descriptions": len(cases), "writers": found})
+            results[name] = _measured(name, writer, cases, params.seed, costs)
+    write_json(table, {"descriptions": len(cases), "writers": results})
     return costs
 
 

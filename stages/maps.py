@@ -90,12 +90,12 @@ def _build(task: _Task) -> dict[str, Any]:
             "why": str(error),
             "understood": error.reason.startswith("netconvert"),
         }
-    found = built.structure
-    told = {"writer": built.account["backend"], "kind": built.account["kind"], "reason": ""}
-    told |= {"ignored": built.account["ignored"], "failed": built.account["failed"]}
-    told |= {"lanes": len(built.road_map), "junctions": found.junctions, "roundabouts": len(found.roundabouts)}
-    told |= {"most_lanes": found.max_lanes, "length": found.length, "turn": found.turn, "signals": found.signals}
-    return {**row, **told, "understood": True, "network": True, "as_asked": built.as_asked}
+    road = built.structure
+    numbers = {"writer": built.account["backend"], "kind": built.account["kind"], "reason": ""}
+    numbers |= {"ignored": built.account["ignored"], "failed": built.account["failed"]}
+    numbers |= {"lanes": len(built.road_map), "junctions": road.junctions, "roundabouts": len(road.roundabouts)}
+    numbers |= {"most_lanes": road.max_lanes, "length": road.length, "turn": road.turn, "signals": road.signals}
+    return {**row, **numbers, "understood": True, "network": True, "as_asked": built.as_asked}
 
 
 if __name__ == "__main__":

@@ -40,20 +40,20 @@ class Params:
 def main(params: Params, maps: Path, assets: Path, gaps: Path, held_out: Path, out: Path, counts: Path) -> None:
     """Place `per_map` scenes on every map; asked = placed + rejected."""
     table = Table.from_arrow(read_assets(require(assets, "run the assets stage")), str(assets))
-    seen = Gaps.from_arrow(read_assets(require(gaps, "run the assets stage")), str(gaps))
+    gap_table = Gaps.from_arrow(read_assets(require(gaps, "run the assets stage")), str(gaps))
     files = sorted(require(maps, "run the maps stage").glob("*/map.net.xml"))
     if not files:
         raise MissingTool(f"{maps} holds no map: run the maps stage")
     rejected: Counter[str] = Counter()
-    placer = _Placer(params, table, seen)
+    placer = _Placer(params, table, gap_table)
     scenarios = [scenario for file in files for scenario in placer.scenes(file, params.initial, rejected)]
     for shard, start in enumerate(range(0, len(scenarios), params.per_shard)):
         write_shard(out / f"shard-{shard:05d}.parquet", scenarios[start : start + params.per_shard])
     placed = sum(len(scenario.vehicles) for scenario in scenarios)
-    asked = len(files) * params.per_map * params.initial.vehicles
-    told = {"maps": len(files), "scenarios": len(scenarios), "asked": asked, "placed": placed, "rejected": rejected}
-    write_json(counts, {**told, "mode": params.initial.placement.mode, "headways": _headways(placer, files, held_out)})
-    print(f"place: {placed} of {asked} vehicles on {len(files)} maps")
+    vehicles = len(files) * params.per_map * params.initial.vehicles
+    numbers = {"maps": len(files), "scenarios": len(scenarios), "asked": vehicles, "placed": placed, "rejected": rejected}
+    write_json(counts, {**numbers, "mode": params.initial.placement.mode, "headways": _headways(placer, files, held_out)})
+    print(f"place: {placed} of {vehicles} vehicles on {len(files)} maps")
 
 
 def _headways(placer: "_Placer", files: list[Path], held_out: Path) -> dict[str, Any]:
@@ -61,12 +61,12 @@ def _headways(placer: "_Placer", files: list[Path], held_out: Path) -> dict[str,
     params = placer.params
     logs = [s for shard in shards(require(held_out, "run the ingest stage")) for s in read_shard(shard)][: params.compared]
     truth = measure_gaps(logs)
-    told = {"held-out logs": headways(truth)}
+    by_name = {"held-out logs": headways(truth)}
     for mode in MODES:
         initial = replace(params.initial, placement=replace(params.initial.placement, mode=mode))
         scenes = [scene for file in files for scene in placer.scenes(file, initial, Counter())]
-        told[f"placed, mode {mode}"] = headways(measure_gaps(scenes), truth)
-    return told
+        by_name[f"placed, mode {mode}"] = headways(measure_gaps(scenes), truth)
+    return by_name
 
 
 @dataclass(frozen=True)

@@ -38,10 +38,10 @@ def main(params: Params, runs: Path, published: Path) -> None:
         raise MissingTool(f"{roots[0]} holds no attacks: run `make tables PART=corner`")
     rows: list[dict[str, Any]] = []
     for driver in drivers:
-        found = [_read(root, driver) for root in roots]
-        rows += corner_rows(DATA, driver, found)
-        costs = {f"attack/{driver}-{key}": cost for key, cost in found[0][1].items()}
-        for table, name in ((outcome_table(driver, found[0][0]), ""), (cost_table(driver, found[0][0], costs), "-costs")):
+        of_runs = [_read(root, driver) for root in roots]
+        rows += corner_rows(DATA, driver, of_runs)
+        costs = {f"attack/{driver}-{key}": cost for key, cost in of_runs[0][1].items()}
+        for table, name in ((outcome_table(driver, of_runs[0][0]), ""), (cost_table(driver, of_runs[0][0], costs), "-costs")):
             with whole(published / f"corner-{driver}{name}.md") as temporary:
                 temporary.write_text(table.markdown(), encoding="utf-8")
     write_json(published / "corner_cases.json", rows)

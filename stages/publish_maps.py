@@ -27,8 +27,8 @@ class Params:
 def main(_: Params, reports: Path, published: Path) -> None:
     """One Markdown file a table."""
     folders = [reports / "metrics", reports / "pieces"]
-    found = {file.relative_to(folder).with_suffix("").as_posix(): file for folder in folders for file in folder.rglob("*.json")}
-    evidence = Evidence(results={name: orjson.loads(file.read_bytes()) for name, file in found.items()})
+    files = {file.relative_to(folder).with_suffix("").as_posix(): file for folder in folders for file in folder.rglob("*.json")}
+    evidence = Evidence(results={name: orjson.loads(file.read_bytes()) for name, file in files.items()})
     for table in (table for section in SECTIONS for table in section(evidence).tables if table.repeatable):
         with whole(published / f"maps-{table.name}.md") as temporary:
             temporary.write_text(table.markdown(), encoding="utf-8")

@@ -90,7 +90,7 @@ def _traffic(task: Task) -> list[tuple[Scenario, Trajectories]]:
     if task.samples is None:
         return logs_in(task.shard)
     futures = futures_in(task.samples, task.shard.parent)
-    return [(one, made.motion[k]) for one, made in futures for k in range(min(task.params.samples, len(made.dropped)))]
+    return [(one, samples.motion[k]) for one, samples in futures for k in range(min(task.params.samples, len(samples.dropped)))]
 
 
 def _drivers(params: Params) -> dict[str, Driver]:

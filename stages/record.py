@@ -43,21 +43,21 @@ def main(
     turned_down = rejected_by_method(rejected)
     selectors = {name: method.goals for name, method in read_methods().items()}
     links = []
-    for drawn in scenes[: params.scenes]:
-        scenario, samples = drawn.scenario, drawn.samples
+    for scene in scenes[: params.scenes]:
+        scenario, samples = scene.scenario, scene.samples
         file = out / f"{scenario.scenario_id}.rrd"
         mine = rejected_of(scenario.scenario_id, turned_down).get(METHOD)
-        offered = goals_of(scenario.scenario_id, require(goals / str(selectors[METHOD]) / drawn.shard, "run the goals stage"))
+        offered = goals_of(scenario.scenario_id, require(goals / str(selectors[METHOD]) / scene.shard, "run the goals stage"))
         record_sample(file, scenario, samples, 0, offered, mine)
         text = f"{scenario.scenario_id}, {scenario.city}: {samples.method} against the log"
         links.append(_entry(file, text, scenario.scenario_id, 0, "rollout", METHOD))
     compared = scenes[: params.compared]
-    for drawn, methods in zip(compared, by_method(compared, generated), strict=True):
-        scenario = drawn.scenario
+    for scene, methods in zip(compared, by_method(compared, generated), strict=True):
+        scenario = scene.scenario
         file = out / f"{scenario.scenario_id}-methods.rrd"
         ours_first = sorted(methods.keys() - {LOG}, key=lambda name: (not name.startswith(METHOD), name))
         shown = {name: methods[name] for name in ours_first}
-        places = {name: followed_goals(one, selectors.get(name), goals, drawn.shard) for name, one in shown.items()}
+        places = {name: followed_goals(one, selectors.get(name), goals, scene.shard) for name, one in shown.items()}
         recorded = {name: place for name, place in places.items() if place is not None}
         record_comparison(file, scenario, shown, recorded, rejected_of(scenario.scenario_id, turned_down))
         text = f"{scenario.scenario_id}, {scenario.city}: {len(methods)} methods side by side"

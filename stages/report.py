@@ -95,15 +95,15 @@ def _scenes(
 ) -> tuple[str, tuple[Picture, ...], tuple[Picture, ...]]:
     """The data set in words, pictures of test scenes drawn by seed, and the same scenes by every method; empty without any."""
     complete = scenarios.exists() and (generated / METHOD).exists()
-    drawn = draw_scenes(params.seed, scenarios, generated / METHOD, params.scenes) if complete else []
-    if not drawn:
+    scenes_drawn = draw_scenes(params.seed, scenarios, generated / METHOD, params.scenes) if complete else []
+    if not scenes_drawn:
         return "", (), ()
     rejected_scenes = rejected_by_method(rejected)
-    rejections = [rejected_of(one.scenario.scenario_id, rejected_scenes) for one in drawn]
-    large = [picture_scene(one, of_scene.get(METHOD)) for one, of_scene in zip(drawn, rejections, strict=True)]
-    each = zip(drawn, by_method(drawn, generated), rejections, strict=True)
+    rejections = [rejected_of(one.scenario.scenario_id, rejected_scenes) for one in scenes_drawn]
+    large = [picture_scene(one, of_scene.get(METHOD)) for one, of_scene in zip(scenes_drawn, rejections, strict=True)]
+    each = zip(scenes_drawn, by_method(scenes_drawn, generated), rejections, strict=True)
     small = [compare_methods(one, samples, methods, of_scene, goals) for one, samples, of_scene in each]
-    return drawn[0].scenario.source, tuple(large), tuple(small)
+    return scenes_drawn[0].scenario.source, tuple(large), tuple(small)
 
 
 def _write(path: Path, text: str) -> None:

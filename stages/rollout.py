@@ -53,12 +53,12 @@ class Task:
 def main(params: Params, scenarios: Path, models: Path, goals: Path, generated: Path, rejected: Path) -> None:
     """Generate and judge shard after shard."""
     files = shards(require(scenarios, "run the ingest stage"))
-    drawn = draw_places(params.seed, scenarios, params.rejected)
-    tasks = [Task(file, models, goals, generated, params, tuple(row for at, row in drawn if at == file)) for file in files]
-    found: dict[tuple[Path, int], Rejected] = {}
-    for task, kept in spread(_generate_shard, tasks, params.workers, f"rollout {generated.name}"):
-        found |= {(task.shard, row): one for row, one in zip(task.shown, kept, strict=True)}
-    write_rejected(rejected, [found[place] for place in drawn])
+    places = draw_places(params.seed, scenarios, params.rejected)
+    tasks = [Task(file, models, goals, generated, params, tuple(row for at, row in places if at == file)) for file in files]
+    rejections: dict[tuple[Path, int], Rejected] = {}
+    for task, rejected_of_shard in spread(_generate_shard, tasks, params.workers, f"rollout {generated.name}"):
+        rejections |= {(task.shard, row): one for row, one in zip(task.shown, rejected_of_shard, strict=True)}
+    write_rejected(rejected, [rejections[place] for place in places])
 
 
 def _generate_shard(task: Task) -> list[Rejected]:

@@ -65,14 +65,14 @@ def _ship_shard(task: Task) -> tuple[Counter[str], pa.Table]:
     params, counts = task.params, Counter[str]()
     scenarios = read_shard(task.shard)
     generator = plugins.load("generators", params.method)(task.models, params.generation)
-    made = generator.generate(scenarios, params.samples, params.seed)
-    kept = [
-        s for scenario, samples in zip(scenarios, made, strict=True) for s in ship(scenario, samples, params.settings, counts)
+    futures = generator.generate(scenarios, params.samples, params.seed)
+    shipped = [
+        s for scenario, samples in zip(scenarios, futures, strict=True) for s in ship(scenario, samples, params.settings, counts)
     ]
-    write_shard(task.out / task.shard.name, kept)
+    write_shard(task.out / task.shard.name, shipped)
     rows = [
         result_rows(task.run, [one.scenario_id] * params.samples, fates(one, params.settings), np.arange(params.samples))
-        for one in made
+        for one in futures
     ]
     return counts, pa.concat_tables(rows)
 

@@ -47,9 +47,9 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     took = time.process_time() - began
     policy.write(model, name)
     write_grades(curve, grades)
-    kept = min(reversed(grades[1:]), key=lambda grade: grade.badness)
+    best = min(reversed(grades[1:]), key=lambda grade: grade.badness)
     counts = {"train_scenes": len(train), "validation_scenes": len(validation)}
-    write_json(metrics, {"driver": name, **counts, **{f"validation_{key}": value for key, value in asdict(kept).items()}})
+    write_json(metrics, {"driver": name, **counts, **{f"validation_{key}": value for key, value in asdict(best).items()}})
     path.unlink(missing_ok=True)
     return {"training_cpu_seconds": took}
 

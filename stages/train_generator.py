@@ -56,8 +56,8 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     say = partial(print, f"train_generator {model.name}:", flush=True)
     watched = params.watched.of(scenarios / "val")
 
-    def rolled(made: Learned) -> float:
-        return mean_errors(rolled_out(made, watched, params.watched.samples, WATCHED_SEED)).get("min_sade", float("nan"))
+    def rolled(model_so_far: Learned) -> float:
+        return mean_errors(rolled_out(model_so_far, watched, params.watched.samples, WATCHED_SEED)).get("min_sade", float("nan"))
 
     began = time.process_time()
     generator, rows = plugin.fit(settings, train, validation, seed, checkpoints, say, rolled)
@@ -69,9 +69,9 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     learnt = {"parameters": generator.parameters, "kept_step": best.step, "validation_loss": best.validation}
     watch = {"plateau": plateau(rows), "watched": names}
     scores = {f"validation_{key}": value for key, value in scores_of(generator, scenarios / "val", params.samples, seed).items()}
-    for bound, told in generator.bounds().items():
-        found = scores_of(told, scenarios / "val", params.samples, seed, told_log=True)
-        scores |= {f"{bound}.validation_{key}": value for key, value in found.items()}
+    for bound, with_log in generator.bounds().items():
+        errors = scores_of(with_log, scenarios / "val", params.samples, seed, told_log=True)
+        scores |= {f"{bound}.validation_{key}": value for key, value in errors.items()}
     write_json(metrics, {"generator": model.name, **counts, **learnt, **watch, **scores})
     shutil.rmtree(checkpoints, ignore_errors=True)
     return {**{key: float(value) for key, value in counts.items()}, "training_cpu_seconds": trained}

@@ -77,8 +77,8 @@ def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Pa
     def judge(scenes: Sequence[Scenario], requests: PlanRequests, motion: Trajectories) -> dict[str, NDArray[np.bool_]]:
         return single(scenes, requests.scenario, requests.vehicle, motion)
 
-    drawn = drawn_tracks(validation, params.scored, params.scored_scenes.get(model.name), params.training_seed)
-    scores = score(sample, validation, drawn, params.samples, params.training_seed, judge)
+    tracks = drawn_tracks(validation, params.scored, params.scored_scenes.get(model.name), params.training_seed)
+    scores = score(sample, validation, tracks, params.samples, params.training_seed, judge)
     about = {"planner": model.name, **counts, "epochs": epochs, "validation_loss": rows[-1].validation, "plateau": plateau(rows)}
     write_json(metrics, {**about, **scores})
     shutil.rmtree(checkpoints, ignore_errors=True)
@@ -107,9 +107,9 @@ def _examples(scenarios: Path, params: Params) -> tuple[Examples, Examples]:
 
 
 def _shard_examples(task: tuple[Path, float, int]) -> Examples:
-    shard, seen, seed = task
+    shard, least_seen, seed = task
     scenarios = read_shard(shard)
-    return examples_from_logs(scenarios, [LaneGraph.of(s.map) for s in scenarios], seen, seed)
+    return examples_from_logs(scenarios, [LaneGraph.of(s.map) for s in scenarios], least_seen, seed)
 
 
 def _say(name: str) -> Callable[[str], None]:

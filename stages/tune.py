@@ -54,8 +54,8 @@ def main(params: Params, scenarios: Path, scenes: Path, out: Path, metrics: Path
         grades[method] = [asdict(grade) for grade in looked]
         return policy
 
-    kept = learn(BASE, base, how["base"].course)
-    base.policy.load_state_dict(kept.state_dict())  # all go on from the policy that the base's row shows, not from its last round
+    best = learn(BASE, base, how["base"].course)
+    base.policy.load_state_dict(best.state_dict())  # all go on from the policy that the base's row shows, not from its last round
     for method in (LONGER, *params.methods):
         lessons = train if method == LONGER else Lessons.of(logs_below(require(scenes / method, "run the stage tune_traffic")))
         learn(method, Continued(base, plugin.pupil(how["tuned"], lessons, seed)), how["tuned"].course)

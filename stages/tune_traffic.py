@@ -52,11 +52,11 @@ def main(
 ) -> None:
     """As many scenes as the split has."""
     method = out.name
-    given = list(_sampled(params, scenarios / "test", generated / LIKE.get(method, method)))
-    count = round(params.share * len(given))
-    new = list(_new(method, params, scenarios, given, count, shipped, assets, gaps, models))
-    order = seeds.rng(params.seed, "tune_traffic", method).permutation(len(given))[: len(given) - len(new)]
-    scenes = [given[i] for i in sorted(order)] + new
+    sampled = list(_sampled(params, scenarios / "test", generated / LIKE.get(method, method)))
+    count = round(params.share * len(sampled))
+    new = list(_new(method, params, scenarios, sampled, count, shipped, assets, gaps, models))
+    order = seeds.rng(params.seed, "tune_traffic", method).permutation(len(sampled))[: len(sampled) - len(new)]
+    scenes = [sampled[i] for i in sorted(order)] + new
     write_shard(out / "shard-00000.parquet", scenes)
     print(f"tune_traffic {method}: {len(scenes)} scenes, {len(new)} of them new", flush=True)
 
@@ -78,9 +78,9 @@ def _new(
 ) -> Iterator[Scenario]:  # fmt: skip
     """Scenes that a method makes from nothing, or from a road; none where it can't."""
     if method == NEW_ROADS:
-        made = [scene for file in shards(require(shipped, "run the ship stage")) for scene in read_shard(file)]
-        chosen = seeds.rng(params.seed, "tune_traffic", "shipped").permutation(len(made))[:count]
-        yield from (made[i] for i in sorted(chosen))
+        stock = [scene for file in shards(require(shipped, "run the ship stage")) for scene in read_shard(file)]
+        chosen = seeds.rng(params.seed, "tune_traffic", "shipped").permutation(len(stock))[:count]
+        yield from (stock[i] for i in sorted(chosen))
         return
     plugin = plugins.load("generators", LIKE.get(method, method))
     if method not in LIKE and not plugin.about.places:
@@ -93,8 +93,8 @@ def _new(
         place = next(iter(generator.placements(train, params.seed).values()))
     random = seeds.rng(params.seed, "tune_traffic", "roads").permutation(len(given))
     fresh = list(islice((one for i in random if (one := _peopled(given[i], place)) is not None), count))
-    made = generator.generate(fresh, 1, params.seed)
-    yield from (replace(one, log=samples.motion[0]) for one, samples in zip(fresh, made, strict=True))
+    futures = generator.generate(fresh, 1, params.seed)
+    yield from (replace(one, log=samples.motion[0]) for one, samples in zip(fresh, futures, strict=True))
 
 
 def _ours(params: Params, assets: Path, gaps: Path) -> Place:

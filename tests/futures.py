@@ -5,7 +5,8 @@ from dataclasses import asdict, replace
 import numpy as np
 import orjson
 
-from drivegen.core.scenario import Actors, Scenario, Signals, SignalState, Trajectories, VehicleKind
+from drivegen.core.scenario import Actors, Scenario, Trajectories, VehicleKind
+from drivegen.core.signals import Signals, SignalState
 
 
 def otherwise(motion: Trajectories) -> Trajectories:

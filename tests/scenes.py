@@ -9,7 +9,8 @@ from drivegen.core.geometry import Polylines, arc_length, interpolate
 from drivegen.core.rejections import Rejected
 from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap, open_ends
 from drivegen.core.samples import Samples, Violation
-from drivegen.core.scenario import DT, Actors, Scenario, Signals, SignalState, Trajectories, VehicleKind, Vehicles
+from drivegen.core.scenario import DT, Actors, Scenario, Trajectories, VehicleKind, Vehicles
+from drivegen.core.signals import Signals, SignalState
 
 LANE_WIDTH = 3.5
 LIMIT = 13.9

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from drivegen.asked.offered import HARD, HARDEST, offered, side_of
 from drivegen.core.geometry import to_vehicle_frame, wrap_angle
-from drivegen.core.scenario import DT, TARGET, Scenario, SignalState
+from drivegen.core.scenario import DT, TARGET, Scenario
+from drivegen.core.signals import SignalState
 from drivegen.goals.candidates import NO_ROUTE, Candidates
 from drivegen.goals.manoeuvres import Manoeuvre as Way
 from drivegen.roads.frenet import to_frenet

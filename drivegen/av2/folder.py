@@ -24,10 +24,10 @@ def scenario_files(folder: Path) -> tuple[Path, ...]:
     Raises UnusableInput, reason `no-such-scenario`, where there is not exactly one of each of the first two.
     """
     tracks, maps = sorted(folder.glob("scenario_*.parquet")), sorted(folder.glob("log_map_archive_*.json"))
-    for found, pattern in ((tracks, "scenario_<id>.parquet"), (maps, "log_map_archive_<id>.json")):
-        if len(found) != 1:
+    for files, pattern in ((tracks, "scenario_<id>.parquet"), (maps, "log_map_archive_<id>.json")):
+        if len(files) != 1:
             raise UnusableInput(
-                f"{folder} holds {len(found)} files {pattern}; an Argoverse 2 scenario has one", reason="no-such-scenario"
+                f"{folder} holds {len(files)} files {pattern}; an Argoverse 2 scenario has one", reason="no-such-scenario"
             )
     return tracks[0], maps[0], *sorted(folder.glob("signals_*.json"))[:1]
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drivegen.av2.schema import CROSSABLE_MARKS
 from drivegen.core import safe_json
-from drivegen.core.errors import UnusableInput
+from drivegen.core.errors import UnusableInput, naming
 from drivegen.core.geometry import Floats, Polylines, arc_length, interpolate
 from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap, open_ends
 
@@ -51,10 +51,8 @@ def read_map(raw: bytes, place: str) -> RoadMap:
     except (KeyError, TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
         what = f"key {error} is missing or unknown" if isinstance(error, KeyError) else str(error)
         raise UnusableInput(f"{place} is no sound Argoverse 2 map: {what}", reason="bad-map") from None
-    try:
+    with naming(place):
         road_map.validate()
-    except UnusableInput as error:
-        raise UnusableInput(f"{place}: {error}", reason=error.reason) from None
     return road_map
 
 
@@ -120,16 +118,16 @@ def _middle(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _centrelines(lanes: Sequence[Mapping[str, Any]], left: Lines, right: Lines) -> Lines:
-    given = [lane.get("centerline") or () for lane in lanes]
-    lines = _lines(given)
-    if all(len(line) >= 2 for line in given):
+    centrelines = [lane.get("centerline") or () for lane in lanes]
+    lines = _lines(centrelines)
+    if all(len(line) >= 2 for line in centrelines):
         return lines
-    found = [
-        lines[0][lines[1][i] : lines[1][i + 1]] if len(given[i]) >= 2 else _midline(_line(left, i), _line(right, i))
+    lines_of_lanes = [
+        lines[0][lines[1][i] : lines[1][i + 1]] if len(centrelines[i]) >= 2 else _midline(_line(left, i), _line(right, i))
         for i in range(len(lanes))
     ]
-    start = np.cumsum([0, *map(len, found)]).astype(np.int32)
-    return np.concatenate(found), start
+    start = np.cumsum([0, *map(len, lines_of_lanes)]).astype(np.int32)
+    return np.concatenate(lines_of_lanes), start
 
 
 def _line(lines: Lines, i: int) -> NDArray[np.float64]:

@@ -13,7 +13,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from drivegen.av2.maps import read_map
-from drivegen.core.errors import UnusableInput
+from drivegen.core.errors import UnusableInput, naming
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.safe_parquet import read_feather
 from drivegen.core.scenario import DT, Trajectories, VehicleKind
@@ -94,12 +94,12 @@ class SensorLog:
 
 def log_files(folder: Path) -> tuple[Path, Path, Path]:
     """Annotations, poses and map of one log; raises UnusableInput, reason `no-such-scenario`, where one is missing."""
-    wanted = ("annotations*.feather", "city_SE3_egovehicle.feather", "map/log_map_archive_*.json")
-    found = [sorted(folder.glob(pattern)) for pattern in wanted]
-    for files, pattern in zip(found, wanted, strict=True):
+    patterns = ("annotations*.feather", "city_SE3_egovehicle.feather", "map/log_map_archive_*.json")
+    matches = [sorted(folder.glob(pattern)) for pattern in patterns]
+    for files, pattern in zip(matches, patterns, strict=True):
         if not files:
             raise UnusableInput(f"{folder} has no {pattern}; an Argoverse 2 Sensor log has one", reason="no-such-scenario")
-    return found[0][0], found[1][0], found[2][0]
+    return matches[0][0], matches[1][0], matches[2][0]
 
 
 def count_frames(folder: Path) -> int:
@@ -207,11 +207,11 @@ def _translation(table: pa.Table) -> NDArray[np.float64]:
 def _pose_at(poses: pa.Table, time: NDArray[np.int64], place: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Rotations (F, 3, 3) and translations (F, 3) of the ego at `time` (F,) [ns]: the pose of that timestamp."""
     poses = poses.sort_by("timestamp_ns")
-    known = poses["timestamp_ns"].to_numpy()
-    after = np.clip(np.searchsorted(known, time), 1, max(1, len(known) - 1))
-    nearest = np.where(time - known[after - 1] <= np.abs(known[np.minimum(after, len(known) - 1)] - time), after - 1, after)
-    nearest = np.minimum(nearest, len(known) - 1)
-    if np.abs(known[nearest] - time).max() > _POSE_TOLERANCE:
+    times = poses["timestamp_ns"].to_numpy()
+    after = np.clip(np.searchsorted(times, time), 1, max(1, len(times) - 1))
+    nearest = np.where(time - times[after - 1] <= np.abs(times[np.minimum(after, len(times) - 1)] - time), after - 1, after)
+    nearest = np.minimum(nearest, len(times) - 1)
+    if np.abs(times[nearest] - time).max() > _POSE_TOLERANCE:
         raise UnusableInput(f"{place} lacks the pose of an annotated frame", reason="missing-poses")
     return _rotation(poses)[nearest], _translation(poses)[nearest]
 
@@ -238,7 +238,5 @@ def _place(
 
 
 def _check(motion: Trajectories, place: Path) -> None:
-    try:
+    with naming(place):
         motion.validate()
-    except UnusableInput as error:
-        raise UnusableInput(f"{place}: {error}", reason=error.reason) from None

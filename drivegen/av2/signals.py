@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drivegen.core import safe_json
 from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import RoadMap
-from drivegen.core.scenario import Signals
+from drivegen.core.signals import Signals
 
 LETTERS = "UGYR"
 """The letter of each SignalState."""

@@ -29,7 +29,8 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import wrap_angle
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
 from drivegen.core.roadmap import RoadMap
-from drivegen.core.scenario import DT, TARGET, Scenario, Signals, Trajectories, VehicleKind
+from drivegen.core.scenario import DT, TARGET, Scenario, Trajectories, VehicleKind
+from drivegen.core.signals import Signals
 
 FARTHEST = 50_000.0
 """Positions farther from the map's origin than this [m] are a broken file: float32 would lose the centimetres."""
@@ -97,11 +98,11 @@ def _checked(tracks: pa.Table, place: str) -> pa.Table:
     for name in REQUIRED:
         if tracks[name].null_count:
             raise UnusableInput(f"{place}: column {name} has empty cells", reason="not-a-number")
-        found = tracks.schema.field(name).type
-        found = found.value_type if pa.types.is_dictionary(found) else found
-        wanted = COLUMNS.field(name).type
-        if not (_is_word(found) if _is_word(wanted) else pa.types.is_integer(found) or pa.types.is_floating(found)):
-            raise UnusableInput(f"{place}: column {name} holds {found}, not {wanted}", reason="missing-columns")
+        there = tracks.schema.field(name).type
+        there = there.value_type if pa.types.is_dictionary(there) else there
+        expected = COLUMNS.field(name).type
+        if not (_is_word(there) if _is_word(expected) else pa.types.is_integer(there) or pa.types.is_floating(there)):
+            raise UnusableInput(f"{place}: column {name} holds {there}, not {expected}", reason="missing-columns")
     if not pa.types.is_integer(tracks.schema.field("timestep").type):
         raise UnusableInput(f"{place}: column timestep holds no whole numbers", reason="missing-columns")
     low, high = pc.min_max(tracks["timestep"]).as_py().values()
@@ -169,8 +170,8 @@ def _is_number(kind: pa.DataType) -> bool:
     return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind))
 
 
-def _row(track_id: NDArray[np.str_], wanted: str) -> int:
-    rows = np.flatnonzero(track_id == wanted)
+def _row(track_id: NDArray[np.str_], name: str) -> int:
+    rows = np.flatnonzero(track_id == name)
     return int(rows[0]) if len(rows) else NO_TRACK
 
 

@@ -7,8 +7,9 @@ import numpy as np
 from drivegen.core.geometry import interpolate
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.samples import Samples
-from drivegen.core.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
+from drivegen.core.scenario import DT, Actors, Scenario, SizeSource, Trajectories, VehicleKind, Vehicles
 from drivegen.core.seeds import rng
+from drivegen.core.signals import Signals
 from drivegen.layouts.compile import compile_map
 from drivegen.layouts.spec import MapSpec
 from drivegen.roads.graph import LaneGraph

@@ -75,7 +75,7 @@ class _Clock:
 
 def rows() -> Iterator[Row]:
     """120 CPU-seconds a thousand scenarios, one crossing in four ways; then where they go."""
-    tools, initialisers = _opened()
+    tools, initialisers = _open()
     _run(initialisers, tools, range(8), _Clock())  # compiles
     clock = _Clock()
     _run(initialisers, tools, range(SCENES), clock)
@@ -93,19 +93,19 @@ def rows() -> Iterator[Row]:
 def _peak_megabytes(shards: int) -> float:
     """Peak memory of a process that makes so many shards, one after the other."""
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-        return pool.submit(_made, shards).result()
+        return pool.submit(_peak_memory, shards).result()
 
 
-def _made(shards: int) -> float:
+def _peak_memory(shards: int) -> float:
     """Make the shards; this process's peak memory [MB]. Not getrusage's, which a child begins with its parent's."""
-    tools, initialisers = _opened()
+    tools, initialisers = _open()
     for shard in range(shards):
         _run(initialisers, tools, range(shard * SCENES, (shard + 1) * SCENES), _Clock())
     lines = Path("/proc/self/status").read_text().splitlines()
     return next(int(line.split()[1]) for line in lines if line.startswith("VmHWM:")) / 1024
 
 
-def _opened() -> tuple[Equipment, list[Initialiser]]:
+def _open() -> tuple[Equipment, list[Initialiser]]:
     controls = ("signals", "stop", "yield", "uncontrolled")
     return Equipment.open(MODELS, "route_fm", "learned"), [_initialiser(control) for control in controls]
 
@@ -133,14 +133,14 @@ def _generate(scenarios: list[Scenario], tools: Equipment, clock: _Clock) -> Non
     selector.rank = clock.time("ranking goals", selector.rank)  # type: ignore[method-assign]
     planner.sample = clock.time("planning", planner.sample)  # type: ignore[method-assign]
     choices = clock.time("routes and candidates", choose)(scenarios, selector, _CANDIDATES, _TEMPERATURE)
-    made = clock.time("drawing goals, checking, committing", roll_out)(
+    futures = clock.time("drawing goals, checking, committing", roll_out)(
         choices, planner, tools.limits, _ROLLOUT, SAMPLES, _scene.SEED, "drivegen"
     )
-    clock.time("writing", _write)(scenarios, made)
+    clock.time("writing", _write)(scenarios, futures)
 
 
-def _write(scenarios: list[Scenario], made: list[Samples]) -> None:
+def _write(scenarios: list[Scenario], futures: list[Samples]) -> None:
     counts: Counter[str] = Counter()
-    kept = [one for s, samples in zip(scenarios, made, strict=True) for one in ship(s, samples, _SHIPPED, counts)]
+    shipped = [one for s, samples in zip(scenarios, futures, strict=True) for one in ship(s, samples, _SHIPPED, counts)]
     with tempfile.TemporaryDirectory() as folder:
-        write_shard(Path(folder) / "shard-00000.parquet", kept)
+        write_shard(Path(folder) / "shard-00000.parquet", shipped)

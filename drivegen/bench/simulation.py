@@ -27,16 +27,16 @@ def rows() -> Iterator[Row]:
     scenes = [_scene.scene(number) for number in range(DIFFERENT)]
     many = scenes * (MANY // DIFFERENT)
     unit = "scenario-steps per CPU-second"
-    for known, clock, target in (
+    for paths_ready, clock, target in (
         (True, "replay, steps and collisions; paths known, as for a second driver", 300_000),
         (False, "the same and finding the paths, as for the first driver", None),
     ):
-        value, reference = _steps_per_second(Batch(), many, known), _steps_per_second(Sumo(), scenes[:FEW], known)
+        value, reference = _steps_per_second(Batch(), many, paths_ready), _steps_per_second(Sumo(), scenes[:FEW], paths_ready)
         yield Row(f"batch simulator with IDM: {clock}", value, unit, target, False, reference, "libsumo, the same")
 
 
-def _steps_per_second(simulator: Simulator, scenes: list[Scenario], known: bool) -> float:
-    """Everything from logs to outcomes is in the clock; the targets' paths only if they are not `known`."""
+def _steps_per_second(simulator: Simulator, scenes: list[Scenario], paths_ready: bool) -> float:
+    """Everything from logs to outcomes is in the clock; the targets' paths only if they are not `paths_ready`."""
     logs = [scene.log for scene in scenes if scene.log is not None]
-    paths = target_paths(scenes, logs) if known else None
+    paths = target_paths(scenes, logs) if paths_ready else None
     return len(scenes) * _scene.STEPS / cpu_seconds(lambda: simulator.run(Idm(DRIVER), scenes, logs, paths), turns=2)

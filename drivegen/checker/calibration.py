@@ -70,13 +70,13 @@ def calibrate(parts: list[NDArray[np.float32]], floors: Limits, share: float) ->
         raise UnusableInput("there is no logged track to calibrate the checker on", reason="no-logs")
     rules_of_flag = np.array([FLAGS.count(flag) for flag in FLAGS])
     shares = 1 - (1 - share) / rules_of_flag
-    found = np.array([np.quantile(severity[:, r], shares[r], method="higher") for r in range(len(RULES))], np.float64)
-    limits = Limits.from_severities(np.maximum(floors.severities(), np.ceil(found * _DECIMALS) / _DECIMALS))
+    severest = np.array([np.quantile(severity[:, r], shares[r], method="higher") for r in range(len(RULES))], np.float64)
+    limits = Limits.from_severities(np.maximum(floors.severities(), np.ceil(severest * _DECIMALS) / _DECIMALS))
     return Calibration(
         limits=limits,
         tracks=len(severity),
         judged=_by_rule(np.isfinite(severity).sum(axis=0).tolist()),
-        quantile=_by_rule([v if np.isfinite(v) else None for v in found.tolist()]),
+        quantile=_by_rule([v if np.isfinite(v) else None for v in severest.tolist()]),
         pass_rate=pass_rates(severity, limits),
     )
 

@@ -17,7 +17,7 @@ def _pair(pos_a, head_a, valid_a, length_a, width_a, pos_b, head_b, valid_b, len
     A pair that overlaps at its first common step is not judged until it has come apart: that is given, not planned.
     """
     reach = 0.5 * (np.sqrt(length_a**2 + width_a**2) + np.sqrt(length_b**2 + width_b**2))
-    worst, first, inherited, seen = NEVER, -1, False, False
+    worst, first, inherited, earlier = NEVER, -1, False, False
     for t in range(valid_a.shape[0]):
         if not (valid_a[t] and valid_b[t]):
             continue
@@ -26,7 +26,7 @@ def _pair(pos_a, head_a, valid_a, length_a, width_a, pos_b, head_b, valid_b, len
         if dx * dx + dy * dy <= reach * reach:
             deep = depth(dx, dy, head_a[t], length_a, width_a, head_b[t], length_b, width_b)
             touching = deep > 0
-            if touching and not seen:
+            if touching and not earlier:
                 inherited = True
             if touching and not inherited:
                 worst = max(worst, deep)
@@ -34,7 +34,7 @@ def _pair(pos_a, head_a, valid_a, length_a, width_a, pos_b, head_b, valid_b, len
                     first = t
         if not touching:
             inherited = False
-        seen = True
+        earlier = True
     return worst, first
 
 
@@ -50,8 +50,8 @@ def _near(box_a, box_b, margin):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _record(worst, first, b, found, step):  # type: ignore[no-untyped-def]
-    worst[b] = max(worst[b], found)
+def _record(worst, first, b, severity, step):  # type: ignore[no-untyped-def]
+    worst[b] = max(worst[b], severity)
     if step >= 0 and (first[b] < 0 or step < first[b]):
         first[b] = step
 
@@ -64,11 +64,11 @@ def against(pos_a, head_a, valid_a, size_a, pos_b, head_b, valid_b, size_b, tole
         for b in range(valid_b.shape[0]):
             margin = 0.5 * (size_a[a, 0] + size_a[a, 1] + size_b[b, 0] + size_b[b, 1])
             if _near(boxes_a[a], boxes_b[b], margin):
-                found, step = _pair(
+                severity, step = _pair(
                     pos_a[a], head_a[a], valid_a[a], size_a[a, 0], size_a[a, 1],
                     pos_b[b], head_b[b], valid_b[b], size_b[b, 0], size_b[b, 1], tolerance,
                 )  # fmt: skip
-                _record(worst, first, a, found, step)
+                _record(worst, first, a, severity, step)
 
 
 @njit(cache=True)
@@ -83,9 +83,9 @@ def among(position, heading, valid, size, skip, tolerance, worst, first):  # typ
             for b in range(a):
                 margin = 0.5 * (size[a, 0] + size[a, 1] + size[b, 0] + size[b, 1])
                 if a != skip and b != skip and _near(boxes[a], boxes[b], margin):
-                    found, step = _pair(
+                    severity, step = _pair(
                         position[k, a], heading[k, a], valid[k, a], size[a, 0], size[a, 1],
                         position[k, b], heading[k, b], valid[k, b], size[b, 0], size[b, 1], tolerance,
                     )  # fmt: skip
-                    _record(worst[k], first[k], a, found, step)
-                    _record(worst[k], first[k], b, found, step)
+                    _record(worst[k], first[k], a, severity, step)
+                    _record(worst[k], first[k], b, severity, step)

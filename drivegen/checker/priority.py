@@ -222,8 +222,8 @@ def _judge_gate(b, leader, passed, gates, motion, size, others, other_size, skip
         intrusion = NEVER
         if give_way[g]:
             for c in range(conflict_start[g], conflict_start[g + 1]):
-                found = _intrusion(b, passed, g, gates, c, motion, size, others, other_size, skip_own, skip)
-                intrusion = max(intrusion, found)
+                depth = _intrusion(b, passed, g, gates, c, motion, size, others, other_size, skip_own, skip)
+                intrusion = max(intrusion, depth)
         intruded = min(intruded, intrusion)
     exceed(worst, first, b, RED_GRACE, red, limit, passed)
     exceed(worst, first, b, STOP_SPEED, rolled, limit, passed)

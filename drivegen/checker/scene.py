@@ -85,8 +85,8 @@ class SceneChecker:
 
         Returns violation (K,) and first (K,).
         """
-        found = self.severities_of(vehicle, motion, committed, committed_size)
-        return found.violation, found.first_step
+        severities = self.severities_of(vehicle, motion, committed, committed_size)
+        return severities.violation, severities.first_step
 
     def partners(self, vehicle: int, motion: Trajectories, committed: Trajectories) -> NDArray[np.bool_]:
         """Which of the scenario's N committed vehicles (N, T) collide with one trajectory (T,) of `vehicle`: (N,)."""
@@ -137,8 +137,8 @@ class SceneChecker:
 
         Returns violation (K, N) and first (K, N).
         """
-        found = self.severities(motion, ignore_target)
-        return found.violation, found.first_step
+        severities = self.severities(motion, ignore_target)
+        return severities.violation, severities.first_step
 
     def severities(self, motion: Trajectories, ignore_target: bool = False) -> Severities:
         """As `check_samples`, with every rule's severity: `worst` and `first` are (K, N, R)."""
@@ -146,12 +146,12 @@ class SceneChecker:
         samples, count, _ = valid.shape
         skip = TARGET if ignore_target else NOBODY
         flat = self._judge_alone(_flat(arrays), motion.valid.reshape(-1, motion.steps), np.tile(self.size, (samples, 1)))
-        found = Severities(flat.worst.reshape(samples, count, -1), flat.first.reshape(samples, count, -1))
+        severities = Severities(flat.worst.reshape(samples, count, -1), flat.first.reshape(samples, count, -1))
         worst, first = _nothing(samples, count)
         collisions.among(position, heading, valid, self.size, skip, self.limit[OVERLAP], worst, first)
-        found.worst[..., OVERLAP], found.first[..., OVERLAP] = worst, first
-        priority.judge_samples(self._gates, *arrays, self.size, skip, self.limit, found.worst, found.first)
-        return found
+        severities.worst[..., OVERLAP], severities.first[..., OVERLAP] = worst, first
+        priority.judge_samples(self._gates, *arrays, self.size, skip, self.limit, severities.worst, severities.first)
+        return severities
 
     def _judge_alone(self, arrays: "_Arrays", stated: NDArray[np.bool_], size: NDArray[np.float32]) -> Severities:
         """All rules that need no other vehicle, for B trajectories; context actors are part of the scenario.

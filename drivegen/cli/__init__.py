@@ -81,8 +81,8 @@ def _listed() -> None:
     """What stands for a command in the list of them: importing all of their libraries takes seconds."""
 
 
-def _version(asked: bool) -> None:
-    if asked:
+def _version(show: bool) -> None:
+    if show:
         typer.echo(f"drivegen {importlib.metadata.version('drivegen')}")
         raise typer.Exit
 

@@ -49,15 +49,15 @@ def model(name: str, words: str | None, max_usd: float | None) -> LanguageModel:
 @contextmanager
 def calling(command: str, name: str, words: str | None, max_usd: float | None) -> Iterator[LanguageModel]:
     """A role's language model for one command; its calls are rows of a table of their own, also where the command fails."""
-    asked = model(name, words, max_usd)
-    with asked.ledger.kept(calls_of(command)):
-        yield asked
+    client = model(name, words, max_usd)
+    with client.ledger.kept(calls_of(command)):
+        yield client
 
 
-def announce(asked: LanguageModel, questions: Sequence[Prompt[Any]], answer_tokens: int) -> None:
+def announce(client: LanguageModel, questions: Sequence[Prompt[Any]], answer_tokens: int) -> None:
     """One line on stderr before the first call: calls, tokens and dollars of the questions known, and where the run stops."""
-    told = asked.forecast(questions, answer_tokens)
-    Console(stderr=True, soft_wrap=True, highlight=False, markup=False).print(f"estimate    {told}")
+    estimate = client.forecast(questions, answer_tokens)
+    Console(stderr=True, soft_wrap=True, highlight=False, markup=False).print(f"estimate    {estimate}")
 
 
 def calls_of(command: str) -> Path:
@@ -73,10 +73,10 @@ class Two(BaseModel):
 
 def tiny_call(settings: RoleSettings) -> str:
     """Ask the model of a role for one and one, past all records; returns what it took. Raises DriveGenError."""
-    asked = LanguageModel("doctor", settings, RecordSettings(Mode.OFF, "").open())
-    with asked.ledger.kept(calls_of("doctor")):
-        asked.ask(Prompt("doctor-1", "Answer the question.", ("What is 1 + 1?",), Two))
-    calls = asked.ledger.calls
+    client = LanguageModel("doctor", settings, RecordSettings(Mode.OFF, "").open())
+    with client.ledger.kept(calls_of("doctor")):
+        client.ask(Prompt("doctor-1", "Answer the question.", ("What is 1 + 1?",), Two))
+    calls = client.ledger.calls
     tokens = sum((call.input_tokens or 0) + (call.output_tokens or 0) for call in calls)
     again = f" when asked {len(calls)} times" if len(calls) > 1 else ""
     return f"answers{again}: {calls[-1].latency:.1f} s, {tokens} tokens, cost {calls[-1].cost}"

@@ -43,7 +43,7 @@ def name_of(network: Path) -> str:
     return network.resolve().parent.name if network.name == NETWORK else network.name.split(".")[0]
 
 
-def said_back(account: dict[str, Any]) -> list[str]:
+def sentences_of(account: dict[str, Any]) -> list[str]:
     """A map's specification in plain sentences; none of networks that have no such specification."""
     spec = MapSpec.model_validate(account["spec"]) if account.get("spec") else None
     return [] if spec is None or spec.road.kind == "graph" else sentences(spec)

@@ -30,7 +30,7 @@ def initial(vehicles: int) -> InitialSettings:
     return replace(build(InitialSettings, read_section("place.initial"), "params.yaml: place.initial"), vehicles=vehicles)
 
 
-def asked() -> AskedSettings:
+def asked_settings() -> AskedSettings:
     """How traffic in words is looked for."""
     return build(AskedSettings, read_section("asked.settings"), "params.yaml: asked.settings")
 

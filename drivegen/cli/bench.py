@@ -69,18 +69,18 @@ def maps(
     """How often words become what they ask for, at once and after the offered sentence, by the phrase table and by --lm."""
     folder = outside or _beside_the_real_data()
     cases = [*own_cases(), *(outside_cases(folder) if folder else [])][::every]
-    found = [_tried(Writer(), cases, seed)]
+    results = [_tried(Writer(), cases, seed)]
     if lm is None:
-        found.append(not_measured("language model"))
+        results.append(not_measured("language model"))
     else:
         with calling("bench-maps", "maps", lm, max_usd) as model:
             writer = asking_writer(writer_of(map_mode), model)
             announce(model, writer.first_questions(case.text for case in cases), MAP_TOKENS)
-            found.append(_tried(writer, cases, seed))
-    for one in found:
+            results.append(_tried(writer, cases, seed))
+    for one in results:
         _print(one)
     if json is not None:
-        write_json(json, {"descriptions": len(cases), "writers": found})
+        write_json(json, {"descriptions": len(cases), "writers": results})
 
 
 def _beside_the_real_data() -> Path | None:
@@ -96,17 +96,17 @@ def _tried(writer: MapWriter, cases: list[Case], seed: int) -> dict[str, Any]:
     return {**published(writer.description, trials), "cpu_seconds": seconds(trials)}
 
 
-def _print(found: dict[str, Any]) -> None:
+def _print(result: dict[str, Any]) -> None:
     console = Console(width=max(Console().width, _WIDTH))
-    console.print(f"written by: {found['written_by']}", highlight=False, markup=False)
-    if not found["measured"]:
+    console.print(f"written by: {result['written_by']}", highlight=False, markup=False)
+    if not result["measured"]:
         console.print("not measured: name a model with --lm\n", highlight=False)
         return
     table = Table("", *(name.replace("_", " ") for name in COUNTS), "CPU s each", box=None, pad_edge=False)
-    for name, counts in found["groups"].items():
-        table.add_row(name, *(str(counts[column]) for column in COUNTS), f"{found['cpu_seconds'][name]:.2f}")
+    for name, counts in result["groups"].items():
+        table.add_row(name, *(str(counts[column]) for column in COUNTS), f"{result['cpu_seconds'][name]:.2f}")
     console.print(table)
-    for case in found["failed"]:
+    for case in result["failed"]:
         why = case["refused"] or "; ".join(case["wrong"])
         word = "declined" if case["refused"] else "WRONG"
         console.print(f"{word}: {case['group']}: {case['text']}: {why}", highlight=False, markup=False, soft_wrap=True)

@@ -61,9 +61,9 @@ def command(
     with whole_folder(out) as folder:  # refused before the search, which takes minutes
         where = {scenario.scenario_id: scenario for scenario, _ in read_traffic(scenarios)}
         cases, runs = _cases(tested, adversary, list(where.values())[:most], settings)
-        found = groups(cases)
+        kinds = groups(cases)
         judged = judgements(cases, tested, settings.reaction)
-        for group in found:
+        for group in kinds:
             write_kind(folder / _folder(group), judged[group.cases[0]])
         write_json(folder / CASES, [_row(one) for one in judged])
     console = Console(soft_wrap=True, highlight=False, markup=False)
@@ -71,11 +71,11 @@ def command(
     if not cases:
         console.print(f"{searched}, no case found")
         return
-    console.print(_table(found, judged))
-    for group in found:
+    console.print(_table(kinds, judged))
+    for group in kinds:
         place = out / _folder(group)
         console.print(f"{group.kind}: {judged[group.cases[0]].sentence}\n  {place / PICTURE}  {place / RECORDING}")
-    console.print(f"{searched}, {sum(len(group.cases) for group in found)} cases of {len(found)} kinds in {out}")
+    console.print(f"{searched}, {sum(len(group.cases) for group in kinds)} cases of {len(kinds)} kinds in {out}")
 
 
 def _settings() -> _Settings:
@@ -106,17 +106,17 @@ def _ground(traffic: str, scenarios: Sequence[Scenario], samples: int) -> Ground
     if traffic == "log":
         return logged(choices, equipment.planner, equipment.limits)
     seed = read_section("run")["seed"]
-    made = roll_out(choices, equipment.planner, equipment.limits, settings.rollout, samples, seed, "drivegen")
-    return sampled(choices, made, samples, equipment.planner, equipment.limits)
+    futures = roll_out(choices, equipment.planner, equipment.limits, settings.rollout, samples, seed, "drivegen")
+    return sampled(choices, futures, samples, equipment.planner, equipment.limits)
 
 
 def _folder(group: Group) -> str:
     return group.kind.replace(" ", "-")
 
 
-def _table(found: Sequence[Group], judged: Sequence[Judgement]) -> Table:
+def _table(kinds: Sequence[Group], judged: Sequence[Judgement]) -> Table:
     table = Table("kind", "cases", "odds", "avoidable", "time to react", "holds when all react", box=None, pad_edge=False)
-    for group in found:
+    for group in kinds:
         mine = [judged[c] for c in group.cases]
         avoidable = sum(one.replayed.verdict != Avoidable.NO for one in mine)
         holds = sum(one.holds["ordinary", Reacting.ALL] for one in mine)

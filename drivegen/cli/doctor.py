@@ -76,12 +76,12 @@ def versions() -> Iterator[Finding]:
     requirements = [r for r in requirements if r.marker is None or r.marker.evaluate()]
     for requirement in requirements:
         try:
-            found = importlib.metadata.version(requirement.name)
+            version = importlib.metadata.version(requirement.name)
         except importlib.metadata.PackageNotFoundError:
-            found = "not installed"
-        if found == "not installed" or not requirement.specifier.contains(found, prereleases=True):
+            version = "not installed"
+        if version == "not installed" or not requirement.specifier.contains(version, prereleases=True):
             wrong += 1
-            yield Finding(requirement.name, False, found, f"wanted {requirement.specifier}: {_REINSTALL}")
+            yield Finding(requirement.name, False, version, f"wanted {requirement.specifier}: {_REINSTALL}")
     if not wrong:
         yield Finding("packages", True, f"all {len(requirements)} as pinned")
 
@@ -170,16 +170,16 @@ def language_models() -> Iterator[Finding]:
     from drivegen.cli._lm import role, tiny_call
     from drivegen.lm.settings import ROLES
 
-    told: dict[tuple[str, str, str, str], Finding] = {}
+    findings: dict[tuple[str, str, str, str], Finding] = {}
     for name in ROLES:
         what = f"language model for {name}"
         try:
             settings = role(name, None, None)
             key = (settings.backend, settings.model, settings.base_url, settings.output)
             if settings.backend == "offline":
-                told[key] = Finding(what, None, "none configured", f"not needed; see lm.{name} in params.yaml")
-            elif key not in told:
-                told[key] = Finding(what, True, f"{settings.model} {tiny_call(settings)}")
-            yield replace(told[key], what=what)
+                findings[key] = Finding(what, None, "none configured", f"not needed; see lm.{name} in params.yaml")
+            elif key not in findings:
+                findings[key] = Finding(what, True, f"{settings.model} {tiny_call(settings)}")
+            yield replace(findings[key], what=what)
         except DriveGenError as error:
             yield Finding(what, False, str(error), f"see lm.{name} in params.yaml")

@@ -50,12 +50,12 @@ _NOBODY = "no language model is configured for {}: nobody is asked, nothing is s
 def command(lm: Words = None, max_usd: MaxUsd = None) -> None:
     """Print calls, tokens and dollars of each role, for the descriptions and test scenes of this project; nobody is asked."""
     console = Console(soft_wrap=True, highlight=False, markup=False)
-    for name, told in (("maps", _maps), ("goals", _goals), ("corner_cases", _corner_cases)):
+    for name, lines_of in (("maps", _maps), ("goals", _goals), ("corner_cases", _corner_cases)):
         settings = role(name, lm, max_usd)
         if not settings.model:
             console.print(_NOBODY.format(name))
             continue
-        for line in told(settings, model(name, lm, max_usd)):
+        for line in lines_of(settings, model(name, lm, max_usd)):
             console.print(line)
 
 
@@ -72,13 +72,13 @@ def _maps(settings: RoleSettings, asking: LanguageModel) -> list[str]:
 def _goals(settings: RoleSettings, asking: LanguageModel) -> list[str]:
     if not shards(_TEST):
         return [f"goals       no scenes in {_TEST}: `make run` makes the scenes that would be asked about"]
-    asked = build(AskingSettings, read_section("goals.vlm"), "params.yaml: goals.vlm")
+    usual = build(AskingSettings, read_section("goals.vlm"), "params.yaml: goals.vlm")
     scenes, total = _first_scenes()
     share = (total / len(scenes)) if scenes else 0.0
     lines = []
     for layout in LAYOUTS:
-        how = replace(asked, layout=layout)
-        requests, answer = _questions(scenes, how, asking, likeliest(settings.prompt), examples(asked.examples), first=0)
+        how = replace(usual, layout=layout)
+        requests, answer = _questions(scenes, how, asking, likeliest(settings.prompt), examples(usual.examples), first=0)
         plain, batch = (estimate(settings, requests, answer, batch=one).times(share) for one in (False, True))
         lines += _lines(f"goals, {layout}", asking, settings, plain, batch)
     return lines
@@ -86,7 +86,7 @@ def _goals(settings: RoleSettings, asking: LanguageModel) -> list[str]:
 
 def _questions(
     scenes: Sequence[Scenario],
-    asked: AskingSettings,
+    how: AskingSettings,
     asking: LanguageModel,
     wording: Wording,
     before: tuple[str | Image, ...],
@@ -97,16 +97,16 @@ def _questions(
     requests, vehicles = [], 0
     for scenario in scenes:
         graph = LaneGraph.of(scenario.map)
-        found = [(n, candidates(graph, scenario, n, offered)) for n in range(first, len(scenario.vehicles))]
+        offers = [(n, candidates(graph, scenario, n, offered)) for n in range(first, len(scenario.vehicles))]
         if wording.stops:
-            found = [(n, with_stops(scenario, n, c)) for n, c in found]
-        cases = [Case.of(scenario, n, c, 0, wording) for n, c in found if len(c) > 1]
-        cases = cases[: max(round(asked.ask_when_unsure * len(cases)), 1)]
+            offers = [(n, with_stops(scenario, n, c)) for n, c in offers]
+        cases = [Case.of(scenario, n, c, 0, wording) for n, c in offers if len(c) > 1]
+        cases = cases[: max(round(how.ask_when_unsure * len(cases)), 1)]
         vehicles += len(cases)
-        if asked.layout == "per_scenario":
-            requests.append(asking.request(about_scenario(cases, asked.ranked, asked.pixels, before, wording)))
+        if how.layout == "per_scenario":
+            requests.append(asking.request(about_scenario(cases, how.ranked, how.pixels, before, wording)))
         else:
-            requests += [asking.request(about_vehicle(case, asked.ranked, asked.pixels, before, wording)) for case in cases]
+            requests += [asking.request(about_vehicle(case, how.ranked, how.pixels, before, wording)) for case in cases]
     return requests, RANKING_TOKENS * vehicles // max(len(requests), 1)
 
 
@@ -114,11 +114,11 @@ def _corner_cases(settings: RoleSettings, asking: LanguageModel) -> list[str]:
     if not shards(_TEST):
         return [f"corner_cases  no scenes in {_TEST}: `make run` makes the scenes that would be asked about"]
     corner, rounds = read_section("corner"), read_section("run")["rounds"]
-    asked = build(AskingSettings, corner["vlm"], "params.yaml: corner.vlm")
+    how = build(AskingSettings, corner["vlm"], "params.yaml: corner.vlm")
     wording = replace(CORNER, instructions=CORNER.instructions + "\n" + _KNOWN)
     shown = tuple(Image(_BLANK, "image/png") for _ in range(corner["pictures"]))
     scenes, total = _first_scenes()
-    requests, answer = _questions(scenes, asked, asking, wording, shown, first=TARGET + 1)
+    requests, answer = _questions(scenes, how, asking, wording, shown, first=TARGET + 1)
     times = total / max(len(scenes), 1) * sum(one["round"] > 0 for one in rounds)
     plain, batch = (estimate(settings, requests, answer, batch=one).times(times) for one in (False, True))
     used = "" if corner["goals"] == "vlm" else f"; not asked as params.yaml is (corner.goals: {corner['goals']})"
@@ -127,18 +127,18 @@ def _corner_cases(settings: RoleSettings, asking: LanguageModel) -> list[str]:
 
 def _first_scenes() -> tuple[list[Scenario], int]:
     """A few test scenes, and how many there are."""
-    found = shards(_TEST)
-    total = sum(count(shard) for shard in found)
-    return list(islice((scenario for shard in found for scenario in read_shard(shard)), _SCENES)), total
+    files = shards(_TEST)
+    total = sum(count(shard) for shard in files)
+    return list(islice((scenario for shard in files for scenario in read_shard(shard)), _SCENES)), total
 
 
-def _lines(what: str, asking: LanguageModel, settings: RoleSettings, found: Estimate, batch: Estimate) -> list[str]:
+def _lines(what: str, asking: LanguageModel, settings: RoleSettings, plain: Estimate, batch: Estimate) -> list[str]:
     over = f"a run stops at {settings.max_usd:.4f}" + (
-        f" or {settings.max_calls} calls" if found.calls > settings.max_calls else ""
+        f" or {settings.max_calls} calls" if plain.calls > settings.max_calls else ""
     )
     return [
         f"model       {asking.description}, for {what}",
-        f"calls       {found.calls}",
-        f"tokens      about {found.input_tokens} in, {found.output_tokens} out",
-        f"dollars     {in_dollars(found.usd)}, in batches {in_dollars(batch.usd)}; at most {in_dollars(found.most_usd)}; {over}",
+        f"calls       {plain.calls}",
+        f"tokens      about {plain.input_tokens} in, {plain.output_tokens} out",
+        f"dollars     {in_dollars(plain.usd)}, in batches {in_dollars(batch.usd)}; at most {in_dollars(plain.most_usd)}; {over}",
     ]

@@ -44,10 +44,10 @@ def command(
     driven: Driven = False,
 ) -> None:
     """Write the scenarios of SCENARIOS for other programs: Motion Forecasting folders that `drivegen view` and av2 open."""
-    found = _found(scenarios, _Wanted(of, collisions, driven))
+    chosen = _scenarios(scenarios, _Choice(of, collisions, driven))
     count = 0
     with whole_folder(out) as folder:
-        for scenario in islice(found, most):
+        for scenario in islice(chosen, most):
             if scenario.log is None:
                 raise UnusableInput(
                     f"{scenarios}: scenario {scenario.scenario_id} has no motion yet: give scenarios that drove, as data/shipped"
@@ -60,7 +60,7 @@ def command(
 
 
 @dataclass(frozen=True)
-class _Wanted:
+class _Choice:
     """Of samples: the folder of their scenarios; of a round, whether only collisions, and whose motion the target has."""
 
     of: Path
@@ -68,39 +68,39 @@ class _Wanted:
     driven: bool
 
 
-def _found(place: Path, wanted: _Wanted) -> Iterator[Scenario]:
+def _scenarios(place: Path, choice: _Choice) -> Iterator[Scenario]:
     """What a folder or a shard holds, scenario by scenario."""
     is_round = (place / SAMPLES).is_dir() and (place / DRIVEN).is_dir()
-    if (wanted.collisions or wanted.driven) and not is_round:
+    if (choice.collisions or choice.driven) and not is_round:
         raise UnusableInput(f"{place} is no round of corner cases: --collisions and --driven are for those, as data/corner/0")
     for shard in _shards(place / SAMPLES if is_round else place):
         if not holds_samples(shard):
             yield from read_shard(shard)
             continue
         driven = read_samples(place / DRIVEN / shard.name) if is_round else None
-        yield from _futures(shard, driven, wanted)
+        yield from _futures(shard, driven, choice)
 
 
 def _shards(place: Path) -> list[Path]:
     if place.is_file():
         return [place]
-    if found := shards(place):
-        return found
+    if files := shards(place):
+        return files
     raise UnusableInput(f"{place} holds no shard-*.parquet: `make run` writes them, e.g. to data/shipped")
 
 
-def _futures(shard: Path, driven: list[Samples] | None, wanted: _Wanted) -> Iterator[Scenario]:
+def _futures(shard: Path, driven: list[Samples] | None, choice: _Choice) -> Iterator[Scenario]:
     """Each future of each scenario as a scenario of its own, without the vehicles that it leaves out."""
-    for row, (scenario, futures) in enumerate(futures_in(shard, wanted.of)):
+    for row, (scenario, futures) in enumerate(futures_in(shard, choice.of)):
         own = None if driven is None else driven[row]
         for k in range(len(futures.dropped)):
-            if wanted.collisions and own is not None and not _collided(scenario, futures.motion[k], own, k):
+            if choice.collisions and own is not None and not _collided(scenario, futures.motion[k], own, k):
                 continue
             traffic = futures.motion[k]
-            motion = traffic if own is None or not wanted.driven else _with_target(traffic, own.motion[k, TARGET])
-            kept = np.flatnonzero(motion.valid.any(-1))
+            motion = traffic if own is None or not choice.driven else _with_target(traffic, own.motion[k, TARGET])
+            present = np.flatnonzero(motion.valid.any(-1))
             yield replace(
-                scenario, scenario_id=sample_id(scenario.scenario_id, k), vehicles=scenario.vehicles[kept], log=motion[kept]
+                scenario, scenario_id=sample_id(scenario.scenario_id, k), vehicles=scenario.vehicles[present], log=motion[present]
             )
 
 

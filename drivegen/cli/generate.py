@@ -15,7 +15,7 @@ from drivegen.asked import language_model
 from drivegen.av2.folder import read_folder
 from drivegen.cli import _project
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
-from drivegen.cli._maps import name_of, network_of, said_back
+from drivegen.cli._maps import name_of, network_of, sentences_of
 from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
 from drivegen.generators.base import Settings
@@ -70,8 +70,8 @@ def command(
         task = progress.add_task("reading", total=None)
         settings = _project.generation(scored=scenario is not None)
         tools = _project.equipment(settings)
-        wanted = _Wanted(map, text, vehicles, seed, reader)
-        start = _logged(scenario, vehicles) if scenario else _new(wanted, folder, tools, settings, console)
+        order = _Order(map, text, vehicles, seed, reader)
+        start = _logged(scenario, vehicles) if scenario else _new(order, folder, tools, settings, console)
         progress.update(task, description=f"planning {samples} futures of {len(start.scenario.vehicles)} vehicles")
         traffic = make(start, tools, settings, samples, seed)
         for k in progress.track(range(samples), task_id=task, description="writing"):
@@ -99,7 +99,7 @@ def _logged(folder: Path, vehicles: int) -> Start:
 
 
 @dataclass(frozen=True)
-class _Wanted:
+class _Order:
     """New traffic: a network, words, or both; `reader` is the language model that reads the words, None for the rules."""
 
     net: Path | None
@@ -109,21 +109,21 @@ class _Wanted:
     reader: LanguageModel | None
 
 
-def _new(wanted: _Wanted, folder: Path, tools: Equipment, settings: Settings, console: Console) -> Start:
+def _new(order: _Order, folder: Path, tools: Equipment, settings: Settings, console: Console) -> Start:
     """Vehicles on a network: as the words ask for, on the road that they describe where no network is given."""
-    asked = _asked(wanted, console)
-    network, name, source = _road(wanted, asked, folder, console)
-    initial, seed = _project.initial(wanted.vehicles), wanted.seed
+    wishes = _read_wishes(order, console)
+    network, name, source = _road(order, wishes, folder, console)
+    initial, seed = _project.initial(order.vehicles), order.seed
     table, gaps = _project.assets(), _project.gaps(initial)
-    for sentence in request_sentences(asked.request):
+    for sentence in request_sentences(wishes.request):
         console.print(f"reads: {sentence}")
-    if not asked.request:
+    if not wishes.request:
         start = from_network(network, _as_id(name), source, table, initial, seed, gaps)
     else:
         initialiser = Initialiser(network, _as_id(name), source, table, initial, gaps)
         name = f"{_as_id(name)}-0000"
-        start = from_words(initialiser, name, asked.request, _project.asked(), wanted.vehicles, tools, settings, seed)
-        write_json(folder / TRAFFIC, _told(asked, start))
+        start = from_words(initialiser, name, wishes.request, _project.asked_settings(), order.vehicles, tools, settings, seed)
+        write_json(folder / TRAFFIC, _account(wishes, start))
     if start.left_out:
         reasons = ", ".join(f"{count} {reason}" for reason, count in start.left_out.items())
         console.print(f"not placed: {sum(start.left_out.values())} vehicles ({reasons})")
@@ -131,7 +131,7 @@ def _new(wanted: _Wanted, folder: Path, tools: Equipment, settings: Settings, co
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _Wishes:
     """What was read of the words: the traffic, by whom, and the road where no language model reads it."""
 
     request: TrafficRequest
@@ -139,29 +139,29 @@ class _Asked:
     words: Description | None = None
 
 
-def _asked(wanted: _Wanted, console: Console) -> _Asked:
+def _read_wishes(order: _Order, console: Console) -> _Wishes:
     """Read the words of a request. Raises UnusableInput where they cannot be, or say nothing of what is wanted."""
-    if wanted.text is None:
-        return _Asked(TrafficRequest(), "")
-    if wanted.reader is not None:
-        _announce(wanted.reader, wanted.text, road=wanted.net is None)
-        reading = language_model.read(wanted.text, wanted.reader, wanted.seed)
+    if order.text is None:
+        return _Wishes(TrafficRequest(), "")
+    if order.reader is not None:
+        _announce(order.reader, order.text, road=order.net is None)
+        reading = language_model.read(order.text, order.reader, order.seed)
         console.print(f"traffic read by: {reading.reader}")
-        asked = _Asked(reading.request, reading.reader)
+        wishes = _Wishes(reading.request, reading.reader)
     else:
-        words = read(wanted.text, wanted.seed)
-        asked = _Asked(words.traffic, Writer.description, words)
-        if wanted.net is not None and words.road is not None:
+        words = read(order.text, order.seed)
+        wishes = _Wishes(words.traffic, Writer.description, words)
+        if order.net is not None and words.road is not None:
             alone = " ".join(request_sentences(words.traffic)) or "There is dense traffic."
             raise UnusableInput(f"a road is described, and --map names one\ntry: {alone}", reason="not-understood")
-        if wanted.net is None and words.road is None:
+        if order.net is None and words.road is None:
             raise UnusableInput(
                 f"no road is described: name one, or give --map\ntry: A road. {' '.join(words.sentences())}",
                 reason="not-understood",
             )
-    if wanted.net is not None and not asked.request:
-        raise UnusableInput(f"no traffic is described in {wanted.text!r}", reason="not-understood")
-    return asked
+    if order.net is not None and not wishes.request:
+        raise UnusableInput(f"no traffic is described in {order.text!r}", reason="not-understood")
+    return wishes
 
 
 def _announce(reader: LanguageModel, text: str, *, road: bool) -> None:
@@ -170,28 +170,28 @@ def _announce(reader: LanguageModel, text: str, *, road: bool) -> None:
     announce(reader, questions, (TRAFFIC_TOKENS + MAP_TOKENS * road) // len(questions))
 
 
-def _road(wanted: _Wanted, asked: _Asked, folder: Path, console: Console) -> tuple[Network, str, str]:
+def _road(order: _Order, wishes: _Wishes, folder: Path, console: Console) -> tuple[Network, str, str]:
     """The network, its name and where it is from; a road that was drawn from words is kept in `folder`."""
-    if wanted.net is not None:
-        net = network_of(wanted.net)
+    if order.net is not None:
+        net = network_of(order.net)
         return _read(net), name_of(net), f"DriveGen ({name_of(net)})"
-    built = _drawn(wanted, asked)
+    built = _build_road(order, wishes)
     built.save(folder / MAP)
-    if wanted.reader is not None:
+    if order.reader is not None:
         console.print(f"road written by: {built.account['backend']}")
         if ignored := built.account["ignored"]:
             console.print(f"ignored: {'; '.join(ignored)}")
-    for sentence in said_back(built.account):
+    for sentence in sentences_of(built.account):
         console.print(f"reads: {sentence}")
-    return Network.read(built.network, NETWORK), str(wanted.text), "DriveGen (map from words)"
+    return Network.read(built.network, NETWORK), str(order.text), "DriveGen (map from words)"
 
 
-def _drawn(wanted: _Wanted, asked: _Asked) -> BuiltMap:
+def _build_road(order: _Order, wishes: _Wishes) -> BuiltMap:
     """The road that the words describe."""
-    if asked.words is not None and asked.words.road is not None:
-        account: dict[str, Any] = {"text": wanted.text, "seed": wanted.seed, "backend": Writer.description, "ignored": []}
-        return build_spec(asked.words.road, {**account, "sentences": asked.words.sentences()})
-    return build_map(str(wanted.text), wanted.seed, asking_writer(_WRITER, wanted.reader))
+    if wishes.words is not None and wishes.words.road is not None:
+        account: dict[str, Any] = {"text": order.text, "seed": order.seed, "backend": Writer.description, "ignored": []}
+        return build_spec(wishes.words.road, {**account, "sentences": wishes.words.sentences()})
+    return build_map(str(order.text), order.seed, asking_writer(_WRITER, order.reader))
 
 
 def _read(net: Path) -> Network:
@@ -204,11 +204,11 @@ def _read(net: Path) -> Network:
         raise UnusableInput(f"{error}: bring other formats in with `drivegen map import`", error.reason) from None
 
 
-def _told(asked: _Asked, start: Start) -> dict[str, Any]:
+def _account(wishes: _Wishes, start: Start) -> dict[str, Any]:
     """What was read of the words of traffic and by whom, and what was got of it at the first frame."""
-    request = asked.request.model_dump(mode="json", exclude_defaults=True)
+    request = wishes.request.model_dump(mode="json", exclude_defaults=True)
     got = [asdict(item) for item in start.got]
-    return {"reader": asked.reader, "sentences": request_sentences(asked.request), "request": request, "first_frame": got}
+    return {"reader": wishes.reader, "sentences": request_sentences(wishes.request), "request": request, "first_frame": got}
 
 
 def _as_id(name: str) -> str:
@@ -236,11 +236,11 @@ def _summary(rows: list[dict[str, Any]]) -> str:
     """What was made, in one line."""
     written = [r for r in rows if not r["rejected"]]
     legal = sum(r["illegal"] == 0 for r in written)
-    said = [f"{len(written)} scenarios of {rows[0]['vehicles']} vehicles ({rows[0]['source']})", f"{legal} legal throughout"]
+    parts = [f"{len(written)} scenarios of {rows[0]['vehicles']} vehicles ({rows[0]['source']})", f"{legal} legal throughout"]
     if len(written) < len(rows):
-        said.append(f"not written for want of a legal target: {len(rows) - len(written)}")
+        parts.append(f"not written for want of a legal target: {len(rows) - len(written)}")
     if dropped := sum(r["dropped"] for r in written):
-        said.append(f"vehicles left out because nothing legal was found: {dropped}")
+        parts.append(f"vehicles left out because nothing legal was found: {dropped}")
     if rows[0]["sade"] is not None:
-        said.append("sADE " + f"min {min(r['sade'] for r in rows):.2f} m, mean {sum(r['sade'] for r in rows) / len(rows):.2f} m")
-    return "; ".join(said)
+        parts.append("sADE " + f"min {min(r['sade'] for r in rows):.2f} m, mean {sum(r['sade'] for r in rows) / len(rows):.2f} m")
+    return "; ".join(parts)

@@ -9,7 +9,7 @@ from typer import Argument, BadParameter, Option, Typer
 from typer.core import TyperGroup
 
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
-from drivegen.cli._maps import MapMode, Mode, network_of, said_back, writer_of
+from drivegen.cli._maps import MapMode, Mode, network_of, sentences_of, writer_of
 from drivegen.core.errors import UnusableInput
 from drivegen.core.seeds import LARGEST
 from drivegen.lm.prices import MAP_TOKENS
@@ -72,10 +72,10 @@ def words(
     lanes is that of one carriageway.
     """
     _check_free(out, force=force)
-    account = _drawn(text, seed, out, lm, map_mode, max_usd).account
+    account = _build(text, seed, out, lm, map_mode, max_usd).account
     _tell("written by", account["backend"])
-    _tell("reads", *said_back(account))
-    _tell("understood", *(f"{told['phrase']}: {told['meaning']}" for told in account["understood"]))
+    _tell("reads", *sentences_of(account))
+    _tell("understood", *(f"{reading['phrase']}: {reading['meaning']}" for reading in account["understood"]))
     for word in ("assumed", "ignored", "failed"):
         _tell(word, *filter(None, ["; ".join(map(str, account[word]))]))
     _tell_written(out)
@@ -115,7 +115,7 @@ def refine(
     """
     built = refine_map(folder, text, edited)
     built.save(folder)
-    _tell("reads", *said_back(built.account))
+    _tell("reads", *sentences_of(built.account))
     _tell("failed", *built.account["failed"])
     _tell_written(folder)
 
@@ -147,7 +147,7 @@ def _check_free(folder: Path, *, force: bool) -> None:
         raise UnusableInput(f"{folder} holds a map already: name another folder, or replace that map with --force")
 
 
-def _drawn(text: str, seed: int, out: Path, lm: str | None, mode: Mode, max_usd: float | None) -> BuiltMap:
+def _build(text: str, seed: int, out: Path, lm: str | None, mode: Mode, max_usd: float | None) -> BuiltMap:
     if lm in (None, OFFLINE):
         return build_map(text, seed, Writer(), out)
     with calling("map", "maps", str(lm), max_usd) as model:
@@ -158,10 +158,10 @@ def _drawn(text: str, seed: int, out: Path, lm: str | None, mode: Mode, max_usd:
 
 def _map_of(folder: Path) -> Path:
     """The map of an Argoverse 2 log: beside the tracks of a scenario, in `map/` of a sensor log."""
-    found = [*folder.glob("log_map_archive_*.json"), *folder.glob("map/log_map_archive_*.json")]
-    if len(found) != 1:
-        raise UnusableInput(f"{folder} holds {len(found)} files log_map_archive_<id>.json: give a map's file, or a log's folder")
-    return found[0]
+    files = [*folder.glob("log_map_archive_*.json"), *folder.glob("map/log_map_archive_*.json")]
+    if len(files) != 1:
+        raise UnusableInput(f"{folder} holds {len(files)} files log_map_archive_<id>.json: give a map's file, or a log's folder")
+    return files[0]
 
 
 def _window(around: str | None, radius: float | None, junction: str | None) -> Window | None:
@@ -181,8 +181,8 @@ def _place(around: str) -> tuple[float, float]:
 
 
 def _counts(built: BuiltMap) -> str:
-    found = built.structure
-    return f"{found.edges} edges, {found.junctions} junctions ({found.signals} with signals), {found.size:.0f} m across"
+    road = built.structure
+    return f"{road.edges} edges, {road.junctions} junctions ({road.signals} with signals), {road.size:.0f} m across"
 
 
 def _tell_written(folder: Path) -> None:

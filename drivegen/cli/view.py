@@ -59,8 +59,8 @@ def command(
     if show and _has_screen():
         _open(path)
     else:
-        said = shlex.join([_viewer() or "rerun", *LOCAL, str(path)])
-        console.print(f"{path}: look at it with `{said}`", soft_wrap=True, highlight=False, markup=False)
+        line = shlex.join([_viewer() or "rerun", *LOCAL, str(path)])
+        console.print(f"{path}: look at it with `{line}`", soft_wrap=True, highlight=False, markup=False)
 
 
 def _chosen(folder: Path) -> Path:

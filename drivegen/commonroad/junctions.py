@@ -54,11 +54,11 @@ def crossing(centreline: Polylines, links: NDArray[np.int32]) -> NDArray[np.bool
     low, high = np.array([line.min(0) for line in lines]), np.array([line.max(0) for line in lines])
     near = ((low[:, None] <= high) & (low <= high[:, None])).all(-1)
     pairs = np.argwhere(np.triu(near & ~after & ~before & ~together, 1))
-    found = np.zeros(count, np.bool_)
+    crosses = np.zeros(count, np.bool_)
     for i, j in pairs.tolist():
-        if not (found[i] and found[j]) and _cross(lines[i], lines[j]):
-            found[i] = found[j] = True
-    beside = found | (together & found).any(-1)
+        if not (crosses[i] and crosses[j]) and _cross(lines[i], lines[j]):
+            crosses[i] = crosses[j] = True
+    beside = crosses | (together & crosses).any(-1)
     return np.asarray(beside)
 
 

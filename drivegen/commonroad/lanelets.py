@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drivegen.commonroad import junctions, rules
 from drivegen.commonroad.values import Points, identity, points, references, refuse, value
-from drivegen.core.errors import UnusableInput
+from drivegen.core.errors import naming
 from drivegen.core.geometry import Polylines, arc_length, interpolate
 from drivegen.core.roadmap import NO_LANE, LaneKind, RoadMap, open_ends
 
@@ -65,19 +65,19 @@ def read_map(root: Element, place: str) -> tuple[RoadMap, rules.Lights]:
 
     Raises UnusableInput where there is no lane, or one without two bounds of two points each.
     """
-    found = [_read(element, place) for element in root.iterfind("lanelet")]
-    lanes = [one for one in found if not one.types.intersection(NO_LANES)]
+    lanelets = [_read(element, place) for element in root.iterfind("lanelet")]
+    lanes = [one for one in lanelets if not one.types.intersection(NO_LANES)]
     if not lanes:
         refuse(f"{place} has no lane", "no-lanes")
     if len(lanes) > MOST_LANES:
         refuse(f"{place} has {len(lanes)} lanes, more than {MOST_LANES}", "too-large")
     index = {one.name: i for i, one in enumerate(lanes)}
-    bounds = np.concatenate([side for one in found for side in (one.left, one.right)])
+    bounds = np.concatenate([side for one in lanelets for side in (one.left, one.right)])
     origin = np.round((bounds.min(0) + bounds.max(0)) / 2)
     if np.abs(bounds - origin).max() > FARTHEST:
         refuse(f"{place} has lanelets more than {FARTHEST / 1000:g} km apart", "out-of-range")
     centreline = Polylines.of([_middle(one, place) - origin for one in lanes])
-    links, dangling = _links(lanes, index, {one.name for one in found})
+    links, dangling = _links(lanes, index, {one.name for one in lanelets})
     neighbour, same, may_change = _neighbours(lanes, index)
     inside = junctions.named(root, lanes, index, place)
     ruled = rules.read(root, [one.element for one in lanes], links, index, place)
@@ -97,16 +97,14 @@ def read_map(root: Element, place: str) -> tuple[RoadMap, rules.Lights]:
         same_direction=same,
         may_change=may_change,
         cut=open_ends(links, len(lanes)),  # recordings show a stretch of road
-        drivable=Polylines.of([_outline(one) - origin for one in found if _is_road(one)]),
-        crossings=Polylines.of([_corners(one) - origin for one in found if "crosswalk" in one.types]),
+        drivable=Polylines.of([_outline(one) - origin for one in lanelets if _is_road(one)]),
+        crossings=Polylines.of([_corners(one) - origin for one in lanelets if "crosswalk" in one.types]),
         stop_lines=(ruled.stop_lines - origin).astype(np.float32),
         stop_lane=ruled.stop_lane,
         dangling=dangling,
     )
-    try:
+    with naming(place):
         road_map.validate()
-    except UnusableInput as error:
-        raise UnusableInput(f"{place}: {error}", reason=error.reason) from None
     return road_map, ruled.lights
 
 
@@ -121,7 +119,7 @@ def _read(element: Element, place: str) -> Lanelet:
         name=name,
         left=bounds[0],
         right=bounds[1],
-        types=frozenset((found.text or "").strip() for found in element.iterfind("laneletType")),
+        types=frozenset((kind.text or "").strip() for kind in element.iterfind("laneletType")),
         before=tuple(references(element, "predecessor", place)),
         after=tuple(references(element, "successor", place)),
         beside=(_beside(element, "adjacentLeft", place), _beside(element, "adjacentRight", place)),
@@ -145,8 +143,8 @@ def _is_solid(element: Element, word: str) -> bool:
 
 
 def _beside(element: Element, word: str, place: str) -> tuple[int, bool] | None:
-    found = element.find(word)
-    return None if found is None else (identity(found, "ref", place), found.get("drivingDir") == "same")
+    neighbour = element.find(word)
+    return None if neighbour is None else (identity(neighbour, "ref", place), neighbour.get("drivingDir") == "same")
 
 
 def _middle(lane: Lanelet, place: str) -> Points:
@@ -158,18 +156,18 @@ def _middle(lane: Lanelet, place: str) -> Points:
         middle = (interpolate(left, shares * along_left) + interpolate(right, shares * along_right)) / 2
     else:
         middle = (left + right) / 2
-    kept = np.asarray(middle[np.concatenate([[True], np.hypot(*np.diff(middle, axis=0).T) > 1e-3])], np.float64)
-    if len(kept) < 2:
+    line = np.asarray(middle[np.concatenate([[True], np.hypot(*np.diff(middle, axis=0).T) > 1e-3])], np.float64)
+    if len(line) < 2:
         refuse(f"{place}: lanelet {lane.name} has no length between its bounds", "bad-map")
-    return kept
+    return line
 
 
-def _links(lanes: list[Lanelet], index: dict[int, int], known: set[int]) -> tuple[NDArray[np.int32], int]:
+def _links(lanes: list[Lanelet], index: dict[int, int], names: set[int]) -> tuple[NDArray[np.int32], int]:
     """Links (E, 2), and how many name a lanelet that the file does not hold."""
     named = [(one.name, other) for one in lanes for other in one.after]
     named += [(other, one.name) for one in lanes for other in one.before]
     held = sorted({(index[a], index[b]) for a, b in named if a in index and b in index})
-    missing = {(a, b) for a, b in named if not (a in known and b in known)}
+    missing = {(a, b) for a, b in named if not (a in names and b in names)}
     return np.array(held, np.int32).reshape(-1, 2), len(missing)
 
 

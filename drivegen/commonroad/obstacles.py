@@ -83,7 +83,7 @@ def read_tracks(root: Element, origin: Points, stride: int, place: str) -> Track
 
     Raises UnusableInput where an obstacle has no state, shape or number that it needs, two states at one time or none.
     """
-    found: list[_Obstacle] = []
+    obstacles: list[_Obstacle] = []
     skipped: dict[str, int] = {}
     for element in root:
         role = _role(element)
@@ -91,18 +91,18 @@ def read_tracks(root: Element, origin: Points, stride: int, place: str) -> Track
             continue
         word = element.findtext("type", "unknown").strip()
         if role in ("static", "dynamic") and word in KINDS and element.find("occupancySet") is None:
-            found.append(_obstacle(element, KINDS[word], role == "static", stride, place))
+            obstacles.append(_obstacle(element, KINDS[word], role == "static", stride, place))
         else:
             name = "occupancy set" if element.find("occupancySet") is not None else word
             skipped[name] = skipped.get(name, 0) + 1
-    found = [one for one in found if len(one.step)]
-    if not found:
+    obstacles = [one for one in obstacles if len(one.step)]
+    if not obstacles:
         refuse(f"{place} has no vehicle", "no-vehicles")
-    if len({one.name for one in found}) < len(found):
+    if len({one.name for one in obstacles}) < len(obstacles):
         refuse(f"{place} has two obstacles of one id", "duplicate-rows")
-    size = np.array([(*one.size, np.nan) for one in found], np.float32)
-    names = np.array([str(one.name) for one in found], np.str_)
-    return Tracks(names, np.array([one.kind for one in found], np.uint8), size, _dense(found, origin, place), skipped)
+    size = np.array([(*one.size, np.nan) for one in obstacles], np.float32)
+    names = np.array([str(one.name) for one in obstacles], np.str_)
+    return Tracks(names, np.array([one.kind for one in obstacles], np.uint8), size, _dense(obstacles, origin, place), skipped)
 
 
 def _role(element: Element) -> str | None:
@@ -135,8 +135,8 @@ def _obstacle(element: Element, kind: VehicleKind, fixed: bool, stride: int, pla
             [states[i] for i in order.tolist()], (step * (DT / stride)).astype(np.float64), position, heading, place
         )
     keep = step % stride == 0
-    kept = (step[keep] // stride, position[keep], heading[keep], velocity[keep])
-    return _Obstacle(name, kind, (length, width), fixed, *kept)
+    columns = (step[keep] // stride, position[keep], heading[keep], velocity[keep])
+    return _Obstacle(name, kind, (length, width), fixed, *columns)
 
 
 def _step(state: Element, fixed: bool, place: str) -> int:
@@ -162,13 +162,13 @@ def _velocity(
     """
     along = np.array([value(state, "velocity", place) for state in states], np.float64)  # None becomes NaN
     across = np.array([value(state, "velocityY", place) or 0.0 for state in states])
-    given = rotate(np.stack([along, across], axis=-1), heading).astype(np.float64)
+    velocity = rotate(np.stack([along, across], axis=-1), heading).astype(np.float64)
     if not np.isnan(along).any():
-        return given
+        return velocity
     if len(states) < 2:
         refuse(f"{place} has neither a velocity nor a second position", "missing-value")
     slope = np.diff(position, axis=0) / np.diff(time)[:, None]
-    return np.where(np.isnan(along)[:, None], np.concatenate([slope[:1], slope]), given)
+    return np.where(np.isnan(along)[:, None], np.concatenate([slope[:1], slope]), velocity)
 
 
 def _box(element: Element, place: str) -> tuple[float, float, Points]:
@@ -204,12 +204,12 @@ def _extent(part: Element, name: str, place: str) -> float:
     return extent
 
 
-def _dense(found: list[_Obstacle], origin: Points, place: str) -> Trajectories:
-    steps = max([int(one.step[-1]) + 1 for one in found if not one.fixed], default=1)
+def _dense(obstacles: list[_Obstacle], origin: Points, place: str) -> Trajectories:
+    steps = max([int(one.step[-1]) + 1 for one in obstacles if not one.fixed], default=1)
     if steps > MOST_STEPS:
         refuse(f"{place} goes on for {steps} time steps, more than {MOST_STEPS}", "out-of-range")
-    motion = Trajectories.empty(len(found), steps)
-    for row, one in enumerate(found):
+    motion = Trajectories.empty(len(obstacles), steps)
+    for row, one in enumerate(obstacles):
         at = np.arange(steps) if one.fixed else one.step
         if np.abs(one.position - origin).max() > FARTHEST:
             refuse(f"{place}: obstacle {one.name} is more than {FARTHEST / 1000:g} km off the map", "out-of-range")

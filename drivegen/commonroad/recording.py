@@ -9,7 +9,8 @@ from drivegen.commonroad.obstacles import read_tracks
 from drivegen.commonroad.values import number, refuse
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
 from drivegen.core.safe_xml import parse
-from drivegen.core.scenario import DT, Signals
+from drivegen.core.scenario import DT
+from drivegen.core.signals import Signals
 
 VERSIONS = ("2018b", "2020a")
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from drivegen.commonroad.junctions import ways
 from drivegen.commonroad.values import Points, identity, number, points, references, refuse, required, value
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import SignalState
+from drivegen.core.signals import SignalState
 
 SIGNS = {
     "205": LaneControl.YIELD,
@@ -71,8 +71,8 @@ class Rules:
 
 def read(root: Element, lanes: list[Element], links: NDArray[np.int32], index: dict[int, int], place: str) -> Rules:
     """The rules for the lanelet elements `lanes` (L), linked by `links` (E, 2); `index` numbers lanes by id."""
-    signs = {identity(found, "id", place): found for found in root.iterfind("trafficSign")}
-    lights = {identity(found, "id", place): found for found in root.iterfind("trafficLight")}
+    signs = {identity(sign, "id", place): sign for sign in root.iterfind("trafficSign")}
+    lights = {identity(light, "id", place): light for light in root.iterfind("trafficLight")}
     turns = {index[name]: word for name, word in ways(root, place).items() if name in index}
     control = np.zeros(len(lanes), np.uint8)
     limit = np.full(len(lanes), np.nan, np.float32)

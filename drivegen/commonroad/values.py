@@ -22,7 +22,7 @@ def identity(element: Element, name: str, place: str) -> int:
 
 def references(element: Element, path: str, place: str) -> list[int]:
     """The ids that the elements at `path` refer to."""
-    return [identity(found, "ref", place) for found in element.iterfind(path)]
+    return [identity(child, "ref", place) for child in element.iterfind(path)]
 
 
 def number(text: str | None, what: str, place: str) -> float:
@@ -38,24 +38,24 @@ def number(text: str | None, what: str, place: str) -> float:
 
 def value(element: Element, name: str, place: str) -> float | None:
     """The number below `element`: exact, plain, or the middle of an interval; None where the element is absent."""
-    found = element.find(name)
-    if found is None:
+    child = element.find(name)
+    if child is None:
         return None
-    exact = found.find("exact")
+    exact = child.find("exact")
     if exact is not None:
         return number(exact.text, name, place)
-    start, end = found.find("intervalStart"), found.find("intervalEnd")
+    start, end = child.find("intervalStart"), child.find("intervalEnd")
     if start is None or end is None:
-        return number(found.text, name, place)
+        return number(child.text, name, place)
     return (number(start.text, name, place) + number(end.text, name, place)) / 2
 
 
 def required(element: Element, name: str, place: str) -> float:
     """As `value`, but raises UnusableInput, reason `missing-value`, where the element is absent."""
-    found = value(element, name, place)
-    if found is None:
+    result = value(element, name, place)
+    if result is None:
         refuse(f"{place}: <{element.tag}> has no <{name}>", "missing-value")
-    return found
+    return result
 
 
 def pair(element: Element, place: str) -> tuple[float, float]:
@@ -65,16 +65,16 @@ def pair(element: Element, place: str) -> tuple[float, float]:
 
 def points(element: Element | None, place: str) -> Points:
     """All points of an element (P, 2) float64 [m]; none where the element is absent."""
-    found = [] if element is None else [pair(point, place) for point in element.iterfind("point")]
-    return np.array(found, np.float64).reshape(-1, 2)
+    pairs = [] if element is None else [pair(point, place) for point in element.iterfind("point")]
+    return np.array(pairs, np.float64).reshape(-1, 2)
 
 
 def centre(position: Element, place: str) -> tuple[float, float]:
     """Where a state is [m]: its point, or the centre of the region that it is somewhere in."""
     for path in ("point", "rectangle/center", "circle/center"):
-        found = position.find(path)
-        if found is not None:
-            return pair(found, place)
+        point = position.find(path)
+        if point is not None:
+            return pair(point, place)
     corners = points(position.find("polygon"), place)
     if not len(corners):
         refuse(f"{place}: a state's position is no point, rectangle, circle or polygon", "missing-value")

@@ -27,11 +27,11 @@ class Cropper:
         The map has no lanes where none is that near.
         """
         radii = np.broadcast_to(np.asarray(radius), len(points))
-        kept = np.flatnonzero(self._lanes.near(points, radii))
-        cut = take_lanes(self._map, kept)
+        lanes = np.flatnonzero(self._lanes.near(points, radii))
+        cut = take_lanes(self._map, lanes)
         drivable = np.flatnonzero(self._drivable.near(points, radii))
         crossings = np.flatnonzero(self._crossings.near(points, radii))
-        return replace(cut, drivable=self._map.drivable.take(drivable), crossings=self._map.crossings.take(crossings)), kept
+        return replace(cut, drivable=self._map.drivable.take(drivable), crossings=self._map.crossings.take(crossings)), lanes
 
 
 def reach(speed: Floats, seconds: float, room: float) -> NDArray[np.float64]:
@@ -43,30 +43,30 @@ def reach(speed: Floats, seconds: float, room: float) -> NDArray[np.float64]:
     return np.asarray(room + np.abs(speed) * seconds, np.float64)
 
 
-def take_lanes(road_map: RoadMap, kept: NDArray[np.int64]) -> RoadMap:
-    """The map with the lanes `kept` (K,) only, in that order; drivable area and crossings stay as they are."""
+def take_lanes(road_map: RoadMap, lanes: NDArray[np.int64]) -> RoadMap:
+    """The map with the lanes `lanes` (K,) only, in that order; drivable area and crossings stay as they are."""
     number = np.full(len(road_map) + 1, NO_LANE, np.int32)  # the last entry answers for NO_LANE
-    number[kept] = np.arange(len(kept), dtype=np.int32)
+    number[lanes] = np.arange(len(lanes), dtype=np.int32)
     links = number[road_map.links]
     inside = (links != NO_LANE).all(-1)
     links = links[inside]
-    neighbour = number[road_map.neighbour[kept]]
+    neighbour = number[road_map.neighbour[lanes]]
     stops = number[road_map.stop_lane] != NO_LANE
     return replace(
         road_map,
-        lane_id=road_map.lane_id[kept],
-        kind=road_map.kind[kept],
-        centreline=road_map.centreline.take(kept),
-        left=road_map.left.take(kept),
-        right=road_map.right.take(kept),
-        speed_limit=road_map.speed_limit[kept],
-        in_junction=road_map.in_junction[kept],
-        control=road_map.control[kept],
+        lane_id=road_map.lane_id[lanes],
+        kind=road_map.kind[lanes],
+        centreline=road_map.centreline.take(lanes),
+        left=road_map.left.take(lanes),
+        right=road_map.right.take(lanes),
+        speed_limit=road_map.speed_limit[lanes],
+        in_junction=road_map.in_junction[lanes],
+        control=road_map.control[lanes],
         links=links[np.lexsort(links.T[::-1])],
         neighbour=neighbour,
-        same_direction=road_map.same_direction[kept] & (neighbour != NO_LANE),
-        may_change=road_map.may_change[kept] & (neighbour != NO_LANE),
-        cut=(road_map.cut | _severed(road_map.links, number))[kept],
+        same_direction=road_map.same_direction[lanes] & (neighbour != NO_LANE),
+        may_change=road_map.may_change[lanes] & (neighbour != NO_LANE),
+        cut=(road_map.cut | _severed(road_map.links, number))[lanes],
         stop_lines=road_map.stop_lines[stops],
         stop_lane=number[road_map.stop_lane[stops]],
         dangling=road_map.dangling + int((number[road_map.links] != NO_LANE).any(-1).sum() - inside.sum()),
@@ -97,8 +97,8 @@ class _Samples:
 
     def near(self, points: Floats, radius: Floats) -> NDArray[np.bool_]:
         """(L,) whether the line comes within its `radius` (P,) [m] of any of `points` (P, 2)."""
-        found = np.zeros(self._lines, np.bool_)
+        near = np.zeros(self._lines, np.bool_)
         for point, far in zip(points, radius, strict=True):
             gap = self._points - point
-            found[self._line[(gap**2).sum(-1) <= far**2]] = True
-        return found
+            near[self._line[(gap**2).sum(-1) <= far**2]] = True
+        return near

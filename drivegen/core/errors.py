@@ -1,5 +1,8 @@
 """The ways in which DriveGen says no, each with one sentence that names file, place and remedy."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class DriveGenError(Exception):
     """Something failed for a reason the user can act on (exit code 1)."""
@@ -22,3 +25,12 @@ class UnusableInput(DriveGenError):
     def __init__(self, message: str, reason: str = "unusable") -> None:
         super().__init__(message)
         self.reason = reason
+
+
+@contextmanager
+def naming(place: object) -> Iterator[None]:
+    """Put `place` before the sentence of an UnusableInput that is raised inside."""
+    try:
+        yield
+    except UnusableInput as error:
+        raise UnusableInput(f"{place}: {error}", reason=error.reason) from None

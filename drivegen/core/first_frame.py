@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivegen.core.scenario import DT, Actors, Scenario, Signals, SignalState, Trajectories
+from drivegen.core.scenario import DT, Actors, Scenario, Trajectories
+from drivegen.core.signals import Signals, SignalState
 
 FORESEEN = 2.0
 """[s] for which who moves on foot or bicycle is taken to keep its velocity; for longer it would ride through waiting cars."""

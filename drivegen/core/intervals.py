@@ -99,15 +99,15 @@ def bootstrap_means(
     scenes = len(values)
     if scenes == 0:
         return [Interval(np.nan, np.nan, np.nan)] * values.shape[1]
-    known = np.isfinite(values)
-    filled = np.where(known, values, 0.0).astype(np.float64)
+    finite = np.isfinite(values)
+    filled = np.where(finite, values, 0.0).astype(np.float64)
     times = resamplings(recordings, draws, rng)
-    weight = times @ known
+    weight = times @ finite
     means = np.divide(times @ filled, weight, out=np.full(weight.shape, np.nan), where=weight > 0)
     out = []
     for column in range(values.shape[1]):
-        count = known[:, column].sum()
-        drawn = means[:, column]
+        count = finite[:, column].sum()
+        of_column = means[:, column]
         value = float(filled[:, column].sum() / count) if count else np.nan
-        out.append(Interval(value, *percentiles(drawn[np.isfinite(drawn)])))
+        out.append(Interval(value, *percentiles(of_column[np.isfinite(of_column)])))
     return out

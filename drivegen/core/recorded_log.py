@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.roadmap import RoadMap
-from drivegen.core.scenario import Signals, Trajectories
+from drivegen.core.scenario import Trajectories
+from drivegen.core.signals import Signals
 
 NO_TRACK = -1
 

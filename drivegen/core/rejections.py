@@ -37,16 +37,16 @@ class Rejected:
     def __len__(self) -> int:
         return len(self.sample)
 
-    def only(self, kept: NDArray[np.bool_]) -> "Rejected":
-        """Those that are `kept` (R,)."""
+    def only(self, mask: NDArray[np.bool_]) -> "Rejected":
+        """Those that are `mask` (R,)."""
         return Rejected(
             self.scenario_id,
             self.method,
-            self.position[kept],
-            self.sample[kept],
-            self.vehicle[kept],
-            self.violation[kept],
-            self.made_way[kept],
+            self.position[mask],
+            self.sample[mask],
+            self.vehicle[mask],
+            self.violation[mask],
+            self.made_way[mask],
         )
 
     def dashes(self, length: float) -> NDArray[np.float32]:
@@ -92,7 +92,7 @@ class Rejections:
         rows = np.array(self._rows, np.int64).reshape(-1, 4).T
         steps = samples.motion.valid.shape[-1]
         position = np.stack(self._position) if self._position else np.zeros((0, steps, 2), np.float32)
-        found = Rejected(
+        rejected = Rejected(
             scenario_id=samples.scenario_id,
             method=samples.method,
             position=position.astype(np.float32),
@@ -101,13 +101,13 @@ class Rejections:
             violation=rows[2].astype(np.uint16),
             made_way=rows[3].astype(np.bool_),
         )
-        return found.only(~_stand(found, samples.motion))
+        return rejected.only(~_stand(rejected, samples.motion))
 
 
-def _stand(found: Rejected, motion: Trajectories) -> NDArray[np.bool_]:
+def _stand(rejected: Rejected, motion: Trajectories) -> NDArray[np.bool_]:
     """(R,) which of them are what the samples (K, N, T) hold."""
-    place = (found.sample, found.vehicle)
-    same = np.equal(found.position, motion.position[place]).all(axis=(1, 2))
+    place = (rejected.sample, rejected.vehicle)
+    same = np.equal(rejected.position, motion.position[place]).all(axis=(1, 2))
     return np.asarray(same & motion.valid[place].all(axis=1))
 
 

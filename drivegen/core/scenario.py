@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.errors import UnusableInput
+from drivegen.core.errors import UnusableInput, naming
 from drivegen.core.roadmap import RoadMap
+from drivegen.core.signals import Signals
 
 DT = 0.1
 """Time between steps [s]."""
@@ -32,15 +33,6 @@ class VehicleKind(IntEnum):
     MOTORCYCLE = 3
     CYCLIST = 4
     PEDESTRIAN = 5
-
-
-class SignalState(IntEnum):
-    """State of a signal at one step, for the lane that it guards."""
-
-    UNKNOWN = 0
-    GREEN = 1
-    YELLOW = 2
-    RED = 3
 
 
 class SizeSource(IntEnum):
@@ -99,9 +91,9 @@ class Trajectories:
         return np.where(self.valid.any(-1), self.steps - 1 - np.argmax(self.valid[..., ::-1], axis=-1), 0)
 
     def standing_after_end(self, seen: NDArray[np.bool_] | None = None) -> "Trajectories":
-        """The same with every track standing, after its last step of `seen` (..., T), where it was then; valid as before.
+        """A copy in which every track stands still after its last step in `seen` (..., T), by default its last valid one.
 
-        `seen` are the valid steps where it is not given; a track without any stays as it is.
+        `valid` does not change, nor does a track without any such step.
         """
         seen = self.valid if seen is None else seen
         steps = np.arange(self.steps)
@@ -221,45 +213,6 @@ class Actors:
 
 
 @dataclass(frozen=True)
-class Signals:
-    """Traffic signals M_d: signal g guards the entry into lane `lane[g]`.
-
-    Attributes:
-        lane: (G,) int32 index into the map's lanes.
-        state: (G, T) uint8 SignalState.
-    """
-
-    lane: NDArray[np.int32]
-    state: NDArray[np.uint8]
-
-    def __len__(self) -> int:
-        return len(self.lane)
-
-    def validate(self, lanes: int) -> None:
-        """Raise UnusableInput unless they guard some of so many lanes and their states are among `SignalState`."""
-        if self.lane.size and not 0 <= self.lane.min() <= self.lane.max() < lanes:
-            raise UnusableInput("a signal guards a lane that the map does not hold", reason="bad-signals")
-        if (self.state > max(SignalState)).any():
-            raise UnusableInput("a signal has a state that is none", reason="bad-signals")
-
-    def held(self) -> "Signals":
-        """The same, each signal showing its last known state wherever the state is UNKNOWN: what drivers assume."""
-        known = np.where(self.state != SignalState.UNKNOWN, np.arange(self.state.shape[1]), 0)
-        return Signals(self.lane, np.take_along_axis(self.state, np.maximum.accumulate(known, axis=1), axis=1))
-
-    def on_lanes(self, kept: NDArray[np.integer]) -> "Signals":
-        """The signals of the lanes `kept` (K,) only, which are numbered 0..K-1 from now on."""
-        number = {lane: i for i, lane in enumerate(kept.tolist())}
-        inside = np.array([g for g, lane in enumerate(self.lane.tolist()) if lane in number], np.intp)
-        return Signals(np.array([number[lane] for lane in self.lane[inside].tolist()], np.int32), self.state[inside])
-
-    @classmethod
-    def none(cls, steps: int) -> "Signals":
-        """No signals over `steps` steps."""
-        return cls(np.zeros(0, np.int32), np.zeros((0, steps), np.uint8))
-
-
-@dataclass(frozen=True)
 class Scenario:
     """One scenario: where (map), who (vehicles), what happened (log, if it was recorded).
 
@@ -296,10 +249,8 @@ class Scenario:
 
     def validate(self) -> None:
         """Raise UnusableInput, naming the scenario, unless all parts are sound and agree with one another."""
-        try:
+        with naming(f"scenario {self.scenario_id}"):
             self._validate_parts()
-        except UnusableInput as error:
-            raise UnusableInput(f"scenario {self.scenario_id}: {error}", reason=error.reason) from None
 
     def _validate_parts(self) -> None:
         if self.horizon < 1:

@@ -28,8 +28,8 @@ def has_seal(raw: bytes) -> bool:
 
 def expect_seal(raw: bytes, place: object, remedy: str) -> None:
     """Raise UnusableInput, reason `damaged`, naming `place`, unless these are the bytes that `sealed` gave."""
-    found = _SEAL.findall(raw)
-    if len(found) != 1:
+    seals = _SEAL.findall(raw)
+    if len(seals) != 1:
         raise UnusableInput(f"{place} has no checksum: {remedy}", reason="damaged")
-    if hashlib.sha256(_SEAL.sub(BLANK.encode(), raw)).hexdigest() != found[0].decode():
+    if hashlib.sha256(_SEAL.sub(BLANK.encode(), raw)).hexdigest() != seals[0].decode():
         raise UnusableInput(f"{place} is not what was written, by its checksum: {remedy}", reason="damaged")

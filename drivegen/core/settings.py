@@ -71,12 +71,12 @@ def read_section(section: str, path: Path = PARAMS) -> dict[str, Any]:
 
 def read_params(section: str, params: type[P], path: Path = PARAMS) -> P:
     """The params section as a dataclass; `section` may be dotted. Unknown and missing keys are errors that name both."""
-    wanted = {f.name for f in dataclasses.fields(params)}  # type: ignore[arg-type]
+    own_names = {f.name for f in dataclasses.fields(params)}  # type: ignore[arg-type]
     own = read_section(section, path)
     shared = read_section(SHARED, path) if SHARED in read_tree(path) else {}
     for name in _SHARED_KINDS.keys() & shared.keys():
         _typed(_SHARED_KINDS[name], shared[name], f"{path}: {SHARED}.{name}")
-    return build(params, {**{k: v for k, v in shared.items() if k in wanted}, **own}, f"{path}: {section}")
+    return build(params, {**{k: v for k, v in shared.items() if k in own_names}, **own}, f"{path}: {section}")
 
 
 def build(cls: type[P], values: dict[str, Any], place: str) -> P:

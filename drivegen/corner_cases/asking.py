@@ -56,8 +56,8 @@ def asking(
     """Who asks about social vehicles, with what is known and pictures of earlier collisions before every question."""
     early = f"A meeting in the first {reaction_time:g} s leaves the target no time to react: it shows nothing."
     more = (settings.knowledge,) if settings.knowledge else ()
-    known = fenced("knowledge", "\n".join([in_words(knowledge), early, *more]))
-    return Asking(model, settings, seed, (known, *pictures), WORDING, spared=frozenset({TARGET}))
+    facts = fenced("knowledge", "\n".join([in_words(knowledge), early, *more]))
+    return Asking(model, settings, seed, (facts, *pictures), WORDING, spared=frozenset({TARGET}))
 
 
 def in_words(knowledge: Knowledge) -> str:
@@ -69,8 +69,8 @@ def in_words(knowledge: Knowledge) -> str:
     ]
     for row in knowledge.rows():
         interval = f"[{row['low']:.3f}, {row['high']:.3f}]"
-        said = str(row["value"]).replace("_", " ")
-        lines.append(f"{row['feature']}: {said}: {row['probability']:.3f} {interval}, {row['encounters']}")
+        value = str(row["value"]).replace("_", " ")
+        lines.append(f"{row['feature']}: {value}: {row['probability']:.3f} {interval}, {row['encounters']}")
     return "\n".join(lines)
 
 
@@ -88,31 +88,31 @@ def forecast(asking: Asking, choices: Sequence[Choices], scenarios: int) -> str:
 
 
 def endanger(
-    choices: Sequence[Choices], leaning: Sequence[Choices], asked: Asking, max_ratio: float, account: Account
+    choices: Sequence[Choices], leaning: Sequence[Choices], asker: Asking, max_ratio: float, account: Account
 ) -> list[Choices]:
     """Choices whose `used` follow the model's ranking, those of `leaning` where it gave none.
 
     As under the re-weighting, no ratio to the probabilities without pressure exceeds `max_ratio`, nor its inverse.
     Raises MissingTool where a recorded answer is missing and nobody may be asked, OverBudget.
     """
-    asked.ahead([scene_of(*pair) for pair in zip(choices, leaning, strict=True)])
-    return [_one(choice, lean, asked, max_ratio, account) for choice, lean in zip(choices, leaning, strict=True)]
+    asker.ahead([scene_of(*pair) for pair in zip(choices, leaning, strict=True)])
+    return [_one(choice, lean, asker, max_ratio, account) for choice, lean in zip(choices, leaning, strict=True)]
 
 
-def _one(choice: Choices, leaning: Choices, asked: Asking, max_ratio: float, account: Account) -> Choices:
-    wanted = asked.odds(scene_of(choice, leaning), account)
+def _one(choice: Choices, leaning: Choices, asker: Asking, max_ratio: float, account: Account) -> Choices:
+    odds_of_model = asker.odds(scene_of(choice, leaning), account)
     return replace(
         choice,
         used=[
-            told if told is lean else _within(drawn, told, max_ratio)
-            for drawn, told, lean in zip(choice.used, wanted, leaning.used, strict=True)
+            odds if odds is lean else _within(used, odds, max_ratio)
+            for used, odds, lean in zip(choice.used, odds_of_model, leaning.used, strict=True)
         ],
     )
 
 
-def _within(drawn: NDArray[np.floating], wanted: NDArray[np.floating], max_ratio: float) -> NDArray[np.float32]:
-    """`wanted` (C,) with its ratio to `drawn` bounded; what is never drawn stays so."""
-    possible = drawn > 0
-    tilt = np.zeros(len(drawn))
-    tilt[possible] = wanted[possible].astype(np.float64) / drawn[possible]
-    return bounded(drawn, np.maximum(tilt / tilt.max(), 1e-9), max_ratio)
+def _within(used: NDArray[np.floating], odds: NDArray[np.floating], max_ratio: float) -> NDArray[np.float32]:
+    """`odds` (C,) with its ratio to `used` bounded; what is never drawn stays so."""
+    possible = used > 0
+    tilt = np.zeros(len(used))
+    tilt[possible] = odds[possible].astype(np.float64) / used[possible]
+    return bounded(used, np.maximum(tilt / tilt.max(), 1e-9), max_ratio)

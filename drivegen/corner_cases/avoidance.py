@@ -59,7 +59,7 @@ class Avoidance:
 
     @property
     def budget(self) -> float:
-        """[s] From the first cue to the last moment of the later of the two; negative where that was before, NaN for none."""
+        """[s] From the first cue to the last moment to act; negative if that lies before it, NaN if never."""
         return self.cue - min(self.latest, self.latest_braking, key=lambda x: (np.isnan(x), x))
 
     @property

@@ -69,10 +69,10 @@ def collisions(choice: Choices, drive: Drive) -> list[Collision]:
     ]
 
 
-def telling(found: Sequence[Collision], knowledge: Knowledge, most: int) -> list[Collision]:
+def telling(collisions: Sequence[Collision], knowledge: Knowledge, most: int) -> list[Collision]:
     """At most `most`, the riskiest features first, one of each scenario and no features twice while there are others."""
     risk = knowledge.probability()
-    order = sorted(found, key=lambda c: (-risk[c.cell], c.scenario_id, c.sample, c.partner))
+    order = sorted(collisions, key=lambda c: (-risk[c.cell], c.scenario_id, c.sample, c.partner))
     chosen: list[Collision] = []
     for others_only in (True, False):
         for one in order:

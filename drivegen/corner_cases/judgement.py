@@ -60,10 +60,10 @@ class Judgement:
 def _until(avoidance: Avoidance) -> str:
     if not avoidance.cue:
         return "Nothing shows it coming."
-    seen = f"It can be seen coming {avoidance.cue:.1f} s before"
+    warning = f"It can be seen coming {avoidance.cue:.1f} s before"
     if avoidance.verdict == Avoidable.NO:
-        return f"{seen}, when it can no longer be avoided."
-    return f"{seen} and avoided until {avoidance.cue - avoidance.budget:.1f} s before: {avoidance.budget:.1f} s to react."
+        return f"{warning}, when it can no longer be avoided."
+    return f"{warning} and avoided until {avoidance.cue - avoidance.budget:.1f} s before: {avoidance.budget:.1f} s to react."
 
 
 def judgements(cases: Sequence[Case], driver: Driver, law: Reaction) -> list[Judgement]:

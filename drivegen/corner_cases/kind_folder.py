@@ -21,10 +21,10 @@ def write_kind(folder: Path, judgement: Judgement) -> None:
     """Write the case of `judgement` to `folder`, which is made; its scenario is called as the folder is."""
     folder.mkdir(parents=True)
     case = judgement.case
-    kept = np.flatnonzero(case.motion.valid.any(-1))
-    scenario = replace(case.scenario, scenario_id=folder.name, vehicles=case.scenario.vehicles[kept], log=case.motion[kept])
+    present = np.flatnonzero(case.motion.valid.any(-1))
+    scenario = replace(case.scenario, scenario_id=folder.name, vehicles=case.scenario.vehicles[present], log=case.motion[present])
     for name in plugins.names("exporters"):
-        plugins.load("exporters", name)().write(scenario, case.motion[kept], folder, folder.name)
+        plugins.load("exporters", name)().write(scenario, case.motion[present], folder, folder.name)
     planned, driven = Samples.without_goals(case.scenario_id, case.method, case.traffic[np.newaxis]), case.driven[np.newaxis]
     for name, raw in ((PICTURE, _picture(case, planned)), (WORDS, f"{judgement.sentence}\n".encode())):
         with whole(folder / name) as temporary:

@@ -140,8 +140,8 @@ def groups(cases: Sequence[Case]) -> list[Group]:
     of: dict[Kind, list[int]] = {}
     for c, case in enumerate(cases):
         of.setdefault(kind_of(case), []).append(c)
-    found = [_group(kind, members, cases) for kind, members in of.items()]
-    return sorted(found, key=lambda group: (-len(group.cases), group.kind))
+    kinds = [_group(kind, members, cases) for kind, members in of.items()]
+    return sorted(kinds, key=lambda group: (-len(group.cases), group.kind))
 
 
 def _group(kind: Kind, members: list[int], cases: Sequence[Case]) -> Group:

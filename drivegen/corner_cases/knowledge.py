@@ -41,10 +41,10 @@ class Knowledge:
         """Add encounters nearer than `reach` [m], those from behind left out; `collided` has their shape."""
         near = met.met & ~met.behind & (met.gap <= reach)
         cells = (met.speed_bin[near], met.direction[near], met.behaviour[near])
-        seen, hit = self.encounters.copy(), self.collisions.copy()
-        np.add.at(seen, cells, 1)
+        encounters, hit = self.encounters.copy(), self.collisions.copy()
+        np.add.at(encounters, cells, 1)
         np.add.at(hit, cells, collided[near].astype(np.int64))
-        return Knowledge(seen, hit, self.strength)
+        return Knowledge(encounters, hit, self.strength)
 
     def __add__(self, other: "Knowledge") -> "Knowledge":
         """Counts of both."""
@@ -61,8 +61,8 @@ class Knowledge:
         odds = np.full(SHAPE, rate / (1 - rate))
         for axis in range(3):
             others = tuple(a for a in range(3) if a != axis)
-            seen, hit = self.encounters.sum(others), self.collisions.sum(others)
-            marginal = (hit + self.strength * rate) / (seen + self.strength)
+            encounters, hit = self.encounters.sum(others), self.collisions.sum(others)
+            marginal = (hit + self.strength * rate) / (encounters + self.strength)
             shape = [1, 1, 1]
             shape[axis] = -1
             odds = odds * ((marginal / (1 - marginal)) / (rate / (1 - rate))).reshape(shape)
@@ -79,16 +79,16 @@ class Knowledge:
         rows: list[dict[str, Any]] = []
         for axis, (feature, values) in enumerate(features):
             others = tuple(a for a in range(3) if a != axis)
-            for value, seen, hit in zip(values, self.encounters.sum(others), self.collisions.sum(others), strict=True):
-                if seen:
-                    low, high = wilson(int(hit), int(seen))
+            for value, met, hit in zip(values, self.encounters.sum(others), self.collisions.sum(others), strict=True):
+                if met:
+                    low, high = wilson(int(hit), int(met))
                     rows.append(
                         {
                             "feature": feature,
                             "value": value,
-                            "encounters": int(seen),
+                            "encounters": int(met),
                             "collisions": int(hit),
-                            "probability": round(float(hit / seen), 6),
+                            "probability": round(float(hit / met), 6),
                             "low": round(low, 6),
                             "high": round(high, 6),
                         }
@@ -102,8 +102,8 @@ class Knowledge:
     @classmethod
     def from_json(cls, value: dict[str, Any]) -> "Knowledge":
         """The inverse of `to_json`."""
-        seen, hit = np.asarray(value["encounters"], np.int64), np.asarray(value["collisions"], np.int64)
-        return cls(seen.reshape(SHAPE), hit.reshape(SHAPE), float(value["strength"]))
+        encounters, hit = np.asarray(value["encounters"], np.int64), np.asarray(value["collisions"], np.int64)
+        return cls(encounters.reshape(SHAPE), hit.reshape(SHAPE), float(value["strength"]))
 
 
 def wilson(hits: int, trials: int) -> tuple[float, float]:

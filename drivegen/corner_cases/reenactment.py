@@ -105,8 +105,8 @@ class Reenactment:
     ) -> NDArray[np.bool_]:
         """(R,) whether `case` (R,) is avoided where its target evades by `evasion` (R,) from `step` (R,) on.
 
-        It is, where the target stays on the road and until the end runs into nobody, nor anybody into it but one who is
-        replayed and not the partner: from behind, or while it stands. Where neighbours react nobody may touch it at all.
+        A case is avoided where the target stays on the road and hits nobody until the end, and nobody hits it. One exception:
+        where neighbours are replayed, others than the partner may hit it from behind, or while it stands.
         """
         rows = np.resize(np.arange(len(case)), -(-len(case) // ROWS) * ROWS)
         whole, begin = case[rows], step[rows]

@@ -76,7 +76,7 @@ def _lean_one(
     owner = np.repeat(np.arange(len(sizes)), [len(c) for c in choice.candidates])
     met = encounters(expected, sizes[TARGET], planned[np.newaxis][np.zeros(len(expected.valid), np.intp)], sizes[owner])
     risks = risk(met, knowledge, settings).mean(axis=0)
-    used = [drawn if n == TARGET else lean(drawn, risks[owner == n], settings) for n, drawn in enumerate(choice.used)]
+    used = [odds if n == TARGET else lean(odds, risks[owner == n], settings) for n, odds in enumerate(choice.used)]
     return replace(choice, used=used)
 
 
@@ -94,7 +94,7 @@ def play(
     first = roll_out(choices, planner, limits, settings, samples, seed, METHOD)
     rehearsed = [_to_the_end(drive) for drive in _drive(choices, first, driver, simulator)]
     around = roll_out(choices, planner, limits, settings, samples, seed, METHOD, rehearsed)
-    traffic = [_with_planned_target(made, planned) for made, planned in zip(around, first, strict=True)]
+    traffic = [_with_planned_target(futures, planned) for futures, planned in zip(around, first, strict=True)]
     return _drive(choices, traffic, driver, simulator)
 
 
@@ -102,10 +102,10 @@ def _drive(choices: Sequence[Choices], traffic: Sequence[Samples], driver: Drive
     """Let the driver drive the target through every sample."""
     samples = len(traffic[0].dropped)
     scenarios = [choice.scenario for choice in choices for _ in range(samples)]
-    outcome = simulator.run(driver, scenarios, [made.motion[k] for made in traffic for k in range(samples)])
+    outcome = simulator.run(driver, scenarios, [futures.motion[k] for futures in traffic for k in range(samples)])
     return [
-        Drive(made, outcome.motion[rows].until(choice.scenario.steps), _rows(outcome, rows))
-        for choice, made, rows in zip(choices, traffic, _blocks(len(choices), samples), strict=True)
+        Drive(futures, outcome.motion[rows].until(choice.scenario.steps), _rows(outcome, rows))
+        for choice, futures, rows in zip(choices, traffic, _blocks(len(choices), samples), strict=True)
     ]
 
 

@@ -109,5 +109,5 @@ def _price(choice: Choices, drive: Drive) -> dict[str, float]:
 
 def _mean(values: NDArray[Any]) -> float:
     """Mean of what is known; NaN where nothing is."""
-    known = values[np.isfinite(values)]
-    return float(known.mean()) if len(known) else np.nan
+    finite = values[np.isfinite(values)]
+    return float(finite.mean()) if len(finite) else np.nan

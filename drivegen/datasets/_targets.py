@@ -31,14 +31,14 @@ def spread_targets(kind: NDArray[np.uint8], motion: Trajectories) -> list[int]:
     Ties go to the one whose neighbourhood is smaller, so the more central one, then to the lower row. Empty if no vehicle
     is there at the first step.
     """
-    seen = np.where(np.isin(kind, _KINDS), np.cumprod(motion.valid, axis=-1).sum(-1), 0)
-    if not seen.any():
+    steps_seen = np.where(np.isin(kind, _KINDS), np.cumprod(motion.valid, axis=-1).sum(-1), 0)
+    if not steps_seen.any():
         return []
-    long = seen >= min(LONG, seen.max())
+    long = steps_seen >= min(LONG, steps_seen.max())
     travelled = np.where(motion.valid[:, 1:], np.hypot(*np.moveaxis(np.diff(motion.position, axis=1), -1, 0)), 0).sum(-1)
     fit = long & (travelled >= min(MOVING, travelled[long].max()))
-    near, reach = _neighbourhoods(np.flatnonzero(seen > 0), motion.position[:, 0])
-    missing = seen > 0
+    near, reach = _neighbourhoods(np.flatnonzero(steps_seen > 0), motion.position[:, 0])
+    missing = steps_seen > 0
     chosen: list[int] = []
     while True:
         gain = np.where(fit, (near & missing).sum(-1), 0)

@@ -13,7 +13,7 @@ import numpy as np
 from drivegen.av2.sensor import EGO_TRACK, FITTED, SensorLog, count_frames, log_files, read_sensor_log
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
-from drivegen.core.scenario import Signals
+from drivegen.core.signals import Signals
 
 SPLITS = ("train", "val", "test")
 
@@ -74,17 +74,17 @@ def _windows(log: Path) -> int:
 
 def _cut(log: SensorLog, scene: str, first: int, end: int) -> RecordedLog:
     motion = log.motion.between(first, end)
-    seen = motion.valid.any(-1)
-    ego = np.flatnonzero(log.track_id[seen] == EGO_TRACK)
+    present = motion.valid.any(-1)
+    ego = np.flatnonzero(log.track_id[present] == EGO_TRACK)
     return RecordedLog(
         scenario_id=scene.replace(":", "-"),  # it will name a folder when exported
         source=Plugin.description,
         city=log.city,
         map=log.road_map,
-        track_id=log.track_id[seen],
-        kind=log.kind[seen],
-        size=log.size[seen],
-        motion=motion[seen],
+        track_id=log.track_id[present],
+        kind=log.kind[present],
+        size=log.size[present],
+        motion=motion[present],
         focal=NO_TRACK,
         ego=int(ego[0]) if len(ego) else NO_TRACK,
         signals=Signals.none(motion.steps),

@@ -16,7 +16,7 @@ import numpy as np
 from drivegen.commonroad.recording import read_recording
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
-from drivegen.core.scenario import Signals
+from drivegen.core.signals import Signals
 from drivegen.datasets._targets import spread_targets
 
 SPLITS = ("train", "val", "test")
@@ -80,14 +80,14 @@ def _read(path: Path) -> tuple[RecordedLog, list[tuple[int, int]]]:
 
 def _cut(log: RecordedLog, scene: str, first: int, target: int) -> RecordedLog:
     motion = log.motion.between(first, first + WINDOW)
-    seen = np.asarray(motion.valid.any(-1))
+    present = np.asarray(motion.valid.any(-1))
     return replace(
         log,
         scenario_id=scene.replace(":", "-"),  # it will name a folder when exported
-        track_id=log.track_id[seen],
-        kind=log.kind[seen],
-        size=log.size[seen],
-        motion=motion[seen],
-        focal=int(np.count_nonzero(seen[:target])),
+        track_id=log.track_id[present],
+        kind=log.kind[present],
+        size=log.size[present],
+        motion=motion[present],
+        focal=int(np.count_nonzero(present[:target])),
         signals=Signals(log.signals.lane, log.signals.state[:, first : first + WINDOW]),
     )

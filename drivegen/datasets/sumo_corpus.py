@@ -54,10 +54,10 @@ class Plugin:
 
     def read(self, split: str, scene: str) -> RecordedLog:
         """One recording with its map and signals. Raises UnusableInput where the files cannot be used."""
-        found = self._scenes(split).get(scene)
-        if found is None:
+        row_of_shard = self._scenes(split).get(scene)
+        if row_of_shard is None:
             raise UnusableInput(f"{self._root / split} holds no scenario {scene!r}", reason="no-rows")
-        path, row = found
+        path, row = row_of_shard
         tracks, maps = self._shard(path)
         place = f"{path} [{scene}]"
         try:
@@ -71,8 +71,8 @@ class Plugin:
 
     def files(self, split: str, scene: str) -> tuple[Path, ...]:
         """The scene's shard: tracks and maps."""
-        found = self._scenes(split).get(scene)
-        return () if found is None else (found[0], _maps_of(found[0]))
+        place = self._scenes(split).get(scene)
+        return () if place is None else (place[0], _maps_of(place[0]))
 
     def _scenes(self, split: str) -> dict[str, tuple[Path, int]]:
         if split not in self._index:

@@ -84,10 +84,10 @@ class Pupil:
         """Clone the logs."""
         how, random = self._how, torch.Generator().manual_seed(seed)
         optimiser = torch.optim.Adam(self._tries.parameters(), how.clone_rate)
-        seen, number = self._expert.features[:-1][self._expert.live], self._expert.number[self._expert.live]
+        features, number = self._expert.features[:-1][self._expert.live], self._expert.number[self._expert.live]
         for _ in range(how.clone_steps):
-            rows = torch.randint(len(seen), (how.clone_batch,), generator=random)
-            loss = mse_loss(self._tries(seen[rows]), number[rows])
+            rows = torch.randint(len(features), (how.clone_batch,), generator=random)
+            loss = mse_loss(self._tries(features[rows]), number[rows])
             optimiser.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
             optimiser.step()
@@ -97,9 +97,9 @@ class Pupil:
         """Episodes in which the policy does not quite do what it holds for best; judge and policy learn from them."""
         random, tries, how = torch.Generator().manual_seed(seed), self._tries, self._how
 
-        def choose(_: int, seen: Tensor, __: World) -> Tensor:
-            best: Tensor = tries(seen)
-            return best + tries.spread.exp() * torch.randn(len(seen), generator=random)
+        def choose(_: int, features: Tensor, __: World) -> Tensor:
+            best: Tensor = tries(features)
+            return best + tries.spread.exp() * torch.randn(len(features), generator=random)
 
         episodes = play(self._world, torch.randint(len(self._lessons), (how.ppo.rows,), generator=random), choose)
         self._judge.learn(transitions(episodes), random)

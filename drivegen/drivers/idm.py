@@ -16,8 +16,8 @@ import torch
 from torch import Tensor
 
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import SignalState
 from drivegen.core.settings import NotNegative, Positive
+from drivegen.core.signals import SignalState
 from drivegen.world.observation import Action, Observation, Rules
 
 _NO_GAP = 0.001
@@ -70,34 +70,34 @@ class Plugin:
         limit = observation.speed_limit.nan_to_num(settings.desired_speed)
         free = 1 - (speed / limit) ** settings.exponent
         gap, leader_speed = self._leader(observation)
-        wanted = settings.min_gap + self._wanted(speed, leader_speed)
-        behind = (wanted / gap) ** 2
+        desired_gap = settings.min_gap + self._dynamic_gap(speed, leader_speed)
+        behind = (desired_gap / gap) ** 2
         if settings.heeds_rules and observation.rules is not None:
             line = self._line(observation.rules, speed)
-            behind = torch.maximum(behind, ((settings.min_gap + self._wanted(speed, 0.0)) / line) ** 2)
+            behind = torch.maximum(behind, ((settings.min_gap + self._dynamic_gap(speed, 0.0)) / line) ** 2)
         distance = _LIMIT_DISTANCES.to(speed)
         slower = observation.limits_ahead(distance).nan_to_num(settings.desired_speed)
-        room = torch.maximum(distance, self._wanted(slower, 0.0))
-        slowing = torch.where(slower < speed[:, None], (self._wanted(speed, 0.0)[:, None] / room) ** 2, 0.0).amax(dim=1)
+        room = torch.maximum(distance, self._dynamic_gap(slower, 0.0))
+        slowing = torch.where(slower < speed[:, None], (self._dynamic_gap(speed, 0.0)[:, None] / room) ** 2, 0.0).amax(dim=1)
         acceleration = settings.acceleration * (free - torch.maximum(behind, slowing))
         return Action(acceleration.clamp_min(-settings.emergency_braking))
 
-    def _wanted(self, speed: Tensor, leader_speed: Tensor | float) -> Tensor:
+    def _dynamic_gap(self, speed: Tensor, leader_speed: Tensor | float) -> Tensor:
         """s* - s0: the gap that is wanted to a leader beyond the minimal one [m]."""
         comfort = 2 * (self.settings.acceleration * self.settings.braking) ** 0.5
-        wanted: Tensor = speed * self.settings.headway + speed * (speed - leader_speed) / comfort
-        return wanted.clamp_min(0.0)
+        gap: Tensor = speed * self.settings.headway + speed * (speed - leader_speed) / comfort
+        return gap.clamp_min(0.0)
 
-    def _leader(self, seen: Observation) -> tuple[Tensor, Tensor]:
+    def _leader(self, observation: Observation) -> tuple[Tensor, Tensor]:
         """Gap (S,) to the nearest box ahead [m], inf if none, and its speed (S,) along the path [m/s]."""
-        reach = seen.half_width + (0.5 * seen.width + self.settings.side_margin)[:, None]
-        now = seen.left - seen.offset[:, None]
-        later = now + seen.speed_across * self.settings.look_ahead
+        reach = observation.half_width + (0.5 * observation.width + self.settings.side_margin)[:, None]
+        now = observation.left - observation.offset[:, None]
+        later = now + observation.speed_across * self.settings.look_ahead
         sweeps = (now * later <= 0) | (torch.minimum(now.abs(), later.abs()) < reach)
-        ahead = seen.present & sweeps & (seen.ahead > 0)
-        gaps = (seen.ahead - seen.half_length - 0.5 * seen.length[:, None]).clamp_min(_NO_GAP)
+        ahead = observation.present & sweeps & (observation.ahead > 0)
+        gaps = (observation.ahead - observation.half_length - 0.5 * observation.length[:, None]).clamp_min(_NO_GAP)
         gap, nearest = torch.where(ahead, gaps, torch.inf).min(dim=1)
-        return gap, seen.speed_along.gather(1, nearest[:, None])[:, 0]
+        return gap, observation.speed_along.gather(1, nearest[:, None])[:, 0]
 
     def _line(self, rules: Rules, speed: Tensor) -> Tensor:
         """Distance (S,) to a line that must not be crossed now [m], inf if none."""

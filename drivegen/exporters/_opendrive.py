@@ -25,14 +25,14 @@ _LANE = -1
 
 def opendrive(roads: RoadMap, name: str) -> bytes:
     """The map as an OpenDRIVE file, without a date; coordinates are the map's."""
-    made = xodr.OpenDrive(name)
+    document = xodr.OpenDrive(name)
     junction = _junctions(roads)
     links = _Links(roads, junction)
     for lane in range(len(roads)):
-        made.add_road(_road(roads, lane, int(junction[lane]), links))
+        document.add_road(_road(roads, lane, int(junction[lane]), links))
     for number in range(int(junction.max()) + 1):
-        made.add_junction(links.junction(number, len(roads) + number))
-    root = made.get_element()
+        document.add_junction(links.junction(number, len(roads) + number))
+    root = document.get_element()
     root.find("header").attrib.pop("date", None)
     return serialised(root)
 
@@ -66,13 +66,13 @@ class _Links:
 
     def junction(self, number: int, road_id: int) -> xodr.Junction:
         """A junction with the ways that lead into it."""
-        made = xodr.Junction(f"junction {number}", road_id)
+        element = xodr.Junction(f"junction {number}", road_id)
         for a, b in self._pairs:
             if self._junction[b] == number and self._junction[a] < 0:
                 connection = xodr.Connection(a, b, xodr.ContactPoint.start)
                 connection.add_lanelink(_LANE, _LANE)
-                made.add_connection(connection)
-        return made
+                element.add_connection(connection)
+        return element
 
     def _single(self, a: int, b: int) -> bool:
         return self._after[a] == self._before[b] == 1 and self._junction[a] < 0 and self._junction[b] < 0

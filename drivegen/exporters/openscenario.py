@@ -59,10 +59,10 @@ def openscenario(scenario: Scenario, motion: Trajectories, name: str) -> bytes:
     board = xosc.StoryBoard(init, _at((motion.steps - 1) * DT, "stop"))
     board.add_act(act)
     road = xosc.RoadNetwork(f"{name}.xodr")
-    made = xosc.Scenario(
+    document = xosc.Scenario(
         name, "DriveGen", xosc.ParameterDeclarations(), entities, board, road, xosc.Catalog(), 2, creation_date=_NO_DATE
     )
-    return serialised(made.get_element())
+    return serialised(document.get_element())
 
 
 _AT_ONCE = xosc.TransitionDynamics(xosc.DynamicsShapes.step, xosc.DynamicsDimension.time, 0)

@@ -56,7 +56,7 @@ def _cover(position, mass, chosen, squared, most):  # type: ignore[no-untyped-de
 
 @njit(cache=True)
 def _take(best, near, uncovered, gain, mass):  # type: ignore[no-untyped-def]
-    """Cover everything near place `best`: nobody gains from it any more. In place."""
+    """Mark everything near place `best` as covered and take its mass off the gains of all others, in place."""
     for j in range(len(mass)):
         if uncovered[j] and near[best, j]:
             uncovered[j] = False

@@ -13,7 +13,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats
-from drivegen.core.scenario import DT, Signals, SignalState
+from drivegen.core.scenario import DT
+from drivegen.core.signals import Signals, SignalState
 from drivegen.goals.reach import Dynamics, speed_caps
 from drivegen.goals.traffic import STAND, Ahead, Queue
 from drivegen.roads.line import SPACING, Route
@@ -81,8 +82,8 @@ def forecast(route: Route, speed: float, length: float, ahead: Ahead, queue: Que
     """Drive a vehicle of `length` [m] with `speed` [m/s] at s = 0 on for `steps` steps behind `queue`."""
     limit = route.speed_limit.astype(np.float32)
     route_caps = speed_caps(route, max(speed, 0.0), Dynamics(ACCELERATION, BRAKING, LATERAL, 1.0))
-    known = ~np.isnan(limit)
-    caps = np.where(known, route_caps, np.minimum(route_caps, max(UNKNOWN_LIMIT, speed))).astype(np.float64)
+    with_limit = ~np.isnan(limit)
+    caps = np.where(with_limit, route_caps, np.minimum(route_caps, max(UNKNOWN_LIMIT, speed))).astype(np.float64)
     walls, closed = _signals_ahead(route, signals, steps)
     place, pace, size = (
         np.concatenate([[own], theirs]) for own, theirs in ((0.0, queue.s), (speed, queue.speed), (length, queue.length))
@@ -103,8 +104,8 @@ def _signals_ahead(route: Route, signals: Signals, steps: int) -> tuple[Floats, 
 @njit(cache=True)
 def _interaction(v, closing, gap):  # type: ignore[no-untyped-def]
     """Braking term of the model before what is `gap` [m] ahead."""
-    wanted = MIN_GAP + max(v * HEADWAY + v * closing / (2 * np.sqrt(ACCELERATION * BRAKING)), 0.0)
-    return (wanted / max(gap, 0.1)) ** 2
+    desired_gap = MIN_GAP + max(v * HEADWAY + v * closing / (2 * np.sqrt(ACCELERATION * BRAKING)), 0.0)
+    return (desired_gap / max(gap, 0.1)) ** 2
 
 
 @njit(cache=True)

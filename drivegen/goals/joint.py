@@ -36,9 +36,9 @@ def draw_together(
     """
     with np.errstate(divide="ignore"):
         odds = np.ascontiguousarray(np.broadcast_to(np.log(used.astype(np.float64)), noise.shape[1:]))
-    drawn = np.zeros((noise.shape[1], len(start) - 1), np.int64)
-    _sweep(odds, start, exclusive, noise, drawn)
-    return drawn - start[:-1]
+    choice = np.zeros((noise.shape[1], len(start) - 1), np.int64)
+    _sweep(odds, start, exclusive, noise, choice)
+    return choice - start[:-1]
 
 
 def gumbel(seed: int, scenario_id: str, samples: int, rows: int) -> NDArray[np.float32]:
@@ -73,19 +73,19 @@ def in_tempo(
 
 
 @njit(cache=True)
-def _sweep(odds, start, exclusive, noise, drawn):  # type: ignore[no-untyped-def]
-    samples, count = drawn.shape
+def _sweep(odds, start, exclusive, noise, choice):  # type: ignore[no-untyped-def]
+    samples, count = choice.shape
     for k in range(samples):
         for n in range(count):
-            drawn[k, n] = start[n] + np.argmax(odds[k, start[n] : start[n + 1]] + noise[0, k, start[n] : start[n + 1]])
+            choice[k, n] = start[n] + np.argmax(odds[k, start[n] : start[n + 1]] + noise[0, k, start[n] : start[n + 1]])
         for sweep in range(1, noise.shape[0]):
             for n in range(count):
-                best, chosen = -np.inf, drawn[k, n]
+                best, chosen = -np.inf, choice[k, n]
                 for c in range(start[n], start[n + 1]):
                     score = odds[k, c] + noise[sweep, k, c]
                     for m in range(count):
-                        if exclusive[c, drawn[k, m]]:
+                        if exclusive[c, choice[k, m]]:
                             score -= PENALTY
                     if score > best:
                         best, chosen = score, c
-                drawn[k, n] = chosen
+                choice[k, n] = chosen

@@ -19,7 +19,7 @@ LEAST_SEEN = 0.3
 """A track seen for less than this share of the horizon teaches nothing."""
 
 UNSTEADY = 0.8
-"""Acceleration [m/s2] that is not known of a vehicle that is no longer seen."""
+"""How uncertain the acceleration of a vehicle is once it is out of sight [m/s2]."""
 
 ON_ROUTE = 2.0
 """A vehicle last seen within this distance [m] of a route's line is carried on along it."""

@@ -46,8 +46,8 @@ class Lists:
         labels = ends(scenario, candidates)
         if len(labels.vehicle) == 0:
             return cls.none()
-        given, labelled = features(first_frame(scenario), candidates), labels.vehicle.tolist()
-        x, there = padded([given[n] for n in labelled])
+        features_of, labelled = features(first_frame(scenario), candidates), labels.vehicle.tolist()
+        x, there = padded([features_of[n] for n in labelled])
         distance = np.full(there.shape, np.inf, np.float32)
         for i, n in enumerate(labelled):
             distance[i, : len(candidates[n])] = np.hypot(*(candidates[n].position - labels.position[i]).T)

@@ -72,14 +72,14 @@ class Outlooks:
         size = np.ascontiguousarray(vehicles.size[owner, :2], np.float32)
         whole = np.ones(heading.shape, np.bool_)
         way_there = Trajectories(position.astype(np.float32), heading.astype(np.float32), np.zeros_like(position), whole)
-        seen = Exits.of(scenario.map).leave(way_there, size[:, 0])
+        visible = Exits.of(scenario.map).leave(way_there, size[:, 0])
         return cls(
             start=np.cumsum([0, *counts]),
             owner=owner,
             distance=distance,
-            position=seen.position,
-            heading=seen.heading,
-            valid=seen.valid,
+            position=visible.position,
+            heading=visible.heading,
+            valid=visible.valid,
             size=size,
             target_steps=target_steps,
         )
@@ -187,8 +187,8 @@ def _exclusions(position, heading, valid, size, owner, target_last, met):  # typ
             if low_y > boxes[b, 3] + theirs or high_y < boxes[b, 1] - theirs:
                 continue
             last = target_last[a] if owner[b] == TARGET else position.shape[1]
-            found = _meet(position, heading, valid, size, a, position, heading, valid, size, b, last)
-            met[a, b], met[b, a] = found, found
+            step = _meet(position, heading, valid, size, a, position, heading, valid, size, b, last)
+            met[a, b], met[b, a] = step, step
 
 
 @njit(cache=True)

@@ -69,8 +69,8 @@ def scorable(scenario: Scenario) -> NDArray[np.bool_]:
     """(N,) vehicles that are seen at step 0 and long enough for their end to be a label."""
     if scenario.log is None:
         return np.zeros(len(scenario.vehicles), np.bool_)
-    seen: NDArray[np.bool_] = scenario.log.valid[:, 0] & (scenario.log.last_valid() >= SEEN * scenario.horizon)
-    return seen
+    long_enough: NDArray[np.bool_] = scenario.log.valid[:, 0] & (scenario.log.last_valid() >= SEEN * scenario.horizon)
+    return long_enough
 
 
 def judge(scenario: Scenario, candidates: Sequence[Candidates], probabilities: Sequence[NDArray[np.float32]]) -> Judged:
@@ -98,14 +98,14 @@ def scores(judged: Judged, seed: int = 0, draws: int = 0) -> dict[str, dict[str,
     table, recordings = _table(judged), np.array([recording(scenario) for scenario in judged.scenario], np.str_)
     usual = judged.steps == usual_length(judged.scene_steps) if len(table) else np.zeros(0, np.bool_)
     groups = {"all": np.ones(len(table), np.bool_), "moving": judged.moved}
-    found = {}
+    by_group = {}
     for name, group in groups.items():
         keep = group & usual
-        found[name] = {"vehicles": float(keep.sum()), "left_out": float((group & ~usual).sum())}
+        by_group[name] = {"vehicles": float(keep.sum()), "left_out": float((group & ~usual).sum())}
         if keep.any():
             rng = seeds.rng(seed, "goal-scores", name)
-            found[name] |= _means(table[keep], recordings[keep], draws, rng)
-    return found
+            by_group[name] |= _means(table[keep], recordings[keep], draws, rng)
+    return by_group
 
 
 def scene_scores(judged: Judged) -> tuple[list[str], dict[str, NDArray[np.float64]]]:
@@ -153,9 +153,9 @@ def _means(table: NDArray[np.float64], of: NDArray[np.str_], draws: int, rng: np
 
     values = dict(zip(names, statistics(np.ones((1, count)))[0].tolist(), strict=True)) | {"recordings": float(count)}
     if draws:
-        drawn = statistics(resamplings(recordings.tolist(), draws, rng))
+        resampled = statistics(resamplings(recordings.tolist(), draws, rng))
         for k, name in enumerate(names):
-            values[f"{name}.low"], values[f"{name}.high"] = percentiles(drawn[:, k])
+            values[f"{name}.low"], values[f"{name}.high"] = percentiles(resampled[:, k])
     return values
 
 

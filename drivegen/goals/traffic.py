@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats, wrap_angle
 from drivegen.core.roadmap import LaneControl, RoadMap
-from drivegen.core.scenario import Scenario, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import SignalState
 from drivegen.roads.frenet import to_frenet
 from drivegen.roads.line import SPACING, Route
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from drivegen.core import seeds
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import Scenario, Signals
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import Signals
 
 LIMITS_KNOWN = 0.5
 """Share of the twins that keep their speed limits."""

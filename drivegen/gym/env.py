@@ -43,16 +43,16 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         playable = self._environment.playable
         number = (options or {}).get("scenario", self.np_random.integers(len(playable)))
         scene = playable[int(number)].reshape(1)
-        seen = self._environment.reset(scene)[0].numpy().copy()
-        return seen, {"scenario": self._environment.traffic[int(scene)][0].scenario_id}
+        features = self._environment.reset(scene)[0].numpy().copy()
+        return features, {"scenario": self._environment.traffic[int(scene)][0].scenario_id}
 
     def step(self, action: Floats) -> tuple[Floats, float, bool, bool, dict[str, Any]]:
         """One step of 0.1 s."""
         step = self._environment.step(torch.from_numpy(np.array(action, np.float32).reshape(1, -1)))
         info: dict[str, Any] = {f"reward/{name}": float(value) for name, value in zip(TERMS, step.terms[0], strict=True)}
         info |= {"collision": int(step.kind[0]), "off_road": bool(step.off_road[0]), "left_map": bool(step.left_map[0])}
-        seen = step.observation[0].numpy().copy()
-        return seen, float(step.reward[0]), bool(step.terminated[0]), bool(step.truncated[0]), info
+        features = step.observation[0].numpy().copy()
+        return features, float(step.reward[0]), bool(step.terminated[0]), bool(step.truncated[0]), info
 
     def render(self) -> NDArray[np.uint8] | None:
         """(H, W, 3) the target in the middle, from above; None unless made with "rgb_array"."""

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.scenario import TARGET, Scenario, Signals
+from drivegen.core.scenario import TARGET, Scenario
+from drivegen.core.signals import Signals
 from drivegen.drivers.shared.environment import Environment
 from drivegen.render.bird_eye import draw_bird_eye
 

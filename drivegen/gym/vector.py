@@ -45,19 +45,19 @@ class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
         """Begin an episode in every row."""
         super().reset(seed=seed, options=options)
-        return self.environment.reset(self.environment.drawn(self.num_envs, self.np_random)).cpu().numpy(), {}
+        return self.environment.reset(self.environment.draw_scenes(self.num_envs, self.np_random)).cpu().numpy(), {}
 
     def step(self, actions: Floats) -> tuple[Floats, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """One step; where an episode ends the observation returned is the first of the next, and `final_obs` its last."""
         step = self.advance(actions)
-        seen, info = step.observation.cpu().numpy(), self._info(step)
+        observation, info = step.observation.cpu().numpy(), self._info(step)
         ended = np.flatnonzero((step.terminated | step.truncated).cpu().numpy())
         if len(ended):
-            info |= self._final(seen, ended)
-            seen[ended] = self.begin(ended)
+            info |= self._final(observation, ended)
+            observation[ended] = self.begin(ended)
         arrays = (step.reward, step.terminated, step.truncated)
         reward, terminated, truncated = (tensor.cpu().numpy() for tensor in arrays)
-        return seen, reward, terminated, truncated, info
+        return observation, reward, terminated, truncated, info
 
     def advance(self, actions: Floats) -> Step:
         """One step of all rows, none of which is reset."""
@@ -67,7 +67,7 @@ class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
     def begin(self, rows: NDArray[np.intp]) -> Floats:
         """New episodes in `rows`; their first observations."""
         index = torch.from_numpy(rows).to(self.environment.world.scene.device)
-        return self.environment.reset(self.environment.drawn(len(rows), self.np_random), index).cpu().numpy()
+        return self.environment.reset(self.environment.draw_scenes(len(rows), self.np_random), index).cpu().numpy()
 
     def _info(self, step: Step) -> dict[str, Any]:
         every = np.ones(self.num_envs, np.bool_)
@@ -76,10 +76,10 @@ class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
         values = terms | {name: tensor.cpu().numpy() for name, tensor in ends.items()}
         return {**values, **{f"_{name}": every for name in values}}
 
-    def _final(self, seen: Floats, ended: NDArray[np.intp]) -> dict[str, Any]:
+    def _final(self, observation: Floats, ended: NDArray[np.intp]) -> dict[str, Any]:
         final = np.full(self.num_envs, None, object)
         mask = np.zeros(self.num_envs, np.bool_)
         for r in ended.tolist():
-            final[r] = seen[r].copy()
+            final[r] = observation[r].copy()
         mask[ended] = True
         return {"final_obs": final, "_final_obs": mask}

@@ -69,13 +69,13 @@ def seen_for_half(scenario: Scenario) -> int:
 
 def usable_tracks(data: Dataset, settings: Settings, enough: int) -> int:
     """Vehicles seen for half of their scenario in the training split; counting stops when there are `enough`."""
-    found, ignored = 0, Admission()
+    tracks, ignored = 0, Admission()
     for scene in data.scenes("train"):
         scenario = ignored.admit(data, "train", scene, settings)
-        found += 0 if scenario is None else seen_for_half(scenario)
-        if found >= enough:
+        tracks += 0 if scenario is None else seen_for_half(scenario)
+        if tracks >= enough:
             break
-    return found
+    return tracks
 
 
 def _numbers(log: RecordedLog, scenario: Scenario, settings: Settings) -> Counter[str]:
@@ -112,11 +112,11 @@ def count_reasons(rejected: Sequence[tuple[str, ...]]) -> str:
 def accounts(total: Mapping[str, Admission]) -> dict[str, pa.Table]:
     """By split: `rejected`, a row a recording with its reason, and `counts`, a row a number."""
     words = pa.string()
-    rejected = [(split, *row) for split, found in total.items() for row in found.rejected]
+    rejected = [(split, *row) for split, admission in total.items() for row in admission.rejected]
     numbers = [
         (split, source, name, count)
-        for split, found in total.items()
-        for source, counts in sorted(found.counts.items())
+        for split, admission in total.items()
+        for source, counts in sorted(admission.counts.items())
         for name, count in sorted(counts.items())
     ]
     return {

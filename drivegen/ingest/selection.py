@@ -17,29 +17,13 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap, wrap_angle
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
 from drivegen.core.roadmap import NO_LANE
-from drivegen.core.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
+from drivegen.core.scenario import DT, Actors, Scenario, Trajectories, Vehicles
 from drivegen.core.settings import Count, Index, Positive, Share
-
-PLANNED_KINDS = (VehicleKind.CAR, VehicleKind.TRUCK, VehicleKind.BUS)
-"""Kinds that are planned; all others are context."""
-
-ASSUMED_SIZE = {
-    VehicleKind.CAR: (4.63, 1.97, 1.74),
-    VehicleKind.TRUCK: (6.93, 2.51, 2.84),
-    VehicleKind.BUS: (10.5, 2.94, 3.47),
-    VehicleKind.MOTORCYCLE: (2.11, 0.77, 1.47),
-    VehicleKind.CYCLIST: (1.70, 0.60, 1.28),
-    VehicleKind.PEDESTRIAN: (0.73, 0.67, 1.77),
-}
-"""Length, width, height [m] where a data set has no boxes (Argoverse 2 Motion Forecasting): mean boxes of nuScenes'
-classes, as the anchors of Zhu et al., "Class-balanced grouping and sampling", 2019, and OpenPCDet have them. The medians
-of the regular vehicles in two Argoverse 2 Sensor logs are 4.35 x 1.96 x 1.62 and 4.16 x 1.82 x 1.70: somewhat smaller."""
+from drivegen.core.signals import Signals
+from drivegen.ingest.vehicles import PLANNED_KINDS, boxes_of, choose
 
 FASTEST = 70.0
 """A road vehicle whose recorded positions or velocities ask for more [m/s] is a tracking error."""
-
-PARKED_SPEED = 0.5
-"""A vehicle that is no faster at the first frame [m/s] stands."""
 
 SHORTEST_HORIZON = 10
 """A recording that goes on for fewer steps after the first frame is rejected: one second is no traffic."""
@@ -77,8 +61,8 @@ def select(log: RecordedLog, settings: Settings) -> Scenario:
     notes: dict[str, str] = {}
     target = _target(log, settings.target, notes)
     log = _without_jumps(log, target, notes)
-    size, source = _sizes(log)
-    chosen = _choose(log, target, size, source, settings, notes)
+    size, source = boxes_of(log)
+    chosen = choose(log, target, size, source, settings.max_vehicles, settings.smallest_shrink, notes)
     log = _in_frame_of(log, chosen, settings.map_radius)
     motion = _tidy(log.motion[chosen])
     scenario = Scenario(
@@ -118,14 +102,14 @@ def _cut_time(log: RecordedLog, settings: Settings) -> RecordedLog:
     return replace(log, motion=cut, signals=Signals(log.signals.lane, log.signals.state[:, first:last]))
 
 
-def _target(log: RecordedLog, wanted: str, notes: dict[str, str]) -> int:
+def _target(log: RecordedLog, role: str, notes: dict[str, str]) -> int:
     """The focal track or the ego, if it is a vehicle and there at step 0; else the other one, noted."""
-    if wanted not in ("focal", "ego"):
-        raise UnusableInput(f"the target must be 'focal' or 'ego', not {wanted!r}")
+    if role not in ("focal", "ego"):
+        raise UnusableInput(f"the target must be 'focal' or 'ego', not {role!r}")
     if not np.isin(log.kind, PLANNED_KINDS).any():
         raise UnusableInput(f"scenario {log.scenario_id} has no vehicles", reason="no-vehicles")
     names = {"focal": ("focal track", log.focal), "ego": ("AV", log.ego)}
-    (word, first), (other_word, second) = names[wanted], names["ego" if wanted == "focal" else "focal"]
+    (word, first), (other_word, second) = names[role], names["ego" if role == "focal" else "focal"]
     problem = _unfit(log, first)
     if not problem:
         return first
@@ -144,54 +128,6 @@ def _unfit(log: RecordedLog, track: int) -> str:
     if log.kind[track] not in PLANNED_KINDS:
         return "is no vehicle"
     return "" if log.motion.valid[track, 0] else "is absent at the first step"
-
-
-def _sizes(log: RecordedLog) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
-    """Boxes (M, 3) without gaps, and where they come from (M,): flat recordings measure length and width, which is enough."""
-    assumed = np.array([ASSUMED_SIZE[VehicleKind(int(kind))] for kind in log.kind], np.float32).reshape(-1, 3)
-    unknown = np.any(np.isnan(log.size[:, :2]), axis=-1)
-    source = np.where(unknown, SizeSource.ASSUMED, SizeSource.MEASURED).astype(np.uint8)
-    return np.where(unknown[:, None] | np.isnan(log.size), assumed, log.size), source
-
-
-def _choose(
-    log: RecordedLog,
-    target: int,
-    size: NDArray[np.float32],
-    source: NDArray[np.uint8],
-    settings: Settings,
-    notes: dict[str, str],
-) -> NDArray[np.intp]:
-    """The target, then the nearest vehicles at step 0 that can stand beside those already chosen.
-
-    Overlaps that the recording's first frame already has are resolved in this order: the assumed boxes of standing
-    vehicles shrink together, as little as needed; else the farther vehicle is dropped. `size` and `source` are updated.
-    """
-    position, present = log.motion.position[:, 0], log.motion.valid[:, 0]
-    candidate = present & np.isin(log.kind, PLANNED_KINDS)
-    candidate[target] = False
-    far = np.hypot(*(position - position[target]).T)
-    order = np.flatnonzero(candidate)
-    order = order[np.argsort(far[order], kind="stable")]
-    parked = (source == SizeSource.ASSUMED) & (log.motion.speed[:, 0] < PARKED_SPEED)
-    chosen, full_size, counts = [target], size.copy(), {"overlaps": 0, "shrunk": 0, "dropped_overlapping": 0}
-    for vehicle in order.tolist():
-        if len(chosen) == settings.max_vehicles:
-            break
-        touched = _touched(log, vehicle, np.array(chosen), size)
-        counts["overlaps"] += len(touched)
-        if len(touched):
-            group = np.append(touched, vehicle)
-            factor = _shrink(log, vehicle, touched, full_size, settings.smallest_shrink) if parked[group].all() else None
-            if factor is None:
-                counts["dropped_overlapping"] += 1
-                continue
-            size[group, :2] = np.minimum(size[group, :2], factor * full_size[group, :2])
-            source[group] = SizeSource.SHRUNK
-            counts["shrunk"] += len(group)
-        chosen.append(vehicle)
-    notes.update({name: str(count) for name, count in counts.items() if count})
-    return np.array(chosen)
 
 
 def _without_jumps(log: RecordedLog, target: int, notes: dict[str, str]) -> RecordedLog:
@@ -218,25 +154,6 @@ def _implausible(motion: Trajectories) -> NDArray[np.bool_]:
     return np.asarray(wrong)
 
 
-def _touched(log: RecordedLog, vehicle: int, others: NDArray[np.intp], size: NDArray[np.float32]) -> NDArray[np.intp]:
-    """Those of `others` whose box overlaps the vehicle's at step 0."""
-    position, heading = log.motion.position[:, 0], log.motion.heading[:, 0]
-    overlap = boxes_overlap(
-        position[vehicle], heading[vehicle], size[vehicle, :2], position[others], heading[others], size[others, :2]
-    )
-    return others[overlap]
-
-
-def _shrink(
-    log: RecordedLog, vehicle: int, touched: NDArray[np.intp], size: NDArray[np.float32], smallest: float
-) -> float | None:
-    """The largest factor, in steps of 0.02, by which all these boxes clear one another; None if none is large enough."""
-    for factor in np.arange(0.98, smallest - 1e-9, -0.02):
-        if not len(_touched(log, vehicle, touched, size * np.float32(factor))):
-            return float(factor)
-    return None
-
-
 def _in_frame_of(log: RecordedLog, chosen: NDArray[np.intp], radius: float | None) -> RecordedLog:
     """The recording in a frame near the target, the first `chosen`, its map cut to what these can reach and `radius` more."""
     old = log.map.origin
@@ -249,11 +166,11 @@ def _in_frame_of(log: RecordedLog, chosen: NDArray[np.intp], radius: float | Non
     if radius is None:
         return replace(log, map=road_map, motion=motion)
     within = reach(motion.speed[chosen, 0], (motion.steps - 1) * DT, radius)
-    road_map, kept = Cropper(road_map).around(position[chosen, 0], within)
-    if not len(kept):
+    road_map, lanes = Cropper(road_map).around(position[chosen, 0], within)
+    if not len(lanes):
         raise UnusableInput(f"scenario {log.scenario_id}: no lane within {radius:g} m of its vehicles' reach", reason="no-lanes")
     lane = np.full(len(log.map), NO_LANE, np.int32)
-    lane[kept] = np.arange(len(kept), dtype=np.int32)
+    lane[lanes] = np.arange(len(lanes), dtype=np.int32)
     guarded = lane[log.signals.lane]
     signals = Signals(guarded[guarded != NO_LANE], log.signals.state[guarded != NO_LANE])
     return replace(log, map=road_map, motion=motion, signals=signals)

@@ -45,7 +45,7 @@ class Plan:
 
 
 def trained_on(
-    wanted: tuple[str, ...], opened: Opened, selected: Callable[[str], Settings], fewest: int
+    sources: tuple[str, ...], opened: Opened, selected: Callable[[str], Settings], fewest: int
 ) -> tuple[tuple[str, ...], str]:
     """The data sets to train on, and a sentence where that is not what was asked for.
 
@@ -53,9 +53,9 @@ def trained_on(
     the corpus steps in.
     """
     names, notes = [], []
-    for name in wanted:
-        if name != CORPUS and (found := usable_tracks(opened(name), selected(name), fewest)) < fewest:
-            notes.append(f"{name} has {found} usable training tracks, fewer than {fewest}: not trained on")
+    for name in sources:
+        if name != CORPUS and (tracks := usable_tracks(opened(name), selected(name), fewest)) < fewest:
+            notes.append(f"{name} has {tracks} usable training tracks, fewer than {fewest}: not trained on")
         else:
             names.append(name)
     return tuple(names or [CORPUS]), "; ".join(notes)
@@ -69,11 +69,11 @@ def items(plan: Plan, opened: Opened, split: str) -> list[str]:
     if split == "test":
         theirs = (_held_out(plan, plan.source),) if plan.source in plan.train_on else SPLITS
         scenes = ((word, scene) for word in theirs for scene in opened(plan.source).scenes(word))
-        found = [f"{plan.source}/{word}/{scene}" for word, scene in scenes if scene.startswith(plan.recordings or "")]
+        chosen = [f"{plan.source}/{word}/{scene}" for word, scene in scenes if scene.startswith(plan.recordings or "")]
     else:
-        found = [item for name in plan.train_on for item in _training_items(plan, opened(name), name, split)]
+        chosen = [item for name in plan.train_on for item in _training_items(plan, opened(name), name, split)]
     limit = plan.limits.get(split)
-    return found if limit is None else sorted(sorted(found, key=lambda item: derive(0, "limit", item))[:limit])
+    return chosen if limit is None else sorted(sorted(chosen, key=lambda item: derive(0, "limit", item))[:limit])
 
 
 def _training_items(plan: Plan, data: Dataset, name: str, split: str) -> list[str]:
@@ -87,9 +87,9 @@ def _training_items(plan: Plan, data: Dataset, name: str, split: str) -> list[st
 
 def _held_back(recordings: set[str]) -> set[str]:
     """One in `VAL_SHARE` by a fixed hash; of few recordings (but more than one) the one that comes first by it."""
-    drawn = {name: derive(0, "val", name) for name in recordings}
-    found = {name for name, number in drawn.items() if number % VAL_SHARE == 0}
-    return found or ({min(drawn, key=lambda name: (drawn[name], name))} if len(drawn) > 1 else set())
+    numbers = {name: derive(0, "val", name) for name in recordings}
+    names = {name for name, number in numbers.items() if number % VAL_SHARE == 0}
+    return names or ({min(numbers, key=lambda name: (numbers[name], name))} if len(numbers) > 1 else set())
 
 
 def _recording(scene: str) -> str:

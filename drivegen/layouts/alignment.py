@@ -53,12 +53,12 @@ class Alignment(Part):
     @property
     def spans(self) -> tuple[tuple[float, float], ...]:
         """Where along the road every bend begins and ends [m]."""
-        found, at = [], self.straight
+        arcs, at = [], self.straight
         for angle, radius in self.curves:
             arc = abs(math.radians(angle)) * radius
-            found.append((at, at + arc))
+            arcs.append((at, at + arc))
             at += arc + (self.straight if self.shape == "hairpin" else 0.0)
-        return tuple(found)
+        return tuple(arcs)
 
     @property
     def straights(self) -> int:

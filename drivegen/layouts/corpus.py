@@ -32,14 +32,26 @@ class Networks:
         for splits in (scenarios, self.real, self.outside, self.own):
             if unknown := set(splits) - set(SPLITS):
                 raise UnusableInput(f"corpus: there is no split {unknown.pop()!r}; there are {', '.join(SPLITS)}")
-        seen: dict[str, str] = {}
+        split_of: dict[str, str] = {}
         for split in SPLITS:
             for name, source in chain.from_iterable(group.get(split, {}).items() for group in vars(self).values()):
                 for word in (name, str(source)):
-                    if seen.setdefault(word, split) != split or not name.replace("_", "").isalnum():
+                    if split_of.setdefault(word, split) != split or not name.replace("_", "").isalnum():
                         raise UnusableInput(
-                            f"corpus: network {name!r} is in {seen[word]} and {split}, or its name is no plain word"
+                            f"corpus: network {name!r} is in {split_of[word]} and {split}, or its name is no plain word"
                         )
+
+    def chosen(self, names: Iterable[str]) -> "Networks":
+        """Only those of these names, all of them where none is named. Raises UnusableInput for a name that no network has."""
+        chosen = set(names)
+        there = {name for group in vars(self).values() for named in group.values() for name in named}
+        if unknown := chosen - there:
+            raise UnusableInput(f"corpus.only names {min(unknown)!r}, which is no network of corpus.networks")
+        groups = {
+            kind: {split: {name: source for name, source in named.items() if name in chosen} for split, named in group.items()}
+            for kind, group in vars(self).items()
+        }
+        return Networks(**groups) if chosen else self
 
     def located(self, folder: str) -> "tuple[Networks, list[str]]":
         """The networks with those of `folder` ("": none) among the real ones, and the names of those that are not there."""

@@ -71,11 +71,11 @@ class Junction(Part):
     @property
     def directions(self) -> tuple[float, ...]:
         """Directions of the side roads against the corridor's own [degrees, to the left], in the order of `sides`."""
-        found = []
+        directions_of = []
         for i, side in enumerate(self.sides):
             step = 180.0 / (1 + self.sides.count(side))
-            found.append(step * (1 + self.sides[:i].count(side)) + (0.0 if side == "left" else 180.0))
-        return tuple(found)
+            directions_of.append(step * (1 + self.sides[:i].count(side)) + (0.0 if side == "left" else 180.0))
+        return tuple(directions_of)
 
 
 class Corridor(Part):

@@ -1,8 +1,8 @@
 """OpenDRIVE out and in, by netconvert; and how much of a network is still there when it is read back.
 
-netconvert alone writes every lane that cars may not use as "restricted", whoever may, and reads such lanes, and bicycle lanes, as
-nothing. Here each lane is written as what our maps take it for ("driving", "bus", "biking": lane types of OpenDRIVE 1.4), and
-read as such. What a lane type cannot say is lost: which of lorries, taxis or trams share the lane.
+netconvert alone writes every lane that cars may not use as "restricted", whichever vehicles may, and skips such lanes and bicycle
+lanes when it reads. Here each lane is written as the kind that our maps give it ("driving", "bus", "biking": lane types of
+OpenDRIVE 1.4), and read as such. What a lane type cannot say is lost: which of lorries, taxis or trams share the lane.
 """
 
 import re

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.intervals import recording
 from drivegen.core.settings import Count, Positive
+from drivegen.metrics.paired import chance
 
 
 @dataclass(frozen=True)
@@ -77,17 +78,6 @@ class Settings:
     level: Positive
     looks: tuple[Count, ...]
     draws: Count
-
-
-def clustered(excess: NDArray[np.integer]) -> float:
-    """P(sum >= the one seen) where the toss of a coin gives each cluster's excess (G,) its sign; exact, and 1 for none."""
-    steps, odds = np.abs(excess[excess != 0]).tolist(), np.ones(1)
-    for step in steps:
-        wider = np.zeros(len(odds) + 2 * step)
-        wider[: len(odds)] += odds / 2
-        wider[2 * step :] += odds / 2
-        odds = wider
-    return float(min(odds[sum(steps) + int(excess.sum()) :].sum(), 1.0))
 
 
 def mcnemar(more: int, less: int) -> float:
@@ -179,7 +169,7 @@ def _test(pairs: Pairs, rows: NDArray[np.integer]) -> float:
     excess = pairs.excess[rows]
     some = np.flatnonzero(excess)
     number = np.unique([recording(name) for name in pairs.scenario[rows[some]].tolist()], return_inverse=True)[1]
-    return clustered(np.rint(np.bincount(number, excess[some])).astype(np.int64))
+    return chance(np.rint(np.bincount(number, excess[some])).astype(np.int64))
 
 
 def _killed_by(

@@ -74,13 +74,13 @@ class Scene:
         """Take a target (1,) that stands there already as number 0. Raises UnusableInput, reason `no-place`, off all lanes."""
         self.given = target
         place, heading = target.position[TARGET].astype(np.float64), float(target.heading[TARGET])
-        lane, found = LaneGraph.of(self.slots.map).nearest(place[None], target.heading[:1], max_angle=np.pi / 2)
+        lane, numbers = LaneGraph.of(self.slots.map).nearest(place[None], target.heading[:1], max_angle=np.pi / 2)
         away = np.hypot(*(self.slots.position - place).T)
         away[np.abs(wrap_angle(self.slots.heading - heading)) > ALONG_LANE] += 1e3
         if lane[0] == NO_LANE or not len(away):
             raise UnusableInput("the given target is on no lane", reason="no-place")
         size, speed = target.size[TARGET].astype(np.float64), float(target.speed[TARGET])
-        self._append(int(np.argmin(away)), int(lane[0]), float(found[0, 0]), place, size, speed, self.NO_ROW, 0)
+        self._append(int(np.argmin(away)), int(lane[0]), float(numbers[0, 0]), place, size, speed, self.NO_ROW, 0)
         self.heading.append(heading)
 
     def _append(
@@ -146,7 +146,7 @@ class Scene:
         """All that were placed, in this order."""
         row = np.array(self.row)
         measured = self.table.provenance[row] != Provenance.DOCUMENTED
-        made = Vehicles(
+        vehicles = Vehicles(
             track_id=np.array([str(i) for i in range(len(row))], np.str_),
             kind=self.table.kind[row],
             size=np.stack(self.size).astype(np.float32),
@@ -156,5 +156,5 @@ class Scene:
             speed=np.array(self.speed, np.float32),
         )
         if self.given is not None:
-            made.kind[TARGET], made.size_source[TARGET] = self.given.kind[TARGET], self.given.size_source[TARGET]
-        return made
+            vehicles.kind[TARGET], vehicles.size_source[TARGET] = self.given.kind[TARGET], self.given.size_source[TARGET]
+        return vehicles

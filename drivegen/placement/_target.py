@@ -31,11 +31,11 @@ def add_target(
 def _slot(scene: Scene, row: int, wishes: Sequence[Wish], road_ahead: float, random: np.random.Generator) -> int:
     """One at random; the first of some drawn from which every wish has a place, where there are wishes."""
     feasible = _feasible(scene, row, wishes[0], road_ahead)
-    wanted = [wish for wish in wishes[1:] if wish.relation is not None]
-    if not wanted:
+    related = [wish for wish in wishes[1:] if wish.relation is not None]
+    if not related:
         return int(random.choice(feasible))
     tried = random.choice(feasible, min(_TARGETS, len(feasible)), replace=False)
-    met = [sum(_met(scene.slots, int(slot), wish) for wish in wanted) for slot in tried]
+    met = [sum(_met(scene.slots, int(slot), wish) for wish in related) for slot in tried]
     return int(tried[int(np.argmax(met))])
 
 
@@ -53,10 +53,10 @@ def _feasible(scene: Scene, row: int, own: Wish, road_ahead: float) -> NDArray[n
     return feasible
 
 
-def _with_road(slots: Slots, fits: NDArray[np.intp], wanted: float) -> NDArray[np.intp]:
+def _with_road(slots: Slots, fits: NDArray[np.intp], road_ahead: float) -> NDArray[np.intp]:
     """Those of the slots that have the wanted road ahead; the best tenth where none has."""
     road = slots.road_ahead[fits]
-    return np.asarray(fits[road >= min(wanted, float(np.quantile(road, 0.9)))])
+    return np.asarray(fits[road >= min(road_ahead, float(np.quantile(road, 0.9)))])
 
 
 def _met(slots: Slots, target: int, wish: Wish) -> int:

@@ -61,8 +61,8 @@ class Traffic:
     def spots(self, fits: NDArray[np.bool_], row: int, attempts: int) -> Iterator[Spots]:
         """Spots for a vehicle of `row` among the slots (Q,) on which it fits, group by group until one is taken.
 
-        Few at first: each is drawn on its own, and most are free. At last somebody may come closely before another one, who
-        might have followed a third.
+        Few are drawn at first, one by one, as most of them are free. In the last group a vehicle may stand closely ahead of
+        another that already follows a third.
         """
         for vehicle in range(len(self._followers), len(self._scene.slot)):
             self._note(vehicle)
@@ -76,8 +76,8 @@ class Traffic:
         if not crowded:  # who is the first is harder to place and must not become a follower for that
             first[1:] = first[:1]
         spots = [self._first(free) if one else self._beside(fits, free, row) for one in first.tolist()]
-        found = [spot for spot in spots if spot is not None]
-        tried, speed = np.array([slot for slot, _ in found], np.intp), np.array([speed for _, speed in found], np.float64)
+        there = [spot for spot in spots if spot is not None]
+        tried, speed = np.array([slot for slot, _ in there], np.intp), np.array([speed for _, speed in there], np.float64)
         limit = self._scene.limit[tried]
         return Spots(tried, np.minimum(speed, limit), limit)
 
@@ -99,11 +99,11 @@ class Traffic:
         first, slots = self._around.first, self._scene.slots
         if not len(first):
             return None
-        drawn = int(self._random.integers(len(first)))
-        wanted = float(min(first.to_junction[drawn], FREE))
-        alike = np.abs(np.minimum(slots.to_junction, FREE) - wanted) <= max(SPACING, NEARLY * wanted)
-        slot = self._one_of(free & alike & (self._closed == first.closed[drawn]) & (self._ahead > REACH))
-        return None if slot is None else (slot, float(first.pace[drawn] * slots.lane_limit[slot]))
+        row_of_log = int(self._random.integers(len(first)))
+        to_junction = float(min(first.to_junction[row_of_log], FREE))
+        alike = np.abs(np.minimum(slots.to_junction, FREE) - to_junction) <= max(SPACING, NEARLY * to_junction)
+        slot = self._one_of(free & alike & (self._closed == first.closed[row_of_log]) & (self._ahead > REACH))
+        return None if slot is None else (slot, float(first.pace[row_of_log] * slots.lane_limit[slot]))
 
     def _beside(self, fits: NDArray[np.bool_], free: NDArray[np.bool_], row: int) -> Spot:
         if self._open and self._random.random() < 1 / len(self._followers):
@@ -112,23 +112,23 @@ class Traffic:
 
     def _after(self, free: NDArray[np.bool_], row: int) -> Spot:
         """Behind one of those who have room there for what was drawn for them."""
-        drawn = [int(self._random.integers(len(like))) for like in self._followers]
-        gap = np.array([like.gap[k] for like, k in zip(self._followers, drawn, strict=True)]) + self._lengths(row)
+        rows = [int(self._random.integers(len(like))) for like in self._followers]
+        gap = np.array([like.gap[k] for like, k in zip(self._followers, rows, strict=True)]) + self._lengths(row)
         fit = free & (np.abs(self._ahead - gap[self._leader]) <= SPACING / 2)
         if not fit.any():
             return None
         leader = int(self._random.choice(np.unique(self._leader[fit])))
         slot = self._one_of(fit & (self._leader == leader))
-        return None if slot is None else (slot, float(self._followers[leader].speed[drawn[leader]]))
+        return None if slot is None else (slot, float(self._followers[leader].speed[rows[leader]]))
 
     def _before(self, other: int, fits: NDArray[np.bool_], row: int) -> Spot:
         scene, slots = self._scene, self._scene.slots
         like = self._draws.leaders(scene.speed[other], self._limit_at(other))
-        drawn = int(self._random.integers(len(like)))
+        k = int(self._random.integers(len(like)))
         away = slots.ways.ahead(scene.lane[other], scene.along[other], slots.lane, slots.along)
-        gap = like.gap[drawn] + self._lengths(row)[other]
+        gap = like.gap[k] + self._lengths(row)[other]
         slot = self._one_of(fits & (np.abs(away - gap) <= SPACING / 2) & (away <= self._behind))
-        return None if slot is None else (slot, float(like.leader_speed[drawn]))
+        return None if slot is None else (slot, float(like.leader_speed[k]))
 
     def _one_of(self, slots: NDArray[np.bool_]) -> int | None:
         among = np.flatnonzero(slots)

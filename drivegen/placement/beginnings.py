@@ -66,19 +66,19 @@ class Beginning:
         return cls(counts, rates, len(vehicles), recording(scenario.scenario_id))
 
 
-def compared(logs: Sequence[Beginning], made: Sequence[Beginning], draws: int, rng: np.random.Generator) -> dict[str, Interval]:
+def compared(logs: Sequence[Beginning], placed: Sequence[Beginning], draws: int, rng: np.random.Generator) -> dict[str, Interval]:
     """Distances to the logs by the names of RANGES, and rates of what was made; recordings are resampled."""
     times = resamplings([log.recording for log in logs], draws, rng)
     out = {}
     for q, (name, ends) in enumerate(RANGES.items()):
-        pairs = np.stack([np.stack([log.counts[q], other.counts[q]]) for log, other in zip(logs, made, strict=True)])
+        pairs = np.stack([np.stack([log.counts[q], other.counts[q]]) for log, other in zip(logs, placed, strict=True)])
         out[name] = distance(pairs, *ends, times)
-    return out | rates(made, draws, rng)
+    return out | rates(placed, draws, rng)
 
 
-def rates(made: Sequence[Beginning], draws: int, rng: np.random.Generator) -> dict[str, Interval]:
+def rates(placed: Sequence[Beginning], draws: int, rng: np.random.Generator) -> dict[str, Interval]:
     """Means over scenes by the names of RATES."""
-    means = bootstrap_means(np.stack([one.rates for one in made]), [one.recording for one in made], draws, rng)
+    means = bootstrap_means(np.stack([one.rates for one in placed]), [one.recording for one in placed], draws, rng)
     return dict(zip(RATES, means, strict=True))
 
 
@@ -87,12 +87,12 @@ def _on_lanes(graph: LaneGraph, vehicles: Vehicles) -> tuple[NDArray[np.floating
 
     A wrong way is an angle above 90 degrees, which goes to the last bin.
     """
-    lane, found = graph.nearest(vehicles.position, vehicles.heading, NEAR, np.pi / 2)
+    lane, numbers = graph.nearest(vehicles.position, vehicles.heading, NEAR, np.pi / 2)
     anyhow, instead = graph.nearest(vehicles.position, vehicles.heading, NEAR, np.pi)
-    astray = (lane == NO_LANE) | (found[:, 3] > instead[:, 3] + _half_widths(graph, anyhow))
-    lane, found = np.where(astray, anyhow, lane), np.where(astray[:, None], instead, found).astype(np.float64)
-    angle = np.degrees(np.abs(wrap_angle(vehicles.heading - np.where(lane == NO_LANE, 0.0, found[:, 2]))))
-    return angle, found[:, 3], found[:, 3] > _half_widths(graph, lane) + OFF_LANE
+    astray = (lane == NO_LANE) | (numbers[:, 3] > instead[:, 3] + _half_widths(graph, anyhow))
+    lane, numbers = np.where(astray, anyhow, lane), np.where(astray[:, None], instead, numbers).astype(np.float64)
+    angle = np.degrees(np.abs(wrap_angle(vehicles.heading - np.where(lane == NO_LANE, 0.0, numbers[:, 2]))))
+    return angle, numbers[:, 3], numbers[:, 3] > _half_widths(graph, lane) + OFF_LANE
 
 
 def _half_widths(graph: LaneGraph, lane: NDArray[np.int32]) -> Floats:

@@ -95,8 +95,8 @@ class Gaps:
         try:
             columns = {field.name: table[field.name].cast(field.type).to_numpy() for field in _SCHEMA}
         except (KeyError, pa.ArrowException) as error:
-            told = f"{place} is no table of gaps of this version, run the assets stage: {error}"
-            raise UnusableInput(told, reason="bad-gaps") from None
+            sentence = f"{place} is no table of gaps of this version, run the assets stage: {error}"
+            raise UnusableInput(sentence, reason="bad-gaps") from None
         texts = {name: columns[name].astype(np.str_) for name in ("source", "scenario_id")}
         gaps = cls(**{**columns, **texts})
         if not gaps.led.any():
@@ -122,17 +122,17 @@ def gaps_of(scenario: Scenario) -> list[dict[str, Any]]:
     """One row for each car, truck and bus of the scenario that is on a lane, as in `Gaps`, and its number, `vehicle`."""
     vehicles = scenario.vehicles
     graph, ways = LaneGraph.of(scenario.map), Ways(scenario.map)
-    lane, found = graph.nearest(vehicles.position, vehicles.heading, ON_LANE, ALONG_LANE)
+    lane, numbers = graph.nearest(vehicles.position, vehicles.heading, ON_LANE, ALONG_LANE)
     planned = np.isin(vehicles.kind, (VehicleKind.CAR, VehicleKind.TRUCK, VehicleKind.BUS))
-    known = np.flatnonzero((lane >= 0) & planned)
-    lanes, alongs, length = lane[known], found[known, 0].astype(np.float64), vehicles.size[known, 0]
+    on_lane = np.flatnonzero((lane >= 0) & planned)
+    lanes, alongs, length = lane[on_lane], numbers[on_lane, 0].astype(np.float64), vehicles.size[on_lane, 0]
     limit = limits(scenario.map)[lanes]
     shut = blocked(ways, closed_lanes(scenario.signals))[lanes]
     ahead = to_junction(scenario.map, ways)[lanes] + np.maximum(ways.length[lanes] - alongs, 0.0)
     junction = np.where(scenario.map.in_junction[lanes], 0.0, ahead)
-    from_target = np.hypot(*(vehicles.position[known] - vehicles.position[TARGET]).T)
+    from_target = np.hypot(*(vehicles.position[on_lane] - vehicles.position[TARGET]).T)
     rows = []
-    for at, vehicle in enumerate(known.tolist()):
+    for at, vehicle in enumerate(on_lane.tolist()):
         away = ways.ahead(int(lanes[at]), float(alongs[at]), lanes, alongs)
         away[at] = np.inf
         leader = int(np.argmin(away))
@@ -145,11 +145,11 @@ def gaps_of(scenario: Scenario) -> list[dict[str, Any]]:
                 "speed": vehicles.speed[vehicle],
                 "limit": limit[at],
                 "gap": gap if led else np.inf,
-                "leader_speed": vehicles.speed[known[leader]] if led else np.nan,
+                "leader_speed": vehicles.speed[on_lane[leader]] if led else np.nan,
                 "to_junction": junction[at],
                 "closed": shut[at],
                 "away": from_target[at],
-                "offset": found[vehicle, 1],
+                "offset": numbers[vehicle, 1],
                 "provenance": Provenance.GENERATED if scenario.log is None else provenance_of_log(scenario.source),
                 "source": scenario.source,
                 "scenario_id": scenario.scenario_id,
@@ -174,7 +174,7 @@ def headways(gaps: Gaps, truth: Gaps | None = None) -> dict[str, Any]:
     """
     own = _time_gaps(gaps)
     share = np.linspace(0.0, 1.0, 41)
-    told: dict[str, Any] = {
+    numbers: dict[str, Any] = {
         "vehicles": len(gaps),
         "led": float(gaps.led.mean()) if len(gaps) else 0.0,
         "gap_median": float(np.median(gaps.gap[gaps.led])) if gaps.led.any() else None,
@@ -183,11 +183,11 @@ def headways(gaps: Gaps, truth: Gaps | None = None) -> dict[str, Any]:
     }
     if truth is not None and len(own) and len(true := _time_gaps(truth)):
         fine = np.linspace(0.0, 1.0, 1001)
-        told["distance"] = float(np.abs(np.quantile(own, fine) - np.quantile(true, fine)).mean())
-    return told
+        numbers["distance"] = float(np.abs(np.quantile(own, fine) - np.quantile(true, fine)).mean())
+    return numbers
 
 
 def _time_gaps(gaps: Gaps) -> NDArray[np.float64]:
     led = gaps[gaps.led & (gaps.speed > 1.0)]
-    found = (led.gap / led.speed).astype(np.float64)
-    return np.asarray(found[found <= LONGEST])
+    seconds = (led.gap / led.speed).astype(np.float64)
+    return np.asarray(seconds[seconds <= LONGEST])

@@ -45,10 +45,10 @@ class OnLogs:
         kinds = draw_kinds(shares, len(scenario.vehicles), random)
         rows = [int(retrieve(self.table, kind, 1, random)[0]) for kind in kinds]
         closed, slots = closed_lanes(scenario.signals), Slots(scenario.map)
-        made = {}
+        by_name = {}
         for mode in MODES:
             placer = Placer(slots, self.table, replace(self.settings.placement, mode=mode), self.draws)
             for suffix, target in ((NOT_GIVEN, None), ("", scenario.vehicles[[TARGET]])):
-                drawn = seeds.rng(self.seed, "initial_states", mode, scenario.scenario_id)
-                made[f"{OURS.format(mode)}{suffix}"] = placer.place(rows, drawn, closed, target=target).vehicles
-        return made
+                rng = seeds.rng(self.seed, "initial_states", mode, scenario.scenario_id)
+                by_name[f"{OURS.format(mode)}{suffix}"] = placer.place(rows, rng, closed, target=target).vehicles
+        return by_name

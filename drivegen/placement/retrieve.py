@@ -31,9 +31,9 @@ class Asked:
         return np.asarray((anything | ((values >= low) & (values <= high))).all(-1))
 
     def __str__(self) -> str:
-        told = {"long": self.length, "wide": self.width, "high": self.height, "fast": self.speed}
-        said = [f"{a:g} to {b:g} {'m/s' if how == 'fast' else 'm'} {how}" for how, (a, b) in told.items() if (a, b) != ANY]
-        return ", ".join(said) or "of any size"
+        ranges = {"long": self.length, "wide": self.width, "high": self.height, "fast": self.speed}
+        phrases = [f"{a:g} to {b:g} {'m/s' if how == 'fast' else 'm'} {how}" for how, (a, b) in ranges.items() if (a, b) != ANY]
+        return ", ".join(phrases) or "of any size"
 
 
 def retrieve(
@@ -58,6 +58,6 @@ def draw_kinds(shares: dict[VehicleKind, float], number: int, random: np.random.
     weight = np.array(list(shares.values()), np.float64)
     if not len(weight) or (weight < 0).any() or not weight.sum() > 0:
         raise UnusableInput("shares of vehicle kinds must not be negative, and one must be positive")
-    drawn = random.choice(len(weight), size=number, p=weight / weight.sum())
+    indices = random.choice(len(weight), size=number, p=weight / weight.sum())
     kinds = list(shares)
-    return [kinds[i] for i in drawn.tolist()]
+    return [kinds[i] for i in indices.tolist()]

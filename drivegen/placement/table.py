@@ -104,9 +104,9 @@ def build_table(scenarios: Iterable[Scenario]) -> Table:
                 size = tuple(np.round(scenario.vehicles.size[i].astype(np.float64), 2).tolist())
                 key = (int(scenario.vehicles.kind[i]), int(known_by), size, scenario.source)
                 speeds.setdefault(key, []).append(float(pace[i]))
-    for known, (box, pace_of_kind) in _DOCUMENTED.items():
-        if not any(key[0] == known for key in speeds):
-            speeds[(int(known), int(Provenance.DOCUMENTED), box, _DOCUMENT)] = [pace_of_kind]
+    for documented, (box, pace_of_kind) in _DOCUMENTED.items():
+        if not any(key[0] == documented for key in speeds):
+            speeds[(int(documented), int(Provenance.DOCUMENTED), box, _DOCUMENT)] = [pace_of_kind]
     keys = sorted(speeds)
     kinds, provenance, sizes, sources = zip(*keys, strict=True)
     kind = np.array(kinds, np.uint8)
@@ -127,8 +127,8 @@ def provenance_of_log(source: str) -> Provenance:
 
 def _provenances(vehicles: Vehicles, of_log: Provenance) -> list[Provenance | None]:
     """Of each vehicle's box; None for boxes that were shrunk."""
-    known = {SizeSource.MEASURED: of_log, SizeSource.ASSUMED: Provenance.DOCUMENTED}
-    return [known.get(SizeSource(int(source))) for source in vehicles.size_source]
+    provenance = {SizeSource.MEASURED: of_log, SizeSource.ASSUMED: Provenance.DOCUMENTED}
+    return [provenance.get(SizeSource(int(source))) for source in vehicles.size_source]
 
 
 def _usual_speeds(scenario: Scenario) -> NDArray[np.float64]:
@@ -142,8 +142,8 @@ def _usual_speeds(scenario: Scenario) -> NDArray[np.float64]:
 
 
 def _median(speeds: list[float]) -> float:
-    known = [speed for speed in speeds if np.isfinite(speed)]
-    return float(np.median(known)) if known else float("nan")
+    finite = [speed for speed in speeds if np.isfinite(speed)]
+    return float(np.median(finite)) if finite else float("nan")
 
 
 def _filled(kind: NDArray[np.uint8], speed: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats, arc_length, line_heading, wrap_angle
 from drivegen.core.roadmap import RoadMap
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 
 CLOSED = (SignalState.RED, SignalState.YELLOW)
 """Nobody starts moving just before a signal that shows one of these."""
@@ -58,22 +58,22 @@ class Ways:
 
     def _search(self, following: Mapping[int, list[int]], lane: int) -> Floats:
         """(L,) [m] of the lanes between `lane` and every other one, both left out, within REACH; inf beyond."""
-        found = np.full(len(self.length), np.inf)
+        distance = np.full(len(self.length), np.inf)
         heap = [(0.0, after) for after in following.get(lane, [])]
         while heap:
             so_far, here = heapq.heappop(heap)
-            if np.isfinite(found[here]) or so_far > REACH:
+            if np.isfinite(distance[here]) or so_far > REACH:
                 continue
-            found[here] = so_far
+            distance[here] = so_far
             for after in following.get(here, []):
                 heapq.heappush(heap, (so_far + float(self.length[here]), after))
-        return found
+        return distance
 
 
 def limits(road_map: RoadMap) -> NDArray[np.float64]:
     """(L,) [m/s] speed limits, UNKNOWN_LIMIT where the map has none."""
-    known = np.isfinite(road_map.speed_limit)
-    return np.where(known, road_map.speed_limit, UNKNOWN_LIMIT).astype(np.float64)
+    with_limit = np.isfinite(road_map.speed_limit)
+    return np.where(with_limit, road_map.speed_limit, UNKNOWN_LIMIT).astype(np.float64)
 
 
 def closed_lanes(signals: Signals) -> NDArray[np.int32]:
@@ -91,17 +91,17 @@ def blocked(ways: Ways, closed: NDArray[np.int32]) -> NDArray[np.bool_]:
 
 def to_junction(road_map: RoadMap, ways: Ways) -> NDArray[np.float64]:
     """(L,) [m] from each lane's end to where a junction begins; inf where none does within REACH or so, and inside of one."""
-    inside, found = road_map.in_junction, np.full(len(road_map), np.inf)
+    inside, distance = road_map.in_junction, np.full(len(road_map), np.inf)
     heap = [(0.0, before) for before, after in road_map.links.tolist() if inside[after] and not inside[before]]
     while heap:
         away, lane = heapq.heappop(heap)
-        if away >= found[lane] or away > REACH:
+        if away >= distance[lane] or away > REACH:
             continue
-        found[lane] = away
+        distance[lane] = away
         for before in ways.back.get(lane, []):
             if not inside[before]:
                 heapq.heappush(heap, (away + float(ways.length[lane]), before))
-    return found
+    return distance
 
 
 def turns(road_map: RoadMap, ways: Ways) -> NDArray[np.bool_]:
@@ -109,24 +109,24 @@ def turns(road_map: RoadMap, ways: Ways) -> NDArray[np.bool_]:
 
     A way round a ring is several junctions, none of them turned at: what leads round it is no turn.
     """
-    found = np.zeros((len(road_map), 2), np.bool_)
+    bends = np.zeros((len(road_map), 2), np.bool_)
     low, high = TURN
     for lane in np.flatnonzero(~road_map.in_junction).tolist():
         arrives = line_heading(road_map.centreline[lane][-2:].astype(np.float64))[-1]
         leaves = [line_heading(road_map.centreline[after][:2].astype(np.float64))[0] for after in _beyond(road_map, ways, lane)]
         change = wrap_angle(np.array(leaves) - arrives)
-        found[lane] = ((change > low) & (change < high)).any(), ((-change > low) & (-change < high)).any()
-    return found
+        bends[lane] = ((change > low) & (change < high)).any(), ((-change > low) & (-change < high)).any()
+    return bends
 
 
 def _beyond(road_map: RoadMap, ways: Ways, lane: int) -> list[int]:
     """Lanes that a junction at the lane's end leads to."""
-    inside, seen, found = [i for i in ways.onward.get(lane, []) if road_map.in_junction[i]], set[int](), []
+    inside, visited, beyond = [i for i in ways.onward.get(lane, []) if road_map.in_junction[i]], set[int](), []
     while inside:
         here = inside.pop()
         if not road_map.in_junction[here]:
-            found.append(here)
-        elif here not in seen:
-            seen.add(here)
+            beyond.append(here)
+        elif here not in visited:
+            visited.add(here)
             inside += ways.onward.get(here, [])
-    return found
+    return beyond

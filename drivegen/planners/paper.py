@@ -101,11 +101,11 @@ class Plugin:
             settings.tokens, settings.batch_of, settings.channels, settings.extent, seeds.derive(seed, "validation"),
         )  # fmt: skip
         path = None if checkpoints is None else checkpoints / "paper.safetensors"
-        drawn = drawn_tracks(validation, WATCHED, None, seed)
+        tracks = drawn_tracks(validation, WATCHED, None, seed)
 
         def watched(net: PaperNet) -> float:
             self.net, self.trained = net, True
-            return probe(self.sample, validation, drawn, seed)
+            return probe(self.sample, validation, tracks, seed)
 
         averaged, curve = loop.train(self._new_net().to(device), objective, settings.training, seed, path, report, probe=watched)
         self.net, self.trained = averaged.cpu().eval(), True

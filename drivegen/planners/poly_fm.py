@@ -50,7 +50,7 @@ class Plugin(FlowPlanner[PolyFmSettings]):
     keeps = "near their curve"
     Settings = PolyFmSettings
 
-    def _kept(self) -> dict[str, int]:
+    def _coefficient_counts(self) -> dict[str, int]:
         return dict(zip(GROUPS, (self.settings.along, self.settings.bend, self.settings.bend), strict=True))
 
     def _new_net(self) -> FlowNet:
@@ -59,12 +59,12 @@ class Plugin(FlowPlanner[PolyFmSettings]):
         return FlowNet(encoder, self.size, s.width, s.blocks, s.dropout)
 
     def _encoded(self, examples: Examples) -> tuple[NDArray[np.float32], Coefficients]:
-        found = encode(examples.requests, examples.motion)
-        told = _told(examples.scenarios, examples.requests[found.usable])
-        return told, {name: getattr(found, name)[found.usable] for name in GROUPS}
+        codes = encode(examples.requests, examples.motion)
+        inputs = _inputs(examples.scenarios, examples.requests[codes.usable])
+        return inputs, {name: getattr(codes, name)[codes.usable] for name in GROUPS}
 
     def _planned(self, scenarios: Sequence[Scenario], requests: PlanRequests, steps: int, /) -> Trajectories:
-        pace, bend_x, bend_y = self._curves(self._latents(_told(scenarios, requests), requests))
+        pace, bend_x, bend_y = self._curves(self._latents(_inputs(scenarios, requests), requests))
         return decode(bent_frames(requests, bend_x, bend_y), requests, straight_on(len(requests), pace), steps)
 
     def _curves(self, latents: NDArray[np.float32]) -> tuple[NDArray[np.float32], ...]:
@@ -75,6 +75,6 @@ class Plugin(FlowPlanner[PolyFmSettings]):
         return tuple(expanded(*row) for row in zip(parts, [self.basis] * 3, GROUPS, tables, strict=True))
 
 
-def _told(scenarios: Sequence[Scenario], requests: PlanRequests) -> NDArray[np.float32]:
+def _inputs(scenarios: Sequence[Scenario], requests: PlanRequests) -> NDArray[np.float32]:
     """What the network is told of requests (B, F): each vehicle itself and the lanes around it."""
     return np.concatenate([own_features(requests), surroundings(scenarios, requests)], axis=1)

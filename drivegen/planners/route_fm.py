@@ -45,7 +45,7 @@ class Plugin(FlowPlanner[RouteFmSettings]):
     keeps = "to their path"
     Settings = RouteFmSettings
 
-    def _kept(self) -> dict[str, int]:
+    def _coefficient_counts(self) -> dict[str, int]:
         return {"along": self.settings.along, "across": self.settings.across}
 
     def _new_net(self) -> FlowNet:
@@ -54,14 +54,14 @@ class Plugin(FlowPlanner[RouteFmSettings]):
 
     def _encoded(self, examples: Examples) -> tuple[NDArray[np.float32], Coefficients]:
         frames = Frames.of(examples.requests)
-        found = encode(frames, examples.requests, examples.motion)
-        coefficients = {"along": found.along[found.usable], "across": found.across[found.usable]}
-        return features(frames, examples.requests)[found.usable], coefficients
+        codes = encode(frames, examples.requests, examples.motion)
+        coefficients = {"along": codes.along[codes.usable], "across": codes.across[codes.usable]}
+        return features(frames, examples.requests)[codes.usable], coefficients
 
     def _planned(self, _: Sequence[Scenario], requests: PlanRequests, steps: int, /) -> Trajectories:
-        return self.motion(requests, self._latents(self.told(requests), requests), steps)
+        return self.motion(requests, self._latents(self.inputs(requests), requests), steps)
 
-    def told(self, requests: PlanRequests) -> NDArray[np.float32]:
+    def inputs(self, requests: PlanRequests) -> NDArray[np.float32]:
         """(B, F) what the network is told of requests."""
         return features(Frames.of(requests), requests)
 

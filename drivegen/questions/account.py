@@ -17,11 +17,11 @@ def odds(ranked: Sequence[NDArray[np.intp]], usual: NDArray[np.float32], decay: 
     """
     weights = decay ** np.arange(len(ranked), dtype=np.float64)
     weights /= weights.sum()
-    told = np.zeros(len(usual))
+    odds_of_model = np.zeros(len(usual))
     for weight, members in zip(weights.tolist(), ranked, strict=True):
         within = usual[members].astype(np.float64)
-        told[members] = weight * (within / within.sum() if within.any() else 1 / len(members))
-    mixed = trust * told + (1 - trust) * usual.astype(np.float64)
+        odds_of_model[members] = weight * (within / within.sum() if within.any() else 1 / len(members))
+    mixed = trust * odds_of_model + (1 - trust) * usual.astype(np.float64)
     return np.asarray(mixed / mixed.sum(), np.float32)
 
 

@@ -98,30 +98,30 @@ class Asking:
 
         Raises MissingTool where the recorded answer to a question is missing and nobody may be asked, OverBudget.
         """
-        told = list(scene.usual)
+        odds_of = list(scene.usual)
         cases = self._cases(scene)
-        account.vehicles += len(told) - len(self.spared)
-        account.unasked += len(told) - len(self.spared) - len(cases)
+        account.vehicles += len(odds_of) - len(self.spared)
+        account.unasked += len(odds_of) - len(self.spared) - len(cases)
         for case, numbers in zip(cases, self._answers(cases), strict=True):
             if isinstance(numbers, NoAnswer):
                 account.fallback[numbers.reason] += 1
                 continue
             account.note(numbers[0], len(case.places))
             own = [case.places[number].members for number in numbers]
-            told[case.vehicle] = odds(own, told[case.vehicle], self.settings.decay, self.settings.trust)
-        return told
+            odds_of[case.vehicle] = odds(own, odds_of[case.vehicle], self.settings.decay, self.settings.trust)
+        return odds_of
 
     def _cases(self, scene: Scene) -> list[Case]:
         """Vehicles that the model is asked about."""
-        found, share = scene.candidates, self.settings.ask_when_unsure
+        offered, share = scene.candidates, self.settings.ask_when_unsure
         if share == 1:
-            chosen = [n for n, c in enumerate(found) if len(c) > 1]
+            chosen = [n for n, c in enumerate(offered) if len(c) > 1]
         else:
-            everybody = np.full(len(found), scene.scenario.steps)
+            everybody = np.full(len(offered), scene.scenario.steps)
             lot = float(seeds.rng(self.seed, "ask-when-unsure", scene.scenario.scenario_id).random())
-            exclusive = Outlooks.of(scene.scenario, found, everybody).exclusions()
+            exclusive = Outlooks.of(scene.scenario, offered, everybody).exclusions()
             chosen = worth_asking(scene.usual, exclusive, share, lot).tolist()
-        cases = [Case.of(scene.scenario, n, found[n], self.seed, self.wording) for n in chosen if n not in self.spared]
+        cases = [Case.of(scene.scenario, n, offered[n], self.seed, self.wording) for n in chosen if n not in self.spared]
         return [case for case in cases if len(case.places) > 1]
 
     def _prompts(self, cases: Sequence[Case]) -> list[Prompt[Any]]:
@@ -138,8 +138,8 @@ class Asking:
             return [reply if isinstance(reply, NoAnswer) else _numbers(reply) for reply in replies]
         if not cases or isinstance(replies[0], NoAnswer):
             return [replies[0] for _ in cases]
-        told = {ranking.vehicle: _numbers(ranking) for ranking in replies[0].vehicles}
-        return [told[case.vehicle] for case in cases]
+        numbers = {ranking.vehicle: _numbers(ranking) for ranking in replies[0].vehicles}
+        return [numbers[case.vehicle] for case in cases]
 
     def _asked(self, prompts: Sequence[Prompt[Any]]) -> Iterable[Any]:
         """An answer or a NoAnswer for each prompt."""

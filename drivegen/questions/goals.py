@@ -111,32 +111,34 @@ def examples(folder: str) -> tuple[str | Image, ...]:
     return tuple(parts)
 
 
-def about_vehicle(case: Case, wanted: int, pixels: int, before: tuple[str | Image, ...], wording: Wording) -> Prompt[Ranking]:
+def about_vehicle(case: Case, places: int, pixels: int, before: tuple[str | Image, ...], wording: Wording) -> Prompt[Ranking]:
     """The question for one vehicle; `before` are examples and knowledge."""
 
     def check(answer: Ranking) -> None:
         _check(answer, len(case.places), "")
 
-    asked = f"Rank the {min(wanted, len(case.places))} {wording.wanted} places."
-    return Prompt(wording.version, wording.instructions, (*before, *wording.show(case, pixels, wording), asked), Ranking, check)
+    question = f"Rank the {min(places, len(case.places))} {wording.wanted} places."
+    return Prompt(
+        wording.version, wording.instructions, (*before, *wording.show(case, pixels, wording), question), Ranking, check
+    )
 
 
 def about_scenario(
-    cases: Sequence[Case], wanted: int, pixels: int, before: tuple[str | Image, ...], wording: Wording
+    cases: Sequence[Case], places: int, pixels: int, before: tuple[str | Image, ...], wording: Wording
 ) -> Prompt[Rankings]:
     """One question for several vehicles of a scenario, each with its own picture and table."""
     counts = {case.vehicle: len(case.places) for case in cases}
 
     def check(answer: Rankings) -> None:
-        told = [ranking.vehicle for ranking in answer.vehicles]
-        if sorted(told) != sorted(counts):
+        vehicles = [ranking.vehicle for ranking in answer.vehicles]
+        if sorted(vehicles) != sorted(counts):
             raise ValueError(f"give each of the vehicles {', '.join(map(str, counts))} exactly one ranking")
         for ranking in answer.vehicles:
             _check(ranking, counts[ranking.vehicle], f"vehicle {ranking.vehicle}: ")
 
     parts = [part for case in cases for part in wording.show(case, pixels, wording)]
-    asked = f"For each of these {len(cases)} vehicles rank the {wanted} {wording.wanted} places, or all where it has fewer."
-    return Prompt(wording.version, wording.instructions, (*before, *parts, asked), Rankings, check)
+    question = f"For each of these {len(cases)} vehicles rank the {places} {wording.wanted} places, or all where it has fewer."
+    return Prompt(wording.version, wording.instructions, (*before, *parts, question), Rankings, check)
 
 
 def _check(answer: Ranking, count: int, whose: str) -> None:

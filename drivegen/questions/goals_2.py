@@ -7,7 +7,8 @@ import numpy as np
 
 from drivegen.core.geometry import to_vehicle_frame, wrap_angle
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import DT, TARGET, Scenario, SignalState, VehicleKind
+from drivegen.core.scenario import DT, TARGET, Scenario, VehicleKind
+from drivegen.core.signals import SignalState
 from drivegen.goals.candidates import Candidates
 from drivegen.goals.departures import departures
 from drivegen.goals.prior import shares

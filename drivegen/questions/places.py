@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import to_vehicle_frame, wrap_angle
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import Scenario, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import SignalState
 from drivegen.goals.candidates import MOST, SETTLE, Candidates
 from drivegen.goals.departures import Departures
 from drivegen.goals.manoeuvres import Manoeuvre, manoeuvres

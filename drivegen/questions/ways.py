@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import wrap_angle
 from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 from drivegen.goals.candidates import Candidates
 from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.roads.line import SPACING, Route

@@ -66,8 +66,8 @@ def record_comparison(
         for name, places in goals.items():
             points = rr.Points3D(flat(places, 0.2), colors=[colours.CHOSEN], radii=0.5)
             recording.log(f"world/methods/{name}/goals", points, static=True)
-        for name, found in rejected.items():
-            log_rejected(recording, f"world/methods/{name}/rejected", found)
+        for name, rejections in rejected.items():
+            log_rejected(recording, f"world/methods/{name}/rejected", rejections)
         recording.log("legend", rr.TextDocument(_legend(rejected), media_type="text/markdown"), static=True)
 
 
@@ -92,10 +92,10 @@ def _log_samples(recording: rr.RecordingStream, path: str, samples: Samples) -> 
 
 
 def _legend(rejected: Mapping[str, Rejected]) -> str:
-    said = (
+    explanation = (
         "**Lines** are all samples over one another: orange the target's, blue the others', red what the checker objects to and "
         "stays. **Violet points**: the goals that samples follow. **Thin pale dashes**: planned, turned down by the checker and "
         "replaced, in all samples. Only DriveGen and its ablations plan again; of the other methods everything stays."
     )
-    counts = [f"* {name}: {found.summary}" for name, found in rejected.items()]
-    return "\n".join([said, "", *counts])
+    counts = [f"* {name}: {rejections.summary}" for name, rejections in rejected.items()]
+    return "\n".join([explanation, "", *counts])

@@ -30,8 +30,8 @@ def thinned(line: Floats, tolerance: float = SEEN) -> Floats:
 
     Douglas and Peucker 1973: the farthest point from a chord is kept and splits it, until none is too far.
     """
-    kept = np.zeros(len(line), np.bool_)
-    kept[[0, -1]] = True
+    keep = np.zeros(len(line), np.bool_)
+    keep[[0, -1]] = True
     chords = [(0, len(line) - 1)]
     while chords:
         a, b = chords.pop()
@@ -42,9 +42,9 @@ def thinned(line: Floats, tolerance: float = SEEN) -> Floats:
         away = np.hypot(*(between - share[:, None] * chord).T)
         far = int(np.argmax(away))
         if away[far] > tolerance:
-            kept[a + 1 + far] = True
+            keep[a + 1 + far] = True
             chords += [(a, a + 1 + far), (a + 1 + far, b)]
-    return line[kept]
+    return line[keep]
 
 
 def log_rejected(recording: rr.RecordingStream, path: str, rejected: Rejected) -> None:

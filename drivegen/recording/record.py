@@ -126,11 +126,11 @@ def recording_of(path: Path, name: str, show: rrb.Blueprint) -> Iterator[rr.Reco
     Rerun's own file sink is not used: its writer thread dies on a full disk, and flushing it may then wait for ever.
     """
     recording = rr.RecordingStream("drivegen", recording_id=path.stem, send_properties=False)
-    kept = recording.memory_recording()
+    memory = recording.memory_recording()
     recording.send_recording_name(name)
     recording.send_blueprint(show)
     yield recording
-    raw = kept.drain_as_bytes()
+    raw = memory.drain_as_bytes()
     recording.disconnect()
     with whole(path) as temporary:
         temporary.write_bytes(raw)

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from drivegen.core.crop import Cropper
 from drivegen.core.geometry import Floats, arc_length, interpolate
 from drivegen.core.roadmap import RoadMap
-from drivegen.core.scenario import DT, Scenario, Signals, Trajectories
+from drivegen.core.scenario import DT, Scenario, Trajectories
+from drivegen.core.signals import Signals
 from drivegen.recording import colours
 from drivegen.recording.lines import closed, flat, thinned
 
@@ -37,8 +38,8 @@ def surroundings(scenario: Scenario, motions: Sequence[Trajectories]) -> tuple[R
     every = round(_LOOK / DT)
     places = np.concatenate([motion.position[:, ::every][motion.valid[:, ::every]] for motion in motions])
     cells = np.unique(np.round(places / _CELL), axis=0) * _CELL
-    roads, kept = Cropper(scenario.map).around(cells, SIGHT)
-    return (roads, scenario.signals.on_lanes(kept)) if len(kept) else (scenario.map, scenario.signals)
+    roads, lanes = Cropper(scenario.map).around(cells, SIGHT)
+    return (roads, scenario.signals.on_lanes(lanes)) if len(lanes) else (scenario.map, scenario.signals)
 
 
 def log_roads(recording: rr.RecordingStream, roads: RoadMap) -> None:

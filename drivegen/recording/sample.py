@@ -21,8 +21,8 @@ def record_sample(
 ) -> None:
     """Write the recording of sample number `sample`, whose goals were drawn from `goals`, with what was `rejected` for it."""
     marks, lane = _marks(goals, samples, sample)
-    seen = marks.vehicle == TARGET
-    image, _ = draw_bird_eye(scenario, TARGET, marks.position[seen], lane[seen], IMAGE)
+    of_target = marks.vehicle == TARGET
+    image, _ = draw_bird_eye(scenario, TARGET, marks.position[of_target], lane[of_target], IMAGE)
     record_scenario(path, scenario, samples, sample, marks, image, rejected)
 
 

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats, Polylines, box_corners, to_vehicle_frame, unit
 from drivegen.core.roadmap import LaneKind, RoadMap
-from drivegen.core.scenario import TARGET, Scenario, SignalState
+from drivegen.core.scenario import TARGET, Scenario
+from drivegen.core.signals import SignalState
 from drivegen.render.marks import place_marks
 
 Picture = NDArray[np.uint8]

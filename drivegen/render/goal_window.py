@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats, box_corners, unit
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import Scenario, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import SignalState
 from drivegen.render.bird_eye import EXTENT, Colour, View
 
 SIGNALS: dict[int, Colour] = {

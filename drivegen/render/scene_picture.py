@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import Floats, box_corners
 from drivegen.core.rejections import Rejected
 from drivegen.core.roadmap import RoadMap
-from drivegen.core.scenario import TARGET, Scenario, SignalState, Trajectories
+from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.core.signals import SignalState
 from drivegen.core.viewport import window
 
 Image = NDArray[np.uint8]

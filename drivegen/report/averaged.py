@@ -24,20 +24,20 @@ def scenes_and_recordings(scenes: int, recordings: int, steps: int | None, other
     `others` are numbers of scenes by another number of steps, which are left out.
     """
     several = f"intervals (95 %) over their {recordings} recordings{_narrow(recordings)}"
-    said = f"Means are over {scenes} scenes{'' if steps is None else f' of {seconds(steps)} s'}, "
-    said += f"{several}." if recordings > 1 else "all of one recording, which gives no intervals."
+    sentence = f"Means are over {scenes} scenes{'' if steps is None else f' of {seconds(steps)} s'}, "
+    sentence += f"{several}." if recordings > 1 else "all of one recording, which gives no intervals."
     if not others:
-        return said
+        return sentence
     left_out = " and ".join(f"{count} of {seconds(length)} s" for length, count in sorted(others.items()))
-    return f"{said} Scenes of another length are not averaged with them: {left_out}."
+    return f"{sentence} Scenes of another length are not averaged with them: {left_out}."
 
 
 def vehicles_over(group: Mapping[str, Any]) -> tuple[str, ...]:
     """The note for the scores of goals, those of one group of vehicles; none where they don't say."""
     if "recordings" not in group:
         return ()
-    said, others = over_recordings(int(group["recordings"])), int(group["left_out"])
-    return (f"{said} Vehicles of scenes of another length are not averaged with these: {others}." if others else said,)
+    sentence, others = over_recordings(int(group["recordings"])), int(group["left_out"])
+    return (f"{sentence} Vehicles of scenes of another length are not averaged with these: {others}." if others else sentence,)
 
 
 def over_recordings(count: int) -> str:

@@ -65,6 +65,6 @@ def _cell(row: Mapping[str, Any], name: str) -> str:
     """A value of a row; what is missing was not measured here, but no GPU where other seconds were."""
     value = row.get(name)
     if value is None:
-        ran = any(row.get(known) is not None for known in ("cpu_seconds", "cpu_seconds_per_1000"))
+        ran = any(row.get(column) is not None for column in ("cpu_seconds", "cpu_seconds_per_1000"))
         return "none" if name.startswith("gpu") and ran else RESTORED
     return value if isinstance(value, str) else f"{value:,.0f}"

@@ -96,5 +96,5 @@ class Evidence:
         ingest = self.results.get("ingest")
         if not isinstance(ingest, Mapping) or not ingest.get("trained_on"):
             return ()
-        said = [f"Models were trained on: {ingest['trained_on']}", str(ingest.get("note") or "")]
-        return (" ".join(f"{sentence.rstrip('.')}." for sentence in said if sentence),)
+        sentences = [f"Models were trained on: {ingest['trained_on']}", str(ingest.get("note") or "")]
+        return (" ".join(f"{sentence.rstrip('.')}." for sentence in sentences if sentence),)

@@ -22,35 +22,35 @@ PANELS = 3
 """Methods in a row."""
 
 
-def picture_scene(drawn: Drawn, rejected: Rejected | None) -> Picture:
+def picture_scene(scene: Drawn, rejected: Rejected | None) -> Picture:
     """A scene with all its samples, and what was turned down on the way to them; None where nothing was kept of that."""
-    scenario, samples = drawn.scenario, drawn.samples
+    scenario, samples = scene.scenario, scene.samples
     image = scene_picture(scenario, samples.motion, ~samples.legal, pixels=SCENE_WIDTH, rejected=rejected)
     counts = f"{len(scenario.vehicles)} vehicles, {len(samples.violation)} samples"
-    return Picture(_title(drawn), counts if rejected is None else f"{counts}; {rejected.summary}", png(image))
+    return Picture(_title(scene), counts if rejected is None else f"{counts}; {rejected.summary}", png(image))
 
 
 def compare_methods(
-    drawn: Drawn, samples: Mapping[str, Samples], about: Mapping[str, Method], rejected: Mapping[str, Rejected], goals: Path
+    scene: Drawn, samples: Mapping[str, Samples], about: Mapping[str, Method], rejected: Mapping[str, Rejected], goals: Path
 ) -> Picture:
     """One scene by every generator that makes traffic to see, in the window that the log (or the first method) needs.
 
     `samples` and `rejected` of this scene by method; `about` is every generator in the tables' order; `goals` the folder of what
     selectors recorded. Raises UnusableInput where that lacks the scene.
     """
-    scenario = drawn.scenario
-    moving = scenario.log if scenario.log is not None else drawn.samples.motion
+    scenario = scene.scenario
+    moving = scenario.log if scenario.log is not None else scene.samples.motion
     view = view_of(moving, PANEL_WIDTH)
     panels = []
     visible = {name: method for name, method in about.items() if name in samples and method.kind != NO_TRAFFIC}
     for name, method in visible.items():
         mine = samples[name]
-        places = followed_goals(mine, method.goals, goals, drawn.shard)
+        places = followed_goals(mine, method.goals, goals, scene.shard)
         image = scene_picture(scenario, mine.motion, ~mine.legal, places, view=view, rejected=rejected.get(name))
         panels.append((method.title, image))
     counts = [f"{method.title}: {rejected[name].summary}" for name, method in visible.items() if name in rejected]
     caption = ". ".join([f"{len(scenario.vehicles)} vehicles", *counts])
-    return Picture(_title(drawn), caption, png(contact_sheet(panels, PANELS)))
+    return Picture(_title(scene), caption, png(contact_sheet(panels, PANELS)))
 
 
 def read_collision_pictures(corner: Path, recordings: Sequence[Link]) -> tuple[Picture, ...]:
@@ -73,5 +73,5 @@ def _map(file: Path) -> Picture:
     return Picture(file.parent.name.replace("_", " "), str(words.get("text", "")), shrunk(file.read_bytes(), MAP_WIDTH))
 
 
-def _title(drawn: Drawn) -> str:
-    return f"{drawn.scenario.scenario_id} ({drawn.scenario.city})"
+def _title(scene: Drawn) -> str:
+    return f"{scene.scenario.scenario_id} ({scene.scenario.city})"

@@ -108,13 +108,13 @@ def front(curve: Sequence[tuple[str, float, float]], points: Mapping[str, tuple[
 
 def apart(places: Sequence[tuple[float, float]], near: float, line: float) -> list[float]:
     """Heights of labels at `places` (x, y), raised until those within `near` of one another in x are a `line` apart."""
-    found: dict[int, float] = {}
+    height: dict[int, float] = {}
     for at in sorted(range(len(places)), key=lambda i: places[i][1]):
         x, y = places[at]
-        for below in sorted(h for other, h in found.items() if abs(places[other][0] - x) < near):
+        for below in sorted(h for other, h in height.items() if abs(places[other][0] - x) < near):
             y = max(y, below + line) if y > below - line else y
-        found[at] = y
-    return [found[i] for i in range(len(places))]
+        height[at] = y
+    return [height[i] for i in range(len(places))]
 
 
 def curves(columns: Mapping[str, Sequence[float]], over: str) -> bytes:

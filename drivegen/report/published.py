@@ -10,38 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.intervals import Interval, recording, usual_length
-from drivegen.core.methods import BOUND, LEARNED, Method
+from drivegen.core.methods import BOUND, Method
 from drivegen.core.scenario import Scenario
 from drivegen.metrics.pooled import Resampling, envelope, pooled_mean
 from drivegen.report.averaged import scenes_and_recordings
 
 Floats = NDArray[np.float64]
 
-FIVE = ("min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity")
-"""The paper's columns."""
-
 OURS = "drivegen"
 """Whose differences to the others are published."""
-
-FLOOR = "constant_velocity"
-"""What a method must beat to count."""
-
-MARKS = (
-    "A rival that does not beat constant velocity in min-sADE is marked under-trained: beating it counts for nothing.",
-    "That is lenient, for it is the best of several samples against one: so who does not beat it in mean-sADE is marked, too.",
-)
-"""Notes on what `mark` puts behind names."""
-
-SAFETY = {"collision_per_vehicle": "in collision", "off_road_per_vehicle": "off road", "illegal_per_vehicle": "any violation"}
-EDGES = {"left_map_per_vehicle": "left the map", "beyond_rim": "steps beyond the rim"}
-EDGES_MEAN = (
-    "Who drives out where the road network itself ends has left the map: that is no violation. Where a map is cut off the road "
-    "goes on, though nobody knows how: nothing is claimed of the steps that vehicles are beyond that rim."
-)
-"""Shares of vehicles that the legal checker objects to."""
-
-AIMS = {"diversity": 1.0, "auc": 0.5}
-"""Measures that are best at a number, and not at either end."""
 
 _JOINT = ("joint.order", "shuffled.order", "shuffled.headway", "shuffled.post_encroachment")
 _OF_SETS = {"diversity_ratio": "diversity", "auc": "auc", **{name: name for name in _JOINT}}
@@ -97,10 +74,10 @@ class Results:
         steps = self.values["steps"][0] if "steps" in self.values else np.zeros(len(self.scenarios))
         return np.asarray(steps == usual_length(steps)) if len(steps) else np.ones(0, np.bool_)
 
-    def only(self, kept: NDArray[np.bool_]) -> "Results":
-        """The same of the scenes that are `kept` (N,)."""
-        names = tuple(name for name, keep in zip(self.scenarios, kept, strict=True) if keep)
-        return replace(self, scenarios=names, values={metric: values[:, kept] for metric, values in self.values.items()})
+    def only(self, mask: NDArray[np.bool_]) -> "Results":
+        """The same of the scenes that are `mask` (N,)."""
+        names = tuple(name for name, keep in zip(self.scenarios, mask, strict=True) if keep)
+        return replace(self, scenarios=names, values={metric: values[:, mask] for metric, values in self.values.items()})
 
 
 @dataclass(frozen=True)
@@ -161,23 +138,23 @@ class DataSet:
     def over(self) -> str:
         """What means and intervals are over, in words."""
         first = next(iter(self.methods.values()))
-        known = "steps" in first.values
+        counted = "steps" in first.values
         left_out = next((other.values["steps"][0] for other in self.left_out.values()), ())
         others = Counter(int(steps) for steps in left_out)
         recordings = len({recording(name) for name in first.scenarios})
-        steps = int(first.values["steps"][0, 0]) if known else None
+        steps = int(first.values["steps"][0, 0]) if counted else None
         return scenes_and_recordings(len(first.scenarios), recordings, steps, others)
 
 
 def split(every: Mapping[str, Results]) -> tuple[dict[str, Results], dict[str, Results]]:
     """Results by method on scenes that are averaged, and on those of another length: nothing where there are none."""
-    averaged = {method: found.averaged for method, found in every.items()}
-    others = {method: found.only(~found.usual) for method, found in every.items()}
-    return averaged, others if any(found.scenarios for found in others.values()) else {}
+    averaged = {method: results.averaged for method, results in every.items()}
+    others = {method: results.only(~results.usual) for method, results in every.items()}
+    return averaged, others if any(results.scenarios for results in others.values()) else {}
 
 
 Pooled = Mapping[str, Mapping[str, Interval]]
-"""method -> metric -> interval."""
+"""method -> metric -> mean."""
 
 
 def set_numbers(details: Mapping[str, Any]) -> dict[str, Interval]:
@@ -203,12 +180,14 @@ def pool(data: DataSet, draws: int, rng: np.random.Generator) -> dict[str, dict[
 
 def tracks(scenes: Iterable[Scenario], methods: Mapping[str, Results]) -> str:
     """How many vehicles are scored, in words, "" without scenes; those of one recording may show the same one."""
-    known = {name for found in methods.values() for name in found.scenarios}
-    logged = [(scene, scene.log) for scene in scenes if scene.log is not None and scene.scenario_id in known]
-    seen = [(recording(scene.scenario_id), track) for scene, _ in logged for track in scene.vehicles.track_id]
+    scored = {name for results in methods.values() for name in results.scenarios}
+    logged = [(scene, scene.log) for scene in scenes if scene.log is not None and scene.scenario_id in scored]
+    vehicles = [(recording(scene.scenario_id), track) for scene, _ in logged for track in scene.vehicles.track_id]
     ended = sum(int(log.valid[:, -1].sum()) for _, log in logged)
-    said = f"{len(seen)} vehicles, {len(set(seen))} of them distinct tracks of a recording, {ended} seen to the last step."
-    return said if seen else ""
+    text = (
+        f"{len(vehicles)} vehicles, {len(set(vehicles))} of them distinct tracks of a recording, {ended} seen to the last step."
+    )
+    return text if vehicles else ""
 
 
 def rows(data: DataSet, pooled: Pooled) -> list[dict[str, Any]]:
@@ -217,13 +196,13 @@ def rows(data: DataSet, pooled: Pooled) -> list[dict[str, Any]]:
     every = {**data.methods, **data.added}
     return [
         {
-            "data": data.name, "method": name.partition("/")[0], "metric": metric, "value": found.value,
-            "low": _finite(found.low), "high": _finite(found.high), "n": len(every[name].scenarios), "seeds": len(data.seeds),
+            "data": data.name, "method": name.partition("/")[0], "metric": metric, "value": mean.value,
+            "low": _finite(mean.low), "high": _finite(mean.high), "n": len(every[name].scenarios), "seeds": len(data.seeds),
             "sampling_seeds": len(data.sampling_seeds), "plateau": data.methods[name.partition("/")[0]].plateau,
             "additions": list(_additions(data, name)), "selector": every[name].chosen_by,
         }
-        for name, metrics in pooled.items() for metric, found in metrics.items()
-        if is_metric(metric) and np.isfinite(found.value) and not name.endswith("/none")
+        for name, metrics in pooled.items() for metric, mean in metrics.items()
+        if is_metric(metric) and np.isfinite(mean.value) and not name.endswith("/none")
     ]  # fmt: skip
 
 
@@ -242,29 +221,6 @@ def resampling_of(data: DataSet, draws: int, rng: np.random.Generator) -> Resamp
     """`draws` resamples of a data set's runs and recordings, the same for all its methods."""
     scenarios = next(iter(data.methods.values())).scenarios
     return Resampling.of(data.runs, [recording(name) for name in scenarios], draws, rng)
-
-
-def mark(name: str, about: Method | None, errors: Mapping[str, float | None], floor: Mapping[str, float | None]) -> str:
-    """What stands behind a method's name, "" if nothing, from its `errors` and constant velocity's by metric; see MARKS."""
-    if name == FLOOR or about is None or not about.competes:
-        return ""
-    if about.kind == LEARNED and _no_better(errors, floor, "min_sade"):
-        return ", under-trained"
-    if _no_better(errors, floor, "mean_sade"):
-        return ", not better than constant velocity in the mean"
-    return ""
-
-
-def _no_better(errors: Mapping[str, float | None], floor: Mapping[str, float | None], metric: str) -> bool:
-    mine, theirs = errors.get(metric), floor.get(metric)
-    return mine is not None and theirs is not None and mine >= theirs
-
-
-def badness(metric: str, value: float) -> float:
-    """What is smaller the better a figure of this metric is."""
-    if metric in AIMS:
-        return abs(value - AIMS[metric])
-    return -value if metric.startswith("realism") or metric == "joint.order" else value
 
 
 def is_distance(key: str) -> bool:

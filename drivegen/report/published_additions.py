@@ -57,6 +57,6 @@ def _whole(data: DataSet, pooled: Pooled, name: str) -> Row:
     return row(data.about[name].title + (f", its own {own}" if own else ""), *cells, origin="ours")
 
 
-def _cell(found: Interval, less: Interval | None) -> Cell:
-    text = f"{found.value:.3f}" if abs(found.value) < 1 else f"{found.value:.2f}"
+def _cell(interval: Interval, less: Interval | None) -> Cell:
+    text = f"{interval.value:.3f}" if abs(interval.value) < 1 else f"{interval.value:.2f}"
     return Cell(text) if less is None else Cell(text, f"{less.value:+.3f}, {less.low:+.3f} to {less.high:+.3f}")

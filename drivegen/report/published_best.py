@@ -7,7 +7,8 @@ import numpy as np
 
 from drivegen.core.intervals import Interval
 from drivegen.metrics.pooled import Resampling, pooled_mean
-from drivegen.report.published import AIMS, OURS, SAFETY, DataSet, Pooled, badness, resampling_of
+from drivegen.report.columns import AIMS, SAFETY, badness
+from drivegen.report.published import OURS, DataSet, Pooled, resampling_of
 from drivegen.report.sections.trust import DISTANCES, JOINT, REALISM, SCORES, horizon_words, is_likelihood
 from drivegen.report.table import Cell, Row, Table, row
 
@@ -20,18 +21,18 @@ def best(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) ->
     No table where there is no such measure.
     """
     resampling = resampling_of(data, draws, rng)
-    found: dict[str, tuple[Row, str]] = {}
+    lines_of: dict[str, tuple[Row, str]] = {}
     for metric, words in _measures(pooled).items():
         rivals = (name for name, method in data.about.items() if name != OURS and method.competes)
         others = {name: pooled[name][metric] for name in rivals if _known(name, metric, pooled)}
         if others and _known(OURS, metric, pooled):
-            found[metric] = _line(data, pooled[OURS][metric], others, metric, words, resampling)
-    if not found:
+            lines_of[metric] = _line(data, pooled[OURS][metric], others, metric, words, resampling)
+    if not lines_of:
         return []
-    lines, verdicts = zip(*found.values(), strict=True)
+    lines, verdicts = zip(*lines_of.values(), strict=True)
     heads = ("", "DriveGen", "the best of the others", "its figure", "DriveGen less it, paired", "DriveGen is")
     counted = ", ".join(f"{verdict} {count}" for verdict, count in sorted(Counter(verdicts).items()))
-    errors, likelihoods = (sum(map(kind, found)) for kind in (_ERRORS.__contains__, is_likelihood))
+    errors, likelihoods = (sum(map(kind, lines_of)) for kind in (_ERRORS.__contains__, is_likelihood))
     notes = (
         f"Of {len(lines)} measures: {counted}. Better and worse: zero is outside the 95 % interval of the paired difference; "
         "ahead and behind: it is inside, or there is no interval. Measures of the whole set have no pairs: of them only figures "
@@ -60,22 +61,22 @@ def _measures(pooled: Pooled) -> dict[str, str]:
 
 
 def _known(method: str, metric: str, pooled: Pooled) -> bool:
-    found = pooled.get(method, {}).get(metric)
-    return found is not None and bool(np.isfinite(found.value))
+    interval = pooled.get(method, {}).get(metric)
+    return interval is not None and bool(np.isfinite(interval.value))
 
 
 def _line(
     data: DataSet, mine: Interval, others: Mapping[str, Interval], metric: str, words: str, resampling: Resampling
 ) -> tuple[Row, str]:
     rival = min(others, key=lambda method: badness(metric, others[method].value))
-    found = _less(data, rival, metric, resampling)
-    if found is None:
+    less = _less(data, rival, metric, resampling)
+    if less is None:
         gain = badness(metric, others[rival].value) - badness(metric, mine.value)
         difference, verdict = Cell("not paired"), _verdict(gain, significant=False)
     else:
-        note = f"{found.low:.3f} to {found.high:.3f}" if np.isfinite(found.low) else ""
-        difference = Cell(f"{found.value:+.3f}", note)
-        verdict = _verdict(-badness(metric, found.value), significant=found.low > 0 or found.high < 0)
+        note = f"{less.low:.3f} to {less.high:.3f}" if np.isfinite(less.low) else ""
+        difference = Cell(f"{less.value:+.3f}", note)
+        verdict = _verdict(-badness(metric, less.value), significant=less.low > 0 or less.high < 0)
     figures = (f"{mine.value:.3f}", data.about[rival].title, f"{others[rival].value:.3f}")
     return row(Cell(words), *figures, difference, Cell(verdict, best=verdict == "better"), origin="ours"), verdict
 
@@ -85,8 +86,8 @@ def _less(data: DataSet, rival: str, metric: str, resampling: Resampling) -> Int
     ours, theirs = (data.methods[method].values.get(metric) for method in (OURS, rival))
     if ours is None or theirs is None or metric in AIMS:
         return None
-    found = pooled_mean(ours - theirs, resampling)
-    return found if np.isfinite(found.value) else None
+    difference = pooled_mean(ours - theirs, resampling)
+    return difference if np.isfinite(difference.value) else None
 
 
 def _verdict(gain: float, *, significant: bool) -> str:

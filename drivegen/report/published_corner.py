@@ -59,5 +59,5 @@ def corner_rows(data: str, driver: str, runs: Sequence[tuple[Attacks, Costs]]) -
 
 
 def _mean(values: Sequence[Any]) -> float | None:
-    known = [float(value) for value in values if value is not None and np.isfinite(value)]
-    return float(np.mean(known)) if known else None
+    finite = [float(value) for value in values if value is not None and np.isfinite(value)]
+    return float(np.mean(finite)) if finite else None

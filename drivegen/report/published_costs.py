@@ -36,13 +36,13 @@ def costs(data: DataSet, runs: Sequence[Took], samples: int | None) -> Table:
 def _line(name: str, method: Method, runs: Sequence[Took], scenes: int) -> Row:
     whole, choosing, memory = [], [], []
     for run in runs:
-        made = next((took for at, took in run.items() if at.startswith("rollout") and at.endswith(f"/{name}")), None)
+        generating = next((took for at, took in run.items() if at.startswith("rollout") and at.endswith(f"/{name}")), None)
         chosen = run.get(f"goals/{method.goals}") if method.goals else {}
-        if not made or chosen is None:
+        if not generating or chosen is None:
             continue
-        whole.append((made["cpu_seconds"] + chosen.get("cpu_seconds", 0.0)) / scenes * 1000)
+        whole.append((generating["cpu_seconds"] + chosen.get("cpu_seconds", 0.0)) / scenes * 1000)
         choosing.append(chosen.get("cpu_seconds", 0.0) / scenes * 1000)
-        memory.append(max(made["peak_megabytes"], chosen.get("peak_megabytes", 0.0)))
+        memory.append(max(generating["peak_megabytes"], chosen.get("peak_megabytes", 0.0)))
     return row(method.title, _range(whole), _range(choosing) if method.goals else "–", _range(memory), origin="ours")
 
 

@@ -118,8 +118,8 @@ def _number(value: float | None) -> float:
 
 def driver_rows(tests: Tests, draws: int, seed: int) -> Iterator[dict[str, Any]]:
     """Every figure, and for each method but the reference how far it is from that, `<metric>.minus_dataset_longer`."""
-    drawn = resamplings(tests.recordings, draws, rng(seed, "drivers", tests.data))
-    times = np.concatenate([np.ones((1, len(tests.recordings))), drawn])
+    resampled = resamplings(tests.recordings, draws, rng(seed, "drivers", tests.data))
+    times = np.concatenate([np.ones((1, len(tests.recordings))), resampled])
     for (driver, method), columns in tests.values.items():
         for neighbours, prefix in NEIGHBOURS.items():
             about: dict[str, Any] = {"data": tests.data, "protocol": tests.protocol, "driver": driver, "method": method}
@@ -140,8 +140,8 @@ def driver_rows(tests: Tests, draws: int, seed: int) -> Iterator[dict[str, Any]]
 def _figure(columns: Columns, metric: str, prefix: str, times: NDArray[np.floating]) -> NDArray[np.float64]:
     """(1 + draws,) the metric, first as it is."""
     above, below = (columns[name if name in (ONE, *_SHARED) else f"{prefix}{name}"] for name in METRICS[metric])
-    known = np.isfinite(above) & np.isfinite(below)
-    sums = times @ np.where(known, above, 0.0), times @ np.where(known, below, 0.0)
+    finite = np.isfinite(above) & np.isfinite(below)
+    sums = times @ np.where(finite, above, 0.0), times @ np.where(finite, below, 0.0)
     figure: NDArray[np.float64] = np.abs(np.divide(*sums, out=np.full(len(times), np.nan), where=sums[1] != 0))
     return figure
 

@@ -8,7 +8,8 @@ from drivegen.core.intervals import Interval
 from drivegen.core.methods import ABLATION
 from drivegen.metrics.front import on_front
 from drivegen.report import plots
-from drivegen.report.published import FIVE, OURS, DataSet, Pooled, Results
+from drivegen.report.columns import FIVE
+from drivegen.report.published import OURS, DataSet, Pooled, Results
 from drivegen.report.published_tables import HEADS, cell, label
 from drivegen.report.table import Cell, Table, row
 
@@ -19,20 +20,20 @@ def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled, in_use: fl
     The front is bold: no other row has a lower mean-sADE and a diversity as near to 1, or the reverse.
     """
     curve = {t: {metric: _one_seed(results, metric) for metric in FIVE} for t, results in sorted(at.items())}
-    found = {f"DriveGen, temperature {t:g}": cells for t, cells in curve.items()}
+    rows_of = {f"DriveGen, temperature {t:g}": cells for t, cells in curve.items()}
     methods = [name for name in data.generators if name in pooled]
     names = {m: label(m, data, pooled) for m in methods}
     if OURS in names:
         names[OURS] = f"DriveGen, temperature {in_use:g} (in use)" if in_use is not None else "DriveGen, temperature in use"
-    found |= {names[m]: {metric: pooled[m].get(metric) for metric in FIVE} for m in methods}
+    rows_of |= {names[m]: {metric: pooled[m].get(metric) for metric in FIVE} for m in methods}
     error, diversity = (
-        np.array([np.nan if (point := cells[metric]) is None else point.value for cells in found.values()])
+        np.array([np.nan if (point := cells[metric]) is None else point.value for cells in rows_of.values()])
         for metric in ("mean_sade", "diversity")
     )
     bold = on_front(error, diversity)
     lines = [
         row(Cell(name, best=bool(best)), *(cell(cells[metric]) for metric in FIVE), origin="ours")
-        for (name, cells), best in zip(found.items(), bold, strict=True)
+        for (name, cells), best in zip(rows_of.items(), bold, strict=True)
     ]
     notes = (
         f"One run (seeds {data.runs[0].folder} of training and sampling) at each temperature; the temperature in use was chosen "
@@ -40,7 +41,7 @@ def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled, in_use: fl
         "Bold: on the front, that is, no other row has a lower mean-sADE and a diversity as near to 1, or the reverse.",
         *_beaten(
             [names.get(OURS, ""), *(f"DriveGen, temperature {t:g}" for t in curve)],
-            {name: bool(best) for name, best, both in zip(found, bold, error + diversity, strict=True) if np.isfinite(both)},
+            {name: bool(best) for name, best, both in zip(rows_of, bold, error + diversity, strict=True) if np.isfinite(both)},
         ),
     )
     picture = _picture(data, at, in_use)
@@ -50,10 +51,10 @@ def front(data: DataSet, at: Mapping[float, Results], pooled: Pooled, in_use: fl
 
 def _beaten(ours: Sequence[str], bold: Mapping[str, bool]) -> list[str]:
     """Which of DriveGen's rows another one beats, in a sentence; `bold` holds those that were measured."""
-    known = [name for name in ours if name in bold]
-    beaten = [name.removeprefix("DriveGen, ") for name in known if not bold[name]]
+    measured = [name for name in ours if name in bold]
+    beaten = [name.removeprefix("DriveGen, ") for name in measured if not bold[name]]
     if not beaten:
-        return ["All of DriveGen's rows are on the front."] if known else []
+        return ["All of DriveGen's rows are on the front."] if measured else []
     return [f"Not on the front, so another row is no worse in either and better in one: DriveGen at {'; '.join(beaten)}."]
 
 

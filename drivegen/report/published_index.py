@@ -13,9 +13,9 @@ _FILES = (
 
 def index(tables: Sequence[Table], data: Mapping[str, str], provenance: Mapping[str, Any]) -> str:
     """The tables as links: by data set (title by name, the headline's first), then what concerns several, then the raw files."""
-    made, missing = len(provenance["runs"]), provenance["runs_missing"]
-    whole_set = f"From all {made} runs that `publish` of params.yaml asks for."
-    partial = f"INCOMPLETE: from {made} of {made + len(missing)} runs; not there: {', '.join(missing)}."
+    there, missing = len(provenance["runs"]), provenance["runs_missing"]
+    whole_set = f"From all {there} runs that `publish` of params.yaml asks for."
+    partial = f"INCOMPLETE: from {there} of {there + len(missing)} runs; not there: {', '.join(missing)}."
     lines = ["# Published tables", "", partial if missing else whole_set]
     rest = list(tables)
     for title in data.values():

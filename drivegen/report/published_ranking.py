@@ -59,11 +59,11 @@ def ranking_rows(kinds: Sequence[Traffic], draws: int, seed: int) -> Iterator[di
         others = [kind for kind in kinds if kind is not real]
         for measure in MEASURES:
             random = rng(seed, "ranking", real.made_from, measure)
-            drawn = agreements(real.rates[measure], [kind.rates[measure] for kind in others], draws, random)
+            taus = agreements(real.rates[measure], [kind.rates[measure] for kind in others], draws, random)
             halves = interval(ceiling(real.rates[measure], draws, random))
             yield _row(real, real, measure, halves, None)
-            ours = {kind.made_from: tau for kind, tau in zip(others, drawn, strict=True) if kind.method == OURS}
-            for kind, tau in zip(others, drawn, strict=True):
+            ours = {kind.made_from: tau for kind, tau in zip(others, taus, strict=True) if kind.method == OURS}
+            for kind, tau in zip(others, taus, strict=True):
                 rival = kind.made_from in ours and kind.method != OURS
                 ahead = interval(ours[kind.made_from] - tau) if rival else None
                 yield _row(real, kind, measure, interval(tau), ahead)

@@ -40,7 +40,7 @@ def read_data_set(
 
 def _added(places: Sequence[Path], methods: Mapping[str, Results]) -> dict[str, Results]:
     """See `DataSet.added`: of the methods that every run combined anew."""
-    found = {}
+    results_of = {}
     for name, results in methods.items():
         files = [place.parent / "pieces/additions" / f"{name}.parquet" for place in places]
         if not all(file.exists() for file in files):
@@ -48,8 +48,8 @@ def _added(places: Sequence[Path], methods: Mapping[str, Results]) -> dict[str, 
         scenarios, values = read_scores(files)
         for added in dict.fromkeys(metric.partition("/")[0] for metric in values if "/" in metric):
             own = {metric.removeprefix(f"{added}/"): cells for metric, cells in values.items() if metric.startswith(f"{added}/")}
-            found[f"{name}/{added}"] = Results(scenarios, {**own, "steps": values["steps"]}, {}, results.chosen_by).averaged
-    return found
+            results_of[f"{name}/{added}"] = Results(scenarios, {**own, "steps": values["steps"]}, {}, results.chosen_by).averaged
+    return results_of
 
 
 def _methods(folder: Path, places: Sequence[Path], about: Mapping[str, Method]) -> list[str]:
@@ -105,8 +105,8 @@ def _plateau(places: Sequence[Path], method: str) -> bool | None:
         files = [f"train_generator/{getattr(plugin, 'name', method)}.json"]
     else:
         files = ["train_planner/*.json", *(["train_selector.json"] if plugin.about.goals == "learned" else [])]
-    found = [read_json(file).get("plateau") for place in places for name in files for file in sorted(place.glob(name))]
-    return None if not found or (None in found and False not in found) else all(found)
+    answers = [read_json(file).get("plateau") for place in places for name in files for file in sorted(place.glob(name))]
+    return None if not answers or (None in answers and False not in answers) else all(answers)
 
 
 def read_trained(runs: Path, data_sets: Iterable[DataSet]) -> list[Trained]:

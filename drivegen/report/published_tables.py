@@ -11,20 +11,8 @@ from drivegen.metrics.pooled import Resampling, pooled_mean, rank_correlation
 from drivegen.metrics.realism import WEIGHTS
 from drivegen.report import paper
 from drivegen.report.averaged import seconds
-from drivegen.report.published import (
-    EDGES,
-    EDGES_MEAN,
-    FIVE,
-    FLOOR,
-    MARKS,
-    OURS,
-    SAFETY,
-    DataSet,
-    Pooled,
-    badness,
-    mark,
-    resampling_of,
-)
+from drivegen.report.columns import EDGES, EDGES_MEAN, FIVE, FLOOR, MARKS, SAFETY, badness, mark
+from drivegen.report.published import OURS, DataSet, Pooled, resampling_of
 from drivegen.report.sections.trust import REALISM, has, readings
 from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, row
 
@@ -36,14 +24,14 @@ _CAUTION = "So few scenes show that it runs; they rank nothing, and intervals ov
 
 def tables(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) -> list[Table]:
     """The paper's table I, paired differences, and what the paper leaves out."""
-    found = [_quality(data, pooled), _paired(data, draws, rng), *_trust(data, pooled)]
-    found = [replace(table, notes=(data.over, *table.notes)) for table in found]
-    return [*found, _by_scene(data)] if data.by_scene or data.left_out else found
+    made_tables = [_quality(data, pooled), _paired(data, draws, rng), *_trust(data, pooled)]
+    made_tables = [replace(table, notes=(data.over, *table.notes)) for table in made_tables]
+    return [*made_tables, _by_scene(data)] if data.by_scene or data.left_out else made_tables
 
 
-def few(data: DataSet, found: Sequence[Table]) -> list[Table]:
+def few(data: DataSet, of_data: Sequence[Table]) -> list[Table]:
     """The tables, with a word of caution under each where a data set has few scenes."""
-    return [replace(table, notes=(*table.notes, _CAUTION)) if data.by_scene else table for table in found]
+    return [replace(table, notes=(*table.notes, _CAUTION)) if data.by_scene else table for table in of_data]
 
 
 def transfer(one: DataSet, pooled_one: Pooled, other: DataSet, pooled_other: Pooled) -> Table:
@@ -72,10 +60,10 @@ _ANCHORS = (NO_TRAFFIC, ABLATION)
 
 def _order(methods: Sequence[str], metric: str, one: Pooled, other: Pooled) -> tuple[str, str]:
     """Spearman's rho of those of the methods that both have, and how many these are."""
-    known = [m for m in methods if metric in one[m] and metric in other[m]]
-    a, b = (np.array([badness(metric, pooled[m][metric].value) for m in known]) for pooled in (one, other))
+    measured = [m for m in methods if metric in one[m] and metric in other[m]]
+    a, b = (np.array([badness(metric, pooled[m][metric].value) for m in measured]) for pooled in (one, other))
     rho = rank_correlation(a, b)
-    return f"{rho:.2f}" if np.isfinite(rho) else NOT_MEASURED, str(len(known))
+    return f"{rho:.2f}" if np.isfinite(rho) else NOT_MEASURED, str(len(measured))
 
 
 def training(less: DataSet, more: DataSet, draws: int, rng: np.random.Generator) -> Table:
@@ -188,10 +176,10 @@ def _by_scene(data: DataSet) -> Table:
     """Scenes that are too few to average, and those of another length, each a row: the errors of each method, mean over seeds."""
     methods = [name for name in data.rows if name in data.methods]
     lines: list[Row] = []
-    for found in (data.methods if data.by_scene else {}, data.left_out):
-        for n, scene in enumerate(found[methods[0]].scenarios if found else ()):
-            both = [[float(np.nanmean(found[m].values[k][:, n])) for k in ("min_sade", "mean_sade")] for m in methods]
-            length = f"{scene} ({seconds(int(found[methods[0]].values['steps'][0, n]))} s)" if data.left_out else scene
+    for group in (data.methods if data.by_scene else {}, data.left_out):
+        for n, scene in enumerate(group[methods[0]].scenarios if group else ()):
+            both = [[float(np.nanmean(group[m].values[k][:, n])) for k in ("min_sade", "mean_sade")] for m in methods]
+            length = f"{scene} ({seconds(int(group[methods[0]].values['steps'][0, n]))} s)" if data.left_out else scene
             lines.append(row(length, *(f"{low:.2f} / {mean:.2f}" for low, mean in both), origin="ours"))
     notes = ("min-sADE / mean-sADE [m].", *((data.over,) if data.left_out else ()))
     return Table(
@@ -202,7 +190,7 @@ def _by_scene(data: DataSet) -> Table:
 def label(method: str, data: DataSet, pooled: Pooled) -> str:
     """The method in words, marked where constant velocity is no worse."""
     mine, floor = (
-        {metric: found.value for metric, found in pooled.get(m, {}).items() if metric in ("min_sade", "mean_sade")}
+        {metric: interval.value for metric, interval in pooled.get(m, {}).items() if metric in ("min_sade", "mean_sade")}
         for m in (method, FLOOR)
     )
     return data.about[method].title + mark(method, data.about[method], mine, floor)
@@ -212,9 +200,9 @@ def _chosen(data: DataSet, method: str) -> str:
     return data.methods[method].chosen_by if method in data.methods else NOT_MEASURED
 
 
-def cell(found: Interval | None, digits: int = 2) -> Cell:
+def cell(interval: Interval | None, digits: int = 2) -> Cell:
     """A figure with its interval, if it has one."""
-    if found is None or not np.isfinite(found.value):
+    if interval is None or not np.isfinite(interval.value):
         return Cell(NOT_MEASURED)
-    text = f"{found.value:.{digits}f}"
-    return Cell(text, f"{found.low:.{digits}f} to {found.high:.{digits}f}") if np.isfinite(found.low) else Cell(text)
+    text = f"{interval.value:.{digits}f}"
+    return Cell(text, f"{interval.low:.{digits}f} to {interval.high:.{digits}f}") if np.isfinite(interval.low) else Cell(text)

@@ -55,22 +55,22 @@ def _models(source: str, trained: list[Trained], about: Mapping[str, Method]) ->
     )
     columns = ("", "parameters", "steps", "CPU-s of the whole stage", "CPU-s of training alone", "plateau")
     title = f"What was trained on {source}: size, time, and whether more training would help"
-    drawn = {
+    curves = {
         titles.get(name, name): {
             f"seed {one.seed}": (one.model.curve["step"], one.model.curve["validation"]) for one in group if one.model.curve
         }
         for name, group in groups.items()
     }
     return Table(
-        f"models-{_slug(source)}", title, columns, tuple(lines), notes, picture=plots.panels(drawn, "steps", "validation")
+        f"models-{_slug(source)}", title, columns, tuple(lines), notes, picture=plots.panels(curves, "steps", "validation")
     )
 
 
 def _by_name(trained: list[Trained], first: Iterable[str]) -> dict[str, list[Trained]]:
     """Models by name, those of `first` in their order, each with its seeds in order."""
     names = dict.fromkeys([*first, *sorted(one.model.name for one in trained)])
-    found = {name: sorted((one for one in trained if one.model.name == name), key=lambda one: one.seed) for name in names}
-    return {name: group for name, group in found.items() if group}
+    groups = {name: sorted((one for one in trained if one.model.name == name), key=lambda one: one.seed) for name in names}
+    return {name: group for name, group in groups.items() if group}
 
 
 def _line(text: str, group: list[Trained]) -> Row:
@@ -93,7 +93,7 @@ def _line(text: str, group: list[Trained]) -> Row:
 def _together(mine: list[list[Trained]]) -> Row:
     """DriveGen's models in one row: sums."""
     sizes = [group[0].model.parameters for group in mine]
-    size = number(sum(known)) if len(known := [s for s in sizes if s is not None]) == len(mine) else number(None)
+    size = number(sum(counted)) if len(counted := [s for s in sizes if s is not None]) == len(mine) else number(None)
     took = _whole(mine)
     return row("DriveGen, together", size, "–", _each([number(t, 0) for t in took]) if took else "–", "–", "–", origin="ours")
 
@@ -110,13 +110,13 @@ def _budget(groups: Mapping[str, list[Trained]], about: Mapping[str, Method]) ->
     ours = _whole([groups[name] for name in OURS if name in groups])
     learned = [f"train_generator/{name}" for name, method in about.items() if method.kind == LEARNED]
     rivals = [one.model.took.get("cpu_seconds") for name in learned for one in groups.get(name, [])]
-    known = [seconds for seconds in rivals if seconds is not None]
-    if not ours or not known or len(known) < len(rivals):
+    finite = [seconds for seconds in rivals if seconds is not None]
+    if not ours or not finite or len(finite) < len(rivals):
         return ""
     lists = max((one.lists for group in groups.values() for one in group if one.lists is not None), default=None)
     shared = "" if lists is None else f", after {lists:.0f} once for the goal lists, which all seeds share"
     return (
-        f"Budget: whole stages took {min(known):.0f} to {max(known):.0f} CPU-seconds for a rival that learns traffic, and "
+        f"Budget: whole stages took {min(finite):.0f} to {max(finite):.0f} CPU-seconds for a rival that learns traffic, and "
         f"{_each([f'{seconds:.0f}' for seconds in ours])} for DriveGen's two models together{shared}. IDM's fit has two numbers."
     )
 

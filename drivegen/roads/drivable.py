@@ -234,7 +234,10 @@ def _cut(outline: NDArray[np.floating]) -> NDArray[np.float64]:
     edge = np.roll(outline, -1, axis=0) - outline.astype(np.float64)
     count = np.clip(np.ceil(np.hypot(*edge.T) / PIECE), 1, 1000).astype(np.int64)
     index = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    return np.repeat(outline, count, axis=0) + np.repeat(edge / count[:, None], count, axis=0) * index[:, None]
+    points: NDArray[np.float64] = (
+        np.repeat(outline, count, axis=0) + np.repeat(edge / count[:, None], count, axis=0) * index[:, None]
+    )
+    return points
 
 
 def _lengths(lines: Polylines) -> NDArray[np.float64]:
@@ -253,5 +256,5 @@ def _at(lines: Polylines, line: NDArray[np.integer], fraction: NDArray[np.floati
     """Points (Q, 2) at `fraction` (Q,) of the length of lines number `line` (Q,)."""
     along = _global_arc(lines)
     begin, end = along[lines.start[:-1]][line], along[lines.start[1:] - 1][line]
-    wanted = begin + fraction * (end - begin)
-    return np.stack([np.interp(wanted, along, lines.points[:, axis]) for axis in (0, 1)], axis=-1)
+    places = begin + fraction * (end - begin)
+    return np.stack([np.interp(places, along, lines.points[:, axis]) for axis in (0, 1)], axis=-1)

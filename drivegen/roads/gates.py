@@ -12,7 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.roadmap import LaneControl, RoadMap
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 
 HALF_WIDTH = 2.5
 """Half the width over which a gate is crossed [m]."""
@@ -135,8 +135,8 @@ def _crossing_points(points, starts, lane, others):  # type: ignore[no-untyped-d
     for other in others:
         if other == lane:
             continue
-        found, x, y, dx, dy = first_crossing(points, starts[lane], starts[lane + 1], starts[other], starts[other + 1])
-        if found:
+        crosses, x, y, dx, dy = first_crossing(points, starts[lane], starts[lane + 1], starts[other], starts[other + 1])
+        if crosses:
             at[count, 0], at[count, 1], towards[count, 0], towards[count, 1] = x, y, dx, dy
             count += 1
     return at[:count], towards[:count]

@@ -121,7 +121,7 @@ def _window(value, low, cell, count, reach):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _near(x, y, radius, piece, lane, s, origin, cell, columns, rows, start):  # type: ignore[no-untyped-def]
-    found = np.empty(MOST_HITS, np.int32)
+    lanes = np.empty(MOST_HITS, np.int32)
     numbers = np.empty((MOST_HITS, 4))
     count = 0
     first_x, last_x = _window(x, origin[0], cell, columns, radius + PIECE / 2)
@@ -132,7 +132,7 @@ def _near(x, y, radius, piece, lane, s, origin, cell, columns, rows, start):  # 
             if distance > radius:
                 continue
             k = 0
-            while k < count and found[k] != lane[i]:
+            while k < count and lanes[k] != lane[i]:
                 k += 1
             if k == count:
                 if count < MOST_HITS:
@@ -140,10 +140,10 @@ def _near(x, y, radius, piece, lane, s, origin, cell, columns, rows, start):  # 
                 else:
                     k = int(np.argmax(numbers[:, 3]))
                 numbers[k, 3] = np.inf
-                found[k] = lane[i]
+                lanes[k] = lane[i]
             if distance < numbers[k, 3]:
                 numbers[k] = (s[i] + along, d, heading, distance)
-    return found[:count], numbers[:count]
+    return lanes[:count], numbers[:count]
 
 
 @njit(cache=True)

@@ -63,14 +63,14 @@ def match_route(
     It begins abreast of the first position and ends `beyond` [m] after the last one. None if the track followed no lanes:
     nothing near, or a line that it leaves by more than MOST_OFFSET, or USUAL_OFFSET on average.
     """
-    kept = _telling(np.ascontiguousarray(positions, np.float64))
+    rows = _telling(np.ascontiguousarray(positions, np.float64))
     lane, s = _viterbi(
-        np.ascontiguousarray(positions[kept], np.float64), np.ascontiguousarray(headings[kept], np.float64), graph.grid.arrays,
+        np.ascontiguousarray(positions[rows], np.float64), np.ascontiguousarray(headings[rows], np.float64), graph.grid.arrays,
         graph.length, graph.successors.start, graph.successors.lane, graph.map.neighbour, graph.map.same_direction, graph.change,
     )  # fmt: skip
     if len(lane) == 0:
         return None
-    pieces = _pieces(graph, lane, s, positions[kept], kept * dt)
+    pieces = _pieces(graph, lane, s, positions[rows], rows * dt)
     if pieces is None:
         return None
     travelled = sum(max(piece.end - piece.begin, 0.0) for piece in pieces)
@@ -81,10 +81,10 @@ def match_route(
 
 def _telling(positions: NDArray[np.float64]) -> NDArray[np.intp]:
     """Steps at least LEAST_STEP apart, the first and the last among them."""
-    kept = _thinned(positions, LEAST_STEP)
-    if len(kept) > 1 and np.hypot(*(positions[-1] - positions[kept[-1]])) < LEAST_STEP / 2:
-        kept = kept[:-1]
-    return np.unique(np.append(kept, len(positions) - 1)) if len(kept) > 1 else kept
+    rows = _thinned(positions, LEAST_STEP)
+    if len(rows) > 1 and np.hypot(*(positions[-1] - positions[rows[-1]])) < LEAST_STEP / 2:
+        rows = rows[:-1]
+    return np.unique(np.append(rows, len(positions) - 1)) if len(rows) > 1 else rows
 
 
 def _pieces(
@@ -150,12 +150,12 @@ def _point(graph: LaneGraph, lane: int, s: float) -> NDArray[np.float64]:
 
 @njit(cache=True)
 def _thinned(positions, least):  # type: ignore[no-untyped-def]
-    kept = [0]
+    rows = [0]
     for i in range(1, len(positions)):
-        gap_x, gap_y = positions[i, 0] - positions[kept[-1], 0], positions[i, 1] - positions[kept[-1], 1]
+        gap_x, gap_y = positions[i, 0] - positions[rows[-1], 0], positions[i, 1] - positions[rows[-1], 1]
         if gap_x * gap_x + gap_y * gap_y >= least * least:
-            kept.append(i)
-    return np.array(kept)
+            rows.append(i)
+    return np.array(rows)
 
 
 @njit(cache=True)
@@ -215,20 +215,20 @@ def _viterbi(positions, headings, grid, length, start, successor, neighbour, sam
     states = np.zeros(count, np.int32)
     for t in range(count):
         x, y = positions[t]
-        found, numbers = _near(x, y, SEARCH_RADIUS, *grid)
+        near, numbers = _near(x, y, SEARCH_RADIUS, *grid)
         step = 0.0 if t == 0 else np.hypot(x - positions[t - 1, 0], y - positions[t - 1, 1])
-        for h in range(len(found)):
+        for h in range(len(near)):
             angle = abs((numbers[h, 2] - headings[t] + np.pi) % (2 * np.pi) - np.pi)
             if angle > np.pi / 2:
                 continue
-            b, s_b, k = found[h], numbers[h, 0], states[t]
-            seen = (numbers[h, 3] / OFFSET_SCALE) ** 2 + (angle / ANGLE_SCALE) ** 2
+            b, s_b, k = near[h], numbers[h, 0], states[t]
+            misfit = (numbers[h, 3] / OFFSET_SCALE) ** 2 + (angle / ANGLE_SCALE) ** 2
             lanes[t, k], along[t, k] = b, s_b
             if t == 0:
-                total[t, k] = seen
+                total[t, k] = misfit
             for j in range(states[t - 1] if t > 0 else 0):
                 a, s_a = lanes[t - 1, j], along[t - 1, j]
-                cost = seen + total[t - 1, j]
+                cost = misfit + total[t - 1, j]
                 cost += _transition(a, s_a, b, s_b, step, length, start, successor, neighbour, same_direction, change)
                 if cost < total[t, k]:
                     total[t, k], back[t, k] = cost, j

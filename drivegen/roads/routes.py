@@ -94,8 +94,8 @@ def start_lanes(graph: LaneGraph, position: NDArray[np.floating], heading: float
     fits &= cost <= cost[fits].min(initial=np.inf) + SPREAD
     chosen = np.flatnonzero(fits)
     chosen = chosen[np.lexsort((hits.lane[chosen], cost[chosen]))][:MOST_STARTS]
-    taken = LaneHits(hits.lane[chosen], hits.s[chosen], hits.d[chosen], hits.heading[chosen], hits.distance[chosen])
-    return taken, cost[chosen]
+    starts = LaneHits(hits.lane[chosen], hits.s[chosen], hits.d[chosen], hits.heading[chosen], hits.distance[chosen])
+    return starts, cost[chosen]
 
 
 def _behind(graph: LaneGraph, hits: LaneHits, fits: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -43,11 +43,11 @@ def with_additions(
         chosen = _in_tempo(rank, tempos(seed, scenario.scenario_id, count), share, seeds.rng(seed, "own", scenario.scenario_id))
     checker = SceneChecker(scenario, limits)
     if CHECKER in additions:
-        chosen = np.stack([_legal(checker, samples.motion, rank, wanted) for wanted in chosen])
+        chosen = np.stack([_legal(checker, samples.motion, rank, own) for own in chosen])
     at = (chosen, np.arange(vehicles))
     violation, first = checker.check_samples(samples.motion[at])
-    kept = {name: getattr(samples, name)[at] for name in ("goal", "natural", "used", "attempts", "dropped", "left_map")}
-    return replace(samples, motion=samples.motion[at], violation=violation, first_violation=first, **kept)
+    columns = {name: getattr(samples, name)[at] for name in ("goal", "natural", "used", "attempts", "dropped", "left_map")}
+    return replace(samples, motion=samples.motion[at], violation=violation, first_violation=first, **columns)
 
 
 def _distances(motion: Trajectories) -> NDArray[np.float64]:
@@ -60,15 +60,15 @@ def _distances(motion: Trajectories) -> NDArray[np.float64]:
 def _in_tempo(rank: NDArray[np.intp], tempo: NDArray[np.float64], share: float, rng: np.random.Generator) -> NDArray[np.intp]:
     """Trajectories (K, N), each vehicle's permuted: the future of the highest tempo tends to have those of the highest rank."""
     score = np.sqrt(share) * tempo[:, None] + np.sqrt(1 - share) * rng.normal(size=rank.shape)
-    wanted = score.argsort(axis=0, kind="stable").argsort(axis=0)
-    return np.take_along_axis(rank.argsort(axis=0, kind="stable"), wanted, axis=0)
+    order = score.argsort(axis=0, kind="stable").argsort(axis=0)
+    return np.take_along_axis(rank.argsort(axis=0, kind="stable"), order, axis=0)
 
 
-def _legal(checker: SceneChecker, motion: Trajectories, rank: NDArray[np.intp], wanted: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Trajectories (N,) of one future: those `wanted` (N,) where they are legal together, else others of the same vehicle."""
-    committed, chosen = Trajectories.empty(len(wanted), motion.steps), wanted.copy()
-    for n in range(len(wanted)):
-        order = np.abs(rank[:, n] - rank[wanted[n], n]).argsort(kind="stable")
+def _legal(checker: SceneChecker, motion: Trajectories, rank: NDArray[np.intp], own: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Trajectories (N,) of one future: those `own` (N,) where they are legal together, else others of the same vehicle."""
+    committed, chosen = Trajectories.empty(len(own), motion.steps), own.copy()
+    for n in range(len(own)):
+        order = np.abs(rank[:, n] - rank[own[n], n]).argsort(kind="stable")
         for part in (order[:1], order[1:]):  # most are legal at once
             violation, first = checker.check(n, motion[part, n], committed, checker.size)
             if len(part) and not violation.all():

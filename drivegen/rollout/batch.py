@@ -37,8 +37,8 @@ def choose(scenarios: Sequence[Scenario], selector: Selector, settings: Candidat
     choices = []
     for scenario in scenarios:
         graph = LaneGraph.of(scenario.map)
-        found = [candidates(graph, scenario, n, settings) for n in range(len(scenario.vehicles))]
-        offered = selector.offer(graph, scenario, found)
+        candidates_of = [candidates(graph, scenario, n, settings) for n in range(len(scenario.vehicles))]
+        offered = selector.offer(graph, scenario, candidates_of)
         natural = selector.rank(graph, scenario, offered)
         choices.append(Choices(scenario, offered, natural, tempered(natural, offered, temperature)))
     return choices
@@ -92,32 +92,33 @@ def roll_out(
     `targets`, if given, are the targets' motions (K, T), known beforehand: only the others are planned. `rejections`, by
     scenario, are told what is turned down in theirs.
     """
-    known = targets if targets is not None else [None] * len(choices)
+    motions = targets if targets is not None else [None] * len(choices)
     noted = [(rejections or {}).get(choice.scenario.scenario_id) for choice in choices]
     rollouts = [
-        Rollout(choice, limits, settings, samples, seed, at, note) for choice, at, note in zip(choices, known, noted, strict=True)
+        Rollout(choice, limits, settings, samples, seed, at, note)
+        for choice, at, note in zip(choices, motions, noted, strict=True)
     ]
     for turn in range(settings.rounds):
-        wanted = [rollout.wanted(turn) for rollout in rollouts]
-        if not any(len(w) for w in wanted):
+        rows_of = [rollout.rows_to_plan(turn) for rollout in rollouts]
+        if not any(len(w) for w in rows_of):
             break
-        for rollout, rows, motion in _plan(rollouts, wanted, planner, seed, turn):
+        for rollout, rows, motion in _plan(rollouts, rows_of, planner, seed, turn):
             rollout.commit(rows, motion)
     return [rollout.result(method) for rollout in rollouts]
 
 
 def plan_all_goals(choices: Sequence[Choices], planner: Planner, seed: int) -> list[Trajectories]:
     """One trajectory towards every candidate, until it leaves the map: (sum of C, T) per scenario, vehicle by vehicle."""
-    wanted = [
+    rows_of = [
         np.array([(0, n, c, 0) for n, cands in enumerate(choice.candidates) for c in range(len(cands))], np.int64).reshape(-1, 4)
         for choice in choices
     ]
-    requests = goal_requests(choices, wanted, lambda s: seeds.derive(seed, "all-goals", choices[s].scenario.scenario_id))
+    requests = goal_requests(choices, rows_of, lambda s: seeds.derive(seed, "all-goals", choices[s].scenario.scenario_id))
     motion = planner.sample([c.scenario for c in choices], requests)
-    ends = np.cumsum([0, *map(len, wanted)])
+    ends = np.cumsum([0, *map(len, rows_of)])
     return [
         _on_the_map(choice, rows[:, 1], motion[a:b])
-        for choice, rows, a, b in zip(choices, wanted, ends[:-1], ends[1:], strict=True)
+        for choice, rows, a, b in zip(choices, rows_of, ends[:-1], ends[1:], strict=True)
     ]
 
 
@@ -128,22 +129,22 @@ def _on_the_map(choice: Choices, vehicle: NDArray[np.int64], motion: Trajectorie
 
 
 def _plan(
-    rollouts: list[Rollout], wanted: list[NDArray[np.int64]], planner: Planner, seed: int, turn: int
+    rollouts: list[Rollout], rows_of: list[NDArray[np.int64]], planner: Planner, seed: int, turn: int
 ) -> list[tuple[Rollout, NDArray[np.int64], Trajectories]]:
     """Plan what all scenarios want in one call and hand each its own part."""
     choices = [r.choice for r in rollouts]
-    requests = goal_requests(choices, wanted, lambda s: seeds.derive(seed, "plan", choices[s].scenario.scenario_id, turn))
+    requests = goal_requests(choices, rows_of, lambda s: seeds.derive(seed, "plan", choices[s].scenario.scenario_id, turn))
     motion = planner.sample([c.scenario for c in choices], requests)
-    ends = np.cumsum([0, *map(len, wanted)])
+    ends = np.cumsum([0, *map(len, rows_of)])
     return [
         (rollout, rows, motion[a:b].until(rollout.choice.scenario.steps))
-        for rollout, rows, a, b in zip(rollouts, wanted, ends[:-1], ends[1:], strict=True)
+        for rollout, rows, a, b in zip(rollouts, rows_of, ends[:-1], ends[1:], strict=True)
         if len(rows)
     ]
 
 
 def goal_requests(
-    choices: Sequence[Choices], wanted: Sequence[NDArray[np.int64]], base_seed: Callable[[int], int]
+    choices: Sequence[Choices], rows_of: Sequence[NDArray[np.int64]], base_seed: Callable[[int], int]
 ) -> PlanRequests:
     """Plan requests for rows (sample, vehicle, candidate, attempt) of every scenario.
 
@@ -152,7 +153,7 @@ def goal_requests(
     routes: list[Route] = []
     columns: list[tuple[NDArray[np.generic], ...]] = []
     noise: list[NDArray[np.int64]] = []
-    for s, (choice, rows) in enumerate(zip(choices, wanted, strict=True)):
+    for s, (choice, rows) in enumerate(zip(choices, rows_of, strict=True)):
         table = _GoalTable.of(choice.candidates, len(routes))
         routes.extend(route for cands in choice.candidates for route in cands.routes)
         pick = table.start[rows[:, 1]] + rows[:, 2]

@@ -1,10 +1,10 @@
-"""One scenario on its way through the rollout: goals drawn together, motion committed, what is illegal asked for again.
+"""One scenario during the rollout: goals are drawn together, motion is committed, illegal motion is planned again.
 
 The first goals of a sample are drawn for all vehicles together (`goals.joint`), so that a follower does not end beyond its
-leader. Vehicles are committed in asset order, each against those before it; who is illegal is planned again in the next
-round, towards the goals that its own odds and the outlook on what is committed leave, in whatever tempo. Asset order alone
-leaves dead ends: whoever is committed first may run over the place of a vehicle that is planned later and can't get out of
-its way. Such a vehicle takes its best trajectory that is legal but for collisions, and those that it collides with are
+leader. Vehicles are committed in asset order, each against those before it; an illegal vehicle is planned again in the
+next round, towards goals drawn by its own odds (without the common tempo) among those whose outlook is clear of committed motion.
+Asset order alone leads into dead ends: a committed vehicle may drive over the place of one that is planned later and
+cannot get out. Such a vehicle takes its best trajectory that is legal but for collisions, and those that it collides with are
 planned again, a bounded number of times.
 """
 
@@ -119,18 +119,21 @@ class Rollout:
         self.outlooks = Outlooks.of(scenario, choice.candidates, self.target_steps)
         self.start = self.outlooks.start
         self.exclusive = self.outlooks.exclusions() if settings.exclusion else np.zeros((self.start[-1],) * 2, np.bool_)
-        used = np.concatenate(choice.used)
-        noise = gumbel(seed, scenario.scenario_id, samples, len(used))
-        odds: NDArray[np.floating] = used
-        if settings.tempo > 0:  # own odds to the bit where vehicles have nothing in common
-            tempo = tempos(seed, scenario.scenario_id, samples)
-            odds = in_tempo(used, self.start, self.outlooks.distance, tempo, settings.tempo)
+        self._draw_goals(np.concatenate(choice.used), samples, seed)
+
+    def _draw_goals(self, used: NDArray[np.floating], samples: int, seed: int) -> None:
+        """Draw `first` (K, N), the goals that all begin with, by odds `used` (Q,), and `score` (K, Q), by which others follow."""
+        name, tempo = self.choice.scenario.scenario_id, self.settings.tempo
+        noise = gumbel(seed, name, samples, len(used))
+        odds = used
+        if tempo > 0:  # own odds to the bit where vehicles have nothing in common
+            odds = in_tempo(used, self.start, self.outlooks.distance, tempos(seed, name, samples), tempo)
         self.first = draw_together(odds, self.start, self.exclusive, noise)
         with np.errstate(divide="ignore"):
             self.score = np.log(used.astype(np.float64)) + noise[0]
         self.failed = np.zeros((samples, len(used)), np.int64)
 
-    def wanted(self, turn: int) -> NDArray[np.int64]:
+    def rows_to_plan(self, turn: int) -> NDArray[np.int64]:
         """Rows (sample, vehicle, candidate, attempt) that are to be planned in round `turn`."""
         self.turn = turn
         pending = np.argwhere(self.pending)
@@ -172,28 +175,28 @@ class Rollout:
         starts = np.flatnonzero(np.any(np.diff(rows[:, :2], axis=0, prepend=-1) != 0, axis=1))
         for a, b in zip(starts, [*starts[1:], len(rows)], strict=True):
             k, n = int(rows[a, 0]), int(rows[a, 1])
-            found = self.checker.among_committed(n, motion[a:b], self._others(k, n), self.checker.size, alone[a:b])
-            self._judge(k, n, rows[a:b, 2], motion[a:b], found)
+            severities = self.checker.among_committed(n, motion[a:b], self._others(k, n), self.checker.size, alone[a:b])
+            self._judge(k, n, rows[a:b, 2], motion[a:b], severities)
 
-    def _judge(self, k: int, n: int, candidate: NDArray[np.int64], motion: Trajectories, found: Severities) -> None:
+    def _judge(self, k: int, n: int, candidate: NDArray[np.int64], motion: Trajectories, severities: Severities) -> None:
         """Commit the first legal trajectory of vehicle n in sample k, or make way for one, or keep the least illegal."""
-        violation = found.violation
-        taken, tried = self._taken(k, n, candidate, motion, violation)
+        violation = severities.violation
+        first_legal, tried = self._first_legal(k, n, candidate, motion, violation)
         self.attempts[k, n] += tried
         if self.rejections is not None:
             for i in range(tried):
-                if i != taken:
+                if i != first_legal:
                     self.rejections.add(k, n, int(violation[i]), motion.position[i])
-        if taken is not None:
-            self._settle(k, n, int(candidate[taken]), motion[taken])
+        if first_legal is not None:
+            self._settle(k, n, int(candidate[first_legal]), motion[first_legal])
             return
-        badness = _badness(violation, found.first_step, motion.steps)
+        badness = _badness(violation, severities.first_step, motion.steps)
         chosen = int(badness.argmin())
         if badness[chosen] < self.badness[k, n]:
             self.badness[k, n], self.goal[k, n] = badness[chosen], candidate[chosen]
             _put(self.spare, (k, n), motion[chosen])
 
-    def _taken(
+    def _first_legal(
         self, k: int, n: int, candidate: NDArray[np.int64], motion: Trajectories, violation: NDArray[np.uint16]
     ) -> tuple[int | None, int]:
         """Which trajectory to commit, None if no way was made for any, and how many were tried until it was found."""

@@ -90,8 +90,8 @@ class Plugin:
         attacker: NDArray[np.integer],
     ) -> list[DrivingOutcome]:
         scenes = Scenes.of(scenarios, traffic, paths, CHUNK, self._device)
-        seen = any(map(looks, drivers))
-        lookout = Lookout.of(scenes, scenarios, traffic, arrivals=seen) if seen or self._counts_lights else None
+        rules = any(map(looks, drivers))
+        lookout = Lookout.of(scenes, scenarios, traffic, arrivals=rules) if rules or self._counts_lights else None
         return [self.drive(driver, scenes, scenarios, steps, attacker, lookout) for driver in drivers]
 
     def drive(

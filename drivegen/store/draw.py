@@ -41,36 +41,36 @@ def draw_scenes(seed: int, scenarios: Path, generated: Path, count: int) -> list
     Raises UnusableInput where `generated` lacks one.
     """
     read: dict[Path, tuple[list[Scenario], dict[str, Samples]]] = {}
-    drawn = []
+    scenes_drawn = []
     for file, row in draw_places(seed, scenarios, count):
         if file not in read:
             read[file] = read_shard(file), {s.scenario_id: s for s in read_samples(generated / file.name)}
         scenes, samples = read[file]
-        drawn.append(Drawn(file.name, scenes[row], _of(scenes[row], samples, generated / file.name)))
-    return drawn
+        scenes_drawn.append(Drawn(file.name, scenes[row], _of(scenes[row], samples, generated / file.name)))
+    return scenes_drawn
 
 
-def by_method(drawn: list[Drawn], generated: Path) -> list[dict[str, Samples]]:
+def by_method(scenes: list[Drawn], generated: Path) -> list[dict[str, Samples]]:
     """The samples of each drawn scene by every method that has a folder below `generated`, by the folder's name.
 
     Raises UnusableInput where one lacks a scene.
     """
-    found: list[dict[str, Samples]] = [{} for _ in drawn]
+    by_scene: list[dict[str, Samples]] = [{} for _ in scenes]
     for folder in sorted(place for place in generated.iterdir() if place.is_dir()):
-        for shard in sorted({one.shard for one in drawn}):
+        for shard in sorted({one.shard for one in scenes}):
             samples = {s.scenario_id: s for s in read_samples(folder / shard)}
-            for one, methods in zip(drawn, found, strict=True):
+            for one, methods in zip(scenes, by_scene, strict=True):
                 if one.shard == shard:
                     methods[folder.name] = _of(one.scenario, samples, folder / shard)
-    return found
+    return by_scene
 
 
 def goals_of(scenario_id: str, shard: Path) -> GoalColumns:
     """What a selector recorded for a scene; raises UnusableInput where its shard lacks it."""
-    found = [one for one in read_goals(shard) if one.scenario_id == scenario_id]
-    if not found:
+    columns = [one for one in read_goals(shard) if one.scenario_id == scenario_id]
+    if not columns:
         raise UnusableInput(f"{shard} lacks scenario {scenario_id}: run the goals stage again")
-    return found[0]
+    return columns[0]
 
 
 def followed_goals(samples: Samples, selector: str | None, goals: Path, shard: str) -> NDArray[np.float32] | None:

@@ -16,7 +16,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from drivegen.core.errors import UnusableInput
+from drivegen.core.errors import UnusableInput, naming
 from drivegen.core.safe_parquet import open_parquet
 from drivegen.core.seal import BLANK, expect_seal, has_seal, sealed
 from drivegen.store.files import whole
@@ -128,9 +128,8 @@ def built(shard: Shard, path: Path, build: Callable[[Shard, int], Row]) -> list[
     rows = []
     for row in range(shard.count):
         try:
-            rows.append(build(shard, row))
-        except UnusableInput as error:
-            raise UnusableInput(f"{path}, row {row}: {error}", reason=error.reason) from None
+            with naming(f"{path}, row {row}"):
+                rows.append(build(shard, row))
         except (LookupError, ValueError, TypeError, AttributeError) as error:
             raise UnusableInput(f"{path}, row {row}, is no sound row ({error}): {_AGAIN}", reason="bad-shard") from None
     return rows

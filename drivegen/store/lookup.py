@@ -20,19 +20,19 @@ _Row = TypeVar("_Row", Scenario, Samples)
 _SAMPLE = re.compile(r"(.+)-s(\d{2,})")
 
 
-def find_scenario(wanted: str, folders: Sequence[Path]) -> tuple[Path, Scenario] | None:
+def find_scenario(name: str, folders: Sequence[Path]) -> tuple[Path, Scenario] | None:
     """The first scenario of that id (folders' names have dashes for colons: both forms count) and its shard; None without one."""
     for shard in (shard for folder in folders for shard in shards(folder)):
         ids = _ids(shard)
         for row, scenario_id in enumerate(ids):
-            if wanted in (scenario_id, scenario_id.replace(":", "-")):
+            if name in (scenario_id, scenario_id.replace(":", "-")):
                 return shard, read_shard(shard)[row]
     return None
 
 
-def find_sample(wanted: str, folders: Sequence[Path], generated: Path) -> tuple[Scenario, Samples, int] | None:
+def find_sample(name: str, folders: Sequence[Path], generated: Path) -> tuple[Scenario, Samples, int] | None:
     """A future `<id>-s<number>`: its scenario, the samples of it in shards of `generated`, its number; None without one."""
-    parts = _SAMPLE.fullmatch(wanted)
+    parts = _SAMPLE.fullmatch(name)
     place = find_scenario(parts[1], folders) if parts else None
     if parts is None or place is None or not (generated / place[0].name).exists():
         return None

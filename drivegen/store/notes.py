@@ -63,12 +63,14 @@ def arrange(items: Sequence[str], notes: dict[int, ShardNote], settings: str, si
     free numbers, so what is made from nothing does not depend on what was there before.
     """
     wanted = set(items)
-    kept = {number: note.items for number, note in notes.items() if note.settings == settings and wanted.issuperset(note.items)}
-    held = {item for shard in kept.values() for item in shard}
+    standing = {
+        number: note.items for number, note in notes.items() if note.settings == settings and wanted.issuperset(note.items)
+    }
+    held = {item for shard in standing.values() for item in shard}
     rest = [item for item in items if item not in held]
     parts = [tuple(rest[i : i + size]) for i in range(0, len(rest), size)]
-    free = (number for number in range(len(kept) + len(parts)) if number not in kept)
-    return kept | dict(zip(free, parts, strict=False))
+    free = (number for number in range(len(standing) + len(parts)) if number not in standing)
+    return standing | dict(zip(free, parts, strict=False))
 
 
 def digest(paths: Iterable[Path]) -> str:

@@ -46,9 +46,9 @@ def rejected_by_method(folder: Path) -> dict[str, dict[str, Rejected]]:
     return {file.stem: {one.scenario_id: one for one in read_rejected(file)} for file in sorted(folder.glob("*.parquet"))}
 
 
-def rejected_of(scenario_id: str, found: Mapping[str, Mapping[str, Rejected]]) -> dict[str, Rejected]:
-    """What `found` (see `rejected_by_method`) holds of one scenario, by method; not those of which nothing was kept."""
-    return {method: scenes[scenario_id] for method, scenes in found.items() if scenario_id in scenes}
+def rejected_of(scenario_id: str, by_method: Mapping[str, Mapping[str, Rejected]]) -> dict[str, Rejected]:
+    """What `by_method` (see `rejected_by_method`) holds of one scenario, by method; not those of which nothing was kept."""
+    return {method: scenes[scenario_id] for method, scenes in by_method.items() if scenario_id in scenes}
 
 
 def _rejected(shard: Shard, row: int) -> Rejected:

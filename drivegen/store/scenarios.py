@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import Polylines
 from drivegen.core.roadmap import RoadMap
-from drivegen.core.scenario import Actors, Scenario, Signals, Trajectories, Vehicles
+from drivegen.core.scenario import Actors, Scenario, Trajectories, Vehicles
+from drivegen.core.signals import Signals
 from drivegen.store.lists import Shard, built, column, read_shard_table, write_shard_table
 
 KIND = "scenarios"

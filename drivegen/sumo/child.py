@@ -1,8 +1,8 @@
 """Run one of our programs that load libsumo, in a process of its own.
 
 libsumo crashes its process on malformed networks, keeps one simulation per process and holds the interpreter's lock. The
-program is run by path, with the name of the folder that holds what it reads, and gets no more of the environment than SUMO
-needs. It limits its own processor time and memory; what it says while it dies becomes one sentence.
+program is run by path, gets the name of the folder with its input, and no more of the environment than SUMO
+needs. It limits its own processor time and memory; its last error message becomes one sentence.
 """
 
 import os
@@ -39,11 +39,11 @@ def simulate(program: Path, folder: Path, time_limit: float) -> None:
     if done.returncode < 0:
         raise SimulationFailed(f"SUMO crashed (signal {-done.returncode})", reason="sumo-crashed")
     if done.returncode:
-        told = _cause(done.stderr.decode("utf-8", "replace")) or f"exit code {done.returncode}"
-        raise SimulationFailed(f"SUMO refuses the run: {told[:_LONGEST_MESSAGE]}", reason="sumo-refused")
+        cause = _cause(done.stderr.decode("utf-8", "replace")) or f"exit code {done.returncode}"
+        raise SimulationFailed(f"SUMO refuses the run: {cause[:_LONGEST_MESSAGE]}", reason="sumo-refused")
 
 
-def _cause(said: str) -> str:
+def _cause(text: str) -> str:
     """SUMO's first line about an error, or, where it printed none, the exception at the end."""
-    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
     return next((line for line in lines if "Error" in line), lines[-1] if lines else "")

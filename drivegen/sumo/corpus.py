@@ -12,8 +12,9 @@ import numpy as np
 from drivegen.core import seeds
 from drivegen.core.crop import Cropper
 from drivegen.core.errors import UnusableInput
-from drivegen.core.scenario import DT, Scenario, Signals
+from drivegen.core.scenario import DT, Scenario
 from drivegen.core.settings import Count, NotNegative, Positive, Share
+from drivegen.core.signals import Signals
 from drivegen.sumo.bends import with_human_speeds
 from drivegen.sumo.demand import Demand, draw_demand, mean_limit, vehicles_at_begin
 from drivegen.sumo.netconvert import convert
@@ -90,22 +91,22 @@ def simulate_scenarios(
     cropper = Cropper(network.map)
     least, most = settings.fast_density if mean_limit(network) > FAST else density
     scenarios: list[Scenario] = []
-    barren = run = seen = 0
+    barren = run = windows_seen = 0
     share = 1.0 / _VEHICLES_PER_SCENARIO
     while len(scenarios) < count:
         random = seeds.rng(seed, "corpus", city, part, run)
-        wanted = count - len(scenarios)
+        missing = count - len(scenarios)
         vehicles = vehicles_at_begin(network, random.uniform(least, most), settings.most_vehicles)
-        windows = int(np.clip(np.ceil(wanted / (vehicles * share)), 1, settings.most_windows_per_run))
+        windows = int(np.clip(np.ceil(missing / (vehicles * share)), 1, settings.most_windows_per_run))
         recording = Recording(network, _drive(raw, network, vehicles, windows, settings, random), cropper, city)
-        found = list(islice(cut_windows(recording, f"{city}-{part:03d}-{run:02d}", settings.window, random), wanted))
-        seen += found[-1][0] + 1 if len(found) == wanted else windows
-        scenarios += _recorded([window for _, window in found], settings, random)
-        share = max(len(found) / (windows * vehicles), share / 4)  # what this network really gives
-        barren, run = (0 if found else barren + 1), run + 1
+        cut = list(islice(cut_windows(recording, f"{city}-{part:03d}-{run:02d}", settings.window, random), missing))
+        windows_seen += cut[-1][0] + 1 if len(cut) == missing else windows
+        scenarios += _recorded([window for _, window in cut], settings, random)
+        share = max(len(cut) / (windows * vehicles), share / 4)  # what this network really gives
+        barren, run = (0 if cut else barren + 1), run + 1
         if barren == _BARREN_RUNS:
             raise UnusableInput(f"{city}: the network gives no scenario in {barren} runs: take another", reason="no-scenarios")
-    return [replace(scenario, per_hour=scenario.per_hour / seen) for scenario in scenarios]
+    return [replace(scenario, per_hour=scenario.per_hour / windows_seen) for scenario in scenarios]
 
 
 def _recorded(windows: list[Scenario], settings: CorpusSettings, random: np.random.Generator) -> list[Scenario]:

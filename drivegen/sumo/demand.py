@@ -85,7 +85,7 @@ def draw_demand(network: Network, demand: Demand, random: np.random.Generator) -
     edges = _edges(network)
     root = Element("routes")
     everybody = draw_types(_TYPES, random, root)
-    motorised = [drawn for drawn in everybody if drawn.kind != VehicleKind.CYCLIST]
+    motorised = [one for one in everybody if one.kind != VehicleKind.CYCLIST]
     routes = _draw_routes(edges, 2 * demand.vehicles, random)
     if not routes:
         raise UnusableInput("the network has no two roads that a trip connects", reason="no-trips")

@@ -37,5 +37,5 @@ def _loaded(folder: Path, first: int, count: int) -> list[int]:
     (folder / "loaded").unlink(missing_ok=True)
     with suppress(subprocess.TimeoutExpired):  # what it had loaded until then stands
         child.start(_PROGRAM, folder, (str(first), str(count), str(seconds)), 1.5 * seconds)
-    told = folder / "loaded"
-    return [int(line) for line in told.read_text().split()] if told.exists() else []
+    listing = folder / "loaded"
+    return [int(line) for line in listing.read_text().split()] if listing.exists() else []

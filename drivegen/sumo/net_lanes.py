@@ -64,7 +64,7 @@ class NetLanes:
 
 def read_lanes(root: Element, place: str) -> NetLanes:
     """All lanes for vehicles and bicycles below <net>. Raises UnusableInput where there is none or one is unsound."""
-    kept: list[tuple[str, str, LaneKind, Element, bool]] = []
+    usable: list[tuple[str, str, LaneKind, Element, bool]] = []
     dropped: set[str] = set()
     crossings: list[Points] = []
     ends: dict[str, tuple[str, str]] = {}
@@ -77,12 +77,12 @@ def read_lanes(root: Element, place: str) -> NetLanes:
             if kind is None:
                 dropped.add(lane.get("id", ""))
             else:
-                kept.append((lane.get("id", ""), name, kind, lane, function == "internal"))
+                usable.append((lane.get("id", ""), name, kind, lane, function == "internal"))
         if function != "internal":
             ends[name] = (edge.get("from", ""), edge.get("to", ""))
-    if not kept:
+    if not usable:
         raise UnusableInput(f"{place}: the network has no lane for vehicles or bicycles", reason="no-lanes")
-    names, edges, kinds, elements, internal = zip(*kept, strict=True)
+    names, edges, kinds, elements, internal = zip(*usable, strict=True)
     return NetLanes(
         names=names,
         number={name: i for i, name in enumerate(names)},

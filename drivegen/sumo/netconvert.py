@@ -55,17 +55,17 @@ def convert(files: Mapping[str, bytes], arguments: Sequence[str], output: str, t
         for file, content in files.items():
             (folder / file).write_bytes(content)
         code, messages = _run([str(binary), *arguments], folder, home, timeout)
-        made = folder / output
-        if code != 0 or not made.is_file():
+        result = folder / output
+        if code != 0 or not result.is_file():
             raise _refusal(code, messages)
-        return _HEADER.sub(b"", made.read_bytes(), count=1)
+        return _HEADER.sub(b"", result.read_bytes(), count=1)
 
 
 @cache
 def _installed() -> tuple[Path, Path]:
     """Paths of the netconvert program and of SUMO_HOME."""
-    found = importlib.util.find_spec("sumo")
-    home = Path(found.origin).parent if found is not None and found.origin else None
+    spec = importlib.util.find_spec("sumo")
+    home = Path(spec.origin).parent if spec is not None and spec.origin else None
     if home is None or not (home / "bin" / "netconvert").is_file():
         raise MissingTool("netconvert is not installed: pip install eclipse-sumo==1.28.0")
     return home / "bin" / "netconvert", home
@@ -80,8 +80,8 @@ def _run(command: list[str], folder: Path, home: Path, timeout: float) -> tuple[
             (resource.RLIMIT_FSIZE, _LARGEST_FILE),
             (resource.RLIMIT_CORE, 0),
         ):
-            given = resource.getrlimit(what)[1]  # nobody may raise what whoever started us has limited
-            most = most if given == resource.RLIM_INFINITY else min(most, given)
+            hard_limit = resource.getrlimit(what)[1]  # nobody may raise what whoever started us has limited
+            most = most if hard_limit == resource.RLIM_INFINITY else min(most, hard_limit)
             resource.setrlimit(what, (most, most))
 
     environment = {"SUMO_HOME": str(home), "PROJ_LIB": str(home / "data" / "proj"), "PATH": "/nonexistent"}

@@ -11,11 +11,11 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.errors import UnusableInput
+from drivegen.core.errors import naming
 from drivegen.core.geometry import Floats, Polylines
 from drivegen.core.roadmap import LaneControl, LaneKind, RoadMap
 from drivegen.core.safe_xml import parse
-from drivegen.core.scenario import Signals
+from drivegen.core.signals import Signals
 from drivegen.sumo import net_lanes, strips
 from drivegen.sumo.neighbours import neighbours
 from drivegen.sumo.net_lanes import NetLanes
@@ -92,12 +92,12 @@ class _Connections:
 
 
 def _assemble(root: Element, lanes: NetLanes, place: str) -> Network:
-    found = _read_connections(root, lanes, place)
+    connections = _read_connections(root, lanes, place)
     origin = np.round((lanes.low + lanes.high) / 2)
-    centreline = _centrelines(lanes, found.links, origin)
+    centreline = _centrelines(lanes, connections.links, origin)
     left, right = strips.shifted(centreline, lanes.width / 2), strips.shifted(centreline, -lanes.width / 2)
-    neighbour, same, may_change = neighbours(lanes, centreline, found.control)
-    stopping = found.links[np.isin(found.control[found.links[:, 1]], _STOPPING)]
+    neighbour, same, may_change = neighbours(lanes, centreline, connections.control)
+    stopping = connections.links[np.isin(connections.control[connections.links[:, 1]], _STOPPING)]
     junctions = {name: shape - origin for name, shape in lanes.junctions.items()}
     road = (lanes.kind != LaneKind.BIKE) & ~_within_junctions(lanes, left, right, junctions)
     area: list[Floats] = [*strips.outlines(left, right, road), *junctions.values()]
@@ -110,8 +110,8 @@ def _assemble(root: Element, lanes: NetLanes, place: str) -> Network:
         right=right,
         speed_limit=lanes.speed,
         in_junction=lanes.internal,
-        control=found.control,
-        links=found.links,
+        control=connections.control,
+        links=connections.links,
         neighbour=neighbour,
         same_direction=same,
         may_change=may_change,
@@ -120,13 +120,11 @@ def _assemble(root: Element, lanes: NetLanes, place: str) -> Network:
         crossings=Polylines.of([shape - origin for shape in lanes.crossings]),
         stop_lines=strips.stop_lines(left, right, stopping[:, 0]),
         stop_lane=np.ascontiguousarray(stopping[:, 1]),
-        dangling=found.dangling,
+        dangling=connections.dangling,
     )
-    try:
+    with naming(place):
         map_.validate()
-    except UnusableInput as error:
-        raise UnusableInput(f"{place}: {error}", reason=error.reason) from None
-    names, indices, guarded = zip(*found.signals, strict=True) if found.signals else ((), (), ())
+    names, indices, guarded = zip(*connections.signals, strict=True) if connections.signals else ((), (), ())
     return Network(
         map_,
         lanes.names,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.errors import UnusableInput
-from drivegen.core.scenario import SignalState
+from drivegen.core.signals import SignalState
 
 _SHOWN = {
     **dict.fromkeys("gG", SignalState.GREEN),

@@ -48,12 +48,12 @@ def sensed(scenario: Scenario, observer: str, settings: SensingSettings, random:
         motion = replace(motion, valid=motion.valid & ~hidden)
     motion = _noisy(motion, settings, random)
     log, riders = motion[:count], motion[count:]
-    seen, met = log.valid.any(-1), riders.valid.any(-1)
-    log, riders = log[seen], riders[met]
+    present, met = log.valid.any(-1), riders.valid.any(-1)
+    log, riders = log[present], riders[met]
     context = Actors(scenario.context.track_id[met], scenario.context.kind[met], scenario.context.size[met], riders)
     start, each = np.argmax(log.valid, axis=-1), np.arange(len(log.valid))
     vehicles = replace(
-        scenario.vehicles[seen],
+        scenario.vehicles[present],
         position=log.position[each, start],
         heading=log.heading[each, start],
         speed=log.speed[each, start],

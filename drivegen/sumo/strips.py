@@ -17,10 +17,10 @@ _TESTED = (0.1, 0.5, 0.9)
 def cleaned(line: Points, heading: float) -> Points:
     """The polyline without repeated points; one that is a single point becomes 5 cm along `heading`."""
     moves = np.hypot(*np.diff(line, axis=0).T) > 1e-3
-    kept: Points = line[np.concatenate([[True], moves])]
-    if len(kept) == 1:
-        kept = np.stack([kept[0], kept[0] + 0.05 * np.array([np.cos(heading), np.sin(heading)])])
-    return kept
+    points: Points = line[np.concatenate([[True], moves])]
+    if len(points) == 1:
+        points = np.stack([points[0], points[0] + 0.05 * np.array([np.cos(heading), np.sin(heading)])])
+    return points
 
 
 def shifted(lines: Polylines, offset: Points) -> Polylines:

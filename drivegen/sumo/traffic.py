@@ -61,8 +61,8 @@ class Traffic:
 
     Attributes:
         track_id: (V,) str. kind: (V,) uint8 VehicleKind. size: (V, 3) float32 length, width, height [m].
-        motion: Trajectories (V, T) of box centres, relative to the origin that was given, as whoever tracks vehicles knows
-            them at each step: LAG steps behind, so that no state tells what happens later.
+        motion: Trajectories (V, T) of box centres, relative to the given origin, as a tracker knows them at each step:
+            LAG steps late, so that no state depends on what happens later.
         lights: uint8 SignalState (K, T) of the K links of each traffic light.
     """
 
@@ -116,8 +116,8 @@ def _arguments(folder: Path, run: Run) -> list[str]:
         "--xml-validation.net": "never",
     }
     sublanes = {"--lateral-resolution": str(run.lateral_resolution)} if run.lateral_resolution > 0 else {}
-    given = {"-n": str(folder / "net.net.xml"), "-r": str(folder / "demand.rou.xml")}
-    return [word for pair in (given | tracks | quiet | rules | sublanes).items() for word in pair]
+    inputs = {"-n": str(folder / "net.net.xml"), "-r": str(folder / "demand.rou.xml")}
+    return [word for pair in (inputs | tracks | quiet | rules | sublanes).items() for word in pair]
 
 
 def _states(changes: list[list[object]], first: int, steps: int) -> NDArray[np.uint8]:

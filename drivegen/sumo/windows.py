@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from drivegen.core.crop import Cropper, reach
 from drivegen.core.geometry import boxes_overlap, wrap_angle
-from drivegen.core.scenario import DT, Actors, Scenario, Signals, SizeSource, Trajectories, VehicleKind, Vehicles
+from drivegen.core.scenario import DT, Actors, Scenario, SizeSource, Trajectories, VehicleKind, Vehicles
 from drivegen.core.settings import Count, NotNegative, Positive, Share
+from drivegen.core.signals import Signals
 from drivegen.sumo.network import Network
 from drivegen.sumo.traffic import Traffic
 
@@ -82,10 +83,10 @@ def cut_windows(
         fit, chosen = _focal_vehicles(window, recording.traffic.kind, settings, random)
         per_hour = 3600.0 / (settings.steps * DT) * fit / max(len(chosen), 1)
         for focal in chosen:
-            seen = _seen(window, focal, clashes, broken, settings)
-            if seen is not None:
+            visible = _seen(window, focal, clashes, broken, settings)
+            if visible is not None:
                 scenario_id = f"{name}-{first:05d}-{recording.traffic.track_id[focal]}"
-                scenario = _scenario(recording, window, (first, focal), seen, settings, scenario_id)
+                scenario = _scenario(recording, window, (first, focal), visible, settings, scenario_id)
                 yield first // settings.steps, replace(scenario, per_hour=per_hour)
 
 
@@ -119,15 +120,15 @@ def _seen(
     where drawn lanes do not meet vehicles jump: windows that show such a pair or such a vehicle are left out.
     """
     gap = window.position - window.position[focal]
-    seen: NDArray[np.bool_] = window.valid & ((gap**2).sum(-1) <= settings.radius**2)
-    if np.count_nonzero(seen[:, 0]) < settings.fewest:
+    visible: NDArray[np.bool_] = window.valid & ((gap**2).sum(-1) <= settings.radius**2)
+    if np.count_nonzero(visible[:, 0]) < settings.fewest:
         return None
-    shown = np.asarray(seen.any(-1))
+    shown = np.asarray(visible.any(-1))
     if shown[clashes].all(-1).any() or (shown & broken).any():
         return None
     rows = np.flatnonzero(shown)
-    moving = moves(Trajectories(window.position[rows], window.heading[rows], window.velocity[rows], seen[rows]))
-    return seen if moving.mean() >= settings.moving_share else None
+    moving = moves(Trajectories(window.position[rows], window.heading[rows], window.velocity[rows], visible[rows]))
+    return visible if moving.mean() >= settings.moving_share else None
 
 
 def moves(motion: Trajectories) -> NDArray[np.bool_]:
@@ -145,46 +146,54 @@ def thrown(motion: Trajectories) -> NDArray[np.bool_]:
     return np.asarray((both & (np.maximum(change, turn) > HARDEST * DT)).any(-1))
 
 
+def _visible_motion(
+    window: Trajectories, rows: NDArray[np.intp], visible: NDArray[np.bool_], shift: NDArray[np.float32]
+) -> Trajectories:
+    """The tracks `rows` (R,), moved by `shift` [m], where they are visible (R, T); zeros elsewhere."""
+    return Trajectories(
+        np.where(visible[..., None], window.position[rows] + shift, 0.0),
+        np.where(visible, window.heading[rows], 0.0).astype(np.float32),
+        np.where(visible[..., None], window.velocity[rows], 0.0).astype(np.float32),
+        visible,
+    )
+
+
+def _vehicles(traffic: Traffic, rows: NDArray[np.intp], motion: Trajectories) -> Vehicles:
+    """The tracks `rows` (R,) as they are first visible; the nearest motor vehicle behind the focal one in order is the ego."""
+    names, kind = traffic.track_id[rows].astype(object), traffic.kind[rows]
+    names[np.flatnonzero(motion.valid[:, 0] & np.isin(kind, _FOCAL_KINDS))[1:2]] = EGO
+    first = np.arange(len(rows)), np.argmax(motion.valid, axis=-1)
+    return Vehicles(
+        track_id=names.astype(np.str_),
+        kind=kind,
+        size=traffic.size[rows],
+        size_source=np.full(len(rows), SizeSource.MEASURED, np.uint8),
+        position=motion.position[first],
+        heading=motion.heading[first],
+        speed=motion.speed[first],
+    )
+
+
 def _scenario(
     recording: Recording,
     window: Trajectories,
     at: tuple[int, int],
-    seen: NDArray[np.bool_],
+    visible: NDArray[np.bool_],
     settings: WindowSettings,
     scenario_id: str,
 ) -> Scenario:
     first, focal = at
     traffic = recording.traffic
-    rows = np.flatnonzero(seen.any(-1))
+    rows = np.flatnonzero(visible.any(-1))
     gap = np.hypot(*(window.position[rows, 0] - window.position[focal, 0]).T)
-    rows = rows[np.lexsort((rows, np.where(seen[rows, 0], gap, np.inf)))]  # the focal one first, then by distance
+    rows = rows[np.lexsort((rows, np.where(visible[rows, 0], gap, np.inf)))]  # the focal one first, then by distance
     origin = np.round(window.position[focal, 0].astype(np.float64) + recording.network.map.origin)
-    here = rows[seen[rows, 0]]
+    here = rows[visible[rows, 0]]
     within = reach(window.speed[here, 0], (settings.steps - 1) * DT, settings.map_radius)
     cut, lanes = recording.cropper.around(window.position[here, 0], within)
-    shift = (recording.network.map.origin - origin).astype(np.float32)
-    valid = seen[rows]
-    motion = Trajectories(
-        np.where(valid[..., None], window.position[rows] + shift, 0.0),
-        np.where(valid, window.heading[rows], 0.0).astype(np.float32),
-        np.where(valid[..., None], window.velocity[rows], 0.0).astype(np.float32),
-        valid,
-    )
-    names = traffic.track_id[rows].astype(object)
-    ego = np.flatnonzero(valid[:, 0] & np.isin(traffic.kind[rows], _FOCAL_KINDS))[1:2]
-    names[ego] = EGO
-    ridden = np.isin(traffic.kind[rows], _RIDDEN)
-    start = np.argmax(valid, axis=-1)
-    each = np.arange(len(rows))
-    vehicles = Vehicles(
-        track_id=names.astype(np.str_),
-        kind=traffic.kind[rows],
-        size=traffic.size[rows],
-        size_source=np.full(len(rows), SizeSource.MEASURED, np.uint8),
-        position=motion.position[each, start],
-        heading=motion.heading[each, start],
-        speed=motion.speed[each, start],
-    )
+    motion = _visible_motion(window, rows, visible[rows], (recording.network.map.origin - origin).astype(np.float32))
+    vehicles = _vehicles(traffic, rows, motion)
+    ridden = np.isin(vehicles.kind, _RIDDEN)
     riders = Actors(vehicles.track_id[ridden], vehicles.kind[ridden], vehicles.size[ridden], motion[ridden])
     return Scenario(
         scenario_id=scenario_id,

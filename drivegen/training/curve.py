@@ -47,14 +47,14 @@ def kept(rows: Sequence[LossRow]) -> LossRow:
 
     The last row where there was nothing to validate on.
     """
-    told = [row.validation if math.isnan(row.error) else row.error for row in rows]
-    return rows[-1] if any(math.isnan(figure) for figure in told) else rows[told.index(min(told))]
+    figures = [row.validation if math.isnan(row.error) else row.error for row in rows]
+    return rows[-1] if any(math.isnan(figure) for figure in figures) else rows[figures.index(min(figures))]
 
 
 def write_curve(path: Path, rows: Sequence[LossRow], error: str | None = None) -> None:
     """The curve as CSV: step, train, validation, and the rows' errors under the name `error` where one is given."""
     heads = ["step", "train", "validation", *([] if error is None else [error])]
     numbers = [(row.train, row.validation, *(() if error is None else (row.error,))) for row in rows]
-    lines = [f"{row.step}," + ",".join(f"{value:.6f}" for value in told) for row, told in zip(rows, numbers, strict=True)]
+    lines = [f"{row.step}," + ",".join(f"{value:.6f}" for value in values) for row, values in zip(rows, numbers, strict=True)]
     with whole(path) as temporary:
         temporary.write_text("\n".join([",".join(heads), *lines]) + "\n")

@@ -165,12 +165,12 @@ class _Run(Generic[Net]):
             group["lr"] = settings.learning_rate * _rate(settings, done)
         rows = batch_rows(self.objective.size, settings.batch, self.seed, done)
         generator = torch.Generator().manual_seed(seeds.derive(self.seed, "noise", done))
-        drawn = self.objective.draw(len(rows), generator)
+        noise = self.objective.draw(len(rows), generator)
         mine = slice(self.rank * len(rows) // self.world, (self.rank + 1) * len(rows) // self.world)
         torch.manual_seed(seeds.derive(self.seed, "dropout", done, self.rank))
         self.model.train()
         with self._autocast():
-            loss = self.objective.loss(self.parallel, rows[mine].to(self.device), *(d[mine].to(self.device) for d in drawn))
+            loss = self.objective.loss(self.parallel, rows[mine].to(self.device), *(d[mine].to(self.device) for d in noise))
         self.optimiser.zero_grad(set_to_none=True)
         loss.backward()  # type: ignore[no-untyped-call]
         torch.nn.utils.clip_grad_norm_(self.model.parameters(), settings.clip)

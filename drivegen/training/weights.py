@@ -47,12 +47,12 @@ def read_weights(folder: Path, kind: str, name: str) -> tuple[dict[str, Any], di
     if not (folder / SETTINGS).exists():
         raise MissingTool(f"{folder} holds no trained {kind}: run `make run` first")
     try:
-        told, raw = (folder / SETTINGS).read_bytes(), (folder / WEIGHTS).read_bytes()
-        about = json.loads(told)
+        text, raw = (folder / SETTINGS).read_bytes(), (folder / WEIGHTS).read_bytes()
+        about = json.loads(text)
         if about[kind] != name:
             raise UnusableInput(f"{folder} holds {kind} {about[kind]!r}, not {name!r}")
         expect_seal(raw, folder / WEIGHTS, _AGAIN)
-        if metadata(raw, _ABOUT)[SETTINGS] != _digest(told):
+        if metadata(raw, _ABOUT)[SETTINGS] != _digest(text):
             raise UnusableInput(f"{folder / SETTINGS} is not what these weights were trained with: {_AGAIN}", reason="damaged")
         settings, tensors = dict(about["settings"]), load(raw)
     except (SafetensorError, OSError, ValueError, KeyError, TypeError) as error:

@@ -39,8 +39,8 @@ def read_parts(parts: Sequence[Path], schema: pa.Schema) -> pa.Table:
         with _naming(part):
             table = pq.read_table(part, partitioning=None)
         if table.schema.remove_metadata() != schema:
-            wanted, found = ", ".join(schema.names), ", ".join(table.column_names)
-            raise UnusableInput(f"{part} has columns {found}; wanted {wanted}: run its stage again", reason="columns")
+            expected, there = ", ".join(schema.names), ", ".join(table.column_names)
+            raise UnusableInput(f"{part} has columns {there}; wanted {expected}: run its stage again", reason="columns")
         tables.append(table.replace_schema_metadata(None))
     return pa.concat_tables(tables)
 
@@ -50,13 +50,13 @@ def result_parts(folder: Path) -> list[Path]:
 
     Raises UnusableInput for a file that is no Parquet.
     """
-    found = []
+    parts = []
     for part in sorted(folder.rglob("*.parquet")):
         with _naming(part):
             columns = pq.read_schema(part).names
         if columns == RESULT.names:
-            found.append(part)
-    return found
+            parts.append(part)
+    return parts
 
 
 @contextmanager

@@ -11,12 +11,12 @@ from drivegen.warehouse.runs import METRICS, read_codes
 _PINNED = ("drivegen", "numpy", "torch", "libsumo", "numba")
 
 
-def describe_runs(runs: Path, wanted: Iterable[str]) -> dict[str, Any]:
-    """Hash and code of each run of `wanted` (paths below `runs`), those that are missing, versions.
+def describe_runs(runs: Path, expected: Iterable[str]) -> dict[str, Any]:
+    """Hash and code of each run of `expected` (paths below `runs`), those that are missing, versions.
 
     Neither times nor paths of this machine, so the same runs give the same bytes.
     """
-    names = list(wanted)
+    names = list(expected)
     present = {name: runs / name for name in sorted(names) if (runs / name / METRICS).is_dir()}
     return {
         "runs": {name: run_id({}, [place / METRICS]) for name, place in present.items()},

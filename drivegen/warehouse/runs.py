@@ -85,10 +85,10 @@ def read_models(workspace: Path) -> list[Model]:
 
 def read_costs(folder: Path) -> dict[str, dict[str, float]]:
     """What stages took, by "<stage>/<item>", then by name; those that were restored from the cache are not there."""
-    found: dict[str, dict[str, float]] = {}
+    costs: dict[str, dict[str, float]] = {}
     for cost in read_parts(sorted(folder.glob("*.parquet")), COST).to_pylist():
-        found.setdefault(f"{cost['stage']}/{cost['item']}", {})[cost["name"]] = cost["value"]
-    return found
+        costs.setdefault(f"{cost['stage']}/{cost['item']}", {})[cost["name"]] = cost["value"]
+    return costs
 
 
 def count_weights(folder: Path) -> int | None:
@@ -111,9 +111,9 @@ def read_param(workspace: Path, name: str) -> Any:
 
 def read_codes(workspaces: Mapping[str, Path]) -> list[dict[str, Any]]:
     """[{commit, changed, runs}]: runs of one commit, whether files differed from it; None where nobody noted it."""
-    found: dict[tuple[Any, Any], list[str]] = {}
+    runs_of: dict[tuple[Any, Any], list[str]] = {}
     for run, workspace in workspaces.items():
         file = workspace / ".drivegen" / "code.json"
         code = orjson.loads(file.read_bytes()) if file.exists() else {"commit": None, "changed": None}
-        found.setdefault((code["commit"], code["changed"]), []).append(run)
-    return [{"commit": commit, "changed": changed, "runs": runs} for (commit, changed), runs in found.items()]
+        runs_of.setdefault((code["commit"], code["changed"]), []).append(run)
+    return [{"commit": commit, "changed": changed, "runs": runs} for (commit, changed), runs in runs_of.items()]

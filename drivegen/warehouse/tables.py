@@ -70,16 +70,16 @@ def read_scenarios(folders: Mapping[str, Path]) -> pa.Table:
 
 def _scenarios(split: str, shard: Path) -> pa.Table:
     names = ["scenario_id", "source", "city", "horizon", "vehicles.kind"]
-    found = read_shard_table(shard, scenarios.KIND, scenarios.VERSION, names)
+    table = read_shard_table(shard, scenarios.KIND, scenarios.VERSION, names)
     columns = {
-        "scenario": found["scenario_id"],
-        "split": [split] * found.count,
-        "source": found["source"],
-        "city": found["city"],
-        "log": [recording(scenario) for scenario in found["scenario_id"]],
-        "shard": [str(shard)] * found.count,
-        "vehicles": [len(kinds) for kinds in found["vehicles.kind"]],
-        "steps": [horizon + 1 for horizon in found["horizon"]],
+        "scenario": table["scenario_id"],
+        "split": [split] * table.count,
+        "source": table["source"],
+        "city": table["city"],
+        "log": [recording(scenario) for scenario in table["scenario_id"]],
+        "shard": [str(shard)] * table.count,
+        "vehicles": [len(kinds) for kinds in table["vehicles.kind"]],
+        "steps": [horizon + 1 for horizon in table["horizon"]],
     }
     return pa.table(columns, SCENARIOS)
 
@@ -91,21 +91,21 @@ def read_sample_table(stage: str, item: str, folder: Path) -> pa.Table:
 
 def _samples(stage: str, item: str, shard: Path) -> pa.Table:
     names = ["scenario_id", "method", "samples", "vehicles", "violation", "dropped", "left_map"]
-    found = read_shard_table(shard, samples.KIND, samples.VERSION, names)
-    of = [row for row in range(found.count) for _ in range(found["samples"][row])]
+    table = read_shard_table(shard, samples.KIND, samples.VERSION, names)
+    of = [row for row in range(table.count) for _ in range(table["samples"][row])]
 
     def flagged(name: str) -> list[int]:
-        flags = zip(found[name], found["samples"], strict=True)
+        flags = zip(table[name], table["samples"], strict=True)
         return [int(n) for values, count in flags for n in (values.reshape(count, -1) > 0).sum(axis=1)]
 
     columns = {
         "stage": [stage] * len(of),
         "item": [item] * len(of),
-        "method": [found["method"][row] for row in of],
-        "scenario": [found["scenario_id"][row] for row in of],
-        "sample": [sample for count in found["samples"] for sample in range(count)],
+        "method": [table["method"][row] for row in of],
+        "scenario": [table["scenario_id"][row] for row in of],
+        "sample": [sample for count in table["samples"] for sample in range(count)],
         "shard": [str(shard)] * len(of),
-        "vehicles": [found["vehicles"][row] for row in of],
+        "vehicles": [table["vehicles"][row] for row in of],
         **{to: flagged(name) for to, name in (("illegal", "violation"), ("dropped", "dropped"), ("left_map", "left_map"))},
     }
     return pa.table(columns, SAMPLES)

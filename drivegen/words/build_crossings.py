@@ -23,6 +23,11 @@ def control_of(thing: Thing, equal_roads: bool, usual: str = "yield") -> str:
     return control or usual
 
 
+def said_control(things: Sequence[Thing]) -> str | None:
+    """Who goes first by the first of the things of which it is said, None where it is said of none."""
+    return next((control_of(thing, False) for thing in things if thing.has("control")), None)
+
+
 def crossing(scene: Scene, choices: Choices) -> Road:
     """The one place where roads cross or meet."""
     whole = scene.merged("crossing")
@@ -48,24 +53,32 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     of_main = {0, 1} if shape == "t" else {0, 2} if count == 4 and (first or second or unequal) else set(range(count))
     shared = Thing("", facts=[*whole.facts, *(f for road in roads if road not in (*first, *second) for f in road.facts)])
     groups = {True: _group(shared, first), False: _group(shared, second)}
-    speed = speed_of(shared)
-    usual = speed if speed is not None else usual_speed([shared, *first, *second])
-    lanes_unsaid = groups[True]["lanes"] or (0, 0)
-    if not lanes_unsaid[1]:  # nothing, or a one-way road's, which say nothing of the other
-        lanes_unsaid = (2 if shared.has("arterial") else 1, 0)
-    built: list[Road] = []
-    length = shared.value("length") or choices.length("arms", 140, 200)
-    for i, angle in enumerate(angles):
-        road = groups[i in of_main]
-        arm: Road = {"angle": angle, "main": i in of_main or not unequal, "speed": road["speed"] or usual}
-        lanes = road["lanes"] or lanes_unsaid
-        arm |= {"lanes_in": lanes[0], "lanes_out": lanes[0], "length": road["length"] or length}
-        arm |= {name: value for name in ("lanes_in", "lanes_out") if (value := road["thing"].value(name)) is not None}
-        built.append(arm | turning((shared, road["thing"]), arm, "main_turn_bans" if i in of_main else "side_turn_bans"))
+    built = _arms(angles, groups, of_main, shared, choices)
+    for i, arm in enumerate(built):
+        arm["main"] = i in of_main or not unequal
     _make_one_way(built, shared, first, second, of_main, count)
     every = [fact for fact in whole.facts if fact.name in ("lanes_in", "lanes_out")]
     own_of_arms(built, [*arms, Thing("arm", which="all", facts=every)])
     return {"kind": "crossing", "arms": built, "control": control_of(_with(shared, side), not unequal)}
+
+
+def _arms(angles: list[float], groups: dict[bool, Road], of_main: set[int], shared: Thing, choices: Choices) -> list[Road]:
+    """The arms, each as its road is said to be, else as both are, else as usual."""
+    speed = speed_of(shared)
+    usual = speed if speed is not None else usual_speed([shared, groups[True]["thing"], groups[False]["thing"]])
+    lanes_unsaid = groups[True]["lanes"] or (0, 0)
+    if not lanes_unsaid[1]:  # nothing, or a one-way road's, which say nothing of the other
+        lanes_unsaid = (2 if shared.has("arterial") else 1, 0)
+    length = shared.value("length") or choices.length("arms", 140, 200)
+    arms = []
+    for i, angle in enumerate(angles):
+        road = groups[i in of_main]
+        lanes = road["lanes"] or lanes_unsaid
+        arm: Road = {"angle": angle, "speed": road["speed"] or usual, "length": road["length"] or length}
+        arm |= {"lanes_in": lanes[0], "lanes_out": lanes[0]}
+        arm |= {name: value for name in ("lanes_in", "lanes_out") if (value := road["thing"].value(name)) is not None}
+        arms.append(arm | turning((shared, road["thing"]), arm, "main_turn_bans" if i in of_main else "side_turn_bans"))
+    return arms
 
 
 def _shape_and_count(scene: Scene, whole: Thing, joins: set[str], roads: list[Thing]) -> tuple[str | None, int]:

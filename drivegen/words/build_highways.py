@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from drivegen.words.build_events import events_of, fit
+from drivegen.words.build_events import Event, events_of, fit
 from drivegen.words.build_lines import alignment
 from drivegen.words.choices import FAST, Choices, is_one_way, lanes_of, speed_of, usual_speed
 from drivegen.words.things import Scene, Thing, Unfit, merged
@@ -41,12 +41,7 @@ def highway(scene: Scene, choices: Choices) -> Road:
     speed = (FAST if fast else usual_speed([road])) if speed is None else speed
     if road.values("has_auxiliary") and not any(event["kind"] in ("on_ramp", "off_ramp") for event in events):
         raise Unfit("a lane for speeding up or slowing down belongs to a ramp")
-    places = [(name, value) for name in ("position", "gap") for value in road.values(name)]
-    changes = [event for event in events if not event["thing"]]
-    if places and (len(changes) != 1 or len(places) != 1):
-        raise Unfit("it is not clear what lies at the place that is said")
-    for event, place in zip(changes, places, strict=False):
-        event.update([place])
+    _place_change(events, road)
     line = alignment(road, choices, (800, 1200), radius=250.0)
     fixed = road.has("length", "straights")
     limit = _common(scene, road, "ramp_speed", "speed")
@@ -55,6 +50,16 @@ def highway(scene: Scene, choices: Choices) -> Road:
     fields |= {"median": median} if median is not None and not one_way else {}
     fields |= {"both": True} if road.value("both") else {}
     return fields | {"events": built}
+
+
+def _place_change(events: list[Event], road: Thing) -> None:
+    """Put the one change of lanes that no thing stands for where a place is said of the road. Raises Unfit for several."""
+    places = [(name, value) for name in ("position", "gap") for value in road.values(name)]
+    changes = [event for event in events if not event["thing"]]
+    if places and (len(changes) != 1 or len(places) != 1):
+        raise Unfit("it is not clear what lies at the place that is said")
+    for event, place in zip(changes, places, strict=False):
+        event.update([place])
 
 
 def _no_ramps(road: Thing, scene: Scene) -> None:

@@ -34,8 +34,7 @@ def interchange(scene: Scene, _: Choices) -> Road:
     above = lanes_of(upper, arms=True) or (1, 1)
     speed = _one(speed_of(main), speed_of(whole), FAST)
     fields: Road = {"kind": "interchange", "form": forms.pop(), "lanes": lanes[0], "speed": speed, "road_lanes": above[0]}
-    ramp_lanes = [*(lanes_of(ramp, one_way=True) or ())[:1], *whole.values("ramp_lanes")]
-    fields |= {"ramp_lanes": ramp_lanes[0] if ramp_lanes else 1, "road_speed": _one(speed_of(upper), 50 * KMH)}
+    fields |= {"ramp_lanes": _ramp_lanes(whole, ramp), "road_speed": _one(speed_of(upper), 50 * KMH)}
     fields |= {"ramp_speed": _one(speed_of(ramp), whole.value("ramps_limit"), whole.value("ramp_speed"), 50 * KMH)}
     if (length := upper.value("length")) is not None:
         fields["road_length"] = length
@@ -70,12 +69,7 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     forms = set(whole.values("form"))
     if len(forms) > 1:
         raise Unfit("one interchange is drawn at a time")
-    form = forms.pop()
-    number = [*whole.values("loops"), *loop.values("count")]
-    count = number[0] if number else _USUAL[form]
-    form = "partial_cloverleaf" if form == "cloverleaf" and count in (1, 2, 3) else form
-    if (form, count) not in _LOOPS:
-        raise Unfit(f"I cannot draw a {form.replace('_', ' ')} with {count} loops")
+    form, count = _form_and_loops(forms.pop(), [*whole.values("loops"), *loop.values("count")])
     controlled = whole.has("control", "signals") or upper.has("control", "signals")
     if controlled and (form == "trumpet" or motorways > 1):
         raise Unfit("trumpets, and cloverleaves between two highways, have no crossings")
@@ -89,11 +83,7 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     fields |= {"north_leg": form != "trumpet" and "south" not in legs, "south_leg": "north" not in legs}
     slower = min(speed, 50 * KMH if controlled else 80 * KMH)
     fields["road_speed"] = _one(speed_of(upper), speed if both else slower)
-    fields["ramp_speed"] = _one(speed_of(ramp), whole.value("ramps_limit"), whole.value("ramp_speed"), min(speed, 60 * KMH))
-    fields["loop_speed"] = _one(speed_of(loop), whole.value("loop_speed"), min(speed, fields["ramp_speed"], 40 * KMH))
-    radius = [*whole.values("loop_radius"), *loop.values("radius"), *loop.values("loop_radius"), *whole.values("radius")]
-    ramp_lanes = [*(lanes_of(ramp, one_way=True) or ())[:1], *whole.values("ramp_lanes")]
-    fields |= {"loop_radius": radius[0] if radius else 45.0, "ramp_lanes": ramp_lanes[0] if ramp_lanes else 1}
+    fields |= _ramps_and_loops(whole, ramp, loop, speed)
     medians = [*whole.values("median"), *main.values("median")]
     fields |= {"median": medians[0]} if medians else {}
     fields |= {"leg_length": length} if (length := upper.value("length")) is not None else {}
@@ -103,6 +93,32 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     if controlled:
         fields["control"] = control_of(Thing("", facts=[*whole.facts, *upper.facts]), False)
     return fields
+
+
+def _form_and_loops(form: str, numbers: list[Any]) -> tuple[str, int]:
+    """The form, by the number of loops where one is said, and that number."""
+    count = numbers[0] if numbers else _USUAL[form]
+    form = "partial_cloverleaf" if form == "cloverleaf" and count in (1, 2, 3) else form
+    if (form, count) not in _LOOPS:
+        raise Unfit(f"I cannot draw a {form.replace('_', ' ')} with {count} loops")
+    return form, count
+
+
+def _ramps_and_loops(whole: Thing, ramp: Thing, loop: Thing, speed: float) -> Road:
+    """Limits, lanes and radius of the ramps of a road with the limit `speed` [m/s]."""
+    limit = _one(speed_of(ramp), whole.value("ramps_limit"), whole.value("ramp_speed"), min(speed, 60 * KMH))
+    radius = [*whole.values("loop_radius"), *loop.values("radius"), *loop.values("loop_radius"), *whole.values("radius")]
+    return {
+        "ramp_speed": limit,
+        "loop_speed": _one(speed_of(loop), whole.value("loop_speed"), min(speed, limit, 40 * KMH)),
+        "loop_radius": radius[0] if radius else 45.0,
+        "ramp_lanes": _ramp_lanes(whole, ramp),
+    }
+
+
+def _ramp_lanes(whole: Thing, ramp: Thing) -> int:
+    lanes = [*(lanes_of(ramp, one_way=True) or ())[:1], *whole.values("ramp_lanes")]
+    return int(lanes[0]) if lanes else 1
 
 
 def _ramps(form: str, name: str, loops: tuple[str, ...]) -> str:

@@ -3,7 +3,7 @@
 from itertools import pairwise
 from typing import Any
 
-from drivegen.words.build_crossings import control_of, turning
+from drivegen.words.build_crossings import said_control, turning
 from drivegen.words.choices import Choices, lanes_of, speed_of
 from drivegen.words.things import Thing, Unfit, merged
 
@@ -67,7 +67,7 @@ def _junction(thing: Thing, shared: list[Thing], own: list[Thing], i: int, base:
     if _first(levels, "alternate") and arms == 3:
         sides = (("left", "right")[i % 2],)
     speed = _first(levels, "side_speed") or speed_of(merged([t for t in shared if t.has("speed") and t is not shared[0]]))
-    control = next((control_of(level, False) for level in levels if level.has("control")), None)
+    control = said_control(levels)
     if any(level.value("signals") is False for level in levels) and control == "signals":
         raise Unfit("traffic lights are asked for and ruled out")
     fields: Road = {"form": thing.name, "sides": sides, "control": control or "yield", "side_speed": speed or base["speed"]}

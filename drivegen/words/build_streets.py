@@ -3,7 +3,7 @@
 from itertools import pairwise
 from typing import Any
 
-from drivegen.words.build_crossings import TURN_LANES, control_of
+from drivegen.words.build_crossings import TURN_LANES, said_control
 from drivegen.words.build_lines import BEND_FIELDS, alignment
 from drivegen.words.build_rows import MOST, counted, row, spacing_of, turns_at
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
@@ -102,9 +102,7 @@ def _side_streets(
     residential = "residential" in {fact.value for fact in road.facts if fact.name == "setting"}
     counts = [(thing, counted(thing)) for thing in sides]
     spacing = spacing_of(road, sides) or choices.length("spacing", 70, 110)
-    levels = [side, road]
-    control = next((control_of(level, False) for level in levels if level.has("control")), None)
-    control = control or ("uncontrolled" if residential else "yield")
+    control = said_control([side, road]) or ("uncontrolled" if residential else "yield")
     road.values("signals"), side.values("signals")
     lanes = (lanes_of(side, arms=True) or (1,))[0]
     junction: Road = {"side_lanes": lanes, "control": control, "side_speed": speed_of(side) or base["speed"]}
@@ -153,7 +151,7 @@ def _staggered(
     if len(things) > 1:
         raise Unfit("a staggered junction stands alone along its road")
     offset = spacing_of(road, [whole, side]) or whole.value("gap") or choices.length("offset", 40, 60)
-    control = next((control_of(level, False) for level in (whole, side, road) if level.has("control")), "yield")
+    control = said_control([whole, side, road]) or "yield"
     side.values("count"), whole.values("signals"), road.values("signals"), side.values("both_sides"), whole.values("setting")
     lanes = (lanes_of(side, arms=True) or (1,))[0]
     common = {"side_lanes": lanes, "control": control, "side_speed": speed_of(side) or base["speed"]}

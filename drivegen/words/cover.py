@@ -8,7 +8,7 @@ from typing import Any
 
 from drivegen.words.forms import Pattern, first_words, match, stemmed
 from drivegen.words.phrase import Phrase
-from drivegen.words.slots import SLOTS
+from drivegen.words.slots import ORDINALS, SLOTS
 from drivegen.words.table import words
 from drivegen.words.tokens import Token, stem, stems
 
@@ -23,7 +23,7 @@ _MOST = 60
 _COUNTED = stems("way lane arm leg armed legged road street")
 """Words behind a number that is part of an adjective: "two one-way streets"."""
 
-_ORDINALS = stems("first second third fourth fifth sixth seventh eighth ninth tenth eleventh twelfth last final")
+_ORDINALS = stems(" ".join((*ORDINALS, "last", "final")))
 _STOPS = stems(", . ( : and with at on in of for to from that where which is are has per each") | {""}
 
 

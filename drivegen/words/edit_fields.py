@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from drivegen.words.build_crossings import turning
+from drivegen.words.build_events import EVENTS
 from drivegen.words.choices import lanes_of
 from drivegen.words.things import Thing, Unfit
 
@@ -23,7 +24,7 @@ class Edit:
     def run(self) -> None:
         """Set every fact of the thing. Raises Unfit where one fits nowhere."""
         name = self.thing.name
-        if name in (*_RAMPS, "ramp", "lane_drop", "lane_gain") and self._events(name):
+        if name in EVENTS and self._events(name):
             return
         if (form := self.thing.value("form")) is not None:
             self._form(form)
@@ -40,7 +41,7 @@ class Edit:
         """The fields that hold what is said of a thing of this name."""
         road = self.road
         arms: list[Part] = road.get("arms", [])
-        if name in (*_RAMPS, "ramp", "lane_drop", "lane_gain"):
+        if name in EVENTS:
             return self._named_events(name)
         if arms:
             which = self.thing.which

@@ -65,7 +65,7 @@ def apply(spec: MapSpec, scene: Scene) -> MapSpec:
         if (left_hand := thing.value("left_hand")) is not None:
             fields["left_hand"] = left_hand
         Edit(fields, thing).run()
-    if left := [fact.text for thing in (scene.whole, *scene.things) for fact in thing.facts if not fact.used]:
+    if left := [fact.text for fact in scene.everything.facts if not fact.used]:
         raise Unfit(f"{left[0]!r} cannot be set on this {spec.road.kind.replace('_', ' ')}")
     try:
         after = MapSpec.model_validate(fields)

@@ -23,9 +23,8 @@ Builder = Callable[[Scene, Choices], dict[str, Any]]
 
 def specification(scene: Scene, choices: Choices) -> MapSpec:
     """The road of a scene. Raises Unfit where none is spoken of, something said fits nowhere, or it cannot be drawn."""
-    for thing in (scene.whole, *scene.things):
-        check_lanes(thing)
-    hands = {value for thing in (scene.whole, *scene.things) for value in thing.values("left_hand")}
+    check_lanes(scene.everything)
+    hands = set(scene.everything.values("left_hand"))
     if len(hands) > 1:
         raise Unfit("traffic is said to keep left and right")
     _cross_streets(scene)
@@ -73,7 +72,7 @@ def _builder(scene: Scene) -> Builder:
         return interchange
     if scene.there("grid"):
         return grid
-    facts = {fact.name for thing in (scene.whole, *scene.things) for fact in thing.facts}
+    facts = {fact.name for fact in scene.everything.facts}
     if (scene.there("fork", "left_branch", "right_branch") or facts & {"splits", "joins", "branch_lanes"}) and not (
         scene.there("crossing", "roundabout")
     ):

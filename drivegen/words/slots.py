@@ -10,10 +10,10 @@ from drivegen.words.tokens import Token
 KMH, MPH = 1 / 3.6, 0.44704
 _SPEEDS = {"kmh": KMH, "mph": MPH, "mps": 1.0}
 _LENGTHS = {"m": 1.0, "km": 1000.0, "ft": 0.3048, "yd": 0.9144, "mile": 1609.344}
-_ORDINALS = [
+ORDINALS = [
     "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth", "eleventh", "twelfth",
 ]  # fmt: skip
-_NTH = {word: i for i, word in enumerate(_ORDINALS, 1)} | {
+_NTH = {word: i for i, word in enumerate(ORDINALS, 1)} | {
     f"{i}{'st' if i == 1 else 'nd' if i == 2 else 'rd' if i == 3 else 'th'}": i for i in range(1, 13)
 }
 _COMPASS = {
@@ -135,7 +135,7 @@ SLOTS = {
     "limit": Slot(_bare_speed, speak_speed),
     "length": Slot(_measured(_LENGTHS), lambda metres: f"{number(metres)} m"),
     "angle": Slot(_measured({"degree": 1.0}), lambda degrees: f"{number(degrees)} degrees"),
-    "nth": Slot(_nth, lambda n: "last" if n == -1 else _ORDINALS[n - 1]),
+    "nth": Slot(_nth, lambda n: "last" if n == -1 else ORDINALS[n - 1]),
     "compass": Slot(_compass, lambda degrees: next(name for name, d in _COMPASS.items() if math.isclose(d, degrees))),
     "side": Slot(_side, str),
     "size": Slot(_size, lambda pair: f"{pair[0]} by {pair[1]}"),

@@ -1,7 +1,7 @@
 """What a text speaks of: facts, the things that have them, and the whole of them."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 
@@ -84,7 +84,7 @@ class Scene:
 
     def merged(self, *names: str) -> Thing:
         """What is said of the whole and of things of these names that no ordinal or direction tells apart, as one thing."""
-        return Thing(" ".join(names), facts=[fact for thing in (self.whole, *self.named(*names)) for fact in thing.facts])
+        return replace(merged((self.whole, *self.named(*names))), name=" ".join(names))
 
     def one_road(self, *names: str) -> None:
         """Raises Unfit where more than one thing of these names is spoken of."""
@@ -93,11 +93,16 @@ class Scene:
             raise Unfit(f"it is not clear how {' and '.join(repr(thing.text) for thing in things[:3])} belong together")
 
     @property
+    def everything(self) -> Thing:
+        """What is said of the whole and of all things, as one."""
+        return merged((self.whole, *self.things))
+
+    @property
     def links(self) -> set[str]:
         """How things are related."""
         return {link for thing in (self.whole, *self.things) for link in thing.links}
 
     def unused(self) -> list[str]:
         """What no specification holds, as it was said."""
-        facts = [fact.text for thing in (self.whole, *self.things) for fact in thing.facts if not fact.used]
+        facts = [fact.text for fact in self.everything.facts if not fact.used]
         return [*facts, *(thing.text for thing in self.things if not thing.used)]

@@ -30,8 +30,8 @@ def freely(ego: Ego, action: Action, paths: Paths, length: Tensor) -> Ego:
     """One step of targets of `length` (R,) [m]; they never drive backwards."""
     acceleration = action.acceleration.clamp(-HARDEST_BRAKING, FASTEST_START)
     speed = (ego.speed + acceleration * DT).clamp_min(0.0)
-    wanted = torch.zeros_like(speed) if action.steering is None else action.steering
-    wheel = torch.minimum(torch.maximum(wanted, ego.wheel - STEERING_RATE * DT), ego.wheel + STEERING_RATE * DT)
+    steering = torch.zeros_like(speed) if action.steering is None else action.steering
+    wheel = torch.minimum(torch.maximum(steering, ego.wheel - STEERING_RATE * DT), ego.wheel + STEERING_RATE * DT)
     base = WHEELBASE * length
     grip = (GRIP * base / speed.clamp_min(0.1) ** 2).atan().clamp_max(SHARPEST)
     wheel = torch.minimum(torch.maximum(wheel, -grip), grip)

@@ -18,8 +18,8 @@ from drivegen.world.scenes import Scenes
 
 def exits(scenes: Scenes, scenarios: Sequence[Scenario]) -> Tensor:
     """(S,) [m] how far along its path a target has left the map, inf if never; scenarios that share a map share its exits."""
-    known = {id(s.map): s.map for s in scenarios}
-    ways_out = {number: Exits.of(road_map) for number, road_map in known.items()}
+    maps = {id(s.map): s.map for s in scenarios}
+    ways_out = {number: Exits.of(road_map) for number, road_map in maps.items()}
     place = np.full(len(scenes), np.inf, np.float32)
     for s, scenario in enumerate(scenarios):
         points = int(scenes.paths.length[s] / PATH_SPACING) + 1

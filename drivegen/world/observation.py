@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 import torch
 from torch import Tensor
 
-from drivegen.core.scenario import SignalState
+from drivegen.core.signals import SignalState
 
 PATH_SPACING = 1.0
 """Distance between points of a path [m]."""

@@ -92,10 +92,10 @@ def packed(lines: Sequence[Floats], limits: Sequence[Floats]) -> TargetPaths:
 def _every_metre(line: Floats, limit: Floats) -> tuple[Floats, Floats]:
     """At least two points, exactly PATH_SPACING apart along the line; the rest of a metre at the end is cut off."""
     along = arc_length(line)
-    wanted = np.arange(0.0, max(float(along[-1]), 2 * PATH_SPACING), PATH_SPACING)
-    nearest = np.clip(np.searchsorted(along, wanted, side="right") - 1, 0, len(limit) - 1)
-    points = interpolate(line, wanted)
-    beyond = np.maximum(wanted - along[-1], 0.0)[:, None]
+    places = np.arange(0.0, max(float(along[-1]), 2 * PATH_SPACING), PATH_SPACING)
+    nearest = np.clip(np.searchsorted(along, places, side="right") - 1, 0, len(limit) - 1)
+    points = interpolate(line, places)
+    beyond = np.maximum(places - along[-1], 0.0)[:, None]
     return points + beyond * unit(line_heading(line)[-1:]), limit[nearest]
 
 
@@ -118,15 +118,15 @@ def _path(graph: LaneGraph, motion: Trajectories) -> tuple[Floats, Floats]:
 def _driven(motion: Trajectories) -> tuple[Floats, float, float]:
     """The line that was driven (P, 2), the heading at its end [rad], and the first speed [m/s]."""
     position = motion.position[motion.valid].astype(np.float64)
-    kept = [0]
+    steps = [0]
     for i, point in enumerate(position):
-        if np.hypot(*(point - position[kept[-1]])) >= KEPT_STEP:
-            kept.append(i)
+        if np.hypot(*(point - position[steps[-1]])) >= KEPT_STEP:
+            steps.append(i)
     speed = float(motion.speed[motion.valid][0])
     first = float(motion.heading[motion.valid][0])
-    if np.hypot(*(position[kept[-1]] - position[0])) < STAYED:
+    if np.hypot(*(position[steps[-1]] - position[0])) < STAYED:
         return position[:1], first, speed
-    line = position[kept]
+    line = position[steps]
     return line, float(line_heading(line)[-1]), speed
 
 

@@ -1,10 +1,10 @@
 """Neighbours that react: each along its own motion as it was logged or generated, at the speed planned for each place.
 
-Each goes through its own plan by a clock of its own. Undisturbed that is the world's, so it is where it was planned to be; who
-brakes lets it run slower. It brakes like an IDM follower for boxes on the way that it is about to take, where these are not
-what it was planned for: the target, and whoever is late; who is late itself looks at everybody. It begins to
-brake `delay` after it first had to, at most by `braking`. Where a plan stands, as at a red light, it waits for
-the world's clock: who comes late waits no longer than the others. People and bicycles of the context do not react.
+Each neighbour follows its plan by a clock of its own. Undisturbed, the clock shows the world's time and the neighbour is where it
+was planned to be; while it brakes, its clock runs slower. It brakes like an IDM follower for boxes on its way that its plan does
+not know of: the target, and neighbours that are late; a neighbour that is late itself brakes for everybody. It begins to
+brake `delay` after braking was first needed, at most by `braking`. Where a plan stands still, as at a red light, its clock
+catches up with the world's: a late neighbour waits no longer than the others. People and bicycles of the context do not react.
 
 Sources: IDM (Treiber, Hennecke, Helbing 2000); a driver's delay and braking as in UN Regulation 157.
 """
@@ -137,14 +137,14 @@ class Reactive:
         base = (world.scene * self._scenes.longest)[:, None]
         first = base + self.clock.long()
         last = (base + self._scenes.steps[world.scene][:, None] - 1).expand_as(first)
-        asked = demands(pairs, traffic, self._plan.pose, self._scenes.present, first, last, pose[:, ARC], self._law)
+        accelerations = demands(pairs, traffic, self._plan.pose, self._scenes.present, first, last, pose[:, ARC], self._law)
         row, neighbour, box = pairs
         others = self.clock.shape[1]
-        least = torch.full((self.clock.numel(),), torch.inf, device=asked.device)
+        least = torch.full((self.clock.numel(),), torch.inf, device=accelerations.device)
         target, at = least.clone(), row * others + neighbour
-        least.scatter_reduce_(0, at, asked, "amin")
+        least.scatter_reduce_(0, at, accelerations, "amin")
         mine = box == others
-        target[at[mine]] = asked[mine]
+        target[at[mine]] = accelerations[mine]
         return least.view_as(self.clock), target.view_as(self.clock)
 
     def _impose(self, braked: Tensor, speed: Tensor, wished: Tensor) -> None:
@@ -175,7 +175,7 @@ class Reactive:
         return pose, present
 
     def _steps(self, world: "World") -> tuple[Tensor, Tensor, Tensor, Tensor]:
-        """Rows (R, M) of the tables before and after each one's clock, its share of the way between them, who is present."""
+        """Table rows (R, M) just before and after each neighbour's clock, the clock's share between them, who is present."""
         lower = self.clock.long()
         last = (self._scenes.steps[world.scene] - 1)[:, None]
         base = (world.scene * self._scenes.longest)[:, None]

@@ -71,13 +71,13 @@ class Replay:
         by_path: dict[int, list[int]] = {}
         for e, path in enumerate(points):
             by_path.setdefault(id(path), []).append(e)
-        for found in by_path.values():
-            some, size = motion[found], self.size[row[found], other[found]]
-            seen = [np.ascontiguousarray(a.swapaxes(0, 1)) for a in (some.position, some.heading, some.velocity, some.valid)]
-            frame = np.zeros((steps, 6, len(found)), np.float32)
-            expected = np.tile(self.target_along[row[found[0]], :steps, None], len(found))
-            project(points[found[0]], expected, *seen, size, frame)
-            self.frame[row[found], :steps, :, other[found]] = np.moveaxis(frame, 2, 0)
+        for members in by_path.values():
+            some, size = motion[members], self.size[row[members], other[members]]
+            arrays = [np.ascontiguousarray(a.swapaxes(0, 1)) for a in (some.position, some.heading, some.velocity, some.valid)]
+            frame = np.zeros((steps, 6, len(members)), np.float32)
+            expected = np.tile(self.target_along[row[members[0]], :steps, None], len(members))
+            project(points[members[0]], expected, *arrays, size, frame)
+            self.frame[row[members], :steps, :, other[members]] = np.moveaxis(frame, 2, 0)
 
 
 def replay(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths: TargetPaths, rows: int) -> Replay:
@@ -114,8 +114,8 @@ def replay(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], paths
             paths.point[s, : int(paths.length[s] / PATH_SPACING) + 1],
             np.tile(packed.target_along[s, :, None], others),
         )
-        seen = (packed.position[s], packed.heading[s], velocity, packed.valid[s], packed.size[s])
-        project(points, expected, *seen, packed.frame[s])
+        arrays = (packed.position[s], packed.heading[s], velocity, packed.valid[s], packed.size[s])
+        project(points, expected, *arrays, packed.frame[s])
     return packed
 
 

@@ -1,9 +1,7 @@
 """Signals, stop signs and right of way on the targets' paths.
 
 A line is where a path enters a way across a junction, or any lane with a signal or a sign. Behind it lie the ways that cross or
-join the target's. Who is on one of these, or on the lanes that lead there, has right of way over the target if the other's
-way does not have to yield or stop and the target's does; between equals if it comes from the right, or comes the other way
-while the target alone turns left. Who has a red or yellow light and has not entered counts for nobody.
+join the target's (`right_of_way.py`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,14 +13,13 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from drivegen.core.geometry import Floats, arc_length, interpolate, project, wrap_angle
+from drivegen.core.geometry import Floats, project, wrap_angle
 from drivegen.core.roadmap import LaneControl, RoadMap
-from drivegen.core.scenario import Scenario, SignalState, Trajectories
-from drivegen.roads.gates import first_crossing
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.signals import SignalState
 from drivegen.roads.graph import LaneGraph
 from drivegen.world.observation import PATH_SPACING, Rules
-from drivegen.world.replay import Replay
-from drivegen.world.replay import project as seen_from
+from drivegen.world.right_of_way import PASSED, Way, fill_distances, ways_of
 from drivegen.world.scenes import Scenes
 
 if TYPE_CHECKING:
@@ -34,25 +31,11 @@ ON_PATH = 1.5
 ALIGNED = np.deg2rad(30)
 """... and run its way within this angle."""
 
-UPSTREAM = 80.0
-"""Who is farther than this [m] from where ways meet has no right of way yet."""
-
-IN_LANE = 1.75
-"""Who is this near to a lane's middle [m] is in it."""
-
-TURNS = 0.35
-"""A way that bends by more than this [rad] to the left turns left."""
-
-PASSED = 1.0
-"""A front this far [m] beyond a line has passed it."""
-
 REACH = 20.0
 """Who is within this distance [m] of a red light has come to it."""
 
 HALTED, BEFORE = 0.1, 6.0
 """Who is slower than this [m/s] within this distance [m] of a line has halted there."""
-
-_MUST_WAIT = {LaneControl.YIELD: 1, LaneControl.STOP: 2}
 
 
 @dataclass(frozen=True)
@@ -70,27 +53,27 @@ class Lookout:
     control: Tensor
     signal: Tensor
     distance: Tensor
-    ways: "list[list[_Way]]"
+    ways: "list[list[Way]]"
 
     @classmethod
     def of(cls, scenes: Scenes, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], arrivals: bool = True) -> Self:
         """Look along the paths of `scenes`, which are `scenarios` with `traffic` (N, T); without `arrivals` nobody comes."""
         graphs = {id(s.map): s.map for s in scenarios}
-        known = {number: LaneGraph.of(road_map) for number, road_map in graphs.items()}
-        lines = [_lines(scenes, s, known[id(scenario.map)]) for s, scenario in enumerate(scenarios)]
+        graph_of = {number: LaneGraph.of(road_map) for number, road_map in graphs.items()}
+        lines = [_lines(scenes, s, graph_of[id(scenario.map)]) for s, scenario in enumerate(scenarios)]
         count, shape = max(map(len, lines), default=0), scenes.replay.valid.shape
         place = np.full((len(scenes), max(count, 1)), np.inf, np.float32)
         control = np.zeros(place.shape, np.int64)
         signal = np.zeros((*shape[:2], place.shape[1]), np.int64)
         distance = np.full((*shape[:2], place.shape[1], shape[2]), np.inf, np.float32)
-        ways: list[list[_Way]] = [[] for _ in range(len(scenes))]
+        ways: list[list[Way]] = [[] for _ in range(len(scenes))]
         for s, (scenario, motion) in enumerate(zip(scenarios, traffic, strict=True)):
             for g, (at, lane) in enumerate(lines[s]):
                 place[s, g], control[s, g] = at, scenario.map.control[lane]
-                signal[s, : scenario.steps, g] = _state(scenario, lane)[: motion.steps]
+                signal[s, : scenario.steps, g] = scenario.signals.of_lane(lane)[: motion.steps]
                 if arrivals:
-                    ways[s] += _ways(known[id(scenario.map)], scenario, g, lane)
-            _put(distance, scenes.replay, ways[s], np.full(shape[2], s), np.arange(shape[2]))
+                    ways[s] += ways_of(graph_of[id(scenario.map)], scenario, g, lane)
+            fill_distances(distance, scenes.replay, ways[s], np.full(shape[2], s), np.arange(shape[2]))
         flat = signal.reshape(-1, place.shape[1]), distance.reshape(-1, *distance.shape[2:])
         places, controls, signals, away = (torch.from_numpy(a).to(scenes.steps.device) for a in (place, control, *flat))
         return cls(places, controls, signals, away, ways)
@@ -104,7 +87,7 @@ class Lookout:
         for s in np.unique(chosen[row]).tolist():
             mine = chosen[row] == s
             lines[row[mine], :, :, vehicle[mine] - 1] = np.inf
-            _put(lines, scenes.replay, self.ways[s], row[mine], vehicle[mine] - 1)
+            fill_distances(lines, scenes.replay, self.ways[s], row[mine], vehicle[mine] - 1)
         distance = torch.from_numpy(lines).to(device).flatten(0, 1)
         ways = [self.ways[s] for s in chosen.tolist()]
         return type(self)(self.place[at], self.control[at], signal, distance, ways)
@@ -162,15 +145,15 @@ def _lines(scenes: Scenes, s: int, graph: LaneGraph) -> list[tuple[float, int]]:
     heading = scenes.paths.heading[s, :last].cpu().numpy()
     guarded = road_map.in_junction | np.isin(road_map.control, (LaneControl.YIELD, LaneControl.STOP, LaneControl.SIGNAL))
     lanes = np.flatnonzero(guarded & road_map.for_vehicles)
-    found = []
+    lines = []
     for lane in lanes[_near(path, road_map, lanes)].tolist():
         if road_map.in_junction[graph.predecessors[lane]].any():
             continue  # the second half of a way across
         line = road_map.centreline[lane]
         begin, end = (_foot(path, heading, line[i], graph.heading[lane, i]) for i in (0, -1))
         if begin is not None and end is not None and end > begin:
-            found.append((min([begin, *_stop_lines(road_map, lane, path)]), lane))
-    return sorted(found)
+            lines.append((min([begin, *_stop_lines(road_map, lane, path)]), lane))
+    return sorted(lines)
 
 
 def _near(path: Floats, road_map: RoadMap, lanes: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -190,89 +173,3 @@ def _foot(path: Floats, heading: Floats, point: Floats, direction: float) -> flo
 
 def _stop_lines(road_map: RoadMap, lane: int, path: Floats) -> Iterator[float]:
     yield from (project(path, line.mean(0).astype(np.float64))[0] for line in road_map.stop_lines[road_map.stop_lane == lane])
-
-
-def _state(scenario: Scenario, lane: int) -> NDArray[np.uint8]:
-    """(T,) state of the signal of a lane, UNKNOWN where there is none."""
-    states = scenario.signals.state[scenario.signals.lane == lane]
-    return states[0] if len(states) else np.zeros(scenario.steps, np.uint8)
-
-
-@dataclass(frozen=True)
-class _Way:
-    """A way across a junction by which somebody with right of way comes.
-
-    Attributes:
-        line: number of the target's line before it. points: (P, 2) [m] of the way.
-        entry, goal: [m] along it where its lane begins, and where it meets the target's.
-        closed: (T,) bool, whether its light is red or yellow.
-    """
-
-    line: int
-    points: Floats
-    entry: float
-    goal: float
-    closed: NDArray[np.bool_]
-
-    def distance(
-        self, position: NDArray[np.float32], heading: NDArray[np.float32], valid: NDArray[np.bool_], size: NDArray[np.float32]
-    ) -> NDArray[np.float32]:
-        """(T, M) [m] that M boxes (T, M) are from where the ways meet, inf for those who do not come."""
-        frame = np.zeros((len(valid), 6, len(size)), np.float32)
-        goal = np.full(valid.shape, self.goal, np.float32)
-        seen_from(self.points, goal, position, heading, np.zeros_like(position), valid, size, frame)
-        along, reach = frame[:, 0], frame[:, 2]
-        came = np.diff(along, axis=0, append=along[-1:]) > -0.05  # not the other way
-        comes = valid & came & (np.abs(frame[:, 1]) < IN_LANE) & (along > 0) & (along - reach < self.goal + PASSED)
-        closed = self.closed[: len(valid)]
-        comes[: len(closed)] &= ~closed[:, None] | (along[: len(closed)] + reach[: len(closed)] > self.entry)
-        return np.where(comes, np.maximum(self.goal - along - reach, 0), np.inf).astype(np.float32)
-
-
-def _ways(graph: LaneGraph, scenario: Scenario, number: int, lane: int) -> Iterator[_Way]:
-    """By which somebody comes who goes before a target that wants to take `lane` behind its line `number`."""
-    line = graph.map.centreline
-    for other in np.flatnonzero(graph.map.in_junction & graph.map.for_vehicles).tolist():
-        if other == lane or not has_right_of_way(graph, other, lane):
-            continue
-        meet, x, y, _, _ = first_crossing(line.points, *line.start[[lane, lane + 1]], *line.start[[other, other + 1]])
-        if meet:
-            points, entry = _approach(graph, other)
-            closed = np.isin(_state(scenario, other), (SignalState.RED, SignalState.YELLOW))
-            yield _Way(number, points, entry, project(points, np.array([x, y]))[0], closed)
-
-
-def _put(
-    distance: NDArray[np.float32], others: Replay, ways: "list[_Way]", row: NDArray[np.integer], other: NDArray[np.integer]
-) -> None:
-    """Fill `distance` (S, T, G, M) for others `other` (E,) of scenes `row` (E,), all of which `ways` hold for."""
-    position = np.ascontiguousarray(others.position[row, :, other].swapaxes(0, 1))
-    heading = np.ascontiguousarray(others.heading[row, :, other].T)
-    valid = np.ascontiguousarray(others.valid[row, :, other].T)
-    for way in ways:
-        away = way.distance(position, heading, valid, others.size[row, other])
-        distance[row, :, way.line, other] = np.minimum(distance[row, :, way.line, other], away.T)
-
-
-def has_right_of_way(graph: LaneGraph, other: int, lane: int) -> bool:
-    """Whether who comes by lane `other` goes before who wants to take `lane`, where the two meet."""
-    ranks = [_MUST_WAIT.get(LaneControl(graph.map.control[each]), 0) for each in (other, lane)]
-    if ranks[0] != ranks[1]:
-        return ranks[0] < ranks[1]
-    towards = float(wrap_angle(np.asarray(graph.heading[other, 0] - graph.heading[lane, 0])))
-    left = [float(wrap_angle(np.asarray(graph.heading[each, 1] - graph.heading[each, 0]))) > TURNS for each in (other, lane)]
-    if abs(towards) > 0.75 * np.pi:
-        return left[1] and not left[0]
-    return towards > 0.25 * np.pi
-
-
-def _approach(graph: LaneGraph, lane: int) -> tuple[Floats, float]:
-    """The way that leads to a lane and over it, a point every metre, and how far along [m] the lane begins."""
-    parts, length, first = [graph.map.centreline[lane]], 0.0, lane
-    while length < UPSTREAM and len(graph.predecessors[first]):
-        first = int(graph.predecessors[first][0])
-        parts.insert(0, graph.map.centreline[first])
-        length += float(graph.length[first])
-    before = np.concatenate([part[:-1] for part in parts[:-1]] + [parts[-1][:1]]).astype(np.float64)
-    whole = np.concatenate([before, parts[-1][1:]]).astype(np.float64)
-    return interpolate(whole, np.arange(0.0, float(arc_length(whole)[-1]), PATH_SPACING)), float(arc_length(before)[-1])

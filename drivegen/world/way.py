@@ -97,6 +97,6 @@ def demands(
     speed = traffic.speed[row, neighbour]
     closing = speed - facing * traffic.speed[row, box]
     comfort = 2 * (law.acceleration * law.comfort) ** 0.5
-    wanted = law.min_gap + (speed * law.headway + speed * closing / comfort).clamp_min(0.0)
-    ratio = wanted / gap.clamp_min(CLOSE)
+    desired_gap = law.min_gap + (speed * law.headway + speed * closing / comfort).clamp_min(0.0)
+    ratio = desired_gap / gap.clamp_min(CLOSE)
     return torch.where(in_the_way, law.acceleration * (1 - ratio * ratio), torch.inf)

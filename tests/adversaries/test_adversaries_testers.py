@@ -9,7 +9,7 @@ from drivegen.core import plugins
 from drivegen.core.settings import read_section
 from drivegen.corner_cases.failures import alike
 from drivegen.drivers.mutants.table import mutated
-from drivegen.metrics.mutation_score import clustered
+from drivegen.metrics.paired import chance
 from drivegen.simulators.batch import Plugin as Batch
 from tests.adversaries.test_adversaries_contract import attack, ground  # noqa: F401  # a fixture
 from tests.drivers.test_drivers_mutants import SCENES, SOUND, STANDS, behind
@@ -67,7 +67,7 @@ def test_a_search_spends_its_runs_on_the_mutant_and_the_sound_one_drives_the_sam
         assert ((pairs.mutant != "") <= runs.outcome.counted[order]).all()
         assert ((pairs.sound != "") <= again.counted[order]).all()
     assert not found["idm.doubled"].excess.any()
-    assert clustered(found["idm.doubled"].excess) == 1.0
+    assert chance(found["idm.doubled"].excess) == 1.0
 
 
 def test_an_arena_for_another_driver_has_made_no_run_and_finds_the_same(ground):  # noqa: F811

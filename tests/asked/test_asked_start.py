@@ -14,8 +14,9 @@ from drivegen.asked.suite import Bench, offers, sample_records, scene_records, s
 from drivegen.asked.wishes import TURNING, Fill, cast
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import rotate, wrap_angle
-from drivegen.core.scenario import SignalState, VehicleKind
+from drivegen.core.scenario import VehicleKind
 from drivegen.core.settings import build, read_section
+from drivegen.core.signals import SignalState
 from drivegen.generators.base import Settings as GeneratorSettings
 from drivegen.layouts.compile import compile_map
 from drivegen.layouts.spec import MapSpec

@@ -7,7 +7,8 @@ from drivegen.checker.limits import NEVER, RULES
 from drivegen.checker.scene import SceneChecker, check_samples
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.samples import Violation
-from drivegen.core.scenario import Actors, Signals, SignalState, Trajectories
+from drivegen.core.scenario import Actors, Trajectories
+from drivegen.core.signals import Signals, SignalState
 from tests.checking import LIMITS, two_way_road
 from tests.scenes import LANE_WIDTH, beside, crossing, drive, joined, scenario, stack, straight_road
 

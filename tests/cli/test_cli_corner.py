@@ -13,7 +13,7 @@ from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder
 from drivegen.cli.corner import _ground
 from drivegen.core.safe_xml import parse
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 from tests.projects import make_project
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 

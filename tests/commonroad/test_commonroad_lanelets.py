@@ -9,7 +9,7 @@ from drivegen.commonroad.recording import read_recording
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
 from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap
-from drivegen.core.scenario import SignalState
+from drivegen.core.signals import SignalState
 from tests.commonroad_files import CARS, ROAD, car, lanelet, points, xml
 
 STRAIGHT = ([(0.0, 2.0), (50.0, 2.0)], [(0.0, -2.0), (50.0, -2.0)])

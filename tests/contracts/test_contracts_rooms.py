@@ -87,9 +87,9 @@ EDITS = {
 }
 """What is edited, in which file, and which stages have to run again for it (with those that follow if their inputs change)."""
 
-WIDE = {"corner@0", "corner@1", "corner@2", "attack@idm", "attack_taught@gail", "attack_taught@sac", "report"}
-"""Stages that list more: a round of corner cases generates, drives, asks and draws in one, an attack plans, checks and drives;
-the report reads what plugins of three folders say of themselves."""
+WIDE = {"corner@0", "corner@1", "corner@2", "attack@idm", "attack_taught@gail", "attack_taught@sac"}
+"""Stages that list more: to generate takes eight folders, and both drive what they generated, shard by shard in one process; a
+round of corner cases also asks and draws."""
 
 
 def listed(stage) -> list[str]:

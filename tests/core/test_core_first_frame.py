@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 
 from drivegen.core.first_frame import FORESEEN, first_frame
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 from tests.futures import with_riders
 from tests.scenes import busy_crossing
 

@@ -9,7 +9,8 @@ from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import NO_TRACK
 from drivegen.datasets.base import Dataset
-from drivegen.ingest.selection import PLANNED_KINDS, Settings, select
+from drivegen.ingest.selection import Settings, select
+from drivegen.ingest.vehicles import PLANNED_KINDS
 from tests.small_datasets import BUILDERS
 
 NAMES = plugins.names("datasets")

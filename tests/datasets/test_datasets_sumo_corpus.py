@@ -30,6 +30,7 @@ PARAMS = Params(
     scenarios={"train": 5, "test": 2},
     per_part=3,
     networks=Networks(real={"test": {"square": "tools/game/square/square.net.xml"}}, outside={}, own={"train": {"cross": CROSS}}),
+    only=(),
     outside="",
     density={"real": (10.0, 15.0), "own": (10.0, 15.0)},
     own_share=0.5,
@@ -120,6 +121,18 @@ def test_a_network_in_two_splits_is_refused(tmp_path):
     twice = {"train": {"a": "tools/game/square/square.net.xml"}, "test": {"b": "tools/game/square/square.net.xml"}}
     with pytest.raises(UnusableInput, match="train and test"):
         main(replace(PARAMS, networks=replace(PARAMS.networks, real=twice)), tmp_path)
+
+
+def test_only_named_networks_are_simulated_and_give_the_same_bytes(corpus, tmp_path):
+    main(replace(PARAMS, only=("cross",)), tmp_path)
+    names = sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*.parquet"))
+    assert names == sorted(path.relative_to(corpus) for path in corpus.rglob("*cross*.parquet"))
+    assert all((corpus / name).read_bytes() == (tmp_path / name).read_bytes() for name in names)
+
+
+def test_a_name_that_no_network_has_is_refused(tmp_path):
+    with pytest.raises(UnusableInput, match="'ring'"):
+        main(replace(PARAMS, only=("cross", "ring")), tmp_path)
 
 
 def test_a_density_for_something_else_is_refused(tmp_path):

@@ -8,7 +8,7 @@ import torch
 
 from drivegen.core import plugins
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 from drivegen.corner_cases.kinds import Kind
 from drivegen.drivers import gail, idm
 from drivegen.drivers.mutants.table import EQUIVALENTS, FAULTS, FAULTY, MUTATIONS, Mutant

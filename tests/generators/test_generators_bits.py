@@ -8,7 +8,8 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.core.scenario import Scenario, Signals, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import Signals, SignalState
 from drivegen.generators._bits.learning import way_loss
 from drivegen.generators._bits.net import CELLS, HOLD, BitsNet, Plan, cell_of, told_of, unicycle
 from drivegen.generators._bits.raster import BEHIND, COLUMNS, PIXEL, ROWS, Painted, rasters

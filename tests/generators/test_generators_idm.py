@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from drivegen.core.samples import Samples
-from drivegen.core.scenario import Scenario, Signals, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import Signals, SignalState
 from drivegen.generators._idm.ways import POINTS, Ways
 from drivegen.generators.idm import Plugin
 from tests.generators.rivals import trained

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.core.geometry import box_corners, rotate
-from drivegen.core.scenario import Scenario, Signals, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import Signals, SignalState
 from drivegen.generators._smart.around import OTHER_FEATURES, PACE, REACH, Roads, others
 from drivegen.generators._smart.driving import drawn, velocities
 from drivegen.generators._smart.learning import Examples, Logs, Slips, tell

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.core.geometry import boxes_overlap, rotate
-from drivegen.core.scenario import Scenario, Signals, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import Signals, SignalState
 from drivegen.generators._trafficgen.driving import between_knots
 from drivegen.generators._trafficgen.learning import RECOVERY, Disturbance, MotionExamples, motion_loss
 from drivegen.generators._trafficgen.net import ACCELERATION, BRAKING, CURVATURE, DT_KNOT, LATERAL, Gates, Modes, driven

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import Polylines, rotate, wrap_angle
-from drivegen.core.scenario import Scenario, Signals, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import Signals, SignalState
 from drivegen.generators.shared.motion import DEGREES, KNOTS, at_knots, filled_in, smoothing_table, trajectories
 from drivegen.generators.shared.pieces import PIECE, POINTS, Pieces
 from drivegen.generators.shared.relative import REACH, surroundings

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.core.errors import UnusableInput
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 from drivegen.goals.candidates import Settings, candidates
 from drivegen.goals.cover import cover
 from drivegen.goals.manoeuvres import Manoeuvre

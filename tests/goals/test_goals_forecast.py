@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 from drivegen.goals.forecast import Habit, forecast
 from drivegen.goals.traffic import Neighbours, Queue, look_ahead
 from drivegen.roads.graph import LaneGraph

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 from drivegen.goals.traffic import Neighbours, Queue, look_ahead
 from drivegen.goals.waiting import IN_SIGHT, NEVER, NOBODY, Waiting
 from drivegen.roads.graph import LaneGraph

@@ -13,8 +13,8 @@ from gymnasium.utils.env_checker import check_env
 import drivegen.gym
 from drivegen.av2.export import export_scenario
 from drivegen.core.errors import UnusableInput
-from drivegen.core.scenario import Signals, SignalState
 from drivegen.core.settings import read_params
+from drivegen.core.signals import Signals, SignalState
 from drivegen.drivers.shared.conditions import Settings
 from drivegen.drivers.shared.environment import TERMS, Environment
 from drivegen.drivers.shared.features import COUNT

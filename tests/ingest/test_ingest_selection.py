@@ -11,8 +11,10 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.first_frame import first_frame
 from drivegen.core.geometry import boxes_overlap
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
-from drivegen.core.scenario import Signals, SignalState, SizeSource, Trajectories, VehicleKind
-from drivegen.ingest.selection import ASSUMED_SIZE, Settings, select
+from drivegen.core.scenario import SizeSource, Trajectories, VehicleKind
+from drivegen.core.signals import Signals, SignalState
+from drivegen.ingest.selection import Settings, select
+from drivegen.ingest.vehicles import ASSUMED_SIZE
 from tests.futures import bytes_of, otherwise
 from tests.scenes import crossing, drive, joined, stack, straight_road
 

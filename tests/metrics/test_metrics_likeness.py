@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
-from drivegen.core.scenario import Signals, Trajectories
+from drivegen.core.scenario import Trajectories
+from drivegen.core.signals import Signals
 from drivegen.metrics.distributions import BINS
 from drivegen.metrics.likeness import NAMES, RANGES, Traffic, distances, halves_apart, traffic
 from tests.scenes import drive, stack, straight_road

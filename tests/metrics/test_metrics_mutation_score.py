@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import binomtest
 
-from drivegen.metrics.mutation_score import Pairs, Settings, clustered, holm, mcnemar, names, scored
+from drivegen.metrics.mutation_score import Pairs, Settings, holm, mcnemar, names, scored
+from drivegen.metrics.paired import chance
 
 HOW = Settings(0.05, (10, 40, 400), 40)
 RNG = np.random.default_rng(7)
@@ -25,18 +26,18 @@ def pairs(excess, recordings=None, kind="rear", turn=None):
 def test_without_clusters_it_is_the_exact_test_of_mcnemar(more, less):
     expected = binomtest(more, more + less, alternative="greater").pvalue if more + less else 1.0
     assert mcnemar(more, less) == pytest.approx(expected, rel=1e-12)
-    assert clustered(np.array([1] * more + [-1] * less + [0, 0])) == pytest.approx(expected, rel=1e-12)
+    assert chance(np.array([1] * more + [-1] * less + [0, 0])) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("excess", [[3], [3, -1], [2, 2, 2], [5, -4, 1, 0, 1], [-2, -2, 1], [7, 3, -3, 2, 1, 1, -1]])
 def test_clusters_are_tossed_as_a_whole(excess):
     excess = np.array(excess)
     sums = [np.dot(signs, np.abs(excess)) for signs in product((-1, 1), repeat=len(excess))]
-    assert clustered(excess) == pytest.approx(np.mean(np.array(sums) >= excess.sum()), abs=1e-15)
+    assert chance(excess) == pytest.approx(np.mean(np.array(sums) >= excess.sum()), abs=1e-15)
 
 
 def test_many_failures_of_one_recording_are_worth_no_more_than_one():
-    assert clustered(np.array([40])) == 0.5
+    assert chance(np.array([40])) == 0.5
     assert mcnemar(40, 0) < 1e-12
 
 
@@ -102,7 +103,7 @@ def test_drivers_that_differ_by_chance_alone_are_killed_no_more_often_than_is_sa
         side = random.choice([-1, 1], (8, 20, 1))
         flips = side * (random.random((8, 20, 10)) < 0.4)  # 20 recordings, in each of which one of the two is worse
         drivers = {str(m): pairs(one.ravel(), np.repeat(np.arange(20), 10)) for m, one in enumerate(flips)}
-        p = np.array([clustered(one.sum(axis=1)) for one in flips])
+        p = np.array([chance(one.sum(axis=1)) for one in flips])
         apart = np.array([mcnemar(int((one > 0).sum()), int((one < 0).sum())) for one in flips])
         mistakes += holm(p, 0.05).any()
         naive += holm(apart, 0.05).any()

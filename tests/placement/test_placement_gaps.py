@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivegen.core.errors import UnusableInput
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 from drivegen.placement.draws import Draws
 from drivegen.placement.gaps import Gaps, headways, measure_gaps
 from drivegen.placement.place import Placer, PlaceSettings

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from drivegen.core.scenario import Scenario, Signals, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import Signals, SignalState
 from drivegen.planners.base import ROUTE_POINTS, Examples, PlanRequests
 from drivegen.planners.shared.requests import Goals, examples_from_logs, plan_requests
 from drivegen.roads.graph import LaneGraph

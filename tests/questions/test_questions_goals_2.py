@@ -9,7 +9,7 @@ import pytest
 
 from drivegen.core.geometry import to_vehicle_frame
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 from drivegen.goals.candidates import MOST, candidates
 from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.prior import GAP

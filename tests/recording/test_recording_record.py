@@ -9,7 +9,8 @@ import rerun as rr
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Violation
-from drivegen.core.scenario import TARGET, Actors, Signals, SignalState, Trajectories
+from drivegen.core.scenario import TARGET, Actors, Trajectories
+from drivegen.core.signals import Signals, SignalState
 from drivegen.recording import GoalMarks, record_scenario
 from drivegen.recording.collision import record_collision
 from drivegen.recording.roads import surroundings

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from drivegen.core.scenario import Signals
+from drivegen.core.signals import Signals
 from drivegen.goals.candidates import candidates
 from drivegen.questions.goals import Case
 from drivegen.questions.places import with_stops

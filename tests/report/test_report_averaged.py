@@ -8,7 +8,8 @@ from drivegen.core.intervals import Interval
 from drivegen.core.methods import read_methods
 from drivegen.core.seeds import rng
 from drivegen.report.averaged import scenes_and_recordings, taken_over, vehicles_over
-from drivegen.report.published import DataSet, Results, Run, mark, pool, rows, split
+from drivegen.report.columns import mark
+from drivegen.report.published import DataSet, Results, Run, pool, rows, split
 from drivegen.report.published_tables import tables, transfer
 
 ABOUT = read_methods()

@@ -109,7 +109,7 @@ def test_the_same_seed_gives_the_same_bytes(made, params):
 
 
 def test_a_driver_without_settings_or_a_method_without_samples_is_named(made, params):
-    with pytest.raises(UnusableInput, match="drive.drivers has no settings for 'idm'"):
+    with pytest.raises(UnusableInput, match=r"drive\.drivers has no settings for 'idm'"):
         driven(made, "none", replace(params, drivers={}))
     with pytest.raises(UnusableInput, match="unknown name 'haste'"):
         driven(made, "none", replace(params, drivers={"idm": {**params.drivers["idm"], "haste": 1.0}}))

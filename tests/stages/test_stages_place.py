@@ -7,7 +7,7 @@ import orjson
 import pytest
 
 from drivegen.core.errors import MissingTool, UnusableInput
-from drivegen.core.scenario import SignalState
+from drivegen.core.signals import SignalState
 from drivegen.layouts.compile import compile_map
 from drivegen.layouts.spec import MapSpec
 from drivegen.placement.place import PlaceSettings

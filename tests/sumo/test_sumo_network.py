@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind
-from drivegen.core.scenario import SignalState
+from drivegen.core.signals import SignalState
 from drivegen.sumo.network import Network, read_network
 from tests.refusals import assert_one_sentence
 from tests.sumo.nets import CROSS

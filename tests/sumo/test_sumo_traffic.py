@@ -6,7 +6,8 @@ import pytest
 from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import RoadMap
-from drivegen.core.scenario import SignalState, VehicleKind
+from drivegen.core.scenario import VehicleKind
+from drivegen.core.signals import SignalState
 from drivegen.layouts.compile import compile_map
 from drivegen.layouts.spec import MapSpec
 from drivegen.sumo.child import SimulationFailed

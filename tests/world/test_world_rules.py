@@ -7,11 +7,12 @@ import pytest
 import torch
 
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import Signals, SignalState
+from drivegen.core.signals import Signals, SignalState
 from drivegen.drivers import idm
 from drivegen.roads.graph import LaneGraph
 from drivegen.simulators.batch import Plugin
-from drivegen.world.rules import Lookout, has_right_of_way
+from drivegen.world.right_of_way import has_right_of_way
+from drivegen.world.rules import Lookout
 from drivegen.world.scenes import Scenes
 from drivegen.world.world import World
 from tests.checking import IDM

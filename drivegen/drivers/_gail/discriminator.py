@@ -37,10 +37,10 @@ class Settings:
 
 def transitions(episodes: Episodes) -> Tensor:
     """(D, COUNT + 2) what was seen and done at live steps, and the absorbing steps of episodes that ended at a collision."""
-    seen = torch.cat([episodes.features[:-1], episodes.number[..., None], torch.zeros_like(episodes.number)[..., None]], dim=-1)
+    steps = torch.cat([episodes.features[:-1], episodes.number[..., None], torch.zeros_like(episodes.number)[..., None]], dim=-1)
     absorbed = torch.zeros(int(_absorbed(episodes).sum()), COUNT + 2)
     absorbed[:, -1] = 1.0
-    return torch.cat([seen[episodes.live], absorbed])
+    return torch.cat([steps[episodes.live], absorbed])
 
 
 def _absorbed(episodes: Episodes) -> Tensor:
@@ -72,7 +72,7 @@ class Discriminator(nn.Module):
         """One iteration against the policy's steps; the share of both sides that it told rightly."""
         right = 0.0
         for _ in range(self.settings.steps):
-            expert, other = (self._drawn(steps, random) for steps in (self._expert, policy))
+            expert, other = (self._batch(steps, random) for steps in (self._expert, policy))
             logits = self(expert), self(other)
             loss = sum(
                 binary_cross_entropy_with_logits(logit, torch.full_like(logit, float(truth)))
@@ -85,10 +85,10 @@ class Discriminator(nn.Module):
             right += float(((logits[0] > 0).float().mean() + (logits[1] <= 0).float().mean()) / 2)
         return right / self.settings.steps
 
-    def _drawn(self, steps: Tensor, random: torch.Generator) -> Tensor:
-        drawn = steps[torch.randint(len(steps), (self.settings.batch,), generator=random)]
-        noise = self.settings.noise * torch.randn(len(drawn), generator=random) * (1 - drawn[:, -1])
-        return torch.cat([drawn[:, :COUNT], (drawn[:, COUNT] + noise)[:, None], drawn[:, COUNT + 1 :]], dim=1)
+    def _batch(self, steps: Tensor, random: torch.Generator) -> Tensor:
+        batch = steps[torch.randint(len(steps), (self.settings.batch,), generator=random)]
+        noise = self.settings.noise * torch.randn(len(batch), generator=random) * (1 - batch[:, -1])
+        return torch.cat([batch[:, :COUNT], (batch[:, COUNT] + noise)[:, None], batch[:, COUNT + 1 :]], dim=1)
 
     def _steepness(self, a: Tensor, b: Tensor, random: torch.Generator) -> Tensor:
         """Mean of (|gradient| - 1)^2 between both sides (Gulrajani et al. 2017), in standardised inputs."""

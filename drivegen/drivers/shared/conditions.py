@@ -51,6 +51,6 @@ class Settings:
     rewards: Rewards
 
     def __post_init__(self) -> None:
-        for name, value, known in (("motion", self.motion, MOTIONS), ("neighbours", self.neighbours, NEIGHBOURS)):
-            if value not in known:
-                raise UnusableInput(f"environment.{name} is one of {', '.join(known)}, not {value!r}")
+        for name, value, choices in (("motion", self.motion, MOTIONS), ("neighbours", self.neighbours, NEIGHBOURS)):
+            if value not in choices:
+                raise UnusableInput(f"environment.{name} is one of {', '.join(choices)}, not {value!r}")

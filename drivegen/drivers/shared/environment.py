@@ -94,7 +94,7 @@ class Environment:
         """Numbers in [-1, 1]; see the module for their units."""
         return Box(-1.0, 1.0, (MOTIONS[self.settings.motion],), np.float32)
 
-    def drawn(self, count: int, random: np.random.Generator) -> Tensor:
+    def draw_scenes(self, count: int, random: np.random.Generator) -> Tensor:
         """(count,) scenes to begin."""
         index = torch.from_numpy(random.integers(len(self.playable), size=count))
         return self.playable[index.to(self.playable.device)]
@@ -115,15 +115,15 @@ class Environment:
         """One step of all rows by actions (R, A) in [-1, 1]."""
         world, along, speed = self.world, self.world.ego.along, self.world.ego.speed
         world.advance(self._decoded(action.clamp(-1.0, 1.0)))
-        seen, boxes = world.observe(), world.neighbours.boxes(world)
+        view, boxes = world.observe(), world.neighbours.boxes(world)
         kind = self._collisions(boxes)
         self._last = world.ego, boxes
         collided, off_road = kind > 0, self._off_road(world)
         left_map = (world.ego.along >= self._exit[world.scene]) & ~collided
-        terms = self._terms(seen, world.ego.along - along, speed, kind, off_road) * self._weights
+        terms = self._terms(view, world.ego.along - along, speed, kind, off_road) * self._weights
         terminated = collided | off_road
         truncated = (world.over | left_map) & ~terminated
-        return Step(features(seen), terms.sum(1), terminated, truncated, terms, kind, off_road, left_map)
+        return Step(features(view), terms.sum(1), terminated, truncated, terms, kind, off_road, left_map)
 
     def _world(self, rows: int) -> World:
         neighbours = (
@@ -148,15 +148,15 @@ class Environment:
             return torch.zeros_like(world.scene, dtype=torch.bool)
         return self._surface.off_road(world.scene, world.ego.position, world.ego.heading, world.size)
 
-    def _terms(self, seen: Observation, moved: Tensor, speed: Tensor, kind: Tensor, off_road: Tensor) -> Tensor:
+    def _terms(self, view: Observation, moved: Tensor, speed: Tensor, kind: Tensor, off_road: Tensor) -> Tensor:
         """(R, len(TERMS)) what each weight is multiplied by."""
         hit = (kind == CollisionKind.HIT_FROM_BEHIND) | (kind == CollisionKind.HIT_STANDING)
         red = (self._line > 0) & (moved >= self._line)
-        self._line = seen.red_line
+        self._line = view.red_line
         amounts = {
             "progress": moved,
-            "comfort": ((seen.speed - speed) / DT / COMFORTABLE) ** 2,
-            "speeding": (seen.speed - seen.speed_limit).nan_to_num().clamp_min(0.0),
+            "comfort": ((view.speed - speed) / DT / COMFORTABLE) ** 2,
+            "speeding": (view.speed - view.speed_limit).nan_to_num().clamp_min(0.0),
             "collision": (kind > 0) & ~hit,
             "hit": hit,
             "red": red,

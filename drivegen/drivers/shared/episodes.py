@@ -44,13 +44,13 @@ def play(world: World, chosen: Tensor, choose: Choose) -> Episodes:
     """Episodes of the world's rows in scenes `chosen` (R,)."""
     world.reset(chosen)
     look = world.observe()
-    seen, done, speed, touches, runs = [features(look)], [], [world.ego.speed], [_touches(world)], []
+    inputs, done, speed, touches, runs = [features(look)], [], [world.ego.speed], [_touches(world)], []
     for step in range(int(world.scenes.steps[chosen].max()) - 1):
-        number, line, along = choose(step, seen[-1], world), look.red_line, world.ego.along
+        number, line, along = choose(step, inputs[-1], world), look.red_line, world.ego.along
         world.advance(Action(pedals(number.clamp(-1.0, 1.0))))
         look = world.observe()
         done.append(number)
-        seen.append(features(look))
+        inputs.append(features(look))
         speed.append(world.ego.speed)
         touches.append(_touches(world))
         runs.append((line > 0) & (world.ego.along - along >= line))
@@ -58,7 +58,7 @@ def play(world: World, chosen: Tensor, choose: Choose) -> Episodes:
     live = before & (torch.arange(len(done), device=chosen.device)[:, None] < world.scenes.steps[chosen] - 1)
     crashed = (torch.stack(touches[1:]) & live).any(0) | touches[0]
     ran = (torch.stack(runs) & live).any(0)
-    return Episodes(torch.stack(seen), torch.stack(done), live, crashed, torch.stack(speed), ran)
+    return Episodes(torch.stack(inputs), torch.stack(done), live, crashed, torch.stack(speed), ran)
 
 
 def _touches(world: World) -> Tensor:

@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import SignalState
+from drivegen.core.signals import SignalState
 from drivegen.world.observation import Observation
 
 DISTANCES = (5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 80.0)
@@ -55,78 +55,78 @@ _SLOWEST, _LATEST = 0.1, 10.0
 _FAR = 1e6
 
 
-def features(seen: Observation) -> Tensor:
+def features(view: Observation) -> Tensor:
     """(S, COUNT) float32 of S targets."""
-    on_cpu = seen.speed.device.type == "cpu"
-    leading, side, neighbours = _compiled(seen) if on_cpu else (leader(seen), crossing(seen), nearest_boxes(seen))
-    parts = [_own(seen, *leading, *side), *_road(seen), neighbours, _rules(seen)]
+    on_cpu = view.speed.device.type == "cpu"
+    leading, side, neighbours = _compiled(view) if on_cpu else (leader(view), crossing(view), nearest_boxes(view))
+    parts = [_own(view, *leading, *side), *_road(view), neighbours, _rules(view)]
     return torch.cat(parts, dim=1).clamp_(-LIMIT, LIMIT)
 
 
-def _own(seen: Observation, gap: Tensor, closing: Tensor, comes: Tensor, comes_at: Tensor) -> Tensor:
-    limit = seen.speed_limit.nan_to_num(_UNKNOWN_LIMIT)
+def _own(view: Observation, gap: Tensor, closing: Tensor, comes: Tensor, comes_at: Tensor) -> Tensor:
+    limit = view.speed_limit.nan_to_num(_UNKNOWN_LIMIT)
     brake = (closing.clamp_min(0) ** 2 / (2 * gap.clamp_min(0.5))).clamp_max(_HARDEST)
     numbers = (
-        seen.speed / _SPEED, seen.length / 10, seen.offset / 2, seen.course, limit / _SPEED, (seen.speed - limit) / _SPEED,
+        view.speed / _SPEED, view.length / 10, view.offset / 2, view.course, limit / _SPEED, (view.speed - limit) / _SPEED,
         gap / _GAP, closing / _SPEED, brake / 4, closing.clamp_min(0) / gap.clamp_min(0.5), comes / 5, comes_at / _GAP,
     )  # fmt: skip
     return torch.stack(numbers, dim=1)
 
 
-def leader(seen: Observation) -> tuple[Tensor, Tensor]:
+def leader(view: Observation) -> tuple[Tensor, Tensor]:
     """Gap (S,) [m] to the nearest box that reaches into the target's way, and how fast it closes [m/s]."""
-    reach = seen.half_width + (0.5 * seen.width)[:, None]
-    blocks = seen.present & (seen.ahead > 0) & ((seen.left - seen.offset[:, None]).abs() < reach)
-    gap, nearest = torch.where(blocks, seen.ahead - seen.half_length, _FAR).min(dim=1)
-    gap = (gap - 0.5 * seen.length).clamp(0.0, _FARTHEST)
-    closing = seen.speed - seen.speed_along.gather(1, nearest[:, None])[:, 0]
+    reach = view.half_width + (0.5 * view.width)[:, None]
+    blocks = view.present & (view.ahead > 0) & ((view.left - view.offset[:, None]).abs() < reach)
+    gap, nearest = torch.where(blocks, view.ahead - view.half_length, _FAR).min(dim=1)
+    gap = (gap - 0.5 * view.length).clamp(0.0, _FARTHEST)
+    closing = view.speed - view.speed_along.gather(1, nearest[:, None])[:, 0]
     return gap, torch.where(gap < _FARTHEST, closing, 0.0)
 
 
-def crossing(seen: Observation) -> tuple[Tensor, Tensor]:
+def crossing(view: Observation) -> tuple[Tensor, Tensor]:
     """When (S,) [s] the first box ahead that comes from the side is on the target's way, and how far (S,) [m] ahead it is now."""
-    left, reach = seen.left - seen.offset[:, None], seen.half_width + (0.5 * seen.width)[:, None]
-    inward = -left.sign() * seen.speed_across
-    comes = seen.present & (seen.ahead > 0) & (left.abs() >= reach) & (inward > _SLOWEST)
+    left, reach = view.left - view.offset[:, None], view.half_width + (0.5 * view.width)[:, None]
+    inward = -left.sign() * view.speed_across
+    comes = view.present & (view.ahead > 0) & (left.abs() >= reach) & (inward > _SLOWEST)
     time, first = torch.where(comes, (left.abs() - reach) / inward.clamp_min(_SLOWEST), _LATEST).min(dim=1)
-    place = (seen.ahead - seen.half_length).gather(1, first[:, None])[:, 0] - 0.5 * seen.length
+    place = (view.ahead - view.half_length).gather(1, first[:, None])[:, 0] - 0.5 * view.length
     return time.clamp_max(_LATEST), torch.where(time < _LATEST, place.clamp(0.0, _FARTHEST), _FARTHEST)
 
 
-def _road(seen: Observation) -> tuple[Tensor, Tensor]:
-    distances = torch.tensor(DISTANCES, device=seen.speed.device)
-    rows = seen.paths.row((seen.along + 0.5 * seen.length)[:, None] + distances)
-    here = seen.paths.heading.gather(1, seen.paths.row(seen.along[:, None]))
-    turned = seen.paths.heading.gather(1, rows) - here
+def _road(view: Observation) -> tuple[Tensor, Tensor]:
+    distances = torch.tensor(DISTANCES, device=view.speed.device)
+    rows = view.paths.row((view.along + 0.5 * view.length)[:, None] + distances)
+    here = view.paths.heading.gather(1, view.paths.row(view.along[:, None]))
+    turned = view.paths.heading.gather(1, rows) - here
     bends = turned - 2 * torch.pi * (turned / (2 * torch.pi)).round()
-    return seen.paths.speed_limit.gather(1, rows).nan_to_num(_UNKNOWN_LIMIT) / _SPEED, bends
+    return view.paths.speed_limit.gather(1, rows).nan_to_num(_UNKNOWN_LIMIT) / _SPEED, bends
 
 
-def nearest_boxes(seen: Observation) -> Tensor:
+def nearest_boxes(view: Observation) -> Tensor:
     """(S, 8 * NEAREST) numbers of the nearest boxes."""
-    across = seen.left - seen.offset[:, None]
-    apart = torch.where(seen.present, seen.ahead**2 + across**2, _FAR)
+    across = view.left - view.offset[:, None]
+    apart = torch.where(view.present, view.ahead**2 + across**2, _FAR)
     if apart.shape[1] < NEAREST:
         raise ValueError(f"others are padded to {NEAREST} at least")
     squared, nearest = apart.topk(NEAREST, dim=1, largest=False)
     picked = [value.gather(1, nearest) for value in (
-        seen.ahead, across, seen.speed_along, seen.speed_across, seen.half_length, seen.half_width)]  # fmt: skip
+        view.ahead, across, view.speed_along, view.speed_across, view.half_length, view.half_width)]  # fmt: skip
     ahead, left, along, sideways, half_length, half_width = picked
     there = squared < _FAR
     numbers = (
-        ahead / _GAP, left / 10, (along - seen.speed[:, None]) / _SPEED, sideways / _SPEED, half_length / 5, half_width / 5,
+        ahead / _GAP, left / 10, (along - view.speed[:, None]) / _SPEED, sideways / _SPEED, half_length / 5, half_width / 5,
         squared.sqrt() / _GAP, there.float(),
     )  # fmt: skip
     return (torch.stack(numbers, dim=2) * there[..., None]).flatten(1)
 
 
-def _compiled(seen: Observation) -> tuple[tuple[Tensor, Tensor], tuple[Tensor, Tensor], Tensor]:
+def _compiled(view: Observation) -> tuple[tuple[Tensor, Tensor], tuple[Tensor, Tensor], Tensor]:
     """`leader`, `crossing` and `nearest_boxes` by a loop, which on a processor is several times faster than tensors."""
     arrays = (
-        seen.ahead, seen.left, seen.half_length, seen.half_width, seen.speed_along, seen.speed_across, seen.present,
-        seen.offset, seen.speed, seen.length, seen.width,
+        view.ahead, view.left, view.half_length, view.half_width, view.speed_along, view.speed_across, view.present,
+        view.offset, view.speed, view.length, view.width,
     )  # fmt: skip
-    count = len(seen.speed)
+    count = len(view.speed)
     gap, closing = np.empty(count, np.float32), np.zeros(count, np.float32)
     comes, comes_at = np.empty(count, np.float32), np.empty(count, np.float32)
     boxes = np.zeros((count, NEAREST, 8), np.float32)
@@ -146,7 +146,7 @@ def _look(  # type: ignore[no-untyped-def]
 ):  # fmt: skip
     order, squared = np.empty(NEAREST, np.int64), np.empty(NEAREST, np.float32)
     for s in range(len(speed)):
-        near, found = np.float32(_FAR), 0
+        near, count = np.float32(_FAR), 0
         comes[s], comes_at[s] = _LATEST, _FARTHEST
         for m in range(present.shape[1]):
             if not present[s, m]:
@@ -161,9 +161,9 @@ def _look(  # type: ignore[no-untyped-def]
                 comes[s] = beside / inward
                 comes_at[s] = min(max(room - np.float32(0.5) * length[s], np.float32(0)), np.float32(_FARTHEST))
             apart = ahead[s, m] * ahead[s, m] + across * across
-            if found == NEAREST and apart >= squared[NEAREST - 1]:
+            if count == NEAREST and apart >= squared[NEAREST - 1]:
                 continue
-            k = found = min(found + 1, NEAREST)
+            k = count = min(count + 1, NEAREST)
             k -= 1
             while k > 0 and squared[k - 1] > apart:
                 squared[k], order[k] = squared[k - 1], order[k - 1]
@@ -172,7 +172,7 @@ def _look(  # type: ignore[no-untyped-def]
         gap[s] = min(max(near - np.float32(0.5) * length[s], np.float32(0)), np.float32(_FARTHEST))
         if gap[s] >= _FARTHEST:
             closing[s] = 0
-        for k in range(found):
+        for k in range(count):
             m, box = order[k], boxes[s, k]
             box[0], box[1] = ahead[s, m] / np.float32(_GAP), (left[s, m] - offset[s]) / np.float32(10)
             box[2], box[3] = (along[s, m] - speed[s]) / np.float32(_SPEED), sideways[s, m] / np.float32(_SPEED)
@@ -180,12 +180,12 @@ def _look(  # type: ignore[no-untyped-def]
             box[6], box[7] = np.sqrt(squared[k]) / np.float32(_GAP), 1
 
 
-def _rules(seen: Observation) -> Tensor:
-    if seen.rules is None:
-        nothing = torch.zeros((len(seen.speed), 7), device=seen.speed.device)
+def _rules(view: Observation) -> Tensor:
+    if view.rules is None:
+        nothing = torch.zeros((len(view.speed), 7), device=view.speed.device)
         nothing[:, 0], nothing[:, 6] = 2.0, 2.0
         return nothing
-    rules = seen.rules
+    rules = view.rules
     signs = (
         rules.signal == SignalState.RED, rules.signal == SignalState.YELLOW, rules.control == LaneControl.STOP,
         rules.control == LaneControl.YIELD, rules.halted,

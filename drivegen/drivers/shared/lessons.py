@@ -42,8 +42,8 @@ class Lessons:
         speed = np.zeros((len(traffic), scenes.longest), np.float32)
         for row, motion in enumerate(motions):
             driven = np.hypot(*np.diff(motion.position[TARGET], axis=0).T) / DT
-            seen = motion.valid[TARGET, 1:] & motion.valid[TARGET, :-1]
-            speed[row, 1 : motion.steps] = np.where(seen, driven, 0.0)
+            driving = motion.valid[TARGET, 1:] & motion.valid[TARGET, :-1]
+            speed[row, 1 : motion.steps] = np.where(driving, driven, 0.0)
         return cls(traffic, scenes, Lookout.of(scenes, scenarios, motions), torch.from_numpy(speed))
 
     def __len__(self) -> int:
@@ -94,7 +94,7 @@ class Grade:
 
 def graded(number: int, policy: Policy, lessons: Lessons, logged: Episodes) -> Grade:
     """`logged` are the demonstrations of `lessons`."""
-    run = lessons.play(lambda _, seen, __: policy(seen))
+    run = lessons.play(lambda _, features, __: policy(features))
     effort = pedals(run.number.clamp(-1.0, 1.0)).abs()[run.live].mean()
     collision, red = (float(ended.float().mean()) for ended in (run.crashed, run.ran_red))
     return Grade(number, collision, red, float(run.distance.mean() / logged.distance.mean()), float(effort))

@@ -81,8 +81,8 @@ def write_network(folder: Path, name: str, linear: Sequence[nn.Linear], activati
     """Write linear layers as the weights of the driver `name`; `squashed`: tanh bounds its output, else it is cut off."""
     net = perceptron([layer.out_features for layer in linear], activation)
     rows = [layer for layer in net if isinstance(layer, nn.Linear)]
-    for own, given in zip(rows, linear, strict=True):
-        own.load_state_dict(given.state_dict())
+    for own, source in zip(rows, linear, strict=True):
+        own.load_state_dict(source.state_dict())
     tensors: Mapping[str, NDArray[Any]] = {key: tensor.numpy() for key, tensor in net.state_dict().items()}
     settings = {"widths": [layer.out_features for layer in linear], "activation": activation, "squashed": squashed}
     write_weights(folder, KIND, name, settings, tensors)

@@ -60,15 +60,15 @@ class Learner:
         with torch.no_grad():
             value = self.value(episodes.features.flatten(0, 1)).view(episodes.features.shape[:2])
             gain = advantages(reward, value, episodes, self.settings)[episodes.live]
-            seen, number = episodes.features[:-1][episodes.live], episodes.number[episodes.live]
+            features, number = episodes.features[:-1][episodes.live], episodes.number[episodes.live]
             goal = gain + value[:-1][episodes.live]
-            before = self.policy.likelihood(seen, number)
+            before = self.policy.likelihood(features, number)
             gain = (gain - gain.mean()) / (gain.std() + 1e-6)
-        for rows in self._batches(len(seen), random):
-            ratio = (self.policy.likelihood(seen[rows], number[rows]) - before[rows]).exp()
+        for rows in self._batches(len(features), random):
+            ratio = (self.policy.likelihood(features[rows], number[rows]) - before[rows]).exp()
             near = ratio.clamp(1 - self.settings.clip, 1 + self.settings.clip)
             surrogate = torch.minimum(ratio * gain[rows], near * gain[rows]).mean()
-            loss = 0.5 * (self.value(seen[rows]) - goal[rows]).square().mean() - surrogate
+            loss = 0.5 * (self.value(features[rows]) - goal[rows]).square().mean() - surrogate
             self.optimiser.zero_grad()
             loss.backward()
             clip_grad_norm_([*self.policy.parameters(), *self.value.parameters()], 1.0)

@@ -27,7 +27,7 @@ class Pupil(Protocol):
     """A driver that learns from its lessons.
 
     Attributes:
-        policy: what it would drive by now. parts: all that its next round depends on, beside that round's number and seed.
+        policy: learned so far. parts: everything that its next round depends on, apart from that round's number and seed.
     """
 
     policy: Policy
@@ -65,8 +65,8 @@ def teach(
     on one machine, wherever a training was interrupted.
     """
     torch.set_num_threads(1)  # sums depend on the thread count
-    kept, logged = copy.deepcopy(pupil.policy), validation.demonstrations()
-    parts = {**pupil.parts, "kept": kept}
+    best, logged = copy.deepcopy(pupil.policy), validation.demonstrations()
+    parts = {**pupil.parts, "kept": best}
     state = checkpoint.read(path, parts) if path else None
     if state is None:
         pupil.begin(derive(seed, "begin"))
@@ -81,7 +81,7 @@ def teach(
         grades.append(graded(number, pupil.policy, validation, logged))
         say(f"round {number}/{course.rounds}: collisions in {grades[-1].collision:.1%} of validation scenes")
         if grades[-1].badness <= min(grade.badness for grade in grades[1:]):
-            kept.load_state_dict(pupil.policy.state_dict())
+            best.load_state_dict(pupil.policy.state_dict())
         if path:
             checkpoint.write(path, parts, {"grades": [asdict(grade) for grade in grades]})
-    return kept, grades
+    return best, grades

@@ -24,7 +24,7 @@ class WorldVecEnv(VecEnv):
     def reset(self) -> NDArray[np.float32]:
         """Begin an episode in every row."""
         self.reset_infos = [{} for _ in range(self.num_envs)]
-        return self.environment.reset(self.environment.drawn(self.num_envs, self._random)).cpu().numpy()
+        return self.environment.reset(self.environment.draw_scenes(self.num_envs, self._random)).cpu().numpy()
 
     def seed(self, seed: int | None = None) -> list[int | None]:
         """Scenarios of all rows are drawn by one stream, which begins anew."""
@@ -40,17 +40,17 @@ class WorldVecEnv(VecEnv):
         device = self.environment.world.scene.device
         actions = torch.from_numpy(np.array(self._actions, np.float32).reshape(self.num_envs, -1))
         step = self.environment.step(actions.to(device))
-        seen, reward, terminated = (tensor.cpu().numpy() for tensor in (step.observation, step.reward, step.terminated))
+        features, reward, terminated = (tensor.cpu().numpy() for tensor in (step.observation, step.reward, step.terminated))
         truncated = step.truncated.cpu().numpy()
         ended = np.flatnonzero(terminated | truncated)
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for r in ended.tolist():
-            infos[r] = {"terminal_observation": seen[r].copy(), "TimeLimit.truncated": bool(truncated[r])}
+            infos[r] = {"terminal_observation": features[r].copy(), "TimeLimit.truncated": bool(truncated[r])}
             infos[r] |= {"collision": int(step.kind[r]), "off_road": bool(step.off_road[r]), "left_map": bool(step.left_map[r])}
         if len(ended):
-            scenes = self.environment.drawn(len(ended), self._random)
-            seen[ended] = self.environment.reset(scenes, torch.from_numpy(ended).to(device)).cpu().numpy()
-        return seen, reward, terminated | truncated, infos
+            scenes = self.environment.draw_scenes(len(ended), self._random)
+            features[ended] = self.environment.reset(scenes, torch.from_numpy(ended).to(device)).cpu().numpy()
+        return features, reward, terminated | truncated, infos
 
     def close(self) -> None:
         """Nothing is open."""

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import line_heading, resample
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import Scenario, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import SignalState
 from drivegen.generators.shared.closed_loop import Crowd
 
 ROWS, COLUMNS = 48, 32

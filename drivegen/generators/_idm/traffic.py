@@ -8,7 +8,8 @@ import torch
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.core.scenario import DT, Scenario, SignalState, Trajectories
+from drivegen.core.scenario import DT, Scenario, Trajectories
+from drivegen.core.signals import SignalState
 from drivegen.drivers.idm import Plugin as Idm
 from drivegen.world.observation import PATH_SPACING, Observation, Paths
 

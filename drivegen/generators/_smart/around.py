@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import resample
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.scenario import Scenario, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import SignalState
 
 ROAD_FEATURES = 15
 """Both ends, direction, speed limit, whether it is known, junction, yield, stop, signal closed, signal open; and, on a finer

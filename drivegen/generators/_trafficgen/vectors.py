@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import resample
 from drivegen.core.roadmap import LaneControl, RoadMap
-from drivegen.core.scenario import Scenario, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import SignalState
 from drivegen.generators.shared.closed_loop import Crowd
 
 LANE_FEATURES = 15

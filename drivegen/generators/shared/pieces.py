@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Polylines
 from drivegen.core.roadmap import LaneControl, LaneKind
-from drivegen.core.scenario import Scenario, SignalState
+from drivegen.core.scenario import Scenario
+from drivegen.core.signals import SignalState
 
 PIECE = 15.0
 """[m] A centreline is cut into equal pieces no longer than this."""

@@ -209,8 +209,8 @@ def _refuse_meeting_again(line: lines.Line, centre: Place, junction: Junction, a
 
 def _side_names(number: int, junction: Junction) -> list[str]:
     """Names of the side roads of a junction, the first on either side without a number."""
-    told = [junction.sides[:i].count(side) for i, side in enumerate(junction.sides)]
-    return [f"j{number}_{side}{before + 1 if before else ''}" for side, before in zip(junction.sides, told, strict=True)]
+    numbers = [junction.sides[:i].count(side) for i, side in enumerate(junction.sides)]
+    return [f"j{number}_{side}{before + 1 if before else ''}" for side, before in zip(junction.sides, numbers, strict=True)]
 
 
 def _direction(a: Point, b: Point) -> float:

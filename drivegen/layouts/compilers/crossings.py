@@ -98,7 +98,7 @@ def _use_idle_lanes(plain: PlainNetwork, edge: str, crossing: Crossing, here: in
     """Where no road goes straight on (the stem of a T), lanes without a pocket's turn take the gentlest turn."""
     turns, right = crossing.turns(here), crossing.turn_lanes(here).right
     other = min(turns, key=lambda i: (abs(turns[i]), i))
-    taken = {c.source_lane for c in plain.connections if c.source == edge}
+    used_lanes = {c.source_lane for c in plain.connections if c.source == edge}
     for lane in range(right, right + crossing.arms[here].lanes_in):
-        if lane not in taken:
+        if lane not in used_lanes:
             plain.connections.append(Connection(edge, exits[other], lane, min(lane, crossing.arms[other].lanes_out - 1)))

@@ -184,9 +184,9 @@ def _change_lanes(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent) -
     way.lanes += event.lanes if event.kind == "lane_gain" else -event.lanes
     change = way.lanes - before
     shift = change if event.side == "right" else 0
-    kept = range(max(0, -shift), min(before, before if change > 0 else way.lanes - shift))
+    going_on = range(max(0, -shift), min(before, before if change > 0 else way.lanes - shift))
     after = f"{way.name}{way.cuts + 1}"
-    plain.connections += [Connection(entered, after, lane, lane + shift) for lane in kept]
+    plain.connections += [Connection(entered, after, lane, lane + shift) for lane in going_on]
     if change > 0:  # the outermost lane on that side also leads into the new ones
         source, new = (0, range(change)) if event.side == "right" else (before - 1, range(before, way.lanes))
         plain.connections += [Connection(entered, after, source, lane) for lane in new]

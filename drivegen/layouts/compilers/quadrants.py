@@ -161,7 +161,7 @@ def _goes_on(plan: Plan, plain: PlainNetwork, ramps: _Ramps, edge: Edge, joins: 
 def _along(plan: Plan, i: int, start: float) -> list[_Happens]:
     """What happens along carriageway i, which begins at `start`, in order."""
     before, here, near = (i - 1) % 4, i, plan.near(i)
-    found: list[_Happens] = []
+    events: list[_Happens] = []
 
     def event(kind: str, at: float, length: float, **more: Any) -> HighwayEvent:
         fields = {"kind": kind, "position": at - start, "length": length, "lanes": plan.lanes, **more}
@@ -169,21 +169,21 @@ def _along(plan: Plan, i: int, start: float) -> list[_Happens]:
 
     if plan.spec.trumpet and i % 2 and plan.spec.road_lanes > plan.lanes:
         kind, at = ("lane_drop", -_LANES_CHANGE) if i == _NORTH else ("lane_gain", _LANES_CHANGE)
-        found.append(_Happens(event(kind, at, 50.0, lanes=plan.spec.road_lanes - plan.lanes)))
+        events.append(_Happens(event(kind, at, 50.0, lanes=plan.spec.road_lanes - plan.lanes)))
     if plan.direct(before) and not (plan.spec.trumpet and i == _SOUTH):
         off = event("off_ramp", -plan.far(i, before) - _DECELERATION, _DECELERATION)
-        found.append(_Happens(off, leaves=f"direct{before}"))
+        events.append(_Happens(off, leaves=f"direct{before}"))
     joins = f"loop{before}" if plan.loops(before) and not (plan.spec.trumpet and i == _SOUTH) else ""
     leaves = f"loop{here}" if plan.loops(here) else ""
     if joins and leaves:
-        found.append(_Happens(event("weaving", -near, 2 * near), joins, leaves))
+        events.append(_Happens(event("weaving", -near, 2 * near), joins, leaves))
     elif joins:
-        found.append(_Happens(event("on_ramp", -near, _BESIDE_LOOP), joins))
+        events.append(_Happens(event("on_ramp", -near, _BESIDE_LOOP), joins))
     elif leaves:
-        found.append(_Happens(event("off_ramp", near - _BESIDE_LOOP, _BESIDE_LOOP), leaves=leaves))
+        events.append(_Happens(event("off_ramp", near - _BESIDE_LOOP, _BESIDE_LOOP), leaves=leaves))
     if plan.direct(here):
-        found.append(_Happens(event("on_ramp", plan.far(i, here), ACCELERATION), f"direct{here}"))
-    return sorted(found, key=lambda one: one.event.position)
+        events.append(_Happens(event("on_ramp", plan.far(i, here), ACCELERATION), f"direct{here}"))
+    return sorted(events, key=lambda one: one.event.position)
 
 
 def _draw_ramp(plan: Plan, plain: PlainNetwork, ramps: _Ramps, name: str) -> None:

@@ -39,10 +39,10 @@ def kept_steps(noise_steps: int, count: int) -> Sequence[int]:
     return [round(k * (noise_steps - 1) / max(count - 1, 1)) for k in range(count)][::-1]
 
 
-def both(found: Tensor, noisy: Tensor, alpha_bar: Tensor, target: str) -> tuple[Tensor, Tensor]:
+def both(output: Tensor, noisy: Tensor, alpha_bar: Tensor, target: str) -> tuple[Tensor, Tensor]:
     """Estimates of clean states and noise from a network that predicts `target`, "noise" or "clean"."""
     signal, noise = alpha_bar.sqrt(), (1 - alpha_bar).sqrt()
-    clean = (noisy - noise * found) / signal if target == "noise" else found
+    clean = (noisy - noise * output) / signal if target == "noise" else output
     clean = clean.clamp(-LARGEST, LARGEST)
     return clean, (noisy - signal * clean) / noise
 

@@ -28,8 +28,8 @@ class Rasters:
     def of(self, requests: PlanRequests) -> NDArray[np.uint8]:
         """(B, C, 256, 256)."""
         rows = zip(requests.scenario.tolist(), requests.position, requests.heading.tolist(), strict=True)
-        drawn = [raster(self._map(s), position, heading, self.extent, self.channels) for s, position, heading in rows]
-        return np.stack(drawn)
+        pictures = [raster(self._map(s), position, heading, self.extent, self.channels) for s, position, heading in rows]
+        return np.stack(pictures)
 
     def _map(self, scenario: int) -> RasterMap:
         if scenario not in self.ready:
@@ -95,8 +95,8 @@ class DiffusionObjective:
         clean, start, goal, pictures = (a.to(noise.device) for a in examples.tensors(rows))
         level = self.alpha_bar[step][:, None, None]
         noisy = level.sqrt() * clean + (1 - level).sqrt() * noise
-        found = model(noisy, start, goal, pictures, step)
-        return torch.as_tensor((found.float() - (noise if self.target == "noise" else clean)).square().mean())
+        output = model(noisy, start, goal, pictures, step)
+        return torch.as_tensor((output.float() - (noise if self.target == "noise" else clean)).square().mean())
 
 
 class _Set:

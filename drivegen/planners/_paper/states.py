@@ -26,11 +26,11 @@ def to_states(motion: Trajectories, requests: PlanRequests, state: str, tokens: 
     """Scaled states (B, tokens, S) at equal times after the start, the last at the goal; gaps are interpolated."""
     picked = np.empty((4, len(requests), tokens))
     for b in range(len(requests)):
-        seen = np.flatnonzero(motion.valid[b])
+        steps = np.flatnonzero(motion.valid[b])
         at = np.arange(1, tokens + 1) * (requests.goal_step[b] / tokens)
-        turned, speed = np.unwrap(motion.heading[b, seen]), motion[b].speed[seen]
-        for out, column in zip(picked[:, b], (*motion.position[b, seen].T, turned, speed), strict=True):
-            out[:] = np.interp(at, seen, column)
+        turned, speed = np.unwrap(motion.heading[b, steps]), motion[b].speed[steps]
+        for out, column in zip(picked[:, b], (*motion.position[b, steps].T, turned, speed), strict=True):
+            out[:] = np.interp(at, steps, column)
     return _scaled(
         np.moveaxis(picked[:2], 0, -1), picked[2], picked[3], requests.position.astype(np.float64), requests.heading, state
     )

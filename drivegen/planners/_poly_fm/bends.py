@@ -56,16 +56,16 @@ def encode(requests: PlanRequests, motion: Trajectories) -> Bent:
     """Fit path and pace of `motion` (B, T), masked, up to each request's goal step."""
     start, goal = poses(requests)
     path, length = bezier_paths(start, goal)
-    seen = motion.valid & (np.arange(motion.steps) <= requests.goal_step[:, None])
+    scored = motion.valid & (np.arange(motion.steps) <= requests.goal_step[:, None])
     speed = np.stack([requests.speed, requests.goal_speed], axis=1).astype(np.float64)
     duration = np.maximum(requests.goal_step, 1) * DT
-    rest, gone = _rest(path, length, start, goal, speed, duration, motion.position.astype(np.float64), seen)
+    rest, gone = _rest(path, length, start, goal, speed, duration, motion.position.astype(np.float64), scored)
     time, part, along, x, y, weight = (rest[..., k] for k in range(6))
     strayed = np.hypot(x, y).max(axis=1)
     usable = (gone > 1.0) & (gone < ROUTE_POINTS - 2) & (length > 0.5) & ~requests.parked & (strayed < FARTHEST)
     size = reach(np.maximum(length, 1.0), SIDEWAYS)[:, None]
     return Bent(
-        fit_splines(time, along, seen.astype(np.float64)) / reach(np.maximum(gone, 1.0), ALONG)[:, None],
+        fit_splines(time, along, scored.astype(np.float64)) / reach(np.maximum(gone, 1.0), ALONG)[:, None],
         fit_splines(part, x, weight) / size,
         fit_splines(part, y, weight) / size,
         usable,
@@ -99,15 +99,15 @@ def _rest(
     speed: Doubles,
     duration: Doubles,
     position: Doubles,
-    seen: NDArray[np.bool_],
+    scored: NDArray[np.bool_],
 ) -> tuple[Doubles, Doubles]:  # pragma: no cover - compiled
     """(B, T, 6) per seen frame: part of the time, of the way, rest along, rest in x and y, weight; and ways gone (B,)."""
-    out, gone = np.zeros((*seen.shape, 6)), np.zeros(len(length))
+    out, gone = np.zeros((*scored.shape, 6)), np.zeros(len(length))
     for b in range(len(length)):
-        s = np.zeros(seen.shape[1])
+        s = np.zeros(scored.shape[1])
         x, y = start[b, 0], start[b, 1]
-        for k in range(seen.shape[1]):
-            move = np.hypot(position[b, k, 0] - x, position[b, k, 1] - y) if seen[b, k] else 0.0
+        for k in range(scored.shape[1]):
+            move = np.hypot(position[b, k, 0] - x, position[b, k, 1] - y) if scored[b, k] else 0.0
             s[k] = gone[b] + move
             if move > LEAST_MOVE:
                 gone[b], x, y = s[k], position[b, k, 0], position[b, k, 1]
@@ -116,12 +116,12 @@ def _rest(
             continue
         base, before, last = 0.0, speed[b, 0], 0.0
         cos, sin = np.cos(start[b, 2]), np.sin(start[b, 2])
-        for k in range(seen.shape[1]):
+        for k in range(scored.shape[1]):
             t = min(k * DT, duration[b])
             if k > 0:
                 now = base_speed(t, duration[b], gone[b], speed[b, 0], speed[b, 1])
                 base, before = base + (before + now) * DT / 2, now
-            if not seen[b, k]:
+            if not scored[b, k]:
                 continue
             part = min(s[k] / gone[b], 1.0)
             px, py, _, _, _ = point_on(path[b], part * length[b])

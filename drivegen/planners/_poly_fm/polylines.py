@@ -42,7 +42,7 @@ def surroundings(scenarios: Sequence[Scenario], requests: PlanRequests) -> NDArr
     for rows in np.split(order, np.flatnonzero(np.diff(requests.scenario[order])) + 1):
         if len(rows):
             line, about = _pieces(scenarios[requests.scenario[rows[0]]].map)
-            out[rows] = _told(line, about, ends[0][rows], ends[1][rows])
+            out[rows] = _numbers(line, about, ends[0][rows], ends[1][rows])
     return out.reshape(len(requests), MOST * PIECE)
 
 
@@ -63,7 +63,7 @@ def _pieces(map_: RoadMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 @njit(cache=True)
-def _told(
+def _numbers(
     line: NDArray[np.float64], about: NDArray[np.float64], start: NDArray[np.float64], goal: NDArray[np.float64]
 ) -> NDArray[np.float32]:  # pragma: no cover - compiled
     """(B, MOST, PIECE) for requests from `start` (B, 3) to `goal` (B, 3), poses."""

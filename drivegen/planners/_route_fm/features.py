@@ -77,12 +77,12 @@ def _curvature(table: Doubles, row: NDArray[np.int64], start: Doubles, distance:
 def _limits(frames: Frames, requests: PlanRequests) -> NDArray[np.float64]:
     """(B, STATIONS): by how much the speed limit exceeds the mean speed, in 10 m/s; 0 where there is none."""
     out = np.zeros((len(requests), STATIONS))
-    known = requests.route >= 0
-    if known.any():
+    on_route = requests.route >= 0
+    if on_route.any():
         part = (np.arange(STATIONS) + 0.5) / STATIONS
-        s = frames.start[known, None] + frames.distance[known, None] * part
+        s = frames.start[on_route, None] + frames.distance[on_route, None] * part
         at = np.clip(s / ROUTE_SPACING, 0, requests.route_line.shape[1] - 1).astype(np.intp)
-        limit = requests.route_speed_limit[requests.route[known][:, None], at]
-        mean = (frames.distance / frames.duration)[known, None]
-        out[known] = np.nan_to_num((limit - mean) / 10)
+        limit = requests.route_speed_limit[requests.route[on_route][:, None], at]
+        mean = (frames.distance / frames.duration)[on_route, None]
+        out[on_route] = np.nan_to_num((limit - mean) / 10)
     return out

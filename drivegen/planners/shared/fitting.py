@@ -39,17 +39,17 @@ class Encoded:
 
 def encode(frames: Frames, requests: PlanRequests, motion: Trajectories) -> Encoded:
     """Fit the residuals of `motion` (B, T), masked, up to each request's goal step."""
-    seen = motion.valid & (np.arange(motion.steps) <= requests.goal_step[:, None])
+    scored = motion.valid & (np.arange(motion.steps) <= requests.goal_step[:, None])
     ends = lateral_ends(frames)
     rest = _rest(
         frames.table, frames.row, frames.start, frames.distance, frames.duration, frames.speed, ends,
-        motion.position.astype(np.float64), seen,
+        motion.position.astype(np.float64), scored,
     )  # fmt: skip
     time, part, along, across, weight, offset = (rest[..., k] for k in range(6))
     usable = (frames.distance > 1.0) & ~requests.parked & (np.abs(offset).max(axis=1) < FARTHEST)
     distance = np.maximum(frames.distance, 1.0)[:, None]
     return Encoded(
-        fit_splines(time, along, seen.astype(np.float64)) / reach(distance, ALONG),
+        fit_splines(time, along, scored.astype(np.float64)) / reach(distance, ALONG),
         fit_splines(part, across, weight) / reach(distance, ACROSS),
         usable,
     )
@@ -78,20 +78,20 @@ def _rest(
     speed: Doubles,
     ends: Doubles,
     position: Doubles,
-    seen: NDArray[np.bool_],
+    scored: NDArray[np.bool_],
 ) -> Doubles:  # pragma: no cover - compiled
     """(B, T, 6) per seen frame: part of the time, of the distance, rest along, across, weight across, offset; else 0."""
-    out = np.zeros((*seen.shape, 6))
+    out = np.zeros((*scored.shape, 6))
     for b in range(len(row)):
         if distance[b] <= 0:
             continue
         s, base, before, last = start[b], 0.0, speed[b, 0], 0
-        for k in range(seen.shape[1]):
+        for k in range(scored.shape[1]):
             t = min(k * DT, duration[b])
             if k > 0:
                 now = base_speed(t, duration[b], distance[b], speed[b, 0], speed[b, 1])
                 base, before = base + (before + now) * DT / 2, now
-            if not seen[b, k]:
+            if not scored[b, k]:
                 continue
             reached, d = locate(table[row[b]], position[b, k, 0], position[b, k, 1], s - 2.0, s + 5.0 * (k - last) + 2.0)
             gone = min(max(reached - start[b], 0.0), distance[b])

@@ -52,8 +52,8 @@ class FlowNet(nn.Module):
         context = self.context(features).repeat_interleave(draws, dim=0)
         goal = z1[:, None].expand_as(noise)
         z = (1 - t[..., None]) * noise + t[..., None] * goal
-        found = self.velocity(z.flatten(0, 1), t.flatten(), context).float().view_as(noise)
-        return torch.as_tensor((found - (goal - noise)).square())
+        velocity = self.velocity(z.flatten(0, 1), t.flatten(), context).float().view_as(noise)
+        return torch.as_tensor((velocity - (goal - noise)).square())
 
     def sample(self, features: Tensor, noise: Tensor, steps: int) -> Tensor:
         """Latents (B, Z) by `steps` Euler steps from `noise` (B, Z)."""

@@ -71,27 +71,27 @@ class FlowPlanner(ABC, Generic[S]):
         self, train: Examples, validation: Examples, seed: int, checkpoints: Path | None, report: Callable[[str], None]
     ) -> list[LossRow]:
         """See `planners.base.Planner`. Raises UnusableInput where fewer tracks move than there are components."""
-        (told, known), (held_told, held) = self._encoded(train), self._encoded(validation)
-        kept, settings, device = self._kept(), self.settings, loop.device()
-        if len(told) < max(kept.values()):
-            raise UnusableInput(f"only {len(told)} logged tracks move: too few to learn from", reason="no-examples")
+        (inputs, coefficients), (held_inputs, held) = self._encoded(train), self._encoded(validation)
+        counts, settings, device = self._coefficient_counts(), self.settings, loop.device()
+        if len(inputs) < max(counts.values()):
+            raise UnusableInput(f"only {len(inputs)} logged tracks move: too few to learn from", reason="no-examples")
         self.basis = {}
-        for group, count in kept.items():
-            self.basis |= principal(known[group], count, group)
+        for group, count in counts.items():
+            self.basis |= principal(coefficients[group], count, group)
         torch.manual_seed(seeds.derive(seed, "network"))
         net = self._new_net().to(device)
         objective = FlowObjective(
-            torch.from_numpy(told).to(device), whitened(known, self.basis).to(device),
-            importance(tuple(kept), self.basis).to(device), settings.draws,
-            (torch.from_numpy(held_told).to(device), whitened(held, self.basis).to(device)), seeds.derive(seed, "validation"),
+            torch.from_numpy(inputs).to(device), whitened(coefficients, self.basis).to(device),
+            importance(tuple(counts), self.basis).to(device), settings.draws,
+            (torch.from_numpy(held_inputs).to(device), whitened(held, self.basis).to(device)), seeds.derive(seed, "validation"),
         )  # fmt: skip
         path = None if checkpoints is None else checkpoints / f"{self.name}.safetensors"
-        report(f"{len(told)} of {len(train)} logged tracks move and keep {self.keeps}")
-        drawn = drawn_tracks(validation, WATCHED, None, seed)
+        report(f"{len(inputs)} of {len(train)} logged tracks move and keep {self.keeps}")
+        tracks = drawn_tracks(validation, WATCHED, None, seed)
 
         def watched(net: FlowNet) -> float:
             self.net = net
-            return probe(self.sample, validation, drawn, seed)
+            return probe(self.sample, validation, tracks, seed)
 
         averaged, curve = loop.train(net, objective, settings.training, seed, path, report, probe=watched)
         self.net = averaged.cpu().eval()
@@ -122,14 +122,14 @@ class FlowPlanner(ABC, Generic[S]):
         planner.net.eval()
         return planner
 
-    def _latents(self, told: NDArray[np.float32], requests: PlanRequests) -> NDArray[np.float32]:
+    def _latents(self, inputs: NDArray[np.float32], requests: PlanRequests) -> NDArray[np.float32]:
         """Latents (B, Z) of requests from what the network is told of them (B, F)."""
-        return draw(self.net, told, normals(requests.seed, self.size), self.settings.euler_steps)
+        return draw(self.net, inputs, normals(requests.seed, self.size), self.settings.euler_steps)
 
     @property
     def size(self) -> int:
         """Z: latents of all groups together, an even number."""
-        return sum(self._kept().values())
+        return sum(self._coefficient_counts().values())
 
     @property
     def euler_steps(self) -> int:
@@ -137,7 +137,7 @@ class FlowPlanner(ABC, Generic[S]):
         return self.settings.euler_steps
 
     @abstractmethod
-    def _kept(self) -> dict[str, int]:
+    def _coefficient_counts(self) -> dict[str, int]:
         """Principal components that are kept, by group."""
 
     @abstractmethod

@@ -52,7 +52,7 @@ class Guided(Protocol):
     def euler_steps(self) -> int:
         """Of its integration."""
 
-    def told(self, requests: PlanRequests) -> NDArray[np.float32]:
+    def inputs(self, requests: PlanRequests) -> NDArray[np.float32]:
         """(B, F) what the network is told."""
 
     def motion(self, requests: PlanRequests, latents: NDArray[np.float32], steps: int) -> Trajectories:
@@ -62,7 +62,7 @@ class Guided(Protocol):
 def guided(planner: Guided, requests: PlanRequests, steps: int, cost: Cost, guidance: Guidance) -> Trajectories:
     """Motion (B, steps) of requests (B,), pushed down `cost`."""
     euler, z = planner.euler_steps, normals(requests.seed, planner.size)
-    context = in_chunks(planner.net, planner.net.context, planner.told(requests))
+    context = in_chunks(planner.net, planner.net.context, planner.inputs(requests))
     for k in range(euler):
         velocity = in_chunks(planner.net, partial(_velocity, planner.net, k / euler), z, context)
         for _ in range(guidance.inner if k >= euler - guidance.last else 0):

@@ -49,9 +49,9 @@ def expanded(latents: NDArray[np.float32], basis: Basis, name: str, table: NDArr
     return curves
 
 
-def draw(net: FlowNet, told: NDArray[np.float32], noise: NDArray[np.float32], steps: int) -> NDArray[np.float32]:
+def draw(net: FlowNet, inputs: NDArray[np.float32], noise: NDArray[np.float32], steps: int) -> NDArray[np.float32]:
     """Latents (B, Z) from features (B, F) and noise (B, Z), see `in_chunks`."""
-    return in_chunks(net, lambda features, z: net.sample(features, z, steps), told, noise)
+    return in_chunks(net, lambda features, z: net.sample(features, z, steps), inputs, noise)
 
 
 def in_chunks(net: FlowNet, function: Callable[..., Tensor], *inputs: NDArray[np.float32]) -> NDArray[np.float32]:

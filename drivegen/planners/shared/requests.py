@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from drivegen.core import seeds
 from drivegen.core.geometry import Floats
-from drivegen.core.scenario import Scenario, SignalState, Trajectories
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.signals import SignalState
 from drivegen.planners.base import ROUTE_POINTS, ROUTE_SPACING, Examples, PlanRequests
 from drivegen.roads.frenet import to_frenet
 from drivegen.roads.graph import LaneGraph
@@ -96,23 +97,23 @@ def examples_from_logs(scenarios: Sequence[Scenario], graphs: Sequence[LaneGraph
 
     The route is the one that the track followed (`match_route`), none where none fits; the goal is the last valid step.
     """
-    found: list[tuple[int, int, Route | None]] = []
+    matches: list[tuple[int, int, Route | None]] = []
     for s, (scenario, graph) in enumerate(zip(scenarios, graphs, strict=True)):
         if scenario.log is None:
             continue
         valid = scenario.log.valid
         for vehicle in np.flatnonzero(valid[:, 0] & (valid.sum(-1) >= max(2, min_seen * scenario.steps))):
-            seen, track = valid[vehicle], scenario.log[vehicle]
-            found.append((s, int(vehicle), match_route(graph, track.position[seen], track.heading[seen])))
-    return _examples(scenarios, found, seed)
+            present, track = valid[vehicle], scenario.log[vehicle]
+            matches.append((s, int(vehicle), match_route(graph, track.position[present], track.heading[present])))
+    return _examples(scenarios, matches, seed)
 
 
-def _examples(scenarios: Sequence[Scenario], found: list[tuple[int, int, Route | None]], seed: int) -> Examples:
+def _examples(scenarios: Sequence[Scenario], matches: list[tuple[int, int, Route | None]], seed: int) -> Examples:
     steps = max((s.steps for s in scenarios), default=1)
-    motion = Trajectories.empty(len(found), steps)
+    motion = Trajectories.empty(len(matches), steps)
     routes: list[Route] = []
-    route, along = np.full(len(found), -1), np.zeros((len(found), 2))
-    for i, (s, vehicle, matched) in enumerate(found):
+    route, along = np.full(len(matches), -1), np.zeros((len(matches), 2))
+    for i, (s, vehicle, matched) in enumerate(matches):
         log = scenarios[s].log
         assert log is not None
         for whole, part in zip(_arrays(motion), _arrays(log[vehicle]), strict=True):
@@ -121,10 +122,10 @@ def _examples(scenarios: Sequence[Scenario], found: list[tuple[int, int, Route |
             end = log.position[vehicle, log[vehicle].last_valid()]
             route[i], along[i] = len(routes), to_frenet(matched, end[None])[0]
             routes.append(matched)
-    last, row = motion.last_valid(), np.arange(len(found))
+    last, row = motion.last_valid(), np.arange(len(matches))
     goals = Goals(
-        scenario=np.array([f[0] for f in found], np.int32),
-        vehicle=np.array([f[1] for f in found], np.int32),
+        scenario=np.array([f[0] for f in matches], np.int32),
+        vehicle=np.array([f[1] for f in matches], np.int32),
         position=motion.position[row, last],
         heading=motion.heading[row, last],
         speed=motion.speed[row, last],
@@ -133,7 +134,7 @@ def _examples(scenarios: Sequence[Scenario], found: list[tuple[int, int, Route |
         s=along[:, 0],
         d=along[:, 1],
     )
-    words = [(scenarios[s].scenario_id, vehicle) for s, vehicle, _ in found]
+    words = [(scenarios[s].scenario_id, vehicle) for s, vehicle, _ in matches]
     own_seed = np.array([seeds.derive(seed, "example", *w) for w in words], np.int64)
     return Examples(scenarios, plan_requests(scenarios, routes, goals, own_seed), motion)
 
@@ -144,13 +145,13 @@ def _arrays(motion: Trajectories) -> tuple[NDArray[np.generic], ...]:
 
 def _abreast(scenarios: Sequence[Scenario], routes: Sequence[Route], goals: Goals) -> NDArray[np.integer]:
     """Goals' routes (B,), -1 for those that do not begin within ABREAST of their vehicle (maps end, matches fail)."""
-    kept = goals.route.copy()
-    for b in np.flatnonzero(kept >= 0):
-        route, position = routes[kept[b]], scenarios[goals.scenario[b]].vehicles.position[goals.vehicle[b]]
+    route_of = goals.route.copy()
+    for b in np.flatnonzero(route_of >= 0):
+        route, position = routes[route_of[b]], scenarios[goals.scenario[b]].vehicles.position[goals.vehicle[b]]
         away, forward = position - route.line[0], route.line[1] - route.line[0]
         if abs(float(away @ forward)) > ABREAST * ROUTE_SPACING:
-            kept[b] = -1
-    return kept
+            route_of[b] = -1
+    return route_of
 
 
 def _route_table(routes: Sequence[Route]) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:

@@ -32,13 +32,15 @@ def drawn_tracks(examples: Examples, most: int, scenes: int | None, seed: int) -
     """At most `most` moving tracks, drawn by `seed`, of at most `scenes` scenarios; parked ones are no achievement."""
     moving = np.flatnonzero(~examples.requests.parked)
     if scenes is not None:
-        kept = seeds.rng(seed, "score", "scenes").permutation(np.unique(examples.requests.scenario[moving]))[:scenes]
-        moving = moving[np.isin(examples.requests.scenario[moving], kept)]
+        scenes_scored = seeds.rng(seed, "score", "scenes").permutation(np.unique(examples.requests.scenario[moving]))[:scenes]
+        moving = moving[np.isin(examples.requests.scenario[moving], scenes_scored)]
     return np.sort(seeds.rng(seed, "score").permutation(moving)[:most])
 
 
-def score(sample: Sample, examples: Examples, drawn: NDArray[np.intp], samples: int, seed: int, judge: Judge) -> dict[str, float]:
-    """Figures of `samples` trajectories for each of the tracks `drawn`, with anchors on the same tracks beside them.
+def score(
+    sample: Sample, examples: Examples, tracks: NDArray[np.intp], samples: int, seed: int, judge: Judge
+) -> dict[str, float]:
+    """Figures of `samples` trajectories for each of the tracks `tracks`, with anchors on the same tracks beside them.
 
     `ade_best` and `ade_mean` [m] are the best and the mean of a track's samples over its seen steps, `goal_error` [m] is
     the mean distance to the goal at its step, `miss_rate` the share of tracks with no sample within MISSED of it.
@@ -47,26 +49,26 @@ def score(sample: Sample, examples: Examples, drawn: NDArray[np.intp], samples: 
     the log's own figures and those of the exact base without any residual, which needs no training; those with `hidden.` are
     the planner's errors when it is told of no route and of nothing on it.
     """
-    if len(drawn) == 0:
+    if len(tracks) == 0:
         return {"scored_tracks": 0}
-    rows = np.repeat(drawn, samples)
-    own = [seeds.derive(seed, "score", int(row), k) for row in drawn for k in range(samples)]
+    rows = np.repeat(tracks, samples)
+    own = [seeds.derive(seed, "score", int(row), k) for row in tracks for k in range(samples)]
     requests = replace(examples.requests[rows], seed=np.array(own, np.int64))
-    log, asked = examples.motion[drawn], examples.requests[drawn]
-    found: dict[str, float] = {"scored_tracks": len(drawn), "scored_scenes": len(np.unique(asked.scenario))}
-    found["without_route"] = float((asked.route < 0).mean())
+    log, of_tracks = examples.motion[tracks], examples.requests[tracks]
+    figures: dict[str, float] = {"scored_tracks": len(tracks), "scored_scenes": len(np.unique(of_tracks.scenario))}
+    figures["without_route"] = float((of_tracks.route < 0).mean())
     planned = {
         "": (requests, sample(examples.scenarios, requests)),
-        "base.": (asked, _base(asked, log.steps)),
-        "log.": (asked, log),
+        "base.": (of_tracks, _base(of_tracks, log.steps)),
+        "log.": (of_tracks, log),
     }
     for prefix, (wanted, motion) in planned.items():
         mine = _smoothness(motion, log) | ({} if motion is log else _errors(wanted, motion, log))
         mine |= {name: float(broken.mean()) for name, broken in judge(examples.scenarios, wanted, motion).items()}
-        found |= {prefix + name: value for name, value in mine.items()}
+        figures |= {prefix + name: value for name, value in mine.items()}
     unrouted = _errors(requests, sample(examples.scenarios, without_routes(requests)), log)
-    found |= {f"hidden.{name}": unrouted[name] for name in ("ade_best", "ade_mean")}
-    return {key: value if isinstance(value, int) else round(float(value), 6) for key, value in found.items()}
+    figures |= {f"hidden.{name}": unrouted[name] for name in ("ade_best", "ade_mean")}
+    return {key: value if isinstance(value, int) else round(float(value), 6) for key, value in figures.items()}
 
 
 def without_routes(requests: PlanRequests) -> PlanRequests:
@@ -78,13 +80,13 @@ def without_routes(requests: PlanRequests) -> PlanRequests:
     )  # fmt: skip
 
 
-def probe(sample: Sample, examples: Examples, drawn: NDArray[np.intp], seed: int) -> float:
-    """Mean ADE [m] over the tracks `drawn`, PROBED trajectories each, always with the same noise."""
-    if len(drawn) == 0:
+def probe(sample: Sample, examples: Examples, tracks: NDArray[np.intp], seed: int) -> float:
+    """Mean ADE [m] over the tracks `tracks`, PROBED trajectories each, always with the same noise."""
+    if len(tracks) == 0:
         return float("nan")
-    own = [seeds.derive(seed, "probe", int(row), k) for row in drawn for k in range(PROBED)]
-    requests = replace(examples.requests[np.repeat(drawn, PROBED)], seed=np.array(own, np.int64))
-    return _errors(requests, sample(examples.scenarios, requests), examples.motion[drawn])["ade_mean"]
+    own = [seeds.derive(seed, "probe", int(row), k) for row in tracks for k in range(PROBED)]
+    requests = replace(examples.requests[np.repeat(tracks, PROBED)], seed=np.array(own, np.int64))
+    return _errors(requests, sample(examples.scenarios, requests), examples.motion[tracks])["ade_mean"]
 
 
 def _base(requests: PlanRequests, steps: int) -> Trajectories:
@@ -113,23 +115,23 @@ def _errors(requests: PlanRequests, motion: Trajectories, log: Trajectories) -> 
 
 def _smoothness(motion: Trajectories, log: Trajectories) -> dict[str, float]:
     """Root mean squares of acceleration and jerk along the track, and how far they lie from the log's."""
-    found = {}
+    figures = {}
     for name, order in (("acceleration", 1), ("jerk", 2)):
         mine, theirs = _changes(motion, order), _changes(log, order)
-        found[name] = float(np.sqrt((mine**2).mean())) if len(mine) else float("nan")
-        found[f"{name}_distance"] = _wasserstein(mine, theirs)
-    return found
+        figures[name] = float(np.sqrt((mine**2).mean())) if len(mine) else float("nan")
+        figures[f"{name}_distance"] = _wasserstein(mine, theirs)
+    return figures
 
 
 def _changes(motion: Trajectories, order: int) -> NDArray[np.float64]:
     """Differences in time of the smoothed speeds, all fully seen ones in a row."""
     window = np.ones(SMOOTHED) / SMOOTHED
     speed = np.stack([np.convolve(row, window, "valid") for row in motion.speed])
-    seen = np.stack([np.convolve(row, window, "valid") for row in motion.valid]) > 1 - 1e-6
+    whole = np.stack([np.convolve(row, window, "valid") for row in motion.valid]) > 1 - 1e-6
     change = np.diff(speed, n=order, axis=1) / DT**order
-    count = seen.shape[1] - order
-    known = np.logical_and.reduce([seen[:, k : k + count] for k in range(order + 1)])
-    return np.asarray(change[known])
+    count = whole.shape[1] - order
+    in_a_row = np.logical_and.reduce([whole[:, k : k + count] for k in range(order + 1)])
+    return np.asarray(change[in_a_row])
 
 
 def _wasserstein(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:

@@ -24,15 +24,15 @@ def tables(name: str, title: str, value: Any) -> tuple[Table, ...]:
     if not isinstance(value, Mapping):
         return ()
     plain = {key: item for key, item in value.items() if _scalar(item)}
-    found = [_pairs(name, title, plain)] if plain else []
+    parts = [_pairs(name, title, plain)] if plain else []
     for key, item in value.items():
         label, inner = f"{name}-{_slug(key)}".rstrip("-"), f"{title}: {words(str(key))}" if key else title
         if isinstance(item, Mapping) and item:
             if all(isinstance(entry, Mapping) and any(map(_scalar, entry.values())) for entry in item.values()):
-                found.append(matrix(label, inner, item))
+                parts.append(matrix(label, inner, item))
             else:
-                found += tables(label, inner, item)
-    return tuple(found)
+                parts += tables(label, inner, item)
+    return tuple(parts)
 
 
 def matrix(name: str, title: str, rows: Mapping[str, Mapping[str, Any]], first: str = "") -> Table:

@@ -38,15 +38,15 @@ NOTES = (
 
 def section(evidence: Evidence) -> Section:
     """Every driver that was attacked."""
-    found = {name: value for name, value in evidence.below("attack").items() if isinstance(value, Mapping)}
+    drivers = {name: value for name, value in evidence.below("attack").items() if isinstance(value, Mapping)}
     lead = (
         "DriveGen-CS beside its rivals: the same first frames and traffic, at most the same number of runs. Neighbours "
         "are replayed but for the attacker's exchanged motion; what survives when all react stands beside it. Nothing is trained."
     )
     tables = []
-    for name, values in found.items():
+    for name, values in drivers.items():
         tables += [outcome_table(name, values), cost_table(name, values, evidence.costs)]
-    return Section("attack", "Adversaries", lead, tuple(tables), missing="" if found else not_measured("attack"))
+    return Section("attack", "Adversaries", lead, tuple(tables), missing="" if drivers else not_measured("attack"))
 
 
 def outcome_table(driver: str, attacks: Mapping[str, dict[str, Any]]) -> Table:
@@ -75,8 +75,8 @@ def cost_table(driver: str, attacks: Mapping[str, dict[str, Any]], costs: Mappin
         took = dict(costs.get(f"attack/{driver}-{key}", {}))
         if took.get("cases"):
             took["per_1000"] = 1000 * took["cpu_seconds"] / took["cases"]
-        told = (taken(took, "cases", 0), taken(took, "cpu_seconds"), taken(took, "per_1000", 0))
-        lines.append(row(values["title"], _allowed(values), number(values["budget"]), *told))
+        cells = (taken(took, "cases", 0), taken(took, "cpu_seconds"), taken(took, "per_1000", 0))
+        lines.append(row(values["title"], _allowed(values), number(values["budget"]), *cells))
     heads = ("", "allowed", "runs a scene", "counted runs", "CPU s", "CPU s for 1000")
     note = "Planning, checking, driving, and judging the handed-over cases are in it, reading the scenes is not."
     return Table(

@@ -23,14 +23,14 @@ def section(evidence: Evidence) -> Section:
         "with other odds. Neighbours are replayed. "
         "The driver's own reaction is left out of the legality check; hard rules between social vehicles stay."
     )
-    found = [_against_paper(evidence, rounds), _gpu_hours(rounds, evidence.costs)]
+    parts = [_against_paper(evidence, rounds), _gpu_hours(rounds, evidence.costs)]
     figures = []
     if rounds:
-        found.append(matrix("corner-rounds", "Corner-case rounds", rounds, "round"))
-        found += [_knowledge(name, values["knowledge"]) for name, values in rounds.items() if values.get("knowledge")]
+        parts.append(matrix("corner-rounds", "Corner-case rounds", rounds, "round"))
+        parts += [_knowledge(name, values["knowledge"]) for name, values in rounds.items() if values.get("knowledge")]
         figures = [*(Figure.png(picture, wide=False) for picture in evidence.collisions), *_plot(rounds)]
     missing = "" if rounds else not_measured("corner")
-    return Section("corner", "Corner cases", lead, tuple(found), tuple(figures), missing=missing)
+    return Section("corner", "Corner cases", lead, tuple(parts), tuple(figures), missing=missing)
 
 
 def _against_paper(evidence: Evidence, rounds: Mapping[str, Mapping[str, Any]]) -> Table:

@@ -27,26 +27,26 @@ def section(evidence: Evidence) -> Section:
     if evidence.source:
         lead += f" Source: {evidence.source}."
     figures = _labels(evidence)
-    found = (*_counts(ingest), *tables("assets", "Vehicle assets", evidence.results.get("assets")))
-    return Section("data", "Data", lead, found, figures, missing="" if ingest else not_measured("ingest"))
+    parts = (*_counts(ingest), *tables("assets", "Vehicle assets", evidence.results.get("assets")))
+    return Section("data", "Data", lead, parts, figures, missing="" if ingest else not_measured("ingest"))
 
 
 def likeness(evidence: Evidence) -> Section:
     """How near the corpus' traffic is to that of people."""
-    found = evidence.results.get("likeness")
+    measured = evidence.results.get("likeness")
     lead = (
         "What learns from simulated logs is judged on people. Seven distances say how far the simulated traffic is from theirs."
     )
-    if not isinstance(found, Mapping):
+    if not isinstance(measured, Mapping):
         return Section("likeness", "Simulated and real traffic", lead, missing=not_measured("likeness"))
-    if "distance" not in found:
-        missing = f"Not measured: likeness.root names no folder with recordings of {', '.join(found['without'])}."
+    if "distance" not in measured:
+        missing = f"Not measured: likeness.root names no folder with recordings of {', '.join(measured['without'])}."
         return Section("likeness", "Simulated and real traffic", lead, missing=missing)
-    return Section("likeness", "Simulated and real traffic", lead, (_distances(found),))
+    return Section("likeness", "Simulated and real traffic", lead, (_distances(measured),))
 
 
-def _distances(found: Mapping[str, Any]) -> Table:
-    unit, distance = found["unit"], found["distance"]
+def _distances(figures: Mapping[str, Any]) -> Table:
+    unit, distance = figures["unit"], figures["distance"]
     columns = ("", "halves of real driving", *(f"{'real driving' if name == 'all' else name} [halves]" for name in distance))
     rows = [
         row(
@@ -58,8 +58,8 @@ def _distances(found: Mapping[str, Any]) -> Table:
         for name, text in _QUANTITIES.items()
     ]
     notes = (
-        f"{found['scenes']} training scenes of the SUMO corpus (simulated) beside recordings of people, as distances in units of "
-        "how far halves of the recordings are apart: 1 is as different as one half of real driving is from the other. "
+        f"{figures['scenes']} training scenes of the SUMO corpus (simulated) beside recordings of people, as distances in units "
+        "of how far halves of the recordings are apart: 1 is as different as one half of real driving is from the other. "
         "Real driving: all data sets, each counted equally.",
         "Wasserstein-1 distances in the unit of the first column; lane changes and the standing share are differences. Motor "
         "vehicles on a lane, tracks averaged over 0.4 s on both sides; lateral offsets less the recording's median.",
@@ -69,23 +69,25 @@ def _distances(found: Mapping[str, Any]) -> Table:
 
 def limits(evidence: Evidence) -> Section:
     """The legal checker's limits and how many logged tracks pass them."""
-    found = evidence.results.get("calibrate")
+    measured = evidence.results.get("calibrate")
     lead = "Limits of the legal checker are set so that 99 % of logged tracks pass each of them."
-    missing = "" if found else not_measured("calibrate")
-    return Section("limits", "Legal checker", lead, _by_rule(found), missing=missing)
+    missing = "" if measured else not_measured("calibrate")
+    return Section("limits", "Legal checker", lead, _by_rule(measured), missing=missing)
 
 
-def _by_rule(found: Any) -> tuple[Table, ...]:
+def _by_rule(limits: Any) -> tuple[Table, ...]:
     """`{"limits": {rule: x}, "pass_rate": {rule: y}, ...}` with one row a rule; what has no limit is a verdict or "legal"."""
-    if not isinstance(found, Mapping):
+    if not isinstance(limits, Mapping):
         return ()
-    groups = {name: found[name] for name in ("limits", *sorted(set(found) - {"limits"})) if isinstance(found.get(name), Mapping)}
+    groups = {
+        name: limits[name] for name in ("limits", *sorted(set(limits) - {"limits"})) if isinstance(limits.get(name), Mapping)
+    }
     limited = groups.get("limits", {})
     names = list(dict.fromkeys(name for values in groups.values() for name in values))
     rows = {name: {group: values[name] for group, values in groups.items() if name in values} for name in names}
     rules = {name: row for name, row in rows.items() if name in limited}
     verdicts = {name.lower(): row for name, row in rows.items() if name not in limited}
-    rest = {name: value for name, value in found.items() if name not in groups}
+    rest = {name: value for name, value in limits.items() if name not in groups}
     named = [matrix("checker", "Limits and pass rates", rules, "rule")] if rules else []
     named += [matrix("checker-verdicts", "Pass rates by verdict", verdicts, "verdict")] if verdicts else []
     return (*named, *tables("checker-settings", "Calibration", rest))

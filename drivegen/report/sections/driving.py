@@ -41,9 +41,9 @@ def section(evidence: Evidence) -> Section:
         "driven, Comfort the reciprocal of the mean acceleration, Div the spread of trajectories; where the paper can be read "
         "in two ways, both are here."
     )
-    found = [_table(name, traffic, evidence) for name, traffic in drivers.items()]
+    parts = [_table(name, traffic, evidence) for name, traffic in drivers.items()]
     missing = "" if drivers else not_measured("drive")
-    return Section("driving", "Driving", lead, tuple(found), missing=missing)
+    return Section("driving", "Driving", lead, tuple(parts), missing=missing)
 
 
 def by_traffic(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

@@ -44,8 +44,8 @@ def section(evidence: Evidence) -> Section:
     )  # fmt: skip
     table = Table("generators", title, columns, tuple(rows), (*_NOTES, *evidence.trained_on))
     times = {evidence.title(name): evidence.costs.get(f"train_generator/{name}", {}) for name in trained}
-    drawn = {evidence.title(name): curves[name] for name in trained if name in curves}
-    return Section("generators", title, lead, (table, _times(times)), _figures(drawn))
+    shown = {evidence.title(name): curves[name] for name in trained if name in curves}
+    return Section("generators", title, lead, (table, _times(times)), _figures(shown))
 
 
 def _line(title: str, values: Mapping[str, Any]) -> Row:

@@ -44,11 +44,11 @@ def suites(evidence: Evidence) -> Section:
     return Section("map-suites", "Maps from words, measured", _LEAD, tuple(parts))
 
 
-def _suite(found: Any) -> list[Table]:
+def _suite(measured: Any) -> list[Table]:
     """By writer, suite and group."""
-    if not isinstance(found, Mapping) or not found.get("writers"):
+    if not isinstance(measured, Mapping) or not measured.get("writers"):
         return []
-    writers = sorted(found["writers"].values(), key=lambda writer: not writer["measured"])
+    writers = sorted(measured["writers"].values(), key=lambda writer: not writer["measured"])
     rows = [line for writer in writers for line in _writer(writer)]
     return [Table("map-suite", "Words: how often right", ("written by", "lines of", *_COUNTS.values()), tuple(rows))]
 
@@ -60,16 +60,16 @@ def _writer(writer: Mapping[str, Any]) -> list[Row]:
     return [row(writer["written_by"], name, *values) for name, values in cells.items()]
 
 
-def _diversity(found: Any) -> list[Table]:
-    if not isinstance(found, Mapping):
+def _diversity(table: Any) -> list[Table]:
+    if not isinstance(table, Mapping):
         return []
     columns = ("", "maps", "windows", *(name for title in _FEATURES.values() for name in (title, "spread")))
     rows = []
-    for source, values in sorted(found["sources"].items(), reverse=True):
+    for source, values in sorted(table["sources"].items(), reverse=True):
         if values is None:
             rows.append(row(source, *[NOT_MEASURED] * (len(columns) - 1)))
             continue
         cells = [c for name in _FEATURES for c in (measured(values, name), Cell(number(values[f"{name} spread"])))]
         rows.append(row(source, number(int(values["maps"])), number(int(values["windows"])), *cells))
-    note = f"Windows of {number(found['radius'])} m radius; means with the middle 80 %, spread is the standard deviation."
+    note = f"Windows of {number(table['radius'])} m radius; means with the middle 80 %, spread is the standard deviation."
     return [Table("map-diversity", "Maps from words beside real ones", columns, tuple(rows), (note,))]

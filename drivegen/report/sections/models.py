@@ -37,12 +37,12 @@ NOTES = (
 
 def selector(evidence: Evidence) -> Section:
     """Who ranks goals how well, and the learned ranker."""
-    found = evidence.results.get("train_selector")
+    measured = evidence.results.get("train_selector")
     goals = {name: value for name, value in evidence.below("goals").items() if isinstance(value, dict)}
     lead = "A selector gives every vehicle's candidate goals odds. The learned one ranks them as drivers in the logs chose them."
     compared = (_selectors(goals, evidence.selectors),) if goals else ()
-    parts = (*compared, *tables("selector", "Learned selector", found))
-    missing = "" if found or goals else not_measured("train_selector")
+    parts = (*compared, *tables("selector", "Learned selector", measured))
+    missing = "" if measured or goals else not_measured("train_selector")
     return Section("selector", "Goal selection", lead, parts, _curves(evidence, "train_selector"), missing=missing)
 
 
@@ -62,15 +62,15 @@ def _selectors(goals: dict[str, dict[str, Any]], selectors: tuple[str, ...]) -> 
 
 def _over(goals: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
     """What figures are of: the same vehicles for all selectors."""
-    return next((vehicles_over(found["moving"]) for found in goals.values() if "moving" in found), ())
+    return next((vehicles_over(groups["moving"]) for groups in goals.values() if "moving" in groups), ())
 
 
 def _chosen_by(values: dict[str, Any]) -> str:
     """Who chose, and for how many vehicles the fallback did."""
     asking = values.get("asking", {})
     stood_in = sum(asking.get("fallback", {}).values())
-    said = str(values.get("described", NOT_MEASURED))
-    return f"{said}; learned selector for {stood_in} of {asking['vehicles']} without an answer" if stood_in else said
+    words = str(values.get("described", NOT_MEASURED))
+    return f"{words}; learned selector for {stood_in} of {asking['vehicles']} without an answer" if stood_in else words
 
 
 def _label_bias(values: dict[str, Any]) -> Cell:

@@ -113,9 +113,9 @@ def _curves(evidence: Evidence, times: Mapping[str, Mapping[str, float]]) -> tup
             scale = times[name]["training_cpu_seconds"] / columns["step"][-1] if timed else 1.0
             lines[name] = ([step * scale for step in columns["step"]], columns["ade"])
     cost = "training [CPU-s]" if timed else "steps"
-    said = "Validation tracks, true goals; the weights are the averaged ones of each row of the training curve."
-    found = [Figure.svg("ADE over training cost", said, plots.lines(lines, cost, "mean ADE [m]"))] if lines else []
+    note = "Validation tracks, true goals; the weights are the averaged ones of each row of the training curve."
+    figures = [Figure.svg("ADE over training cost", note, plots.lines(lines, cost, "mean ADE [m]"))] if lines else []
     for name, columns in mine.items():
         losses = {key: values for key, values in columns.items() if key != "ade"}
-        found.append(Figure.svg(f"Training: planner {name.replace('_', ' ')}", "", plots.curves(losses, next(iter(losses)))))
-    return tuple(found)
+        figures.append(Figure.svg(f"Training: planner {name.replace('_', ' ')}", "", plots.curves(losses, next(iter(losses)))))
+    return tuple(figures)

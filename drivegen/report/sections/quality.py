@@ -6,8 +6,8 @@ from typing import Any
 
 from drivegen.report import paper, plots
 from drivegen.report.averaged import taken_over
+from drivegen.report.columns import EDGES, EDGES_MEAN, FLOOR, MARKS, mark
 from drivegen.report.evidence import Evidence
-from drivegen.report.published import EDGES, EDGES_MEAN, FLOOR, MARKS, mark
 from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.table import NOT_MEASURED, Cell, Table, measured, number, row
 
@@ -22,9 +22,9 @@ def section(evidence: Evidence) -> Section:
         "first frame, signals as they show then, against what was logged. "
         "Distances in metres, mean over scenarios with bootstrap intervals over recordings; every vehicle of every sample counts."
     )
-    found = (_realism(methods, evidence), *((_diversity(methods, evidence),) if methods else ()))
+    parts = (_realism(methods, evidence), *((_diversity(methods, evidence),) if methods else ()))
     figures = (_map_of_methods(methods, evidence),) if methods else ()
-    return Section("quality", "Scenario quality", lead, found, figures, missing="" if methods else not_measured("evaluate"))
+    return Section("quality", "Scenario quality", lead, parts, figures, missing="" if methods else not_measured("evaluate"))
 
 
 def safety(evidence: Evidence) -> Section:
@@ -54,11 +54,11 @@ def safety(evidence: Evidence) -> Section:
     ]
     heads = ("", *(kind.removeprefix("violation.").replace("_", " ") for kind in kinds))
     notes = (*evidence.trained_on, *taken_over(methods))
-    found = (
+    parts = (
         Table("safety", title, ("", *named.values(), *EDGES.values()), tuple(lines), (*notes, EDGES_MEAN)),
         Table("violations", "Share of generated vehicles by violation", heads, tuple(by_kind), notes),
     )
-    return Section("safety", "Safety of generated traffic", lead, found)
+    return Section("safety", "Safety of generated traffic", lead, parts)
 
 
 def name_of(method: str, measured: Mapping[str, Mapping[str, Any]], evidence: Evidence) -> str:
@@ -93,8 +93,8 @@ def _chosen_by(method: str, evidence: Evidence) -> str:
     selector = evidence.methods[method].goals if method in evidence.methods else None
     if selector is None:
         return "\u2013"
-    said = evidence.results.get(f"goals/{selector}")
-    return str(said.get("described", selector)) if isinstance(said, Mapping) else selector
+    measured = evidence.results.get(f"goals/{selector}")
+    return str(measured.get("described", selector)) if isinstance(measured, Mapping) else selector
 
 
 def _best(methods: Mapping[str, dict[str, Any]], key: str, evidence: Evidence) -> str:

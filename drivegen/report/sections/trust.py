@@ -125,8 +125,8 @@ def section(evidence: Evidence) -> Section:
     )
     if not methods:
         return Section("trust", "Trust in the numbers", lead, missing=not_measured("evaluate"))
-    found = readings(name for values in methods.values() for name in values)
-    return Section("trust", "Trust in the numbers", lead, tuple(_table(one, methods, evidence) for one in found))
+    there = readings(name for values in methods.values() for name in values)
+    return Section("trust", "Trust in the numbers", lead, tuple(_table(one, methods, evidence) for one in there))
 
 
 def _table(reading: Reading, methods: Mapping[str, dict[str, Any]], evidence: Evidence) -> Table:

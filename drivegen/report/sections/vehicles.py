@@ -27,9 +27,9 @@ _MEASURES = {
 
 def section(evidence: Evidence) -> Section:
     """The suite of requests, and the distribution of headways."""
-    asked, place = evidence.results.get("asked"), evidence.results.get("place")
+    of_words, place = evidence.results.get("asked"), evidence.results.get("place")
     headways = place.get("headways") if isinstance(place, Mapping) else None
-    tables = [_kinds(asked)] if isinstance(asked, Mapping) else []
+    tables = [_kinds(of_words)] if isinstance(of_words, Mapping) else []
     lead = (
         "Words say how many vehicles there are, of which kinds, how dense, how fast, where they stand and what single ones do. "
         "Manoeuvres bind the goal of one vehicle; the planner and the checker stay as they are."
@@ -44,11 +44,11 @@ def section(evidence: Evidence) -> Section:
     return Section("vehicles", "Vehicles from words", lead, tuple(tables), tuple(figures), missing=missing)
 
 
-def _kinds(asked: Mapping[str, Any]) -> Table:
-    reader = str(asked.get("reader", ""))
-    rows = [_kind(name, reader, values) for name, values in asked["kinds"].items() if name != "misread"]
-    read = f"{asked['read_as_meant']} of {asked['scenes']} readings of {asked['requests']} requests were as meant; "
-    placed = f"{asked['vehicles_placed']} of {asked['vehicles_asked']} vehicles were placed."
+def _kinds(measured: Mapping[str, Any]) -> Table:
+    reader = str(measured.get("reader", ""))
+    rows = [_kind(name, reader, values) for name, values in measured["kinds"].items() if name != "misread"]
+    read = f"{measured['read_as_meant']} of {measured['scenes']} readings of {measured['requests']} requests were as meant; "
+    placed = f"{measured['vehicles_placed']} of {measured['vehicles_asked']} vehicles were placed."
     return Table("asked", "Traffic in words", _HEADS, tuple(rows), (read + placed, *_NOTES))
 
 

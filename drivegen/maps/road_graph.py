@@ -1,0 +1,166 @@
+"""The roads of a SUMO network as a graph: edges that cars may use, what follows each, and the ways through it."""
+
+import heapq
+import math
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import accumulate, pairwise
+from xml.etree.ElementTree import Element
+
+from drivegen.core.errors import UnusableInput
+
+_LOOP = (225.0, 315.0)
+"""A way that turns so far to one side is a loop [degrees]."""
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A road in one direction: its nodes, lanes for cars, limit [m/s], length [m] and the line of its middle lane [m]."""
+
+    id: str
+    source: str
+    target: str
+    lanes: int
+    speed: float
+    length: float
+    shape: tuple[Point, ...]
+
+
+def read_graph(root: Element, place: str) -> "RoadGraph":
+    """The graph of a network's parsed XML; raises UnusableInput where it has no edge for cars, or a number that is none."""
+    try:
+        edges = {edge.id: edge for element in root.iter("edge") if (edge := _edge(element)) is not None}
+    except ValueError as error:
+        raise UnusableInput(f"{place}: a lane has a number that is none: {error}", reason="bad-map") from None
+    if not edges:
+        raise UnusableInput(f"{place} has no road that a car may use", reason="no-lanes")
+    return RoadGraph(root, edges)
+
+
+def _edge(element: Element) -> Edge | None:
+    if element.get("function") or element.get("from") is None or element.get("to") is None:
+        return None
+    lanes = [lane for lane in element.iter("lane") if _for_cars(lane)]
+    if not lanes:
+        return None
+    shape = tuple(_points(lanes[len(lanes) // 2].get("shape", "")))
+    speed, length = (float(lanes[0].get(name, "0")) for name in ("speed", "length"))
+    if not shape or not all(map(math.isfinite, (speed, length, *(value for point in shape for value in point)))):
+        raise ValueError(f"edge {element.get('id', '')[:40]!r} has no finite shape, speed and length")
+    return Edge(element.get("id", ""), element.get("from", ""), element.get("to", ""), len(lanes), speed, length, shape)
+
+
+def _for_cars(lane: Element) -> bool:
+    allow, disallow = lane.get("allow"), lane.get("disallow", "").split()
+    if allow is not None:
+        return "passenger" in allow.split() or "all" in allow.split()
+    return "passenger" not in disallow and "all" not in disallow
+
+
+def _points(text: str) -> Iterable[Point]:
+    for pair in text.split():
+        x, y = pair.split(",")[:2]
+        yield float(x), float(y)
+
+
+class RoadGraph:
+    """Edges with the ways on from each, U-turns left out."""
+
+    def __init__(self, root: Element, edges: dict[str, Edge]) -> None:
+        self.edges = edges
+        self.lit = {j.get("id", "") for j in root.iter("junction") if "traffic_light" in j.get("type", "")}
+        self.left_hand = root.get("lefthand", "false") in ("true", "1")
+        self.rings = [(set(r.get("nodes", "").split()), set(r.get("edges", "").split())) for r in root.iter("roundabout")]
+        self.leaving: defaultdict[str, list[str]] = defaultdict(list)
+        self.entering: defaultdict[str, list[str]] = defaultdict(list)
+        for edge in edges.values():
+            self.leaving[edge.source].append(edge.id)
+            self.entering[edge.target].append(edge.id)
+        self.on, self.back = defaultdict(set), defaultdict(set)  # type: defaultdict[str, set[str]], defaultdict[str, set[str]]
+        for link in root.iter("connection"):
+            a, b = link.get("from", ""), link.get("to", "")
+            if a in edges and b in edges and not self.opposite(a, b):
+                self.on[a].add(b)
+                self.back[b].add(a)
+
+    def opposite(self, a: str, b: str) -> bool:
+        """Whether one edge leads back where the other comes from."""
+        x, y = self.edges[a], self.edges[b]
+        return x.source == y.target and x.target == y.source
+
+    def _ends(self) -> tuple[list[str], list[str]]:
+        """Edges that begin and edges that end at the border of the network."""
+        into = [e for e in self.edges if all(self.opposite(i, e) for i in self.entering[self.edges[e].source])]
+        out = [e for e in self.edges if all(self.opposite(e, o) for o in self.leaving[self.edges[e].target])]
+        return into, out
+
+    def stuck(self) -> list[str]:
+        """Edges from which no way out is reached, or that no way in reaches."""
+        into, out = self._ends()
+        reached, leads = _flood(into, self.on), _flood(out, self.back)
+        return [e for e in self.edges if (into and e not in reached) or (out and e not in leads)]
+
+    def longest_way(self) -> float:
+        """The longest of the shortest ways from each way in to each way out; without such ends, the longest edge."""
+        into, out = self._ends()
+        best = max(edge.length for edge in self.edges.values())
+        for start in into:
+            cost = {start: self.edges[start].length}
+            queue = [(cost[start], start)]
+            while queue:
+                here, edge = heapq.heappop(queue)
+                for following in self.on[edge] if here == cost[edge] else ():
+                    there = here + self.edges[following].length
+                    if there < cost.get(following, math.inf):
+                        cost[following] = there
+                        heapq.heappush(queue, (there, following))
+            best = max([best, *(cost[e] for e in out if e in cost)])
+        return best
+
+    def turned(self, start: str) -> float:
+        """Degrees turned along the edge and all that follows it as its only way on."""
+        return sum(map(abs, self._turns(start)))
+
+    def is_loop(self, start: str) -> bool:
+        """Whether a way begins here, and not before, that turns about 270 degrees to one side."""
+        if len(self.back[start]) == 1 and all(self.on[before] == {start} for before in self.back[start]):
+            return False
+        headings = [0.0, *accumulate(self._turns(start))]
+        return _LOOP[0] <= max(headings) - min(headings) <= _LOOP[1]
+
+    def _turns(self, start: str) -> list[float]:
+        """Turns between the steps of the edge and all that follows it as its only way on [degrees], positive to the left."""
+        here, seen = start, {start}
+        headings = _headings(self.edges[start].shape)
+        while len(self.on[here]) == 1:
+            (following,) = self.on[here]
+            if len(self.back[following]) != 1 or following in seen:
+                break
+            # Edges of different width lie beside one another, so their headings are joined, not their points.
+            headings += _headings(self.edges[following].shape)
+            seen.add(following)
+            here = following
+        return [math.degrees(math.remainder(b - a, math.tau)) for a, b in pairwise(headings)]
+
+
+def _headings(line: tuple[Point, ...]) -> list[float]:
+    """Headings [rad] of the steps of a line, steps below 3 m merged."""
+    apart = [line[0]]
+    for point in line[1:]:
+        if math.dist(point, apart[-1]) >= 3:
+            apart.append(point)
+    return [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in pairwise(apart)]
+
+
+def _flood(starts: Iterable[str], on: dict[str, set[str]]) -> set[str]:
+    seen = set(starts)
+    todo = list(seen)
+    while todo:
+        for following in on.get(todo.pop(), ()):
+            if following not in seen:
+                seen.add(following)
+                todo.append(following)
+    return seen
