@@ -32,11 +32,11 @@ def main(params: Params, scenarios: Path, futures: Path, record: Path) -> dict[s
     said = {"old": params.old, "new": params.new}
     old, new = (version(one, params.drivers, "gate.drivers", f"params.yaml: gate.{name}") for name, one in said.items())
     pairs = [pair for shard in shards(require(futures, "run the rollout stages")) for pair in futures_in(shard, scenarios)]
-    traffic = [(scenario, made.motion[k]) for scenario, made in pairs for k in range(len(made.dropped))]
-    result = gate(old, new, traffic, params.settings, params.seed)
+    every = [(scenario, k, made.motion[k]) for scenario, made in pairs for k in range(len(made.dropped))]
+    result = gate(old, new, every, params.settings, params.seed)
     names = (_name("the old", params.old), _name("the new", params.new))
     write_json(record, {"drivers": said, "folder": str(futures), **result.record(*names)})
-    return {"runs": float(len(traffic))}
+    return {"runs": float(len(every))}
 
 
 def _name(which: str, said: dict[str, Any]) -> str:

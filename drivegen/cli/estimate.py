@@ -100,8 +100,11 @@ def _questions(
         offers = [(n, candidates(graph, scenario, n, offered)) for n in range(first, len(scenario.vehicles))]
         if wording.stops:
             offers = [(n, with_stops(scenario, n, c)) for n, c in offers]
-        cases = [Case.of(scenario, n, c, 0, wording) for n, c in offers if len(c) > 1]
+        every = [Case.of(scenario, n, c, 0, wording) for n, c in offers]
+        cases = [case for case in every if len(case.places) > 1]
         cases = cases[: max(round(how.ask_when_unsure * len(cases)), 1)]
+        if not cases:
+            continue
         vehicles += len(cases)
         if how.layout == "per_scenario":
             requests.append(asking.request(about_scenario(cases, how.ranked, how.pixels, before, wording)))

@@ -11,9 +11,10 @@ from rich.table import Table
 from typer import Argument, Exit, Option
 
 from drivegen.cli._drivers import driver_of
+from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import build, read_section
 from drivegen.corner_cases.gate import Gate, Settings, gate
-from drivegen.gym.folders import SCENES, read_traffic
+from drivegen.gym.folders import SCENES, read_futures
 from drivegen.metrics.paired import Finding
 from drivegen.store.files import write_json
 from drivegen.store.folders import whole_folder
@@ -41,9 +42,14 @@ def command(
     settings = build(Settings, read_section("gate.settings"), "params.yaml: gate.settings")
     drivers = driver_of(old), driver_of(new)
     with _folder(out) as folder:  # refused before anything is driven
-        traffic = read_traffic(scenarios, of)
-        first = set(list(dict.fromkeys(scenario.scenario_id for scenario, _ in traffic))[:most])
-        chosen = [pair for pair in traffic if pair[0].scenario_id in first]
+        if (scenarios / "samples").is_dir():
+            raise UnusableInput(
+                f"{scenarios} is a round of corner cases, made for what a driver did: a gate wants scenes that nobody chose,"
+                " as data/generated/drivegen"
+            )
+        futures = read_futures(scenarios, of)
+        first = set(list(dict.fromkeys(scenario.scenario_id for scenario, *_ in futures))[:most])
+        chosen = [one for one in futures if one[0].scenario_id in first]
         settings = replace(settings, avoidable=avoidable or settings.avoidable)
         result = gate(*drivers, chosen, settings, read_section("run")["seed"])
         if folder:

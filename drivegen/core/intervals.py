@@ -19,6 +19,10 @@ _SCENE = re.compile(r"(-\d{5}-[^-]+|-\d{1,3})$")
 """What follows the recording in a scenario's id: first step and track in the corpus, a number where recordings are cut."""
 
 
+_MADE = re.compile(r"(-s\d{2,}|-new)$")
+"""What follows a scenario's id where a future of it, or new vehicles on its road, became a scenario of its own."""
+
+
 @dataclass(frozen=True)
 class Interval:
     """A statistic with its percentile bootstrap interval; all NaN where there is nothing to average.
@@ -49,9 +53,10 @@ def recording(scenario_id: str) -> str:
     Ids are `<file>-<number>` (CommonRoad: windows one after the other, several targets in each), `<log>-<window>` (Argoverse 2
     Sensor: windows overlap), `<network>-<part>-<run>-<first step>-<target>` (corpus: a run of SUMO is the recording) and a
     UUID (Argoverse 2 Motion Forecasting: a recording of its own). Scenes of one recording show the same vehicles, at the same
-    time or some seconds later, so they are resampled together and never on both sides of a split.
+    time or some seconds later, so they are resampled together and never on both sides of a split. What was generated from a
+    scenario and has become one of its own (`<id>-s<number>`, `<id>-new`) is of the same recording.
     """
-    name = _SCENE.sub("", scenario_id)
+    name = _SCENE.sub("", _MADE.sub("", scenario_id))
     return _GROUP.get(name, name)
 
 

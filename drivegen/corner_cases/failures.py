@@ -5,10 +5,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.corner_cases.avoidance import Avoidable, judge
 from drivegen.corner_cases.case import Case
 from drivegen.corner_cases.kinds import kind_of
-from drivegen.world.outcome import DrivingOutcome
+from drivegen.world.outcome import CollisionKind, DrivingOutcome
 
 NONE = ""
 
@@ -44,3 +45,23 @@ def alike(one: DrivingOutcome, other: DrivingOutcome) -> NDArray[np.bool_]:
     there = one.motion.valid & other.motion.valid
     went = [(same.reshape(*there.shape, -1).all(-1) | ~there).all(-1) for same in pairs]
     return np.asarray(ended & (one.motion.valid == other.motion.valid).all(-1) & np.logical_and.reduce(went))
+
+
+def replayed_case(scenario: Scenario, traffic: Trajectories, outcome: DrivingOutcome, run: int, driver: str) -> Case:
+    """One of R runs through traffic (N, T) as it is: nobody attacks, and whether it is legal, or likely, is not asked."""
+    return Case(
+        scenario=scenario,
+        traffic=traffic,
+        attacker=0,
+        driven=outcome.motion[run],
+        step=int(outcome.step[run]),
+        partner=int(outcome.partner[run]),
+        kind=CollisionKind(int(outcome.kind[run])),
+        at_fault=bool(outcome.at_fault[run]),
+        impact_speed=float(outcome.impact_speed[run]),
+        violation=0,
+        odds=float("nan"),
+        queries=1,
+        driver=driver,
+        method="",
+    )

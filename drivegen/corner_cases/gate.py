@@ -4,7 +4,7 @@ Counted are collisions that say something of the driver (`DrivingOutcome.counted
 not have been chosen for what one of the two did in them: cases found against the old one flatter the new one.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
@@ -16,18 +16,18 @@ from drivegen.core.intervals import Interval, bootstrap_means, recording
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count, Within
-from drivegen.corner_cases.avoidance import Avoidable, judge
 from drivegen.corner_cases.case import Case
+from drivegen.corner_cases.failures import NONE, Failures, failures, replayed_case
 from drivegen.drivers.base import Driver
 from drivegen.metrics.paired import Finding, Paired, chance, odds
 from drivegen.simulators.batch import Plugin as Batch
-from drivegen.simulators.shared.drives import numbered
-from drivegen.world.outcome import CollisionKind, DrivingOutcome
+from drivegen.world.outcome import DrivingOutcome
 
 BLOCK = 4096
 """Runs that are in memory with all that is known of them."""
 
-Traffic = Sequence[tuple[Scenario, Trajectories]]
+Futures = Sequence[tuple[Scenario, int, Trajectories]]
+"""Scenarios, the number of a future of each (0 of a log), and its motion."""
 
 
 @dataclass(frozen=True)
@@ -44,12 +44,14 @@ class Gate:
     """What R runs say of two drivers.
 
     Attributes:
-        scenarios: of each run. collided: (2, R) whether each driver did, the old one's first. paired: what follows.
+        scenarios, samples: of each run, its scenario and the number of its future there.
+        collided: (2, R) whether each driver did, the old one's first. paired: what follows.
         shares: of collisions, of the old driver, of the new one, and the latter less the former, with intervals over recordings.
     """
 
     settings: Settings
     scenarios: Sequence[str]
+    samples: Sequence[int]
     collided: NDArray[np.bool_]
     paired: Paired
     shares: Sequence[Interval]
@@ -72,11 +74,11 @@ class Gate:
             return f"{self.finding}: {where} {old} has {paired.old} {self.counted}, {new} {paired.new}; {self._why_not()}"
         sign = 1 if self.finding == Finding.WORSE else -1
         share = f" ({more / paired.old:+.0%})" if paired.old else ""
-        alike = chance(sign * paired.differences)
+        alike, likelier = chance(sign * paired.differences), odds(sign * paired.differences)
+        said = f" odds {_to_one(likelier)} that it is {self.finding} rather than alike;" if likelier > 1 else ""
         return (
             f"{self.finding}: {where} {new} has {abs(more)} {self.counted} {'more' if sign > 0 else 'fewer'} than {old}{share};"
-            f" odds {_to_one(odds(sign * paired.differences))} that it is {self.finding} rather than alike;"
-            f" of alike drivers {alike:.2g} differ so"
+            f"{said} of alike drivers {alike:.2g} differ so"
         )
 
     def _why_not(self) -> str:
@@ -94,7 +96,6 @@ class Gate:
     def record(self, old: str, new: str) -> dict[str, Any]:
         """All of it for programs; `differ` are the runs in which one collided and the other did not."""
         paired, differences = self.paired, self.paired.differences
-        sample = numbered(np.unique(self.scenarios, return_inverse=True)[1])
         differ = np.flatnonzero(self.collided[0] != self.collided[1]).tolist()
         return {
             "finding": self.finding,
@@ -111,7 +112,7 @@ class Gate:
             "differ": [
                 {
                     "scenario": self.scenarios[run],
-                    "sample": int(sample[run]),
+                    "sample": self.samples[run],
                     "collided": "new" if self.collided[1, run] else "old",
                 }
                 for run in differ
@@ -119,54 +120,35 @@ class Gate:
         }
 
 
-def gate(old: Driver, new: Driver, traffic: Traffic, settings: Settings, seed: int) -> Gate:
-    """Drive both through every scene of `traffic`, neighbours replayed, and compare. Raises UnusableInput without one."""
-    if not traffic:
+def gate(old: Driver, new: Driver, futures: Futures, settings: Settings, seed: int) -> Gate:
+    """Drive both through all `futures`, neighbours replayed, and compare. Raises UnusableInput where there are none."""
+    if not futures:
         raise UnusableInput("there is no scene to drive both through", reason="no-scenarios")
+    traffic = [(scenario, motion) for scenario, _, motion in futures]
     blocks = [traffic[first : first + BLOCK] for first in range(0, len(traffic), BLOCK)]
     collided = np.concatenate([_collided((old, new), block, settings.avoidable) for block in blocks], axis=1)
     scenarios = [scenario.scenario_id for scenario, _ in traffic]
     recordings = [recording(name) for name in scenarios]
     values = np.stack([*collided, collided[1].astype(np.int64) - collided[0]], axis=1).astype(np.float64)
     shares = bootstrap_means(values, recordings, settings.draws, rng(seed, "gate", "bootstrap"))
-    return Gate(settings, scenarios, collided, Paired.of(collided[0], collided[1], recordings), shares)
+    paired = Paired.of(collided[0], collided[1], recordings)
+    return Gate(settings, scenarios, [k for _, k, _ in futures], collided, paired, shares)
 
 
-def _collided(drivers: Sequence[Driver], traffic: Traffic, avoidable: bool) -> NDArray[np.bool_]:
+def _collided(drivers: Sequence[Driver], traffic: Sequence[tuple[Scenario, Trajectories]], avoidable: bool) -> NDArray[np.bool_]:
     """(D, R) whether each driver has a collision that counts in each run."""
     outcomes = Batch().run_each(drivers, [scenario for scenario, _ in traffic], [motion for _, motion in traffic])
     if not avoidable:
         return np.stack([outcome.counted for outcome in outcomes])
-    return np.stack([_avoidable(outcome, traffic, driver) for outcome, driver in zip(outcomes, drivers, strict=True)])
+    failed: list[Failures] = []
+    for outcome, driver in zip(outcomes, drivers, strict=True):
+        known = (outcomes[0], failed[0]) if failed else None
 
+        def case(run: int, outcome: DrivingOutcome = outcome, driver: Driver = driver) -> Case:
+            return replayed_case(*traffic[run], outcome, run, driver.name)
 
-def _avoidable(outcome: DrivingOutcome, traffic: Traffic, driver: Driver) -> NDArray[np.bool_]:
-    runs = np.flatnonzero(outcome.counted)
-    judged = judge(list(_cases(outcome, traffic, driver, runs)))
-    counts = np.zeros(len(traffic), np.bool_)
-    counts[runs] = [one.verdict != Avoidable.NO for one in judged]
-    return counts
-
-
-def _cases(outcome: DrivingOutcome, traffic: Traffic, driver: Driver, runs: NDArray[np.integer]) -> Iterator[Case]:
-    """The collisions of `runs`; nobody's motion was exchanged, and nobody asks for odds."""
-    for run in runs.tolist():
-        yield Case(
-            scenario=traffic[run][0],
-            traffic=traffic[run][1],
-            attacker=0,
-            driven=outcome.motion[run],
-            step=int(outcome.step[run]),
-            partner=int(outcome.partner[run]),
-            kind=CollisionKind(int(outcome.kind[run])),
-            at_fault=bool(outcome.at_fault[run]),
-            impact_speed=float(outcome.impact_speed[run]),
-            violation=0,
-            odds=float("nan"),
-            queries=1,
-            driver=driver.name,
-            method="gate",
-        )
+        failed.append(failures(outcome, case, known))
+    return np.stack(failed) != NONE
 
 
 def _to_one(value: float) -> str:

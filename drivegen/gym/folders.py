@@ -7,7 +7,7 @@ from pathlib import Path
 
 from drivegen.av2.folder import read_folder
 from drivegen.core.errors import UnusableInput
-from drivegen.core.scenario import TARGET
+from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.drivers.shared.conditions import Traffic
 from drivegen.ingest.selection import Settings, select
 from drivegen.store.lookup import futures_in, logs_in
@@ -22,7 +22,12 @@ SCENES = Path("data/scenarios/test")
 
 
 def read_traffic(folder: Path, of: Path = SCENES) -> list[Traffic]:
-    """Every scenario of a folder with its log, or with each of its futures.
+    """As `read_futures`, without their numbers."""
+    return [(scenario, motion) for scenario, _, motion in read_futures(folder, of)]
+
+
+def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, Trajectories]]:
+    """Every scenario of a folder with 0 and its log, or with number and motion of each of its futures.
 
     `folder` holds shards of scenarios or of samples (`of` has their scenarios), is a round of corner cases, one Argoverse 2
     scenario, or a folder of those. What nobody can drive in is left out with a warning that counts the reasons. Raises
@@ -33,9 +38,9 @@ def read_traffic(folder: Path, of: Path = SCENES) -> list[Traffic]:
         raise UnusableInput(f"{folder} is no folder: give one with shards, as data/shipped, or with Argoverse 2 scenarios")
     files = shards(place)
     left_out: Counter[str] = Counter()
-    pairs = [pair for file in files for pair in _of_shard(file, of)] if files else list(_argoverse2(place, left_out))
-    usable = [(scenario, motion) for scenario, motion in pairs if motion.valid[TARGET, :2].all()]
-    left_out["no-target"] += len(pairs) - len(usable)
+    every = [one for file in files for one in _of_shard(file, of)] if files else list(_argoverse2(place, left_out))
+    usable = [one for one in every if one[2].valid[TARGET, :2].all()]
+    left_out["no-target"] += len(every) - len(usable)
     reasons = ", ".join(f"{count} {reason}" for reason, count in sorted(left_out.items()) if count)
     if not usable:
         raise UnusableInput(f"{folder} holds no scenario with traffic and a target to drive ({reasons or 'it is empty'})")
@@ -44,15 +49,15 @@ def read_traffic(folder: Path, of: Path = SCENES) -> list[Traffic]:
     return usable
 
 
-def _of_shard(shard: Path, of: Path) -> Iterator[Traffic]:
+def _of_shard(shard: Path, of: Path) -> Iterator[tuple[Scenario, int, Trajectories]]:
     if not holds_samples(shard):
-        yield from logs_in(shard)
+        yield from ((scenario, 0, log) for scenario, log in logs_in(shard))
         return
     for scenario, samples in futures_in(shard, of):
-        yield from ((scenario, samples.motion[k]) for k in range(len(samples.dropped)))
+        yield from ((scenario, k, samples.motion[k]) for k in range(len(samples.dropped)))
 
 
-def _argoverse2(folder: Path, left_out: Counter[str]) -> Iterator[Traffic]:
+def _argoverse2(folder: Path, left_out: Counter[str]) -> Iterator[tuple[Scenario, int, Trajectories]]:
     """One scenario, or those of all folders in a folder, those of its splits included; counts what is not usable."""
     single = any(folder.glob("scenario_*.parquet"))
     for place in [folder] if single else sorted({file.parent for file in folder.glob("**/scenario_*.parquet")}):
@@ -62,4 +67,4 @@ def _argoverse2(folder: Path, left_out: Counter[str]) -> Iterator[Traffic]:
             left_out[error.reason] += 1
             continue
         assert scenario.log is not None
-        yield scenario, scenario.log
+        yield scenario, 0, scenario.log

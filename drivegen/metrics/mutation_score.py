@@ -10,14 +10,14 @@ recording has more than one run in which only one of the two fails, this is McNe
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import comb
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import recording
-from drivegen.core.settings import Count, Positive
+from drivegen.core.settings import Count, Within
 from drivegen.metrics.paired import chance
 
 
@@ -75,15 +75,13 @@ class Settings:
             killed by then, rising. draws: orders of the scenarios that are tried for that.
     """
 
-    level: Positive
+    level: Annotated[float, Within(0, 0.5, above=True)]
     looks: tuple[Count, ...]
     draws: Count
 
-
-def mcnemar(more: int, less: int) -> float:
-    """McNemar's exact test, one-sided: P(at least `more` heads) of `more + less` tosses of a coin."""
-    tosses = more + less
-    return float(sum(comb(tosses, heads) for heads in range(more, tosses + 1)) / 2**tosses)
+    def __post_init__(self) -> None:
+        if not self.looks or list(self.looks) != sorted(set(self.looks)):
+            raise UnusableInput("params.yaml: mutation_score.test.looks must be numbers of runs, each more than the one before")
 
 
 def holm(p: NDArray[np.floating], level: float) -> NDArray[np.bool_]:
@@ -147,7 +145,7 @@ def _drivers(pairs: Mapping[str, Pairs], fails: Mapping[str, Sequence[str]], lev
     """What is said of each driver by itself."""
     only = {name: (int((each.excess > 0).sum()), int((each.excess < 0).sum())) for name, each in pairs.items()}
     p = np.array([_test(each, np.arange(len(each.turn))) for each in pairs.values()])
-    killed, apart = holm(p, level), holm(np.array([mcnemar(*counts) for counts in only.values()]), level)
+    killed, apart = holm(p, level), holm(np.array([chance(np.repeat([1, -1], counts)) for counts in only.values()]), level)
     return {
         name: {
             "runs": len(each.turn),

@@ -19,7 +19,7 @@ _TILTS = np.array([1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 1.0])
 """What a worse driver is thought to be, equally likely: half the log odds that a difference of one run is its own."""
 
 _MOST = 700.0
-"""Log odds beyond which a float ends."""
+"""Log odds beyond which, either way, a float ends."""
 
 _POWER = 0.9
 """In so many of such sets of runs what is `noticed` would be."""
@@ -95,4 +95,4 @@ def odds(differences: NDArray[np.int64]) -> float:
     """
     tilted = np.outer(_TILTS, differences[differences != 0].astype(np.float64))
     likelihoods = (tilted - np.logaddexp(tilted, -tilted) + np.log(2.0)).sum(axis=1)
-    return float(np.exp(min(np.logaddexp.reduce(likelihoods) - np.log(len(_TILTS)), _MOST)))
+    return float(np.exp(np.clip(np.logaddexp.reduce(likelihoods) - np.log(len(_TILTS)), -_MOST, _MOST)))

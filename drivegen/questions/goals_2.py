@@ -154,10 +154,10 @@ def _ahead(case: Case, others: Others, own: Route) -> str:
 def _junction(case: Case, own: list[Route]) -> str:
     """What holds at the next junction for each way on that needs no change of lanes."""
     scenario = case.scenario
-    ways: dict[str, Passage] = {}
+    ways: dict[tuple[str, str], Passage] = {}
     for route in own:
         for first in passages(scenario.map, scenario.signals, route)[:1]:
-            ways.setdefault(first.way, first)
+            ways.setdefault((first.way, _holds(first)), first)
     if not ways:
         return ""
     distance = min(p.begin for p in ways.values()) - float(scenario.vehicles.size[case.vehicle, 0]) / 2

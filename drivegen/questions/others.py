@@ -135,9 +135,11 @@ def where(forward: float, left: float) -> str:
 def pace(speed: float) -> str:
     """A speed now, in words.
 
-    >>> pace(0.2), pace(1.24), pace(13.6)
-    ('stands', 'creeps at 1.2 m/s', '14 m/s')
+    >>> pace(-3.0), pace(0.2), pace(1.24), pace(13.6)
+    ('rolls backward', 'stands', 'creeps at 1.2 m/s', '14 m/s')
     """
+    if speed <= -STANDING:
+        return "rolls backward"
     if speed < STANDING:
         return "stands"
     return f"creeps at {speed:.1f} m/s" if speed < 2 else f"{speed:.0f} m/s"

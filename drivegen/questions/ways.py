@@ -56,8 +56,11 @@ def passages(road: RoadMap, signals: Signals, route: Route) -> list[Passage]:
     found = []
     for begin, end in edges.reshape(-1, 2).tolist():
         lane = int(route.lane[begin])
-        after = min(end + round(SIDE / SPACING), len(route.heading) - 1)
-        turn = float(wrap_angle(route.heading[after] - _heading(road, lane, 0)))
+        after = end + round(SIDE / SPACING)
+        if after < len(route.heading):
+            turn = float(wrap_angle(route.heading[after] - _heading(road, lane, 0)))
+        else:  # the route ends before the junction does, or soon behind it
+            turn = _across(road, lane)
         word = _turn(turn) + _fork(road, lane)
         control = LaneControl.SIGNAL if lane in now else int(road.control[lane])
         found.append(Passage(begin * SPACING, end * SPACING, lane, word, control, now.get(lane, SignalState.UNKNOWN)))

@@ -25,7 +25,10 @@ BEYOND = 50.0
 """Length by which lanes are continued at cut ends [m]."""
 
 PIECE = 4.0
-"""Length of the pieces into which lanes are cut, one direction each [m]."""
+"""Length of the pieces into which lanes are cut, one direction each [m]; longer edges are drawn differently where they are clipped."""
+
+_MOST_PIECES = 10_000
+"""Of a line, however long a file says it is."""
 
 SECTORS = 16
 """Number of directions told apart; bit i of a cell stands for headings from i to i + 1 sixteenths of a turn."""
@@ -205,7 +208,7 @@ def _lane_pieces(map_: RoadMap) -> _Quads:
     """The surfaces of vehicle lanes, cut into pieces of about PIECE metres."""
     lanes = np.flatnonzero(map_.for_vehicles)
     length = _lengths(map_.centreline)[lanes]
-    count = np.clip(np.ceil(length / PIECE), 1, 200).astype(np.int64)
+    count = np.clip(np.ceil(length / PIECE), 1, _MOST_PIECES).astype(np.int64)
     lane = np.repeat(lanes, count)
     index = np.arange(len(lane)) - np.repeat(np.cumsum(count) - count, count)
     begin, end = index / np.repeat(count, count), (index + 1) / np.repeat(count, count)
@@ -217,22 +220,25 @@ def _lane_pieces(map_: RoadMap) -> _Quads:
 
 
 def _continuations(map_: RoadMap, quads: _Quads) -> NDArray[np.float32]:
-    """Outlines (S, 4, 2) of the strips by which vehicle lanes go on at ends where they are cut and nothing follows."""
+    """Pieces (S, 4, 2) of the strips by which vehicle lanes go on at ends where they are cut and nothing follows."""
     lanes, first = np.unique(quads.lane, return_index=True)
     last = np.append(first[1:], len(quads.lane)) - 1
     cut = (map_.cut & open_ends(map_.links, len(map_)))[lanes]
     strips = []
-    for rows, (left, right), reach in ((first[cut[:, 0]], (0, 3), -BEYOND), (last[cut[:, 1]], (1, 2), BEYOND)):
-        ahead = unit(quads.heading[rows]).astype(np.float32) * np.float32(reach)
+    begin = np.arange(0.0, BEYOND, PIECE, np.float32)[:, None, None]
+    end = np.minimum(begin + PIECE, np.float32(BEYOND))
+    for rows, (left, right), way in ((first[cut[:, 0]], (0, 3), -1), (last[cut[:, 1]], (1, 2), 1)):
+        ahead = unit(quads.heading[rows]).astype(np.float32) * np.float32(way)
         a, b = quads.corner[rows, left], quads.corner[rows, right]
-        strips.append(np.stack([a, a + ahead, b + ahead, b], axis=1))
+        pieces = np.stack([a + begin * ahead, a + end * ahead, b + end * ahead, b + begin * ahead], axis=2)
+        strips.append(pieces.reshape(-1, 4, 2))
     return np.concatenate(strips)
 
 
 def _cut(outline: NDArray[np.floating]) -> NDArray[np.float64]:
-    """The closed outline (P, 2) with a point at least every PIECE metres: where OpenCV clips an edge, it draws it differently."""
+    """The closed outline (P, 2) with a point at least every PIECE metres."""
     edge = np.roll(outline, -1, axis=0) - outline.astype(np.float64)
-    count = np.clip(np.ceil(np.hypot(*edge.T) / PIECE), 1, 1000).astype(np.int64)
+    count = np.clip(np.ceil(np.hypot(*edge.T) / PIECE), 1, _MOST_PIECES).astype(np.int64)
     index = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     points: NDArray[np.float64] = (
         np.repeat(outline, count, axis=0) + np.repeat(edge / count[:, None], count, axis=0) * index[:, None]

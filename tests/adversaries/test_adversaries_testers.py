@@ -1,5 +1,8 @@
 """Testers of mutated drivers: who fails in traffic as it is, and what a search spends and finds."""
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -7,7 +10,7 @@ from drivegen.adversaries.shared.arena import Arena, Bounds
 from drivegen.adversaries.shared.testers import by_search, by_traffic
 from drivegen.core import plugins
 from drivegen.core.settings import read_section
-from drivegen.corner_cases.failures import alike
+from drivegen.corner_cases.failures import alike, failures
 from drivegen.drivers.mutants.table import mutated
 from drivegen.metrics.paired import chance
 from drivegen.simulators.batch import Plugin as Batch
@@ -64,8 +67,9 @@ def test_a_search_spends_its_runs_on_the_mutant_and_the_sound_one_drives_the_sam
         assert counts == {f"crossing-{c}": n for c, n in enumerate(alone.spent.tolist())}  # what is shared changes nothing
         again = alone.trials.by(SOUND).run(runs.variants)
         order = np.lexsort((runs.query, runs.scenario))
-        assert ((pairs.mutant != "") <= runs.outcome.counted[order]).all()
-        assert ((pairs.sound != "") <= again.counted[order]).all()
+        other = replace(runs, outcome=again)
+        assert pairs.mutant.tolist() == failures(runs.outcome, partial(runs.case, driver="", method=""))[order].tolist()
+        assert pairs.sound.tolist() == failures(again, partial(other.case, driver="", method=""))[order].tolist()
     assert not found["idm.doubled"].excess.any()
     assert chance(found["idm.doubled"].excess) == 1.0
 

@@ -11,6 +11,7 @@ from drivegen.corner_cases.gate import Gate, Settings, gate
 from drivegen.drivers import idm
 from drivegen.drivers.mutants.table import Mutant
 from drivegen.metrics.paired import Finding, Paired
+from drivegen.rollout.shipping import sample_id
 from tests.checking import IDM
 from tests.scenes import drive, scenario, stack, straight_road
 
@@ -25,16 +26,16 @@ def parked(recording: str, sample: int = 0, place: float = 80.0):
     """A target on its way to a parked car, cut from that recording."""
     log = stack([drive(LINE, 20, 12, 101), drive(LINE, place + 2 * sample, 0, 101)])
     scene = scenario(ROAD, log, f"{recording}-{sample}")
-    return scene, scene.log
+    return scene, sample, scene.log
 
 
 def appears(recording: str):
     """A car stands in the target's way that is there from one second and a half on: nobody can avoid it."""
-    scene, log = parked(recording, place=40.0)
+    scene, _, log = parked(recording, place=40.0)
     valid = log.valid.copy()
     valid[1, :15] = False
     log = Trajectories(log.position, log.heading, log.velocity, valid)
-    return replace(scene, log=log), log
+    return replace(scene, log=log), 0, log
 
 
 def test_who_overlooks_parked_cars_is_worse_and_who_sees_them_again_is_better():
@@ -68,10 +69,10 @@ def test_what_nobody_could_avoid_counts_only_where_all_counts():
 
 
 def test_the_record_names_the_runs_in_which_only_one_collided():
-    scene, log = parked("run")
-    free, way = parked("free", place=500.0)
-    record = gate(SOUND, BLIND, [(scene, log), (scene, log), (free, way)], SETTINGS, 7).record("a", "b")
-    assert record["differ"] == [{"scenario": "run-0", "sample": k, "collided": "new"} for k in (0, 1)]
+    scene, _, log = parked("run")
+    free, _, way = parked("free", place=500.0)
+    record = gate(SOUND, BLIND, [(scene, 1, log), (scene, 4, log), (free, 0, way)], SETTINGS, 7).record("a", "b")
+    assert record["differ"] == [{"scenario": "run-0", "sample": k, "collided": "new"} for k in (1, 4)]
     assert (record["runs"], record["recordings"], record["finding"]) == (3, 2, "not told apart")
     assert record["collisions"] == {"old": 0, "new": 2, "only_old": 0, "only_new": 2}
 
@@ -79,7 +80,7 @@ def test_the_record_names_the_runs_in_which_only_one_collided():
 def test_what_would_have_been_noticed_is_said_where_nothing_is_found():
     names = [f"run{n}" for n in range(20)]
     collided = np.array([[n % 2 == which for n in range(20)] for which in range(2)])
-    result = Gate(SETTINGS, names, collided, Paired.of(*collided, names), [])
+    result = Gate(SETTINGS, names, [0] * 20, collided, Paired.of(*collided, names), [])
     assert result.finding == Finding.UNDECIDED
     assert result.paired.noticed(0.05) == pytest.approx(np.sqrt(20) * 2.926, rel=1e-3)
     assert "about 13 more (131%) would be noticed" in result.sentence("a", "b")
@@ -88,3 +89,20 @@ def test_what_would_have_been_noticed_is_said_where_nothing_is_found():
 def test_without_scenes_there_is_nothing_to_compare():
     with pytest.raises(UnusableInput, match="no scene"):
         gate(SOUND, BLIND, [], SETTINGS, 7)
+
+
+def test_futures_that_became_scenarios_are_of_their_recording():
+    scene, _, log = parked("run")
+    shipped = [(replace(scene, scenario_id=sample_id("ring-0-3-00120-car7", k)), 0, log) for k in range(8)]
+    found = gate(SOUND, BLIND, shipped, SETTINGS, 7)
+    assert (found.paired.differences.tolist(), found.finding) == ([8], Finding.UNDECIDED)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_verdict_that_its_odds_do_not_share_is_said_without_them(sign):
+    differences = sign * np.array([20] * 40 + [-20] * 23 + [0])
+    collided = np.zeros((2, 1300), bool)
+    paired = replace(Paired.of(*collided, [f"r{n}" for n in range(1300)]), differences=differences, new=400 + sign * 340, old=400)
+    result = Gate(SETTINGS, [], [], collided, paired, [])
+    assert result.finding == (Finding.WORSE if sign > 0 else Finding.BETTER)
+    assert "odds" not in result.sentence("a", "b")

@@ -265,8 +265,12 @@ def test_nothing_that_signals_show_later_changes_a_future():
     generator, scene = trained("smart")[0], busy_crossing()
     red = np.full((1, scene.steps), SignalState.RED, np.uint8)
     green = np.where(np.arange(scene.steps) == 0, red, SignalState.GREEN).astype(np.uint8)
-    told = [replace(scene, signals=Signals(np.array([8], np.int32), state)) for state in (red, green)]
-    assert same(generator.generate(told[:1], 2, 7), generator.generate(told[1:], 2, 7))
+    lane = np.arange(len(scene.map), dtype=np.int32)
+    states = [np.repeat(state, len(lane), axis=0) for state in (red, green, green[:, ::-1])]
+    told = [replace(scene, signals=Signals(lane, state)) for state in states]
+    now_red, turns_green, now_green = (generator.generate([one], 2, 7) for one in told)
+    assert same(now_red, turns_green)
+    assert not same(now_red, now_green)  # what they show now does
 
 
 def test_it_learns_and_the_vocabulary_is_saved_with_the_weights():

@@ -32,7 +32,10 @@ def test_it_drives_to_the_goals_that_the_model_chose(models: Path, tmp_path: Pat
     monkeypatch.chdir(tmp_path)
     write_shard(Path("test") / SHARD, [busy_crossing(101, "a")])
     with serving([Says(json.dumps({"ranking": [{"goal": 0, "reason": "free"}]}))]) as server:
-        lm = {"goals": vars(asking.settings(server.url, max_calls=100)), "records": {"mode": "auto", "folder": "store"}}
+        lm = {
+            "goals": vars(asking.settings(server.url, max_calls=100, prompt="goals-2")),
+            "records": {"mode": "auto", "folder": "store"},
+        }
         Path("params.yaml").write_text(yaml.safe_dump({"lm": lm}))
         goals.main(
             replace(choosing, workers=1),

@@ -61,6 +61,9 @@ def test_recordings_that_show_the_same_cars_are_one() -> None:
     same = ("USA_US101-6_1_T-1-000", "USA_US101-28_1_T-1-003", "USA_US101-9_1_T-1-001")
     assert len({recording(name) for name in same}) == 1
     assert recording("USA_US101-3_1_T-1-000") == "USA_US101-3_1_T-1"
+    for made in ("-s00", "-s117", "-new"):
+        assert recording(f"USA_US101-3_1_T-1-000{made}") == "USA_US101-3_1_T-1"
+        assert recording(f"ring-0-3-00120-car7{made}") == recording("ring-0-3-00120-car7") == "ring-0-3"
 
 
 def test_one_recording_says_nothing_about_others():

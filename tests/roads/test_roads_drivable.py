@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from drivegen.core.geometry import Polylines, rotate
@@ -86,11 +86,16 @@ def test_a_map_without_lanes_for_vehicles_is_an_empty_road():
 
 
 @settings(max_examples=30, deadline=None)
-@given(st.floats(-3.1, 3.1), st.floats(-400, 400), st.floats(-60, 60), st.floats(-60, 60))
-def test_a_surface_made_around_points_is_the_same_there_as_that_of_the_whole_map(angle, away, x, y):
-    line = rotate(np.stack([np.linspace(-60, 60, 13), np.zeros(13)], axis=1), np.float64(angle)) + np.array([away, -away])
-    whole = road_map([line])
-    points = np.array([[away + x, y - away], [away + x + 20.0, y - away - 7.0]], np.float32)
+@given(st.floats(-3.1, 3.1), st.floats(-400, 400), st.floats(-60, 60), st.floats(-60, 60), st.floats(30, 200))
+@example(-2.2638254728883025, -36.8, 0.4, -4.0, 60.0)
+@example(0.3, 100.0, 10.0, 5.0, 1500.0)
+def test_a_surface_made_around_points_is_the_same_there_as_that_of_the_whole_map(angle, away, x, y, half):
+    line = rotate(np.stack([np.linspace(-half, half, 13), np.zeros(13)], axis=1), np.float64(angle)) + np.array([away, -away])
+    whole = road_map([line])  # cut at both ends, where strips of 50 m go on
+    beside = rotate(
+        np.stack(np.meshgrid(np.linspace(-6, 6, 9), np.linspace(-3, 3, 9)), axis=-1).reshape(-1, 2), np.float64(angle)
+    )
+    points = np.concatenate([beside + end for end in (line[0], line[-1], line[6])] + [[[away + x, y - away]]]).astype(np.float32)
     surface, field = road_surface(whole, points), road_field(whole)
     near = np.abs(field.distance_outside(points)) < MARGIN
     assert np.array_equal(surface.distance_outside(points)[near], field.distance_outside(points)[near])

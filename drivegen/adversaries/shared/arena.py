@@ -17,6 +17,7 @@ from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers.base import Driver
 from drivegen.planners.base import Planner
 from drivegen.rollout.scene import Choices
+from drivegen.simulators.shared.drives import numbered
 from drivegen.world.outcome import CollisionKind, DrivingOutcome
 
 
@@ -94,7 +95,7 @@ class Arena:
         Raises AssertionError beyond the budget.
         """
         scenario = self.ground.of[variants.scene]
-        query = self.spent[scenario] + _rank(scenario) + 1
+        query = self.spent[scenario] + numbered(scenario) + 1
         np.add.at(self.spent, scenario, 1)
         assert (self.left >= 0).all(), "an adversary drives more often than its budget allows"
         outcome = self.trials.run(variants)
@@ -204,17 +205,9 @@ class Runs:
         )
 
 
-def _rank(group: NDArray[np.integer]) -> NDArray[np.int64]:
-    """(V,) how many of the same group stand before each."""
-    order = np.argsort(group, kind="stable")
-    rank = np.empty(len(group), np.int64)
-    rank[order] = np.arange(len(group)) - np.searchsorted(group[order], group[order])
-    return rank
-
-
 def share_out(of: NDArray[np.int64], room: NDArray[np.integer]) -> NDArray[np.int64]:
     """Scenes, `room` (C,) of each scenario at most; `of` (S,) are the scenarios of all scenes."""
-    return np.flatnonzero(_rank(of) < room[of]).astype(np.int64)
+    return np.flatnonzero(numbered(of) < room[of]).astype(np.int64)
 
 
 def everywhere(motion: Trajectories, scenes: NDArray[np.int64], count: int) -> Trajectories:

@@ -13,13 +13,12 @@ import numpy as np
 from drivegen.adversaries.base import Adversary
 from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.corner_cases.case import Case
-from drivegen.corner_cases.failures import Failures, failures
+from drivegen.corner_cases.failures import Failures, failures, replayed_case
 from drivegen.drivers.base import Driver
 from drivegen.drivers.mutants.table import Mutant
 from drivegen.metrics.mutation_score import Pairs
 from drivegen.simulators.batch import Plugin as Batch
-from drivegen.world.outcome import CollisionKind, DrivingOutcome
+from drivegen.world.outcome import DrivingOutcome
 
 
 def by_traffic(
@@ -31,7 +30,7 @@ def by_traffic(
     ran = Batch().run_each([*sound.values(), *mutants.values()], scenarios, traffic)
 
     def judged(driver: Driver, outcome: DrivingOutcome, known: tuple[DrivingOutcome, Failures] | None = None) -> Failures:
-        return failures(outcome, lambda run: _replayed(scenarios[run], traffic[run], outcome, run, driver.name), known)
+        return failures(outcome, lambda run: replayed_case(scenarios[run], traffic[run], outcome, run, driver.name), known)
 
     failed = {key: (out, judged(sound[key], out)) for key, out in zip(sound, ran[: len(sound)], strict=True)}
     found: dict[str, Pairs] = {}
@@ -39,26 +38,6 @@ def by_traffic(
         known = failed[id(mutant.sound)]
         found[name] = Pairs(ids, np.array(turn, np.int64), judged(mutant, outcome, known), known[1])
     return found
-
-
-def _replayed(scenario: Scenario, traffic: Trajectories, outcome: DrivingOutcome, run: int, driver: str) -> Case:
-    """A run in which nobody attacks; what is legal in it is not asked."""
-    return Case(
-        scenario=scenario,
-        traffic=traffic,
-        attacker=0,
-        driven=outcome.motion[run],
-        step=int(outcome.step[run]),
-        partner=int(outcome.partner[run]),
-        kind=CollisionKind(int(outcome.kind[run])),
-        at_fault=bool(outcome.at_fault[run]),
-        impact_speed=float(outcome.impact_speed[run]),
-        violation=0,
-        odds=float("nan"),
-        queries=1,
-        driver=driver,
-        method="",
-    )
 
 
 def by_search(

@@ -16,7 +16,7 @@ def version(said: Mapping[str, Any], usual: Mapping[str, Mapping[str, Any]], sec
     The name may be one of the mutated drivers of `drivers/mutants`. Raises UnusableInput, naming `place`, where it is not one
     name with settings or the driver has no such settings, and as `plugins.make` does.
     """
-    if len(said) != 1 or not all(isinstance(changes or {}, Mapping) for changes in said.values()):
+    if len(said) != 1 or not all(changes is None or isinstance(changes, Mapping) for changes in said.values()):
         raise UnusableInput(f"{place} must be a driver's name with what differs in its settings, as in `idm: {{headway: 1.2}}`")
     (name, changes), *_ = said.items()
     sound = name.partition(".")[0] if name in MUTATIONS else str(name)

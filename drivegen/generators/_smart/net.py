@@ -16,7 +16,10 @@ PAST_FEATURES = 5
 """Place, direction and age of a vehicle's own earlier token."""
 
 AGE = 10.0
-"""[s] that are told as 1."""
+"""A token so many tokens back has an age of 1."""
+
+NEVER = -1e4
+"""Logit of a token that is not drawn."""
 
 SHARP = 1.6
 """Logarithm of how fast odds fall with the squared distance [1 / m2] from what is expected, before anything is learnt."""
@@ -133,6 +136,12 @@ class SmartNet(nn.Module):
         kept = max(self.memory - 1, 1)
         return self._odds(x, seen), Past(pose[:, -kept:], fresh[:, -kept:], [part[:, -kept:] for part in known])
 
+    @property
+    def spare(self) -> Tensor:
+        """(W,) tokens that only fill the vocabulary: they repeat the first one, to stand still, and are never drawn."""
+        repeated = (self.way == self.way[:1]).all(dim=(1, 2))
+        return repeated & (torch.arange(len(repeated), device=repeated.device) > 0)
+
     def _odds(self, x: Tensor, seen: Seen) -> Tensor:
         """Logits (V, T, W): any, and beside them odds that fall with the distance from the motion that is expected.
 
@@ -143,7 +152,7 @@ class SmartNet(nn.Module):
         again = torch.where(seen.fresh[..., None], _straight_on(seen.own[..., 0]), self.code[seen.token]) + added
         near = 2 * again @ self.code.T - self.code.square().sum(dim=1)
         odds: Tensor = free + (sharp + SHARP).exp() * near
-        return odds
+        return odds.masked_fill(self.spare, NEVER)
 
     def _remembered(self, fresh: Tensor, moments: int) -> tuple[Tensor, Tensor]:
         """Of each of the last T moments, which (T, memory) it looks back at, itself first, and (V, T, memory) whether it may."""
