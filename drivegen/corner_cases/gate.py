@@ -148,7 +148,7 @@ def _collided(drivers: Sequence[Driver], traffic: Sequence[tuple[Scenario, Traje
             return replayed_case(*traffic[run], outcome, run, driver.name)
 
         failed.append(failures(outcome, case, known))
-    return np.stack(failed) != NONE
+    return np.not_equal(np.stack(failed), NONE).astype(np.bool_)
 
 
 def _to_one(value: float) -> str:

@@ -25,7 +25,7 @@ BEYOND = 50.0
 """Length by which lanes are continued at cut ends [m]."""
 
 PIECE = 4.0
-"""Length of the pieces into which lanes are cut, one direction each [m]; longer edges are drawn differently where they are clipped."""
+"""Length of the pieces into which lanes are cut, one direction each [m]: longer edges are drawn differently where cut off."""
 
 _MOST_PIECES = 10_000
 """Of a line, however long a file says it is."""
@@ -225,7 +225,7 @@ def _continuations(map_: RoadMap, quads: _Quads) -> NDArray[np.float32]:
     last = np.append(first[1:], len(quads.lane)) - 1
     cut = (map_.cut & open_ends(map_.links, len(map_)))[lanes]
     strips = []
-    begin = np.arange(0.0, BEYOND, PIECE, np.float32)[:, None, None]
+    begin = np.arange(0.0, BEYOND, PIECE, dtype=np.float32)[:, None, None]
     end = np.minimum(begin + PIECE, np.float32(BEYOND))
     for rows, (left, right), way in ((first[cut[:, 0]], (0, 3), -1), (last[cut[:, 1]], (1, 2), 1)):
         ahead = unit(quads.heading[rows]).astype(np.float32) * np.float32(way)
