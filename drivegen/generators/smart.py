@@ -22,12 +22,13 @@ from drivegen.core.methods import Method
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario
 from drivegen.core.settings import Count, Positive, Share
-from drivegen.generators._smart.around import Roads
+from drivegen.generators._smart.around import PIECE
 from drivegen.generators._smart.driving import Driver
 from drivegen.generators._smart.learning import Examples, Logs, Slips, SmartObjective
 from drivegen.generators._smart.net import SmartNet
 from drivegen.generators._smart.tokens import Vocabulary, codes, disks, motions
 from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.lanes import LaneVectors
 from drivegen.generators.shared.learned import Learned
 from drivegen.training import loop
 
@@ -87,7 +88,7 @@ class Plugin(Learned):
         """See `Learned`."""
         del settings
         logged = [s for s in scenarios if s.log is not None]
-        return Logs(Tracks.of_logs(logged), Roads.of(logged))
+        return Logs(Tracks.of_logs(logged), LaneVectors.of(logged, PIECE))
 
     @classmethod
     def objective(cls, settings: SmartSettings, net: SmartNet, train: Logs, validation: Logs, seed: int) -> SmartObjective:

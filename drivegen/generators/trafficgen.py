@@ -31,8 +31,8 @@ from drivegen.generators._trafficgen.driving import Driver
 from drivegen.generators._trafficgen.learning import HELD_OUT, Disturbance, Logs, MotionExamples, TrafficGenObjective
 from drivegen.generators._trafficgen.net import KNOT, Modes, MotionNet
 from drivegen.generators._trafficgen.placement import PlacementExamples, PlacementNet, Regions, place
-from drivegen.generators._trafficgen.vectors import LaneVectors
 from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.lanes import LaneVectors
 from drivegen.generators.shared.learned import Learned, Placement
 from drivegen.training import loop
 

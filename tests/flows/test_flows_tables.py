@@ -1,6 +1,7 @@
 """Which runs the published tables ask for, and that they are made without touching this workspace."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -8,6 +9,7 @@ import yaml
 from drivegen.core.settings import read_section
 from flows.rooms import FRONT, MEASURED, PARTS, rooms
 from flows.tables import nearest
+from flows.workspace import overridden
 
 PUBLISH = {
     "seeds": [7, 8],
@@ -55,31 +57,28 @@ def test_recordings_that_are_not_there_are_left_out(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
-def test_the_parameters_that_runs_replace_are_in_params_yaml(tmp_path: Path) -> None:
-    from flows.workspace import overridden
-
-    values = yaml.safe_load((Path(__file__).parents[2] / "params.yaml").read_text())
-    data_sets = read_section("publish.data")
-    for data in data_sets.values():
-        (tmp_path / data["folder"]).mkdir(parents=True, exist_ok=True)
-    asked = list(rooms("quality", values, tmp_path))
-    assert len(asked) >= 3 * len(data_sets)
-    for room in asked:
-        overridden(values, room.params)  # raises KeyError for a name that is not there
-
-
 @pytest.mark.parametrize("part", PARTS)
-def test_what_the_runs_of_a_part_replace_is_in_params_yaml(part: str, tmp_path: Path) -> None:
-    from flows.workspace import overridden
-
+@pytest.mark.parametrize("real", [True, False])
+def test_what_the_runs_of_a_part_replace_is_in_params_yaml(part: str, real: bool, tmp_path: Path) -> None:
     values = yaml.safe_load((Path(__file__).parents[2] / "params.yaml").read_text())
-    for room in rooms(part, values, tmp_path):
-        overridden(values, room.params)  # raises KeyError for a name that is not there
+    for section in ("publish.data", "publish_drivers.data"):
+        for data in read_section(section).values() if real else ():
+            (tmp_path / data["folder"]).mkdir(parents=True, exist_ok=True)
+    runs = list(rooms(part, values, tmp_path))
+    assert len({room.name for room in runs}) == len(runs) > 0
+    for room in runs:
+        replaced = overridden(values, room.params)  # raises KeyError for a name that is not there
+        assert {name: valued(replaced, name) for name in room.params} == room.params
+
+
+def valued(values: Any, name: str) -> Any:
+    """What a dotted name stands for."""
+    for word in name.split("."):
+        values = values[word]
+    return values
 
 
 def test_the_tables_of_drivers_are_made_from_every_data_set_that_is_there(tmp_path: Path) -> None:
-    from flows.workspace import overridden
-
     values = yaml.safe_load((Path(__file__).parents[2] / "params.yaml").read_text())
     assert [room.name for room in rooms("drivers", values, tmp_path)] == [
         "drivers/sumo_corpus",
@@ -88,7 +87,5 @@ def test_the_tables_of_drivers_are_made_from_every_data_set_that_is_there(tmp_pa
     ]
     for data in read_section("publish_drivers.data").values():
         (tmp_path / data["folder"]).mkdir(parents=True, exist_ok=True)
-    asked = list(rooms("drivers", values, tmp_path))
-    assert [room.name for room in asked] == [f"drivers/{name}" for name in read_section("publish_drivers.data")]
-    for room in asked:
-        overridden(values, room.params)
+    runs = rooms("drivers", values, tmp_path)
+    assert [room.name for room in runs] == [f"drivers/{name}" for name in read_section("publish_drivers.data")]

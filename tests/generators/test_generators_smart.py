@@ -11,12 +11,13 @@ from hypothesis import strategies as st
 from drivegen.core.geometry import box_corners, rotate
 from drivegen.core.scenario import Scenario
 from drivegen.core.signals import Signals, SignalState
-from drivegen.generators._smart.around import OTHER_FEATURES, PACE, REACH, Roads, others
+from drivegen.generators._smart.around import LOOK, OTHER_FEATURES, PIECE, others, pose
 from drivegen.generators._smart.driving import drawn, velocities
 from drivegen.generators._smart.learning import Examples, Logs, Slips, tell
 from drivegen.generators._smart.net import Past, Seen, SmartNet
 from drivegen.generators._smart.tokens import RADIUS, SPAN, STILL, Vocabulary, codes, disks, gone, motions, pace, ways
 from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.lanes import PACE, REACH, LaneVectors
 from tests.generators.rivals import same, scenes, trained
 from tests.scenes import any_scenario, busy_crossing, drive, scenario, stack, straight_road
 
@@ -136,7 +137,7 @@ def test_the_word_to_learn_leads_back():
 
 
 def batch(scene: Scenario, cut: int = 0) -> tuple[Seen, torch.Tensor]:
-    logs = Logs(Tracks.of_logs([scene]), Roads.of([scene]))
+    logs = Logs(Tracks.of_logs([scene]), LaneVectors.of([scene], PIECE))
     zero = np.zeros(1, int)
     return Examples(logs, words_of(logs.tracks), COUNTS).batch(zero, zero, zero + cut, PLAIN, random())
 
@@ -185,24 +186,27 @@ def test_a_cut_is_another_first_frame_with_the_signals_of_then():
 @given(turn=st.floats(-3, 3), x=st.floats(-200, 200), y=st.floats(-200, 200))
 @settings(max_examples=10, deadline=None)
 def test_what_is_seen_does_not_depend_on_where_the_scene_lies(turn, x, y):
-    vehicles, roads, zero = scenes()[0].vehicles[:3], Roads.of(scenes()[:1]), np.zeros(3, int)
+    vehicles, roads, zero = scenes()[0].vehicles[:3], LaneVectors.of(scenes()[:1], PIECE), np.zeros(3, int)
     shift = np.array([x, y])
     here = np.column_stack([vehicles.position, vehicles.heading, vehicles.speed])
     there = np.column_stack([rotate(here[:, :2], np.full(3, turn)) + shift, here[:, 2] + turn, here[:, 3]])
     ends = rotate(roads.ends.reshape(-1, 2).astype(np.float64), np.float64(turn)) + shift
     other = replace(roads, ends=ends.reshape(-1, 4).astype(np.float32))
     count = len(roads.ends)
-    one, two = roads.around(zero, here.astype(np.float32), zero, count), other.around(zero, there.astype(np.float32), zero, count)
+    one, two = (
+        on.around(pose(state.astype(np.float32)), zero, zero, count, LOOK) for on, state in ((roads, here), (other, there))
+    )
     np.testing.assert_array_equal(one[1], two[1])
     np.testing.assert_allclose(one[0], two[0], atol=3e-3)
 
 
 def test_roads_join_to_the_roads_of_all():
     parts = [busy_crossing(11, "a"), any_scenario(3, "b"), busy_crossing(41, "c")]
-    one, other = Roads.joined([Roads.of(parts[:2]), Roads.of(parts[2:])]), Roads.of(parts)
+    one = LaneVectors.joined([LaneVectors.of(parts[:2], PIECE), LaneVectors.of(parts[2:], PIECE)])
+    other = LaneVectors.of(parts, PIECE)
     for name in ("start", "ends", "static", "signal", "state"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
-    assert len(Roads.joined([]).start) == 1
+    assert len(LaneVectors.joined([]).start) == 1
 
 
 def network(memory: int) -> SmartNet:

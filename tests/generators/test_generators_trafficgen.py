@@ -15,8 +15,9 @@ from drivegen.generators._trafficgen.driving import between_knots
 from drivegen.generators._trafficgen.learning import RECOVERY, Disturbance, MotionExamples, motion_loss
 from drivegen.generators._trafficgen.net import ACCELERATION, BRAKING, CURVATURE, DT_KNOT, LATERAL, Gates, Modes, driven
 from drivegen.generators._trafficgen.placement import PlacementExamples
-from drivegen.generators._trafficgen.vectors import REACH, LaneVectors, Surroundings
+from drivegen.generators._trafficgen.vectors import Surroundings
 from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.lanes import REACH, LaneVectors
 from tests.generators.rivals import trained
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 

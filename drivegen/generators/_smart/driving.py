@@ -7,11 +7,12 @@ import torch
 from numpy.typing import NDArray
 
 from drivegen.core.scenario import DT, Scenario, Trajectories
-from drivegen.generators._smart.around import Roads, others
+from drivegen.generators._smart.around import LOOK, PIECE, others, pose
 from drivegen.generators._smart.learning import own_features
 from drivegen.generators._smart.net import Seen, SmartNet
 from drivegen.generators._smart.tokens import SPAN, STILL, gone, logged, pace
 from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.lanes import LaneVectors
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Driver:
 
         What a copy is driven to is seen by its own vehicles alone. Of the signals the state at step 0 is told throughout.
         """
-        roads, words = Roads.of([scenario]), self.net.way.numpy()
+        roads, words = LaneVectors.of([scenario], PIECE), self.net.way.numpy()
         box = np.flatnonzero(tracks.planned)
         token, past = np.full(len(box), STILL, np.int64), None
         speed = np.hypot(*tracks.velocity[box, 0].T)
@@ -48,7 +49,7 @@ class Driver:
         tracks.velocity[box, 1:] = velocities(tracks.position[box])
 
     def _seen(
-        self, roads: Roads, tracks: Tracks, box: NDArray[np.integer], step: int, token: NDArray[np.integer],
+        self, roads: LaneVectors, tracks: Tracks, box: NDArray[np.integer], step: int, token: NDArray[np.integer],
         speed: NDArray[np.floating],
     ) -> Seen:  # fmt: skip
         """Everybody at `step`, one moment: (V, 1, ...)."""
@@ -56,7 +57,7 @@ class Driver:
         pace_of[box] = speed
         state = np.column_stack([tracks.position[:, step], tracks.heading[:, step], pace_of]).astype(np.float32)
         zero, fresh = np.zeros(len(box), np.int64), np.full((len(box), 1), step == 0)
-        road, drawn_there = roads.around(zero, state[box], zero, self.counts[0])
+        road, drawn_there = roads.around(pose(state[box]), zero, zero, self.counts[0], LOOK)
         scene = tracks.scene[box]
         span = np.stack([tracks.start[scene], tracks.start[scene + 1]], axis=1)
         other, there, which = others(

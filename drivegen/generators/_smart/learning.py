@@ -16,10 +16,11 @@ from torch.nn import functional
 
 from drivegen.core.scenario import DT, VehicleKind
 from drivegen.core.settings import Count, Share
-from drivegen.generators._smart.around import PACE, Roads, others
+from drivegen.generators._smart.around import LOOK, others, pose
 from drivegen.generators._smart.net import AGE, Seen
 from drivegen.generators._smart.tokens import SPAN, Vocabulary, gone, logged, pace, ways
 from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.lanes import PACE, LaneVectors
 
 WORDS = 20
 """Tokens of a log that are learnt at most: 10 s."""
@@ -47,7 +48,7 @@ class Logs:
     """Logged scenes: who is where, and the lanes."""
 
     tracks: Tracks
-    roads: Roads
+    roads: LaneVectors
 
     def __len__(self) -> int:
         return len(self.tracks.start) - 1
@@ -55,7 +56,7 @@ class Logs:
     @classmethod
     def joined(cls, parts: Sequence["Logs"]) -> "Logs":
         """All scenes in order."""
-        return cls(Tracks.joined([p.tracks for p in parts]), Roads.joined([p.roads for p in parts]))
+        return cls(Tracks.joined([p.tracks for p in parts]), LaneVectors.joined([p.roads for p in parts]))
 
 
 @dataclass(frozen=True)
@@ -136,7 +137,7 @@ class Examples:
         age = (np.arange(moments) - begun) * SPAN * DT
         own = own_features(told.speed, tracks.size[box[row]], tracks.kind[box[row]], age, told.fresh)
         scene = np.repeat(scenes[group[row]], moments)
-        road, drawn = self.logs.roads.around(scene, state[row].reshape(-1, 4), shown.reshape(-1), self.counts[0])
+        road, drawn = self.logs.roads.around(pose(state[row].reshape(-1, 4)), scene, shown.reshape(-1), self.counts[0], LOOK)
         span = np.stack([start[:-1], start[1:]], axis=1)[group[row]]
         other, seen, who = others(span, row, state, there, tracks.size[box], tracks.planned[box], self.counts[1])
         number = np.full(len(box), -1, np.int64)

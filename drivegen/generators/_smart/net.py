@@ -6,8 +6,9 @@ import torch
 from torch import Tensor, nn
 
 from drivegen.core.scenario import DT
-from drivegen.generators._smart.around import OTHER_FEATURES, PACE, REACH, ROAD_FEATURES
+from drivegen.generators._smart.around import OTHER_FEATURES
 from drivegen.generators._smart.tokens import CODE, RADIUS, SPAN
+from drivegen.generators.shared.lanes import LANE_FEATURES, PACE, REACH
 
 OWN_FEATURES = 11
 """Speed, length, width, seconds since the first frame, whether this is the first frame, kind (one-hot)."""
@@ -16,7 +17,7 @@ PAST_FEATURES = 5
 """Place, direction and age of a vehicle's own earlier token."""
 
 AGE = 10.0
-"""A token so many tokens back has an age of 1."""
+"""Seconds since the first frame, and tokens back, that are told as 1."""
 
 NEVER = -1e4
 """Logit of a token that is not drawn."""
@@ -32,7 +33,7 @@ class Seen(NamedTuple):
         token: (V, T) int64 the motion that led here. own: (V, T, OWN_FEATURES).
         pose: (V, T, 3) x, y [m], heading [rad], of the map, and used in differences alone.
         fresh: (V, T) bool the first frame of a vehicle: it remembers nothing before it.
-        road: (V, T, R, ROAD_FEATURES), road_there: (V, T, R).
+        road: (V, T, R, LANE_FEATURES), road_there: (V, T, R).
         other: (V, T, K, OTHER_FEATURES), other_there: (V, T, K), who: (V, T, K) int64 the row of each, 0 .. V - 1, or -1.
     """
 
@@ -114,7 +115,7 @@ class SmartNet(nn.Module):
         self.register_buffer("code", torch.zeros(tokens, CODE))
         self.word, self.told = _encoder(CODE, width), nn.Linear(OWN_FEATURES, width)
         self.begin = nn.Parameter(0.02 * torch.randn(width))
-        self.past, self.road = _encoder(PAST_FEATURES, width), _encoder(ROAD_FEATURES, width)
+        self.past, self.road = _encoder(PAST_FEATURES, width), _encoder(LANE_FEATURES, width)
         self.other = _encoder(OTHER_FEATURES, width)
         self.layers = nn.ModuleList([Layer(width, heads) for _ in range(layers)])
         self.head = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, 2 * width), nn.GELU(), nn.Linear(2 * width, width))

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import rotate
 from drivegen.core.scenario import DT, Trajectories
 from drivegen.generators._trafficgen.net import KNOT, MotionNet
-from drivegen.generators._trafficgen.vectors import LaneVectors, Surroundings
+from drivegen.generators._trafficgen.vectors import Surroundings
 from drivegen.generators.shared.closed_loop import Crowd, Tracks
+from drivegen.generators.shared.lanes import LaneVectors
 
 CHUNK = 256
 """Vehicles that go through the network at once, always: sums differ between batch sizes."""

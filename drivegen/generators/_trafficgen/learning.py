@@ -18,8 +18,9 @@ from drivegen.core.scenario import DT
 from drivegen.core.settings import NotNegative, Share
 from drivegen.generators._trafficgen.net import KNOT, Modes
 from drivegen.generators._trafficgen.placement import PlacementExamples, Regions, placement_loss
-from drivegen.generators._trafficgen.vectors import LaneVectors, Surroundings
+from drivegen.generators._trafficgen.vectors import Surroundings
 from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.lanes import LaneVectors
 
 HELD_OUT, HELD_OUT_CHUNK = 1024, 256
 """Validation examples that the loss is taken over, drawn once, and how many go through the network at once."""

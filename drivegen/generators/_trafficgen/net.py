@@ -6,7 +6,8 @@ import torch
 from torch import Tensor, nn
 
 from drivegen.core.scenario import DT
-from drivegen.generators._trafficgen.vectors import BOX_FEATURES, LANE_FEATURES, PACE
+from drivegen.generators._trafficgen.vectors import BOX_FEATURES
+from drivegen.generators.shared.lanes import LANE_FEATURES, PACE
 
 KNOT = 5
 """Steps between two knots of a mode: velocity and heading are straight between them."""

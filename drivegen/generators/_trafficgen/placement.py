@@ -18,8 +18,9 @@ from torch.nn import functional
 from drivegen.core.geometry import boxes_overlap, wrap_angle
 from drivegen.core.scenario import TARGET, Scenario, SizeSource, VehicleKind, Vehicles
 from drivegen.generators._trafficgen.net import Encoder
-from drivegen.generators._trafficgen.vectors import REACH, LaneVectors, Surroundings
+from drivegen.generators._trafficgen.vectors import Surroundings
 from drivegen.generators.shared.closed_loop import Crowd, Tracks
+from drivegen.generators.shared.lanes import REACH, LaneVectors
 
 ATTRIBUTES = 6
 """Part of the region passed, offset to its left [m], heading against it [rad], speed [10 m/s], length [5 m], width [2 m]."""

@@ -1,6 +1,5 @@
 """What TrafficGen's encoder is told about a vehicle: pieces of lanes and boxes around it, in its own frame."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -8,94 +7,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.core.geometry import resample
-from drivegen.core.roadmap import LaneControl, RoadMap
-from drivegen.core.scenario import Scenario
-from drivegen.core.signals import SignalState
 from drivegen.generators.shared.closed_loop import Crowd
-
-LANE_FEATURES = 15
-"""Both ends, direction, speed limit, whether it is known, junction, yield, stop, signal closed, signal open; and, on
-the finer scale of NEAR, how far to the side the line runs and how far beyond its beginning the vehicle is."""
+from drivegen.generators.shared.lanes import NEAR, PACE, REACH, LaneVectors, nearest
 
 BOX_FEATURES = 13
 """Place, velocity, direction, speed, length, width, whether it is planned, whether it is the vehicle itself, and the place once
 more on the finer scale of NEAR."""
-
-STATIC = 5
-
-REACH, PACE = 25.0, 10.0
-"""Metres and metres per second that are told as 1."""
-
-NEAR = 3.0
-"""Distances [m] are told once more, so that a few of them fill the scale."""
-
-AGAINST = 15.0
-"""Lanes that run the other way count as this much farther away [m] when the nearest are chosen."""
-
-
-@dataclass(frozen=True)
-class LaneVectors:
-    """The vehicle lanes of S scenes, cut into straight pieces.
-
-    Attributes:
-        start: (S + 1,) int64 first piece of each scene, M at the end.
-        ends: (M, 4) float32 [m] x, y of both ends in driving direction.
-        static: (M, STATIC) float32 speed limit [m/s] (0 unknown), known, in a junction, to yield, to stop.
-        signal: (M,) int32 row of `state`, -1 where no signal guards the lane.
-        state: (G, T) uint8 SignalState of all scenes' signals; the last state is held where a scene is shorter.
-    """
-
-    start: NDArray[np.int64]
-    ends: NDArray[np.float32]
-    static: NDArray[np.float32]
-    signal: NDArray[np.int32]
-    state: NDArray[np.uint8]
-
-    @classmethod
-    def of(cls, scenarios: Sequence[Scenario], length: float) -> "LaneVectors":
-        """Pieces of about `length` [m]."""
-        return cls.joined([cls._of(s, length) for s in scenarios])
-
-    @classmethod
-    def _of(cls, scenario: Scenario, length: float) -> "LaneVectors":
-        lane, ends = pieces(scenario.map, length)
-        guard = np.full(len(scenario.map), -1, np.int32)
-        guard[scenario.signals.lane] = np.arange(len(scenario.signals))
-        limit, control = scenario.map.speed_limit[lane], scenario.map.control[lane]
-        yields, stops = np.equal(control, LaneControl.YIELD), np.equal(control, LaneControl.STOP)
-        static = np.column_stack([np.nan_to_num(limit), ~np.isnan(limit), scenario.map.in_junction[lane], yields, stops])
-        return cls(np.array([0, len(lane)]), ends, static.astype(np.float32), guard[lane], scenario.signals.held().state)
-
-    @classmethod
-    def joined(cls, parts: Sequence["LaneVectors"]) -> "LaneVectors":
-        """The scenes of all parts, in order."""
-        if not parts:
-            empty = np.zeros((0, 4), np.float32)
-            return cls(
-                np.zeros(1, np.int64), empty, np.zeros((0, STATIC), np.float32), np.zeros(0, np.int32), np.zeros((0, 1), np.uint8)
-            )
-        steps = max(p.state.shape[1] for p in parts)
-        pieces_before = np.cumsum([0, *(len(p.ends) for p in parts)])
-        signals_before = np.cumsum([0, *(len(p.state) for p in parts)])
-        return cls(
-            np.concatenate([[0], *(p.start[1:] + shift for p, shift in zip(parts, pieces_before, strict=False))]),
-            np.concatenate([p.ends for p in parts]),
-            np.concatenate([p.static for p in parts]),
-            np.concatenate(
-                [np.where(p.signal < 0, -1, p.signal + n) for p, n in zip(parts, signals_before, strict=False)]
-            ).astype(np.int32),
-            np.concatenate([np.pad(p.state, ((0, 0), (0, steps - p.state.shape[1])), mode="edge") for p in parts]),
-        )
-
-
-def pieces(road_map: RoadMap, length: float) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
-    """Lanes (M,) and ends (M, 4) of the straight pieces of all vehicle lanes."""
-    lanes = np.flatnonzero(road_map.for_vehicles)
-    lines = [resample(road_map.centreline[int(i)], length) for i in lanes]
-    lane = np.repeat(lanes, [len(line) - 1 for line in lines])
-    ends = [np.concatenate([line[:-1], line[1:]], axis=1) for line in lines]
-    return lane, np.concatenate([np.zeros((0, 4)), *ends]).astype(np.float32)
 
 
 @dataclass(frozen=True)
@@ -128,69 +45,9 @@ class Surroundings:
 
         `counts` are V and A: the lane pieces nearest to where the vehicle will be in `look` seconds, the boxes nearest to it.
         """
-        step = np.minimum(step, vectors.state.shape[1] - 1)
-        lanes, lane_there = _lanes(
-            vectors.start, vectors.ends, vectors.static, vectors.signal, vectors.state,
-            crowd.state[box], scene, step, counts[0], look,
-        )  # fmt: skip
+        lanes, lane_there = vectors.around(crowd.state[box], scene, step, counts[0], look)
         boxes, box_there = _boxes(crowd.start, crowd.state, crowd.there, crowd.planned, crowd.size, group, box, counts[1])
         return cls(lanes, lane_there, boxes, box_there)
-
-
-@njit(cache=True)
-def _lanes(start, ends, static, signal, state, pose, scene, step, count, look):  # type: ignore[no-untyped-def]
-    """(R, count, LANE_FEATURES) and (R, count)."""
-    out = np.zeros((len(pose), count, LANE_FEATURES), np.float32)
-    there = np.zeros((len(pose), count), np.bool_)
-    for r in range(len(pose)):
-        first, last = start[scene[r]], start[scene[r] + 1]
-        x, y, cos, sin = pose[r, 0], pose[r, 1], np.cos(pose[r, 2]), np.sin(pose[r, 2])
-        ax, ay = x + pose[r, 3] * look, y + pose[r, 4] * look
-        distance = np.empty(last - first, np.float32)
-        for m in range(first, last):
-            dx, dy = ends[m, 2] - ends[m, 0], ends[m, 3] - ends[m, 1]
-            gap = np.hypot((ends[m, 0] + ends[m, 2]) / 2 - ax, (ends[m, 1] + ends[m, 3]) / 2 - ay)
-            distance[m - first] = gap + AGAINST if dx * cos + dy * sin < -0.5 * np.hypot(dx, dy) else gap
-        for k, m in enumerate(_nearest(distance, count) + first):
-            _lane(out[r, k], ends[m], static[m], x, y, cos, sin)
-            if signal[m] >= 0:
-                shown = state[signal[m], step[r]]
-                out[r, k, 11] = shown == SignalState.RED or shown == SignalState.YELLOW
-                out[r, k, 12] = shown == SignalState.GREEN
-            there[r, k] = True
-    return out, there
-
-
-@njit(cache=True)
-def _nearest(distance, count):  # type: ignore[no-untyped-def]
-    """Numbers of the `count` smallest, or of all if there are fewer, in rising order; of equals the first."""
-    if len(distance) <= count:
-        return np.arange(len(distance))
-    farthest = np.partition(distance, count - 1)[count - 1]
-    chosen = np.empty(count, np.int64)
-    spare, k = count - (distance < farthest).sum(), 0
-    for number in range(len(distance)):
-        tie = distance[number] == farthest
-        if distance[number] < farthest or (tie and spare > 0):
-            chosen[k] = number
-            spare -= tie
-            k += 1
-    return chosen
-
-
-@njit(cache=True)
-def _lane(out, ends, static, x, y, cos, sin):  # type: ignore[no-untyped-def]
-    for end in range(2):
-        dx, dy = ends[2 * end] - x, ends[2 * end + 1] - y
-        out[2 * end], out[2 * end + 1] = (cos * dx + sin * dy) / REACH, (cos * dy - sin * dx) / REACH
-    dx, dy = ends[2] - ends[0], ends[3] - ends[1]
-    length = max(np.hypot(dx, dy), 1e-3)
-    out[4], out[5] = (cos * dx + sin * dy) / length, (cos * dy - sin * dx) / length
-    out[6] = static[0] / PACE
-    ex, ey = ends[0] - x, ends[1] - y
-    out[13] = np.tanh((dx * ey - dy * ex) / length / NEAR)
-    out[14] = np.tanh(-(dx * ex + dy * ey) / length / (2 * NEAR))
-    out[7:11] = static[1:5]
 
 
 @njit(cache=True)
@@ -208,7 +65,7 @@ def _boxes(start, state, there, planned, size, group, box, count):  # type: igno
         _box(out[r, 0], state[me], size[me], x, y, cos, sin)
         out[r, 0, 9], out[r, 0, 10], seen[r, 0] = 1.0, 1.0, True
         k = 1
-        for other in _nearest(distance, count - 1) + first:
+        for other in nearest(distance, count - 1) + first:
             if distance[other - first] < np.inf:
                 _box(out[r, k], state[other], size[other], x, y, cos, sin)
                 out[r, k, 9], seen[r, k] = planned[other], True
