@@ -55,7 +55,8 @@ def main(params: Params, scenarios: Path, scenes: Path, out: Path, metrics: Path
         return policy
 
     best = learn(BASE, base, how["base"].course)
-    base.policy.load_state_dict(best.state_dict())  # all go on from the policy that the base's row shows, not from its last round
+    for network in (base.policy, base.tries):  # all go on from the policy that the base's row shows, not from its last round
+        network.layers.load_state_dict(best.layers.state_dict())
     for method in (LONGER, *params.methods):
         lessons = train if method == LONGER else Lessons.of(logs_below(require(scenes / method, "run the stage tune_traffic")))
         learn(method, Continued(base, plugin.pupil(how["tuned"], lessons, seed)), how["tuned"].course)

@@ -31,7 +31,8 @@ class Teaching:
     """How it learns.
 
     Attributes:
-        reaction: of its neighbours while it learns, None for replayed ones. average: share of the old in the running average.
+        reaction: of its neighbours while it learns, None for replayed ones.
+        average: share of the old in the running average, a round.
         clone_steps, clone_rate, clone_batch: Adam's steps, learning rate and batch of the clone.
     """
 
@@ -68,34 +69,34 @@ class Pupil:
         torch.manual_seed(seed)
         self._how, self._lessons, self._expert = how, lessons, lessons.demonstrations()
         self._world = lessons.world(how.ppo.rows, how.reaction)
-        self._tries = Gaussian()
-        self._learner = ppo.Learner(self._tries, how.ppo)
+        self.tries = Gaussian()
+        self._learner = ppo.Learner(self.tries, how.ppo)
         self._judge = Discriminator(transitions(self._expert), how.discriminator)
-        self.policy = copy.deepcopy(self._tries)
+        self.policy = copy.deepcopy(self.tries)
 
     @property
     def parts(self) -> Mapping[str, Part]:
         """See `teaching.Pupil`."""
         learner, judge = self._learner, self._judge
         optimisers = {"adam": learner.optimiser, "judge_adam": judge.optimiser}
-        return {"tries": self._tries, "value": learner.value, "judge": judge, "policy": self.policy, **optimisers}
+        return {"tries": self.tries, "value": learner.value, "judge": judge, "policy": self.policy, **optimisers}
 
     def begin(self, seed: int) -> None:
         """Clone the logs."""
         how, random = self._how, torch.Generator().manual_seed(seed)
-        optimiser = torch.optim.Adam(self._tries.parameters(), how.clone_rate)
+        optimiser = torch.optim.Adam(self.tries.parameters(), how.clone_rate)
         features, number = self._expert.features[:-1][self._expert.live], self._expert.number[self._expert.live]
         for _ in range(how.clone_steps):
             rows = torch.randint(len(features), (how.clone_batch,), generator=random)
-            loss = mse_loss(self._tries(features[rows]), number[rows])
+            loss = mse_loss(self.tries(features[rows]), number[rows])
             optimiser.zero_grad()
             loss.backward()  # type: ignore[no-untyped-call]
             optimiser.step()
-        self.policy.load_state_dict(self._tries.state_dict())
+        self.policy.load_state_dict(self.tries.state_dict())
 
     def study(self, number: int, seed: int) -> None:  # noqa: ARG002 as every pupil's
         """Episodes in which the policy does not quite do what it holds for best; judge and policy learn from them."""
-        random, tries, how = torch.Generator().manual_seed(seed), self._tries, self._how
+        random, tries, how = torch.Generator().manual_seed(seed), self.tries, self._how
 
         def choose(_: int, features: Tensor, __: World) -> Tensor:
             best: Tensor = tries(features)

@@ -45,7 +45,7 @@ class Learner:
             device="cpu",
         )
         actor = self._sac.actor
-        self.policy = Policy(nn.Sequential(*actor.latent_pi, actor.mu), squashed=True)
+        self.policy = self.tries = Policy(nn.Sequential(*actor.latent_pi, actor.mu), squashed=True)
 
     @property
     def parts(self) -> Mapping[str, Part]:

@@ -27,10 +27,12 @@ class Pupil(Protocol):
     """A driver that learns from its lessons.
 
     Attributes:
-        policy: learned so far. parts: everything that its next round depends on, apart from that round's number and seed.
+        policy: learned so far. tries: what the next round changes, of which `policy` is the running average, or itself.
+        parts: everything that the next round depends on, apart from its number and seed.
     """
 
     policy: Policy
+    tries: Policy
 
     @property
     def parts(self) -> Mapping[str, checkpoint.Part]:

@@ -22,6 +22,7 @@ class Continued:
     def __init__(self, base: Pupil, pupil: Pupil) -> None:
         self._base, self._pupil = base, pupil
         self.policy: Policy = pupil.policy
+        self.tries: Policy = pupil.tries
 
     @property
     def parts(self) -> Mapping[str, Part]:
