@@ -115,11 +115,25 @@ def candidates(
 
     Deterministic; sorted by route, then by distance. Never empty: a vehicle that can go nowhere stays.
     """
-    seconds = scenario.horizon * DT if seconds is None else seconds
-    v = scenario.vehicles
-    position, heading, speed = v.position[vehicle], float(v.heading[vehicle]), float(max(v.speed[vehicle], 0.0))
+    return candidates_on(routes_of(graph, scenario, vehicle, settings, seconds), scenario, vehicle, settings, seconds)
+
+
+def routes_of(
+    graph: LaneGraph, scenario: Scenario, vehicle: int, settings: Settings, seconds: float | None = None
+) -> list[Route]:
+    """The routes on which `candidates` looks for places."""
+    v, speed = scenario.vehicles, _speed(scenario, vehicle)
+    reach = _reach(speed, settings.dynamics, _time(scenario, seconds))
+    return feasible_routes(graph, v.position[vehicle], float(v.heading[vehicle]), speed, reach, settings.most_routes)
+
+
+def candidates_on(
+    routes: list[Route], scenario: Scenario, vehicle: int, settings: Settings, seconds: float | None = None
+) -> Candidates:
+    """As `candidates`, on routes that were found before."""
+    seconds, v, speed = _time(scenario, seconds), scenario.vehicles, _speed(scenario, vehicle)
+    position, heading = v.position[vehicle], float(v.heading[vehicle])
     reach = _reach(speed, settings.dynamics, seconds)
-    routes = feasible_routes(graph, position, heading, speed, reach, settings.most_routes)
     around = Neighbours.of(scenario, vehicle).near(position, reach + 20.0)
     ahead = [look_ahead(scenario, route, around, float(v.size[vehicle, 0])) for route in routes]
     offset = np.array([to_frenet(route, position[None])[0, 1] for route in routes], np.float32)
@@ -141,6 +155,14 @@ def candidates(
         keep = cover(whole.position, whole.mass, keep, share * settings.spacing, settings.most)
     keep = keep[np.lexsort((whole.s[keep], whole.route[keep]))]
     return whole.finished(keep, routes, ahead, offset, round(seconds / DT))
+
+
+def _time(scenario: Scenario, seconds: float | None) -> float:
+    return scenario.horizon * DT if seconds is None else seconds
+
+
+def _speed(scenario: Scenario, vehicle: int) -> float:
+    return float(max(scenario.vehicles.speed[vehicle], 0.0))
 
 
 def _reach(speed: float, dynamics: Dynamics, seconds: float) -> float:

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from drivegen.core.errors import UnusableInput
 from drivegen.core.first_frame import first_frame
 from drivegen.core.scenario import Scenario
-from drivegen.goals.candidates import MOST, Candidates, candidates
+from drivegen.goals.candidates import MOST, Candidates, candidates_on, routes_of
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.features import NAMES, features
 from drivegen.goals.labels import ends
 from drivegen.goals.twins import twin
 from drivegen.roads.graph import LaneGraph
+from drivegen.roads.line import with_limits
 
 
 @dataclass(frozen=True)
@@ -56,11 +57,12 @@ class Lists:
 
     @classmethod
     def of_log(cls, log: Scenario, settings: CandidateSettings) -> "Lists":
-        """Those of a log and of its twin, which has fewer layers."""
-        parts = []
+        """Those of a log and of its twin, which has fewer layers: the same ways, but for their limits."""
+        graph, parts = LaneGraph.of(log.map), []
+        routes = [routes_of(graph, log, n, settings) for n in range(len(log.vehicles))]
         for scenario in (log, twin(log)):
-            graph = LaneGraph.of(scenario.map)
-            parts.append(cls.of(scenario, [candidates(graph, scenario, n, settings) for n in range(len(scenario.vehicles))]))
+            ways = [[with_limits(route, scenario.map.speed_limit) for route in one] for one in routes]
+            parts.append(cls.of(scenario, [candidates_on(way, scenario, n, settings) for n, way in enumerate(ways)]))
         return cls.joined(parts)
 
     @classmethod

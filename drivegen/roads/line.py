@@ -109,6 +109,11 @@ def build_route(graph: LaneGraph, pieces: Sequence[Piece]) -> Route:
     )
 
 
+def with_limits(route: Route, speed_limit: NDArray[np.float32]) -> Route:
+    """`route` under other limits, those (L,) [m/s] of all lanes of its map."""
+    return replace(route, speed_limit=speed_limit[route.lane])
+
+
 def extended(graph: LaneGraph, pieces: Sequence[Piece], reach: float) -> list[Piece]:
     """`pieces` cut, or continued along the straightest successors, to `reach` [m] in all.
 

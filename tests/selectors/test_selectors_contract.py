@@ -195,6 +195,18 @@ def test_a_log_is_learnt_from_with_its_signals_and_rules_and_without():
     assert twin(scene).log is scene.log
 
 
+def test_a_log_and_its_twin_give_the_lists_that_each_gives_alone():
+    """Routes are found once for both: what the twin is told of limits must not come from the log, nor the other way round."""
+    limited = 0
+    for scene in (scenes.busy_crossing(scenario_id=f"crossing-{n}") for n in range(6)):
+        limited += not np.isnan(twin(scene).map.speed_limit).any()
+        apart = Lists.joined([Lists.of(one, offered(one)[1]) for one in (scene, twin(scene))])
+        together = Lists.of_log(scene, SETTINGS)
+        for name in Lists.__dataclass_fields__:
+            assert np.array_equal(getattr(together, name), getattr(apart, name)), name
+    assert 0 < limited < 6
+
+
 def test_lists_come_back_from_their_file_as_they_were(tmp_path):
     """With their padding, and whoever taught them; the same lists are the same bytes."""
     made = lists(np.linspace(3, 14, 6))
