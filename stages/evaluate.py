@@ -10,10 +10,10 @@ from pathlib import Path
 from drivegen.core.errors import UnusableInput
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count
-from drivegen.metrics.road_edge import RoadEdges
+from drivegen.metrics.road_edge import FARTHEST, RoadEdges
 from drivegen.metrics.scene import Scored, Settings, score
 from drivegen.metrics.whole import columns, sample_columns, summary
-from drivegen.roads.drivable import CELL, road_surface
+from drivegen.roads.drivable import CELL, covered, road_surface
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import read_samples
@@ -70,10 +70,11 @@ def _score_shard(task: Task) -> list[Scored]:
         if scenario.scenario_id not in by_id:
             raise UnusableInput(f"{task.generated} lacks scenario {scenario.scenario_id}: run the rollout stage again")
         if scenario.log is not None:
-            road = road_surface(scenario.map)
+            samples = by_id[scenario.scenario_id]
+            road = road_surface(scenario.map, covered(scenario.vehicles.size, scenario.log, samples.motion), FARTHEST)
             edges = RoadEdges(road.outside, road.origin, CELL, road.beyond_rim)
             stream = rng(task.params.seed, "evaluate", "any", scenario.scenario_id)
-            out.append(score(scenario, scenario.log, by_id[scenario.scenario_id], edges, task.params.measured, stream))
+            out.append(score(scenario, scenario.log, samples, edges, task.params.measured, stream))
     return out
 
 

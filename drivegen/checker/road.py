@@ -40,6 +40,12 @@ _NEVER = np.float32(NEVER)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
+def _cell(place, origin):  # type: ignore[no-untyped-def]
+    """Column or row of a place [m]. In double precision, so that it hardly matters how much of a map was made a raster."""
+    return (np.float64(place) - np.float64(origin)) * _PER_METRE
+
+
+@njit(cache=True, error_model="numpy", inline="always")
 def _outside(field, around, x, y):  # type: ignore[no-untyped-def]
     """Signed distance to the road [m] at column x, row y, between four cells; `around` beyond the raster."""
     j, i = int(x), int(y)
@@ -54,7 +60,7 @@ def _outside(field, around, x, y):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def corner_outside(field, around, origin, x, y, cos, sin, length, width):  # type: ignore[no-untyped-def]
     """Signed distance of the outermost corner of a box to the road [m]; exact only where it matters, near the edge."""
-    column, row = (x - origin[0]) * _PER_METRE, (y - origin[1]) * _PER_METRE
+    column, row = _cell(x, origin[0]), _cell(y, origin[1])
     centre = _outside(field, around, column, row)
     if centre < -_HALF * np.sqrt(length * length + width * width) - _BLUR:
         return centre
@@ -120,7 +126,7 @@ def _judge_lanes(directions, limits, origin, position, heading, velocity, valid,
         if not valid[t]:
             against = 0
             continue
-        j, i = int((position[t, 0] - origin[0]) * _PER_METRE + _HALF), int((position[t, 1] - origin[1]) * _PER_METRE + _HALF)
+        j, i = int(_cell(position[t, 0], origin[0]) + _HALF), int(_cell(position[t, 1], origin[1]) + _HALF)
         if i < 0 or j < 0 or i >= limits.shape[0] or j >= limits.shape[1]:
             against = 0
             continue

@@ -1,7 +1,7 @@
 """How far boxes are from the edge of the road, looked up in a raster of signed distances.
 
-The raster is handed in (`roads.drivable.road_surface` makes one per map). A place beyond its border has the distance of the
-border's nearest cell: where a map is cut off lanes go on there, and so does what is no road.
+The raster is handed in (`roads.drivable.road_surface` makes one, of what is FARTHEST around the boxes at least). A place beyond
+its border has the distance of the border's nearest cell: where a map is cut off lanes go on there, and so does what is no road.
 """
 
 from collections.abc import Callable
@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats
 from drivegen.metrics.surroundings import Boxes
+
+FARTHEST = 50.0
+"""Boxes farther off the road than this [m] count as being so far off."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,7 @@ class RoadEdges:
 
 
 def edge_distance(boxes: Boxes, vehicles: int, edges: RoadEdges) -> NDArray[np.float32]:
-    """(K, N, T) signed distance of each vehicle's outermost corner to the road's edge [m]: above 0 it is off the road."""
+    """(K, N, T) signed distance of each vehicle's outermost corner to the road's edge [m], at most FARTHEST; off it above 0."""
     out = np.zeros((len(boxes.position), vehicles, boxes.valid.shape[2]), np.float32)
     road = (edges.outside, edges.origin, np.float32(1 / edges.cell))
     _outermost(boxes.position, boxes.cos, boxes.sin, boxes.valid, boxes.size, *road, out)
@@ -52,9 +55,15 @@ def _outermost(position, cos, sin, valid, size, outside, origin, per_metre, out)
                     for across in (-width, width):
                         x = position[k, n, t, 0] + along * cos[k, n, t] - across * sin[k, n, t]
                         y = position[k, n, t, 1] + along * sin[k, n, t] + across * cos[k, n, t]
-                        found = _between(outside, (x - origin[0]) * per_metre, (y - origin[1]) * per_metre)
-                        farthest = max(farthest, found)
-                out[k, n, t] = farthest
+                        column, row = _cell(x, origin[0], per_metre), _cell(y, origin[1], per_metre)
+                        farthest = max(farthest, _between(outside, column, row))
+                out[k, n, t] = min(farthest, FARTHEST)
+
+
+@njit(cache=True, inline="always")
+def _cell(place, origin, per_metre):  # type: ignore[no-untyped-def]
+    """In double precision, so that it hardly matters how much of a map was made a raster."""
+    return (np.float64(place) - np.float64(origin)) * per_metre
 
 
 @njit(cache=True, error_model="numpy")

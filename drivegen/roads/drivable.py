@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Polylines, unit
 from drivegen.core.roadmap import RoadMap, open_ends
+from drivegen.core.scenario import Trajectories
 
 CELL = 0.5
 """Edge of a cell [m]; distances are unbiased, off by 0.13 m (one sigma) where interpolated, by a diagonal at most by cell."""
@@ -106,13 +107,13 @@ class _Frame:
     shape: tuple[int, int]
 
     @classmethod
-    def of(cls, map_: RoadMap, quads: _Quads, about: NDArray[np.floating] | None) -> "_Frame":
-        """Of the whole map, or of what of it is within MARGIN of the points (P, 2)."""
+    def of(cls, map_: RoadMap, quads: _Quads, about: NDArray[np.floating] | None, margin: float) -> "_Frame":
+        """Of the whole map, or of what of it is within `margin` [m] of the points (P, 2)."""
         points = np.concatenate([quads.corner.reshape(-1, 2), map_.drivable.points, map_.centreline.points])
         low, high = np.floor(points.min(0) - MARGIN), points.max(0) + MARGIN
         if about is not None:
-            low = np.clip(np.floor(about.min(0) - MARGIN), low, np.floor(high))
-            high = np.clip(about.max(0) + MARGIN, low, high)
+            least, most = np.clip([about.min(0), about.max(0)], low, high)  # beyond the frame its border is asked
+            low, high = np.maximum(np.floor(least - margin), low), np.minimum(most + margin, high)
         width, height = (np.ceil((high - low) / CELL).astype(int) + 1).tolist()
         return cls(low.astype(np.float64), (height, width))
 
@@ -122,25 +123,28 @@ class _Frame:
         return pixels
 
 
-def road_field(map_: RoadMap) -> RoadField:
-    """The rasters of `map_`. The drivable area is that of the map joined with its vehicle lanes, or the lanes alone."""
+def road_field(map_: RoadMap, about: NDArray[np.floating] | None = None) -> RoadField:
+    """The rasters of `map_`. The drivable area is that of the map joined with its vehicle lanes, or the lanes alone.
+
+    With points `about` (P, 2) [m] they are made only around these, which takes a fraction of the time. What they say of these
+    points is then the same, distances up to MARGIN; nobody may ask for other points.
+    """
     quads = _lane_pieces(map_)
-    frame = _Frame.of(map_, quads, None)
-    pieces = frame.pixels(quads.corner)
+    frame = _Frame.of(map_, quads, about, MARGIN)
     surface = _surface(map_, quads, frame)
+    pieces = frame.pixels(quads.corner)
+    near = _touching(pieces, frame.shape)
+    pieces, lane = pieces[near], quads.lane[near]
     return RoadField(
         surface.origin, surface.outside, surface.rim, surface.around,
-        _directions(map_, quads, pieces, frame.shape), _limits(map_, quads, pieces, frame.shape),
+        _directions(map_, quads.heading[near], lane, pieces, frame.shape), _limits(map_, lane, pieces, frame.shape),
     )  # fmt: skip
 
 
-def road_surface(map_: RoadMap, about: NDArray[np.floating] | None = None) -> RoadSurface:
-    """As `road_field`, without directions and limits; with points `about` (P, 2) [m] made only around these.
-
-    Distances of these points are then the same up to MARGIN; nobody may ask for those of other points.
-    """
+def road_surface(map_: RoadMap, about: NDArray[np.floating] | None = None, margin: float = MARGIN) -> RoadSurface:
+    """As `road_field`, without directions and limits; distances of the points `about` are the same up to `margin` [m]."""
     quads = _lane_pieces(map_)
-    return _surface(map_, quads, _Frame.of(map_, quads, about))
+    return _surface(map_, quads, _Frame.of(map_, quads, about, margin))
 
 
 def _surface(map_: RoadMap, quads: _Quads, frame: _Frame) -> RoadSurface:
@@ -154,6 +158,13 @@ def _surface(map_: RoadMap, quads: _Quads, frame: _Frame) -> RoadSurface:
     return RoadSurface(frame.low.astype(np.float32), _signed_distance(road), road > mapped, around)
 
 
+def covered(size: NDArray[np.float32], *motions: Trajectories) -> NDArray[np.floating] | None:
+    """Two points (2, 2) [m] between which boxes of `size` (N, 2 or 3) [m] are in all `motions` (..., N, T); None if nobody is."""
+    there = [motion.position[motion.valid & np.isfinite(motion.position).all(axis=-1)] for motion in motions]
+    points, reach = np.concatenate(there), float(np.hypot(*size[:, :2].T).max(initial=0.0)) / 2
+    return np.stack([points.min(0) - reach, points.max(0) + reach]) if len(points) else None
+
+
 def sectors(heading: NDArray[np.floating]) -> NDArray[np.uint8]:
     """Number of the direction sector of each heading [rad], of any shape."""
     number: NDArray[np.uint8] = np.floor(heading * (SECTORS / (2 * np.pi))).astype(np.int64).astype(np.uint8) % SECTORS
@@ -165,10 +176,15 @@ def _fill(plane: NDArray[np.uint8], pieces: NDArray[np.int32], values: NDArray[n
         cv2.fillConvexPoly(plane, piece, value, shift=_SUBPIXEL)
 
 
+def _touching(pieces: NDArray[np.int32], shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """(Q,) which of the pieces (Q, 4, 2) touch a plane of `shape`."""
+    size = np.array(shape[::-1]) << _SUBPIXEL
+    return np.asarray((pieces.max(axis=1) >= -1).all(axis=-1) & (pieces.min(axis=1) <= size).all(axis=-1))
+
+
 def _paint(road: NDArray[np.uint8], pieces: NDArray[np.int32]) -> None:
-    """Mark as road the pieces (Q, 4, 2) that touch the plane."""
-    size = np.array(road.shape[::-1]) << _SUBPIXEL
-    near = (pieces.max(axis=1) >= -1).all(axis=-1) & (pieces.min(axis=1) <= size).all(axis=-1)
+    """Mark the pieces (Q, 4, 2) as road."""
+    near = _touching(pieces, road.shape)
     _fill(road, pieces[near], np.ones(near.sum(), np.int64))
 
 
@@ -178,25 +194,27 @@ def _signed_distance(road: NDArray[np.uint8]) -> NDArray[np.float32]:
         return np.full(road.shape, FAR, np.float32)
     edge = road - cv2.erode(road, _CROSS, borderType=cv2.BORDER_CONSTANT, borderValue=1)
     signed: NDArray[np.float32] = cv2.distanceTransform(1 - edge, cv2.DIST_L2, 5)
-    signed *= np.float32(CELL) - road * np.float32(2 * CELL)
-    return signed
+    signed *= np.float32(CELL)
+    return np.negative(signed, out=signed, where=road.view(np.bool_))
 
 
-def _directions(map_: RoadMap, quads: _Quads, pieces: NDArray[np.int32], shape: tuple[int, int]) -> NDArray[np.uint16]:
-    sector = sectors(quads.heading).astype(np.int64)
-    sector[map_.in_junction[quads.lane]] = SECTORS
-    mask = np.zeros(shape, np.uint16)
-    plane = np.empty(shape, np.uint8)
+def _directions(
+    map_: RoadMap, heading: NDArray[np.float32], lane: NDArray[np.int32], pieces: NDArray[np.int32], shape: tuple[int, int]
+) -> NDArray[np.uint16]:
+    sector = sectors(heading).astype(np.int64)
+    sector[map_.in_junction[lane]] = SECTORS
+    low, high, plane = (np.zeros(shape, np.uint8) for _ in range(3))  # of the mask, byte by byte: OpenCV joins bytes fastest
     for i in np.unique(sector).tolist():
         chosen = pieces[sector == i]
         plane[:] = 0
-        _fill(plane, chosen, np.ones(len(chosen), np.int64))
-        mask[plane > 0] |= EVERY_DIRECTION if i == SECTORS else np.uint16(1 << i)
-    return mask
+        _fill(plane, chosen, np.full(len(chosen), 255 if i == SECTORS else 1 << i % 8))
+        for half in (low, high) if i == SECTORS else (low,) if i < 8 else (high,):
+            cv2.bitwise_or(half, plane, dst=half)
+    return low | np.left_shift(high, 8, dtype=np.uint16)
 
 
-def _limits(map_: RoadMap, quads: _Quads, pieces: NDArray[np.int32], shape: tuple[int, int]) -> NDArray[np.uint8]:
-    limit = map_.speed_limit[quads.lane]
+def _limits(map_: RoadMap, lane: NDArray[np.int32], pieces: NDArray[np.int32], shape: tuple[int, int]) -> NDArray[np.uint8]:
+    limit = map_.speed_limit[lane]
     code = np.ceil(np.clip(np.nan_to_num(limit) / LIMIT_UNIT, 0, 255)).astype(np.int64)
     rising = np.argsort(code, kind="stable")  # the highest limit is painted last
     plane = np.zeros(shape, np.uint8)

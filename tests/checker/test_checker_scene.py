@@ -2,15 +2,29 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from drivegen.checker.limits import NEVER, RULES
+from drivegen.checker.limits import NEVER, OFF_ROAD, RULES
 from drivegen.checker.scene import SceneChecker, check_samples
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.samples import Violation
 from drivegen.core.scenario import Actors, Trajectories
 from drivegen.core.signals import Signals, SignalState
+from drivegen.roads.drivable import MARGIN
 from tests.checking import LIMITS, two_way_road
-from tests.scenes import LANE_WIDTH, beside, crossing, drive, joined, scenario, stack, straight_road
+from tests.scenes import (
+    LANE_WIDTH,
+    beside,
+    busy_crossing,
+    crossing,
+    drive,
+    joined,
+    noisy_samples,
+    scenario,
+    stack,
+    straight_road,
+)  # fmt: skip
 
 ROAD = straight_road()
 LINE = ROAD.centreline[0].astype(np.float64)
@@ -359,3 +373,27 @@ def test_who_starts_off_the_road_is_judged_once_it_is_on_it():
     parked = drive(way, 0, 0, STEPS)
     parked.position[50:] = drive(way[:4], 0, 12, STEPS).position[:51]
     assert Violation.OFF_ROAD not in judge(ROAD, parked)[0][0]
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10**6), st.floats(0, 30), st.floats(-600, 600))
+def test_rasters_made_around_motion_say_of_it_what_those_of_the_whole_map_say(seed, astray, away):
+    """Among vehicles that are somewhat or far off the road, or nowhere."""
+    scene, random = busy_crossing(), np.random.default_rng(seed)
+    motion = noisy_samples(scene, 3, seed).motion
+    shift = random.normal(0, astray, (*motion.valid.shape[:2], 1, 2)).astype(np.float32)
+    shift[0, 0] += np.float32(away)
+    motion = replace(motion, position=motion.position + shift, valid=motion.valid & (random.random(motion.valid.shape) < 0.95))
+    part, whole = SceneChecker.of_motion(scene, LIMITS, motion), SceneChecker(scene, LIMITS)
+    found, expected = part.severities(motion), whole.severities(motion)
+    beyond = expected.worst[..., OFF_ROAD] > MARGIN  # there only as much is promised
+    assert (found.worst[..., OFF_ROAD][beyond] > MARGIN).all()
+    expected.worst[..., OFF_ROAD][beyond] = found.worst[..., OFF_ROAD][beyond]
+    assert np.array_equal(found.worst, expected.worst)
+    assert np.array_equal(found.first, expected.first)
+
+
+def test_nobody_anywhere_is_legal():
+    scene = busy_crossing()
+    nobody = replace(noisy_samples(scene, 1).motion, valid=np.zeros((1, len(scene.vehicles), scene.steps), np.bool_))
+    assert not check_samples(scene, nobody, LIMITS)[0].any()

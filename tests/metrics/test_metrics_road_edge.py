@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from drivegen.core.scenario import Actors, Trajectories
-from drivegen.metrics.road_edge import RoadEdges, edge_distance
+from drivegen.metrics.road_edge import FARTHEST, RoadEdges, edge_distance
 from drivegen.metrics.surroundings import Boxes
-from drivegen.roads.drivable import CELL, road_field
-from tests.scenes import LANE_WIDTH, straight_road
+from drivegen.roads.drivable import CELL, covered, road_field, road_surface
+from tests.scenes import LANE_WIDTH, crossing, straight_road
 
 SIZE = np.float32([[4.0, 2.0]])
 
@@ -45,3 +47,17 @@ def test_on_a_drawn_road_it_is_right_to_a_fraction_of_a_cell(offset):
     edges = RoadEdges(field.outside, field.origin, CELL, field.beyond_rim)
     found = edge_distance(at([(50, offset)], [0]), 1, edges)[0, 0, 0]
     assert found == pytest.approx(offset + 1.0 - LANE_WIDTH / 2, abs=0.7 * CELL)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(st.tuples(st.floats(-300, 400), st.floats(-300, 300)), min_size=1, max_size=6), st.floats(-3, 3))
+def test_a_raster_around_the_boxes_says_of_them_what_that_of_the_whole_map_says(points, heading):
+    roads = crossing()
+    boxes = at(points, [heading] * len(points))
+    motion = Trajectories(
+        boxes.position[:, :1], np.full((1, 1, len(points)), heading, np.float32), boxes.position[:, :1], boxes.valid[:, :1]
+    )
+    part, whole = road_surface(roads, covered(SIZE, motion), FARTHEST), road_surface(roads)
+    near, far = (edge_distance(boxes, 1, RoadEdges(one.outside, one.origin, CELL, one.beyond_rim)) for one in (part, whole))
+    assert np.array_equal(near, far)
+    assert near.max() <= FARTHEST
