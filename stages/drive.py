@@ -1,8 +1,9 @@
 """Stage drive: how one driver does in logged and in generated traffic, in the batch simulator.
 
-argv: scenarios of one split, generated samples of any number of methods (folders beside one another), results (Parquet
-rows), summary (JSON, flat numbers). The driver is named by the results' stem. Traffic called "log" is the scenarios' own. Each
-traffic is driven through twice: replayed, and with neighbours that react; metrics of the latter begin with "reactive.".
+argv: scenarios of one split, generated samples of any number of methods (folders beside one another), the runs through replayed
+logs (Parquet), results (Parquet rows), summary (JSON, flat numbers). The driver is named by the results' stem. Traffic called
+"log" is the scenarios' own. Each traffic is driven through twice: replayed, and with neighbours that react; metrics of the latter
+begin with "reactive.".
 """
 
 from dataclasses import asdict, dataclass
@@ -12,6 +13,7 @@ from typing import Any
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import recording
+from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.seeds import rng
 from drivegen.drivers.base import Driver
@@ -20,6 +22,7 @@ from drivegen.simulators.shared.drives import Drives
 from drivegen.store.files import write_json
 from drivegen.store.lookup import futures_in, logs_in
 from drivegen.store.results import Run, result_rows, write_results
+from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import shards
 from drivegen.world.paths import target_paths
 from drivegen.world.reactive import Reaction
@@ -44,10 +47,10 @@ class Params:
 
 def main(params: Params, scenarios: Path, *paths: Path) -> None:
     """Drive through every method's traffic."""
-    *generated, results, summary = paths
+    *generated, runs, results, summary = paths
     name = results.stem
     driver: Driver = plugins.make("drivers", name, params.drivers, "drive.drivers")
-    tables = []
+    tables, through_logs = [], list[Samples]()
     numbers: dict[str, float] = {}
     for folder in (None, *generated):
         method = folder.name if folder else LOG
@@ -58,10 +61,13 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
             ids, sample, each = drives.per_run()
             tables.append(result_rows(run, drives.scenarios, {f"{kind}{key}": value for key, value in metrics.items()}))
             tables.append(result_rows(run, ids, {f"{kind}{key}": value for key, value in each.items()}, sample))
+            if not folder and not kind:
+                through_logs = drives.as_samples(name)
             recordings = [recording(scenario) for scenario in drives.scenarios]
             random = rng(params.seed, "drive", "bootstrap", method, *([kind] if kind else []))
             means = driving_summary(metrics, recordings, drives.outcome.motion, drives.scene, params.draws, random)
             numbers |= {f"{method}.{kind}{key}": value for key, value in means.items()}
+    write_samples(runs, through_logs)
     write_results(results, tables)
     write_json(summary, numbers)
 

@@ -1,8 +1,9 @@
-"""Stage record: Rerun recordings of a few scenes drawn by seed, of all methods together, and of pictured collisions (a leaf).
+"""Stage record: Rerun recordings of a few scenes drawn by seed, of all methods and of all drivers in them, and of pictured
+collisions (a leaf).
 
 argv: scenarios of one split, samples (a folder a method), what was turned down on the way to them (a file a method),
-recorded goals (a folder a selector), rounds of corner cases, the folder of recordings, the list of recordings (JSON, for the
-report: .rrd files differ in bytes at every write, their list does not).
+recorded goals (a folder a selector), rounds of corner cases, drivers' runs through logs (a file a driver), the folder of
+recordings, the list of recordings (JSON, for the report: .rrd files differ in bytes at every write, their list does not).
 """
 
 from dataclasses import dataclass
@@ -10,9 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from drivegen.core.methods import read_methods
+from drivegen.core.scenario import TARGET, Scenario
 from drivegen.core.settings import Index
 from drivegen.recording import LOG, record_comparison
 from drivegen.recording.collision import record_collision
+from drivegen.recording.drivers import LOGGED, record_drivers, speeds
 from drivegen.recording.sample import record_sample
 from drivegen.store.collisions import read_pictured
 from drivegen.store.draw import by_method, draw_scenes, followed_goals, goals_of
@@ -27,19 +30,28 @@ METHOD = "drivegen"
 
 @dataclass(frozen=True)
 class Params:
-    """`scenes` recordings of DriveGen's traffic and `compared` ones of all methods: the first of the scenes of the report."""
+    """`scenes` recordings of DriveGen's traffic, `compared` ones of all methods, `driven` of all drivers: the report's first."""
 
     seed: int
     scenes: Index
     compared: Index
+    driven: Index
 
 
 def main(
-    params: Params, scenarios: Path, generated: Path, rejected: Path, goals: Path, corner: Path, out: Path, listing: Path
+    params: Params,
+    scenarios: Path,
+    generated: Path,
+    rejected: Path,
+    goals: Path,
+    corner: Path,
+    driven: Path,
+    out: Path,
+    listing: Path,
 ) -> dict[str, float]:
     """Record sample 0 of each drawn scene, and every collision that the rounds pictured."""
     drawn_from = require(generated / METHOD, "run the rollout stage")
-    scenes = draw_scenes(params.seed, scenarios, drawn_from, max(params.scenes, params.compared))
+    scenes = draw_scenes(params.seed, scenarios, drawn_from, max(params.scenes, params.compared, params.driven))
     turned_down = rejected_by_method(rejected)
     selectors = {name: method.goals for name, method in read_methods().items()}
     links = []
@@ -62,6 +74,7 @@ def main(
         record_comparison(file, scenario, shown, recorded, rejected_of(scenario.scenario_id, turned_down))
         text = f"{scenario.scenario_id}, {scenario.city}: {len(methods)} methods side by side"
         links.append(_entry(file, text, scenario.scenario_id, 0))
+    links += [_drivers(scene.scenario, driven, out) for scene in scenes[: params.driven] if scene.scenario.log is not None]
     links += _collisions(scenarios, corner, out)
     write_json(listing, links)
     return {"scenarios": float(len(scenes))}
@@ -78,6 +91,20 @@ def _collisions(scenarios: Path, corner: Path, out: Path) -> list[dict[str, Any]
         record_collision(file, scenario, planned, driven.motion[:, 0], where, one.title, one.words)
         links.append(_entry(file, f"{one.title}: {where.scenario_id}", where.scenario_id, where.sample, "corner", played.name))
     return links
+
+
+def _drivers(scenario: Scenario, driven: Path, out: Path) -> dict[str, Any]:
+    """All drivers in the logged traffic of a scene, their speeds in the list."""
+    assert scenario.log is not None, scenario.scenario_id
+    files = sorted(require(driven, "run the drive stages").iterdir())
+    runs = {file.stem: samples_in(file, scenario.scenario_id) for file in files}
+    motion = {name: run.motion[0, TARGET] for name, run in runs.items()}
+    collided = [name for name, run in runs.items() if not run.legal.all()]
+    file = out / f"{scenario.scenario_id}-drivers.rrd"
+    record_drivers(file, scenario, motion, collided)
+    text = f"{scenario.scenario_id}, {scenario.city}: {len(runs)} drivers and the log"
+    speed = {name: speeds(one) for name, one in {LOGGED: scenario.log[TARGET], **motion}.items()}
+    return _entry(file, text, scenario.scenario_id, 0) | {"speed": speed, "collided": collided}
 
 
 def _entry(file: Path, text: str, scenario_id: str, sample: int, stage: str = "", item: str = "") -> dict[str, Any]:

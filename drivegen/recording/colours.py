@@ -22,3 +22,11 @@ LOGGED: Colour = (226, 232, 240, 110)
 CANDIDATE: Colour = (190, 140, 255, 130)
 TARGET_CANDIDATE: Colour = (255, 138, 61, 170)
 CHOSEN: Colour = (208, 160, 255, 255)
+
+DRIVER: tuple[Colour, ...] = (TARGET, (63, 205, 130, 255), (208, 160, 255, 255), (250, 200, 60, 255), (255, 160, 178, 255))
+"""One driver each, neither blue as their neighbours nor white as the log."""
+
+
+def drivers(count: int) -> list[Colour]:
+    """A colour for each of `count` drivers; where there are more of them than colours these come again from the first."""
+    return [DRIVER[n % len(DRIVER)] for n in range(count)]

@@ -137,7 +137,11 @@ def curves(columns: Mapping[str, Sequence[float]], over: str) -> bytes:
 
 
 def panels(
-    series: Mapping[str, Mapping[str, tuple[Sequence[float], Sequence[float]]]], across: str, up: str, columns: int = 4
+    series: Mapping[str, Mapping[str, tuple[Sequence[float], Sequence[float]]]],
+    across: str,
+    up: str,
+    columns: int = 4,
+    colours: Sequence[str] = SERIES,
 ) -> bytes:
     """Named lines (x, y) in a small plot for each group, `columns` side by side; scales differ, lines' colours do not."""
     rows = -(-len(series) // columns)
@@ -146,7 +150,7 @@ def panels(
             axes.set_visible(False)
         for n, (axes, (title, group)) in enumerate(zip(canvas.axes[: len(series)], series.items(), strict=True)):
             axes.set_title(title, fontsize=9)
-            for (name, (xs, ys)), colour in coloured(group.items()):
+            for (name, (xs, ys)), colour in coloured(group.items(), colours):
                 axes.plot(xs, ys, color=colour, lw=1.2, label=name)
             axes.set_xlabel(across)
             axes.set_ylabel(up if n % columns == 0 else "")

@@ -13,6 +13,7 @@ from drivegen.core.scenario import TARGET, Actors, Trajectories
 from drivegen.core.signals import Signals, SignalState
 from drivegen.recording import GoalMarks, record_scenario
 from drivegen.recording.collision import record_collision
+from drivegen.recording.drivers import record_drivers
 from drivegen.recording.roads import surroundings
 from drivegen.recording.traffic import FREE, clearance
 from drivegen.store.collisions import Where
@@ -137,6 +138,26 @@ def test_a_collision_marks_the_impact_and_says_who_drove(tmp_path):
     assert "it came from the left" in found["/legend"]["TextDocument:text"][0][0]
     boxes = [row for row in found["/world/traffic"]["Boxes3D:centers"] if row is not None]
     assert len(boxes[30]) == len(boxes[31]) + 1  # the driven target is gone after the impact
+
+
+def test_drivers_share_a_scene_and_those_that_collide_are_marked(tmp_path):
+    scene = busy_crossing()
+    careful, hasty = noisy_samples(scene).motion[:2, TARGET]
+    hasty.valid[41:] = False
+    record_drivers(tmp_path / "all.rrd", scene, {"careful": careful, "hasty": hasty}, ["hasty"])
+    found = read(tmp_path / "all.rrd")
+    assert {f"/plots/speed/{name}" for name in ("logged", "careful", "hasty")} <= set(found)
+    assert found["/world/impacts/hasty"]["Points3D:labels"] == [["hasty, 4.0 s"]]
+    assert found["/world/impacts/hasty"]["step of Points3D:positions"] == [40]
+    assert "/world/impacts/careful" not in found
+    legend = found["/legend"]["TextDocument:text"][0][0]
+    assert "* careful: no collision" in legend
+    assert "* hasty: collision" in legend
+    shades = [found[f"/world/drivers/{name}"]["Boxes3D:colors"][0] for name in ("careful", "hasty")]
+    assert shades[0] != shades[1]
+    with pytest.raises(UnusableInput, match="has no log to drive through"):
+        record_drivers(tmp_path / "none.rrd", replace(scene, log=None), {}, [])
+    assert not (tmp_path / "none.rrd").exists()
 
 
 def test_the_layout_is_inside_and_the_file_is_light(recorded):

@@ -9,7 +9,7 @@ from drivegen.checker.limits import RULES
 from drivegen.checker.verdicts import read_limits_file
 from drivegen.core.errors import UnusableInput
 from drivegen.store.results import RESULT, WHOLE_SCENE
-from drivegen.store.samples import write_samples
+from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import write_shard
 from drivegen.world.outcome import CollisionKind
 from stages import calibrate, drive
@@ -33,7 +33,9 @@ def made(tmp_path_factory):
 
 def driven(root, out, params):
     results, summary = (root / out / f"idm.{end}" for end in ("parquet", "json"))
-    drive.main(params, root / "scenarios" / "test", root / "generated" / "drivegen", results, summary)
+    drive.main(
+        params, root / "scenarios" / "test", root / "generated" / "drivegen", root / out / "runs.parquet", results, summary
+    )
     return results, summary
 
 
@@ -65,6 +67,21 @@ def test_every_method_of_traffic_gets_rows_and_a_flat_summary(made, params):
     assert kinds == pytest.approx(numbers["drivegen.collision"])
     assert numbers["log.spread_over_samples"] is None  # one run a scene
     assert numbers["drivegen.distance"] > 20
+
+
+def test_runs_through_replayed_logs_are_kept_with_how_they_ended(made, params):
+    results, _ = driven(made, "kept", params)
+    runs = read_samples(made / "kept" / "runs.parquet")
+    rows = pq.read_table(results).to_pylist()
+    ended = {
+        row["scenario"]: row["value"]
+        for row in rows
+        if (row["metric"], row["method"], row["sample"]) == ("collision", "log", WHOLE_SCENE)
+    }
+    assert {run.scenario_id: float(not run.legal.all()) for run in runs} == ended
+    assert all(run.motion.valid.shape == (1, 1, 81) and run.method == "idm" for run in runs)
+    for run in runs:
+        assert run.first_violation[0, 0] == (run.motion.last_valid()[0, 0] if ended[run.scenario_id] else -1)
 
 
 def test_every_run_says_how_it_ended(made, params):
@@ -117,8 +134,9 @@ def test_a_driver_without_settings_or_a_method_without_samples_is_named(made, pa
     write_samples(made / "generated" / "odd" / "shard-00000.parquet", [samples])
     with pytest.raises(UnusableInput, match="other scenarios"):
         drive.main(
-            params, made / "scenarios" / "test", made / "generated" / "odd", made / "x" / "idm.parquet", made / "x" / "idm.json"
-        )
+            params, made / "scenarios" / "test", made / "generated" / "odd",
+            *(made / "x" / name for name in ("runs.parquet", "idm.parquet", "idm.json")),
+        )  # fmt: skip
     assert not (made / "x").exists()
 
 

@@ -9,8 +9,10 @@ import pytest
 import rerun as rr
 
 from drivegen.core.errors import MissingTool, UnusableInput
-from drivegen.report.evidence import Link, Picture
+from drivegen.core.samples import Samples, Violation
+from drivegen.report.evidence import Evidence, Link, Picture
 from drivegen.report.pictures import read_collision_pictures
+from drivegen.report.sections.driving import section
 from drivegen.store.collisions import Where, read_pictured, write_pictured
 from drivegen.store.goals import COLUMNS, GoalColumns, write_goals
 from drivegen.store.rejected import write_rejected
@@ -21,7 +23,7 @@ from stages import record
 from tests.scenes import busy_crossing, noisy_samples, rejected_of
 
 SHARD = "shard-00000.parquet"
-PARAMS = record.Params(seed=7, scenes=2, compared=1)
+PARAMS = record.Params(seed=7, scenes=2, compared=1, driven=2)
 
 
 def goals_of(scene, per_vehicle=3) -> GoalColumns:
@@ -53,6 +55,10 @@ def made(tmp_path_factory):
     write_rejected(root / "rejected" / "drivegen.parquet", [rejected_of(one) for one in samples])
     for part in ("samples", "driven"):
         write_samples(root / "corner/1" / part / SHARD, samples)
+    careful = [Samples.without_goals(s.scenario_id, "careful", s.log[:1][np.newaxis]) for s in scenes]
+    hasty = [replace(one, violation=np.full((1, 1), Violation.COLLISION, np.uint16)) for one in careful]
+    write_samples(root / "driven/careful.parquet", careful)
+    write_samples(root / "driven/hasty.parquet", hasty)
     where = Where("scene-b", SHARD, sample=1, partner=2, step=20)
     write_pictured(root / "corner/1/collisions/0", b"png", "it came from the left", where)
     recorded(root, root / "recordings.json")
@@ -61,13 +67,13 @@ def made(tmp_path_factory):
 
 def recorded(root, listing, goals="goals"):
     """Run the stage; recordings lie beside their list."""
-    places = [root / folder for folder in ("test", "generated", "rejected", goals, "corner")]
+    places = [root / folder for folder in ("test", "generated", "rejected", goals, "corner", "driven")]
     record.main(PARAMS, *places, listing.parent / "recordings", listing)
 
 
 def test_the_list_names_what_was_recorded(made):
     links = json.loads((made / "recordings.json").read_text())
-    assert len(links) == 4
+    assert len(links) == 6
     collision = {"text": "Round 1, collision 1: scene-b", "href": "recordings/corner-1-0.rrd"}
     assert {**collision, "scenario": "scene-b", "sample": 1, "stage": "corner", "item": "1"} in links
     assert read_recordings(made / "recordings.json").to_pylist()[-1]["sample"] == 1
@@ -75,10 +81,21 @@ def test_the_list_names_what_was_recorded(made):
     assert {(made / link["href"]).name for link in links} == {file.name for file in (made / "recordings").iterdir()}
 
 
+def test_every_driver_is_in_the_same_scenes_and_the_report_draws_its_speed(made):
+    links = [link for link in json.loads((made / "recordings.json").read_text()) if "speed" in link]
+    assert len(links) == 2
+    for link in links:
+        assert set(link["speed"]) == {"logged", "careful", "hasty"}
+        assert {len(speed) for speed in link["speed"].values()} == {60}
+        assert link["collided"] == ["hasty"]
+    [figure] = section(Evidence(results={"recordings": links})).figures
+    assert figure.data.startswith(b"<?xml")
+    assert f"hasty in {links[0]['scenario']}; hasty in {links[1]['scenario']}" in figure.caption
+    assert section(Evidence(results={"recordings": []})).figures == ()
+
+
 def test_chosen_goals_are_those_that_the_sample_follows(made):
-    file = next(
-        file for file in (made / "recordings").iterdir() if file.stem.startswith("scene") and not file.stem.endswith("-methods")
-    )
+    file = next(file for file in (made / "recordings").iterdir() if file.stem in ("scene-a", "scene-b", "scene-c"))
     chunks = {chunk.entity_path: chunk.to_record_batch() for chunk in rr.chunk.RrdReader(file).stream() if chunk.is_static}
     assert chunks["/world/goals/target"].column("Points3D:labels").to_pylist()[0] == ["2: 50%"]
     assert chunks["/world/goals/chosen"].column("Points3D:labels").to_pylist()[0] == ["2: 50%"] * 7
@@ -120,9 +137,7 @@ def test_methods_stand_side_by_side_on_one_clock(made):
 
 def test_what_was_turned_down_is_shown_dashed_and_counted_where_there_is_any(made):
     (compared,) = (made / "recordings").glob("*-methods.rrd")
-    alone = next(
-        file for file in (made / "recordings").iterdir() if file.stem.startswith("scene") and not file.stem.endswith("-methods")
-    )
+    alone = next(file for file in (made / "recordings").iterdir() if file.stem in ("scene-a", "scene-b", "scene-c"))
     chunks = {chunk.entity_path: chunk.to_record_batch() for chunk in rr.chunk.RrdReader(compared).stream() if chunk.is_static}
     (legend,) = chunks["/legend"].column("TextDocument:text").to_pylist()[0]
     assert "* drivegen: 16 turned down: 16 speed" in legend

@@ -1,11 +1,13 @@
 """Drivers: how they drive in logged and in generated traffic."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from drivegen.core.scenario import DT
+from drivegen.report import plots
 from drivegen.report.averaged import over_recordings
 from drivegen.report.evidence import Evidence
-from drivegen.report.section import Section, not_measured
+from drivegen.report.section import Figure, Section, not_measured
 from drivegen.report.table import Table, measured, number, row
 
 NEIGHBOURS = {"replayed": "", "reactive": "reactive."}
@@ -43,7 +45,29 @@ def section(evidence: Evidence) -> Section:
     )
     parts = [_table(name, traffic, evidence) for name, traffic in drivers.items()]
     missing = "" if drivers else not_measured("drive")
-    return Section("driving", "Driving", lead, tuple(parts), missing=missing)
+    return Section("driving", "Driving", lead, tuple(parts), _speeds(evidence.results.get("recordings", ())), missing=missing)
+
+
+def _speeds(recordings: Sequence[Mapping[str, Any]]) -> tuple[Figure, ...]:
+    """Of all drivers in the same scenes."""
+    driven = [one for one in recordings if "speed" in one]
+    if not driven:
+        return ()
+    names = sorted(driven[0]["speed"], key=lambda name: (name != "logged", name))
+    scenes = {one["scenario"]: {name: _over_time(one["speed"][name]) for name in names} for one in driven}
+    ends = "; ".join(f"{name} in {one['scenario']}" for one in driven for name in one["collided"])
+    caption = (
+        "The target's speed in scenes drawn by seed, as logged and as each driver drives it along the same path among replayed "
+        f"neighbours. A line ends where the log does, at the map's end or with a collision ({ends or 'none here'}). "
+        "Each scene has a recording."
+    )
+    return (
+        Figure.svg("The same scenes by every driver", caption, plots.panels(scenes, "s", "m/s", 3, (plots.LOG, *plots.SERIES))),
+    )
+
+
+def _over_time(speed: Sequence[float]) -> tuple[list[float], Sequence[float]]:
+    return [step * DT for step in range(len(speed))], speed
 
 
 def by_traffic(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

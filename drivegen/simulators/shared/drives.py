@@ -7,6 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.samples import Samples, Violation
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.drivers.base import Driver
 from drivegen.metrics.driving import run_numbers, spread_over_samples
@@ -73,6 +74,16 @@ class Drives:
     def per_run(self) -> tuple[list[str], NDArray[np.int64], dict[str, NDArray[np.float64]]]:
         """The scenario of each run (S,), its number there, and what the means are of, by metric; and `impacts`."""
         return [self.scenarios[s] for s in self.scene], numbered(self.scene), self._numbers() | impacts(self.outcome)
+
+    def as_samples(self, driver: str) -> list[Samples]:
+        """Each run as a sample of the target alone, a collision as its violation; of runs of one sample a scenario."""
+        out = []
+        for row, scene in enumerate(self.scene.tolist()):
+            one = Samples.without_goals(self.scenarios[scene], driver, self.outcome.motion[row][np.newaxis, np.newaxis])
+            if self.outcome.collided[row]:
+                one.violation[:], one.first_violation[:] = Violation.COLLISION, self.outcome.step[row]
+            out.append(one)
+        return out
 
     def _numbers(self) -> dict[str, NDArray[Any]]:
         outcome = self.outcome
