@@ -99,7 +99,6 @@ def _teaching(taught: Any) -> tuple[str, ...]:
         return ()
     share = 100 * float(taught["validation_collision"])
     return (
-        f"Taught in {number(taught['train_scenes'])} logged scenes for as long as this run takes, which is too short: the "
-        f"weights of round {number(taught['validation_round'])} collide in {share:.1f} % of "
-        f"{number(taught['validation_scenes'])} validation scenes, among replayed neighbours.",
+        f"Taught in {number(taught['train_scenes'])} logged scenes: the weights of round {number(taught['validation_round'])} "
+        f"collide in {share:.1f} % of {number(taught['validation_scenes'])} validation scenes, among replayed neighbours.",
     )
