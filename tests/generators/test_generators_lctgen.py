@@ -13,13 +13,11 @@ from drivegen.core.geometry import boxes_overlap
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.generators._lctgen.codes import PARTS, Action, Direction, logged_actions, state_code
 from drivegen.generators._lctgen.learning import NO_PIECE, places
-from drivegen.generators._lctgen.maps import library_codes, map_code, retrieved
 from drivegen.generators._lctgen.net import ContextGating
-from drivegen.generators._lctgen.words import written
 from drivegen.generators.lctgen import CHUNK, Plugin
 from drivegen.generators.shared.vectors import AGENTS, Scenes
 from tests.generators.rivals import same, scenes, trained
-from tests.scenes import busy_crossing, crossing, drive, scenario, stack, straight_road
+from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
 
 def one(track: Trajectories) -> Scenario:
@@ -150,7 +148,19 @@ def generator() -> Plugin:
 
 def test_placed_vehicles_stand_free_of_one_another_behind_the_given_target(generator: Plugin) -> None:
     scene = busy_crossing()
-    code = written("eight cars ahead, two oncoming cars", np.random.default_rng(1)).vehicles
+    ahead = [
+        (3, 3, 0, 3),
+        (3, 4, 0, 5),
+        (0, 5, 0, 3),
+        (3, 1, 0, 3),
+        (3, 5, 0, 4),
+        (3, 4, 0, 4),
+        (3, 5, 0, 3),
+        (0, 4, 0, 2),
+        (0, 6, 0, 4),
+    ]
+    oncoming = [(1, 11, 2, 5), (1, 4, 2, 4)]
+    code = np.array([(*state, *[Action.KEEP_SPEED] * 4) for state in ahead + oncoming], np.int64)
     placed = generator.place(scene, code, np.random.default_rng(2))
     placed.validate()
     assert 2 <= len(placed) <= len(code)
@@ -167,34 +177,3 @@ def test_placed_vehicles_stand_free_of_one_another_behind_the_given_target(gener
 def test_a_code_of_too_many_vehicles_is_named(generator: Plugin) -> None:
     with pytest.raises(UnusableInput, match="16 at most"):
         generator.place(busy_crossing(), np.zeros((17, 8), np.int64), np.random.default_rng(0))
-
-
-def test_a_map_is_coded_as_the_target_sees_it() -> None:
-    assert map_code(straight_road(300, 3), np.array([100.0, 3.5]), 0.0).tolist() == [3, 0, 0, 0, 19, 1]
-    same, opposite, left, right, junction, lane = map_code(crossing(), np.array([-40.0, -1.75]), 0.0)
-    assert (same, opposite, lane) == (1, 1, 0)
-    assert left > 0 < right
-    assert junction == 6  # 30 m
-
-
-def test_the_map_with_the_most_alike_code_is_retrieved() -> None:
-    library = library_codes([(straight_road(300, n), np.array([100.0, 0.0]), 0.0) for n in (1, 2, 3)])
-    rng = np.random.default_rng(0)
-    assert retrieved(map_code(straight_road(400, 2), np.array([50.0, 0.0]), 0.0), library, rng) == 1
-    assert {retrieved(library[0], library[[0, 0]], rng) for _ in range(20)} == {0, 1}
-    with pytest.raises(UnusableInput, match="library is empty"):
-        retrieved(library[0], library[:0], rng)
-
-
-def test_words_become_a_code() -> None:
-    rng = np.random.default_rng(3)
-    code = written("Three oncoming cars turn left at a two-lane intersection, a car ahead brakes", rng)
-    assert code.vehicles.shape == (5, 8)
-    assert (code.vehicles[1:4, 2] == Direction.OPPOSITE).all()
-    assert (code.vehicles[1:4, 4:] == Action.TURN_LEFT).all()
-    assert code.vehicles[4, 0] in (0, 3)
-    assert (code.vehicles[4, 4:] == Action.SLOW_DOWN).all()
-    assert code.roads[:4].tolist() == [2, 2, 2, 2]
-    assert len(written("crowded one-way street", rng).vehicles) == 15
-    with pytest.raises(UnusableInput, match="how many"):
-        written("sing me a song", rng)
