@@ -1,4 +1,4 @@
-"""LCTGen's scenario code: small whole numbers for each vehicle and for the map around the target (paper, section 4.1).
+"""LCTGen's scenario code: small whole numbers for each vehicle around the target (paper, section 4.1).
 
 A vehicle's eight fields are its quadrant and distance as seen from the target, its direction, its speed, and what it
 does in each of four equal parts of the future. The first four are seen at step 0; the actions are the log's, or somebody's.
