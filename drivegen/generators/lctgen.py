@@ -1,20 +1,19 @@
 """LCTGen (Tan et al., CoRL 2023): a scenario code, and a query-based decoder that turns code and map into traffic.
 
 As in the paper: a code of eight small numbers for each vehicle (quadrant, distance, direction, speed, four actions of the
-future; `_lctgen.codes`), map pieces under multi-context gating, one query for each vehicle that attends to the other queries and
-to the map, small networks that read off each query where the vehicle stands (which piece of road, and
-mixtures of Gaussians for its place on it, heading, size and speed) and K' motions with their odds, the nearest of which is
-taught.
+future; `_lctgen.codes`), map pieces under multi-context gating, one query for each vehicle that attends to the other queries
+and to the map, small networks that read off each query where the vehicle stands (which piece of road, and mixtures of
+Gaussians for its place on it, heading, size and speed) and K' motions with their odds, the nearest of which is taught.
 
 The table gives every method the first frame, so vehicles are not placed there, and four fields of the code are known. The
 four actions are in the future: here they are drawn, one after the other, from a prior that was learnt on the train logs
 and sees the first frame only. `lctgen_log_code` takes them from the log instead: an upper bound, no method.
 
-Left out: the language model that writes a code, the map's own code, and the library of maps that it is retrieved from; the tables give
-map and first frame. Reduced, by settings: width 64, not 256; fields of the code are looked up in tables, not as sinusoids; one
-mixture for all attributes; a motion is a smooth curve of few degrees of freedom in each direction. Changed, to its advantage:
-where the first frame is given, a query is also told its vehicle's exact state and the context of its surroundings in its own
-frame; the future lasts 10 s, so an action lasts 2.5 s.
+Left out: the language model that writes a code, the map's own code, and the library of maps that it is retrieved from; the
+tables give map and first frame. Reduced, by settings: width 64, not 256; fields of the code are looked up in tables, not as
+sinusoids; one mixture for all attributes; a motion is a smooth curve of few degrees of freedom in each direction. Changed, to
+its advantage: where the first frame is given, a query is also told its vehicle's exact state and the context of its
+surroundings in its own frame; the future lasts 10 s, so an action lasts 2.5 s.
 """
 
 from collections.abc import Sequence
