@@ -55,8 +55,7 @@ def logged_severities(scenario: Scenario, limits: Limits) -> NDArray[np.float32]
     """
     if scenario.log is None:
         return np.zeros((0, len(RULES)), np.float32)
-    log = scenario.log[None]
-    worst = SceneChecker.of_motion(scenario, limits, log).severities(log).worst[0]
+    worst = SceneChecker(scenario, limits).severities(scenario.log[None]).worst[0]
     tracks: NDArray[np.float32] = worst[scenario.log.valid.any(axis=-1)]
     return tracks
 

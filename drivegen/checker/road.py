@@ -5,7 +5,7 @@ from numba import njit
 
 from drivegen.checker.limits import NEVER, OFF_ROAD, OVER_LIMIT, WRONG_WAY
 from drivegen.core.scenario import DT
-from drivegen.roads.drivable import CELL, LIMIT_UNIT, SECTORS
+from drivegen.roads.drivable import CELL, LIMIT_UNIT, MARGIN, SECTORS
 
 STRIDE = 2
 """Every second step is looked at [steps]."""
@@ -32,11 +32,27 @@ LEAST = np.float32(-1e9)
 
 _BLUR = np.float32(0.3)
 """Distances between cells are off by no more than this, nearly always [m]."""
+_FARTHEST = np.float32(MARGIN)
+"""Nobody is farther off the road than this [m]: beyond it rasters of a part of a map may not know the nearest road."""
+
 _PER_METRE = np.float32(1 / CELL)
 _HALF = np.float32(0.5)
 _SECTORS_PER_RADIAN = SECTORS / (2 * np.pi)
 _LIMIT_UNIT = np.float32(LIMIT_UNIT)
 _NEVER = np.float32(NEVER)
+
+
+@njit(cache=True, error_model="numpy")
+def extent(position, valid):  # type: ignore[no-untyped-def]
+    """Least and most of x and y (2,), (2,) [m] of all valid places (B, T, 2); inf and -inf where there is none."""
+    least, most = np.full(2, np.inf), np.full(2, -np.inf)
+    for b in range(valid.shape[0]):
+        for t in range(valid.shape[1]):
+            if valid[b, t]:
+                for axis in range(2):
+                    least[axis] = min(least[axis], position[b, t, axis])
+                    most[axis] = max(most[axis], position[b, t, axis])
+    return least, most
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -110,7 +126,7 @@ def _judge_edges(outside, around, origin, position, direction, valid, length, wi
             continue
         arrived = True
         if earlier > LEAST:
-            lasting = min(now, before, earlier)
+            lasting = min(now, before, earlier, _FARTHEST)
             worst = max(worst, lasting)
             if first < 0 and lasting > limit:
                 first = t

@@ -16,7 +16,7 @@ from drivegen.checker import collisions, dynamics, priority, road
 from drivegen.checker.limits import FLAGS, NEVER, NOT_FINITE, OVERLAP, OVERLAP_CONTEXT, RULES, Limits
 from drivegen.core.geometry import unit
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
-from drivegen.roads.drivable import RoadField, covered, road_field
+from drivegen.roads.drivable import RoadField, road_field
 from drivegen.roads.gates import Gates
 
 NOBODY = -1
@@ -53,19 +53,24 @@ class Severities:
         return Severities(self.worst[index], self.first[index])
 
 
+ROOM = 20.0
+"""Rasters are made so much [m] farther out than motion has yet been judged: the next motion is most likely near the last."""
+
+
 class SceneChecker:
-    """The legal checker of one scenario; made in a few milliseconds, most of which is the road field.
+    """The legal checker of one scenario; what takes longest are the rasters of the road, made where motion is judged.
 
     Args:
         scenario: its map, sizes, context actors and signals are read; its log is not.
         limits: Limits.
-        field: the map's `road_field`, where it was made already.
     """
 
-    def __init__(self, scenario: Scenario, limits: Limits, field: RoadField | None = None) -> None:
+    def __init__(self, scenario: Scenario, limits: Limits) -> None:
         self.size = np.ascontiguousarray(scenario.vehicles.size[:, :2], np.float32)
         self.limit = limits.severities().astype(np.float32)
-        self.field = field if field is not None else road_field(scenario.map)
+        self._map = scenario.map
+        self._field: RoadField | None = None
+        self._looked_at = np.full(2, np.inf), np.full(2, -np.inf)  # least and most [m]: nowhere
         self._context = _arrays(scenario.context.motion)
         self._context_size = np.ascontiguousarray(scenario.context.size[:, :2], np.float32)
         gates = Gates.of(scenario.map, scenario.signals)
@@ -73,11 +78,6 @@ class SceneChecker:
             gates.position, gates.direction, gates.group, gates.start, gates.end, gates.line, gates.red_for, gates.stop,
             gates.give_way, gates.conflict_start, gates.conflict, gates.conflict_direction,
         )  # fmt: skip
-
-    @classmethod
-    def of_motion(cls, scenario: Scenario, limits: Limits, motion: Trajectories) -> "SceneChecker":
-        """One for `motion` (..., N, T) alone: the road is looked at only where that is, which takes a fraction of the time."""
-        return cls(scenario, limits, road_field(scenario.map, covered(scenario.vehicles.size, motion)))
 
     def check(
         self, vehicle: int, motion: Trajectories, committed: Trajectories, committed_size: NDArray[np.float32]
@@ -167,7 +167,7 @@ class SceneChecker:
         direction = unit(np.where(valid, heading, np.float32(0))).astype(np.float32)
         worst, first = _nothing(len(size), len(RULES))
         dynamics.judge(position, direction, velocity, valid, self.limit, worst, first)
-        field = self.field
+        field = self._field_around(position, valid, size)
         rasters = (field.outside, np.maximum(np.float32(field.around), road.LEAST), field.directions, field.limit, field.origin)
         road.judge(*rasters, position, heading, direction, velocity, valid, size, self.limit, worst, first)
         if len(self._context_size):
@@ -179,6 +179,18 @@ class SceneChecker:
         worst[:, NOT_FINITE] = np.where(broken.any(axis=1), 1.0, NEVER)
         first[:, NOT_FINITE] = np.where(broken.any(axis=1), broken.argmax(axis=1), -1)
         return Severities(worst, first)
+
+    def _field_around(self, position: NDArray[np.float32], valid: NDArray[np.bool_], size: NDArray[np.float32]) -> RoadField:
+        """Rasters of the road around all that has been judged so far: most of a map is never looked at."""
+        reach = float(np.hypot(*size.T).max(initial=0.0)) / 2
+        low, high = road.extent(position, valid)
+        least, most = self._looked_at
+        if self._field is None or (low - reach < least).any() or (high + reach > most).any():
+            room = reach + ROOM
+            self._looked_at = least, most = np.minimum(least, low - room), np.maximum(most, high + room)
+            somewhere = np.stack([least, most]) if (least <= most).all() else np.zeros((1, 2))
+            self._field = road_field(self._map, somewhere)
+        return self._field
 
 
 _Arrays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]
@@ -209,4 +221,4 @@ def check_samples(
     scenario: Scenario, motion: Trajectories, limits: Limits, ignore_target: bool = False
 ) -> tuple[NDArray[np.uint16], NDArray[np.int16]]:
     """Judge K samples (K, N, T) of one scenario: violation (K, N) and first (K, N). See `SceneChecker.check_samples`."""
-    return SceneChecker.of_motion(scenario, limits, motion).check_samples(motion, ignore_target)
+    return SceneChecker(scenario, limits).check_samples(motion, ignore_target)

@@ -51,7 +51,7 @@ def judged(scenario: Scenario, samples: Samples, limits: Limits) -> Samples:
     """The samples, ended where vehicles leave the map, with verdicts; both partners of a collision are charged."""
     left = Exits.of(scenario.map).crossings(samples.motion, scenario.vehicles.size[:, 0])
     motion = left_from(samples.motion, left)
-    violation, first = SceneChecker.of_motion(scenario, limits, motion).check_samples(motion)
+    violation, first = SceneChecker(scenario, limits).check_samples(motion)
     return replace(samples, motion=motion, violation=violation, first_violation=first, left_map=left != STAYS)
 
 

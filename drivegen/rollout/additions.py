@@ -41,7 +41,7 @@ def with_additions(
     chosen = np.repeat(np.arange(count)[:, None], vehicles, axis=1)
     if TEMPO in additions:
         chosen = _in_tempo(rank, tempos(seed, scenario.scenario_id, count), share, seeds.rng(seed, "own", scenario.scenario_id))
-    checker = SceneChecker.of_motion(scenario, limits, samples.motion)
+    checker = SceneChecker(scenario, limits)
     if CHECKER in additions:
         chosen = np.stack([_legal(checker, samples.motion, rank, own) for own in chosen])
     at = (chosen, np.arange(vehicles))

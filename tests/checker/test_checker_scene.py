@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.checker.limits import NEVER, OFF_ROAD, RULES
+from drivegen.checker.limits import NEVER, RULES
 from drivegen.checker.scene import SceneChecker, check_samples
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.samples import Violation
@@ -377,20 +377,24 @@ def test_who_starts_off_the_road_is_judged_once_it_is_on_it():
 
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 10**6), st.floats(0, 30), st.floats(-600, 600))
-def test_rasters_made_around_motion_say_of_it_what_those_of_the_whole_map_say(seed, astray, away):
-    """Among vehicles that are somewhat or far off the road, or nowhere."""
+def test_rasters_of_where_motion_is_say_of_it_what_those_of_the_whole_map_say(seed, astray, away):
+    """Among vehicles that are somewhat or far off the road, or nowhere; whatever was judged before."""
     scene, random = busy_crossing(), np.random.default_rng(seed)
     motion = noisy_samples(scene, 3, seed).motion
     shift = random.normal(0, astray, (*motion.valid.shape[:2], 1, 2)).astype(np.float32)
     shift[0, 0] += np.float32(away)
     motion = replace(motion, position=motion.position + shift, valid=motion.valid & (random.random(motion.valid.shape) < 0.95))
-    part, whole = SceneChecker.of_motion(scene, LIMITS, motion), SceneChecker(scene, LIMITS)
-    found, expected = part.severities(motion), whole.severities(motion)
-    beyond = expected.worst[..., OFF_ROAD] > MARGIN  # there only as much is promised
-    assert (found.worst[..., OFF_ROAD][beyond] > MARGIN).all()
-    expected.worst[..., OFF_ROAD][beyond] = found.worst[..., OFF_ROAD][beyond]
-    assert np.array_equal(found.worst, expected.worst)
-    assert np.array_equal(found.first, expected.first)
+    everywhere = replace(motion, position=random.uniform(-2000, 2000, motion.position.shape).astype(np.float32))
+    whole, part, growing = (SceneChecker(scene, LIMITS) for _ in range(3))
+    whole.severities(everywhere)
+    for one in range(len(scene.vehicles)):
+        growing.alone(np.full(3, one), motion[:, one])
+    expected = whole.severities(motion)
+    for checker in (part, growing):
+        found = checker.severities(motion)
+        assert np.array_equal(found.worst, expected.worst)
+        assert np.array_equal(found.first, expected.first)
+    assert expected.worst[..., RULES.index("off_road")].max() <= MARGIN
 
 
 def test_nobody_anywhere_is_legal():
