@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.checker import collisions, dynamics, priority, road
@@ -202,8 +203,19 @@ def _arrays(motion: Trajectories) -> _Arrays:
     position, heading, velocity = (
         np.ascontiguousarray(a, np.float32) for a in (motion.position, motion.heading, motion.velocity)
     )
-    finite = np.isfinite(position).all(axis=-1) & np.isfinite(heading) & np.isfinite(velocity).all(axis=-1)
-    return position, heading, velocity, np.ascontiguousarray(motion.valid & finite)
+    valid = np.ascontiguousarray(motion.valid)
+    known = _known(position.reshape(-1, 2), heading.ravel(), velocity.reshape(-1, 2), valid.ravel())
+    return position, heading, velocity, known.reshape(valid.shape)
+
+
+@njit(cache=True, error_model="numpy")
+def _known(position, heading, velocity, valid):  # type: ignore[no-untyped-def]
+    """Which of M steps are valid, with finite numbers."""
+    known = np.empty(len(valid), np.bool_)
+    for i in range(len(valid)):
+        finite = np.isfinite(position[i, 0]) and np.isfinite(position[i, 1]) and np.isfinite(heading[i])
+        known[i] = valid[i] and finite and np.isfinite(velocity[i, 0]) and np.isfinite(velocity[i, 1])
+    return known
 
 
 def _flat(arrays: _Arrays) -> _Arrays:
