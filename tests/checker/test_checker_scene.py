@@ -2,8 +2,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from drivegen.checker.limits import NEVER, RULES
 from drivegen.checker.scene import SceneChecker, check_samples
@@ -11,16 +9,13 @@ from drivegen.core.roadmap import LaneControl
 from drivegen.core.samples import Violation
 from drivegen.core.scenario import Actors, Trajectories
 from drivegen.core.signals import Signals, SignalState
-from drivegen.roads.drivable import MARGIN
 from tests.checking import LIMITS, two_way_road
 from tests.scenes import (
     LANE_WIDTH,
     beside,
-    busy_crossing,
     crossing,
     drive,
     joined,
-    noisy_samples,
     scenario,
     stack,
     straight_road,
@@ -373,31 +368,3 @@ def test_who_starts_off_the_road_is_judged_once_it_is_on_it():
     parked = drive(way, 0, 0, STEPS)
     parked.position[50:] = drive(way[:4], 0, 12, STEPS).position[:51]
     assert Violation.OFF_ROAD not in judge(ROAD, parked)[0][0]
-
-
-@settings(max_examples=25, deadline=None)
-@given(st.integers(0, 10**6), st.floats(0, 30), st.floats(-600, 600))
-def test_rasters_of_where_motion_is_say_of_it_what_those_of_the_whole_map_say(seed, astray, away):
-    """Among vehicles that are somewhat or far off the road, or nowhere; whatever was judged before."""
-    scene, random = busy_crossing(), np.random.default_rng(seed)
-    motion = noisy_samples(scene, 3, seed).motion
-    shift = random.normal(0, astray, (*motion.valid.shape[:2], 1, 2)).astype(np.float32)
-    shift[0, 0] += np.float32(away)
-    motion = replace(motion, position=motion.position + shift, valid=motion.valid & (random.random(motion.valid.shape) < 0.95))
-    everywhere = replace(motion, position=random.uniform(-2000, 2000, motion.position.shape).astype(np.float32))
-    whole, part, growing = (SceneChecker(scene, LIMITS) for _ in range(3))
-    whole.severities(everywhere)
-    for one in range(len(scene.vehicles)):
-        growing.alone(np.full(3, one), motion[:, one])
-    expected = whole.severities(motion)
-    for checker in (part, growing):
-        found = checker.severities(motion)
-        assert np.array_equal(found.worst, expected.worst)
-        assert np.array_equal(found.first, expected.first)
-    assert expected.worst[..., RULES.index("off_road")].max() <= MARGIN
-
-
-def test_nobody_anywhere_is_legal():
-    scene = busy_crossing()
-    nobody = replace(noisy_samples(scene, 1).motion, valid=np.zeros((1, len(scene.vehicles), scene.steps), np.bool_))
-    assert not check_samples(scene, nobody, LIMITS)[0].any()
