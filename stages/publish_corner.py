@@ -1,7 +1,8 @@
 """The door `publish_corner`: tables III and IV, extended, from the runs of `make tables PART=corner`. It is in no dvc.yaml.
 
-argv: folder of runs (one a seed, each a workspace), the folder of published tables (gets corner_cases.json, corner-<driver>.md
-and corner-<driver>-costs.md; mutation_score.json, mutation-score.md and its chart where all runs have a score).
+argv: folder of runs (one a seed, each a workspace), the folder of published tables (gets corner_cases.json, a table of outcomes
+and one of costs for each driver; mutation_score.json, its table and chart where all runs have a score; the index corner.md,
+provenance-corner.json).
 """
 
 from dataclasses import dataclass
@@ -13,9 +14,12 @@ import pyarrow.parquet as pq
 
 from drivegen.core.errors import MissingTool
 from drivegen.report.published_corner import Attacks, Costs, corner_rows
+from drivegen.report.published_files import write_part
 from drivegen.report.published_mutation import mutation_rows, mutation_table
 from drivegen.report.sections.attack import cost_table, outcome_table
-from drivegen.store.files import whole, write_json
+from drivegen.report.table import Table
+from drivegen.store.files import write_json
+from drivegen.warehouse.provenance import describe_runs
 from stages._door import COST_FOLDER, enter
 
 DATA = "sumo_corpus"
@@ -26,6 +30,7 @@ SCORE = Path("reports/pieces/mutation_score.json")
 class Params:
     """`seeds` and `params`: the runs, which the flow `tables` reads."""
 
+    seed: int
     seeds: list[int]
     params: dict[str, Any]
 
@@ -37,24 +42,20 @@ def main(params: Params, runs: Path, published: Path) -> None:
     if not drivers:
         raise MissingTool(f"{roots[0]} holds no attacks: run `make tables PART=corner`")
     rows: list[dict[str, Any]] = []
+    tables: list[Table] = []
     for driver in drivers:
         of_runs = [_read(root, driver) for root in roots]
         rows += corner_rows(DATA, driver, of_runs)
-        costs = {f"attack/{driver}-{key}": cost for key, cost in of_runs[0][1].items()}
-        for table, name in ((outcome_table(driver, of_runs[0][0]), ""), (cost_table(driver, of_runs[0][0], costs), "-costs")):
-            with whole(published / f"corner-{driver}{name}.md") as temporary:
-                temporary.write_text(table.markdown(), encoding="utf-8")
+        attacks, took = of_runs[0]
+        costs = {f"attack/{driver}-{key}": cost for key, cost in took.items()}
+        tables += [outcome_table(driver, attacks), cost_table(driver, attacks, costs)]
     write_json(published / "corner_cases.json", rows)
     if all((root / SCORE).exists() for root in roots):
-        _publish_score([orjson.loads((root / SCORE).read_bytes()) for root in roots], published)
-
-
-def _publish_score(scores: list[dict[str, Any]], published: Path) -> None:
-    write_json(published / "mutation_score.json", list(mutation_rows(DATA, scores)))
-    table = mutation_table(scores[0])
-    for name, content in ((f"{table.name}.md", table.markdown().encode()), (f"{table.name}.svg", table.picture)):
-        with whole(published / name) as temporary:
-            temporary.write_bytes(content)
+        scores = [orjson.loads((root / SCORE).read_bytes()) for root in roots]
+        write_json(published / "mutation_score.json", list(mutation_rows(DATA, scores)))
+        tables.append(mutation_table(scores[0]))
+    provenance = {"seed": params.seed, **describe_runs(runs, map(str, params.seeds))}
+    write_part(published, "corner", "Corner cases: SUMO corpus (simulated)", tables, provenance)
 
 
 def _read(root: Path, driver: str) -> tuple[Attacks, Costs]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from drivegen.report.published_index import index
+from drivegen.report.published_index import index, part_index
 from drivegen.report.table import Table
 from drivegen.store.files import whole, write_json
 
@@ -22,8 +22,18 @@ def write_published(
     """
     write_json(out / "scenario_quality.json", list(rows))
     write_json(out / "provenance.json", dict(provenance))
-    contents = {f"{table.name}.md": table.markdown().encode() for table in tables}
-    contents |= {f"{table.name}.svg": table.picture for table in tables if table.picture}
-    for name, content in {**contents, "README.md": index(tables, titles, provenance).encode()}.items():
+    _write(out, tables, {"README.md": index(tables, titles, provenance)})
+
+
+def write_part(out: Path, part: str, title: str, tables: Sequence[Table], provenance: Mapping[str, Any]) -> None:
+    """Write the tables of a part beside the first table's: files as there, provenance-<part>.json and <part>.md, their index."""
+    write_json(out / f"provenance-{part}.json", dict(provenance))
+    _write(out, tables, {f"{part}.md": part_index(part, title, tables, provenance)})
+
+
+def _write(out: Path, tables: Sequence[Table], texts: Mapping[str, str]) -> None:
+    contents = {f"{table.name}.md": table.markdown() for table in tables} | dict(texts)
+    pictures = {f"{table.name}.svg": table.picture for table in tables if table.picture}
+    for name, content in {**{name: text.encode() for name, text in contents.items()}, **pictures}.items():
         with whole(out / name) as temporary:
             temporary.write_bytes(content)

@@ -28,5 +28,14 @@ def index(tables: Sequence[Table], data: Mapping[str, str], provenance: Mapping[
     return "\n".join([*lines, "", "## Raw", "", *_FILES, ""])
 
 
+def part_index(part: str, title: str, tables: Sequence[Table], provenance: Mapping[str, Any]) -> str:
+    """The tables of one part as links, and what they were made from."""
+    codes = [f"{code['commit']}{' and uncommitted changes' if code['changed'] else ''}" for code in provenance["code"]]
+    runs, missing = ", ".join(provenance["runs"]), ", ".join(provenance["runs_missing"])
+    made = f"Runs: {runs}; of code {', '.join(codes) or 'unknown'}. [Hashes and versions](provenance-{part}.json)."
+    lines = [f"# {title}", "", f"INCOMPLETE, not there: {missing}. {made}" if missing else made, ""]
+    return "\n".join([*lines, *(_link(table, table.title) for table in tables), ""])
+
+
 def _link(table: Table, words: str) -> str:
     return f"* [{words}]({table.name}.md)"

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from drivegen.store.results import run_id
-from drivegen.warehouse.runs import METRICS, read_codes
+from drivegen.warehouse.runs import METRICS, PIECES, read_codes
 
 _PINNED = ("drivegen", "numpy", "torch", "libsumo", "numba")
 
@@ -17,9 +17,10 @@ def describe_runs(runs: Path, expected: Iterable[str]) -> dict[str, Any]:
     Neither times nor paths of this machine, so the same runs give the same bytes.
     """
     names = list(expected)
-    present = {name: runs / name for name in sorted(names) if (runs / name / METRICS).is_dir()}
+    results = {name: [folder for part in (METRICS, PIECES) if (folder := runs / name / part).is_dir()] for name in sorted(names)}
+    present = {name: runs / name for name, folders in results.items() if folders}
     return {
-        "runs": {name: run_id({}, [place / METRICS]) for name, place in present.items()},
+        "runs": {name: run_id({}, results[name]) for name in present},
         "code": read_codes(present),
         "runs_missing": [name for name in names if name not in present],
         "versions": {name: version(name) for name in _PINNED},

@@ -19,7 +19,7 @@ from drivegen.store.costs import COST
 from drivegen.store.results import WHOLE_SCENE
 from drivegen.warehouse.database import read_parts
 
-METRICS, PLOTS, COSTS = Path("reports/metrics"), Path("reports/plots"), Path(".drivegen/costs")
+METRICS, PIECES, PLOTS, COSTS = Path("reports/metrics"), Path("reports/pieces"), Path("reports/plots"), Path(".drivegen/costs")
 """Folders of a workspace."""
 
 _WEIGHTS = {"train_generator": "generators", "train_planner": "planners", "train_selector": "selector"}

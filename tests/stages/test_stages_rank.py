@@ -51,7 +51,9 @@ def published(tmp_path: Path) -> Path:
     better, worse = [0.1, 0.2, 0.4, 0.8], [0.8, 0.4, 0.2, 0.1]
     left_behind(tmp_path / "runs/sumo_corpus", {"log": better, "drivegen": better, "bits": worse})
     left_behind(tmp_path / "runs/ngsim", {"log": better, "drivegen": better})
-    params = publish_drivers.Params(7, 50, {}, {name: {"protocol": ""} for name in ("sumo_corpus", "ngsim", "absent")})
+    params = publish_drivers.Params(
+        7, 50, {}, {name: {"protocol": "", "title": name} for name in ("sumo_corpus", "ngsim", "absent")}
+    )
     publish_drivers.main(params, tmp_path / "runs", tmp_path / "out")
     return tmp_path / "out"
 
@@ -73,3 +75,11 @@ def test_orders_are_compared_with_that_of_real_roads(published: Path):
     rival = rows["sumo_corpus", "bits"]
     assert (rival["drivegen_ahead"], rival["drivers"], rival["real_recordings"]) == (2.0, 4, 10)
     assert "| ngsim | BITS | sumo_corpus | counted collisions | -1.00" in (published / "drivers-ranking.md").read_text()
+
+
+def test_the_index_links_the_tables_and_says_what_is_missing(published: Path):
+    index = (published / "drivers.md").read_text()
+    assert "INCOMPLETE, not there: absent. Runs: ngsim, sumo_corpus; of code None." in index
+    assert "* [Does traffic rank drivers as real roads do?](drivers-ranking.md)" in index
+    provenance = orjson.loads((published / "provenance-drivers.json").read_bytes())
+    assert (set(provenance["runs"]), provenance["runs_missing"], provenance["seed"]) == ({"ngsim", "sumo_corpus"}, ["absent"], 7)

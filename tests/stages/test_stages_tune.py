@@ -58,7 +58,8 @@ def tuned(tmp_path_factory) -> Path:
     tests = replace(read_params("drive_tuned", drive_tuned.Params, PARAMS), workers=1, draws=20)
     results = root / "runs/here" / publish_drivers.TUNED
     drive_tuned.main(tests, root / "scenarios/test", root / "data", results, results.with_suffix(".json"))
-    publish_drivers.main(publish_drivers.Params(7, 50, {}, {"here": {"protocol": "clean"}}), root / "runs", root / "published")
+    published = publish_drivers.Params(7, 50, {}, {"here": {"protocol": "clean", "title": "These scenes"}})
+    publish_drivers.main(published, root / "runs", root / "published")
     return root
 
 
@@ -85,4 +86,9 @@ def test_the_published_rows_are_those_that_are_asked_for(tuned: Path):
     value = {(row["method"], row["neighbours"], row["metric"]): row["value"] for row in rows}
     longer, bits = value["dataset_longer", "replayed", "dis"], value["bits", "replayed", "dis"]
     assert value["bits", "replayed", "dis.minus_dataset_longer"] == pytest.approx(bits - longer)
-    assert "| BITS |" in (tuned / "published/drivers-here-clean-gail-replayed.md").read_text()
+    table = (tuned / "published/drivers-here-clean-gail-replayed.md").read_text()
+    assert "GAIL tuned on each method's scenes, neighbours replayed: These scenes" in table
+    assert "| BITS |" in table
+    assert "| BITS (paper, on Argoverse 2) | 0.15 | 56.90 | 5.10 | 7.84 |" in table
+    assert "policy seeds: 1" in table
+    assert "paper, on" not in (tuned / "published/drivers-here-clean-gail-reactive.md").read_text()
