@@ -97,12 +97,11 @@ def listed(stage) -> list[str]:
 
 
 def code_hashes(root: Path) -> dict[str, dict[str, str]]:
-    """DVC's own hash of every code dependency of every stage."""
+    """DVC's own hash of every code dependency of every stage; what several depend on is hashed once."""
     with Repo(str(root)) as repo:
-        return {
-            stage.name: {dep.def_path: str(dep.get_hash()) for dep in stage.deps if dep.def_path.startswith("drivegen")}
-            for stage in repo.index.stages
-        }
+        code = {dep.def_path: dep for stage in repo.index.stages for dep in stage.deps if dep.def_path.startswith("drivegen")}
+        hashes = {path: str(dep.get_hash()) for path, dep in code.items()}
+        return {stage.name: {path: hashes[path] for path in listed(stage)} for stage in repo.index.stages}
 
 
 @pytest.fixture(scope="module")
@@ -117,10 +116,15 @@ def copy(tmp_path_factory) -> Path:
     return root
 
 
+@pytest.fixture(scope="module")
+def before(copy) -> dict[str, dict[str, str]]:
+    """Of the copy as it is: every test leaves it so."""
+    return code_hashes(copy)
+
+
 @pytest.mark.parametrize("what", EDITS)
-def test_an_edit_makes_the_stages_stale_that_it_concerns_and_no_others(copy, what):
+def test_an_edit_makes_the_stages_stale_that_it_concerns_and_no_others(copy, before, what):
     name, expected = EDITS[what]
-    before = code_hashes(copy)
     content = (copy / name).read_text()
     (copy / name).write_text(content + "\n")
     after = code_hashes(copy)
@@ -129,8 +133,7 @@ def test_an_edit_makes_the_stages_stale_that_it_concerns_and_no_others(copy, wha
     assert stale == (expected or {stage.split("@")[0] for stage in before})
 
 
-def test_a_rival_of_its_own_is_trained_again_alone(copy):
-    before = code_hashes(copy)
+def test_a_rival_of_its_own_is_trained_again_alone(copy, before):
     file = copy / "drivegen/generators/bits.py"
     content = file.read_text()
     file.write_text(content + "\n")
