@@ -21,6 +21,9 @@ PRIMARY = "counted_rich"
 """The primary endpoint, declared before anything was measured: counted collisions among replayed neighbours, on test scenes that
 are rich in encounters by their logs."""
 
+BY_SEED = f"{PRIMARY}.by_seed"
+"""The same of each policy seed: in place of an interval the least and the most of them."""
+
 REFERENCE = "dataset_longer"
 """The row that others are compared with: the same steps, without generated traffic."""
 
@@ -64,6 +67,7 @@ HEADS = {
     "div": "Div [m]",
     "counted": "counted collisions",
     PRIMARY: "counted, in scenes rich in encounters",
+    BY_SEED: "the same, by policy seed: mean, least, most",
     "progress": "way driven, of the logged",
     "red_lights": "red lights run, of those met",
     "off_road": "share of time off the road",
@@ -93,6 +97,7 @@ class Tests:
         data, protocol: what stands in the rows. recordings: (S,) of the scenes. seeds: of each (driver, method).
         values: of each (driver, method) the columns (S,) by name, means over seeds.
         diversity: of each (driver, method, neighbours) Div with its interval, means over seeds.
+        primary: of each (driver, method) the primary endpoint of each policy seed, replayed neighbours.
     """
 
     data: str
@@ -101,6 +106,7 @@ class Tests:
     seeds: Mapping[tuple[str, str], int]
     values: Mapping[tuple[str, str], Columns]
     diversity: Mapping[tuple[str, str, str], list[float]]
+    primary: Mapping[tuple[str, str], list[float]]
 
 
 def read_tests(data: str, protocol: str, results: pa.Table, diversity: Mapping[str, Mapping[str, float | None]]) -> Tests:
@@ -111,6 +117,7 @@ def read_tests(data: str, protocol: str, results: pa.Table, diversity: Mapping[s
     place = {name: i for i, name in enumerate(ids)}
     values: dict[tuple[str, str], Columns] = {}
     seeds: dict[tuple[str, str], int] = {}
+    primary: dict[tuple[str, str], list[float]] = {}
     for key in dict.fromkeys(zip(driver.tolist(), method.tolist(), strict=True)):
         mine = (driver == key[0]) & (method == key[1])
         named = (key[0], _RENAMED.get(key[1], key[1]))
@@ -121,10 +128,13 @@ def read_tests(data: str, protocol: str, results: pa.Table, diversity: Mapping[s
             at = [place[one] for one in scenario[chosen]]
             total, count = np.bincount(at, value[chosen], len(ids)), np.bincount(at, minlength=len(ids))
             columns[name] = np.divide(total, count, out=np.full(len(ids), np.nan), where=count > 0)
+        counted = [(metric == "counted") & mine & (seed == one) for one in sorted(set(seed[mine].tolist()))]
+        rich = [columns["rich"][[place[one] for one in scenario[chosen]]] for chosen in counted]
+        primary[named] = [float(np.average(value[chosen], weights=w)) for chosen, w in zip(counted, rich, strict=True) if w.any()]
         for prefix in NEIGHBOURS.values():
             columns[f"{prefix}counted_rich"] = columns[f"{prefix}counted"] * columns["rich"]
         values[named] = columns
-    return Tests(data, protocol, [recording(name) for name in ids], seeds, values, _diversities(diversity))
+    return Tests(data, protocol, [recording(name) for name in ids], seeds, values, _diversities(diversity), primary)
 
 
 def _diversities(diversity: Mapping[str, Mapping[str, float | None]]) -> dict[tuple[str, str, str], list[float]]:
@@ -157,6 +167,9 @@ def driver_rows(tests: Tests, draws: int, seed: int) -> Iterator[dict[str, Any]]
                 if reference is not None and method != REFERENCE:
                     apart = figure - _figure(reference, metric, prefix, times)
                     yield about | {"metric": f"{metric}.minus_{REFERENCE}"} | _interval(apart)
+            by_seed = tests.primary[driver, method]
+            if by_seed and not prefix:
+                yield about | {"metric": BY_SEED, "value": float(np.mean(by_seed)), "low": min(by_seed), "high": max(by_seed)}
             numbers = zip(("value", "low", "high"), tests.diversity[driver, method, neighbours], strict=True)
             yield about | {"metric": "div"} | {name: number if np.isfinite(number) else None for name, number in numbers}
 
@@ -194,7 +207,8 @@ def driver_tables(rows: Sequence[Mapping[str, Any]], about: Mapping[str, tuple[s
         first = mine[there[0], "cr"]
         notes = (
             f"{PRIMARY_WORDS} {first['n']} scenes of {recordings} recordings, policy seeds: {first['seeds']}; 95 % intervals "
-            "over recordings, the last column is paired by scene. Comfort is the reciprocal of the mean absolute acceleration.",
+            "over recordings for the policies as they are, the last column paired by scene; how much seeds differ is a column of "
+            "its own. Comfort is the reciprocal of the mean absolute acceleration.",
             PROTOCOLS[protocol],
         )
         yield Table(

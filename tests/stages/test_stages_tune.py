@@ -5,12 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import orjson
+import pyarrow as pa
 import pytest
 import torch
 
 from drivegen.core.samples import Samples
 from drivegen.drivers import gail
 from drivegen.drivers.shared.tuning import Continued
+from drivegen.report.published_drivers import read_tests
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, write_shard
 from stages import drive_tuned, publish_drivers, tune, tune_traffic
@@ -92,3 +94,19 @@ def test_the_published_rows_are_those_that_are_asked_for(tuned: Path):
     assert "| BITS (paper, on Argoverse 2) | 0.15 | 56.90 | 5.10 | 7.84 |" in table
     assert "policy seeds: 1" in table
     assert "paper, on" not in (tuned / "published/drivers-here-clean-gail-reactive.md").read_text()
+
+
+def test_the_primary_endpoint_also_stands_by_policy_seed():
+    """Of scenes a, b and c the first two are rich; the second seed collides in a, the first in c alone."""
+    rows = [
+        {"driver": "gail", "method": "bits", "metric": metric, "scenario": scenario, "seed": seed, "value": value}
+        for seed, hit in ((7, "c"), (8, "a"))
+        for scenario in "abc"
+        for metric, value in (
+            ("counted", float(scenario == hit)),
+            ("reactive.counted", 0.0),
+            ("rich", float(scenario != "c")),
+        )
+    ]
+    tests = read_tests("here", "clean", pa.Table.from_pylist(rows), {})
+    assert tests.primary == {("gail", "bits"): [0.0, 0.5]}
