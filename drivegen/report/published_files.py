@@ -22,7 +22,8 @@ def write_published(
     """
     write_json(out / "scenario_quality.json", list(rows))
     write_json(out / "provenance.json", dict(provenance))
-    _write(out, tables, {"README.md": index(tables, titles, provenance)})
+    parts = [name.removeprefix("provenance-") for name in sorted(file.stem for file in out.glob("provenance-*.json"))]
+    _write(out, tables, {"README.md": index(tables, titles, provenance, parts)})
 
 
 def write_part(out: Path, part: str, title: str, tables: Sequence[Table], provenance: Mapping[str, Any]) -> None:

@@ -11,8 +11,8 @@ _FILES = (
 )
 
 
-def index(tables: Sequence[Table], data: Mapping[str, str], provenance: Mapping[str, Any]) -> str:
-    """The tables as links: by data set (title by name, the headline's first), then what concerns several, then the raw files."""
+def index(tables: Sequence[Table], data: Mapping[str, str], provenance: Mapping[str, Any], parts: Sequence[str] = ()) -> str:
+    """The tables as links: by data set (title by name, the headline's first), what concerns several, other `parts`, raw files."""
     there, missing = len(provenance["runs"]), provenance["runs_missing"]
     whole_set = f"From all {there} runs that `publish` of params.yaml asks for."
     partial = f"INCOMPLETE: from {there} of {there + len(missing)} runs; not there: {', '.join(missing)}."
@@ -25,6 +25,8 @@ def index(tables: Sequence[Table], data: Mapping[str, str], provenance: Mapping[
             lines += ["", f"## {title}", "", *(_link(table, table.title.removesuffix(f": {title}")) for table in mine)]
     if rest:
         lines += ["", "## Across data sets", "", *(_link(table, table.title) for table in rest)]
+    if parts:
+        lines += ["", "## Other parts, of code of their own", "", *(f"* [{part.capitalize()}]({part}.md)" for part in parts)]
     return "\n".join([*lines, "", "## Raw", "", *_FILES, ""])
 
 

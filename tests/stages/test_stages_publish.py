@@ -119,8 +119,12 @@ def test_runs_that_nobody_asks_for_any_more_are_not_counted(runs, tmp_path):
     for name in ("here/9", "there/t0.5"):
         run(runs / name, {"drivegen": [1.0, 1, 1]})
     asked = params(data={"here": about("Here"), "there": about("There", front=False)})
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out/provenance-drivers.json").write_text("{}")  # another part was published there
     publish.main(asked, runs, tmp_path / "out")
-    assert "From all 5 runs that `publish`" in (tmp_path / "out/README.md").read_text()
+    text = (tmp_path / "out/README.md").read_text()
+    assert "From all 5 runs that `publish`" in text
+    assert "* [Drivers](drivers.md)" in text
     made = orjson.loads((tmp_path / "out/provenance.json").read_bytes())
     assert set(made["runs"]) == {"here/7-7", "here/8-7", "here/t0.5", "there/7-7", "there/8-7"}
     assert not (tmp_path / "out/front-there.md").exists()
