@@ -7,6 +7,8 @@ counts of labels (JSON), the few numbers that DVC shows (JSON).
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+import numpy as np
+
 from drivegen.core.errors import UnusableInput
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count
@@ -71,7 +73,8 @@ def _score_shard(task: Task) -> list[Scored]:
             raise UnusableInput(f"{task.generated} lacks scenario {scenario.scenario_id}: run the rollout stage again")
         if scenario.log is not None:
             samples = by_id[scenario.scenario_id]
-            road = road_surface(scenario.map, covered(scenario.vehicles.size, scenario.log, samples.motion), FARTHEST)
+            places = np.concatenate([motion.position[motion.valid] for motion in (scenario.log, samples.motion)])
+            road = road_surface(scenario.map, covered(places, scenario.vehicles.size), FARTHEST)
             edges = RoadEdges(road.outside, road.origin, CELL, road.beyond_rim)
             stream = rng(task.params.seed, "evaluate", "any", scenario.scenario_id)
             out.append(score(scenario, scenario.log, samples, edges, task.params.measured, stream))

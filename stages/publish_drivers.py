@@ -49,9 +49,7 @@ def main(params: Params, runs: Path, published: Path) -> None:
     titles = {name: method.title for name, method in read_methods().items()}
     about = {one.data: (str(params.data[one.data]["title"]), len(set(one.recordings))) for one in tests}
     tables = [ranking_table(ranking, titles), *driver_tables(tuned, about)]
-    done = [name for name, run in folders.items() if any((run / file).exists() for file in (RANK, TUNED))]
-    provenance = {"seed": params.seed, "bootstrap_draws": params.draws, **describe_runs(runs, done)}
-    provenance["runs_missing"] = [name for name in folders if name not in done]  # a run that was stopped has results, too
+    provenance = {"seed": params.seed, "bootstrap_draws": params.draws, **describe_runs(runs, folders, (RANK, TUNED))}
     write_part(published, "drivers", "Drivers: ranked by traffic, and tuned on it", tables, provenance)
 
 

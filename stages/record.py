@@ -108,7 +108,7 @@ def _drivers(scenario: Scenario, driven: Path, out: Path) -> dict[str, Any]:
 
 
 def _entry(file: Path, text: str, scenario_id: str, sample: int, stage: str = "", item: str = "") -> dict[str, Any]:
-    """A recording of the list: what it shows, and of which stage's item; of none where it compares methods."""
+    """A recording of the list: what it shows, and of which stage's item; of none where it compares methods or drivers."""
     href = f"{file.parent.name}/{file.name}"
     return {"text": text, "href": href, "scenario": scenario_id, "sample": sample, "stage": stage, "item": item}
 

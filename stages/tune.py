@@ -14,7 +14,7 @@ from drivegen.core import plugins
 from drivegen.drivers.shared.lessons import Lessons
 from drivegen.drivers.shared.policy import Policy
 from drivegen.drivers.shared.teaching import Pupil, teach
-from drivegen.drivers.shared.tuning import Continued
+from drivegen.drivers.shared.tuning import Continued, stand_at
 from drivegen.store.files import write_json
 from drivegen.store.lookup import logs_below
 from stages._door import build, enter, require
@@ -55,8 +55,7 @@ def main(params: Params, scenarios: Path, scenes: Path, out: Path, metrics: Path
         return policy
 
     best = learn(BASE, base, how["base"].course)
-    for network in (base.policy, base.tries):  # all go on from the policy that the base's row shows, not from its last round
-        network.layers.load_state_dict(best.layers.state_dict())
+    stand_at(base, best)  # all go on from what the base's row shows
     for method in (LONGER, *params.methods):
         lessons = train if method == LONGER else Lessons.of(logs_below(require(scenes / method, "run the stage tune_traffic")))
         learn(method, Continued(base, plugin.pupil(how["tuned"], lessons, seed)), how["tuned"].course)

@@ -42,19 +42,6 @@ _LIMIT_UNIT = np.float32(LIMIT_UNIT)
 _NEVER = np.float32(NEVER)
 
 
-@njit(cache=True, error_model="numpy")
-def extent(position, valid):  # type: ignore[no-untyped-def]
-    """Least and most of x and y (2,), (2,) [m] of all valid places (B, T, 2); inf and -inf where there is none."""
-    least, most = np.full(2, np.inf), np.full(2, -np.inf)
-    for b in range(valid.shape[0]):
-        for t in range(valid.shape[1]):
-            if valid[b, t]:
-                for axis in range(2):
-                    least[axis] = min(least[axis], position[b, t, axis])
-                    most[axis] = max(most[axis], position[b, t, axis])
-    return least, most
-
-
 @njit(cache=True, error_model="numpy", inline="always")
 def _cell(place, origin):  # type: ignore[no-untyped-def]
     """Column or row of a place [m]. In double precision, so that it hardly matters how much of a map was made a raster."""

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Polylines, unit
 from drivegen.core.roadmap import RoadMap, open_ends
-from drivegen.core.scenario import Trajectories
 
 CELL = 0.5
 """Edge of a cell [m]; distances are unbiased, off by 0.13 m (one sigma) where interpolated, by a diagonal at most by cell."""
@@ -158,11 +157,14 @@ def _surface(map_: RoadMap, quads: _Quads, frame: _Frame) -> RoadSurface:
     return RoadSurface(frame.low.astype(np.float32), _signed_distance(road), road > mapped, around)
 
 
-def covered(size: NDArray[np.float32], *motions: Trajectories) -> NDArray[np.floating] | None:
-    """Two points (2, 2) [m] between which boxes of `size` (N, 2 or 3) [m] are in all `motions` (..., N, T); None if nobody is."""
-    there = [motion.position[motion.valid & np.isfinite(motion.position).all(axis=-1)] for motion in motions]
-    points, reach = np.concatenate(there), float(np.hypot(*size[:, :2].T).max(initial=0.0)) / 2
-    return np.stack([points.min(0) - reach, points.max(0) + reach]) if len(points) else None
+def covered(places: NDArray[np.floating], size: NDArray[np.floating]) -> NDArray[np.float64] | None:
+    """Two corners (2, 2) [m] of what boxes of `size` (N, 2 or 3) [m] cover, any of them at any of the places (P, 2) [m].
+
+    Places that are not finite count for nothing; None where no other is.
+    """
+    there = places[np.isfinite(places).all(axis=-1)].astype(np.float64)
+    reach = float(np.hypot(*size[:, :2].T).max(initial=0.0)) / 2
+    return np.stack([there.min(0) - reach, there.max(0) + reach]) if len(there) else None
 
 
 def sectors(heading: NDArray[np.floating]) -> NDArray[np.uint8]:

@@ -54,10 +54,7 @@ def test_on_a_drawn_road_it_is_right_to_a_fraction_of_a_cell(offset):
 def test_a_raster_around_the_boxes_says_of_them_what_that_of_the_whole_map_says(points, heading):
     roads = crossing()
     boxes = at(points, [heading] * len(points))
-    motion = Trajectories(
-        boxes.position[:, :1], np.full((1, 1, len(points)), heading, np.float32), boxes.position[:, :1], boxes.valid[:, :1]
-    )
-    part, whole = road_surface(roads, covered(SIZE, motion), FARTHEST), road_surface(roads)
+    part, whole = road_surface(roads, covered(np.float32(points), SIZE), FARTHEST), road_surface(roads)
     near, far = (edge_distance(boxes, 1, RoadEdges(one.outside, one.origin, CELL, one.beyond_rim)) for one in (part, whole))
     assert np.array_equal(near, far)
     assert near.max() <= FARTHEST

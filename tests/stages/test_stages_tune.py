@@ -1,5 +1,6 @@
 """Tuning on toy scenes: every row begins with the same base, rows end elsewhere, and their test writes what the tables need."""
 
+import copy
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import torch
 
 from drivegen.core.samples import Samples
 from drivegen.drivers import gail
-from drivegen.drivers.shared.tuning import Continued
+from drivegen.drivers.shared.tuning import Continued, stand_at
 from drivegen.report.published_drivers import read_tests
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, write_shard
@@ -42,6 +43,20 @@ def test_a_tuned_driver_begins_where_its_base_stands_with_learning_rates_of_its_
     pupil.study(1, 9)
     assert all(torch.equal(old, new) for old, new in zip(before, base.policy.parameters(), strict=True))
     assert not torch.equal(before[0], next(iter(pupil.policy.parameters())))
+
+
+def test_what_is_tuned_and_its_average_both_begin_at_the_row_of_the_base():
+    """Not at the network of the last round, of which a row's policy is an average, or an earlier one."""
+    lessons = straight_lessons(2)
+    base = gail.Plugin.pupil(teaching("gail", **SHORT), lessons, 7)
+    base.begin(7)
+    best = copy.deepcopy(base.policy)
+    base.study(1, 7)
+    stand_at(base, best)
+    pupil = Continued(base, gail.Plugin.pupil(teaching("gail", **SHORT), lessons, 8))
+    pupil.begin(8)
+    for network in (pupil.policy, pupil.tries):
+        assert all(torch.equal(a, b) for a, b in zip(network.layers.parameters(), best.layers.parameters(), strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -109,4 +124,4 @@ def test_the_primary_endpoint_also_stands_by_policy_seed():
         )
     ]
     tests = read_tests("here", "clean", pa.Table.from_pylist(rows), {})
-    assert tests.primary == {("gail", "bits"): [0.0, 0.5]}
+    assert tests.primary == {("gail", "bits"): {7: 0.0, 8: 0.5}}

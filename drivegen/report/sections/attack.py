@@ -28,9 +28,9 @@ NOTES = (
     "One run of each scene is handed over: the first that counts, else the first with a collision, else the last.",
     "Counted: front, side, or hit in the side after the first second; not run into from behind or while standing, as replays do.",
     "Runs are all runs of the driver in a scene, those that only look at how it drives included; no method has more.",
-    "How a scene's generated samples share its runs: DriveGen-CS and CAT take a sample for every so many runs "
-    "(`per_scene`), random goals are drawn from all samples, AdvSim and DiffScene "
-    "spend all on the first, and on one vehicle in it.",
+    "Where a scenario has several generated scenes (`attack.samples`) these share its runs: DriveGen-CS and CAT take one more "
+    "for every so many runs (`per_scene`), random goals are drawn from all, AdvSim and DiffScene spend all on the first, and "
+    "on one vehicle in it.",
     "Three numbers of DriveGen-CS (caution, behind, again) were chosen on test scenes of the same networks, no rival's were: "
     "this favours DriveGen-CS.",
 )
