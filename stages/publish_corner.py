@@ -1,10 +1,11 @@
 """The door `publish_corner`: tables III and IV, extended, from the runs of `make tables PART=corner`. It is in no dvc.yaml.
 
 argv: folder of runs (one a seed, each a workspace), the folder of published tables (gets corner_cases.json, a table of outcomes
-and one of costs for each driver; mutation_score.json, its table and chart where all runs have a score; the index corner.md,
-provenance-corner.json).
+and one of costs for each driver; mutation_score.json, its table and chart where all runs have a score; repair.json and its tables
+of drivers that all runs have repaired; the index corner.md, provenance-corner.json).
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from drivegen.core.errors import MissingTool
 from drivegen.report.published_corner import Attacks, Costs, corner_rows
 from drivegen.report.published_files import write_part
 from drivegen.report.published_mutation import mutation_rows, mutation_table
+from drivegen.report.published_repair import pooled_rows, repair_tables
 from drivegen.report.sections.attack import cost_table, outcome_table
 from drivegen.report.table import Table
 from drivegen.store.files import write_json
@@ -24,6 +26,7 @@ from stages._door import COST_FOLDER, enter
 
 DATA = "sumo_corpus"
 SCORE = Path("reports/pieces/mutation_score.json")
+REPAIRED = Path("reports/pieces/repair")
 
 
 @dataclass(frozen=True)
@@ -54,8 +57,19 @@ def main(params: Params, runs: Path, published: Path) -> None:
         scores = [orjson.loads((root / SCORE).read_bytes()) for root in roots]
         write_json(published / "mutation_score.json", list(mutation_rows(DATA, scores)))
         tables.append(mutation_table(scores[0]))
+    if repaired := {driver: list(pooled_rows(DATA, driver, of_runs)) for driver, of_runs in _repaired(roots)}:
+        write_json(published / "repair.json", [row for own in repaired.values() for row in own])
+        tables += [table for driver, own in repaired.items() for table in repair_tables(driver, own)]
     provenance = {"seed": params.seed, **describe_runs(runs, map(str, params.seeds))}
     write_part(published, "corner", "Corner cases: SUMO corpus (simulated)", tables, provenance)
+
+
+def _repaired(roots: list[Path]) -> Iterator[tuple[str, list[Any]]]:
+    """Drivers that every run has repaired, with the rows of each run."""
+    for file in sorted((roots[0] / REPAIRED).glob("*.json")):
+        files = [root / REPAIRED / file.name for root in roots]
+        if all(each.exists() for each in files):
+            yield file.stem, [orjson.loads(each.read_bytes()) for each in files]
 
 
 def _read(root: Path, driver: str) -> tuple[Attacks, Costs]:

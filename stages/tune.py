@@ -12,9 +12,7 @@ from typing import Any
 
 from drivegen.core import plugins
 from drivegen.drivers.shared.lessons import Lessons
-from drivegen.drivers.shared.policy import Policy
-from drivegen.drivers.shared.teaching import Pupil, teach
-from drivegen.drivers.shared.tuning import Continued, stand_at
+from drivegen.drivers.shared.tuning import Say, Tuner
 from drivegen.store.files import write_json
 from drivegen.store.lookup import logs_below
 from stages._door import build, enter, require
@@ -44,21 +42,18 @@ def main(params: Params, scenarios: Path, scenes: Path, out: Path, metrics: Path
     }
     folders = [require(scenarios / split, "run the ingest stage") for split in ("train", "val")]
     train, validation = (Lessons.of(logs_below(folder)) for folder in folders)
-    base: Pupil = plugin.pupil(how["base"], train, seed)
-    grades: dict[str, Any] = {}
 
-    def learn(method: str, pupil: Pupil, course: Any) -> Policy:
-        say = partial(print, f"tune {name} {seed} {method}:", flush=True)
-        policy, looked = teach(pupil, course, validation, seed, None, say)
-        policy.write(out / method, name)
-        grades[method] = [asdict(grade) for grade in looked]
-        return policy
+    def say(row: str) -> Say:
+        return partial(print, f"tune {name} {seed} {row}:", flush=True)
 
-    best = learn(BASE, base, how["base"].course)
-    stand_at(base, best)  # all go on from what the base's row shows
-    for method in (LONGER, *params.methods):
-        lessons = train if method == LONGER else Lessons.of(logs_below(require(scenes / method, "run the stage tune_traffic")))
-        learn(method, Continued(base, plugin.pupil(how["tuned"], lessons, seed)), how["tuned"].course)
+    tuner = Tuner(plugin, how, train, validation, seed, say(BASE))
+    tuner.base.write(out / BASE, name)
+    grades = {BASE: [asdict(grade) for grade in tuner.grades]}
+    for row in (LONGER, *params.methods):
+        lessons = train if row == LONGER else Lessons.of(logs_below(require(scenes / row, "run the stage tune_traffic")))
+        policy, looked = tuner.tune(lessons, say(row))
+        policy.write(out / row, name)
+        grades[row] = [asdict(grade) for grade in looked]
     write_json(metrics, grades)
 
 

@@ -59,7 +59,9 @@ ALL: set[str] = set()
 """Stands for every stage."""
 
 LEARNERS = frozenset({"train_selector", "train_planner", "train_generator"})
-PLANNING = frozenset({"rollout", "ship", "corner", "asked", "attack", "attack_taught", "mutation_score", "tune_traffic"})
+PLANNING = frozenset(
+    {"rollout", "ship", "corner", "asked", "attack", "attack_taught", "mutation_score", "repair", "tune_traffic"}
+)
 """Stages in which the planner plans."""
 
 EDITS = {

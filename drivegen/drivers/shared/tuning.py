@@ -1,15 +1,42 @@
 """Fine-tuning: a pupil goes on in other traffic with all that another one has learnt so far."""
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import torch
 from torch import nn
 from torch.optim import Optimizer
 
+from drivegen.drivers.shared.conditions import Traffic
+from drivegen.drivers.shared.lessons import Grade, Lessons
 from drivegen.drivers.shared.policy import Policy
-from drivegen.drivers.shared.teaching import Pupil
+from drivegen.drivers.shared.teaching import Pupil, Taught, teach
 from drivegen.training.checkpoint import Part
+
+Say = Callable[[str], None]
+
+
+class Tuner:
+    """Teaches a driver on logs, then tunes it from there, as often as it is asked to, each time anew and for as long.
+
+    Attributes:
+        base: the policy that was taught on logs. grades: how it drove in validation scenes on the way.
+    """
+
+    def __init__(
+        self, plugin: type[Taught], how: Mapping[str, Any], logs: Lessons, validation: Lessons, seed: int, say: Say
+    ) -> None:
+        """`how` it is taught, `base` and `tuned`, each as the plugin's `lessons_type` says."""
+        self._plugin, self._tuned, self._validation, self._seed = plugin, how["tuned"], validation, seed
+        self._pupil = plugin.pupil(how["base"], logs, seed)
+        self.base, self.grades = teach(self._pupil, how["base"].course, validation, seed, None, say)
+        stand_at(self._pupil, self.base)
+
+    def tune(self, lessons: Lessons, say: Say) -> tuple[Policy, list[Grade]]:
+        """The policy that drives best in the validation scenes of those met on the way, and how each drove there."""
+        pupil = Continued(self._pupil, self._plugin.pupil(self._tuned, lessons, self._seed))
+        return teach(pupil, self._tuned.course, self._validation, self._seed, None, say)
 
 
 class Continued:
@@ -43,6 +70,18 @@ def stand_at(pupil: Pupil, policy: Policy) -> None:
     """Let `pupil` go on from `policy`, which one of its rounds was, instead of from its last round."""
     for network in (pupil.policy, pupil.tries):
         network.layers.load_state_dict(policy.layers.state_dict())
+
+
+def mixed(logs: Sequence[Traffic], cases: Sequence[Traffic], share: float) -> list[Traffic]:
+    """All logs and, over and over, `cases` until these are `share` (below 1) of the whole; only logs where there is no case."""
+    count = round(share / (1 - share) * len(logs)) if cases else 0
+    return [*logs, *(cases[i % len(cases)] for i in range(count))]
+
+
+def exemplary(traffic: Sequence[Traffic]) -> list[Traffic]:
+    """Those in which the target's own motion, driven as drivers drive, ends in no collision."""
+    crashed = Lessons.of(traffic).demonstrations().crashed if traffic else ()
+    return [one for one, ended in zip(traffic, crashed, strict=True) if not ended]
 
 
 def _take_over(part: Part, learnt: Part) -> None:

@@ -1,0 +1,120 @@
+"""Stage repair@<driver>: a driver goes on learning with its corner cases among the logs; then it is attacked again, elsewhere.
+
+argv: scenarios (folder of splits), models, recorded goals of one selector, samples that are the traffic (folder of shards),
+policies (folder; gets the weights of each version), what became of each version (JSON, a list of rows).
+Cases come from the test split: of each half of its recordings, for who is tested in the other half.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from drivegen.adversaries.shared.arena import Bounds
+from drivegen.adversaries.shared.findings import Findings
+from drivegen.adversaries.shared.repair import BEFORE, LONGER, REPAIRED, Half, attacked, found_cases, halved, repair_rows
+from drivegen.checker.verdicts import read_limits
+from drivegen.core import plugins
+from drivegen.core.samples import Samples
+from drivegen.core.settings import Count, Index, Share
+from drivegen.corner_cases.case import Case
+from drivegen.drivers.base import Driver
+from drivegen.drivers.shared.lessons import Lessons
+from drivegen.drivers.shared.policy import Policy
+from drivegen.drivers.shared.tuning import Say, Tuner, exemplary, mixed
+from drivegen.rollout.batch import recorded_choices
+from drivegen.rollout.models import read_planner
+from drivegen.rollout.scene import Choices
+from drivegen.store.files import write_json
+from drivegen.store.goals import read_goals
+from drivegen.store.lookup import logs_below
+from drivegen.store.samples import read_samples
+from drivegen.store.scenarios import read_shard, shards
+from drivegen.world.reactive import Reaction
+from stages._door import build, enter, require
+
+
+@dataclass(frozen=True)
+class Params:
+    """Section `repair`.
+
+    Attributes:
+        share: of the lessons that are cases; the rest are logs. drivers: how each is taught (`base`), and tuned (`tuned`).
+        adversaries: who tests, and its settings; what those that search find are the cases. The others are as in `attack`.
+    """
+
+    seed: int
+    share: Share
+    drivers: dict[str, dict[str, Any]]
+    adversaries: dict[str, dict[str, Any]]
+    planner: str
+    samples: Count
+    allowed: str
+    queries: Count
+    reaction_steps: Index
+    reaction: Reaction
+    draws: Count
+
+
+def main(params: Params, scenarios: Path, models: Path, goals: Path, traffic: Path, out: Path, results: Path) -> None:
+    """Teach, attack, teach with what was found, attack again."""
+    both, pupil = _halved(params, scenarios / "test", models, goals, traffic), _Pupil(params, scenarios, out)
+    who = {name: plugins.make("adversaries", name, params.adversaries, "repair.adversaries") for name in params.adversaries}
+    bounds = Bounds(params.allowed, params.queries, params.reaction_steps)
+
+    def tested(*drivers: Driver) -> list[dict[str, Findings]]:
+        pairs = zip(drivers, both, strict=True)
+        return [attacked(driver, half, who, bounds, params.seed, params.reaction) for driver, half in pairs]
+
+    before = pupil.taught()
+    found = tested(before, before)
+    longer, repaired = pupil.tuned(LONGER, []), [pupil.tuned(f"{REPAIRED}_{h}", found_cases(found[1 - h])) for h in (0, 1)]
+    tests = {BEFORE: found, LONGER: tested(longer, longer), REPAIRED: tested(*repaired)}
+    write_json(results, list(repair_rows(tests, params.draws, params.seed)))
+
+
+class _Pupil:
+    """The driver named by the folder `out`, in which its versions are written."""
+
+    def __init__(self, params: Params, scenarios: Path, out: Path) -> None:
+        self._params, self._out, self._plugin = params, out, plugins.load("drivers", out.name)
+        folders = [require(scenarios / split, "run the ingest stage") for split in ("train", "val")]
+        self._logs, self._validation = (Lessons.of(logs_below(folder)) for folder in folders)
+
+    def taught(self) -> Driver:
+        """On logs."""
+        how = {
+            key: build(self._plugin.lessons_type(), value, f"params.yaml: repair.drivers.{self._out.name}.{key}")
+            for key, value in self._params.drivers[self._out.name].items()
+        }
+        self._tuner = Tuner(self._plugin, how, self._logs, self._validation, self._params.seed, self._say(BEFORE))
+        return self._driver(BEFORE, self._tuner.base)
+
+    def tuned(self, version: str, cases: Sequence[Case]) -> Driver:
+        """On logs, among them those `cases` in which the target's own plan keeps clear: they show how to drive."""
+        shown = exemplary([(case.scenario, case.traffic) for case in cases])
+        traffic = mixed(self._logs.traffic, shown, self._params.share)
+        self._say(version)(f"{len(shown)} of {len(cases)} cases are {1 - len(self._logs) / len(traffic):.0%} of its lessons")
+        return self._driver(version, self._tuner.tune(Lessons.of(traffic), self._say(version))[0])
+
+    def _driver(self, version: str, policy: Policy) -> Driver:
+        policy.write(self._out / version, self._out.name)
+        made: Driver = self._plugin(self._plugin.settings_type(weights=str(self._out / version), sees_rules=True))
+        return made
+
+    def _say(self, version: str) -> Say:
+        return partial(print, f"repair {self._out.name} {version}:", flush=True)
+
+
+def _halved(params: Params, split: Path, models: Path, goals: Path, traffic: Path) -> list[Half]:
+    planner, limits = read_planner(models, params.planner), read_limits(models)
+    choices, samples = list[Choices](), list[Samples]()
+    for shard in shards(require(split, "run the ingest stage")):
+        choices += recorded_choices(read_shard(shard), read_goals(require(goals / shard.name, "run the goals stage")), 1.0)
+        samples += read_samples(require(traffic / shard.name, "run the corner stage"))
+    return halved(choices, samples, params.samples, planner, limits, params.seed)
+
+
+if __name__ == "__main__":
+    enter("repair", Params, main)

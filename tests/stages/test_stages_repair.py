@@ -1,0 +1,131 @@
+"""The stage `repair` on hand-made scenes: who saw which cases, what is compared with what, and what the door publishes of it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import orjson
+import pytest
+
+from drivegen.adversaries.shared.repair import halved
+from drivegen.core.errors import UnusableInput
+from drivegen.core.intervals import recording
+from drivegen.drivers.shared.tuning import exemplary, mixed
+from drivegen.goals.packing import pack
+from drivegen.rollout.batch import choose
+from drivegen.selectors.random import Plugin as Random
+from drivegen.store.files import write_json
+from drivegen.store.goals import write_goals
+from drivegen.store.samples import write_samples
+from drivegen.store.scenarios import write_shard
+from stages import publish_corner, repair
+from stages._door import read_params, read_section
+from tests.drivers.taught import PARAMS, straight_lessons
+from tests.models import candidate_settings, write_models
+from tests.scenes import busy_crossing, drive, noisy_samples, scenario, stack, straight_road
+
+LINE = straight_road().centreline[0].astype(np.float64)
+SHARD = "shard-00000.parquet"
+PPO = {"rows": 16, "epochs": 1, "batch": 512, "learning_rate": 0.001, "clip": 0.2, "discount": 0.98, "smoothing": 0.95}
+SHORT = {"course": {"rounds": 1, "grade_every": 1}, "clone_steps": 50, "ppo": PPO}
+
+
+def standing(name: str):
+    """Somebody drives towards somebody who stands, and goes on through him, as logs do not."""
+    return scenario(straight_road(), stack([drive(LINE, 10, 10, 101), drive(LINE, 80, 0, 101)]), name)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> Path:
+    root = tmp_path_factory.mktemp("repair")
+    lessons = [replace(scene, log=motion) for scene, motion in straight_lessons(6).traffic]
+    for split in ("train", "val"):
+        write_shard(root / "scenarios" / split / SHARD, lessons)
+    scenes = [*(standing(f"parked{n}-0") for n in range(4)), busy_crossing(101, "crossing-0"), busy_crossing(101, "other-0")]
+    write_shard(root / "scenarios/test" / SHARD, scenes)
+    write_samples(root / "round" / SHARD, [noisy_samples(scene, 2) for scene in scenes])
+    choices = choose(scenes, Random(), candidate_settings(), 1.0)
+    write_goals(root / "goals" / SHARD, [pack(c.scenario, "random", c.candidates, c.natural) for c in choices])
+    write_models(root / "models")
+    return root
+
+
+def run(made: Path, out: Path) -> list[dict[str, object]]:
+    params = read_params("repair", repair.Params, PARAMS)
+    how = {**read_section("train_driver.drivers.gail", PARAMS), **SHORT}
+    small = {"drivers": {"gail": {"base": how, "tuned": how}}, "adversaries": {"random": {}, "dataset": {}}, "queries": 2}
+    places = (made / "scenarios", made / "models", made / "goals", made / "round")
+    repair.main(replace(params, **small, draws=20), *places, out / "weights/gail", out / "gail.json")
+    return orjson.loads((out / "gail.json").read_bytes())
+
+
+@pytest.fixture(scope="module")
+def once(made, tmp_path_factory) -> tuple[Path, list[dict[str, object]]]:
+    folder = tmp_path_factory.mktemp("once")
+    return folder, run(made, folder)
+
+
+def test_each_version_is_tested_in_every_scene_and_the_difference_is_that_of_the_means(once):
+    folder, rows = once
+    value = {(row["version"], row["tester"], row["metric"]): row["value"] for row in rows}
+    assert {key[0] for key in value} == {"before", "longer", "repaired"}
+    assert all(row["n"] == 6 for row in rows)
+    for tester in ("random", "dataset"):
+        repaired, longer = (value[version, tester, "counted"] for version in ("repaired", "longer"))
+        assert value["repaired", tester, "counted.minus_longer"] == pytest.approx(repaired - longer)
+    assert value["before", "dataset", "collision"] == pytest.approx(round(value["before", "dataset", "collision"] * 6) / 6)
+    kinds = sum(
+        of
+        for (version, tester, metric), of in value.items()
+        if metric.startswith("kind.") and version == "before" and tester == "random"
+    )
+    assert kinds == pytest.approx(value["before", "random", "counted"])  # a counted scene has one kind
+    assert {path.name for path in (folder / "weights/gail").iterdir()} == {"before", "longer", "repaired_0", "repaired_1"}
+
+
+def test_the_same_seed_gives_the_same_bytes(made, once, tmp_path):
+    run(made, tmp_path)
+    assert (tmp_path / "gail.json").read_bytes() == (once[0] / "gail.json").read_bytes()
+
+
+def test_scenarios_of_a_recording_are_in_one_half(made):
+    scenes = [standing(f"parked{n // 2}-{n % 2}") for n in range(8)]
+    choices, samples = choose(scenes, Random(), candidate_settings(), 1.0), [noisy_samples(scene, 2) for scene in scenes]
+    both = halved(choices, samples, 2, None, None, 7)
+    sides = [{recording(scene.scenario_id) for scene in half.generated.scenarios} for half in both]
+    assert [len(side) for side in sides] == [2, 2]
+    assert not sides[0] & sides[1]
+    assert [len(half.generated.traffic) for half in both] == [8, 8]
+    with pytest.raises(UnusableInput, match="all scenarios are of one recording"):
+        halved(choices[:2], samples[:2], 2, None, None, 7)
+
+
+def test_a_quarter_of_the_lessons_are_cases_and_these_show_how_not_to_collide():
+    logs, cases = straight_lessons(6).traffic, [(standing("bad-0"), standing("bad-0").log)]
+    assert exemplary(cases) == []  # its target drives through somebody
+    assert exemplary([*cases, logs[0]]) == [logs[0]]
+    assert exemplary([]) == []
+    whole = mixed(logs, logs[:2], 0.25)
+    assert len(whole) == 8
+    assert whole[:6] == list(logs)
+    assert whole[6:] == list(logs[:2])
+    assert mixed(logs, [], 0.25) == list(logs)
+
+
+def test_versions_are_published_side_by_side(once, tmp_path):
+    met = ("before", "dataset", "kind.standing")
+    for seed, share in (("7", 0.5), ("8", 0.0)):
+        rows = [row | {"value": share} if (row["version"], row["tester"], row["metric"]) == met else row for row in once[1]]
+        write_json(tmp_path / "runs" / seed / publish_corner.REPAIRED / "gail.json", rows)
+        write_json(tmp_path / "runs" / seed / "reports/metrics/attack/gail.json", {})
+    publish_corner.main(publish_corner.Params(7, [7, 8], {}), tmp_path / "runs", tmp_path / "out")
+    rows = orjson.loads((tmp_path / "out/repair.json").read_bytes())
+    keys = {"data", "driver", "version", "tester", "metric", "value", "low", "high", "n", "seeds"}
+    assert all(set(row) == keys and row["seeds"] == 2 for row in rows)
+    text = (tmp_path / "out/repair-gail-dataset.md").read_text()
+    assert "| tuned for as long, its cases among the logs |" in text
+    assert "6 scenes, 2 seeds" in text
+    assert text.splitlines()[2].endswith("| Dis [m] | Comfort | standing |")  # kinds that nobody met have no column
+    assert "| taught on logs |" in text
+    assert text.splitlines()[4].endswith("| 0.250 (0.000 to 0.000) |")
+    assert "repair-gail-random.md" in (tmp_path / "out/corner.md").read_text()
