@@ -32,7 +32,7 @@ SHORT = {"course": {"rounds": 1, "grade_every": 1}, "clone_steps": 50, "ppo": PP
 
 def standing(name: str):
     """Somebody drives towards somebody who stands, and goes on through him, as logs do not."""
-    return scenario(straight_road(), stack([drive(LINE, 10, 10, 101), drive(LINE, 80, 0, 101)]), name)
+    return scenario(straight_road(), stack([drive(LINE, 10, 10, 41), drive(LINE, 40, 0, 41)]), name)
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def made(tmp_path_factory) -> Path:
     lessons = [replace(scene, log=motion) for scene, motion in straight_lessons(6).traffic]
     for split in ("train", "val"):
         write_shard(root / "scenarios" / split / SHARD, lessons)
-    scenes = [*(standing(f"parked{n}-0") for n in range(4)), busy_crossing(101, "crossing-0"), busy_crossing(101, "other-0")]
+    scenes = [*(standing(f"parked{n}-0") for n in range(4)), busy_crossing(41, "crossing-0"), busy_crossing(41, "other-0")]
     write_shard(root / "scenarios/test" / SHARD, scenes)
     write_samples(root / "round" / SHARD, [noisy_samples(scene, 2) for scene in scenes])
     choices = choose(scenes, Random(), candidate_settings(), 1.0)
