@@ -1,11 +1,10 @@
 """The door `publish_corner`: tables III and IV, extended, from the runs of `make tables PART=corner`. It is in no dvc.yaml.
 
 argv: folder of runs (one a seed, each a workspace), the folder of published tables (gets corner_cases.json, a table of outcomes
-and one of costs for each driver; mutation_score.json, its table and chart where all runs have a score; repair.json and its tables
-of drivers that all runs have repaired; the index corner.md, provenance-corner.json).
+and one of costs for each driver; mutation_score.json, its table and chart and, where all runs have them, transfer.json and
+repair.json with theirs; the index corner.md, provenance-corner.json).
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,10 +13,11 @@ import orjson
 import pyarrow.parquet as pq
 
 from drivegen.core.errors import MissingTool
-from drivegen.report.published_corner import Attacks, Costs, corner_rows
+from drivegen.report.published_corner import Attacks, Costs, corner_rows, over_seeds
 from drivegen.report.published_files import write_part
 from drivegen.report.published_mutation import mutation_rows, mutation_table
-from drivegen.report.published_repair import pooled_rows, repair_tables
+from drivegen.report.published_repair import repair_tables
+from drivegen.report.published_transfer import transfer_table
 from drivegen.report.sections.attack import cost_table, outcome_table
 from drivegen.report.table import Table
 from drivegen.store.files import write_json
@@ -26,6 +26,7 @@ from stages._door import COST_FOLDER, enter
 
 DATA = "sumo_corpus"
 SCORE = Path("reports/pieces/mutation_score.json")
+TRANSFERRED = Path("reports/pieces/transfer.json")
 REPAIRED = Path("reports/pieces/repair")
 
 
@@ -53,23 +54,26 @@ def main(params: Params, runs: Path, published: Path) -> None:
         costs = {f"attack/{driver}-{key}": cost for key, cost in took.items()}
         tables += [outcome_table(driver, attacks), cost_table(driver, attacks, costs)]
     write_json(published / "corner_cases.json", rows)
-    if all((root / SCORE).exists() for root in roots):
-        scores = [orjson.loads((root / SCORE).read_bytes()) for root in roots]
+    if scores := _of_all(roots, SCORE):
         write_json(published / "mutation_score.json", list(mutation_rows(DATA, scores)))
         tables.append(mutation_table(scores[0]))
-    if repaired := {driver: list(pooled_rows(DATA, driver, of_runs)) for driver, of_runs in _repaired(roots)}:
-        write_json(published / "repair.json", [row for own in repaired.values() for row in own])
-        tables += [table for driver, own in repaired.items() for table in repair_tables(driver, own)]
+    if transferred := _of_all(roots, TRANSFERRED):
+        means = list(over_seeds(DATA, transferred))
+        write_json(published / "transfer.json", means)
+        tables.append(transfer_table(means))
+    repaired = {file.stem: _of_all(roots, REPAIRED / file.name) for file in sorted((roots[0] / REPAIRED).glob("*.json"))}
+    means_of = {driver: list(over_seeds(DATA, of_runs)) for driver, of_runs in repaired.items() if of_runs}
+    if means_of:
+        write_json(published / "repair.json", [{"driver": driver, **line} for driver, own in means_of.items() for line in own])
+        tables += [table for driver, own in means_of.items() for table in repair_tables(driver, own)]
     provenance = {"seed": params.seed, **describe_runs(runs, map(str, params.seeds))}
     write_part(published, "corner", "Corner cases: SUMO corpus (simulated)", tables, provenance)
 
 
-def _repaired(roots: list[Path]) -> Iterator[tuple[str, list[Any]]]:
-    """Drivers that every run has repaired, with the rows of each run."""
-    for file in sorted((roots[0] / REPAIRED).glob("*.json")):
-        files = [root / REPAIRED / file.name for root in roots]
-        if all(each.exists() for each in files):
-            yield file.stem, [orjson.loads(each.read_bytes()) for each in files]
+def _of_all(roots: list[Path], piece: Path) -> list[Any]:
+    """What each run has measured in a file; empty where one has not."""
+    files = [root / piece for root in roots]
+    return [orjson.loads(file.read_bytes()) for file in files] if all(file.exists() for file in files) else []
 
 
 def _read(root: Path, driver: str) -> tuple[Attacks, Costs]:

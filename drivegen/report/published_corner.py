@@ -58,6 +58,22 @@ def corner_rows(data: str, driver: str, runs: Sequence[tuple[Attacks, Costs]]) -
             yield {**about, "neighbours": "replayed", **price, "seeds": len(runs)}
 
 
+def over_seeds(data: str, runs: Sequence[Sequence[Mapping[str, Any]]]) -> Iterator[dict[str, Any]]:
+    """The rows of the first run with `data` and `seeds`; value, low and high are means over runs, None where one has none.
+
+    Rows are the same if all their names agree, and what they hold but for value, ends and n.
+    """
+    alike = [{_about(line): line for line in run} for run in runs]
+    for line in runs[0]:
+        same = [run[_about(line)] for run in alike if _about(line) in run]
+        means = {name: _mean([one[name] for one in same]) for name in ("value", "low", "high")}
+        yield {"data": data, **line, **means, "seeds": len(same)}
+
+
+def _about(line: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
+    return tuple((name, value) for name, value in line.items() if name not in ("value", "low", "high", "n"))
+
+
 def _mean(values: Sequence[Any]) -> float | None:
     finite = [float(value) for value in values if value is not None and np.isfinite(value)]
     return float(np.mean(finite)) if finite else None

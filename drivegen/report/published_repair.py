@@ -1,9 +1,7 @@
-"""Repaired drivers, published: what became of each version, and one table a driver."""
+"""Repaired drivers, published: a table for each driver and who tested it, out of the rows of stage `repair`."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
-
-import numpy as np
 
 from drivegen.core import plugins
 from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, row
@@ -27,29 +25,8 @@ SHARES = {
 Rows = Sequence[Mapping[str, Any]]
 
 
-def pooled_rows(data: str, driver: str, runs: Sequence[Rows]) -> Iterator[dict[str, Any]]:
-    """Rows {data, driver, version, tester, metric, value, low, high, n, seeds} of a driver, from those of several seeds.
-
-    Values and ends are means over seeds; ends are None where a seed has none.
-    """
-    others = [{_key(line): line for line in run} for run in runs]
-    for line in runs[0]:
-        same = [of_run[_key(line)] for of_run in others if _key(line) in of_run]
-        means = {name: _mean([one[name] for one in same]) for name in ("value", "low", "high")}
-        yield {"data": data, "driver": driver, **line, **means, "seeds": len(same)}
-
-
-def _key(line: Mapping[str, Any]) -> tuple[str, str, str]:
-    return line["version"], line["tester"], line["metric"]
-
-
-def _mean(values: Sequence[float | None]) -> float | None:
-    known = [value for value in values if value is not None and np.isfinite(value)]
-    return float(np.mean(known)) if len(known) == len(values) else None
-
-
 def repair_tables(driver: str, rows: Rows) -> Iterator[Table]:
-    """A table for each tester of the driver, by the pooled rows."""
+    """A table for each tester of the driver; `rows` are means over seeds."""
     for tester in dict.fromkeys(line["tester"] for line in rows):
         mine = {(line["version"], line["metric"]): line for line in rows if line["tester"] == tester}
         kinds = [metric for _, metric in mine if metric.startswith("kind.") and not metric.endswith(LESS)]

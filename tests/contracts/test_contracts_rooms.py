@@ -78,7 +78,7 @@ EDITS = {
     "geometry": ("drivegen/core/geometry.py", ALL),
     "the training loop": (
         "drivegen/training/loop.py",
-        {*LEARNERS, *PLANNING, "goals", "rollout_rival", "initial_states", "rank", "tune", "drive_tuned", "gate"},
+        {*LEARNERS, *PLANNING, "goals", "rollout_rival", "initial_states", "rank", "tune", "drive_tuned", "gate", "transfer"},
     ),
     "a planner": ("drivegen/planners/poly_fm.py", {*PLANNING, "report"}),
     "the question to a model": ("drivegen/questions/goals.py", {"goals", "corner"}),

@@ -1,0 +1,42 @@
+"""Cases that were found for one driver, driven by the others: one published table out of the rows of stage `transfer`."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from drivegen.core import plugins
+from drivegen.report.table import Cell, Table, row
+
+NAME = "transfer"
+
+
+def _key(line: Mapping[str, Any]) -> tuple[str, str, str, str]:
+    return line["method"], line["found_for"], line["driver"], line["metric"]
+
+
+def transfer_table(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """A line for each method and driver that it searched against, a column for each who drives; `rows` are means over seeds."""
+    of = {_key(line): line for line in rows}
+    drivers = list(dict.fromkeys(line["driver"] for line in rows))
+    lines = []
+    for method, found_for in dict.fromkeys(_key(line)[:2] for line in rows):
+        title = plugins.about("adversaries", method)["title"]
+        cells = [
+            _cell(of[method, found_for, driver, "counted"], of[method, found_for, driver, "untouched"]) for driver in drivers
+        ]
+        count = str(of[method, found_for, drivers[0], "counted"]["n"])
+        lines.append(row(title, found_for, count, *cells, origin="ours" if method == "drivegen_cs" else "rival"))
+    return Table(
+        NAME,
+        "Cases found for one driver, driven by others: share with a counted collision",
+        ("", "found for", "cases", *(f"driven by {driver}" for driver in drivers)),
+        tuple(lines),
+        (
+            f"{rows[0]['seeds']} seeds, 95 % over recordings; after *without*, the share in the same scenes without the attack. "
+            "Others were not searched against: no run of theirs chose a case. Neighbours are replayed.",
+        ),
+    )
+
+
+def _cell(counted: Mapping[str, Any], untouched: Mapping[str, Any]) -> Cell:
+    ends = f"{counted['low']:.2f} to {counted['high']:.2f}; without {untouched['value']:.2f}"
+    return Cell(f"{counted['value']:.2f}", ends)

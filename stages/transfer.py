@@ -1,0 +1,76 @@
+"""Stage transfer: cases that were found for one driver are driven by all others, who were not searched against.
+
+argv: scenarios of one split, traffic as it is (folder of shards), cases (folder <driver>/<attack>), what became of them (JSON,
+a list of rows {method, found_for, driver, metric, value, low, high, n}). Neighbours are replayed, as in the search.
+"""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.intervals import bootstrap_means, recording
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.seeds import rng
+from drivegen.core.settings import Count
+from drivegen.store.files import write_json
+from drivegen.store.lookup import futures_in
+from drivegen.store.samples import read_samples
+from drivegen.store.scenarios import shards
+from stages._door import enter, require
+
+SIMULATOR = "batch"
+Traffic = dict[str, tuple[Scenario, Trajectories]]
+"""By the id of a scenario: it, and the first of its generated scenes."""
+
+
+@dataclass(frozen=True)
+class Params:
+    """`attacks`: whose cases, each a folder of the stage `attack`, by method; `drivers`: who drives; `draws` of the bootstrap."""
+
+    seed: int
+    attacks: dict[str, str]
+    drivers: dict[str, dict[str, Any]]
+    draws: Count
+
+
+def main(params: Params, scenarios: Path, traffic: Path, cases: Path, results: Path) -> None:
+    """Every driver in the cases of every driver."""
+    as_it_is: Traffic = {}
+    for shard in shards(require(scenarios, "run the ingest stage")):
+        futures = futures_in(require(traffic / shard.name, "run the corner stage"), scenarios)
+        as_it_is |= {scenario.scenario_id: (scenario, samples.motion[0]) for scenario, samples in futures}
+    rows = []
+    for found_for in params.drivers:
+        for method, attack in params.attacks.items():
+            found = read_samples(require(cases / found_for / attack / "samples.parquet", "run the attack stages"))
+            rows += [{"method": method, "found_for": found_for, **row} for row in _driven(found, as_it_is, params)]
+    write_json(results, rows)
+
+
+def _driven(found: list[Samples], as_it_is: Traffic, params: Params) -> Iterator[dict[str, Any]]:
+    """Of each driver the share of the cases in which it has a counted collision, and of their scenes without the attack."""
+    if unknown := {case.scenario_id for case in found} - as_it_is.keys():
+        raise UnusableInput(
+            f"cases are of scenario {min(unknown)}, which is not among the scenarios: run the attack stages again"
+        )
+    if not found:
+        return
+    scenarios, untouched = zip(*[as_it_is[case.scenario_id] for case in found], strict=True)
+    drivers = [plugins.make("drivers", name, params.drivers, "transfer.drivers") for name in params.drivers]
+    recordings = [recording(case.scenario_id) for case in found]
+    for metric, traffic in (("counted", [case.motion[0] for case in found]), ("untouched", untouched)):
+        outcomes = plugins.load("simulators", SIMULATOR)().run_each(drivers, scenarios, traffic)
+        columns = np.array([outcome.counted for outcome in outcomes], np.float64).T
+        random = rng(params.seed, "transfer", "bootstrap")
+        for driver, interval in zip(params.drivers, bootstrap_means(columns, recordings, params.draws, random), strict=True):
+            yield {"driver": driver, "metric": metric, **asdict(interval), "n": len(found)}
+
+
+if __name__ == "__main__":
+    enter("transfer", Params, main)

@@ -1,0 +1,79 @@
+"""The stage `transfer` on hand-made cases, and its published table."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import orjson
+import pytest
+
+from drivegen.core.errors import UnusableInput
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario
+from drivegen.store.files import write_json
+from drivegen.store.samples import write_samples
+from drivegen.store.scenarios import write_shard
+from stages import publish_corner, transfer
+from stages._door import read_params, read_section
+from tests.drivers.taught import PARAMS
+from tests.scenes import drive, scenario, stack, straight_road
+
+LINE = straight_road().centreline[0].astype(np.float64)
+SHARD = "shard-00000.parquet"
+ACROSS = np.array([[35.0, -25.0], [35.0, 25.0]]) + LINE[0]
+"""A way across that of the target, which is where the two meet after 2.5 s at 10 m/s."""
+
+
+def scene(number: int, speed: float = 0.0) -> Scenario:
+    """The target drives straight on; the other stands beside the road, or drives across."""
+    return scenario(straight_road(), stack([drive(LINE, 10, 10, 61), drive(ACROSS, 0, speed, 61)]), f"run{number}-0")
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> Path:
+    """Three scenes, in two of which IDM's case is that somebody drives across."""
+    root, scenes = tmp_path_factory.mktemp("transfer"), [scene(n) for n in range(3)]
+    write_shard(root / "test" / SHARD, scenes)
+    as_it_is = [Samples.without_goals(s.scenario_id, "drivegen", s.log[np.newaxis]) for s in scenes]
+    write_samples(root / "round" / SHARD, as_it_is)
+    cases = [Samples.without_goals(s.scenario_id, "random", scene(n, 10.0).log[np.newaxis]) for n, s in enumerate(scenes[:2])]
+    write_samples(root / "attack/idm/random.legal.10/samples.parquet", cases)
+    write_samples(root / "attack/idm/cat.legal.10/samples.parquet", [])
+    return root
+
+
+def run(made: Path, out: Path) -> list[dict[str, object]]:
+    attacks = {"random": "random.legal.10", "cat": "cat.legal.10"}
+    small = {"attacks": attacks, "drivers": {"idm": read_section("transfer.drivers.idm", PARAMS)}, "draws": 20}
+    params = replace(read_params("transfer", transfer.Params, PARAMS), **small)
+    transfer.main(params, made / "test", made / "round", made / "attack", out / "transfer.json")
+    return orjson.loads((out / "transfer.json").read_bytes())
+
+
+def test_who_was_searched_against_fails_in_its_cases_and_not_without_the_attack(made, tmp_path):
+    about = {"method": "random", "found_for": "idm", "driver": "idm", "n": 2}
+    failed, untouched = run(made, tmp_path)
+    assert failed == {**about, "metric": "counted", "value": 1.0, "low": 1.0, "high": 1.0}
+    assert untouched == {**about, "metric": "untouched", "value": 0.0, "low": 0.0, "high": 0.0}
+
+
+def test_cases_of_other_scenarios_are_refused(made, tmp_path):
+    write_shard(tmp_path / "test" / SHARD, [scene(0)])
+    write_samples(tmp_path / "round" / SHARD, [Samples.without_goals("run0-0", "drivegen", scene(0).log[np.newaxis])])
+    params = replace(read_params("transfer", transfer.Params, PARAMS), attacks={"random": "random.legal.10"})
+    with pytest.raises(UnusableInput, match="cases are of scenario run1-0, which is not among the scenarios"):
+        transfer.main(params, tmp_path / "test", tmp_path / "round", made / "attack", tmp_path / "out.json")
+
+
+def test_the_table_has_a_line_for_whom_it_was_found_and_a_column_for_who_drives(made, tmp_path):
+    place = tmp_path / "runs/7"
+    rows = run(made, tmp_path)
+    write_json(place / publish_corner.TRANSFERRED, [{**row, "driver": name} for name in ("idm", "gail") for row in rows])
+    write_json(place / "reports/metrics/attack/idm.json", {})
+    publish_corner.main(publish_corner.Params(7, [7], {}), tmp_path / "runs", tmp_path / "out")
+    text = (tmp_path / "out/transfer.md").read_text()
+    assert "|  | found for | cases | driven by idm | driven by gail |" in text
+    assert "| random goals | idm | 2 | 1.00 (1.00 to 1.00; without 0.00) | 1.00 (1.00 to 1.00; without 0.00) |" in text
+    published = orjson.loads((tmp_path / "out/transfer.json").read_bytes())
+    assert {row["seeds"] for row in published} == {1}
+    assert {row["data"] for row in published} == {"sumo_corpus"}
