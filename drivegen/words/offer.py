@@ -6,7 +6,6 @@ from itertools import chain, combinations, islice, takewhile, zip_longest
 
 from drivegen.words.choices import Choices
 from drivegen.words.cover import Cover, Item
-from drivegen.words.phrase import Phrase
 from drivegen.words.read import SAME, Words, best, covers_of, grammar, meaning
 from drivegen.words.saying import Sentence, say
 from drivegen.words.table import table, words
@@ -42,6 +41,7 @@ _TRIES, _COVERS = 160, 4
 _STREET, _CROSSING = (next(p for p in table("roads") if p.name == name and not p.facts) for name in ("street", "crossing"))
 _LIGHTS = next(phrase for phrase in table("roads") if phrase.name == "control" and phrase.value == "signals")
 _EACH = next(phrase for phrase in table("roads") if phrase.name == "lanes_each")
+_BOTH = 4
 _STOPS = frozenset({",", ".", "(", ":", "and"})
 
 
@@ -85,13 +85,13 @@ def _clear(items: Sequence[Item]) -> list[Item]:
 
 
 def _variants(items: Sequence[Item]) -> Iterator[list[Sequence[Item]]]:
-    """As it is, with lanes counted in each direction, with a street where no road is named; with one or two items less."""
+    """As it is, with lanes counted otherwise, with a street where no road is named; with one or two items less."""
     spoken = [item for item in items if item.phrase is not None]
     front = Item(_STREET, (), -1, -1, "road", "road")
     sets = (left_out for number in range(3) for left_out in combinations(spoken[::-1], number))
     for left_out in islice(sets if spoken else (), _TRIES // _COVERS):
         kept = [item for item in items if item not in left_out]
-        yield [kept, _in_each_direction(kept), [front, *_in_each_direction(kept)], _with_lights(kept)]
+        yield [kept, _counted(kept), [front, *_counted(kept)], _with_lights(kept)]
 
 
 def _with_lights(items: Sequence[Item]) -> list[Item]:
@@ -105,11 +105,17 @@ def _with_lights(items: Sequence[Item]) -> list[Item]:
     return [*items[: there + 1], lights, *items[there + 1 :]]
 
 
-def _in_each_direction(items: Sequence[Item]) -> list[Item]:
-    def each(phrase: Phrase | None) -> Phrase | None:
-        return replace(_EACH, place=phrase.place) if phrase is not None and phrase.name in ("lanes", "lane_road") else phrase
+def _counted(items: Sequence[Item]) -> list[Item]:
+    """Lanes in each direction: half of an even number of four or more, which most who say it mean for both."""
 
-    return [replace(item, phrase=each(item.phrase)) for item in items]
+    def counted(item: Item) -> Item:
+        phrase = item.phrase
+        if phrase is None or phrase.name not in ("lanes", "lane_road"):
+            return item
+        both = item.value >= _BOTH and item.value % 2 == 0
+        return replace(item, phrase=replace(_EACH, place=phrase.place), values=(item.value // 2,) if both else item.values)
+
+    return [counted(item) for item in items]
 
 
 def _shortest(words: Words, items: Sequence[Item], choices: Choices) -> str:

@@ -67,6 +67,7 @@ def test_what_cannot_be_read_is_declined_by_name_with_a_sentence_to_try(text, wo
     ("text", "lanes"),
     [
         ("a two-lane country road", (1, 1)),
+        ("a single-lane road", (1, 1)),
         ("a four-lane road", (2, 2)),
         ("a road with three lanes in each direction", (3, 3)),
         ("a road with four lanes in total", (2, 2)),
@@ -115,6 +116,21 @@ def test_a_place_before_its_noun_is_of_that_noun():
 
 
 @pytest.mark.parametrize(
+    ("text", "sides"),
+    [
+        ("a rural two-lane road with a side road on the left", [("left",)]),
+        ("a main road with a side road on the right and traffic lights", [("right",)]),
+        (
+            "a road with a side road on the left 100 m from the start, and a side road on the right 200 m later",
+            [("left",), ("right",)],
+        ),
+    ],
+)
+def test_a_road_may_have_a_side_road_on_one_side(text, sides):
+    assert [junction.sides for junction in read(text, 7).road.road.junctions] == sides
+
+
+@pytest.mark.parametrize(
     ("text", "has", "lacks"),
     [
         ("a motorway portion with three lanes and an on-ramp after 500 m", ("3 lanes", "500 m"), ()),
@@ -122,6 +138,8 @@ def test_a_place_before_its_noun_is_of_that_noun():
         ("a street with three crossings, the second one signalised", ("3 crossings",), ("traffic lights",)),
         ("an intersection with an eastbound one-way street", ("crossing",), ("lanes in", "lanes out", "one-way")),
         ("a railway crossing with barriers on a road", ("road",), ("60 km/h", "2 lanes")),
+        ("a six-lane highway", ("3 lanes in each direction",), ("6 lanes",)),
+        ("a street with four lanes", ("2 lanes in each direction",), ("4 lanes",)),
     ],
 )
 def test_an_offer_holds_what_was_read_and_nothing_that_was_not(text, has, lacks):
