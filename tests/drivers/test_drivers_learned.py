@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
+from drivegen.core.roadmap import LaneControl
+from drivegen.core.signals import SignalState
 from drivegen.drivers._gail.discriminator import Discriminator, transitions
 from drivegen.drivers.gail import Plugin
 from drivegen.drivers.shared import ppo
@@ -21,9 +23,14 @@ from drivegen.drivers.shared.lessons import Lessons
 from drivegen.drivers.shared.network import FULL_BRAKING, FULL_THROTTLE, Settings, pedals
 from drivegen.drivers.shared.policy import Policy, number_of
 from drivegen.drivers.shared.teaching import teach
+from drivegen.world.observation import Rules
+from drivegen.world.scenes import Scenes
 from drivegen.world.world import World
 from tests.drivers.taught import PARAMS, quick, straight_lessons, teaching
 from tests.scenes import drive, scenario, stack, straight_road
+
+GAP = 6
+"""The place of `gap` among the features; `closing` follows."""
 
 
 def episodes(live: list[list[int]], crashed: list[bool]) -> Episodes:
@@ -115,6 +122,30 @@ def test_a_replayed_vehicle_that_is_run_into_ends_the_episode_there():
     run = lessons.play(lambda _, seen, __: torch.zeros(len(seen)))
     assert bool(run.crashed[0])
     assert int(run.live.sum()) == 26  # 25.5 m at 10 m/s
+
+
+@pytest.mark.parametrize(
+    ("signal", "distance", "gap", "closing"),
+    [
+        (SignalState.RED, 20.0, 20.0, 10.0),
+        (SignalState.RED, 50.0, 35.0, 10.0),  # somebody stands before the line
+        (SignalState.RED, -1.0, 35.0, 10.0),  # the line is behind
+        (SignalState.YELLOW, 20.0, 20.0, 10.0),
+        (SignalState.YELLOW, 10.0, 35.0, 10.0),  # too late to halt in comfort
+        (SignalState.GREEN, 20.0, 35.0, 10.0),
+    ],
+)
+def test_a_line_where_one_has_to_halt_is_seen_as_somebody_who_stands_there(signal, distance, gap, closing):
+    line = straight_road().centreline[0].astype(np.float64)
+    log = stack([drive(line, 10, 10, 11), drive(line, 10 + 35 + 4.6, 0, 11)])
+    scenes = Scenes.of([scenario(straight_road(), log)], [log])
+    view = World(scenes, 1).observe()
+    ahead = Rules(
+        torch.tensor([distance]), torch.tensor([int(signal)]), torch.tensor([int(LaneControl.SIGNAL)]), torch.tensor([False]),
+        torch.full((1, view.ahead.shape[1]), torch.inf),
+    )  # fmt: skip
+    seen = features(replace(view, rules=ahead))[0]
+    assert (float(seen[GAP]) * 30, float(seen[GAP + 1]) * 15) == pytest.approx((gap, closing), abs=0.2)
 
 
 @pytest.fixture(scope="module")

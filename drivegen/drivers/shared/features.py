@@ -10,7 +10,7 @@ it.
     course           1      rad          its heading, seen from its path
     limit            1      15 m/s       speed limit at its front, 13.9 m/s where unknown
     over_limit       1      15 m/s       speed less the limit
-    gap              1      30 m         to the nearest box on its way, at most 60 m
+    gap              1      30 m         to the nearest box on its way, or a line where it has to halt, at most 60 m
     closing          1      15 m/s       how fast this gap closes, 0 where there is none
     brake            1      4 m/s2       constant braking that avoids running into it, at most 8 m/s2
     urgency          1      1 /s         closing by gap
@@ -51,7 +51,7 @@ LIMIT = 5.0
 
 _UNKNOWN_LIMIT, _FARTHEST, _HARDEST = 13.9, 60.0, 8.0
 _SPEED, _GAP = 15.0, 30.0
-_SLOWEST, _LATEST = 0.1, 10.0
+_SLOWEST, _LATEST, _COMFORTABLE = 0.1, 10.0, 3.0
 _FAR = 1e6
 
 
@@ -59,7 +59,7 @@ def features(view: Observation) -> Tensor:
     """(S, COUNT) float32 of S targets."""
     on_cpu = view.speed.device.type == "cpu"
     leading, side, neighbours = _compiled(view) if on_cpu else (leader(view), crossing(view), nearest_boxes(view))
-    parts = [_own(view, *leading, *side), *_road(view), neighbours, _rules(view)]
+    parts = [_own(view, *_halting(view, *leading), *side), *_road(view), neighbours, _rules(view)]
     return torch.cat(parts, dim=1).clamp_(-LIMIT, LIMIT)
 
 
@@ -81,6 +81,17 @@ def leader(view: Observation) -> tuple[Tensor, Tensor]:
     gap = (gap - 0.5 * view.length).clamp(0.0, _FARTHEST)
     closing = view.speed - view.speed_along.gather(1, nearest[:, None])[:, 0]
     return gap, torch.where(gap < _FARTHEST, closing, 0.0)
+
+
+def _halting(view: Observation, gap: Tensor, closing: Tensor) -> tuple[Tensor, Tensor]:
+    """The same, where a line at which the target has to halt is nearer: its signal is red, or yellow and it still can."""
+    if view.rules is None:
+        return gap, closing
+    distance, signal = view.rules.distance, view.rules.signal
+    can = view.speed**2 <= 2 * _COMFORTABLE * distance
+    halts = (distance > 0) & ((signal == SignalState.RED) | ((signal == SignalState.YELLOW) & can))
+    nearer = halts & (distance < gap)
+    return torch.where(nearer, distance, gap), torch.where(nearer, view.speed, closing)
 
 
 def crossing(view: Observation) -> tuple[Tensor, Tensor]:
