@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from drivegen.adversaries.shared.arena import Bounds
 from drivegen.adversaries.shared.findings import Findings
@@ -17,12 +17,12 @@ from drivegen.adversaries.shared.repair import BEFORE, LONGER, REPAIRED, Half, a
 from drivegen.checker.verdicts import read_limits
 from drivegen.core import plugins
 from drivegen.core.samples import Samples
-from drivegen.core.settings import Count, Index, Share
-from drivegen.corner_cases.case import Case
+from drivegen.core.settings import Count, Index, Within
 from drivegen.drivers.base import Driver
+from drivegen.drivers.shared.conditions import Traffic
 from drivegen.drivers.shared.lessons import Lessons
 from drivegen.drivers.shared.policy import Policy
-from drivegen.drivers.shared.tuning import Say, Tuner, exemplary, mixed
+from drivegen.drivers.shared.tuning import How, Say, Tuner, exemplary, mixed
 from drivegen.rollout.batch import recorded_choices
 from drivegen.rollout.models import read_planner
 from drivegen.rollout.scene import Choices
@@ -32,7 +32,7 @@ from drivegen.store.lookup import logs_below
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.world.reactive import Reaction
-from stages._door import build, enter, require
+from stages._door import enter, require
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Params:
     """
 
     seed: int
-    share: Share
+    share: Annotated[float, Within(0, 0.9)]
     drivers: dict[str, dict[str, Any]]
     adversaries: dict[str, dict[str, Any]]
     planner: str
@@ -64,39 +64,35 @@ def main(params: Params, scenarios: Path, models: Path, goals: Path, traffic: Pa
     bounds = Bounds(params.allowed, params.queries, params.reaction_steps)
 
     def tested(*drivers: Driver) -> list[dict[str, Findings]]:
-        pairs = zip(drivers, both, strict=True)
-        return [attacked(driver, half, who, bounds, params.seed, params.reaction) for driver, half in pairs]
+        return [attacked(d, half, who, bounds, params.seed, params.reaction) for d, half in zip(drivers, both, strict=True)]
 
-    before = pupil.taught()
-    found = tested(before, before)
-    longer, repaired = pupil.tuned(LONGER, []), [pupil.tuned(f"{REPAIRED}_{h}", found_cases(found[1 - h])) for h in (0, 1)]
-    tests = {BEFORE: found, LONGER: tested(longer, longer), REPAIRED: tested(*repaired)}
-    write_json(results, list(repair_rows(tests, params.draws, params.seed)))
+    found = tested(pupil.before, pupil.before)
+    cases = [exemplary([(case.scenario, case.traffic) for case in found_cases(half)]) for half in found]
+    longer = pupil.tuned(LONGER, pupil.logs)
+    tests = {BEFORE: found, LONGER: tested(longer, longer), REPAIRED: tested(*(pupil.repaired(n, cases[1 - n]) for n in (0, 1)))}
+    write_json(results, list(repair_rows(tests, sum(map(len, cases)), params.draws, params.seed)))
 
 
 class _Pupil:
-    """The driver named by the folder `out`, in which its versions are written."""
+    """The driver named by the folder `out`, in which its versions are written; `before` was taught on `logs`."""
 
     def __init__(self, params: Params, scenarios: Path, out: Path) -> None:
-        self._params, self._out, self._plugin = params, out, plugins.load("drivers", out.name)
-        folders = [require(scenarios / split, "run the ingest stage") for split in ("train", "val")]
-        self._logs, self._validation = (Lessons.of(logs_below(folder)) for folder in folders)
+        self._share, self._out, self._plugin = params.share, out, plugins.load("drivers", out.name)
+        train, val = (require(scenarios / split, "run the ingest stage") for split in ("train", "val"))
+        self.logs, validation = Lessons.of(logs_below(train)), Lessons.of(logs_below(val))
+        how = How.of(out.name, params.drivers, "repair.drivers")
+        self._tuner = Tuner(self._plugin, how, self.logs, validation, params.seed, self._say(BEFORE))
+        self.before = self._driver(BEFORE, self._tuner.base)
 
-    def taught(self) -> Driver:
-        """On logs."""
-        how = {
-            key: build(self._plugin.lessons_type(), value, f"params.yaml: repair.drivers.{self._out.name}.{key}")
-            for key, value in self._params.drivers[self._out.name].items()
-        }
-        self._tuner = Tuner(self._plugin, how, self._logs, self._validation, self._params.seed, self._say(BEFORE))
-        return self._driver(BEFORE, self._tuner.base)
+    def tuned(self, version: str, lessons: Lessons) -> Driver:
+        """On these for as long as on any others."""
+        return self._driver(version, self._tuner.tune(lessons, self._say(version))[0])
 
-    def tuned(self, version: str, cases: Sequence[Case]) -> Driver:
-        """On logs, among them those `cases` in which the target's own plan keeps clear: they show how to drive."""
-        shown = exemplary([(case.scenario, case.traffic) for case in cases])
-        traffic = mixed(self._logs.traffic, shown, self._params.share)
-        self._say(version)(f"{len(shown)} of {len(cases)} cases are {1 - len(self._logs) / len(traffic):.0%} of its lessons")
-        return self._driver(version, self._tuner.tune(Lessons.of(traffic), self._say(version))[0])
+    def repaired(self, half: int, cases: Sequence[Traffic]) -> Driver:
+        """For one half of the recordings, by `cases` of the other."""
+        version, traffic = f"{REPAIRED}_{half}", mixed(self.logs.traffic, cases, self._share)
+        self._say(version)(f"{len(cases)} cases are {1 - len(self.logs) / len(traffic):.0%} of its lessons")
+        return self.tuned(version, Lessons.of(traffic))
 
     def _driver(self, version: str, policy: Policy) -> Driver:
         policy.write(self._out / version, self._out.name)

@@ -12,10 +12,10 @@ from typing import Any
 
 from drivegen.core import plugins
 from drivegen.drivers.shared.lessons import Lessons
-from drivegen.drivers.shared.tuning import Say, Tuner
+from drivegen.drivers.shared.tuning import How, Say, Tuner
 from drivegen.store.files import write_json
 from drivegen.store.lookup import logs_below
-from stages._door import build, enter, require
+from stages._door import enter, require
 
 BASE, LONGER = "dataset", "dataset_longer"
 
@@ -35,18 +35,14 @@ class Params:
 def main(params: Params, scenarios: Path, scenes: Path, out: Path, metrics: Path) -> None:
     """The base policy, then one policy for each method, all from the same base."""
     name, seed = out.parent.name, int(out.name)
-    plugin = plugins.load("drivers", name)
-    how = {
-        key: build(plugin.lessons_type(), params.drivers[name][key], f"params.yaml: tune.drivers.{name}.{key}")
-        for key in ("base", "tuned")
-    }
+    how = How.of(name, params.drivers, "tune.drivers")
     folders = [require(scenarios / split, "run the ingest stage") for split in ("train", "val")]
     train, validation = (Lessons.of(logs_below(folder)) for folder in folders)
 
     def say(row: str) -> Say:
         return partial(print, f"tune {name} {seed} {row}:", flush=True)
 
-    tuner = Tuner(plugin, how, train, validation, seed, say(BASE))
+    tuner = Tuner(plugins.load("drivers", name), how, train, validation, seed, say(BASE))
     tuner.base.write(out / BASE, name)
     grades = {BASE: [asdict(grade) for grade in tuner.grades]}
     for row in (LONGER, *params.methods):

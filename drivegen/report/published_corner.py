@@ -59,9 +59,9 @@ def corner_rows(data: str, driver: str, runs: Sequence[tuple[Attacks, Costs]]) -
 
 
 def over_seeds(data: str, runs: Sequence[Sequence[Mapping[str, Any]]]) -> Iterator[dict[str, Any]]:
-    """The rows of the first run with `data` and `seeds`; value, low and high are means over runs, None where one has none.
+    """The rows of the first run with `data` and `seeds`; value and ends are means over runs that have them, else None.
 
-    Rows are the same if all their names agree, and what they hold but for value, ends and n.
+    Rows are the same if all else that they hold agrees; `n` is the first run's.
     """
     alike = [{_about(line): line for line in run} for run in runs]
     for line in runs[0]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from drivegen.core.intervals import percentiles, recording, resamplings
 from drivegen.core.seeds import rng
 from drivegen.report import paper
-from drivegen.report.table import Cell, Row, Table, row
+from drivegen.report.table import Row, Table, estimate, row
 
 PRIMARY = "counted_rich"
 """The primary endpoint, declared before anything was measured: counted collisions among replayed neighbours, on test scenes that
@@ -216,7 +216,7 @@ def driver_tables(rows: Sequence[Mapping[str, Any]], about: Mapping[str, tuple[s
 
 
 def _row(method: str, shown: Sequence[str], figures: Mapping[tuple[str, str], Mapping[str, Any]]) -> Row:
-    cells = {metric: _cell(figures.get((method, metric))) for metric in shown}
+    cells = {metric: estimate(figures.get((method, metric))) for metric in shown}
     seeds = [f"{each['value']:.3f}" for (who, metric), each in figures.items() if who == method and metric.startswith(BY_SEED)]
     if len(seeds) > 1:
         cells[PRIMARY] = replace(cells[PRIMARY], note=f"{cells[PRIMARY].note}; seeds {', '.join(seeds)}")
@@ -232,9 +232,3 @@ def _theirs(driver: str, columns: int) -> list[Row]:
         row(f"{name} ({paper.MARK})", *printed[number], *[""] * (columns - 4), origin="paper")
         for name, printed in paper.DOWNSTREAM.items()
     ]
-
-
-def _cell(each: Mapping[str, Any] | None) -> Cell:
-    if each is None or each["value"] is None:
-        return Cell("")
-    return Cell(f"{each['value']:.3f}", "" if each["low"] is None else f"{each['low']:.3f} to {each['high']:.3f}")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drivegen.core.intervals import Interval, recording
 from drivegen.core.seeds import rng
 from drivegen.metrics.ranking import Rates, agreements, ceiling, interval
-from drivegen.report.table import Cell, Row, Table, row
+from drivegen.report.table import Row, Table, estimate, row
 
 LOG, OURS, HALVES = "log", "drivegen", "half_of_log"
 AHEAD = ("drivegen_ahead", "drivegen_ahead_low", "drivegen_ahead_high")
@@ -111,12 +111,5 @@ def ranking_table(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str]) 
 
 def _line(each: Mapping[str, Any], titles: Mapping[str, str]) -> Row:
     method = {LOG: "logs", HALVES: "half of the recordings"}.get(each["method"]) or titles[each["method"]]
-    measure, tau = MEASURES[each["measure"]], _cell(each, ("value", "low", "high"))
-    return row(each["real"], method, each["made_from"], measure, tau, _cell(each, AHEAD))
-
-
-def _cell(each: Mapping[str, Any], names: tuple[str, str, str]) -> Cell:
-    value, low, high = (each[name] for name in names)
-    if value is None:
-        return Cell("")
-    return Cell(f"{value:.2f}", "" if low is None else f"{low:.2f} to {high:.2f}")
+    measure, tau = MEASURES[each["measure"]], estimate(each, 2)
+    return row(each["real"], method, each["made_from"], measure, tau, estimate(each, 2, AHEAD))

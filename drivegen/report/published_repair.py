@@ -4,14 +4,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from drivegen.core import plugins
-from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, row
+from drivegen.report.table import Table, estimate, row
 
 VERSIONS = {
     "before": "taught on logs",
     "longer": "tuned on logs",
     "repaired": "tuned for as long, its cases among the logs",
 }
-LESS = ".minus_longer"
+LESS, TAUGHT = ".minus_longer", "cases_taught"
 
 SHARES = {
     "counted": "counted collisions",
@@ -32,30 +32,21 @@ def repair_tables(driver: str, rows: Rows) -> Iterator[Table]:
         kinds = [metric for _, metric in mine if metric.startswith("kind.") and not metric.endswith(LESS)]
         met = [kind for kind in dict.fromkeys(kinds) if any(mine[version, kind]["value"] for version in VERSIONS)]
         columns = [metric for metric in (*SHARES, *met) if ("before", metric) in mine]
-        lines = [_line(title, [mine.get((version, metric)) for metric in columns]) for version, title in VERSIONS.items()]
-        lines.append(_line("the last less the one before", [mine.get(("repaired", f"{metric}{LESS}")) for metric in columns]))
+        names = {title: [(version, metric) for metric in columns] for version, title in VERSIONS.items()}
+        names["the last less the one before"] = [("repaired", f"{metric}{LESS}") for metric in columns]
+        taught = [line["value"] for version, line in mine.items() if version == ("repaired", TAUGHT)]
         title = plugins.about("adversaries", tester)["title"]
         first = mine["before", "counted"]
         yield Table(
             f"repair-{driver}-{tester}",
             f"Repair: {driver}, tested by {title}",
             ("", *(SHARES.get(metric, metric.removeprefix("kind.")) for metric in columns)),
-            tuple(lines),
+            tuple(row(title, *(estimate(mine.get(name)) for name in of), origin="ours") for title, of in names.items()),
             (
                 f"{first['n']} scenes, {first['seeds']} seeds, 95 % over recordings, the last row paired by scene. Kinds are "
                 "shares of scenes with a counted collision of that kind.",
                 "Cases come from one half of the recordings, the test is in the other, both ways; both halves are of the same "
                 "networks. Who was tuned on logs alone learnt for as long.",
+                *(f"{number:g} cases taught: those found in which the target's own plan keeps clear." for number in taught),
             ),
         )
-
-
-def _line(title: str, figures: Sequence[Mapping[str, Any] | None]) -> Row:
-    return row(title, *map(_cell, figures), origin="ours")
-
-
-def _cell(line: Mapping[str, Any] | None) -> Cell:
-    if line is None or line["value"] is None:
-        return Cell("-" if line is None else NOT_MEASURED)
-    ends = "" if line["low"] is None else f"{line['low']:.3f} to {line['high']:.3f}"
-    return Cell(f"{line['value']:.3f}", ends)

@@ -1,10 +1,11 @@
 """Cases that were found for one driver, driven by the others: one published table out of the rows of stage `transfer`."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from drivegen.core import plugins
-from drivegen.report.table import Cell, Table, row
+from drivegen.report.table import Cell, Table, estimate, row
 
 NAME = "transfer"
 
@@ -31,12 +32,13 @@ def transfer_table(rows: Sequence[Mapping[str, Any]]) -> Table:
         ("", "found for", "cases", *(f"driven by {driver}" for driver in drivers)),
         tuple(lines),
         (
-            f"{rows[0]['seeds']} seeds, 95 % over recordings; after *without*, the share in the same scenes without the attack. "
-            "Others were not searched against: no run of theirs chose a case. Neighbours are replayed.",
+            f"{rows[0]['seeds']} seeds, of the first of which the number of cases is; 95 % over recordings; after *without*, "
+            "the share in the same scenes without the attack. Others were not searched against: no run of theirs chose a case. "
+            "Neighbours are replayed.",
         ),
     )
 
 
 def _cell(counted: Mapping[str, Any], untouched: Mapping[str, Any]) -> Cell:
-    ends = f"{counted['low']:.2f} to {counted['high']:.2f}; without {untouched['value']:.2f}"
-    return Cell(f"{counted['value']:.2f}", ends)
+    cell = estimate(counted, 2)
+    return replace(cell, note="; ".join(filter(None, (cell.note, f"without {untouched['value']:.2f}"))))

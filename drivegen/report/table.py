@@ -98,6 +98,17 @@ def taken(took: Mapping[str, float], name: str, digits: int = 1) -> str:
     return number(took[name], digits) if name in took else "none"
 
 
+ENDS = ("value", "low", "high")
+
+
+def estimate(line: Mapping[str, Any] | None, digits: int = 3, names: tuple[str, str, str] = ENDS) -> Cell:
+    """A published figure of a line, by the `names` of value and ends, with its interval where it has one; "" without it."""
+    value, low, high = (line[name] for name in names) if line is not None else (None,) * 3
+    if value is None:
+        return Cell("")
+    return Cell(f"{value:.{digits}f}", "" if low is None or high is None else f"{low:.{digits}f} to {high:.{digits}f}")
+
+
 def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:
     """`values[key]` with its interval from `key.low` and `key.high`, where they are."""
     value, low, high = (values.get(f"{key}{end}") for end in ("", ".low", ".high"))

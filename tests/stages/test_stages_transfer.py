@@ -10,6 +10,7 @@ import pytest
 from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario
+from drivegen.report.published_transfer import transfer_table
 from drivegen.store.files import write_json
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
@@ -77,3 +78,9 @@ def test_the_table_has_a_line_for_whom_it_was_found_and_a_column_for_who_drives(
     published = orjson.loads((tmp_path / "out/transfer.json").read_bytes())
     assert {row["seeds"] for row in published} == {1}
     assert {row["data"] for row in published} == {"sumo_corpus"}
+
+
+def test_a_figure_of_one_recording_has_no_interval(made, tmp_path):
+    row = {"method": "random", "found_for": "idm", "driver": "idm", "value": 1.0, "low": None, "high": None, "n": 1, "seeds": 1}
+    text = transfer_table([{**row, "metric": "counted"}, {**row, "metric": "untouched", "value": 0.0}]).markdown()
+    assert "| random goals | idm | 1 | 1.00 (without 0.00) |" in text

@@ -10,9 +10,10 @@ import pyarrow as pa
 import pytest
 import torch
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Samples
 from drivegen.drivers import gail
-from drivegen.drivers.shared.tuning import Continued, stand_at
+from drivegen.drivers.shared.tuning import Continued, How, stand_at
 from drivegen.report.published_drivers import read_tests
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, write_shard
@@ -57,6 +58,11 @@ def test_what_is_tuned_and_its_average_both_begin_at_the_row_of_the_base():
     pupil.begin(8)
     for network in (pupil.policy, pupil.tries):
         assert all(torch.equal(a, b) for a, b in zip(network.layers.parameters(), best.layers.parameters(), strict=True))
+
+
+def test_a_driver_without_settings_is_one_sentence():
+    with pytest.raises(UnusableInput, match=r"tune.drivers has no settings `base` and `tuned` for 'gail'"):
+        How.of("gail", {"sac": {"base": {}, "tuned": {}}}, "tune.drivers")
 
 
 @pytest.fixture(scope="module")

@@ -83,8 +83,12 @@ def found_cases(found: Mapping[str, Findings]) -> list[Case]:
     return [case for findings in searches for case in findings.cases]
 
 
-def repair_rows(tests: Mapping[str, Sequence[Mapping[str, Findings]]], draws: int, seed: int) -> Iterator[dict[str, Any]]:
+def repair_rows(
+    tests: Mapping[str, Sequence[Mapping[str, Findings]]], taught: int, draws: int, seed: int
+) -> Iterator[dict[str, Any]]:
     """Rows {version, tester, metric, value, low, high, n}; `tests`: of each version and half what each adversary found.
+
+    `taught`: how many cases were among the lessons of the repaired version, which `cases_taught` says again.
 
     "kind.NAME" is the share of scenes with a case of that kind. "METRIC.minus_longer" of the repaired version is paired by
     scene. Intervals are over recordings; low and high are None where none was made, as of `comfort_absolute`.
@@ -96,6 +100,7 @@ def repair_rows(tests: Mapping[str, Sequence[Mapping[str, Findings]]], draws: in
             yield from (about | row for row in _measured(findings, draws, seed))
             shares = _shares(findings)
             if version == REPAIRED:
+                yield about | {"metric": "cases_taught", "value": float(taught), "low": None, "high": None}
                 shares |= {f"{name}.minus_{LONGER}": shares[name] - old for name, old in _shares(longer).items()}
             recordings = [recording(name) for name in findings.scenarios]
             random = rng(seed, "repair", "bootstrap")  # the same draws for all, as all are tested in the same scenes

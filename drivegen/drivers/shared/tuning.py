@@ -2,12 +2,16 @@
 
 import copy
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Self
 
 import torch
 from torch import nn
 from torch.optim import Optimizer
 
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.settings import build
 from drivegen.drivers.shared.conditions import Traffic
 from drivegen.drivers.shared.lessons import Grade, Lessons
 from drivegen.drivers.shared.policy import Policy
@@ -17,6 +21,22 @@ from drivegen.training.checkpoint import Part
 Say = Callable[[str], None]
 
 
+@dataclass(frozen=True)
+class How:
+    """How a driver is taught on logs (`base`) and `tuned`, each as its `lessons_type` says."""
+
+    base: Any
+    tuned: Any
+
+    @classmethod
+    def of(cls, name: str, drivers: Mapping[str, Mapping[str, Any]], section: str) -> Self:
+        """By the settings of each driver in a section of params.yaml; raises UnusableInput where the driver `name` has none."""
+        if name not in drivers or drivers[name].keys() != {"base", "tuned"}:
+            raise UnusableInput(f"params.yaml: {section} has no settings `base` and `tuned` for {name!r}")
+        kind = plugins.load("drivers", name).lessons_type()
+        return cls(**{key: build(kind, value, f"params.yaml: {section}.{name}.{key}") for key, value in drivers[name].items()})
+
+
 class Tuner:
     """Teaches a driver on logs, then tunes it from there, as often as it is asked to, each time anew and for as long.
 
@@ -24,13 +44,10 @@ class Tuner:
         base: the policy that was taught on logs. grades: how it drove in validation scenes on the way.
     """
 
-    def __init__(
-        self, plugin: type[Taught], how: Mapping[str, Any], logs: Lessons, validation: Lessons, seed: int, say: Say
-    ) -> None:
-        """`how` it is taught, `base` and `tuned`, each as the plugin's `lessons_type` says."""
-        self._plugin, self._tuned, self._validation, self._seed = plugin, how["tuned"], validation, seed
-        self._pupil = plugin.pupil(how["base"], logs, seed)
-        self.base, self.grades = teach(self._pupil, how["base"].course, validation, seed, None, say)
+    def __init__(self, plugin: type[Taught], how: How, logs: Lessons, validation: Lessons, seed: int, say: Say) -> None:
+        self._plugin, self._tuned, self._validation, self._seed = plugin, how.tuned, validation, seed
+        self._pupil = plugin.pupil(how.base, logs, seed)
+        self.base, self.grades = teach(self._pupil, how.base.course, validation, seed, None, say)
         stand_at(self._pupil, self.base)
 
     def tune(self, lessons: Lessons, say: Say) -> tuple[Policy, list[Grade]]:
