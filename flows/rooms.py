@@ -33,7 +33,7 @@ FRONT = ("evaluate",)
 """Those of a run at another temperature."""
 
 OF_PIECES = ("map_suite", "map_diversity", "likeness", "initial_states", "asked", "train_planner", "goals")
-OF_CORNER = ("attack", "attack_taught", "mutation_score", "repair", "transfer")
+OF_CORNER = ("attack", "attack_taught", "mutation_score", "rates", "repair", "transfer")
 
 
 @dataclass(frozen=True)

@@ -85,14 +85,14 @@ class Trials:
         """Neighbours are replayed unless `reaction` says how they react. Raises UnusableInput for a target that is not there."""
         self.driver, self.scenarios, self.traffic = driver, list(scenarios), list(traffic)
         self._simulator, self._scenes = Plugin(reaction=reaction), Scenes.of(self.scenarios, self.traffic)
-        self._lookout = Lookout.of(self._scenes, self.scenarios, self.traffic) if looks(driver) else None
+        self._lookout: Lookout | None = None
+        self._look_out([driver])
 
     def by(self, driver: Driver) -> "Trials":
         """The same scenes, which are not packed again, with another driver."""
+        self._look_out([driver])
         other = copy(self)
         other.driver = driver
-        if other._lookout is None and looks(driver):
-            other._lookout = Lookout.of(self._scenes, self.scenarios, self.traffic)
         return other
 
     @property
@@ -108,15 +108,28 @@ class Trials:
 
     def run(self, variants: Variants) -> DrivingOutcome:
         """Drive through all variants; what becomes of one does not depend on the others. Empty for none."""
-        parts = [self._chunk(variants.between(low, low + CHUNK)) for low in range(0, len(variants), CHUNK)]
-        return DrivingOutcome.joined(parts) if parts else _nothing(self.steps)
+        return self.run_each([self.driver], variants)[0]
 
-    def _chunk(self, some: Variants) -> DrivingOutcome:
+    def run_each(self, drivers: Sequence[Driver], variants: Variants) -> list[DrivingOutcome]:
+        """As `run` for each of several drivers; variants are made once for all."""
+        if not len(variants):
+            return [_nothing(self.steps)] * len(drivers)
+        self._look_out(drivers)
+        parts = [self._chunk(drivers, variants.between(low, low + CHUNK)) for low in range(0, len(variants), CHUNK)]
+        return [DrivingOutcome.joined(column) for column in zip(*parts, strict=True)]
+
+    def _look_out(self, drivers: Sequence[Driver]) -> None:
+        """Make what drivers see of rules, once any of these looks for it."""
+        if self._lookout is None and any(map(looks, drivers)):
+            self._lookout = Lookout.of(self._scenes, self.scenarios, self.traffic)
+
+    def _chunk(self, drivers: Sequence[Driver], some: Variants) -> list[DrivingOutcome]:
         chosen = np.resize(some.scene, CHUNK)  # padded by repeating: shapes stay the same, so do bytes
         scenes = self._scenes.exchanged(chosen, some.row, some.vehicle, some.motion)
-        lookout = self._lookout.exchanged(scenes, chosen, some.row, some.vehicle) if self._lookout else None
+        seen = self._lookout if any(map(looks, drivers)) else None
+        lookout = seen.exchanged(scenes, chosen, some.row, some.vehicle) if seen else None
         scenarios = [self.scenarios[s] for s in some.scene.tolist()]
-        return self._simulator.drive(self.driver, scenes, scenarios, self.steps, some.attacker, lookout)
+        return [self._simulator.drive(driver, scenes, scenarios, self.steps, some.attacker, lookout) for driver in drivers]
 
 
 def _nothing(steps: int) -> DrivingOutcome:

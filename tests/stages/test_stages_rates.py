@@ -1,0 +1,105 @@
+"""The stage `rates` on hand-made scenes, and its published table."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import orjson
+import pyarrow.parquet as pq
+import pytest
+
+from drivegen.core.errors import UnusableInput
+from drivegen.corner_cases.exposure import apart
+from drivegen.goals.packing import pack
+from drivegen.metrics.rates import Trial
+from drivegen.report.published_rates import METRICS, rate_rows, rate_table
+from drivegen.rollout.batch import choose
+from drivegen.selectors.random import Plugin as Random
+from drivegen.store.goals import write_goals
+from drivegen.store.samples import write_samples
+from drivegen.store.scenarios import write_shard
+from stages import publish_corner, rates
+from stages._door import read_params, read_section
+from tests.drivers.taught import PARAMS
+from tests.models import candidate_settings, two_lanes, write_models
+from tests.scenes import noisy_samples
+
+DRAWS, SHARD = 40, "shard-00000.parquet"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> Path:
+    """Two shards of queues, whose samples are the logs."""
+    root = tmp_path_factory.mktemp("rates")
+    for shard, speeds in (("shard-00000.parquet", (6.0, 8.0)), ("shard-00001.parquet", (9.0,))):
+        scenes = [two_lanes(speed, f"queue{speed:.0f}-0") for speed in speeds]
+        write_shard(root / "test" / shard, scenes)
+        write_samples(root / "round" / shard, [replace(noisy_samples(s, 1), motion=s.log[np.newaxis]) for s in scenes])
+        choices = choose(scenes, Random(), candidate_settings(), 1.0)
+        write_goals(root / "goals" / shard, [pack(c.scenario, "random", c.candidates, c.natural) for c in choices])
+    write_models(root / "models")
+    return root
+
+
+def run(made: Path, out: Path, **changes: object) -> dict[str, object]:
+    drivers = {"idm": read_section("rates.drivers.idm", PARAMS)}
+    small = {"workers": 1, "drivers": drivers, "tested": ("idm.slow_brakes",), "house": ("idm",), "scenes": 3, "draws": DRAWS}
+    more = {"tries": 4096, "trial": Trial(30, 60, 50)}
+    params = replace(read_params("rates", rates.Params, PARAMS), **{**small, **more, **changes})
+    places = (made / "test", made / "models", made / "goals", made / "round", out / "rates.parquet", out / publish_corner.RATES)
+    rates.main(params, *places)
+    return orjson.loads((out / publish_corner.RATES).read_bytes())
+
+
+def test_every_draw_is_a_row_and_the_rate_is_the_share_of_those_that_failed(made, tmp_path):
+    found = run(made, tmp_path)
+    table = pq.read_table(tmp_path / "rates.parquet")
+    assert table.column_names == ["scenario", "draw", "idm.slow_brakes", "idm"]
+    assert found["scenes"] + found["left_out"] == 3
+    assert len(table) == found["scenes"] * DRAWS
+    assert found["drivers"]["idm.slow_brakes"]["rate"] == np.mean(table["idm.slow_brakes"].to_numpy())
+    assert found["seconds"] == pytest.approx(10.0)
+
+
+def test_workers_and_order_do_not_change_a_byte(made, tmp_path):
+    run(made, tmp_path / "one")
+    run(made, tmp_path / "two", workers=2)
+    for name in ("rates.parquet", publish_corner.RATES):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+
+
+def test_nobody_of_the_house_is_made_of_the_driver_that_is_tested():
+    params = read_params("rates", rates.Params, PARAMS)
+    for tested in params.tested:
+        house = apart(params.house, tested)
+        assert house
+        assert not [name for name in house if name.split(".")[0] == tested.split(".")[0]]
+
+
+def test_what_cannot_be_done_is_one_sentence(made, tmp_path):
+    with pytest.raises(UnusableInput, match=r"rates names the driver idm\.asleep: known are idm, "):
+        run(made, tmp_path, tested=("idm.asleep",))
+    with pytest.raises(UnusableInput, match=r"in all 3 scenes: raise rates\.tries"):
+        run(made, tmp_path, tries=1, draws=100_000)
+    assert not (tmp_path / "rates.parquet").exists()
+
+
+def one(rate: float) -> dict[str, object]:
+    own = {"rate": rate, "rate.low": 0.5 * rate, "rate.high": 2 * rate, "runs": 100, "plain": 2000, "covered": 0.95}
+    own |= {"covered_plain": 0.94, "width": 0.001, "width_plain": 0.002, "saves": 5.0 if rate else None, "strata": []}
+    about = {"scenes": 3, "recordings": 2, "left_out": 1, "draws": 40, "repetitions": 200, "seconds": 8.0}
+    return {**about, "drivers": {"idm": own, "gail": {**own, "rate": 2 * rate}}}
+
+
+def test_rows_are_means_over_seeds_and_the_table_names_who_fails_most_first():
+    rows = list(rate_rows("corpus", [one(0.01), one(0.02)]))
+    assert len(rows) == 2 * (len(METRICS) + 1)
+    of = {(line["driver"], line["metric"]): line for line in rows}
+    about = {"data": "corpus", "driver": "idm", "n": 3, "seeds": 2}
+    assert of["idm", "rate"] == {**about, "metric": "rate", "value": 0.015, "low": 0.0075, "high": 0.03}
+    assert of["idm", "per_hour"]["value"] == pytest.approx(0.015 * 450)
+    assert of["idm", "runs"]["low"] is None
+    text = rate_table(one(0.01)).markdown()
+    assert text.index("gail") < text.index("idm")
+    assert "10000 (5000 to 20000)" in text
+    assert {(r["driver"], r["metric"]): r for r in rate_rows("corpus", [one(0.0)])}["idm", "saves"]["value"] is None
