@@ -18,9 +18,9 @@ from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count
 from drivegen.corner_cases.exposure import Exposure, expose
+from drivegen.corner_cases.rates import Trial
 from drivegen.drivers.base import Driver
 from drivegen.drivers.mutants.table import mutated
-from drivegen.metrics.rates import Trial
 from drivegen.rollout.batch import recorded_choices
 from drivegen.rollout.models import read_planner
 from drivegen.store.files import write_json, write_table

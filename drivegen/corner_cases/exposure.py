@@ -13,9 +13,9 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import bootstrap_means, recording
 from drivegen.core.scenario import DT, Trajectories
 from drivegen.core.seeds import rng
+from drivegen.corner_cases.rates import Trial, verified
 from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers.base import Driver
-from drivegen.metrics.rates import Trial, verified
 from drivegen.planners.base import Planner
 from drivegen.rollout.batch import plan_all_goals
 from drivegen.rollout.natural import NaturalLaw

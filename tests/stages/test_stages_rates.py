@@ -10,8 +10,8 @@ import pytest
 
 from drivegen.core.errors import UnusableInput
 from drivegen.corner_cases.exposure import apart
+from drivegen.corner_cases.rates import Trial
 from drivegen.goals.packing import pack
-from drivegen.metrics.rates import Trial
 from drivegen.report.published_rates import METRICS, rate_rows, rate_table
 from drivegen.rollout.batch import choose
 from drivegen.selectors.random import Plugin as Random

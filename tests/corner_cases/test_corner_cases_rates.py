@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.stats import chi2
 
 from drivegen.core.seeds import rng
-from drivegen.metrics.rates import EDGES, Strata, Trial, rate, strata, verified
+from drivegen.corner_cases.rates import EDGES, Strata, Trial, rate, strata, verified
 
 DRAWS = 60_000
 
