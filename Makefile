@@ -21,7 +21,7 @@ lint: $(INSTALLED)       ## the part of `make test` that needs no running
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports --no-logo
 
-tables: $(INSTALLED)     ## the published tables: every data set, several seeds, pooled into reports/published; PART=quality, maps (single pieces), drivers, corner
+tables: $(INSTALLED)     ## the published tables: every data set, several seeds, pooled into reports/published; PART=quality, maps (single pieces), drivers, corner, rates
 	@$(BIN)/python -m flows tables --part $(or $(PART),quality)
 
 bench: $(INSTALLED)      ## speed, each row beside its reference; fails if a row misses its target

@@ -13,14 +13,15 @@ import yaml
 
 ROOMS = Path(".drivegen/tables")
 
-QUALITY, MAPS, DRIVERS, CORNER = PARTS = ("quality", "maps", "drivers", "corner")
-"""The paper's first table; single pieces, maps from words first; drivers; corner cases."""
+QUALITY, MAPS, DRIVERS, CORNER, RATES = PARTS = ("quality", "maps", "drivers", "corner", "rates")
+"""The paper's first table; single pieces, maps from words first; drivers; corner cases; how often drivers fail."""
 
 DOORS = {
     QUALITY: ("publish", ROOMS),
     MAPS: ("publish_maps", ROOMS / "pieces" / "reports"),
     DRIVERS: ("publish_drivers", ROOMS / DRIVERS),
     CORNER: ("publish_corner", ROOMS / CORNER),
+    RATES: ("publish_rates", ROOMS / RATES),
 }
 """What pools each part, and from where."""
 
@@ -33,7 +34,8 @@ FRONT = ("evaluate",)
 """Those of a run at another temperature."""
 
 OF_PIECES = ("map_suite", "map_diversity", "likeness", "initial_states", "asked", "train_planner", "goals")
-OF_CORNER = ("attack", "attack_taught", "mutation_score", "rates", "repair", "transfer")
+BY_SEED = {CORNER: ("attack", "attack_taught", "mutation_score", "repair", "transfer"), RATES: ("rates",)}
+"""Parts with a run for every seed."""
 
 
 @dataclass(frozen=True)
@@ -54,9 +56,9 @@ def rooms(part: str, values: dict[str, Any], real: Path) -> Iterator[Room]:
     elif part == DRIVERS:
         for name, data, params in _data_sets(publish, real):
             yield Room(f"{DRIVERS}/{name}", params, tuple(data["measured"]))
-    elif part == CORNER:
+    elif part in BY_SEED:
         for seed in publish["seeds"]:
-            yield Room(f"{CORNER}/{seed}", {**publish["params"], "run.seed": seed}, OF_CORNER)
+            yield Room(f"{part}/{seed}", {**publish["params"], "run.seed": seed}, BY_SEED[part])
     else:
         yield from _of_quality(publish, real)
 

@@ -1,8 +1,8 @@
 """The door `publish_corner`: tables III and IV, extended, from the runs of `make tables PART=corner`. It is in no dvc.yaml.
 
 argv: folder of runs (one a seed, each a workspace), the folder of published tables (gets corner_cases.json, a table of outcomes
-and one of costs for each driver; where all runs have them, mutation_score.json, rates.json, transfer.json and repair.json with
-their tables; the index corner.md, provenance-corner.json).
+and one of costs for each driver; where all runs have them, mutation_score.json, transfer.json and repair.json with their
+tables; the index corner.md, provenance-corner.json).
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,6 @@ from drivegen.core.errors import MissingTool
 from drivegen.report.published_corner import Attacks, Costs, corner_rows, over_seeds
 from drivegen.report.published_files import write_part
 from drivegen.report.published_mutation import mutation_rows, mutation_table
-from drivegen.report.published_rates import rate_rows, rate_table
 from drivegen.report.published_repair import repair_tables
 from drivegen.report.published_transfer import transfer_table
 from drivegen.report.sections.attack import cost_table, outcome_table
@@ -27,7 +26,6 @@ from stages._door import COST_FOLDER, enter
 
 DATA = "sumo_corpus"
 SCORE = Path("reports/pieces/mutation_score.json")
-RATES = Path("reports/pieces/rates.json")
 TRANSFERRED = Path("reports/pieces/transfer.json")
 REPAIRED = Path("reports/pieces/repair")
 
@@ -59,9 +57,6 @@ def main(params: Params, runs: Path, published: Path) -> None:
     if scores := _of_all(roots, SCORE):
         write_json(published / "mutation_score.json", list(mutation_rows(DATA, scores)))
         tables.append(mutation_table(scores[0]))
-    if rates := _of_all(roots, RATES):
-        write_json(published / "rates.json", list(rate_rows(DATA, rates)))
-        tables.append(rate_table(rates[0]))
     if transferred := _of_all(roots, TRANSFERRED):
         means = list(over_seeds(DATA, transferred))
         write_json(published / "transfer.json", means)

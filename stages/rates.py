@@ -4,6 +4,7 @@ argv: scenarios of one split, models, recorded goals of one selector, traffic th
 of shards), who failed in which draw (Parquet rows), rates (JSON). Neighbours react.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,10 +18,10 @@ from drivegen.checker.verdicts import read_limits
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count
-from drivegen.corner_cases.exposure import Exposure, expose
-from drivegen.corner_cases.rates import Trial
 from drivegen.drivers.base import Driver
 from drivegen.drivers.mutants.table import mutated
+from drivegen.exposure.pool import Exposure, draw_scenes
+from drivegen.exposure.rates import Trial
 from drivegen.rollout.batch import recorded_choices
 from drivegen.rollout.models import read_planner
 from drivegen.store.files import write_json, write_table
@@ -37,9 +38,7 @@ class Params:
     """Section `rates`.
 
     Attributes:
-        drivers: settings of the sound ones, of which mutated ones are made. tested: those whose rates are asked for; house: those
-            whose failures tell where to look, for a tested driver only those that are made of another sound one. Names are of
-            sound or of mutated drivers.
+        drivers: settings of the sound ones, of which mutated ones are made. tested: names of sound or of mutated ones.
         planner: fills in motion. scenes: of all shards. draws: of the law in each scene, the first legal ones of so many `tries`.
         trial: of intervals. reaction: of neighbours.
     """
@@ -48,7 +47,6 @@ class Params:
     workers: Count
     drivers: dict[str, dict[str, Any]]
     tested: tuple[str, ...]
-    house: tuple[str, ...]
     planner: str
     scenes: Count
     draws: Count
@@ -56,14 +54,13 @@ class Params:
     trial: Trial
     reaction: Reaction
 
-    def make(self) -> dict[str, Driver]:
-        """All that are named, by name."""
+    def make(self) -> list[Driver]:
+        """Those that are tested."""
         sound: dict[str, Driver] = {name: plugins.make("drivers", name, self.drivers, "rates.drivers") for name in self.drivers}
         known = sound | mutated(sound)
-        named = dict.fromkeys((*self.tested, *self.house))
-        if unknown := [name for name in named if name not in known]:
-            raise UnusableInput(f"params.yaml: rates names the driver {unknown[0]}: known are {', '.join(known)}")
-        return {name: known[name] for name in named}
+        if unknown := [name for name in self.tested if name not in known]:
+            raise UnusableInput(f"params.yaml: rates.tested names {unknown[0]}, which is none of {', '.join(known)}")
+        return [known[name] for name in self.tested]
 
 
 @dataclass(frozen=True)
@@ -85,8 +82,8 @@ def main(params: Params, scenarios: Path, models: Path, goals: Path, traffic: Pa
     share = shared(params.scenes, [pq.read_metadata(file).num_rows for file in files])
     tasks = [Task(file, count, models, goals, traffic, params) for file, count in zip(files, share, strict=True) if count]
     found = Exposure.joined([part for _, part in spread(_exposed, tasks, params.workers, "rates")])
-    write_json(results, found.rates(params.tested, params.house, params.trial, params.seed))
-    write_table(table, _table(found))
+    write_json(results, found.rates(params.tested, params.trial, params.seed))
+    write_table(table, _table(found, params.tested))
 
 
 def _exposed(task: Task) -> Exposure:
@@ -96,14 +93,16 @@ def _exposed(task: Task) -> Exposure:
     rows = evenly(len(scenarios), task.scenes)
     choices, traffic = [recorded[r] for r in rows], [legal(samples[r], 0) for r in rows]
     made_with = read_planner(task.models, params.planner), read_limits(task.models)
-    return expose(choices, traffic, *made_with, params.make(), params.draws, params.tries, params.reaction, params.seed)
+    scenes, left_out = draw_scenes(choices, traffic, *made_with, params.draws, params.tries, params.seed)
+    return Exposure.of(scenes, left_out, params.make(), params.draws, params.reaction)
 
 
-def _table(found: Exposure) -> pa.Table:
-    """A row for each draw."""
+def _table(found: Exposure, names: Sequence[str]) -> pa.Table:
+    """A row for each draw; of each driver whether it failed, and how near [m] the others came."""
     scenes, draws, _ = found.failed.shape
     at = {"scenario": np.repeat(found.scenarios, draws), "draw": np.tile(np.arange(draws, dtype=np.int32), scenes)}
-    return pa.table(at | {name: found.failed[:, :, m].ravel() for m, name in enumerate(found.drivers)})
+    failed = {name: found.failed[:, :, m].ravel() for m, name in enumerate(names)}
+    return pa.table(at | failed | {f"{name}.near": found.near[:, :, m].ravel() for m, name in enumerate(names)})
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ COMMANDS = {
     "map": "Roads from words or files, edits, other formats.",
     "generate": "Traffic: a log again, a network, words.",
     "corner": "What makes a driver fail, by kind.",
+    "rate": "How often a driver fails, from few runs.",
     "gate": "Whether a driver collides more than another.",
     "export": "The pipeline's scenarios as folders.",
     "view": "Look at a scenario folder or a log.",

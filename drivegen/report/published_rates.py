@@ -5,8 +5,8 @@ from typing import Any
 
 from drivegen.report.table import Cell, Row, Table, number, row
 
-NAME = "rates"
-METRICS = ("rate", "runs", "covered", "width", "plain", "covered_plain", "width_plain", "saves")
+NAME = "failure-rates"
+METRICS = ("rate", "runs", "covered", "width", "bias", "plain", "covered_plain", "width_plain", "saves")
 HOUR = 3600.0
 
 Rates = Mapping[str, Any]
@@ -16,8 +16,8 @@ Rates = Mapping[str, Any]
 def rate_rows(data: str, runs: Sequence[Rates]) -> Iterator[dict[str, Any]]:
     """Rows {data, driver, metric, value, low, high, n, seeds}, a run a seed; values are means over seeds.
 
-    Low and high are of the rate alone, over recordings; n is the number of scenes of the first run. `saves` is None where a
-    driver never failed in one of them. `per_hour` is of driving in such scenes.
+    Low and high are of the rate alone, over recordings; n is the number of scenes of the first run. `saves` and `bias` are
+    None where a driver never failed in one of them. `per_hour` is of driving in such scenes.
     """
     for driver in runs[0]["drivers"]:
         of_runs = [run["drivers"][driver] for run in runs]
@@ -47,6 +47,7 @@ def rate_table(rates: Rates) -> Table:
             "per hour",
             "runs",
             "intervals that hold the rate",
+            "off by",
             "their width, in a million",
             "plain runs",
             "their intervals that hold it",
@@ -64,8 +65,9 @@ def _line(name: str, own: Mapping[str, Any], seconds: float) -> Row:
         name,
         Cell(_million(own["rate"]), ends),
         f"{own['rate'] * HOUR / seconds:.2g}",
-        number(own["runs"]),
+        number(round(own["runs"])),
         f"{own['covered']:.1%}",
+        "-" if own["bias"] is None else f"{own['bias']:+.1%}",
         _million(own["width"]),
         number(own["plain"]),
         f"{own['covered_plain']:.1%}",
@@ -85,8 +87,8 @@ def _notes(rates: Rates) -> tuple[str, ...]:
         f"{number(rates['draws'])} draws in each of {rates['scenes']} scenes of {rates['recordings']} recordings; in "
         f"{rates['left_out']} more too few draws were legal. These draws stand for the law: the share of them that ends in a "
         "counted collision is the true rate, in brackets with 95 % over recordings.",
-        f"Intervals are of {rates['repetitions']} repetitions, each with runs of its own. Ours sort draws by how many of a "
-        "*house* of other drivers, whose runs are not counted, fail in them; none of these is made of the driver that is tested. "
-        "Plain ones are of draws as they come.",
+        f"Intervals are of {rates['repetitions']} repetitions, each with runs of its own. Ours run the driver once in each "
+        "scene, sort all draws by how near the others' plans come to where it drove, and then run it more where it fails; plain "
+        "ones are of draws as they come. Off by: the mean of our estimates, less the rate, as a share of it.",
         "Per hour: of driving in such scenes, of which logs say how often they occur, not we.",
     )

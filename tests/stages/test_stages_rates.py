@@ -8,9 +8,8 @@ import orjson
 import pyarrow.parquet as pq
 import pytest
 
-from drivegen.core.errors import UnusableInput
-from drivegen.corner_cases.exposure import apart
-from drivegen.corner_cases.rates import Trial
+from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.exposure.rates import Trial
 from drivegen.goals.packing import pack
 from drivegen.report.published_rates import METRICS, rate_rows, rate_table
 from drivegen.rollout.batch import choose
@@ -18,7 +17,7 @@ from drivegen.selectors.random import Plugin as Random
 from drivegen.store.goals import write_goals
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
-from stages import publish_corner, rates
+from stages import publish_rates, rates
 from stages._door import read_params, read_section
 from tests.drivers.taught import PARAMS
 from tests.models import candidate_settings, two_lanes, write_models
@@ -43,18 +42,18 @@ def made(tmp_path_factory) -> Path:
 
 def run(made: Path, out: Path, **changes: object) -> dict[str, object]:
     drivers = {"idm": read_section("rates.drivers.idm", PARAMS)}
-    small = {"workers": 1, "drivers": drivers, "tested": ("idm.slow_brakes",), "house": ("idm",), "scenes": 3, "draws": DRAWS}
+    small = {"workers": 1, "drivers": drivers, "tested": ("idm.slow_brakes", "idm"), "scenes": 3, "draws": DRAWS}
     more = {"tries": 4096, "trial": Trial(30, 60, 50)}
     params = replace(read_params("rates", rates.Params, PARAMS), **{**small, **more, **changes})
-    places = (made / "test", made / "models", made / "goals", made / "round", out / "rates.parquet", out / publish_corner.RATES)
+    places = (made / "test", made / "models", made / "goals", made / "round", out / "rates.parquet", out / publish_rates.RATES)
     rates.main(params, *places)
-    return orjson.loads((out / publish_corner.RATES).read_bytes())
+    return orjson.loads((out / publish_rates.RATES).read_bytes())
 
 
 def test_every_draw_is_a_row_and_the_rate_is_the_share_of_those_that_failed(made, tmp_path):
     found = run(made, tmp_path)
     table = pq.read_table(tmp_path / "rates.parquet")
-    assert table.column_names == ["scenario", "draw", "idm.slow_brakes", "idm"]
+    assert table.column_names == ["scenario", "draw", "idm.slow_brakes", "idm", "idm.slow_brakes.near", "idm.near"]
     assert found["scenes"] + found["left_out"] == 3
     assert len(table) == found["scenes"] * DRAWS
     assert found["drivers"]["idm.slow_brakes"]["rate"] == np.mean(table["idm.slow_brakes"].to_numpy())
@@ -64,20 +63,12 @@ def test_every_draw_is_a_row_and_the_rate_is_the_share_of_those_that_failed(made
 def test_workers_and_order_do_not_change_a_byte(made, tmp_path):
     run(made, tmp_path / "one")
     run(made, tmp_path / "two", workers=2)
-    for name in ("rates.parquet", publish_corner.RATES):
+    for name in ("rates.parquet", publish_rates.RATES):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
 
 
-def test_nobody_of_the_house_is_made_of_the_driver_that_is_tested():
-    params = read_params("rates", rates.Params, PARAMS)
-    for tested in params.tested:
-        house = apart(params.house, tested)
-        assert house
-        assert not [name for name in house if name.split(".")[0] == tested.split(".")[0]]
-
-
 def test_what_cannot_be_done_is_one_sentence(made, tmp_path):
-    with pytest.raises(UnusableInput, match=r"rates names the driver idm\.asleep: known are idm, "):
+    with pytest.raises(UnusableInput, match=r"rates\.tested names idm\.asleep, which is none of idm, "):
         run(made, tmp_path, tested=("idm.asleep",))
     with pytest.raises(UnusableInput, match=r"in all 3 scenes: raise rates\.tries"):
         run(made, tmp_path, tries=1, draws=100_000)
@@ -86,7 +77,14 @@ def test_what_cannot_be_done_is_one_sentence(made, tmp_path):
 
 def one(rate: float) -> dict[str, object]:
     own = {"rate": rate, "rate.low": 0.5 * rate, "rate.high": 2 * rate, "runs": 100, "plain": 2000, "covered": 0.95}
-    own |= {"covered_plain": 0.94, "width": 0.001, "width_plain": 0.002, "saves": 5.0 if rate else None, "strata": []}
+    own |= {
+        "covered_plain": 0.94,
+        "width": 0.001,
+        "width_plain": 0.002,
+        "bias": 0.0,
+        "saves": 5.0 if rate else None,
+        "strata": [],
+    }
     about = {"scenes": 3, "recordings": 2, "left_out": 1, "draws": 40, "repetitions": 200, "seconds": 8.0}
     return {**about, "drivers": {"idm": own, "gail": {**own, "rate": 2 * rate}}}
 
@@ -103,3 +101,14 @@ def test_rows_are_means_over_seeds_and_the_table_names_who_fails_most_first():
     assert text.index("gail") < text.index("idm")
     assert "10000 (5000 to 20000)" in text
     assert {(r["driver"], r["metric"]): r for r in rate_rows("corpus", [one(0.0)])}["idm", "saves"]["value"] is None
+
+
+def test_the_door_publishes_rows_and_a_table_with_where_they_are_from(made, tmp_path):
+    run(made, tmp_path / "runs/7")
+    publish_rates.main(publish_rates.Params(7, [7], {}), tmp_path / "runs", tmp_path / "out")
+    rows = orjson.loads((tmp_path / "out/rates.json").read_bytes())
+    assert {row["driver"] for row in rows} == {"idm", "idm.slow_brakes"}
+    assert "idm.slow_brakes" in (tmp_path / "out/failure-rates.md").read_text()
+    assert "failure-rates.md" in (tmp_path / "out/rates.md").read_text()
+    with pytest.raises(MissingTool, match="PART=rates"):
+        publish_rates.main(publish_rates.Params(7, [8], {}), tmp_path / "runs", tmp_path / "out")

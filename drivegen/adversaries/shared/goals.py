@@ -61,7 +61,7 @@ class Goals:
             rows = np.flatnonzero(np.isin(owner, social(ground.traffic[s])))
             scene, odds = np.full(len(rows), s), np.concatenate(choice.natural)
             kept = arena.allows(scene, owner[rows], planned[c][rows])
-            found.append(cls(scene[kept], owner[rows][kept], odds[rows][kept], _padded(planned[c][rows[kept]], steps)))
+            found.append(cls(scene[kept], owner[rows][kept], odds[rows][kept], padded(planned[c][rows[kept]], steps)))
         return cls._joined(found)
 
     def __len__(self) -> int:
@@ -74,7 +74,7 @@ class Goals:
         return rows, arena.drive(chosen, self.odds[rows])
 
 
-def _padded(motion: Trajectories, steps: int) -> Trajectories:
+def padded(motion: Trajectories, steps: int) -> Trajectories:
     """The motion (E, T) with `steps` steps, not valid after its own."""
     whole = Trajectories.empty(len(motion.valid), steps)
     for name in ("position", "heading", "velocity", "valid"):

@@ -9,10 +9,10 @@ import pytest
 from drivegen.checker.scene import SceneChecker, check_samples
 from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.core.seeds import rng
+from drivegen.exposure.law import NaturalLaw
 from drivegen.goals.joint import PENALTY
 from drivegen.rollout.batch import choose, plan_all_goals
 from drivegen.rollout.models import Equipment
-from drivegen.rollout.natural import NaturalLaw
 from drivegen.rollout.scene import Choices
 from tests.models import candidate_settings, two_lanes
 from tests.scenes import busy_crossing

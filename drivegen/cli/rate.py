@@ -1,0 +1,98 @@
+"""`drivegen rate`: how often a driver fails in law-abiding generated traffic, from few runs of it."""
+
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Annotated
+
+from rich.console import Console
+from rich.table import Table
+from typer import Option
+
+from drivegen.adversaries.shared.ground import legal
+from drivegen.cli import _project
+from drivegen.cli._drivers import driver_of
+from drivegen.core.errors import UnusableInput
+from drivegen.core.first_frame import first_frame
+from drivegen.core.scenario import Scenario
+from drivegen.core.seeds import rng
+from drivegen.core.settings import Count, build, read_section
+from drivegen.exposure.pool import Drawn, Pool, draw_scenes
+from drivegen.exposure.rates import EDGES, Estimate, estimate
+from drivegen.gym.folders import read_traffic
+from drivegen.rollout.batch import choose, roll_out
+from drivegen.store.files import write_json
+from drivegen.world.reactive import Reaction
+
+HOUR = 3600.0
+
+
+@dataclass(frozen=True)
+class _Settings:
+    """What of params.yaml, `rates`, is asked for here (see `stages/rates.py`)."""
+
+    draws: Count
+    tries: Count
+    reaction: Reaction
+
+
+def command(
+    driver: Annotated[
+        str,
+        Option(help="A driver of params.yaml, a YAML file with one and its settings, or a Python file, run with your rights."),
+    ],
+    scenarios: Annotated[Path, Option(help="A folder of scenarios: data/scenarios/test, data/shipped, Argoverse 2's layout.")],
+    runs: Annotated[int, Option(min=10, help="Of the driver, beside one in each scene.")] = 2000,
+    draws: Annotated[int | None, Option(min=1, help="Of the traffic of each scene, from which runs are chosen.")] = None,
+    most: Annotated[int | None, Option(min=1, help="Only the first so many scenarios.")] = None,
+    out: Annotated[Path | None, Option(help="A JSON file for what was found.")] = None,
+) -> None:
+    """Say how often DRIVER fails in law-abiding generated traffic, with an interval, running it where others come near."""
+    section = read_section("rates")
+    said = build(_Settings, {name: section[name] for name in _Settings.__annotations__ if name in section}, "params.yaml: rates")
+    settings, tested, seed = replace(said, draws=draws or said.draws), driver_of(driver), read_section("run")["seed"]
+    where = {scenario.scenario_id: scenario for scenario, _ in read_traffic(scenarios)}
+    scenes, left_out = _draw(list(where.values())[:most], settings, seed)
+    if not scenes:
+        raise UnusableInput(
+            f"{scenarios}: in none of {len(left_out)} scenes are {settings.draws} of {settings.tries} draws legal"
+        )
+    pool = Pool(scenes, tested, settings.reaction)
+    found = estimate(pool.near(tested), lambda picks: pool.failed(tested, picks), runs, rng(seed, "rate"))
+    if out:
+        about = {"driver": driver, "folder": str(scenarios), "scenes": len(scenes), "left_out": left_out, "draws": settings.draws}
+        strata = {"edges": EDGES.tolist(), "share": found.share.tolist(), "runs": found.runs.tolist()}
+        strata |= {"failed": found.failed.tolist()}
+        write_json(out, about | asdict(found.rate) | {"seconds": pool.seconds, "strata": strata})
+    console = Console(soft_wrap=True, highlight=False, markup=False)
+    console.print(_table(found))
+    console.print(_sentence(tested.name, found, pool, len(left_out)))
+
+
+def _draw(scenarios: list[Scenario], settings: _Settings, seed: int) -> tuple[list[Drawn], list[str]]:
+    """Everybody's goals are drawn by the law; the target is told to drive where it does in a first future."""
+    how = _project.generation(scored=True)
+    tools = _project.equipment(how)
+    shown = choose([first_frame(s) for s in scenarios], tools.selector, how.candidates, 1.0)
+    choices = [replace(choice, scenario=scenario) for choice, scenario in zip(shown, scenarios, strict=True)]
+    futures = roll_out(choices, tools.planner, tools.limits, how.rollout, 1, seed, "drivegen")
+    traffic = [legal(samples, 0) for samples in futures]
+    return draw_scenes(choices, traffic, tools.planner, tools.limits, settings.draws, settings.tries, seed)
+
+
+def _table(found: Estimate) -> Table:
+    table = Table("others come as near as", "share of draws", "runs", "failed", box=None, pad_edge=False)
+    names = [*(f"less than {edge:g} m" for edge in EDGES), "farther"]
+    for name, share, runs, failed in zip(names, found.share, found.runs, found.failed, strict=True):
+        table.add_row(name, f"{share:.2%}", str(runs), str(failed))
+    return table
+
+
+def _sentence(name: str, found: Estimate, pool: Pool, left_out: int) -> str:
+    rate, hourly = found.rate, HOUR / pool.seconds
+    scenes = f"{len(pool.scenes)} scenes" + (f" ({left_out} more have too little that is legal)" if left_out else "")
+    return (
+        f"{name}: {rate.value:.2g} counted collisions a scene (95 %: {rate.low:.2g} to {rate.high:.2g}), "
+        f"{hourly * rate.value:.2g} an hour ({hourly * rate.low:.2g} to {hourly * rate.high:.2g}), by "
+        f"{found.runs.sum() + len(pool.scenes)} runs in {scenes}. Generated traffic that keeps the rules, neighbours that react; "
+        "in other scenes it would be another rate."
+    )

@@ -1,0 +1,179 @@
+"""A pool of draws of the natural law, many in each of many scenes, through which drivers are driven; neighbours react.
+
+How near others come in a draw is known without a run of the driver in it: it is how near their planned motions come to where the
+driver drove in the first draw of the scene, by the measure that ranks candidates of DriveGen-CS.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegen.adversaries.shared.approach import approaches
+from drivegen.adversaries.shared.goals import padded
+from drivegen.checker.limits import Limits
+from drivegen.core import seeds
+from drivegen.core.errors import UnusableInput
+from drivegen.core.intervals import bootstrap_means, recording
+from drivegen.core.scenario import DT, Trajectories
+from drivegen.corner_cases.trials import Trials, Variants
+from drivegen.drivers.base import Driver
+from drivegen.exposure.law import NaturalLaw
+from drivegen.exposure.rates import Trial, verified
+from drivegen.planners.base import Planner
+from drivegen.rollout.batch import plan_all_goals
+from drivegen.rollout.scene import Choices
+from drivegen.simulators.batch import CHUNK
+from drivegen.world.outcome import DrivingOutcome
+from drivegen.world.reactive import Reaction
+
+CAUTION, BEHIND = 0.2, 0.5
+"""[m/s] the gap that a second of warning is worth, and [m] that of somebody who comes up from behind (`attack.adversaries`)."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A scene with D draws of its law: `rows` (D, M) of the law's motion."""
+
+    choice: Choices
+    law: NaturalLaw
+    rows: NDArray[np.int64]
+
+
+def draw_scenes(
+    choices: Sequence[Choices],
+    traffic: Sequence[Trajectories],
+    planner: Planner,
+    limits: Limits,
+    draws: int,
+    tries: int,
+    seed: int,
+) -> tuple[list[Drawn], list[str]]:
+    """Each scene with so many draws of its law, and the ids of those in which too few of `tries` draws are legal.
+
+    `traffic` (S,) says who is there, and where the targets are told to drive. What is drawn depends on scene and seed alone.
+    """
+    scenes, left_out = list[Drawn](), list[str]()
+    planned = plan_all_goals(choices, planner, seeds.derive(seed, "natural law"))
+    for choice, motion, towards in zip(choices, traffic, planned, strict=True):
+        law = NaturalLaw.of(choice, motion, towards, limits)
+        rows = law.draw(draws, tries, seeds.rng(seed, "natural law", choice.scenario.scenario_id))
+        if len(rows) == draws:
+            scenes.append(Drawn(choice, law, rows))
+        else:
+            left_out.append(choice.scenario.scenario_id)
+    return scenes, left_out
+
+
+class Pool:
+    """N = S * D draws, numbered scene by scene.
+
+    Attributes:
+        scenes: (S,), at least one. seconds: [s] how long they last on average.
+    """
+
+    def __init__(self, scenes: Sequence[Drawn], driver: Driver, reaction: Reaction) -> None:
+        """Traffic is packed for `driver`; others are driven as well."""
+        self.scenes = scenes
+        self.seconds = float(np.mean([(scene.choice.scenario.steps - 1) * DT for scene in scenes]))
+        self._draws = len(scenes[0].rows)
+        first = [scene.law.scenes(scene.rows[:1])[0] for scene in scenes]
+        self._trials = Trials(driver, [scene.choice.scenario for scene in scenes], first, reaction)
+
+    def __len__(self) -> int:
+        return len(self.scenes) * self._draws
+
+    def drive(self, drivers: Sequence[Driver], picks: NDArray[np.integer]) -> list[DrivingOutcome]:
+        """What becomes of each of several drivers in draws (R,) by number."""
+        return self._trials.run_each(drivers, self._variants(picks))
+
+    def failed(self, driver: Driver, picks: NDArray[np.integer]) -> NDArray[np.bool_]:
+        """(R,) whether the driver has a counted collision in each of the draws."""
+        some = np.array_split(picks, len(picks) // CHUNK + 1)  # traffic of thousands of draws at once takes gigabytes
+        return np.concatenate([self.drive([driver], part)[0].counted for part in some])
+
+    def near(self, driver: Driver) -> NDArray[np.float32]:
+        """(N,) [m] how near the others come in each draw; takes a run of the driver in each scene."""
+        [first] = self.drive([driver], np.arange(len(self.scenes)) * self._draws)
+        owner = [np.repeat(scene.law.vehicle, np.diff(scene.law.start)) for scene in self.scenes]
+        of = np.repeat(np.arange(len(self.scenes)), list(map(len, owner)))
+        motion = Trajectories.joined([padded(scene.law.motion, self._trials.steps) for scene in self.scenes])
+        met = approaches(self._trials, first.motion, of, np.concatenate(owner), motion)
+        cost = met.gap + np.float32(CAUTION) * met.warning + np.float32(BEHIND) * met.behind
+        ends = np.cumsum([0, *map(len, owner)])
+        of_scenes = zip(self.scenes, pairwise(ends), strict=True)
+        return np.concatenate([cost[low:high][scene.rows].min(axis=1, initial=np.inf) for scene, (low, high) in of_scenes])
+
+    def _variants(self, picks: NDArray[np.integer]) -> Variants:
+        nobody, none = np.zeros(len(picks), np.int64), np.zeros(0, np.int64)
+        row, vehicle, motion = [none], [none], [Trajectories.empty(0, self._trials.steps)]
+        for n, pick in enumerate(picks.tolist()):
+            scene = self.scenes[pick // self._draws]
+            row.append(np.full(len(scene.law.vehicle), n))
+            vehicle.append(scene.law.vehicle)
+            motion.append(padded(scene.law.motion[scene.rows[pick % self._draws]], self._trials.steps))
+        of = (picks // self._draws).astype(np.int64)
+        return Variants(of, nobody, np.concatenate(row), np.concatenate(vehicle), Trajectories.joined(motion))
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """What became of M drivers in all D draws of S scenes.
+
+    Attributes:
+        scenarios: (S,) ids. seconds: (S,) how long they last. failed: (S, D, M) bool. near: (S, D, M) float32 [m].
+        left_out: ids of further scenes in which too few draws were legal.
+    """
+
+    scenarios: list[str]
+    seconds: list[float]
+    failed: NDArray[np.bool_]
+    near: NDArray[np.float32]
+    left_out: list[str]
+
+    @classmethod
+    def of(
+        cls, scenes: Sequence[Drawn], left_out: list[str], drivers: Sequence[Driver], draws: int, reaction: Reaction
+    ) -> "Exposure":
+        """Drive everybody through everything; scenes may be none."""
+        if not scenes:
+            nothing = np.zeros((0, draws, len(drivers)))
+            return cls([], [], nothing.astype(np.bool_), nothing.astype(np.float32), left_out)
+        pool, count = Pool(scenes, drivers[0], reaction), len(scenes)
+        parts = [pool.drive(drivers, np.arange(draws) + s * draws) for s in range(count)]
+        failed = np.stack([np.stack([outcome.counted for outcome in part], axis=1) for part in parts])
+        near = np.stack([pool.near(driver).reshape(count, draws) for driver in drivers], axis=2)
+        scenarios = [scene.choice.scenario for scene in scenes]
+        return cls([s.scenario_id for s in scenarios], [(s.steps - 1) * DT for s in scenarios], failed, near, left_out)
+
+    @classmethod
+    def joined(cls, parts: "Sequence[Exposure]") -> "Exposure":
+        """Scenes of all parts, of the same drivers, in order; at least one part."""
+        return cls(
+            [name for part in parts for name in part.scenarios],
+            [length for part in parts for length in part.seconds],
+            np.concatenate([part.failed for part in parts]),
+            np.concatenate([part.near for part in parts]),
+            [name for part in parts for name in part.left_out],
+        )
+
+    def rates(self, names: Sequence[str], trial: Trial, seed: int) -> dict[str, Any]:
+        """The rates of the drivers (M,), and what intervals of them are worth (`verified`); all draws are taken for the law.
+
+        `rate.low` and `rate.high` are over recordings. Raises UnusableInput where there is no scene.
+        """
+        if not self.scenarios:
+            raise UnusableInput(f"too few draws were legal in all {len(self.left_out)} scenes: raise rates.tries")
+        recordings, count = [recording(name) for name in self.scenarios], len(self.scenarios)
+        ends = bootstrap_means(self.failed.mean(axis=1), recordings, trial.repetitions, seeds.rng(seed, "rates", "bootstrap"))
+        rates = {}
+        for m, name in enumerate(names):
+            random = seeds.rng(seed, "rates", name)
+            of_law = verified(self.failed[:, :, m].ravel(), self.near[:, :, m].ravel(), trial, count, random)
+            rates[name] = {**of_law, "rate.low": ends[m].low, "rate.high": ends[m].high}
+        about = {"scenes": count, "recordings": len(set(recordings)), "left_out": len(self.left_out)}
+        about |= {"draws": self.failed.shape[1], "repetitions": trial.repetitions}
+        return {**about, "seconds": float(np.mean(self.seconds)), "drivers": rates}
