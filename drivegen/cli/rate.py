@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated
 
 from rich.console import Console
+from rich.progress import track
 from rich.table import Table
 from typer import Option
 
@@ -24,6 +25,9 @@ from drivegen.store.files import write_json
 from drivegen.world.reactive import Reaction
 
 HOUR = 3600.0
+
+AT_ONCE = 10
+"""Scenes between two looks of whoever waits."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +80,14 @@ def _draw(scenarios: list[Scenario], settings: _Settings, seed: int) -> tuple[li
     choices = [replace(choice, scenario=scenario) for choice, scenario in zip(shown, scenarios, strict=True)]
     futures = roll_out(choices, tools.planner, tools.limits, how.rollout, 1, seed, "drivegen")
     traffic = [legal(samples, 0) for samples in futures]
-    return draw_scenes(choices, traffic, tools.planner, tools.limits, settings.draws, settings.tries, seed)
+    scenes, left_out = list[Drawn](), list[str]()
+    console = Console(stderr=True)
+    for low in track(range(0, len(choices), AT_ONCE), "drawing traffic", console=console, disable=not console.is_terminal):
+        some = choices[low : low + AT_ONCE], traffic[low : low + AT_ONCE]
+        drawn, others = draw_scenes(*some, tools.planner, tools.limits, settings.draws, settings.tries, seed)
+        scenes += drawn
+        left_out += others
+    return scenes, left_out
 
 
 def _table(found: Estimate) -> Table:
