@@ -43,7 +43,7 @@ def repair_tables(driver: str, rows: Rows) -> Iterator[Table]:
             ("", *(SHARES.get(metric, metric.removeprefix("kind.")) for metric in columns)),
             tuple(row(title, *(estimate(mine.get(name)) for name in of), origin="ours") for title, of in names.items()),
             (
-                f"{first['n']} scenes, {first['seeds']} seeds, 95 % over recordings, the last row paired by scene. Kinds are "
+                f"Scenes: {first['n']}, seeds: {first['seeds']}, 95 % over recordings, the last row paired by scene. Kinds are "
                 "shares of scenes with a counted collision of that kind.",
                 "Cases come from one half of the recordings, the test is in the other, both ways; both halves are of the same "
                 "networks. Who was tuned on logs alone learnt for as long.",

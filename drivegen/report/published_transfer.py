@@ -32,7 +32,7 @@ def transfer_table(rows: Sequence[Mapping[str, Any]]) -> Table:
         ("", "found for", "cases", *(f"driven by {driver}" for driver in drivers)),
         tuple(lines),
         (
-            f"{rows[0]['seeds']} seeds, of the first of which the number of cases is; 95 % over recordings; after *without*, "
+            f"Seeds: {rows[0]['seeds']}, of the first of which the number of cases is; 95 % over recordings; after *without*, "
             "the share in the same scenes without the attack. Others were not searched against: no run of theirs chose a case. "
             "Neighbours are replayed.",
         ),
