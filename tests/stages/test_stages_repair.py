@@ -156,7 +156,7 @@ def test_versions_are_published_side_by_side(once, tmp_path):
     assert all(set(row) == keys and row["seeds"] == 2 for row in rows)
     text = (tmp_path / "out/repair-gail-dataset.md").read_text()
     assert "| tuned for as long, its cases among the logs |" in text
-    assert "6 scenes, 2 seeds" in text
+    assert "Scenes: 6, seeds: 2" in text
     assert "cases taught" in text
     assert text.splitlines()[2].endswith("| Dis [m] | Comfort | standing |")  # kinds that nobody met have no column
     assert "| taught on logs |" in text
