@@ -13,7 +13,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from drivegen.adversaries.shared.ground import legal
+from drivegen.adversaries.shared.ground import sampled
 from drivegen.checker.verdicts import read_limits
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
@@ -91,10 +91,10 @@ def _exposed(task: Task) -> Exposure:
     recorded = recorded_choices(scenarios, read_goals(require(task.goals / task.shard.name, "run the goals stage")), 1.0)
     samples = read_samples(require(task.traffic / task.shard.name, "run the corner stage"))
     rows = evenly(len(scenarios), task.scenes)
-    choices, traffic = [recorded[r] for r in rows], [legal(samples[r], 0) for r in rows]
     made_with = read_planner(task.models, params.planner), read_limits(task.models)
-    scenes, left_out = draw_scenes(choices, traffic, *made_with, params.draws, params.tries, params.seed)
-    return Exposure.of(scenes, left_out, params.make(), params.draws, params.reaction)
+    ground = sampled([recorded[r] for r in rows], [samples[r] for r in rows], 1, *made_with)
+    drawn = draw_scenes(ground, params.draws, params.tries, params.seed)
+    return Exposure.of(drawn, params.make(), params.draws, params.reaction)
 
 
 def _table(found: Exposure, names: Sequence[str]) -> pa.Table:

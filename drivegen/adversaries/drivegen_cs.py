@@ -68,7 +68,7 @@ class Plugin:
         driven = everywhere(arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion, scenes, len(ground.of))
         goals = Goals.allowed(arena, settings.draws, scenes)
         near = approaches(arena.trials, driven, goals.scene, goals.vehicle, goals.motion)
-        cost = near.gap + settings.caution * near.warning + settings.behind * near.behind
+        cost = near.cost(settings.caution, settings.behind)
         met = _encounters(arena, goals, driven)
         knowledge, tried = Knowledge.none(settings.strength), np.zeros(len(goals), np.bool_)
         for turn in range(settings.rounds):

@@ -1,7 +1,7 @@
 """`drivegen corner`: what makes a driver fail, by kind, with odds, whether it could have been avoided, and files to look at."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,15 +10,13 @@ from rich.console import Console
 from rich.table import Table
 from typer import Option
 
-from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
-from drivegen.adversaries.shared.ground import logged, sampled
+from drivegen.adversaries.shared.arena import Arena, Bounds
 from drivegen.cli import _project
 from drivegen.cli._drivers import driver_of
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
-from drivegen.core.first_frame import first_frame
 from drivegen.core.scenario import Scenario
-from drivegen.core.settings import Count, Index, build, read_section
+from drivegen.core.settings import Count, Index, read_section
 from drivegen.corner_cases.avoidance import Avoidable
 from drivegen.corner_cases.case import Case
 from drivegen.corner_cases.judgement import Judgement, judgements
@@ -27,7 +25,6 @@ from drivegen.corner_cases.kinds import Group, groups
 from drivegen.corner_cases.survival import Reacting
 from drivegen.drivers.base import Driver
 from drivegen.gym.folders import read_traffic
-from drivegen.rollout.batch import choose, roll_out
 from drivegen.store.files import write_json
 from drivegen.store.folders import whole_folder
 from drivegen.world.reactive import Reaction
@@ -79,8 +76,7 @@ def command(
 
 
 def _settings() -> _Settings:
-    section, names = read_section("attack"), {field.name for field in fields(_Settings)}
-    settings = build(_Settings, {name: section[name] for name in names & section.keys()}, "params.yaml: attack")
+    settings = _project.some_of(_Settings, "attack")
     if not settings.queries:
         raise UnusableInput("params.yaml: attack.queries is empty: say how often the driver may be run in each scenario")
     return settings
@@ -89,25 +85,12 @@ def _settings() -> _Settings:
 def _cases(driver: Driver, adversary: str, scenarios: Sequence[Scenario], attack: _Settings) -> tuple[list[Case], int]:
     """The counted collisions that the adversary finds, each a case, and how often the driver was run."""
     attacker = plugins.make("adversaries", adversary, attack.adversaries, "attack.adversaries")
-    ground = _ground(plugins.about("adversaries", adversary)["traffic"], scenarios, attack.samples)
+    ground = _project.ground(plugins.about("adversaries", adversary)["traffic"], scenarios, attack.samples)
     arena = Arena(driver, ground, Bounds("legal", attack.queries[0], attack.reaction_steps), read_section("run")["seed"])
     attacker.attack(arena)
     runs = arena.runs()
     good = np.flatnonzero(runs.outcome.counted).tolist()
     return [runs.case(run, driver.name, adversary) for run in good], int(arena.spent.sum())
-
-
-def _ground(traffic: str, scenarios: Sequence[Scenario], samples: int) -> Ground:
-    """The scenarios with logged or generated traffic."""
-    settings = _project.generation(scored=True)
-    equipment = _project.equipment(settings)
-    shown = choose([first_frame(s) for s in scenarios], equipment.selector, settings.candidates, settings.temperature)
-    choices = [replace(choice, scenario=scenario) for choice, scenario in zip(shown, scenarios, strict=True)]
-    if traffic == "log":
-        return logged(choices, equipment.planner, equipment.limits)
-    seed = read_section("run")["seed"]
-    futures = roll_out(choices, equipment.planner, equipment.limits, settings.rollout, samples, seed, "drivegen")
-    return sampled(choices, futures, samples, equipment.planner, equipment.limits)
 
 
 def _folder(group: Group) -> str:

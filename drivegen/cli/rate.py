@@ -9,25 +9,19 @@ from rich.progress import track
 from rich.table import Table
 from typer import Option
 
-from drivegen.adversaries.shared.ground import legal
 from drivegen.cli import _project
 from drivegen.cli._drivers import driver_of
 from drivegen.core.errors import UnusableInput
-from drivegen.core.first_frame import first_frame
 from drivegen.core.scenario import Scenario
 from drivegen.core.seeds import rng
-from drivegen.core.settings import Count, build, read_section
-from drivegen.exposure.pool import Drawn, Pool, draw_scenes
+from drivegen.core.settings import Count, read_section
+from drivegen.exposure.pool import Drawn, Pool, draw_scenes, with_enough
 from drivegen.exposure.rates import EDGES, Estimate, estimate
 from drivegen.gym.folders import read_traffic
-from drivegen.rollout.batch import choose, roll_out
 from drivegen.store.files import write_json
 from drivegen.world.reactive import Reaction
 
 HOUR = 3600.0
-
-AT_ONCE = 10
-"""Scenes between two looks of whoever waits."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +45,7 @@ def command(
     out: Annotated[Path | None, Option(help="A JSON file for what was found.")] = None,
 ) -> None:
     """Say how often DRIVER fails in law-abiding generated traffic, with an interval, running it where others come near."""
-    section = read_section("rates")
-    said = build(_Settings, {name: section[name] for name in _Settings.__annotations__ if name in section}, "params.yaml: rates")
+    said = _project.some_of(_Settings, "rates")
     settings, tested, seed = replace(said, draws=draws or said.draws), driver_of(driver), read_section("run")["seed"]
     where = {scenario.scenario_id: scenario for scenario, _ in read_traffic(scenarios)}
     scenes, left_out = _draw(list(where.values())[:most], settings, seed)
@@ -74,20 +67,10 @@ def command(
 
 def _draw(scenarios: list[Scenario], settings: _Settings, seed: int) -> tuple[list[Drawn], list[str]]:
     """Everybody's goals are drawn by the law; the target is told to drive where it does in a first future."""
-    how = _project.generation(scored=True)
-    tools = _project.equipment(how)
-    shown = choose([first_frame(s) for s in scenarios], tools.selector, how.candidates, 1.0)
-    choices = [replace(choice, scenario=scenario) for choice, scenario in zip(shown, scenarios, strict=True)]
-    futures = roll_out(choices, tools.planner, tools.limits, how.rollout, 1, seed, "drivegen")
-    traffic = [legal(samples, 0) for samples in futures]
-    scenes, left_out = list[Drawn](), list[str]()
-    console = Console(stderr=True)
-    for low in track(range(0, len(choices), AT_ONCE), "drawing traffic", console=console, disable=not console.is_terminal):
-        some = choices[low : low + AT_ONCE], traffic[low : low + AT_ONCE]
-        drawn, others = draw_scenes(*some, tools.planner, tools.limits, settings.draws, settings.tries, seed)
-        scenes += drawn
-        left_out += others
-    return scenes, left_out
+    ground, console = _project.ground("generated", scenarios, 1), Console(stderr=True)
+    drawn = draw_scenes(ground, settings.draws, settings.tries, seed)
+    watched = track(drawn, "drawing traffic", len(ground.of), console=console, disable=not console.is_terminal)
+    return with_enough(watched, settings.draws)
 
 
 def _table(found: Estimate) -> Table:

@@ -4,7 +4,7 @@ How near others come in a draw is known without a run of the driver in it: it is
 driver drove in the first draw of the scene, by the measure that ranks candidates of DriveGen-CS.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.adversaries.shared.approach import approaches
+from drivegen.adversaries.shared.arena import Ground
 from drivegen.adversaries.shared.goals import padded
-from drivegen.checker.limits import Limits
 from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import bootstrap_means, recording
@@ -23,7 +23,6 @@ from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers.base import Driver
 from drivegen.exposure.law import NaturalLaw
 from drivegen.exposure.rates import Trial, verified
-from drivegen.planners.base import Planner
 from drivegen.rollout.batch import plan_all_goals
 from drivegen.rollout.scene import Choices
 from drivegen.simulators.batch import CHUNK
@@ -43,28 +42,26 @@ class Drawn:
     rows: NDArray[np.int64]
 
 
-def draw_scenes(
-    choices: Sequence[Choices],
-    traffic: Sequence[Trajectories],
-    planner: Planner,
-    limits: Limits,
-    draws: int,
-    tries: int,
-    seed: int,
-) -> tuple[list[Drawn], list[str]]:
-    """Each scene with so many draws of its law, and the ids of those in which too few of `tries` draws are legal.
+def draw_scenes(ground: Ground, draws: int, tries: int, seed: int) -> Iterator[Drawn]:
+    """Each scene of the ground with so many draws of its law, or with all that are legal among `tries` where these are fewer.
 
-    `traffic` (S,) says who is there, and where the targets are told to drive. What is drawn depends on scene and seed alone.
+    The ground's traffic says who is there, and where the targets are told to drive. Draws depend on scene and seed alone.
     """
+    planned = plan_all_goals(ground.choices, ground.planner, seeds.derive(seed, "natural law"))
+    for c, traffic in zip(ground.of.tolist(), ground.traffic, strict=True):
+        choice = ground.choices[c]
+        law = NaturalLaw.of(choice, traffic, planned[c], ground.limits)
+        yield Drawn(choice, law, law.draw(draws, tries, seeds.rng(seed, "natural law", choice.scenario.scenario_id)))
+
+
+def with_enough(drawn: Iterable[Drawn], draws: int) -> tuple[list[Drawn], list[str]]:
+    """The scenes that have so many draws, and the ids of the others."""
     scenes, left_out = list[Drawn](), list[str]()
-    planned = plan_all_goals(choices, planner, seeds.derive(seed, "natural law"))
-    for choice, motion, towards in zip(choices, traffic, planned, strict=True):
-        law = NaturalLaw.of(choice, motion, towards, limits)
-        rows = law.draw(draws, tries, seeds.rng(seed, "natural law", choice.scenario.scenario_id))
-        if len(rows) == draws:
-            scenes.append(Drawn(choice, law, rows))
+    for one in drawn:
+        if len(one.rows) == draws:
+            scenes.append(one)
         else:
-            left_out.append(choice.scenario.scenario_id)
+            left_out.append(one.choice.scenario.scenario_id)
     return scenes, left_out
 
 
@@ -82,6 +79,7 @@ class Pool:
         self._draws = len(scenes[0].rows)
         first = [scene.law.scenes(scene.rows[:1])[0] for scene in scenes]
         self._trials = Trials(driver, [scene.choice.scenario for scene in scenes], first, reaction)
+        self._motion = [padded(scene.law.motion, self._trials.steps) for scene in scenes]
 
     def __len__(self) -> int:
         return len(self.scenes) * self._draws
@@ -100,9 +98,8 @@ class Pool:
         [first] = self.drive([driver], np.arange(len(self.scenes)) * self._draws)
         owner = [np.repeat(scene.law.vehicle, np.diff(scene.law.start)) for scene in self.scenes]
         of = np.repeat(np.arange(len(self.scenes)), list(map(len, owner)))
-        motion = Trajectories.joined([padded(scene.law.motion, self._trials.steps) for scene in self.scenes])
-        met = approaches(self._trials, first.motion, of, np.concatenate(owner), motion)
-        cost = met.gap + np.float32(CAUTION) * met.warning + np.float32(BEHIND) * met.behind
+        met = approaches(self._trials, first.motion, of, np.concatenate(owner), Trajectories.joined(self._motion))
+        cost = met.cost(CAUTION, BEHIND)
         ends = np.cumsum([0, *map(len, owner)])
         of_scenes = zip(self.scenes, pairwise(ends), strict=True)
         return np.concatenate([cost[low:high][scene.rows].min(axis=1, initial=np.inf) for scene, (low, high) in of_scenes])
@@ -111,10 +108,10 @@ class Pool:
         nobody, none = np.zeros(len(picks), np.int64), np.zeros(0, np.int64)
         row, vehicle, motion = [none], [none], [Trajectories.empty(0, self._trials.steps)]
         for n, pick in enumerate(picks.tolist()):
-            scene = self.scenes[pick // self._draws]
-            row.append(np.full(len(scene.law.vehicle), n))
-            vehicle.append(scene.law.vehicle)
-            motion.append(padded(scene.law.motion[scene.rows[pick % self._draws]], self._trials.steps))
+            s, draw = divmod(pick, self._draws)
+            row.append(np.full(len(self.scenes[s].law.vehicle), n))
+            vehicle.append(self.scenes[s].law.vehicle)
+            motion.append(self._motion[s][self.scenes[s].rows[draw]])
         of = (picks // self._draws).astype(np.int64)
         return Variants(of, nobody, np.concatenate(row), np.concatenate(vehicle), Trajectories.joined(motion))
 
@@ -135,10 +132,9 @@ class Exposure:
     left_out: list[str]
 
     @classmethod
-    def of(
-        cls, scenes: Sequence[Drawn], left_out: list[str], drivers: Sequence[Driver], draws: int, reaction: Reaction
-    ) -> "Exposure":
+    def of(cls, drawn: Iterable[Drawn], drivers: Sequence[Driver], draws: int, reaction: Reaction) -> "Exposure":
         """Drive everybody through everything; scenes may be none."""
+        scenes, left_out = with_enough(drawn, draws)
         if not scenes:
             nothing = np.zeros((0, draws, len(drivers)))
             return cls([], [], nothing.astype(np.bool_), nothing.astype(np.float32), left_out)

@@ -77,3 +77,9 @@ def _about(line: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
 def _mean(values: Sequence[Any]) -> float | None:
     finite = [float(value) for value in values if value is not None and np.isfinite(value)]
     return float(np.mean(finite)) if finite else None
+
+
+def mean_of_all(values: Sequence[float | bool | None]) -> float | None:
+    """The mean over runs, None where one of them has none."""
+    known = [float(value) for value in values if value is not None]
+    return sum(known) / len(known) if len(known) == len(values) else None

@@ -6,6 +6,7 @@ from typing import Any
 from drivegen.core import plugins
 from drivegen.core.methods import read_methods
 from drivegen.report import plots
+from drivegen.report.published_corner import mean_of_all
 from drivegen.report.table import Cell, Row, Table, number, row
 
 SHARES = ("killed", "killed_apart", "false_kills", "false_kills_apart", "named", "named_by_guess")
@@ -28,16 +29,17 @@ def mutation_rows(data: str, runs: Sequence[Scores]) -> Iterator[dict[str, Any]]
         about = {"data": data, "tester": tester, "seeds": len(runs)}
         for metric in (*SHARES, *NUMBERS):
             drivers = first["equivalent" if metric.startswith("false") else "faulty"]
-            yield {**about, "driver": "", "metric": metric, "value": _mean([run[tester][metric] for run in runs]), "n": drivers}
+            yield {
+                **about,
+                "driver": "",
+                "metric": metric,
+                "value": mean_of_all([run[tester][metric] for run in runs]),
+                "n": drivers,
+            }
         for name in first["drivers"]:
             for metric in OF_DRIVERS:
-                value = _mean([run[tester]["drivers"][name][metric] for run in runs])
+                value = mean_of_all([run[tester]["drivers"][name][metric] for run in runs])
                 yield {**about, "driver": name, "metric": metric, "value": value, "n": 1}
-
-
-def _mean(values: Sequence[float | bool | None]) -> float | None:
-    known = [float(value) for value in values if value is not None]
-    return sum(known) / len(known) if len(known) == len(values) else None
 
 
 def mutation_table(scores: Scores) -> Table:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from drivegen.report.published_corner import mean_of_all
 from drivegen.report.table import Cell, Row, Table, number, row
 
 NAME = "failure-rates"
@@ -23,15 +24,12 @@ def rate_rows(data: str, runs: Sequence[Rates]) -> Iterator[dict[str, Any]]:
         of_runs = [run["drivers"][driver] for run in runs]
         about = {"data": data, "driver": driver, "n": runs[0]["scenes"], "seeds": len(runs)}
         for metric in METRICS:
-            ends = {end: _mean([one[f"rate.{end}"] if metric == "rate" else None for one in of_runs]) for end in ("low", "high")}
-            yield {**about, "metric": metric, "value": _mean([one[metric] for one in of_runs]), **ends}
+            ends = {
+                end: mean_of_all([one[f"rate.{end}"] if metric == "rate" else None for one in of_runs]) for end in ("low", "high")
+            }
+            yield {**about, "metric": metric, "value": mean_of_all([one[metric] for one in of_runs]), **ends}
         hourly = [one["rate"] * HOUR / run["seconds"] for one, run in zip(of_runs, runs, strict=True)]
-        yield {**about, "metric": "per_hour", "value": _mean(hourly), "low": None, "high": None}
-
-
-def _mean(values: Sequence[float | None]) -> float | None:
-    known = [value for value in values if value is not None]
-    return sum(known) / len(known) if len(known) == len(values) else None
+        yield {**about, "metric": "per_hour", "value": mean_of_all(hourly), "low": None, "high": None}
 
 
 def rate_table(rates: Rates) -> Table:

@@ -11,7 +11,7 @@ import yaml
 from drivegen import cli
 from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder
-from drivegen.cli.corner import _ground
+from drivegen.cli._project import ground as ground_of
 from drivegen.core.safe_xml import parse
 from drivegen.core.signals import Signals, SignalState
 from tests.projects import make_project
@@ -77,7 +77,7 @@ def test_odds_of_goals_know_nothing_of_what_lights_show_later(project, monkeypat
     later = scene.signals.state.copy()
     later[:, 1:] = np.where(later[:, 1:] == SignalState.GREEN, SignalState.RED, SignalState.GREEN)
     other = replace(scene, signals=Signals(scene.signals.lane, later))
-    ground = _ground("log", [scene, other], 1)
+    ground = ground_of("log", [scene, other], 1)
     assert ground.choices[1].scenario is other
     for one, two in zip(ground.choices[0].natural, ground.choices[1].natural, strict=True):
         assert np.array_equal(one, two)

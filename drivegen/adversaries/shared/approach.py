@@ -36,6 +36,10 @@ class Approaches:
     behind: NDArray[np.bool_]
     contact: NDArray[np.int16]
 
+    def cost(self, caution: float, behind: float) -> NDArray[np.float32]:
+        """(E,) [m] the gap, more where there is much warning: `caution` [m/s] for each second, `behind` [m] for who is behind."""
+        return np.asarray(self.gap + np.float32(caution) * self.warning + np.float32(behind) * self.behind, np.float32)
+
 
 def approaches(
     trials: Trials,
