@@ -39,7 +39,8 @@ class Params:
         planner: fills in motion. scenarios: the first so many of each shard. samples: scenes of each, its first samples.
         allowed: of `adversaries.shared.rules.RULES`. queries: runs of the driver in each scenario.
         reaction_steps: others avoid the target's plan for so many steps. reaction: of neighbours, where they react.
-        drivers, adversaries: settings of each by its name. draws: bootstrap draws behind intervals.
+        drivers, adversaries: settings of each by its name. methods: those of `adversaries` that attack.
+        draws: bootstrap draws behind intervals.
     """
 
     seed: int
@@ -51,12 +52,13 @@ class Params:
     reaction_steps: Index
     reaction: Reaction
     drivers: dict[str, dict[str, Any]]
+    methods: list[str]
     adversaries: dict[str, dict[str, Any]]
     draws: Count
 
     def __post_init__(self) -> None:
-        if not (self.queries and self.allowed):
-            raise UnusableInput("params.yaml: attack.queries and attack.allowed are empty: name at least one of each")
+        if not (self.queries and self.allowed and self.methods):
+            raise UnusableInput("params.yaml: attack.queries, attack.allowed, attack.methods: name at least one of each")
 
 
 def main(
@@ -64,7 +66,7 @@ def main(
 ) -> None:
     """Attack by every adversary, judge what it found, report."""
     driver, tables, numbers = plugins.make("drivers", results.stem, params.drivers, "attack.drivers"), [], {}
-    for name in params.adversaries:
+    for name in params.methods:
         about = plugins.about("adversaries", name)
         grounds = list(_grounds(about["traffic"], params, scenarios, models, goals, traffic))
         for bounds in _bounds(params, about):

@@ -8,13 +8,16 @@ every vehicle. Each run adds one of the driver's motions; what was driven is not
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegen.adversaries.base import About
 from drivegen.adversaries.shared.approach import approaches
 from drivegen.adversaries.shared.arena import Arena, everywhere, share_out
-from drivegen.adversaries.shared.goals import Goals
+from drivegen.adversaries.shared.candidates import Candidates
+from drivegen.adversaries.shared.goals import exchanged_goals
 from drivegen.core.settings import Count
 from drivegen.corner_cases.trials import Variants
 
@@ -44,27 +47,32 @@ class Settings:
 class Plugin:
     """See the module."""
 
-    settings_type = Settings
+    settings_type: ClassVar[type] = Settings
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
+
+    def candidates(self, arena: Arena, scenes: NDArray[np.int64]) -> Candidates:
+        """What may be exchanged in `scenes`."""
+        return exchanged_goals(arena, 1, scenes)
 
     def attack(self, arena: Arena) -> None:
         """See `base.Adversary`."""
         ground = arena.ground
         scenes = share_out(ground.of, np.maximum(arena.left // self.settings.per_scene, 1))
         motion = arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion
-        goals = Goals.allowed(arena, 1, scenes)
-        overlaps = np.zeros((self.settings.last, len(goals)))
-        turn, tried = 0, np.zeros(len(goals), np.bool_)
+        pool = self.candidates(arena, scenes)
+        odds = np.where(np.isnan(pool.odds), 1.0, pool.odds)  # what has no odds is all alike
+        overlaps = np.zeros((self.settings.last, len(pool)))
+        turn, tried = 0, np.zeros(len(pool), np.bool_)
         while True:
-            met = approaches(arena.trials, everywhere(motion, scenes, len(ground.of)), goals.scene, goals.vehicle, goals.motion)
-            driven = np.isin(goals.scene, scenes)
+            met = approaches(arena.trials, everywhere(motion, scenes, len(ground.of)), pool.scene, pool.vehicle, pool.motion)
+            driven = np.isin(pool.scene, scenes)
             worth = np.where(met.contact >= 0, DECAY ** met.contact.astype(np.float64), APART / (1 + met.gap))
             overlaps[turn % len(overlaps), driven] = worth[driven]
             untried = np.flatnonzero(~tried)
-            order = untried[np.argsort(-(goals.odds * overlaps.sum(0))[untried], kind="stable")]
-            rows, outcome = goals.drive(arena, order, 1)
+            order = untried[np.argsort(-(odds * overlaps.sum(0))[untried], kind="stable")]
+            rows, outcome = pool.drive(arena, order, 1)
             if not len(rows):
                 return
-            tried[rows], scenes, motion, turn = True, goals.scene[rows], outcome.motion, turn + 1
+            tried[rows], scenes, motion, turn = True, pool.scene[rows], outcome.motion, turn + 1

@@ -7,6 +7,7 @@ collision: P(collision | encounter), with its denominators, ranks the rest.
 """
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 from drivegen.adversaries.base import About
 from drivegen.adversaries.shared.approach import approaches
 from drivegen.adversaries.shared.arena import Arena, everywhere, share_out
-from drivegen.adversaries.shared.goals import Goals
+from drivegen.adversaries.shared.candidates import Candidates
+from drivegen.adversaries.shared.goals import exchanged_goals
 from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.core.settings import Count, NotNegative, Positive
 from drivegen.corner_cases.encounters import Encounters, encounters
@@ -34,7 +36,7 @@ class Settings:
     """How candidates are ranked.
 
     Attributes:
-        draws: motions planned towards each goal. per_scene: runs for which one more scene of a scenario is attacked.
+        draws: motions towards each goal, or perturbed tracks in its place. per_scene: runs for which one more scene is attacked.
         rounds: in which the budget is spent; after each one more is known.
         caution: [m/s] the gap that a second of warning is worth; 0 looks at gaps alone.
         behind: [m] the gap that coming up from behind is worth: its own duty.
@@ -56,39 +58,43 @@ class Settings:
 class Plugin:
     """See the module."""
 
-    settings_type = Settings
+    settings_type: ClassVar[type] = Settings
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
+
+    def candidates(self, arena: Arena, scenes: NDArray[np.int64]) -> Candidates:
+        """What may be exchanged in `scenes`."""
+        return exchanged_goals(arena, self.settings.draws, scenes)
 
     def attack(self, arena: Arena) -> None:
         """See `base.Adversary`."""
         settings, ground = self.settings, arena.ground
         scenes = share_out(ground.of, np.maximum(arena.left // settings.per_scene, 1))
         driven = everywhere(arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion, scenes, len(ground.of))
-        goals = Goals.allowed(arena, settings.draws, scenes)
-        near = approaches(arena.trials, driven, goals.scene, goals.vehicle, goals.motion)
+        pool = self.candidates(arena, scenes)
+        near = approaches(arena.trials, driven, pool.scene, pool.vehicle, pool.motion)
         cost = near.cost(settings.caution, settings.behind)
-        met = _encounters(arena, goals, driven)
-        knowledge, tried = Knowledge.none(settings.strength), np.zeros(len(goals), np.bool_)
+        met = _encounters(arena, pool, driven)
+        knowledge, tried = Knowledge.none(settings.strength), np.zeros(len(pool), np.bool_)
         for turn in range(settings.rounds):
             danger = settings.weight * np.log(knowledge.probability()[met.speed_bin, met.direction, met.behaviour])
-            order = _in_turn(cost - danger, goals, tried, settings.again)
+            order = _in_turn(cost - danger, pool, tried, settings.again)
             most = -(-int(arena.left.max(initial=0)) // (settings.rounds - turn))
-            rows, outcome = goals.drive(arena, order, most)
+            rows, outcome = pool.drive(arena, order, most)
             tried[rows] = True
-            mine = outcome.partner == goals.vehicle[rows]
+            mine = outcome.partner == pool.vehicle[rows]
             knowledge = knowledge.with_outcomes(_some(met, rows), outcome.counted & mine, np.inf)
 
 
-def _encounters(arena: Arena, goals: Goals, driven: Trajectories) -> Encounters:
+def _encounters(arena: Arena, pool: Candidates, driven: Trajectories) -> Encounters:
     """(Q,) of each candidate with the target as it drove."""
     sizes = [scenario.vehicles.size for scenario in arena.trials.scenarios]
     target = driven.standing_after_end()
-    target = replace(target, valid=np.ones_like(target.valid))[goals.scene]
-    own = np.array([sizes[s][TARGET] for s in goals.scene.tolist()]).reshape(-1, 3)
-    other = np.array([sizes[s][n] for s, n in zip(goals.scene.tolist(), goals.vehicle.tolist(), strict=True)]).reshape(-1, 1, 3)
-    met = encounters(target, own, goals.motion[:, None], other)
+    target = replace(target, valid=np.ones_like(target.valid))[pool.scene]
+    own = np.array([sizes[s][TARGET] for s in pool.scene.tolist()]).reshape(-1, 3)
+    other = np.array([sizes[s][n] for s, n in zip(pool.scene.tolist(), pool.vehicle.tolist(), strict=True)]).reshape(-1, 1, 3)
+    met = encounters(target, own, pool.motion[:, None], other)
     return Encounters(**{name: getattr(met, name)[:, 0] for name in met.__dataclass_fields__})
 
 
@@ -96,9 +102,9 @@ def _some(met: Encounters, rows: NDArray[np.int64]) -> Encounters:
     return Encounters(**{name: getattr(met, name)[rows] for name in met.__dataclass_fields__})
 
 
-def _in_turn(cost: NDArray[np.floating], goals: Goals, tried: NDArray[np.bool_], again: float) -> NDArray[np.int64]:
+def _in_turn(cost: NDArray[np.floating], pool: Candidates, tried: NDArray[np.bool_], again: float) -> NDArray[np.int64]:
     """Candidates (Q,) that were not tried, the least cost first, each vehicle's later ones dearer by `again`."""
-    attacker = goals.scene * (int(goals.vehicle.max(initial=0)) + 1) + goals.vehicle
+    attacker = pool.scene * (int(pool.vehicle.max(initial=0)) + 1) + pool.vehicle
     order = np.lexsort((cost, ~tried, attacker))  # those that were tried come first
     first = np.searchsorted(attacker[order], attacker[order])
     dearer = cost.astype(np.float64).copy()

@@ -86,6 +86,14 @@ class Trajectories:
             self.valid[..., first:last],
         )
 
+    def padded(self, steps: int) -> "Trajectories":
+        """A copy of `steps` steps, at least its own, after which it is not valid."""
+        whole = Trajectories.empty(*self.valid.shape[:-1], steps)
+        for f in fields(self):
+            array = getattr(self, f.name)
+            getattr(whole, f.name)[tuple(map(slice, array.shape))] = array
+        return whole
+
     def last_valid(self) -> NDArray[np.intp]:
         """(...) index of the last valid step; 0 where none is."""
         return np.where(self.valid.any(-1), self.steps - 1 - np.argmax(self.valid[..., ::-1], axis=-1), 0)

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from drivegen.adversaries.shared.approach import approaches
 from drivegen.adversaries.shared.arena import Ground
-from drivegen.adversaries.shared.goals import padded
 from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import bootstrap_means, recording
@@ -79,7 +78,7 @@ class Pool:
         self._draws = len(scenes[0].rows)
         first = [scene.law.scenes(scene.rows[:1])[0] for scene in scenes]
         self._trials = Trials(driver, [scene.choice.scenario for scene in scenes], first, reaction)
-        self._motion = [padded(scene.law.motion, self._trials.steps) for scene in scenes]
+        self._motion = [scene.law.motion.padded(self._trials.steps) for scene in scenes]
 
     def __len__(self) -> int:
         return len(self.scenes) * self._draws

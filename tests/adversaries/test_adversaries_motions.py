@@ -1,0 +1,52 @@
+"""Candidates that are perturbed tracks."""
+
+import numpy as np
+import pytest
+
+from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
+from drivegen.adversaries.shared.goals import exchanged_goals
+from drivegen.adversaries.shared.motions import Perturbation, exchanged_motions
+from drivegen.core.scenario import TARGET
+from drivegen.drivers import idm
+from drivegen.rollout.batch import choose
+from drivegen.selectors.random import Plugin as Random
+from tests.checking import IDM, LIMITS
+from tests.models import candidate_settings, planner
+from tests.scenes import busy_crossing
+
+NONE, SOME = Perturbation(5, 1e-9, 1e-9), Perturbation(5, 2.0, 0.01)
+
+
+@pytest.fixture(scope="module")
+def arena():
+    scene, other = (busy_crossing(101, f"crossing-{i}") for i in range(2))
+    choices = choose([scene], Random(), candidate_settings(), 1.0)
+    ground = Ground(choices, np.zeros(2, np.int64), [scene.log, scene.log], planner([scene, other]), LIMITS)
+    return Arena(idm.Plugin(IDM), ground, Bounds("physical", 4, 20), 7)
+
+
+def test_a_vehicle_has_as_many_as_it_has_goals_where_nothing_is_changed(arena):
+    pool = exchanged_motions(arena, NONE, 2, np.array([0]))
+    traffic = arena.ground.traffic[0]
+    for n in np.unique(pool.vehicle).tolist():
+        mine = pool.vehicle == n
+        assert mine.sum() == 2 * len(arena.ground.choices[0].candidates[n])
+        np.testing.assert_allclose(pool.motion.speed[mine], np.broadcast_to(traffic.speed[n], (mine.sum(), 101)), atol=0.01)
+    assert len(pool)
+    assert TARGET not in pool.vehicle
+    assert np.isnan(pool.odds).all()
+
+
+def test_tracks_differ_are_possible_and_the_same_in_scenes_of_one_scenario(arena):
+    pool = exchanged_motions(arena, SOME, 1, np.array([0, 1]))
+    first, second = (pool.motion[np.flatnonzero(pool.scene == s)] for s in (0, 1))
+    np.testing.assert_array_equal(first.position, second.position)
+    assert len(np.unique(first.position[:, -1, 0])) == len(first.valid)
+    assert arena.allows(pool.scene, pool.vehicle, pool.motion).all()
+    assert len(pool) < 2 * sum(len(each) for each in arena.ground.choices[0].candidates)  # some run into others
+
+
+def test_goals_and_motions_are_made_once_an_arena(arena):
+    scenes = np.array([0])
+    assert exchanged_motions(arena, SOME, 1, scenes) is exchanged_motions(arena, SOME, 1, scenes)
+    assert exchanged_goals(arena, 1, scenes) is exchanged_goals(arena, 1, scenes)
