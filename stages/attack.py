@@ -80,7 +80,8 @@ def main(
             tables.append(result_rows(run, findings.scenarios, findings.metrics))
             write_samples(cases / key / "samples.parquet", findings.samples)
             write_samples(cases / key / "driven.parquet", findings.driven)
-            head = {"method": name, "title": about["title"], "stand_in": about.get("stand_in", ""), "varies": about["varies"]}
+            head = {"method": name, "title": about["title"], "varies": about["varies"]}
+            head |= {key: about.get(key, "") for key in ("proposer", "stand_in")}
             numbers[key] = {**head, **asdict(bounds), **findings.summary(params.draws, params.seed)}
     write_results(results, tables)
     write_json(metrics, numbers)

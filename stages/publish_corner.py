@@ -18,7 +18,7 @@ from drivegen.report.published_files import write_part
 from drivegen.report.published_mutation import mutation_rows, mutation_table
 from drivegen.report.published_repair import repair_tables
 from drivegen.report.published_transfer import transfer_table
-from drivegen.report.sections.attack import cost_table, outcome_table
+from drivegen.report.sections.attack import cost_table, outcome_table, proposer_tables
 from drivegen.report.table import Table
 from drivegen.store.files import write_json
 from drivegen.warehouse.provenance import describe_runs
@@ -52,7 +52,7 @@ def main(params: Params, runs: Path, published: Path) -> None:
         rows += corner_rows(DATA, driver, of_runs)
         attacks, took = of_runs[0]
         costs = {f"attack/{driver}-{key}": cost for key, cost in took.items()}
-        tables += [outcome_table(driver, attacks), cost_table(driver, attacks, costs)]
+        tables += [outcome_table(driver, attacks), *proposer_tables(driver, attacks), cost_table(driver, attacks, costs)]
     write_json(published / "corner_cases.json", rows)
     if scores := _of_all(roots, SCORE):
         write_json(published / "mutation_score.json", list(mutation_rows(DATA, scores)))

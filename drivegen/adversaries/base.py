@@ -18,13 +18,15 @@ class About:
 
     Attributes:
         title: in tables. traffic: what it begins with, of TRAFFIC. varies: what it changes, of VARIES.
-        source: the paper. stand_in: what it stands in for, in words, where it is not the authors' own code; "" for our own.
+        source: the paper. proposer: how it chooses, in the same words as a file that chooses so from something else; "" for none.
+        stand_in: what it stands in for, in words, where it is not the authors' own code; "" for our own.
     """
 
     title: str
     traffic: str
     varies: str
     source: str
+    proposer: str = ""
     stand_in: str = ""
 
 

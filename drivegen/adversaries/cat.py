@@ -26,6 +26,7 @@ ABOUT = About(
     traffic="generated",
     varies="goals",
     source="Zhang and others, CAT, CoRL 2023",
+    proposer="overlap, as CAT has it",
     stand_in="its choice among the project's goals, with their odds and planner, instead of DenseTNT's futures",
 )
 

@@ -19,6 +19,7 @@ ABOUT = About(
     traffic="generated",
     varies="motions",
     source="Zhang and others, CAT, CoRL 2023",
+    proposer="overlap, as CAT has it",
     stand_in="its choice by overlap among perturbed tracks, without odds, instead of DenseTNT's futures",
 )
 

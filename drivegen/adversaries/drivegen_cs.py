@@ -28,6 +28,7 @@ ABOUT = About(
     traffic="generated",
     varies="goals",
     source="Zhang and others, DriveGen (2025)",
+    proposer="gap and warning, as DriveGen-CS has it",
 )
 
 

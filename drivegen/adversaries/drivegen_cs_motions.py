@@ -11,7 +11,13 @@ from drivegen.adversaries.shared.arena import Arena
 from drivegen.adversaries.shared.candidates import Candidates
 from drivegen.adversaries.shared.motions import Perturbation, exchanged_motions
 
-ABOUT = About(title="DriveGen-CS, motions", traffic="generated", varies="motions", source="Zhang and others, DriveGen (2025)")
+ABOUT = About(
+    title="DriveGen-CS, motions",
+    traffic="generated",
+    varies="motions",
+    source="Zhang and others, DriveGen (2025)",
+    proposer="gap and warning, as DriveGen-CS has it",
+)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from drivegen.adversaries.shared.settings import WithoutSettings
 from drivegen.core import seeds
 from drivegen.corner_cases.trials import Variants
 
-ABOUT = About(title="random goals", traffic="generated", varies="goals", source="none")
+ABOUT = About(title="random goals", traffic="generated", varies="goals", source="none", proposer="chance")
 
 
 class Plugin(WithoutSettings):

@@ -10,7 +10,7 @@ from drivegen.adversaries.random import drive_at_random
 from drivegen.adversaries.shared.arena import Arena
 from drivegen.adversaries.shared.motions import Perturbation, exchanged_motions
 
-ABOUT = About(title="random motions", traffic="generated", varies="motions", source="none")
+ABOUT = About(title="random motions", traffic="generated", varies="motions", source="none", proposer="chance")
 
 
 class Plugin:

@@ -12,7 +12,7 @@ from drivegen.adversaries.shared.findings import Findings
 from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers import idm
 from drivegen.report.published_corner import corner_rows
-from drivegen.report.sections.attack import cost_table, outcome_table
+from drivegen.report.sections.attack import cost_table, outcome_table, proposer_tables
 from drivegen.rollout.batch import choose
 from drivegen.selectors.random import Plugin as Random
 from drivegen.world.outcome import CollisionKind
@@ -120,3 +120,17 @@ def test_the_tables_and_the_published_rows_hold_what_was_found():
     assert "| CAT | - | 1 | 0.500 (0.250–0.750) |" in outcome_table("idm", nothing).markdown()
     shown = cost_table("idm", attacks, {f"attack/idm-{key}": cost for key, cost in costs.items()})
     assert [cell.text for cell in shown.rows[0].cells] == ["CAT", "legal", "10", "20", "5.0", "250"]
+
+
+def test_a_table_tells_who_proposes_from_what_varies_where_somebody_proposes_both():
+    def attack(proposer, varies, allowed, counted):
+        about = {"proposer": proposer, "varies": varies, "allowed": allowed, "budget": 10}
+        return f"{proposer}.{varies}.{allowed}", {**about, "counted": counted, "counted.low": 0.1, "counted.high": 0.9}
+
+    goals = [attack("chance", "goals", "legal", 0.25), attack("chance", "goals", "physical", 0.5)]
+    alone = [attack("cross-entropy", "motions", "legal", 0.125), ("dataset", {"proposer": "", "varies": "nothing"})]
+    assert proposer_tables("idm", dict([*goals, *alone])) == []
+    (table,) = proposer_tables("idm", dict([*goals, attack("chance", "motions", "physical", 0.75), *alone]))
+    assert table.columns == ("", "runs a scene", "goals, legal", "goals, physical", "motions, legal", "motions, physical")
+    texts = {row.cells[0].text: [cell.text for cell in row.cells[2:]] for row in table.rows}
+    assert texts == {"chance": ["0.250", "0.500", "-", "0.750"], "cross-entropy": ["-", "-", "0.125", "-"]}

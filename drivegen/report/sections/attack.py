@@ -45,7 +45,7 @@ def section(evidence: Evidence) -> Section:
     )
     tables = []
     for name, values in drivers.items():
-        tables += [outcome_table(name, values), cost_table(name, values, evidence.costs)]
+        tables += [outcome_table(name, values), *proposer_tables(name, values), cost_table(name, values, evidence.costs)]
     return Section("attack", "Adversaries", lead, tuple(tables), missing="" if drivers else not_measured("attack"))
 
 
@@ -66,6 +66,27 @@ def outcome_table(driver: str, attacks: Mapping[str, dict[str, Any]]) -> Table:
     stand_ins = {f"{values['title']}: {values['stand_in']}." for values in attacks.values() if values["stand_in"]}
     title = f"Table III, extended. What makes {driver} collide"
     return Table(f"attack-{driver}", title, heads, tuple(lines), (*NOTES, *sorted(stand_ins)))
+
+
+def proposer_tables(driver: str, attacks: Mapping[str, dict[str, Any]]) -> list[Table]:
+    """Counted shares by who proposes, what varies and what is allowed; none where nobody proposes goals as well as motions."""
+    cells = {(v["proposer"], v["varies"], v["allowed"], v["budget"]): v for v in attacks.values() if v.get("proposer")}
+    crossed = {who for who, varies, *_ in cells if varies == "goals"} & {who for who, varies, *_ in cells if varies == "motions"}
+    if not crossed:
+        return []
+    columns = sorted({(varies, allowed) for _, varies, allowed, _ in cells})
+    lines = []
+    for who, budget in dict.fromkeys((who, budget) for who, _, _, budget in cells):
+        found = [cells.get((who, *column, budget)) for column in columns]
+        lines.append(row(who, number(budget), *(measured(each, "counted", 3) if each else "-" for each in found)))
+    heads = ("", "runs a scene", *(f"{varies}, {allowed}" for varies, allowed in columns))
+    note = (
+        "Share of scenes with a counted collision. Goals are planned by DriveGen; motions are the same tracks with other "
+        "accelerations and curvatures, as many for each vehicle as it has goals. Physical asks for what bodies can do and for no "
+        "collision between others, legal for every rule of the checker."
+    )
+    title = f"Who proposes, what varies, what is allowed: collisions of {driver}"
+    return [Table(f"attack-{driver}-proposers", title, heads, tuple(lines), (note,))]
 
 
 def cost_table(driver: str, attacks: Mapping[str, dict[str, Any]], costs: Mapping[str, Mapping[str, float]]) -> Table:
