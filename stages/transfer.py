@@ -12,21 +12,15 @@ from typing import Any
 import numpy as np
 
 from drivegen.core import plugins
-from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import bootstrap_means, recording
 from drivegen.core.samples import Samples
-from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count
 from drivegen.store.files import write_json
-from drivegen.store.lookup import futures_in
-from drivegen.store.samples import read_samples
-from drivegen.store.scenarios import shards
-from stages._door import enter, require
+from stages._cases import Traffic, read_cases, read_traffic
+from stages._door import enter
 
 SIMULATOR = "batch"
-Traffic = dict[str, tuple[Scenario, Trajectories]]
-"""By the id of a scenario: it, and the first of its generated scenes."""
 
 
 @dataclass(frozen=True)
@@ -41,24 +35,16 @@ class Params:
 
 def main(params: Params, scenarios: Path, traffic: Path, cases: Path, results: Path) -> None:
     """Every driver in the cases of every driver."""
-    as_it_is: Traffic = {}
-    for shard in shards(require(scenarios, "run the ingest stage")):
-        futures = futures_in(require(traffic / shard.name, "run the corner stage"), scenarios)
-        as_it_is |= {scenario.scenario_id: (scenario, samples.motion[0]) for scenario, samples in futures}
-    rows = []
+    as_it_is, rows = read_traffic(scenarios, traffic), []
     for found_for in params.drivers:
         for method, attack in params.attacks.items():
-            found = read_samples(require(cases / found_for / attack / "samples.parquet", "run the attack stages"))
+            found = read_cases(cases / found_for / attack, as_it_is)
             rows += [{"method": method, "found_for": found_for, **row} for row in _driven(found, as_it_is, params)]
     write_json(results, rows)
 
 
 def _driven(found: list[Samples], as_it_is: Traffic, params: Params) -> Iterator[dict[str, Any]]:
     """Of each driver the share of the cases in which it has a counted collision, and of their scenes without the attack."""
-    if unknown := {case.scenario_id for case in found} - as_it_is.keys():
-        raise UnusableInput(
-            f"cases are of scenario {min(unknown)}, which is not among the scenarios: run the attack stages again"
-        )
     if not found:
         return
     scenarios, untouched = zip(*[as_it_is[case.scenario_id] for case in found], strict=True)

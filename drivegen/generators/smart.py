@@ -13,14 +13,16 @@ learnt, and fall with its distance from the motion that is expected, which is th
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from drivegen.core import seeds
 from drivegen.core.methods import Method
 from drivegen.core.samples import Samples
-from drivegen.core.scenario import Scenario
+from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.settings import Count, Positive, Share
 from drivegen.generators._smart.around import PIECE
 from drivegen.generators._smart.driving import Driver
@@ -98,6 +100,23 @@ class Plugin(Learned):
         net.code.copy_(torch.from_numpy(codes(way)))
         counts, words = (settings.lanes, settings.boxes), Vocabulary(way)
         return SmartObjective(Examples(train, words, counts), Examples(validation, words, counts), settings.slips)
+
+    def log_likelihood(self, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories]) -> list[NDArray[np.float64]]:
+        """(N,) [nat per token] mean log odds of the tokens that each vehicle's motion in `traffic` (N, T) is told in.
+
+        What others do is known as it happens. A motion is told in the nearest tokens; how far it is from these does not count.
+        """
+        counts, plain, nobody = (self.settings.lanes, self.settings.boxes), Slips(0.0, 1, 0.0), np.random.default_rng(0)
+        words, zero, found = Vocabulary(self.net.way.numpy()), np.zeros(1, np.int64), []
+        for scenario, motion in zip(scenarios, traffic, strict=True):
+            told = Examples(self.examples(self.settings, [replace(scenario, log=motion)]), words, counts)
+            seen, target = told.batch(zero, zero, zero, plain, nobody)
+            with torch.inference_mode():
+                odds = self.net(seen)[0].log_softmax(-1).gather(-1, target.clamp_min(0)[..., None])[..., 0]
+            known = (target >= 0).numpy()
+            total = np.where(known, odds.numpy().astype(np.float64), 0.0).sum(1)
+            found.append(np.where(known.any(1), total / np.maximum(known.sum(1), 1), np.nan))
+        return found
 
     def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         """K = `samples` futures of each scenario, driven in closed loop, all of a scenario at once."""

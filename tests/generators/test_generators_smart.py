@@ -13,7 +13,7 @@ from drivegen.core.scenario import Scenario
 from drivegen.core.signals import Signals, SignalState
 from drivegen.generators._smart.around import LOOK, OTHER_FEATURES, PIECE, others, pose
 from drivegen.generators._smart.driving import drawn, velocities
-from drivegen.generators._smart.learning import Examples, Logs, Slips, tell
+from drivegen.generators._smart.learning import Examples, Logs, Slips, SmartObjective, tell
 from drivegen.generators._smart.net import Past, Seen, SmartNet
 from drivegen.generators._smart.tokens import RADIUS, SPAN, STILL, Vocabulary, codes, disks, gone, motions, pace, ways
 from drivegen.generators.shared.closed_loop import Tracks
@@ -282,3 +282,21 @@ def test_it_learns_and_the_vocabulary_is_saved_with_the_weights():
     assert after < before
     assert {"way", "code"} <= set(generator.net.state_dict())
     assert generator.net.way.abs().max() > 0
+
+
+def test_how_likely_logs_are_is_the_loss_of_training_turned_round_and_who_jumps_is_less_likely():
+    made, _, _ = trained("smart")
+    logs = [(s, s.log) for s in scenes()]
+    odds = made.log_likelihood(*zip(*logs, strict=True))
+    zero = np.zeros(1, np.int64)
+    for (logged, _), own in zip(logs, odds, strict=True):
+        told = made.examples(made.settings, [logged])
+        examples = Examples(told, Vocabulary(made.net.way.numpy()), (made.settings.lanes, made.settings.boxes))
+        known = (examples.batch(zero, zero, zero, PLAIN, random())[1] >= 0).sum(1).numpy()
+        assert len(own) == len(logged.vehicles)
+        loss = SmartObjective(examples, examples, PLAIN).validation(made.net)
+        assert np.nansum(own * known) / known.sum() == pytest.approx(-loss, rel=1e-4)
+    logged, log = logs[0]
+    aside = 3 * np.sin(np.arange(log.steps, dtype=np.float32))[:, None]
+    (odd,) = made.log_likelihood([logged], [replace(log, position=log.position + aside)])
+    assert np.nanmean(odd) < np.nanmean(odds[0]) - 1

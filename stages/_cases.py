@@ -1,0 +1,33 @@
+"""What stages read that look again at the cases of an attack: generated traffic as it was, and the cases found in it."""
+
+from pathlib import Path
+
+from drivegen.core.errors import UnusableInput
+from drivegen.core.samples import Samples
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.store.lookup import futures_in
+from drivegen.store.samples import read_samples
+from drivegen.store.scenarios import shards
+from stages._door import require
+
+Traffic = dict[str, tuple[Scenario, Trajectories]]
+"""By the id of a scenario: it, and the first of its generated scenes."""
+
+
+def read_traffic(scenarios: Path, traffic: Path) -> Traffic:
+    """The first generated scene (`traffic`, a folder of shards) of each of the `scenarios` (one, too)."""
+    as_it_is: Traffic = {}
+    for shard in shards(require(scenarios, "run the ingest stage")):
+        futures = futures_in(require(traffic / shard.name, "run the corner stage"), scenarios)
+        as_it_is |= {scenario.scenario_id: (scenario, samples.motion[0]) for scenario, samples in futures}
+    return as_it_is
+
+
+def read_cases(folder: Path, as_it_is: Traffic) -> list[Samples]:
+    """The cases in the folder of an attack. Raises UnusableInput where one is of no scenario that is there."""
+    found = read_samples(require(folder / "samples.parquet", "run the attack stages"))
+    if unknown := {case.scenario_id for case in found} - as_it_is.keys():
+        raise UnusableInput(
+            f"cases are of scenario {min(unknown)}, which is not among the scenarios: run the attack stages again"
+        )
+    return found

@@ -1,0 +1,70 @@
+"""Stage naturalness: how likely a generator that made none of it holds what attackers do, beside what they did before.
+
+argv: scenarios of one split, models, traffic as it is (folder of shards), cases (folder <driver>/<attack>), results (JSON, a
+list of rows {method, allowed, found_for, metric, value, low, high, n}). Values are in the unit of the judge's log likelihood.
+"""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drivegen.adversaries.shared.naturalness import LikelihoodModel, naturalness
+from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
+from drivegen.core.intervals import bootstrap_means, recording
+from drivegen.core.samples import Samples
+from drivegen.core.seeds import rng
+from drivegen.core.settings import Count
+from drivegen.store.files import write_json
+from stages._cases import Traffic, read_cases, read_traffic
+from stages._door import enter
+
+METRICS = ("attack", "before", "less")
+"""As the attackers move, as they did before, and the one less the other."""
+
+
+@dataclass(frozen=True)
+class Params:
+    """`judge`: a generator with `log_likelihood`; `attacks`: whose cases, folders of each of the `drivers`; bootstrap `draws`."""
+
+    seed: int
+    judge: str
+    attacks: list[str]
+    drivers: list[str]
+    draws: Count
+
+
+def main(params: Params, scenarios: Path, models: Path, traffic: Path, cases: Path, results: Path) -> None:
+    """Every attack on every driver."""
+    kind = plugins.load("generators", params.judge)
+    if not hasattr(kind, "log_likelihood"):
+        raise UnusableInput(f"params.yaml: naturalness.judge is {params.judge!r}, which has no log_likelihood: smart has")
+    judge: LikelihoodModel = kind(models, None)
+    as_it_is, rows = read_traffic(scenarios, traffic), []
+    for driver in params.drivers:
+        for attack in params.attacks:
+            method, allowed, _ = attack.split(".")
+            found = _judged(judge, read_cases(cases / driver / attack, as_it_is), as_it_is, params)
+            rows += [{"method": method, "allowed": allowed, "found_for": driver, **row} for row in found]
+    write_json(results, rows)
+
+
+def _judged(judge: LikelihoodModel, found: list[Samples], as_it_is: Traffic, params: Params) -> Iterator[dict[str, Any]]:
+    """Means over the cases in which somebody was attacked, with 95 % over recordings."""
+    if not found:
+        return
+    scenarios, before = zip(*[as_it_is[case.scenario_id] for case in found], strict=True)
+    both = naturalness(judge, scenarios, before, [case.motion[0] for case in found])
+    there = np.flatnonzero(np.isfinite(both).all(1))
+    recordings, random = [recording(found[c].scenario_id) for c in there.tolist()], rng(params.seed, "naturalness", "bootstrap")
+    columns = np.column_stack([both[there], both[there, 0] - both[there, 1]])
+    if len(there):
+        for metric, interval in zip(METRICS, bootstrap_means(columns, recordings, params.draws, random), strict=True):
+            yield {"metric": metric, **asdict(interval), "n": len(there)}
+
+
+if __name__ == "__main__":
+    enter("naturalness", Params, main)
