@@ -39,10 +39,16 @@ APART = 1e-6
 
 @dataclass(frozen=True)
 class Settings:
-    """`last`: motions of the driver that are looked at. `per_scene`: runs for which one more scene of a scenario is attacked."""
+    """How it chooses.
 
-    last: Count
+    Attributes:
+        draws: motions towards each goal, or perturbed tracks in its place. per_scene: runs for which one more scene is attacked.
+        last: motions of the driver that are looked at.
+    """
+
+    draws: Count
     per_scene: Count
+    last: Count
 
 
 class Plugin:
@@ -55,7 +61,7 @@ class Plugin:
 
     def candidates(self, arena: Arena, scenes: NDArray[np.int64]) -> Candidates:
         """What may be exchanged in `scenes`."""
-        return exchanged_goals(arena, 1, scenes)
+        return exchanged_goals(arena, self.settings.draws, scenes)
 
     def attack(self, arena: Arena) -> None:
         """See `base.Adversary`."""

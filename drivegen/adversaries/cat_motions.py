@@ -42,4 +42,4 @@ class Plugin(cat.Plugin):
 
     def candidates(self, arena: Arena, scenes: NDArray[np.int64]) -> Candidates:
         """See `cat.Plugin`."""
-        return exchanged_motions(arena, self._perturbation, 1, scenes)
+        return exchanged_motions(arena, self._perturbation, self.settings.draws, scenes)
