@@ -34,7 +34,10 @@ FRONT = ("evaluate",)
 """Those of a run at another temperature."""
 
 OF_PIECES = ("map_suite", "map_diversity", "likeness", "initial_states", "asked", "train_planner", "goals")
-BY_SEED = {CORNER: ("attack", "attack_taught", "mutation_score", "naturalness", "repair", "transfer"), RATES: ("rates",)}
+BY_SEED = {
+    CORNER: ("attack", "attack_taught", "mutation_score", "naturalness", "recall", "repair", "transfer"),
+    RATES: ("rates",),
+}
 """Parts with a run for every seed."""
 
 

@@ -1,8 +1,8 @@
 """The door `publish_corner`: tables III and IV, extended, from the runs of `make tables PART=corner`. It is in no dvc.yaml.
 
 argv: folder of runs (one a seed, each a workspace), the folder of published tables (gets corner_cases.json, a table of outcomes
-and one of costs for each driver; where all runs have them, mutation_score.json, transfer.json, naturalness.json and repair.json
-with their tables; the index corner.md, provenance-corner.json).
+and one of costs for each driver; where all runs have them, mutation_score.json, transfer.json, naturalness.json, recall.json and
+repair.json with their tables; the index corner.md, provenance-corner.json).
 """
 
 from dataclasses import dataclass
@@ -17,6 +17,7 @@ from drivegen.report.published_corner import Attacks, Costs, corner_rows, over_s
 from drivegen.report.published_files import write_part
 from drivegen.report.published_mutation import mutation_rows, mutation_table
 from drivegen.report.published_naturalness import naturalness_table
+from drivegen.report.published_recall import recall_table
 from drivegen.report.published_repair import repair_tables
 from drivegen.report.published_transfer import transfer_table
 from drivegen.report.sections.attack import cost_table, outcome_table, proposer_tables
@@ -29,6 +30,10 @@ DATA = "sumo_corpus"
 SCORE = Path("reports/pieces/mutation_score.json")
 TRANSFERRED = Path("reports/pieces/transfer.json")
 NATURAL = Path("reports/pieces/naturalness.json")
+FOUND = Path("reports/pieces/recall.json")
+PIECES = {FOUND: recall_table, TRANSFERRED: transfer_table, NATURAL: naturalness_table}
+"""Files of rows that every run has measured or none, and the table of each."""
+
 REPAIRED = Path("reports/pieces/repair")
 
 
@@ -59,14 +64,11 @@ def main(params: Params, runs: Path, published: Path) -> None:
     if scores := _of_all(roots, SCORE):
         write_json(published / "mutation_score.json", list(mutation_rows(DATA, scores)))
         tables.append(mutation_table(scores[0]))
-    if transferred := _of_all(roots, TRANSFERRED):
-        means = list(over_seeds(DATA, transferred))
-        write_json(published / "transfer.json", means)
-        tables.append(transfer_table(means))
-    if judged := _of_all(roots, NATURAL):
-        means = list(over_seeds(DATA, judged))
-        write_json(published / "naturalness.json", means)
-        tables.append(naturalness_table(means))
+    for piece, table in PIECES.items():
+        if of_runs := _of_all(roots, piece):
+            means = list(over_seeds(DATA, of_runs))
+            write_json(published / piece.name, means)
+            tables.append(table(means))
     repaired = {file.stem: _of_all(roots, REPAIRED / file.name) for file in sorted((roots[0] / REPAIRED).glob("*.json"))}
     means_of = {driver: list(over_seeds(DATA, of_runs)) for driver, of_runs in repaired.items() if of_runs}
     if means_of:

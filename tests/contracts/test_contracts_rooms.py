@@ -60,7 +60,19 @@ ALL: set[str] = set()
 
 LEARNERS = frozenset({"train_selector", "train_planner", "train_generator"})
 PLANNING = frozenset(
-    {"rollout", "ship", "corner", "asked", "attack", "attack_taught", "mutation_score", "rates", "repair", "tune_traffic"}
+    {
+        "rollout",
+        "ship",
+        "corner",
+        "asked",
+        "attack",
+        "attack_taught",
+        "mutation_score",
+        "rates",
+        "recall",
+        "repair",
+        "tune_traffic",
+    }
 )
 """Stages in which the planner plans."""
 

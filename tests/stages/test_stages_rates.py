@@ -10,33 +10,19 @@ import pytest
 
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.exposure.rates import Trial
-from drivegen.goals.packing import pack
 from drivegen.report.published_rates import METRICS, rate_rows, rate_table
-from drivegen.rollout.batch import choose
-from drivegen.selectors.random import Plugin as Random
-from drivegen.store.goals import write_goals
-from drivegen.store.samples import write_samples
-from drivegen.store.scenarios import write_shard
 from stages import publish_rates, rates
 from stages._door import read_params, read_section
 from tests.drivers.taught import PARAMS
-from tests.models import candidate_settings, two_lanes, write_models
-from tests.scenes import noisy_samples
+from tests.stages.queues import write_queues
 
-DRAWS, SHARD = 40, "shard-00000.parquet"
+DRAWS = 40
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory) -> Path:
-    """Two shards of queues, whose samples are the logs."""
-    root = tmp_path_factory.mktemp("rates")
-    for shard, speeds in (("shard-00000.parquet", (6.0, 8.0)), ("shard-00001.parquet", (9.0,))):
-        scenes = [two_lanes(speed, f"queue{speed:.0f}-0") for speed in speeds]
-        write_shard(root / "test" / shard, scenes)
-        write_samples(root / "round" / shard, [replace(noisy_samples(s, 1), motion=s.log[np.newaxis]) for s in scenes])
-        choices = choose(scenes, Random(), candidate_settings(), 1.0)
-        write_goals(root / "goals" / shard, [pack(c.scenario, "random", c.candidates, c.natural) for c in choices])
-    write_models(root / "models")
+    """See `queues`."""
+    write_queues(root := tmp_path_factory.mktemp("rates"))
     return root
 
 

@@ -127,10 +127,17 @@ class Arena:
         for row in order.tolist():
             s = int(scene[row])
             c = int(self.ground.of[s])
-            if room[c] > 0 and self._fits(s, vehicle[row : row + 1], motion[row : row + 1]):
+            if room[c] > 0 and self.fits(s, vehicle[row : row + 1], motion[row : row + 1]):
                 room[c] -= 1
                 chosen.append(row)
         return np.array(chosen, np.int64)
+
+    def fits(self, scene: int, vehicle: NDArray[np.integer], motion: Trajectories) -> bool:
+        """Whether nobody else breaks a rule because of an exchanged track (1, T) of a vehicle (1,)."""
+        if self.bounds.allowed != "legal":
+            return True
+        judge = self.judges[scene]
+        return int(judge.whole([judge.exchanged(vehicle, motion)])[0]) == 0
 
     def runs(self) -> "Runs":
         """All runs so far, in the order in which they were driven; at least one."""
@@ -142,13 +149,6 @@ class Arena:
         judge = self.judges[scene]
         own = judge.alone_and_among(vehicle, motion)
         return int(np.bitwise_or.reduce(own, initial=0) | judge.whole([judge.exchanged(vehicle, motion)])[0])
-
-    def _fits(self, scene: int, vehicle: NDArray[np.integer], motion: Trajectories) -> bool:
-        """Whether nobody else breaks a rule because of it."""
-        if self.bounds.allowed != "legal":
-            return True
-        judge = self.judges[scene]
-        return int(judge.whole([judge.exchanged(vehicle, motion)])[0]) == 0
 
 
 @dataclass(frozen=True)

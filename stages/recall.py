@@ -1,0 +1,125 @@
+"""Stage recall: where some goal of one vehicle makes a driver fail, how much of that adversaries find, in how many runs.
+
+argv: scenarios of one split, models, recorded goals of one selector, traffic as it is (folder of shards), results (JSON, a
+list of rows {driver, method, queries, metric, value, low, high, n}). Neighbours are replayed.
+"""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from drivegen.adversaries.shared.arena import Arena, Bounds
+from drivegen.adversaries.shared.ground import sampled
+from drivegen.adversaries.shared.recall import Recall
+from drivegen.checker.verdicts import read_limits
+from drivegen.core import plugins
+from drivegen.core.intervals import bootstrap_means, recording
+from drivegen.core.seeds import rng
+from drivegen.core.settings import Count, Index
+from drivegen.rollout.batch import recorded_choices
+from drivegen.rollout.models import read_planner
+from drivegen.store.files import write_json
+from drivegen.store.goals import read_goals
+from drivegen.store.lookup import evenly, shared
+from drivegen.store.samples import read_samples
+from drivegen.store.scenarios import read_shard, shards
+from stages._door import enter, require, spread
+
+EVERY = "every_goal"
+"""The method of the rows that say in how many scenarios there is something to be found."""
+
+
+@dataclass(frozen=True)
+class Params:
+    """Section `recall`.
+
+    Attributes:
+        planner: fills in motion. scenes: of all shards, one of each scenario. motions: towards each goal, of what there is.
+        allowed: of `adversaries.shared.rules.RULES`. queries: runs after which it is counted what has been found.
+        reaction_steps: others avoid the target's plan for so many steps. draws: bootstrap draws behind intervals.
+    """
+
+    seed: int
+    workers: Count
+    planner: str
+    scenes: Count
+    motions: Count
+    allowed: str
+    queries: list[int]
+    reaction_steps: Index
+    drivers: dict[str, dict[str, Any]]
+    adversaries: dict[str, dict[str, Any]]
+    draws: Count
+
+
+@dataclass(frozen=True)
+class Task:
+    """So many `scenes` of a shard, by one driver."""
+
+    driver: str
+    shard: Path
+    scenes: int
+    models: Path
+    goals: Path
+    traffic: Path
+    params: Params
+
+
+def main(params: Params, scenarios: Path, models: Path, goals: Path, traffic: Path, results: Path) -> None:
+    """Every driver, shard by shard."""
+    files = shards(require(scenarios, "run the ingest stage"))
+    share = shared(params.scenes, [pq.read_metadata(file).num_rows for file in files])
+    tasks = [
+        Task(driver, file, count, models, goals, traffic, params)
+        for driver in params.drivers
+        for file, count in zip(files, share, strict=True)
+        if count
+    ]
+    parts: dict[str, list[Recall]] = {}
+    for task, recall in spread(_searched, tasks, params.workers, "recall"):
+        parts.setdefault(task.driver, []).append(recall)
+    write_json(results, [{"driver": name, **row} for name, own in parts.items() for row in _rows(Recall.joined(own), params)])
+
+
+def _searched(task: Task) -> Recall:
+    params, scenarios = task.params, read_shard(task.shard)
+    choices = recorded_choices(scenarios, read_goals(require(task.goals / task.shard.name, "run the goals stage")), 1.0)
+    samples = read_samples(require(task.traffic / task.shard.name, "run the corner stage"))
+    rows = evenly(len(scenarios), task.scenes)
+    made_with = read_planner(task.models, params.planner), read_limits(task.models)
+    ground = sampled([choices[r] for r in rows], [samples[r] for r in rows], 1, *made_with)
+    bounds = Bounds(params.allowed, max(params.queries), params.reaction_steps)
+    driver = plugins.make("drivers", task.driver, params.drivers, "recall.drivers")
+    adversaries = {
+        name: plugins.make("adversaries", name, params.adversaries, "recall.adversaries") for name in params.adversaries
+    }
+    return Recall.of(Arena(driver, ground, bounds, params.seed), adversaries, params.motions)
+
+
+def _rows(recall: Recall, params: Params) -> Iterator[dict[str, Any]]:
+    """`counted` and `avoidable` are shares of all scenarios, `recall` of those that are open."""
+    whole = np.ones(len(recall.open), np.bool_)
+    yield {"method": EVERY, "queries": None, "metric": "counted", **_mean(recall.open, whole, recall, params)}
+    for method, search in recall.searches.items():
+        for queries in params.queries:
+            found = search.first <= queries
+            shares = {"counted": (found, whole), "avoidable": (found & search.avoidable, whole), "recall": (found, recall.open)}
+            for metric, (values, among) in shares.items():
+                yield {"method": method, "queries": queries, "metric": metric, **_mean(values, among, recall, params)}
+
+
+def _mean(values: NDArray[np.bool_], among: NDArray[np.bool_], recall: Recall, params: Params) -> dict[str, Any]:
+    """The share of `values` (C,) where `among` (C,) holds, with its interval over recordings."""
+    rows = np.flatnonzero(among)
+    recordings, random = [recording(recall.scenarios[r]) for r in rows.tolist()], rng(params.seed, "recall", "bootstrap")
+    [interval] = bootstrap_means(values[rows, None].astype(np.float64), recordings, params.draws, random)
+    return {**asdict(interval), "n": len(rows)}
+
+
+if __name__ == "__main__":
+    enter("recall", Params, main)
