@@ -87,13 +87,22 @@ def from_log(log: RecordedLog, settings: SelectionSettings) -> Start:
 
 
 def from_network(
-    network: Network, name: str, source: str, table: Table, settings: InitialSettings, seed: int, gaps: Gaps | None = None
+    network: Network,
+    name: str,
+    source: str,
+    table: Table,
+    settings: InitialSettings,
+    seed: int,
+    gaps: Gaps | None = None,
+    beset: bool = False,
 ) -> Start:
     """Vehicles of the table placed on a network, its signals by their programs; `gaps` are for placement as in logs.
 
+    If `beset`, they stand around the target first: beside, before, behind and across its way.
+
     Raises UnusableInput where not even the target finds a place.
     """
-    scenario, rejected = Initialiser(network, name, source, table, settings, gaps).scenario(0, seed)
+    scenario, rejected = Initialiser(network, name, source, table, settings, gaps).scenario(0, seed, beset)
     return Start(scenario, rejected)
 
 

@@ -1,8 +1,8 @@
 """The door `publish_corner`: tables III and IV, extended, from the runs of `make tables PART=corner`. It is in no dvc.yaml.
 
 argv: folder of runs (one a seed, each a workspace), the folder of published tables (gets corner_cases.json, a table of outcomes
-and one of costs for each driver; where all runs have them, mutation_score.json, transfer.json, naturalness.json, recall.json and
-repair.json with their tables; the index corner.md, provenance-corner.json).
+and one of costs for each driver; where all runs have them, beset.json, mutation_score.json, naturalness.json, recall.json,
+repair.json and transfer.json with their tables; the index corner.md, provenance-corner.json).
 """
 
 from dataclasses import dataclass
@@ -13,6 +13,7 @@ import orjson
 import pyarrow.parquet as pq
 
 from drivegen.core.errors import MissingTool
+from drivegen.report.published_beset import beset_table
 from drivegen.report.published_corner import Attacks, Costs, corner_rows, over_seeds
 from drivegen.report.published_files import write_part
 from drivegen.report.published_mutation import mutation_rows, mutation_table
@@ -31,7 +32,8 @@ SCORE = Path("reports/pieces/mutation_score.json")
 TRANSFERRED = Path("reports/pieces/transfer.json")
 NATURAL = Path("reports/pieces/naturalness.json")
 FOUND = Path("reports/pieces/recall.json")
-PIECES = {FOUND: recall_table, TRANSFERRED: transfer_table, NATURAL: naturalness_table}
+BESET = Path("reports/pieces/beset.json")
+PIECES = {FOUND: recall_table, BESET: beset_table, TRANSFERRED: transfer_table, NATURAL: naturalness_table}
 """Files of rows that every run has measured or none, and the table of each."""
 
 REPAIRED = Path("reports/pieces/repair")

@@ -18,6 +18,8 @@ from drivegen.adversaries.shared.approach import approaches
 from drivegen.adversaries.shared.arena import Arena, everywhere, share_out
 from drivegen.adversaries.shared.candidates import Candidates
 from drivegen.adversaries.shared.goals import exchanged_goals
+from drivegen.adversaries.shared.variation import Variation, with_variations
+from drivegen.core.scenario import Trajectories
 from drivegen.core.settings import Count
 from drivegen.corner_cases.trials import Variants
 
@@ -42,11 +44,13 @@ class Settings:
     """How it chooses.
 
     Attributes:
-        draws: motions towards each goal, or perturbed tracks in its place. per_scene: runs for which one more scene is attacked.
+        draws: motions towards each goal, or perturbed tracks in its place. variation: of the goals that are worth most at first.
+        per_scene: runs for which one more scene is attacked.
         last: motions of the driver that are looked at.
     """
 
     draws: Count
+    variation: Variation
     per_scene: Count
     last: Count
 
@@ -69,17 +73,27 @@ class Plugin:
         scenes = share_out(ground.of, np.maximum(arena.left // self.settings.per_scene, 1))
         motion = arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion
         pool = self.candidates(arena, scenes)
-        odds = np.where(np.isnan(pool.odds), 1.0, pool.odds)  # what has no odds is all alike
-        overlaps = np.zeros((self.settings.last, len(pool)))
+        worth = _overlap(arena, pool, everywhere(motion, scenes, len(ground.of))) * _odds(pool)
+        pool = with_variations(arena, pool, np.argsort(-worth, kind="stable"), self.settings.variation)
+        overlaps, odds = np.zeros((self.settings.last, len(pool))), _odds(pool)
         turn, tried = 0, np.zeros(len(pool), np.bool_)
         while True:
-            met = approaches(arena.trials, everywhere(motion, scenes, len(ground.of)), pool.scene, pool.vehicle, pool.motion)
             driven = np.isin(pool.scene, scenes)
-            worth = np.where(met.contact >= 0, DECAY ** met.contact.astype(np.float64), APART / (1 + met.gap))
-            overlaps[turn % len(overlaps), driven] = worth[driven]
+            overlaps[turn % len(overlaps), driven] = _overlap(arena, pool, everywhere(motion, scenes, len(ground.of)))[driven]
             untried = np.flatnonzero(~tried)
             order = untried[np.argsort(-(odds * overlaps.sum(0))[untried], kind="stable")]
             rows, outcome = pool.drive(arena, order, 1)
             if not len(rows):
                 return
             tried[rows], scenes, motion, turn = True, pool.scene[rows], outcome.motion, turn + 1
+
+
+def _odds(pool: Candidates) -> NDArray[np.float32]:
+    """(Q,) natural odds; what has none is all alike."""
+    return np.where(np.isnan(pool.odds), np.float32(1.0), pool.odds)
+
+
+def _overlap(arena: Arena, pool: Candidates, driven: Trajectories) -> NDArray[np.float64]:
+    """(Q,) what a candidate is worth by the first step at which its box overlaps that of a target as it drove."""
+    met = approaches(arena.trials, driven, pool.scene, pool.vehicle, pool.motion)
+    return np.where(met.contact >= 0, DECAY ** met.contact.astype(np.float64), APART / (1 + met.gap))

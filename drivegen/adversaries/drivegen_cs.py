@@ -1,5 +1,8 @@
 """DriveGen-CS: goals of one attacker, planned and legal, ranked by what is known of the driver, the best of them rehearsed.
 
+The goals that rank best are varied before anything is driven: places a little farther or nearer, other speeds there, so other
+times of arrival, all planned by the planner and judged by the checker (`shared.variation`).
+
 Knowledge is made of runs of the driver alone, which count: first each scene is driven as it is. A candidate is dangerous where
 its planned motion meets the target's own, and where it gives little warning, since drivers brake for what they see in their way.
 What the driver did about the first candidates then teaches which encounters (relative speed, direction, behaviour) end in a
@@ -17,6 +20,7 @@ from drivegen.adversaries.shared.approach import approaches
 from drivegen.adversaries.shared.arena import Arena, everywhere, share_out
 from drivegen.adversaries.shared.candidates import Candidates
 from drivegen.adversaries.shared.goals import exchanged_goals
+from drivegen.adversaries.shared.variation import Variation, with_variations
 from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.core.settings import Count, NotNegative, Positive
 from drivegen.corner_cases.encounters import Encounters, encounters
@@ -37,7 +41,8 @@ class Settings:
     """How candidates are ranked.
 
     Attributes:
-        draws: motions towards each goal, or perturbed tracks in its place. per_scene: runs for which one more scene is attacked.
+        draws: motions towards each goal, or perturbed tracks in its place. variation: of the goals that rank best.
+        per_scene: runs for which one more scene is attacked.
         rounds: in which the budget is spent; after each one more is known.
         caution: [m/s] the gap that a second of warning is worth; 0 looks at gaps alone.
         behind: [m] the gap that coming up from behind is worth: its own duty.
@@ -47,6 +52,7 @@ class Settings:
     """
 
     draws: Count
+    variation: Variation
     per_scene: Count
     rounds: Count
     caution: NotNegative
@@ -74,8 +80,9 @@ class Plugin:
         scenes = share_out(ground.of, np.maximum(arena.left // settings.per_scene, 1))
         driven = everywhere(arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion, scenes, len(ground.of))
         pool = self.candidates(arena, scenes)
-        near = approaches(arena.trials, driven, pool.scene, pool.vehicle, pool.motion)
-        cost = near.cost(settings.caution, settings.behind)
+        first = _in_turn(self._cost(arena, pool, driven), pool, np.zeros(len(pool), np.bool_), settings.again)
+        pool = with_variations(arena, pool, first, settings.variation)
+        cost = self._cost(arena, pool, driven)
         met = _encounters(arena, pool, driven)
         knowledge, tried = Knowledge.none(settings.strength), np.zeros(len(pool), np.bool_)
         for turn in range(settings.rounds):
@@ -86,6 +93,11 @@ class Plugin:
             tried[rows] = True
             mine = outcome.partner == pool.vehicle[rows]
             knowledge = knowledge.with_outcomes(_some(met, rows), outcome.counted & mine, np.inf)
+
+    def _cost(self, arena: Arena, pool: Candidates, driven: Trajectories) -> NDArray[np.float32]:
+        """(Q,) [m] of each candidate; the least is the most dangerous."""
+        near = approaches(arena.trials, driven, pool.scene, pool.vehicle, pool.motion)
+        return near.cost(self.settings.caution, self.settings.behind)
 
 
 def _encounters(arena: Arena, pool: Candidates, driven: Trajectories) -> Encounters:

@@ -51,6 +51,9 @@ def command(
     text: Annotated[str | None, Option(help="A road and its traffic in words; with --map, the traffic alone.")] = None,
     samples: Annotated[int, Option(min=1, max=1000, help="Futures of the scenario.")] = 10,
     vehicles: Annotated[int, Option(min=1, max=LARGEST, help="Target and social vehicles together.")] = 16,
+    beset: Annotated[
+        bool, Option("--beset", help="With --map: lanes beside, before and across the target's way are taken.")
+    ] = False,
     seed: Annotated[int, Option(min=0, max=seeds.LARGEST, help="Same seed, same bytes.")] = 7,
     lm: Words = None,
     max_usd: MaxUsd = None,
@@ -64,13 +67,15 @@ def command(
         raise BadParameter("give exactly one of --scenario, --map and --text (--text may come with --map)")
     if lm is not None and text is None:
         raise BadParameter("--lm reads words: give --text")
+    if beset and (map is None or text is not None):
+        raise BadParameter("--beset places vehicles on a map: give --map, without --text")
     console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
     model = calling("generate", "maps", lm, max_usd) if lm not in (None, OFFLINE) else nullcontext()
     with whole_folder(out) as folder, model as reader, _progress(console) as progress:
         task = progress.add_task("reading", total=None)
         settings = _project.generation(scored=scenario is not None)
         tools = _project.equipment(settings)
-        order = _Order(map, text, vehicles, seed, reader)
+        order = _Order(map, text, vehicles, beset, seed, reader)
         start = _logged(scenario, vehicles) if scenario else _new(order, folder, tools, settings, console)
         progress.update(task, description=f"planning {samples} futures of {len(start.scenario.vehicles)} vehicles")
         traffic = make(start, tools, settings, samples, seed)
@@ -105,6 +110,7 @@ class _Order:
     net: Path | None
     text: str | None
     vehicles: int
+    beset: bool
     seed: int
     reader: LanguageModel | None
 
@@ -118,7 +124,7 @@ def _new(order: _Order, folder: Path, tools: Equipment, settings: Settings, cons
     for sentence in request_sentences(wishes.request):
         console.print(f"reads: {sentence}")
     if not wishes.request:
-        start = from_network(network, _as_id(name), source, table, initial, seed, gaps)
+        start = from_network(network, _as_id(name), source, table, initial, seed, gaps, order.beset)
     else:
         initialiser = Initialiser(network, _as_id(name), source, table, initial, gaps)
         name = f"{_as_id(name)}-0000"

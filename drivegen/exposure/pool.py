@@ -22,8 +22,8 @@ from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers.base import Driver
 from drivegen.exposure.law import NaturalLaw
 from drivegen.exposure.rates import Trial, verified
-from drivegen.rollout.batch import plan_all_goals
 from drivegen.rollout.scene import Choices
+from drivegen.rollout.towards import plan_all_goals
 from drivegen.simulators.batch import CHUNK
 from drivegen.world.outcome import DrivingOutcome
 from drivegen.world.reactive import Reaction

@@ -8,7 +8,7 @@ rejected with a reason, so asked = placed + rejected.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -152,12 +152,15 @@ class _Others:
                 reasons["time-gap" if free[k] else "overlap"] += 1
         return reasons.most_common(1)[0][0] if reasons else "does-not-fit"
 
-    def _spots(self, row: int, wish: Wish) -> Iterable[Spots]:
+    def _spots(self, row: int, wish: Wish) -> Iterator[Spots]:
         """Where it may stand, group by group: as wished, as in logs, or anywhere near."""
         settings, fits = self.settings, self.scene.fitting(row)
         if wish.stands:
-            return [wished_spots(self.scene, fits, wish, settings.attempts, self.random)]
+            yield wished_spots(self.scene, fits, wish, settings.attempts, self.random)
+        if wish.stands and not wish.anywhere:
+            return
         if self.traffic is not None:
-            return self.traffic.spots(fits, row, settings.attempts)
+            yield from self.traffic.spots(fits, row, settings.attempts)
+            return
         radius = settings.radius if self.radius is None else self.radius
-        return [any_spots(self.scene, fits, settings.speed_spread, radius, settings.attempts, self.random)]
+        yield any_spots(self.scene, fits, settings.speed_spread, radius, settings.attempts, self.random)

@@ -10,6 +10,7 @@ from drivegen.core.crop import Cropper
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import DT, TARGET, Actors, Scenario, VehicleKind
 from drivegen.core.settings import Count, Positive
+from drivegen.placement.beset import besetting
 from drivegen.placement.draws import Draws
 from drivegen.placement.gaps import Gaps
 from drivegen.placement.place import Placement, Placer, PlaceSettings
@@ -58,16 +59,15 @@ class Initialiser:
         self._shares = {kind_named(word): share for word, share in settings.shares.items()}
         self._placer = Placer(Slots(network.map), table, settings.placement, None if gaps is None else Draws(gaps))
 
-    def scenario(self, number: int, seed: int) -> tuple[Scenario, dict[str, int]]:
-        """Scenario `number`, and how many vehicles were not placed by reason.
+    def scenario(self, number: int, seed: int, beset: bool = False) -> tuple[Scenario, dict[str, int]]:
+        """Scenario `number`, and how many vehicles were not placed by reason; if `beset`, vehicles stand around the target.
 
         Raises UnusableInput with a countable reason where not even the target could be placed.
         """
         random = seeds.rng(seed, "place", self._name, number)
-        time = self.signal_time(random)
-        scenario, placement = self.begin(
-            f"{self._name}-{number:04d}", self.drawn_rows(self._settings.vehicles, random), time, random
-        )
+        time, count = self.signal_time(random), self._settings.vehicles
+        wishes = besetting(count) if beset else ()
+        scenario, placement = self.begin(f"{self._name}-{number:04d}", self.drawn_rows(count, random), time, random, wishes)
         return scenario, placement.rejected
 
     @property

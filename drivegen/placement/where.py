@@ -54,6 +54,7 @@ class Wish:
         beside: it stands next in a queue to the vehicle of this number: behind it, or `ahead` of it; then it has no relation.
         speed: at the first frame [m/s], as far as the road allows.
         turn: it stands where its lane soon leads into a turn to that side, if any of the places wished for is such.
+        anywhere: where there is no such place, or none is free, it stands as if nothing were wished.
     """
 
     relation: Relation | None = None
@@ -62,6 +63,7 @@ class Wish:
     ahead: bool = False
     speed: float | None = None
     turn: Side | None = None
+    anywhere: bool = False
 
     @property
     def stands(self) -> bool:

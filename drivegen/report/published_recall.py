@@ -28,8 +28,8 @@ def recall_table(rows: Sequence[Mapping[str, Any]]) -> Table:
         ("driver", "", "runs", "counted", "avoidable", "of what is there"),
         tuple(lines),
         (
-            f"Scenes: {every['n']}, seeds: {every['seeds']}, 95 % over recordings. There is what fails as it is, or once one legal "
-            "goal of one vehicle is exchanged, by any of several motions towards it; all are driven. Counted and avoidable are "
-            "shares of all scenes, by the first failure found. Whoever draws a single motion towards each goal cannot find all.",
+            f"Scenes: {every['n']}, seeds: {every['seeds']}, 95 % over recordings. There is what fails as it is, or once one "
+            "legal goal of one vehicle is exchanged, by any of several motions towards it; all are driven. Counted and avoidable "
+            "are shares of all scenes, by the first failure found. Whoever draws one motion towards each goal cannot find all.",
         ),
     )

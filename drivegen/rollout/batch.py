@@ -25,7 +25,6 @@ from drivegen.goals.packing import unpack
 from drivegen.planners.base import Planner, PlanRequests
 from drivegen.planners.shared.requests import Goals, plan_requests
 from drivegen.roads.graph import LaneGraph
-from drivegen.roads.leaving import Exits
 from drivegen.roads.line import Route
 from drivegen.rollout.scene import Choices, Probabilities, Rollout, RolloutSettings
 from drivegen.selectors.base import Selector
@@ -105,27 +104,6 @@ def roll_out(
         for rollout, rows, motion in _plan(rollouts, rows_of, planner, seed, turn):
             rollout.commit(rows, motion)
     return [rollout.result(method) for rollout in rollouts]
-
-
-def plan_all_goals(choices: Sequence[Choices], planner: Planner, seed: int) -> list[Trajectories]:
-    """One trajectory towards every candidate, until it leaves the map: (sum of C, T) per scenario, vehicle by vehicle."""
-    rows_of = [
-        np.array([(0, n, c, 0) for n, cands in enumerate(choice.candidates) for c in range(len(cands))], np.int64).reshape(-1, 4)
-        for choice in choices
-    ]
-    requests = goal_requests(choices, rows_of, lambda s: seeds.derive(seed, "all-goals", choices[s].scenario.scenario_id))
-    motion = planner.sample([c.scenario for c in choices], requests)
-    ends = np.cumsum([0, *map(len, rows_of)])
-    return [
-        _on_the_map(choice, rows[:, 1], motion[a:b])
-        for choice, rows, a, b in zip(choices, rows_of, ends[:-1], ends[1:], strict=True)
-    ]
-
-
-def _on_the_map(choice: Choices, vehicle: NDArray[np.int64], motion: Trajectories) -> Trajectories:
-    """Planned motion (B, T) of the vehicles (B,), gone where it leaves the map."""
-    scenario = choice.scenario
-    return Exits.of(scenario.map).leave(motion.until(scenario.steps), scenario.vehicles.size[vehicle, 0])
 
 
 def _plan(

@@ -61,19 +61,10 @@ ALL: set[str] = set()
 LEARNERS = frozenset({"train_selector", "train_planner", "train_generator"})
 PLANNING = frozenset(
     {
-        "rollout",
-        "ship",
-        "corner",
-        "asked",
-        "attack",
-        "attack_taught",
-        "mutation_score",
-        "rates",
-        "recall",
-        "repair",
+        "rollout", "ship", "corner", "asked", "attack", "attack_taught", "beset", "mutation_score", "rates", "recall", "repair",
         "tune_traffic",
     }
-)
+)  # fmt: skip
 """Stages in which the planner plans."""
 
 EDITS = {
@@ -108,7 +99,7 @@ EDITS = {
     "the question to a model": ("drivegen/questions/goals.py", {"goals", "corner"}),
     "a view of the results": ("drivegen/warehouse/sql/schema.sql", {"collect", "report"}),
     "the page": ("drivegen/report/page.py", {"collect", "report"}),
-    "the placement": ("drivegen/placement/slots.py", {"assets", "place", "initial_states", "asked", "tune_traffic"}),
+    "the placement": ("drivegen/placement/slots.py", {"assets", "place", "initial_states", "asked", "beset", "tune_traffic"}),
     "the recordings": ("drivegen/recording/roads.py", {"record"}),
 }
 """What is edited, in which file, and which stages have to run again for it (with those that follow if their inputs change)."""

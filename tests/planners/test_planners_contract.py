@@ -14,7 +14,8 @@ from drivegen.core.scenario import Trajectories
 from drivegen.planners.base import Examples, Planner, PlanRequests
 from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.roads.graph import LaneGraph
-from drivegen.rollout.batch import choose, plan_all_goals
+from drivegen.rollout.batch import choose
+from drivegen.rollout.towards import plan_all_goals
 from drivegen.selectors.random import Plugin as Uniform
 from drivegen.training.weights import read_weights, write_weights
 from stages._door import build, read_section

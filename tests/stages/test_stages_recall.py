@@ -42,15 +42,16 @@ def values(rows: list[dict[str, object]], metric: str) -> dict[object, object]:
     return {(row["method"], row["queries"]): row["value"] for row in rows if row["metric"] == metric}
 
 
-def test_nobody_finds_more_than_is_there_and_more_runs_find_no_less(rows):
+def test_recall_is_a_share_of_what_is_there_and_more_runs_find_no_less(rows):
     counted, found = values(rows, "counted"), values(rows, "recall")
     assert {row["n"] for row in rows if row["metric"] != "recall"} == {3}
     there = counted.pop((recall.EVERY, None))
     assert there > 0
     assert set(found) == {(method, q) for method in ("drivegen_cs", "cat", "random") for q in QUERIES}
     for key, share in found.items():
-        assert counted[key] == pytest.approx(share * there)
+        assert counted[key] >= pytest.approx(share * there)
         assert values(rows, "avoidable")[key] <= counted[key]
+    assert counted["random", 4] == pytest.approx(found["random", 4] * there)  # who varies no goal finds nothing beyond them
     for method in ("drivegen_cs", "cat", "random"):
         assert found[method, 1] <= found[method, 4]
 

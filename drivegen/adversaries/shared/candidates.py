@@ -1,7 +1,7 @@
 """What an adversary chooses from: single vehicles' tracks, each of which may be exchanged for what the vehicle does now."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -18,12 +18,13 @@ class Candidates:
     """Q tracks that the arena allows.
 
     Attributes:
-        scene: (Q,) int64. vehicle: (Q,) int64 whose track it is. odds: (Q,) float32 natural odds of its goal, NaN where it has
-            none. motion: (Q, T).
+        scene: (Q,) int64. vehicle: (Q,) int64 whose track it is. goal: (Q,) int64 number of its goal among the vehicle's, -1
+            where it has none. odds: (Q,) float32 natural odds of that goal, else NaN. motion: (Q, T).
     """
 
     scene: NDArray[np.int64]
     vehicle: NDArray[np.int64]
+    goal: NDArray[np.int64]
     odds: NDArray[np.float32]
     motion: Trajectories
 
@@ -33,12 +34,17 @@ class Candidates:
         return cls(
             np.concatenate([part.scene for part in parts]),
             np.concatenate([part.vehicle for part in parts]),
+            np.concatenate([part.goal for part in parts]),
             np.concatenate([part.odds for part in parts]),
             Trajectories.joined([part.motion for part in parts]),
         )
 
     def __len__(self) -> int:
         return len(self.scene)
+
+    def padded(self, steps: int) -> "Candidates":
+        """The same, with nobody there in what is added up to `steps`."""
+        return replace(self, motion=self.motion.padded(steps))
 
     def drive(self, arena: Arena, order: NDArray[np.integer], most: int) -> tuple[NDArray[np.int64], DrivingOutcome]:
         """Drive the first of `order` that fit, `most` in each scenario: which (V,), and what became of them."""

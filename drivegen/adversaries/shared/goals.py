@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from drivegen.adversaries.shared.arena import Arena, social
 from drivegen.adversaries.shared.candidates import Candidates
 from drivegen.core import seeds
-from drivegen.rollout.batch import plan_all_goals
+from drivegen.rollout.towards import plan_all_goals
 
 
 def exchanged_goals(arena: Arena, draws: int, scenes: NDArray[np.int64]) -> Candidates:
@@ -26,8 +26,9 @@ def _planned(arena: Arena, scenes: NDArray[np.int64], seed: int) -> Candidates:
     for s, c in zip(scenes.tolist(), ground.of[scenes].tolist(), strict=True):
         choice = ground.choices[c]
         owner = np.repeat(np.arange(len(choice.candidates)), [len(each) for each in choice.candidates])
+        goal = np.concatenate([np.arange(len(each)) for each in choice.candidates])
         rows = np.flatnonzero(np.isin(owner, social(ground.traffic[s])))
-        scene, odds = np.full(len(rows), s), np.concatenate(choice.natural)
-        kept = arena.allows(scene, owner[rows], planned[c][rows])
-        found.append(Candidates(scene[kept], owner[rows][kept], odds[rows][kept], planned[c][rows[kept]].padded(steps)))
+        rows = rows[arena.allows(np.full(len(rows), s), owner[rows], planned[c][rows])]
+        odds = np.concatenate(choice.natural)[rows]
+        found.append(Candidates(np.full(len(rows), s), owner[rows], goal[rows], odds, planned[c][rows].padded(steps)))
     return Candidates.joined(found)

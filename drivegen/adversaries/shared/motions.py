@@ -49,4 +49,5 @@ def _drawn(arena: Arena, perturbation: Perturbation, draws: int, scene: int) -> 
     motion = Trajectories.joined([Trajectories.empty(0, traffic.steps), *parts]).padded(arena.trials.steps)
     where, vehicle = np.full(sum(counts), scene), np.repeat(np.array(throughout, np.int64), counts)
     kept = np.flatnonzero(arena.allows(where, vehicle, motion))
-    return Candidates(where[kept], vehicle[kept], np.full(len(kept), np.nan, np.float32), motion[kept])
+    no_goal, no_odds = np.full(len(kept), -1), np.full(len(kept), np.nan, np.float32)
+    return Candidates(where[kept], vehicle[kept], no_goal, no_odds, motion[kept])

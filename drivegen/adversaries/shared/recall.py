@@ -1,7 +1,7 @@
 """What adversaries find of what is there to be found: every goal of every vehicle is driven, so it is known who can fail where.
 
 A scenario is *open* if the driver has a counted collision in it as it is, or once one goal is exchanged that the arena allows.
-Who exchanges goals one at a time, among the same motions, finds nothing beyond these.
+Who exchanges goals one at a time, among the same motions, finds nothing beyond these; who varies goals, too, may.
 """
 
 from collections.abc import Mapping, Sequence

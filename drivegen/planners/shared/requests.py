@@ -92,6 +92,38 @@ def plan_requests(scenarios: Sequence[Scenario], routes: Sequence[Route], goals:
     )
 
 
+def moved(
+    requests: PlanRequests, along: NDArray[np.floating], across: NDArray[np.floating], speed: NDArray[np.floating]
+) -> PlanRequests:
+    """Requests whose goals lie `along` (B,) [m] farther on their routes and `across` [m] more to the left, `speed` [m/s] faster.
+
+    They stay on the route, never behind their vehicle, and no slower than standing. A goal without a route stays what it is.
+    """
+    on = requests.route >= 0
+    if not on.any():
+        return requests
+    last = np.minimum(requests.route_length[requests.route], ROUTE_SPACING * (ROUTE_POINTS - 1))
+    s = np.clip(requests.goal_s + along, 0.0, last)
+    d = requests.goal_d + across
+    first = np.minimum((s / ROUTE_SPACING).astype(np.int64), ROUTE_POINTS - 2)
+    begin, end = (requests.route_line[requests.route, point].astype(np.float64) for point in (first, first + 1))
+    step = (end - begin) / ROUTE_SPACING
+    left = np.stack([-step[:, 1], step[:, 0]], axis=-1)
+    place = begin + step * (s - first * ROUTE_SPACING)[:, None] + left * d[:, None]
+
+    def where_on(value: NDArray[np.floating], before: NDArray[np.float32]) -> NDArray[np.float32]:
+        return np.where(on.reshape(-1, *[1] * (before.ndim - 1)), value, before).astype(np.float32)
+
+    return replace(
+        requests,
+        goal_position=where_on(place, requests.goal_position),
+        goal_heading=where_on(np.arctan2(step[:, 1], step[:, 0]), requests.goal_heading),
+        goal_speed=where_on(np.maximum(requests.goal_speed + speed, 0.0), requests.goal_speed),
+        goal_s=where_on(s, requests.goal_s),
+        goal_d=where_on(d, requests.goal_d),
+    )
+
+
 def examples_from_logs(scenarios: Sequence[Scenario], graphs: Sequence[LaneGraph], min_seen: float, seed: int) -> Examples:
     """All logged tracks that are there at step 0 and at `min_seen` (0..1) of the steps, with their own end as goal.
 

@@ -1,0 +1,76 @@
+"""Goals near good ones: planned towards places near theirs, judged as goals are, and none of what has no goal."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
+from drivegen.adversaries.shared.goals import exchanged_goals
+from drivegen.adversaries.shared.motions import Perturbation, exchanged_motions
+from drivegen.adversaries.shared.variation import Variation, with_variations
+from drivegen.drivers import idm
+from drivegen.rollout.batch import choose
+from drivegen.rollout.towards import Spread
+from drivegen.selectors.random import Plugin as Random
+from tests.checking import IDM, LIMITS
+from tests.models import candidate_settings, planner, two_lanes
+
+NOWHERE, NEAR = Spread(0.0, 0.0, 0.0), Spread(10.0, 0.3, 2.0)
+
+
+@pytest.fixture(scope="module")
+def arena():
+    scenes = [two_lanes(8.0, "queue8-0"), two_lanes(9.0, "queue9-0")]
+    choices = choose(scenes, Random(), candidate_settings(), 1.0)
+    ground = Ground(choices, np.array([0, 1]), [scene.log for scene in scenes], planner(scenes), LIMITS)
+    return Arena(idm.Plugin(IDM), ground, Bounds("legal", 4, 20), 7)
+
+
+def varied(arena, variation, order=None):
+    pool = exchanged_goals(arena, 1, np.arange(2))
+    return pool, with_variations(arena, pool, np.arange(len(pool)) if order is None else order, variation)
+
+
+def test_the_pool_comes_first_then_what_is_allowed_of_the_best_of_each_scene(arena):
+    pool, whole = varied(arena, Variation(3, 5, NEAR))
+    count = len(pool)
+    np.testing.assert_array_equal(whole.motion.position[:count, :101], pool.motion.position)
+    assert count < len(whole) <= count + 2 * 3 * 5
+    for scene in range(2):
+        best = {(pool.vehicle[q], pool.goal[q]) for q in np.flatnonzero(pool.scene == scene)[:3]}
+        mine = np.flatnonzero(whole.scene[count:] == scene) + count
+        assert {(whole.vehicle[q], whole.goal[q]) for q in mine} <= best
+    new = slice(count, None)
+    assert arena.allows(whole.scene[new], whole.vehicle[new], whole.motion[count:]).all()
+    odds = {(s, n, g): o for s, n, g, o in zip(pool.scene, pool.vehicle, pool.goal, pool.odds, strict=True)}
+    assert all(odds[s, n, g] == o for s, n, g, o in zip(whole.scene, whole.vehicle, whole.goal, whole.odds, strict=True))
+
+
+def test_without_spread_only_the_planners_noise_differs_and_with_it_ends_do(arena):
+    def ends(spread):
+        pool, whole = varied(arena, Variation(2, 8, spread))
+        of = {(s, n, g): q for q, (s, n, g) in enumerate(zip(pool.scene, pool.vehicle, pool.goal, strict=True))}
+        count = len(pool)
+        keys = zip(whole.scene[count:], whole.vehicle[count:], whole.goal[count:], strict=True)
+        origin = pool.motion.position[[of[key] for key in keys], -1]
+        return np.hypot(*(whole.motion.position[count:, -1] - origin).T)
+
+    assert ends(NOWHERE).max() < 0.1
+    assert ends(NEAR).std() > 1
+
+
+def test_nothing_is_varied_where_none_is_asked_for_or_nothing_has_a_goal(arena):
+    pool, whole = varied(arena, Variation(0, 5, NEAR))
+    assert whole is pool
+    tracks = exchanged_motions(arena, Perturbation(3, 1.0, 0.005), 1, np.arange(2))
+    assert with_variations(arena, tracks, np.arange(len(tracks)), Variation(3, 5, NEAR)) is tracks
+
+
+def test_a_scene_has_the_same_variations_whoever_is_beside_it(arena):
+    pool, whole = varied(arena, Variation(2, 4, NEAR))
+    second = np.flatnonzero(pool.scene == 1)
+    _, alone = varied(arena, Variation(2, 4, NEAR), second)
+    mine = np.flatnonzero(whole.scene[len(pool) :] == 1) + len(pool)
+    np.testing.assert_array_equal(alone.motion.position[len(pool) :], whole.motion.position[mine])
+    assert replace(alone, motion=None).vehicle[len(pool) :].tolist() == whole.vehicle[mine].tolist()
