@@ -31,8 +31,8 @@ NOTES = (
     "Where a scenario has several generated scenes (`attack.samples`) these share its runs: DriveGen-CS and CAT take one more "
     "for every so many runs (`per_scene`), random goals are drawn from all, AdvSim and DiffScene spend all on the first, and "
     "on one vehicle in it.",
-    "The numbers of DriveGen-CS, CAT and AdvSim were chosen on training and validation scenes of the same corpus (LOG.md), those "
-    "of DriveGen-CS among more than theirs.",
+    "The numbers of DriveGen-CS, CAT, AdvSim and DiffScene were chosen on training and validation scenes of the same corpus "
+    "(LOG.md), those of DriveGen-CS among more than theirs.",
 )
 
 
