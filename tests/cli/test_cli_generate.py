@@ -158,6 +158,19 @@ def test_a_network_needs_no_words_and_any_name_becomes_an_id(run, tmp_path):
     assert set(json.loads(made.read_text())["signals"][0]["states"]) <= set("GYR")
 
 
+def test_vehicles_beset_the_target_on_request_and_only_on_a_map(run, tmp_path):
+    words = ("--map", "town centre.net.xml", "--vehicles", "6", "--samples", "1")
+    for more in ("", "--beset"):
+        code, said = run(*words, *filter(None, [more]), "--out", str(tmp_path / f"out{more}"))
+        assert code == 0, said
+    beset, as_always = (sorted(tmp_path.glob(f"out{more}/town-centre-*/scenario_*.parquet")) for more in ("--beset", ""))
+    assert beset
+    assert [file.read_bytes() for file in beset] != [file.read_bytes() for file in as_always]
+    code, said = run("--text", "a roundabout", "--beset", "--out", str(tmp_path / "words"))
+    assert code == 2
+    assert "--beset places vehicles on a map" in said
+
+
 def test_a_map_is_given_by_its_folder_too_and_what_was_not_got_is_named(run, project, tmp_path):
     (tmp_path / "Old harbour").mkdir()
     shutil.copy(project / "town centre.net.xml", tmp_path / "Old harbour" / "map.net.xml")
