@@ -12,23 +12,19 @@ from typing import Any
 
 from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
 from drivegen.adversaries.shared.findings import Findings
-from drivegen.adversaries.shared.ground import logged, sampled
-from drivegen.checker.verdicts import read_limits
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count, Index
 from drivegen.drivers.base import Driver
-from drivegen.rollout.batch import recorded_choices
-from drivegen.rollout.models import read_planner
 from drivegen.store.costs import write_cost
 from drivegen.store.files import write_json
-from drivegen.store.goals import read_goals
 from drivegen.store.results import Run, result_rows, write_results
-from drivegen.store.samples import read_samples, write_samples
-from drivegen.store.scenarios import read_shard, shards
+from drivegen.store.samples import write_samples
+from drivegen.store.scenarios import shards
 from drivegen.world.reactive import Reaction
 from stages._cluster import cpu_seconds
 from stages._door import COST_FOLDER, enter, require
+from stages._ground import Made
 
 
 @dataclass(frozen=True)
@@ -36,7 +32,7 @@ class Params:
     """Section `attack`.
 
     Attributes:
-        planner: fills in motion. scenarios: the first so many of each shard. samples: scenes of each, its first samples.
+        planner: fills in motion. scenarios: so many of each shard. samples: scenes of each, its first samples.
         allowed: of `adversaries.shared.rules.RULES`. queries: runs of the driver in each scenario.
         reaction_steps: others avoid the target's plan for so many steps. reaction: of neighbours, where they react.
         drivers, adversaries: settings of each by its name. methods: those of `adversaries` that attack.
@@ -66,9 +62,10 @@ def main(
 ) -> None:
     """Attack by every adversary, judge what it found, report."""
     driver, tables, numbers = plugins.make("drivers", results.stem, params.drivers, "attack.drivers"), [], {}
+    made = Made.open(models, params.planner, goals, traffic)
     for name in params.methods:
         about = plugins.about("adversaries", name)
-        grounds = list(_grounds(about["traffic"], params, scenarios, models, goals, traffic))
+        grounds = list(_grounds(about["traffic"], params, scenarios, made))
         for bounds in _bounds(params, about):
             began, key = cpu_seconds(), f"{name}.{bounds.allowed}.{bounds.budget}"
             findings = Findings.joined([_attack(name, driver, ground, bounds, params) for ground in grounds])
@@ -101,14 +98,10 @@ def _attack(name: str, driver: Driver, ground: Ground, bounds: Bounds, params: P
     return Findings.of(arena.runs(), driver, name, params.reaction)
 
 
-def _grounds(kind: str, params: Params, scenarios: Path, models: Path, goals: Path, traffic: Path) -> Iterator[Ground]:
+def _grounds(kind: str, params: Params, scenarios: Path, made: Made) -> Iterator[Ground]:
     """One for every shard."""
-    planner, limits = read_planner(models, params.planner), read_limits(models)
     for shard in shards(require(scenarios, "run the ingest stage")):
-        here = slice(0, params.scenarios)
-        choices = recorded_choices(read_shard(shard), read_goals(require(goals / shard.name, "run the goals stage")), 1.0)[here]
-        samples = read_samples(require(traffic / shard.name, "run the corner stage"))[here]
-        yield logged(choices, planner, limits) if kind == "log" else sampled(choices, samples, params.samples, planner, limits)
+        yield made.logs(shard, params.scenarios) if kind == "log" else made.ground(shard, params.samples, params.scenarios)
 
 
 if __name__ == "__main__":

@@ -8,27 +8,19 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import pyarrow.parquet as pq
-
 from drivegen.adversaries.shared.arena import Bounds
-from drivegen.adversaries.shared.ground import sampled
 from drivegen.adversaries.shared.testers import by_search, by_traffic
-from drivegen.checker.verdicts import read_limits
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count, Index
 from drivegen.drivers.mutants.table import MUTATIONS, Mutant, mutated
 from drivegen.metrics.mutation_score import Pairs, Settings, scored
-from drivegen.rollout.batch import recorded_choices
-from drivegen.rollout.models import read_planner
 from drivegen.store.files import write_json
-from drivegen.store.goals import read_goals
-from drivegen.store.lookup import evenly, in_turn, shared
+from drivegen.store.lookup import in_turn
 from drivegen.store.results import Run, result_rows, write_results
-from drivegen.store.samples import read_samples
-from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, require, spread
+from stages._ground import Made, shares
 
 LOG = "log"
 
@@ -72,13 +64,12 @@ def main(
     params: Params, scenarios: Path, generated: Path, models: Path, goals: Path, traffic: Path, results: Path, scores: Path
 ) -> dict[str, float]:
     """Every tester tests every mutated driver."""
-    files = shards(require(scenarios, "run the ingest stage"))
-    share = shared(params.runs, [pq.read_metadata(file).num_rows for file in files])
+    share = shares(scenarios, params.runs)
     tables, numbers = [], {}
     for tester in (LOG, *params.methods, *params.adversaries):
         folder = None if tester == LOG else traffic if tester in params.adversaries else generated / tester
         inputs = [scenarios, models, *([require(folder, "run the rollout and corner stages")] if folder else [])]
-        tasks = [Task(tester, file, runs, folder, goals, models, params) for file, runs in zip(files, share, strict=True)]
+        tasks = [Task(tester, file, runs, folder, goals, models, params) for file, runs in share]
         parts = [found for _, found in spread(_test, tasks, params.workers, f"mutation score of {tester}") if found]
         if not parts:
             raise UnusableInput(f"{tester} has nothing to drive in {scenarios}, or mutation_score.runs is too small for it")
@@ -103,14 +94,10 @@ def _test(task: Task) -> dict[str, Pairs]:
 
 def _searched(task: Task, mutants: dict[str, Mutant]) -> dict[str, Pairs]:
     """As many scenarios, spread over the shard, as runs last for."""
-    params, scenarios = task.params, read_shard(task.shard)
-    rows = evenly(len(scenarios), task.runs // params.queries)
-    if not rows or task.traffic is None:
+    params, most = task.params, task.runs // task.params.queries
+    if not most or task.traffic is None:
         return {}
-    choices = recorded_choices(scenarios, read_goals(require(task.goals / task.shard.name, "run the goals stage")), 1.0)
-    samples, planner = read_samples(task.traffic / task.shard.name), read_planner(task.models, params.planner)
-    some = [choices[r] for r in rows], [samples[r] for r in rows]
-    ground = sampled(*some, params.samples, planner, read_limits(task.models))
+    ground = Made.open(task.models, params.planner, task.goals, task.traffic).ground(task.shard, params.samples, most)
     adversary = plugins.make("adversaries", task.tester, params.adversaries, "mutation_score.adversaries")
     bounds = Bounds(params.allowed, params.queries, params.reaction_steps)
     return dict(by_search(mutants, adversary, ground, bounds, params.seed))

@@ -11,10 +11,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
-from drivegen.adversaries.shared.ground import sampled
-from drivegen.checker.verdicts import read_limits
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count
@@ -22,15 +19,10 @@ from drivegen.drivers.base import Driver
 from drivegen.drivers.mutants.table import mutated
 from drivegen.exposure.pool import Exposure, draw_scenes
 from drivegen.exposure.rates import Trial
-from drivegen.rollout.batch import recorded_choices
-from drivegen.rollout.models import read_planner
 from drivegen.store.files import write_json, write_table
-from drivegen.store.goals import read_goals
-from drivegen.store.lookup import evenly, shared
-from drivegen.store.samples import read_samples
-from drivegen.store.scenarios import read_shard, shards
 from drivegen.world.reactive import Reaction
-from stages._door import enter, require, spread
+from stages._door import enter, spread
+from stages._ground import Made, shares
 
 
 @dataclass(frozen=True)
@@ -78,21 +70,15 @@ class Task:
 def main(params: Params, scenarios: Path, models: Path, goals: Path, traffic: Path, table: Path, results: Path) -> None:
     """Draw, drive, and take the draws for the law whose rates are known."""
     params.make()  # to say what is wrong with them before anything takes long
-    files = shards(require(scenarios, "run the ingest stage"))
-    share = shared(params.scenes, [pq.read_metadata(file).num_rows for file in files])
-    tasks = [Task(file, count, models, goals, traffic, params) for file, count in zip(files, share, strict=True) if count]
+    tasks = [Task(*part, models, goals, traffic, params) for part in shares(scenarios, params.scenes)]
     found = Exposure.joined([part for _, part in spread(_exposed, tasks, params.workers, "rates")])
     write_json(results, found.rates(params.tested, params.trial, params.seed))
     write_table(table, _table(found, params.tested))
 
 
 def _exposed(task: Task) -> Exposure:
-    params, scenarios = task.params, read_shard(task.shard)
-    recorded = recorded_choices(scenarios, read_goals(require(task.goals / task.shard.name, "run the goals stage")), 1.0)
-    samples = read_samples(require(task.traffic / task.shard.name, "run the corner stage"))
-    rows = evenly(len(scenarios), task.scenes)
-    made_with = read_planner(task.models, params.planner), read_limits(task.models)
-    ground = sampled([recorded[r] for r in rows], [samples[r] for r in rows], 1, *made_with)
+    params = task.params
+    ground = Made.open(task.models, params.planner, task.goals, task.traffic).ground(task.shard, 1, task.scenes)
     drawn = draw_scenes(ground, params.draws, params.tries, params.seed)
     return Exposure.of(drawn, params.make(), params.draws, params.reaction)
 

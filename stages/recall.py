@@ -10,25 +10,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from drivegen.adversaries.shared.arena import Arena, Bounds
-from drivegen.adversaries.shared.ground import sampled
 from drivegen.adversaries.shared.recall import Recall
-from drivegen.checker.verdicts import read_limits
 from drivegen.core import plugins
 from drivegen.core.intervals import bootstrap_means, recording
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count, Index
-from drivegen.rollout.batch import recorded_choices
-from drivegen.rollout.models import read_planner
 from drivegen.store.files import write_json
-from drivegen.store.goals import read_goals
-from drivegen.store.lookup import evenly, shared
-from drivegen.store.samples import read_samples
-from drivegen.store.scenarios import read_shard, shards
-from stages._door import enter, require, spread
+from stages._door import enter, spread
+from stages._ground import Made, shares
 
 EVERY = "every_goal"
 """The method of the rows that say in how many scenarios there is something to be found."""
@@ -72,14 +64,8 @@ class Task:
 
 def main(params: Params, scenarios: Path, models: Path, goals: Path, traffic: Path, results: Path) -> None:
     """Every driver, shard by shard."""
-    files = shards(require(scenarios, "run the ingest stage"))
-    share = shared(params.scenes, [pq.read_metadata(file).num_rows for file in files])
-    tasks = [
-        Task(driver, file, count, models, goals, traffic, params)
-        for driver in params.drivers
-        for file, count in zip(files, share, strict=True)
-        if count
-    ]
+    share = shares(scenarios, params.scenes)
+    tasks = [Task(driver, *part, models, goals, traffic, params) for driver in params.drivers for part in share]
     parts: dict[str, list[Recall]] = {}
     for task, recall in spread(_searched, tasks, params.workers, "recall"):
         parts.setdefault(task.driver, []).append(recall)
@@ -87,12 +73,8 @@ def main(params: Params, scenarios: Path, models: Path, goals: Path, traffic: Pa
 
 
 def _searched(task: Task) -> Recall:
-    params, scenarios = task.params, read_shard(task.shard)
-    choices = recorded_choices(scenarios, read_goals(require(task.goals / task.shard.name, "run the goals stage")), 1.0)
-    samples = read_samples(require(task.traffic / task.shard.name, "run the corner stage"))
-    rows = evenly(len(scenarios), task.scenes)
-    made_with = read_planner(task.models, params.planner), read_limits(task.models)
-    ground = sampled([choices[r] for r in rows], [samples[r] for r in rows], 1, *made_with)
+    params = task.params
+    ground = Made.open(task.models, params.planner, task.goals, task.traffic).ground(task.shard, 1, task.scenes)
     bounds = Bounds(params.allowed, max(params.queries), params.reaction_steps)
     driver = plugins.make("drivers", task.driver, params.drivers, "recall.drivers")
     adversaries = {

@@ -14,7 +14,6 @@ from typing import Annotated, Any
 from drivegen.adversaries.shared.arena import Bounds
 from drivegen.adversaries.shared.findings import Findings
 from drivegen.adversaries.shared.repair import BEFORE, LONGER, REPAIRED, Half, attacked, found_cases, halved, repair_rows
-from drivegen.checker.verdicts import read_limits
 from drivegen.core import plugins
 from drivegen.core.samples import Samples
 from drivegen.core.settings import Count, Index, Within
@@ -23,16 +22,13 @@ from drivegen.drivers.shared.conditions import Traffic
 from drivegen.drivers.shared.lessons import Lessons
 from drivegen.drivers.shared.policy import Policy
 from drivegen.drivers.shared.tuning import How, Say, Tuner, exemplary, mixed
-from drivegen.rollout.batch import recorded_choices
-from drivegen.rollout.models import read_planner
 from drivegen.rollout.scene import Choices
 from drivegen.store.files import write_json
-from drivegen.store.goals import read_goals
 from drivegen.store.lookup import logs_below
-from drivegen.store.samples import read_samples
-from drivegen.store.scenarios import read_shard, shards
+from drivegen.store.scenarios import shards
 from drivegen.world.reactive import Reaction
 from stages._door import enter, require
+from stages._ground import Made
 
 
 @dataclass(frozen=True)
@@ -104,12 +100,12 @@ class _Pupil:
 
 
 def _halved(params: Params, split: Path, models: Path, goals: Path, traffic: Path) -> list[Half]:
-    planner, limits = read_planner(models, params.planner), read_limits(models)
+    made = Made.open(models, params.planner, goals, traffic)
     choices, samples = list[Choices](), list[Samples]()
     for shard in shards(require(split, "run the ingest stage")):
-        choices += recorded_choices(read_shard(shard), read_goals(require(goals / shard.name, "run the goals stage")), 1.0)
-        samples += read_samples(require(traffic / shard.name, "run the corner stage"))
-    return halved(choices, samples, params.samples, planner, limits, params.seed)
+        choices += made.choices(shard)
+        samples += made.samples(shard)
+    return halved(choices, samples, params.samples, made.planner, made.limits, params.seed)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Scenario initialisation (paper, section III-A): a map and a table of vehicles in, new scenarios without a log out."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,6 +69,15 @@ class Initialiser:
         wishes = besetting(count) if beset else ()
         scenario, placement = self.begin(f"{self._name}-{number:04d}", self.drawn_rows(count, random), time, random, wishes)
         return scenario, placement.rejected
+
+    def scenarios(self, count: int, seed: int, beset: bool = False) -> Iterator[Scenario]:
+        """Those of the first `count` numbers for whose target there is room."""
+        for number in range(count):
+            try:
+                yield self.scenario(number, seed, beset)[0]
+            except UnusableInput as error:
+                if error.reason != "no-place":
+                    raise
 
     @property
     def within_reach(self) -> float:

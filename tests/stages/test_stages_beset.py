@@ -6,6 +6,7 @@ from pathlib import Path
 import orjson
 import pytest
 
+from drivegen.adversaries.shared.besetting import METRICS, PLACED
 from drivegen.core.errors import MissingTool
 from drivegen.gym.folders import read_traffic
 from drivegen.layouts.compile import compile_map
@@ -55,8 +56,8 @@ def run(root: Path, out: Path, maps: str = "maps") -> None:
 def test_every_driver_adversary_and_way_of_placing_has_its_shares(made):
     rows = orjson.loads((made / publish_corner.BESET).read_bytes())
     keys = {(row["placed"], row["method"], row["metric"]) for row in rows}
-    metrics = (*beset.METRICS, "kinds")
-    assert keys == {(p, m, x) for p in beset.PLACED for m in ("untouched", "drivegen_cs") for x in metrics}
+    metrics = (*METRICS, "kinds")
+    assert keys == {(p, m, x) for p in PLACED for m in ("untouched", "drivegen_cs") for x in metrics}
     assert {row["n"] for row in rows} == {1}
     assert all(row["low"] is None for row in rows)  # one map says nothing of others
     assert all(0 <= row["value"] <= 1 for row in rows if row["metric"] == "counted")

@@ -49,7 +49,7 @@ def test_recall_is_a_share_of_what_is_there_and_more_runs_find_no_less(rows):
     assert there > 0
     assert set(found) == {(method, q) for method in ("drivegen_cs", "cat", "random") for q in QUERIES}
     for key, share in found.items():
-        assert counted[key] >= pytest.approx(share * there)
+        assert counted[key] >= share * there - 1e-9
         assert values(rows, "avoidable")[key] <= counted[key]
     assert counted["random", 4] == pytest.approx(found["random", 4] * there)  # who varies no goal finds nothing beyond them
     for method in ("drivegen_cs", "cat", "random"):

@@ -1,4 +1,4 @@
-"""Grounds to attack on: generated samples without whoever stayed illegal in them, or logged traffic."""
+"""Grounds to attack on: generated samples without whoever stayed illegal in them, logged traffic, or traffic generated now."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,9 +8,10 @@ import numpy as np
 from drivegen.adversaries.shared.arena import Ground
 from drivegen.checker.limits import Limits
 from drivegen.core.samples import Samples
-from drivegen.core.scenario import TARGET, Trajectories
+from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.planners.base import Planner
-from drivegen.rollout.scene import Choices
+from drivegen.rollout.batch import roll_out
+from drivegen.rollout.scene import Choices, RolloutSettings
 
 
 def sampled(choices: Sequence[Choices], samples: Sequence[Samples], scenes: int, planner: Planner, limits: Limits) -> Ground:
@@ -26,9 +27,25 @@ def logged(choices: Sequence[Choices], planner: Planner, limits: Limits) -> Grou
     return Ground(kept, np.arange(len(kept)), [c.scenario.log for c in kept if c.scenario.log is not None], planner, limits)
 
 
+def generated(choices: Sequence[Choices], planner: Planner, limits: Limits, rollout: RolloutSettings, seed: int) -> Ground:
+    """One scene of traffic for each, those apart in which nothing legal was found for the target."""
+    futures = roll_out(choices, planner, limits, rollout, 1, seed, "drivegen") if choices else []
+    kept = [n for n, future in enumerate(futures) if not future.dropped[0, TARGET]]
+    return sampled([choices[n] for n in kept], [futures[n] for n in kept], 1, planner, limits)
+
+
 def legal(samples: Samples, k: int) -> Trajectories:
     """Motion (N, T) of sample k, nobody in it but the target and those who are legal."""
     out = samples.violation[k] != 0
     out[TARGET] = False
     motion = samples.motion[k]
     return replace(motion, valid=motion.valid & ~out[:, None])
+
+
+def as_logs(ground: Ground) -> list[Scenario]:
+    """Each of its scenes with its traffic as the log, and without whoever is not in it."""
+    scenes = []
+    for scenario, traffic in zip(ground.scenarios, ground.traffic, strict=True):
+        there = np.flatnonzero(traffic.valid[:, 0])
+        scenes.append(replace(scenario, vehicles=scenario.vehicles[there], log=traffic[there]))
+    return scenes
