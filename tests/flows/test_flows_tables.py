@@ -7,9 +7,10 @@ import pytest
 import yaml
 
 from drivegen.core.settings import read_section
-from flows.rooms import FRONT, MEASURED, PARTS, rooms
+from flows.rooms import BY_SEED, CORNER, FRONT, MEASURED, PARTS, rooms
 from flows.tables import nearest
 from flows.workspace import overridden
+from stages import publish_corner
 
 PUBLISH = {
     "seeds": [7, 8],
@@ -69,6 +70,11 @@ def test_what_the_runs_of_a_part_replace_is_in_params_yaml(part: str, real: bool
     for room in runs:
         replaced = overridden(values, room.params)  # raises KeyError for a name that is not there
         assert {name: valued(replaced, name) for name in room.params} == room.params
+
+
+def test_every_piece_of_the_corner_tables_is_measured() -> None:
+    single = {piece.stem for piece in (publish_corner.SCORE, publish_corner.REPAIRED, *publish_corner.PIECES)}
+    assert single <= set(BY_SEED[CORNER])
 
 
 def valued(values: Any, name: str) -> Any:
