@@ -18,7 +18,7 @@ from drivegen.report.published_corner import Attacks, Costs, corner_rows, over_s
 from drivegen.report.published_files import write_part
 from drivegen.report.published_mutation import mutation_rows, mutation_table
 from drivegen.report.published_naturalness import naturalness_table
-from drivegen.report.published_recall import recall_table
+from drivegen.report.published_recall import ablation_table, recall_table
 from drivegen.report.published_repair import repair_tables
 from drivegen.report.published_transfer import transfer_table
 from drivegen.report.sections.attack import cost_table, outcome_table, proposer_tables
@@ -33,8 +33,13 @@ TRANSFERRED = Path("reports/pieces/transfer.json")
 NATURAL = Path("reports/pieces/naturalness.json")
 FOUND = Path("reports/pieces/recall.json")
 BESET = Path("reports/pieces/beset.json")
-PIECES = {FOUND: recall_table, BESET: beset_table, TRANSFERRED: transfer_table, NATURAL: naturalness_table}
-"""Files of rows that every run has measured or none, and the table of each."""
+PIECES = {
+    FOUND: (recall_table, ablation_table),
+    BESET: (beset_table,),
+    TRANSFERRED: (transfer_table,),
+    NATURAL: (naturalness_table,),
+}
+"""Files of rows that every run has measured or none, and the tables of each."""
 
 REPAIRED = Path("reports/pieces/repair")
 
@@ -66,11 +71,11 @@ def main(params: Params, runs: Path, published: Path) -> None:
     if scores := _of_all(roots, SCORE):
         write_json(published / "mutation_score.json", list(mutation_rows(DATA, scores)))
         tables.append(mutation_table(scores[0]))
-    for piece, table in PIECES.items():
+    for piece, tables_of in PIECES.items():
         if of_runs := _of_all(roots, piece):
             means = list(over_seeds(DATA, of_runs))
             write_json(published / piece.name, means)
-            tables.append(table(means))
+            tables += [table(means) for table in tables_of]
     repaired = {file.stem: _of_all(roots, REPAIRED / file.name) for file in sorted((roots[0] / REPAIRED).glob("*.json"))}
     means_of = {driver: list(over_seeds(DATA, of_runs)) for driver, of_runs in repaired.items() if of_runs}
     if means_of:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.adversaries.base import Adversary
 from drivegen.adversaries.shared.arena import Arena, Bounds
 from drivegen.adversaries.shared.recall import Recall
 from drivegen.core import plugins
@@ -19,11 +20,11 @@ from drivegen.core.intervals import bootstrap_means, recording
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count, Index
 from drivegen.store.files import write_json
-from stages._door import enter, spread
+from stages._door import build, enter, spread
 from stages._ground import Made, shares
 
-EVERY = "every_goal"
-"""The method of the rows that say in how many scenarios there is something to be found."""
+EVERY, VARIED = "every_goal", "drivegen_cs"
+"""The method of the rows that say in how many scenarios there is something to be found; the adversary that has variants."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class Params:
         planner: fills in motion. scenes: of all shards, one of each scenario. motions: towards each goal, of what there is.
         allowed: of `adversaries.shared.rules.RULES`. queries: runs after which it is counted what has been found.
         reaction_steps: others avoid the target's plan for so many steps. draws: bootstrap draws behind intervals.
+        variants: settings of DriveGen-CS, each with something left out or added, by what that is.
     """
 
     seed: int
@@ -46,7 +48,18 @@ class Params:
     reaction_steps: Index
     drivers: dict[str, dict[str, Any]]
     adversaries: dict[str, dict[str, Any]]
+    variants: dict[str, dict[str, Any]]
     draws: Count
+
+    def searching(self) -> dict[str, Adversary]:
+        """All that search, a variant by `drivegen_cs.<name>`."""
+        place, own = "recall.adversaries", plugins.load("adversaries", VARIED)
+        made: dict[str, Adversary] = {
+            name: plugins.make("adversaries", name, self.adversaries, place) for name in self.adversaries
+        }
+        for name, settings in self.variants.items():
+            made[f"{VARIED}.{name}"] = own(build(own.settings_type, settings, f"params.yaml: recall.variants.{name}"))
+        return made
 
 
 @dataclass(frozen=True)
@@ -77,10 +90,7 @@ def _searched(task: Task) -> Recall:
     ground = Made.open(task.models, params.planner, task.goals, task.traffic).ground(task.shard, 1, task.scenes)
     bounds = Bounds(params.allowed, max(params.queries), params.reaction_steps)
     driver = plugins.make("drivers", task.driver, params.drivers, "recall.drivers")
-    adversaries = {
-        name: plugins.make("adversaries", name, params.adversaries, "recall.adversaries") for name in params.adversaries
-    }
-    return Recall.of(Arena(driver, ground, bounds, params.seed), adversaries, params.motions)
+    return Recall.of(Arena(driver, ground, bounds, params.seed), params.searching(), params.motions)
 
 
 def _rows(recall: Recall, params: Params) -> Iterator[dict[str, Any]]:
