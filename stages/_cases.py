@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from drivegen.adversaries.shared.legal import legal
 from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario, Trajectories
@@ -11,7 +12,7 @@ from drivegen.store.scenarios import shards
 from stages._door import require
 
 Traffic = dict[str, tuple[Scenario, Trajectories]]
-"""By the id of a scenario: it, and the first of its generated scenes."""
+"""By the id of a scenario: it, and the first of its generated scenes as attackers see it."""
 
 
 def read_traffic(scenarios: Path, traffic: Path) -> Traffic:
@@ -19,7 +20,7 @@ def read_traffic(scenarios: Path, traffic: Path) -> Traffic:
     as_it_is: Traffic = {}
     for shard in shards(require(scenarios, "run the ingest stage")):
         futures = futures_in(require(traffic / shard.name, "run the corner stage"), scenarios)
-        as_it_is |= {scenario.scenario_id: (scenario, samples.motion[0]) for scenario, samples in futures}
+        as_it_is |= {scenario.scenario_id: (scenario, legal(samples, 0)) for scenario, samples in futures}
     return as_it_is
 
 

@@ -15,7 +15,7 @@ from drivegen.adversaries.shared.besetting import PLACED, Attack, besetting_rows
 from drivegen.adversaries.shared.findings import Findings
 from drivegen.adversaries.shared.ground import as_logs, generated
 from drivegen.core import plugins
-from drivegen.core.errors import MissingTool
+from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.scenario import Scenario
 from drivegen.core.settings import Count, Index
 from drivegen.generators.base import Settings as GeneratorSettings
@@ -55,6 +55,10 @@ class Params:
     drivers: dict[str, dict[str, Any]]
     adversaries: dict[str, dict[str, Any]]
     draws: Count
+
+    def __post_init__(self) -> None:
+        if not self.drivers:
+            raise UnusableInput("params.yaml: beset.drivers: name at least one")
 
 
 @dataclass(frozen=True)

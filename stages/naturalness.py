@@ -36,6 +36,11 @@ class Params:
     drivers: list[str]
     draws: Count
 
+    def __post_init__(self) -> None:
+        for attack in self.attacks:
+            if attack.count(".") != 2:
+                raise UnusableInput(f"params.yaml: naturalness.attacks: {attack!r} is no <method>.<allowed>.<queries>")
+
 
 def main(params: Params, scenarios: Path, models: Path, traffic: Path, cases: Path, results: Path) -> None:
     """Every attack on every driver."""

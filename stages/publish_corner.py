@@ -2,7 +2,7 @@
 
 argv: folder of runs (one a seed, each a workspace), the folder of published tables (gets corner_cases.json, a table of outcomes
 and one of costs for each driver; where all runs have them, beset.json, mutation_score.json, naturalness.json, recall.json,
-repair.json and transfer.json with their tables; the index corner.md, provenance-corner.json).
+repair.json, survival.json and transfer.json with their tables; the index corner.md, provenance-corner.json).
 """
 
 from dataclasses import dataclass
@@ -20,6 +20,7 @@ from drivegen.report.published_mutation import mutation_rows, mutation_table
 from drivegen.report.published_naturalness import naturalness_table
 from drivegen.report.published_recall import ablation_table, recall_table
 from drivegen.report.published_repair import repair_tables
+from drivegen.report.published_survival import survival_table
 from drivegen.report.published_transfer import transfer_table
 from drivegen.report.sections.attack import cost_table, outcome_table, proposer_tables
 from drivegen.report.table import Table
@@ -32,12 +33,14 @@ SCORE = Path("reports/pieces/mutation_score.json")
 TRANSFERRED = Path("reports/pieces/transfer.json")
 NATURAL = Path("reports/pieces/naturalness.json")
 FOUND = Path("reports/pieces/recall.json")
+HELD = Path("reports/pieces/survival.json")
 BESET = Path("reports/pieces/beset.json")
 PIECES = {
     FOUND: (recall_table, ablation_table),
     BESET: (beset_table,),
     TRANSFERRED: (transfer_table,),
     NATURAL: (naturalness_table,),
+    HELD: (survival_table,),
 }
 """Files of rows that every run has measured or none, and the tables of each."""
 
@@ -72,8 +75,7 @@ def main(params: Params, runs: Path, published: Path) -> None:
         write_json(published / "mutation_score.json", list(mutation_rows(DATA, scores)))
         tables.append(mutation_table(scores[0]))
     for piece, tables_of in PIECES.items():
-        if of_runs := _of_all(roots, piece):
-            means = list(over_seeds(DATA, of_runs))
+        if (of_runs := _of_all(roots, piece)) and (means := list(over_seeds(DATA, of_runs))):
             write_json(published / piece.name, means)
             tables += [table(means) for table in tables_of]
     repaired = {file.stem: _of_all(roots, REPAIRED / file.name) for file in sorted((roots[0] / REPAIRED).glob("*.json"))}

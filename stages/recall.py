@@ -14,17 +14,15 @@ from numpy.typing import NDArray
 
 from drivegen.adversaries.base import Adversary
 from drivegen.adversaries.shared.arena import Arena, Bounds
-from drivegen.adversaries.shared.recall import Recall
+from drivegen.adversaries.shared.recall import EVERY, VARIED, Recall
 from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import bootstrap_means, recording
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count, Index
 from drivegen.store.files import write_json
 from stages._door import build, enter, spread
 from stages._ground import Made, shares
-
-EVERY, VARIED = "every_goal", "drivegen_cs"
-"""The method of the rows that say in how many scenarios there is something to be found; the adversary that has variants."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +48,10 @@ class Params:
     adversaries: dict[str, dict[str, Any]]
     variants: dict[str, dict[str, Any]]
     draws: Count
+
+    def __post_init__(self) -> None:
+        if not self.queries:
+            raise UnusableInput("params.yaml: recall.queries: name at least one number of runs")
 
     def searching(self) -> dict[str, Adversary]:
         """All that search, a variant by `drivegen_cs.<name>`."""

@@ -26,7 +26,7 @@ ABOUT = About(
     traffic="generated",
     varies="motions",
     source="Wang and others, AdvSim, CVPR 2021",
-    proposer="cross-entropy, one attacker, as AdvSim has it",
+    proposer="cross-entropy, one attacker, instead of AdvSim's search",
     stand_in="its perturbations, with cross-entropy in the place of Bayesian optimisation",
 )
 

@@ -43,7 +43,7 @@ class Settings:
     Attributes:
         draws: motions towards each goal, or perturbed tracks in its place. variation: of the goals that rank best.
         per_scene: runs for which one more scene is attacked.
-        rounds: in which the budget is spent; after each one more is known.
+        learn_after: so many runs in each scenario what they teach is put to use.
         caution: [m/s] the gap that a second of warning is worth; 0 looks at gaps alone.
         behind: [m] the gap that coming up from behind is worth: its own duty.
         again: [m] the gap that each earlier candidate of the same vehicle is worth: who has failed to fail once will again.
@@ -54,7 +54,7 @@ class Settings:
     draws: Count
     variation: Variation
     per_scene: Count
-    rounds: Count
+    learn_after: Count
     caution: NotNegative
     behind: NotNegative
     again: NotNegative
@@ -85,11 +85,12 @@ class Plugin:
         cost = self._cost(arena, pool, driven)
         met = _encounters(arena, pool, driven)
         knowledge, tried = Knowledge.none(settings.strength), np.zeros(len(pool), np.bool_)
-        for turn in range(settings.rounds):
+        while True:
             danger = settings.weight * np.log(knowledge.probability()[met.speed_bin, met.direction, met.behaviour])
             order = _in_turn(cost - danger, pool, tried, settings.again)
-            most = -(-int(arena.left.max(initial=0)) // (settings.rounds - turn))
-            rows, outcome = pool.drive(arena, order, most)
+            rows, outcome = pool.drive(arena, order, settings.learn_after)
+            if not len(rows):
+                return
             tried[rows] = True
             mine = outcome.partner == pool.vehicle[rows]
             knowledge = knowledge.with_outcomes(_some(met, rows), outcome.counted & mine, np.inf)

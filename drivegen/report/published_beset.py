@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from drivegen.core import plugins
+from drivegen.report.sections.attack import OURS
 from drivegen.report.table import Table, estimate, row
 
 NAME = "beset"
@@ -17,7 +18,7 @@ def beset_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     for key in sorted({key[:3] for key in of}):
         driver, method, placed = key
         cells = [estimate(of.get((*key, metric)), 0 if metric == "kinds" else 3) for metric in COLUMNS]
-        origin = "ours" if method == "drivegen_cs" else "rival"
+        origin = "ours" if method == OURS else "rival"
         lines.append(row(driver, plugins.about("adversaries", method)["title"], placed, *cells, origin=origin))
     counts = {line["placed"]: line["n"] for line in rows}
     return Table(

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from drivegen.core import plugins
+from drivegen.report.sections.attack import OURS
 from drivegen.report.table import Table, estimate, row
 
 NAME = "naturalness"
@@ -17,7 +18,7 @@ def naturalness_table(rows: Sequence[Mapping[str, Any]]) -> Table:
         method, allowed, driver = key
         title = plugins.about("adversaries", method)["title"]
         cells = [estimate(of[*key, metric], 2) for metric in ("attack", "before", "less")]
-        origin = "ours" if method == "drivegen_cs" else "rival"
+        origin = "ours" if method == OURS else "rival"
         lines.append(row(title, allowed, driver, str(of[*key, "attack"]["n"]), *cells, origin=origin))
     return Table(
         NAME,

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from drivegen.core import plugins
+from drivegen.report.sections.attack import OURS
 from drivegen.report.table import Cell, Table, estimate, row
 
 NAME = "transfer"
@@ -25,7 +26,7 @@ def transfer_table(rows: Sequence[Mapping[str, Any]]) -> Table:
             _cell(of[method, found_for, driver, "counted"], of[method, found_for, driver, "untouched"]) for driver in drivers
         ]
         count = str(of[method, found_for, drivers[0], "counted"]["n"])
-        lines.append(row(title, found_for, count, *cells, origin="ours" if method == "drivegen_cs" else "rival"))
+        lines.append(row(title, found_for, count, *cells, origin="ours" if method == OURS else "rival"))
     return Table(
         NAME,
         "Cases found for one driver, driven by others: share with a counted collision",

@@ -7,7 +7,7 @@ import pytest
 
 from drivegen.adversaries.base import TRAFFIC, VARIES, About
 from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
-from drivegen.adversaries.shared.ground import legal
+from drivegen.adversaries.shared.legal import legal
 from drivegen.adversaries.shared.rules import RULES
 from drivegen.checker.scene import check_samples
 from drivegen.core import plugins

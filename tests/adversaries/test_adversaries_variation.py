@@ -60,6 +60,18 @@ def test_without_spread_only_the_planners_noise_differs_and_with_it_ends_do(aren
     assert ends(NEAR).std() > 1
 
 
+def test_several_motions_towards_a_goal_are_one_goal_and_every_variation_starts_where_its_vehicle_stands(arena):
+    once = varied(arena, Variation(3, 5, NEAR))
+    pool = exchanged_goals(arena, 2, np.arange(2))
+    first = [np.flatnonzero((pool.scene == s) & (pool.vehicle == n) & (pool.goal == g))[0]
+             for s, n, g in zip(once[0].scene, once[0].vehicle, once[0].goal, strict=True)]  # fmt: skip
+    whole = with_variations(arena, pool, np.array([*first, *np.setdiff1d(np.arange(len(pool)), first)]), Variation(3, 5, NEAR))
+    here, there = slice(len(once[0]), None), slice(len(pool), None)
+    np.testing.assert_array_equal(whole.motion.position[there], once[1].motion.position[here])
+    start = np.array([arena.trials.scenarios[s].vehicles.position[n] for s, n in zip(whole.scene, whole.vehicle, strict=True)])
+    assert np.hypot(*(whole.motion.position[:, 0] - start).T).max() < 1e-3
+
+
 def test_nothing_is_varied_where_none_is_asked_for_or_nothing_has_a_goal(arena):
     pool, whole = varied(arena, Variation(0, 5, NEAR))
     assert whole is pool

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from drivegen.adversaries.shared.arena import Ground
+from drivegen.adversaries.shared.legal import legal
 from drivegen.checker.limits import Limits
 from drivegen.core.samples import Samples
-from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.core.scenario import TARGET, Scenario
 from drivegen.planners.base import Planner
 from drivegen.rollout.batch import roll_out
 from drivegen.rollout.scene import Choices, RolloutSettings
@@ -32,14 +33,6 @@ def generated(choices: Sequence[Choices], planner: Planner, limits: Limits, roll
     futures = roll_out(choices, planner, limits, rollout, 1, seed, "drivegen") if choices else []
     kept = [n for n, future in enumerate(futures) if not future.dropped[0, TARGET]]
     return sampled([choices[n] for n in kept], [futures[n] for n in kept], 1, planner, limits)
-
-
-def legal(samples: Samples, k: int) -> Trajectories:
-    """Motion (N, T) of sample k, nobody in it but the target and those who are legal."""
-    out = samples.violation[k] != 0
-    out[TARGET] = False
-    motion = samples.motion[k]
-    return replace(motion, valid=motion.valid & ~out[:, None])
 
 
 def as_logs(ground: Ground) -> list[Scenario]:

@@ -30,12 +30,13 @@ def naturalness(
 ) -> NDArray[np.float64]:
     """(S, 2) log likelihood of the exchanged vehicles, mean over them: as they move in `after` (S,) and did `before`.
 
-    In the unit of `judge`; NaN where nobody moves otherwise, or nobody who does is there long enough to be judged.
+    In the unit of `judge`; NaN where nobody moves otherwise, or nobody who does is there long enough, both times, to be judged.
     """
-    who = [exchanged(one, other) for one, other in zip(before, after, strict=True)]
     found = np.full((len(scenarios), 2), np.nan)
-    for column, traffic in enumerate((after, before)):
-        for s, odds in enumerate(judge.log_likelihood(scenarios, traffic)):
-            known = odds[who[s]][np.isfinite(odds[who[s]])]
-            found[s, column] = known.mean() if len(known) else np.nan
+    odds = zip(judge.log_likelihood(scenarios, after), judge.log_likelihood(scenarios, before), strict=True)
+    for s, both in enumerate(odds):
+        of_exchanged = np.column_stack(both)[exchanged(before[s], after[s])]
+        known = of_exchanged[np.isfinite(of_exchanged).all(1)]
+        if len(known):
+            found[s] = known.mean(0)
     return found

@@ -17,6 +17,9 @@ from drivegen.adversaries.shared.goals import exchanged_goals
 from drivegen.corner_cases.avoidance import Avoidable, judge
 from drivegen.corner_cases.trials import Variants
 
+EVERY, VARIED = "every_goal", "drivegen_cs"
+"""What is there to be found, as a method; and the adversary that searches in several variants, `drivegen_cs.<variant>`."""
+
 CHUNK = 8192
 """Goals that are driven together: motion of a hundred thousand takes gigabytes."""
 

@@ -30,17 +30,20 @@ class Variation:
 def with_variations(arena: Arena, pool: Candidates, order: NDArray[np.integer], variation: Variation) -> Candidates:
     """The pool and behind it, of the first candidates of each scene in `order`, all variations that the arena allows.
 
-    Variations have the natural odds of the goal that they are near. Candidates that are no goals are not varied.
+    Variations have the natural odds of the goal that they are varied from. Candidates that are no goals are not varied.
     """
     order = order[pool.goal[order] >= 0]
+    goals = np.column_stack([pool.scene, pool.vehicle, pool.goal])[order]
+    order = order[np.sort(np.unique(goals, axis=0, return_index=True)[1])]  # several motions towards a goal are one goal
     best = order[numbered(pool.scene[order]) < variation.best]
     if not len(best):
         return pool
     ground = arena.ground
-    rows = np.repeat(np.sort(best), variation.times)
+    best = best[np.lexsort((best, pool.scene[best]))]
+    rows = np.repeat(best, variation.times)
     number, zero = np.tile(np.arange(variation.times), len(best)), np.zeros(len(rows), np.int64)
     digits = np.column_stack([number, pool.vehicle[rows], pool.goal[rows], zero])
-    scenario = ground.of[pool.scene[rows]]  # rises, as scenes do
+    scenario = ground.of[pool.scene[rows]]  # rises, as scenes do: motion comes scenario by scenario
     of_scenario = [digits[scenario == c] for c in range(len(ground.choices))]
     seed = seeds.derive(arena.seed, "variations")
     planned = plan_near_goals(ground.choices, of_scenario, variation.spread, ground.planner, seed)

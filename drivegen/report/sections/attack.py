@@ -31,8 +31,8 @@ NOTES = (
     "Where a scenario has several generated scenes (`attack.samples`) these share its runs: DriveGen-CS and CAT take one more "
     "for every so many runs (`per_scene`), random goals are drawn from all, AdvSim and DiffScene spend all on the first, and "
     "on one vehicle in it.",
-    "The numbers of DriveGen-CS, CAT, AdvSim and DiffScene were chosen on training and validation scenes of the same corpus "
-    "(LOG.md), those of DriveGen-CS among more than theirs.",
+    "The numbers of DriveGen-CS, CAT and AdvSim were chosen on training and validation scenes of the same corpus (LOG.md), those "
+    "of DriveGen-CS among more than theirs; DiffScene's were not.",
 )
 
 
@@ -82,8 +82,10 @@ def proposer_tables(driver: str, attacks: Mapping[str, dict[str, Any]]) -> list[
     heads = ("", "runs a scene", *(f"{varies}, {allowed}" for varies, allowed in columns))
     note = (
         "Share of scenes with a counted collision. Goals are planned by DriveGen; motions are the same tracks with other "
-        "accelerations and curvatures, as many for each vehicle as it has goals. Physical asks for what bodies can do and for no "
-        "collision between others, legal for every rule of the checker."
+        "accelerations and curvatures. What each chooses from differs: chance from as many as there are goals, of either kind; "
+        "who ranks goals from these and variations of the best (`variation`); who ranks motions from several for each goal "
+        "(`draws`); cross-entropy from so many for each run (`tries`), of one vehicle. Physical asks for what bodies can do and "
+        "for no collision between others, legal for every rule of the checker."
     )
     title = f"Who proposes, what varies, what is allowed: collisions of {driver}"
     return [Table(f"attack-{driver}-proposers", title, heads, tuple(lines), (note,))]
