@@ -92,6 +92,7 @@ EDITS = {
             "drive_tuned",
             "gate",
             "transfer",
+            "survival",
             "naturalness",
         },
     ),
