@@ -1,7 +1,6 @@
 """Candidates that are motions: tracks of social vehicles with other accelerations and curvatures, judged in each scene.
 
-A vehicle that is there throughout has as many of them as it has goals, so that who chooses from motions and who chooses from
-goals choose from about as much.
+A vehicle that is there throughout has so many of them for each of its goals; others have none.
 """
 
 from dataclasses import dataclass
