@@ -8,7 +8,6 @@ every vehicle. Each run adds one of the driver's motions; what was driven is not
 """
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,32 +39,40 @@ APART = 1e-6
 
 
 @dataclass(frozen=True)
-class Settings:
+class Choosing:
     """How it chooses.
 
     Attributes:
-        draws: motions towards each goal, or perturbed tracks in its place. variation: of the goals that are worth most at first.
+        draws: motions towards each goal, or perturbed tracks in its place.
         per_scene: runs for which one more scene is attacked.
         last: motions of the driver that are looked at.
     """
 
     draws: Count
-    variation: Variation
     per_scene: Count
     last: Count
 
 
-class Plugin:
-    """See the module."""
+@dataclass(frozen=True)
+class Settings(Choosing):
+    """`variation`: of the goals that are worth most at first."""
 
-    settings_type: ClassVar[type] = Settings
+    variation: Variation
 
-    def __init__(self, settings: Settings) -> None:
+
+class Chooser:
+    """Chooses by odds and overlap; goals, unless `candidates` and `varied` say otherwise."""
+
+    def __init__(self, settings: Choosing) -> None:
         self.settings = settings
 
     def candidates(self, arena: Arena, scenes: NDArray[np.int64]) -> Candidates:
         """What may be exchanged in `scenes`."""
         return exchanged_goals(arena, self.settings.draws, scenes)
+
+    def varied(self, arena: Arena, pool: Candidates, order: NDArray[np.int64]) -> Candidates:  # noqa: ARG002
+        """The pool and what is added to it near the first in `order`: nothing."""
+        return pool
 
     def attack(self, arena: Arena) -> None:
         """See `base.Adversary`."""
@@ -74,7 +81,7 @@ class Plugin:
         motion = arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion
         pool = self.candidates(arena, scenes)
         worth = _overlap(arena, pool, everywhere(motion, scenes, len(ground.of))) * _odds(pool)
-        pool = with_variations(arena, pool, np.argsort(-worth, kind="stable"), self.settings.variation)
+        pool = self.varied(arena, pool, np.argsort(-worth, kind="stable"))
         overlaps, odds = np.zeros((self.settings.last, len(pool))), _odds(pool)
         turn, tried = 0, np.zeros(len(pool), np.bool_)
         while True:
@@ -86,6 +93,20 @@ class Plugin:
             if not len(rows):
                 return
             tried[rows], scenes, motion, turn = True, pool.scene[rows], outcome.motion, turn + 1
+
+
+class Plugin(Chooser):
+    """See the module."""
+
+    settings_type = Settings
+
+    def __init__(self, settings: Settings) -> None:
+        super().__init__(settings)
+        self._variation = settings.variation
+
+    def varied(self, arena: Arena, pool: Candidates, order: NDArray[np.int64]) -> Candidates:
+        """The pool and variations of the best goals."""
+        return with_variations(arena, pool, order, self._variation)
 
 
 def _odds(pool: Candidates) -> NDArray[np.float32]:

@@ -25,13 +25,13 @@ ABOUT = About(
 
 
 @dataclass(frozen=True)
-class Settings(cat.Settings):
+class Settings(cat.Choosing):
     """`perturbation`: of the tracks that are chosen from."""
 
     perturbation: Perturbation
 
 
-class Plugin(cat.Plugin):
+class Plugin(cat.Chooser):
     """See the module."""
 
     settings_type = Settings
@@ -41,5 +41,5 @@ class Plugin(cat.Plugin):
         self._perturbation = settings.perturbation
 
     def candidates(self, arena: Arena, scenes: NDArray[np.int64]) -> Candidates:
-        """See `cat.Plugin`."""
+        """See `cat.Chooser`."""
         return exchanged_motions(arena, self._perturbation, self.settings.draws, scenes)

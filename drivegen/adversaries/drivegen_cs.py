@@ -10,7 +10,6 @@ collision: P(collision | encounter), with its denominators, ranks the rest.
 """
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,11 +36,11 @@ ABOUT = About(
 
 
 @dataclass(frozen=True)
-class Settings:
+class Ranking:
     """How candidates are ranked.
 
     Attributes:
-        draws: motions towards each goal, or perturbed tracks in its place. variation: of the goals that rank best.
+        draws: motions towards each goal, or perturbed tracks in its place.
         per_scene: runs for which one more scene is attacked.
         learn_after: so many runs in each scenario what they teach is put to use.
         caution: [m/s] the gap that a second of warning is worth; 0 looks at gaps alone.
@@ -52,7 +51,6 @@ class Settings:
     """
 
     draws: Count
-    variation: Variation
     per_scene: Count
     learn_after: Count
     caution: NotNegative
@@ -62,17 +60,26 @@ class Settings:
     strength: Positive
 
 
-class Plugin:
-    """See the module."""
+@dataclass(frozen=True)
+class Settings(Ranking):
+    """`variation`: of the goals that rank best."""
 
-    settings_type: ClassVar[type] = Settings
+    variation: Variation
 
-    def __init__(self, settings: Settings) -> None:
+
+class Ranked:
+    """Ranks candidates and drives the best; goals, unless `candidates` and `varied` say otherwise."""
+
+    def __init__(self, settings: Ranking) -> None:
         self.settings = settings
 
     def candidates(self, arena: Arena, scenes: NDArray[np.int64]) -> Candidates:
         """What may be exchanged in `scenes`."""
         return exchanged_goals(arena, self.settings.draws, scenes)
+
+    def varied(self, arena: Arena, pool: Candidates, order: NDArray[np.int64]) -> Candidates:  # noqa: ARG002
+        """The pool and what is added to it near the first in `order`: nothing."""
+        return pool
 
     def attack(self, arena: Arena) -> None:
         """See `base.Adversary`."""
@@ -81,7 +88,7 @@ class Plugin:
         driven = everywhere(arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion, scenes, len(ground.of))
         pool = self.candidates(arena, scenes)
         first = _in_turn(self._cost(arena, pool, driven), pool, np.zeros(len(pool), np.bool_), settings.again)
-        pool = with_variations(arena, pool, first, settings.variation)
+        pool = self.varied(arena, pool, first)
         cost = self._cost(arena, pool, driven)
         met = _encounters(arena, pool, driven)
         knowledge, tried = Knowledge.none(settings.strength), np.zeros(len(pool), np.bool_)
@@ -99,6 +106,20 @@ class Plugin:
         """(Q,) [m] of each candidate; the least is the most dangerous."""
         near = approaches(arena.trials, driven, pool.scene, pool.vehicle, pool.motion)
         return near.cost(self.settings.caution, self.settings.behind)
+
+
+class Plugin(Ranked):
+    """See the module."""
+
+    settings_type = Settings
+
+    def __init__(self, settings: Settings) -> None:
+        super().__init__(settings)
+        self._variation = settings.variation
+
+    def varied(self, arena: Arena, pool: Candidates, order: NDArray[np.int64]) -> Candidates:
+        """The pool and variations of the best goals."""
+        return with_variations(arena, pool, order, self._variation)
 
 
 def _encounters(arena: Arena, pool: Candidates, driven: Trajectories) -> Encounters:

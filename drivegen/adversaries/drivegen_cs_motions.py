@@ -21,13 +21,13 @@ ABOUT = About(
 
 
 @dataclass(frozen=True)
-class Settings(drivegen_cs.Settings):
+class Settings(drivegen_cs.Ranking):
     """`perturbation`: of the tracks that are ranked."""
 
     perturbation: Perturbation
 
 
-class Plugin(drivegen_cs.Plugin):
+class Plugin(drivegen_cs.Ranked):
     """See the module."""
 
     settings_type = Settings
@@ -37,5 +37,5 @@ class Plugin(drivegen_cs.Plugin):
         self._perturbation = settings.perturbation
 
     def candidates(self, arena: Arena, scenes: NDArray[np.int64]) -> Candidates:
-        """See `drivegen_cs.Plugin`."""
+        """See `drivegen_cs.Ranked`."""
         return exchanged_motions(arena, self._perturbation, self.settings.draws, scenes)
