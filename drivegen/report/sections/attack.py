@@ -96,12 +96,18 @@ def cost_table(driver: str, attacks: Mapping[str, dict[str, Any]], costs: Mappin
     lines = []
     for key, values in attacks.items():
         took = dict(costs.get(f"attack/{driver}-{key}", {}))
+        if took:
+            took["per_1000"] = 1000 * took["cpu_seconds"] / values["scenarios"]
         if took.get("cases"):
-            took["per_1000"] = 1000 * took["cpu_seconds"] / took["cases"]
-        cells = (taken(took, "cases", 0), taken(took, "cpu_seconds"), taken(took, "per_1000", 0))
+            took["per_1000_counted"] = 1000 * took["cpu_seconds"] / took["cases"]
+        digits = {"cases": 0, "cpu_seconds": 1, "per_1000": 0, "per_1000_counted": 0}
+        cells = (taken(took, name, each) for name, each in digits.items())
         lines.append(row(values["title"], _allowed(values), number(values["budget"]), *cells))
-    heads = ("", "allowed", "runs a scene", "counted runs", "CPU s", "CPU s for 1000")
-    note = "Planning, checking, driving, and judging the handed-over cases are in it, reading the scenes is not."
+    heads = ("", "allowed", "runs a scene", "counted runs", "CPU s", "CPU s for 1000 cases", "for 1000 counted runs")
+    note = (
+        "A case is one scene handed over. Planning, checking, driving, and judging the handed-over cases are in it, reading the "
+        "scenes is not."
+    )
     return Table(
         f"attack-{driver}-costs", f"Table IV, extended. What cases of {driver} cost", heads, tuple(lines), (note,), False
     )
