@@ -16,8 +16,7 @@ from drivegen.adversaries.base import About
 from drivegen.adversaries.shared.approach import approaches
 from drivegen.adversaries.shared.arena import Arena, everywhere, share_out
 from drivegen.adversaries.shared.candidates import Candidates
-from drivegen.adversaries.shared.goals import exchanged_goals
-from drivegen.adversaries.shared.variation import Variation, with_variations
+from drivegen.adversaries.shared.sources import Goals, Source
 from drivegen.core.scenario import Trajectories
 from drivegen.core.settings import Count
 from drivegen.corner_cases.trials import Variants
@@ -43,45 +42,35 @@ class Choosing:
     """How it chooses.
 
     Attributes:
-        draws: motions towards each goal, or perturbed tracks in its place.
         per_scene: runs for which one more scene is attacked.
         last: motions of the driver that are looked at.
     """
 
-    draws: Count
     per_scene: Count
     last: Count
 
 
 @dataclass(frozen=True)
 class Settings(Choosing):
-    """`variation`: of the goals that are worth most at first."""
+    """`goals`: what is chosen from."""
 
-    variation: Variation
+    goals: Goals
 
 
 class Chooser:
-    """Chooses by odds and overlap; goals, unless `candidates` and `varied` say otherwise."""
+    """Chooses from a source by odds and overlap."""
 
-    def __init__(self, settings: Choosing) -> None:
-        self.settings = settings
-
-    def candidates(self, arena: Arena, scenes: NDArray[np.int64]) -> Candidates:
-        """What may be exchanged in `scenes`."""
-        return exchanged_goals(arena, self.settings.draws, scenes)
-
-    def varied(self, arena: Arena, pool: Candidates, order: NDArray[np.int64]) -> Candidates:  # noqa: ARG002
-        """The pool and what is added to it near the first in `order`: nothing."""
-        return pool
+    def __init__(self, settings: Choosing, source: Source) -> None:
+        self.settings, self.source = settings, source
 
     def attack(self, arena: Arena) -> None:
         """See `base.Adversary`."""
         ground = arena.ground
         scenes = share_out(ground.of, np.maximum(arena.left // self.settings.per_scene, 1))
         motion = arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion
-        pool = self.candidates(arena, scenes)
+        pool = self.source.candidates(arena, scenes)
         worth = _overlap(arena, pool, everywhere(motion, scenes, len(ground.of))) * _odds(pool)
-        pool = self.varied(arena, pool, np.argsort(-worth, kind="stable"))
+        pool = self.source.varied(arena, pool, np.argsort(-worth, kind="stable"))
         overlaps, odds = np.zeros((self.settings.last, len(pool))), _odds(pool)
         turn, tried = 0, np.zeros(len(pool), np.bool_)
         while True:
@@ -101,12 +90,7 @@ class Plugin(Chooser):
     settings_type = Settings
 
     def __init__(self, settings: Settings) -> None:
-        super().__init__(settings)
-        self._variation = settings.variation
-
-    def varied(self, arena: Arena, pool: Candidates, order: NDArray[np.int64]) -> Candidates:
-        """The pool and variations of the best goals."""
-        return with_variations(arena, pool, order, self._variation)
+        super().__init__(settings, settings.goals)
 
 
 def _odds(pool: Candidates) -> NDArray[np.float32]:

@@ -5,14 +5,9 @@ Perturbed tracks have no natural odds, so overlap alone decides.
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivegen.adversaries import cat
 from drivegen.adversaries.base import About
-from drivegen.adversaries.shared.arena import Arena
-from drivegen.adversaries.shared.candidates import Candidates
-from drivegen.adversaries.shared.motions import Perturbation, exchanged_motions
+from drivegen.adversaries.shared.sources import Motions
 
 ABOUT = About(
     title="CAT, motions",
@@ -26,9 +21,9 @@ ABOUT = About(
 
 @dataclass(frozen=True)
 class Settings(cat.Choosing):
-    """`perturbation`: of the tracks that are chosen from."""
+    """`motions`: what is chosen from."""
 
-    perturbation: Perturbation
+    motions: Motions
 
 
 class Plugin(cat.Chooser):
@@ -37,9 +32,4 @@ class Plugin(cat.Chooser):
     settings_type = Settings
 
     def __init__(self, settings: Settings) -> None:
-        super().__init__(settings)
-        self._perturbation = settings.perturbation
-
-    def candidates(self, arena: Arena, scenes: NDArray[np.int64]) -> Candidates:
-        """See `cat.Chooser`."""
-        return exchanged_motions(arena, self._perturbation, self.settings.draws, scenes)
+        super().__init__(settings, settings.motions)

@@ -18,8 +18,7 @@ from drivegen.adversaries.base import About
 from drivegen.adversaries.shared.approach import approaches
 from drivegen.adversaries.shared.arena import Arena, everywhere, share_out
 from drivegen.adversaries.shared.candidates import Candidates
-from drivegen.adversaries.shared.goals import exchanged_goals
-from drivegen.adversaries.shared.variation import Variation, with_variations
+from drivegen.adversaries.shared.sources import Goals, Source
 from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.core.settings import Count, NotNegative, Positive
 from drivegen.corner_cases.encounters import Encounters, encounters
@@ -40,7 +39,6 @@ class Ranking:
     """How candidates are ranked.
 
     Attributes:
-        draws: motions towards each goal, or perturbed tracks in its place.
         per_scene: runs for which one more scene is attacked.
         learn_after: so many runs in each scenario what they teach is put to use.
         caution: [m/s] the gap that a second of warning is worth; 0 looks at gaps alone.
@@ -50,7 +48,6 @@ class Ranking:
         strength: of the prior, see `Knowledge`.
     """
 
-    draws: Count
     per_scene: Count
     learn_after: Count
     caution: NotNegative
@@ -62,33 +59,25 @@ class Ranking:
 
 @dataclass(frozen=True)
 class Settings(Ranking):
-    """`variation`: of the goals that rank best."""
+    """`goals`: what is ranked."""
 
-    variation: Variation
+    goals: Goals
 
 
 class Ranked:
-    """Ranks candidates and drives the best; goals, unless `candidates` and `varied` say otherwise."""
+    """Ranks candidates of a source and drives the best."""
 
-    def __init__(self, settings: Ranking) -> None:
-        self.settings = settings
-
-    def candidates(self, arena: Arena, scenes: NDArray[np.int64]) -> Candidates:
-        """What may be exchanged in `scenes`."""
-        return exchanged_goals(arena, self.settings.draws, scenes)
-
-    def varied(self, arena: Arena, pool: Candidates, order: NDArray[np.int64]) -> Candidates:  # noqa: ARG002
-        """The pool and what is added to it near the first in `order`: nothing."""
-        return pool
+    def __init__(self, settings: Ranking, source: Source) -> None:
+        self.settings, self.source = settings, source
 
     def attack(self, arena: Arena) -> None:
         """See `base.Adversary`."""
         settings, ground = self.settings, arena.ground
         scenes = share_out(ground.of, np.maximum(arena.left // settings.per_scene, 1))
         driven = everywhere(arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion, scenes, len(ground.of))
-        pool = self.candidates(arena, scenes)
+        pool = self.source.candidates(arena, scenes)
         first = _in_turn(self._cost(arena, pool, driven), pool, np.zeros(len(pool), np.bool_), settings.again)
-        pool = self.varied(arena, pool, first)
+        pool = self.source.varied(arena, pool, first)
         cost = self._cost(arena, pool, driven)
         met = _encounters(arena, pool, driven)
         knowledge, tried = Knowledge.none(settings.strength), np.zeros(len(pool), np.bool_)
@@ -114,12 +103,7 @@ class Plugin(Ranked):
     settings_type = Settings
 
     def __init__(self, settings: Settings) -> None:
-        super().__init__(settings)
-        self._variation = settings.variation
-
-    def varied(self, arena: Arena, pool: Candidates, order: NDArray[np.int64]) -> Candidates:
-        """The pool and variations of the best goals."""
-        return with_variations(arena, pool, order, self._variation)
+        super().__init__(settings, settings.goals)
 
 
 def _encounters(arena: Arena, pool: Candidates, driven: Trajectories) -> Encounters:

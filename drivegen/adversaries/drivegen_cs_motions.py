@@ -2,14 +2,9 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivegen.adversaries import drivegen_cs
 from drivegen.adversaries.base import About
-from drivegen.adversaries.shared.arena import Arena
-from drivegen.adversaries.shared.candidates import Candidates
-from drivegen.adversaries.shared.motions import Perturbation, exchanged_motions
+from drivegen.adversaries.shared.sources import Motions
 
 ABOUT = About(
     title="DriveGen-CS, motions",
@@ -22,9 +17,9 @@ ABOUT = About(
 
 @dataclass(frozen=True)
 class Settings(drivegen_cs.Ranking):
-    """`perturbation`: of the tracks that are ranked."""
+    """`motions`: what is ranked."""
 
-    perturbation: Perturbation
+    motions: Motions
 
 
 class Plugin(drivegen_cs.Ranked):
@@ -33,9 +28,4 @@ class Plugin(drivegen_cs.Ranked):
     settings_type = Settings
 
     def __init__(self, settings: Settings) -> None:
-        super().__init__(settings)
-        self._perturbation = settings.perturbation
-
-    def candidates(self, arena: Arena, scenes: NDArray[np.int64]) -> Candidates:
-        """See `drivegen_cs.Ranked`."""
-        return exchanged_motions(arena, self._perturbation, self.settings.draws, scenes)
+        super().__init__(settings, settings.motions)

@@ -39,7 +39,7 @@ def made(tmp_path_factory) -> Path:
 
 def run(root: Path, out: Path, maps: str = "maps") -> None:
     cs = read_section("attack.adversaries.drivegen_cs", PARAMS)
-    few = {**cs, "variation": {**cs["variation"], "best": 3, "times": 4}}
+    few = {**cs, "goals": {"draws": 1, "variation": {**cs["goals"]["variation"], "best": 3, "times": 4}}}
     params = replace(
         read_params("beset", beset.Params, PARAMS),
         workers=1,
