@@ -1,8 +1,9 @@
 """The door `publish_corner`: tables III and IV, extended, from the runs of `make tables PART=corner`. It is in no dvc.yaml.
 
 argv: folder of runs (one a seed, each a workspace), the folder of published tables (gets corner_cases.json, a table of outcomes
-and one of costs for each driver; where all runs have them, beset.json, mutation_score.json, naturalness.json, recall.json,
-repair.json, survival.json and transfer.json with their tables; the index corner.md, provenance-corner.json).
+and one of costs for each driver, lead.json and its table; where all runs have them, beset.json, mutation_score.json,
+naturalness.json, recall.json, repair.json, survival.json and transfer.json with theirs; the index corner.md,
+provenance-corner.json).
 """
 
 from dataclasses import dataclass
@@ -13,9 +14,12 @@ import orjson
 import pyarrow.parquet as pq
 
 from drivegen.core.errors import MissingTool
+from drivegen.core.settings import Count
 from drivegen.report.published_beset import beset_table
 from drivegen.report.published_corner import Attacks, Costs, corner_rows, over_seeds
 from drivegen.report.published_files import write_part
+from drivegen.report.published_lead import METRICS as LED
+from drivegen.report.published_lead import lead_rows, lead_table
 from drivegen.report.published_mutation import mutation_rows, mutation_table
 from drivegen.report.published_naturalness import naturalness_table
 from drivegen.report.published_recall import ablation_table, recall_table
@@ -25,6 +29,7 @@ from drivegen.report.published_transfer import transfer_table
 from drivegen.report.sections.attack import cost_table, outcome_table, proposer_tables
 from drivegen.report.table import Table
 from drivegen.store.files import write_json
+from drivegen.store.results import read_values
 from drivegen.warehouse.provenance import describe_runs
 from stages._door import COST_FOLDER, enter
 
@@ -49,11 +54,12 @@ REPAIRED = Path("reports/pieces/repair")
 
 @dataclass(frozen=True)
 class Params:
-    """`seeds` and `params`: the runs, which the flow `tables` reads."""
+    """`seeds` and `params`: the runs, which the flow `tables` reads. `draws`: of the bootstrap where two attacks are compared."""
 
     seed: int
     seeds: list[int]
     params: dict[str, Any]
+    draws: Count
 
 
 def main(params: Params, runs: Path, published: Path) -> None:
@@ -62,15 +68,20 @@ def main(params: Params, runs: Path, published: Path) -> None:
     drivers = sorted(file.stem for file in (roots[0] / "reports/metrics/attack").glob("*.json"))
     if not drivers:
         raise MissingTool(f"{roots[0]} holds no attacks: run `make tables PART=corner`")
-    rows: list[dict[str, Any]] = []
+    rows, leads = list[dict[str, Any]](), list[dict[str, Any]]()
     tables: list[Table] = []
     for driver in drivers:
         of_runs = [_read(root, driver) for root in roots]
         rows += corner_rows(DATA, driver, of_runs)
+        found = read_values(roots[0] / "reports/metrics/attack" / f"{driver}.parquet", LED)
+        leads += lead_rows(driver, found, params.draws, params.seed)
         attacks, took = of_runs[0]
         costs = {f"attack/{driver}-{key}": cost for key, cost in took.items()}
         tables += [outcome_table(driver, attacks), *proposer_tables(driver, attacks), cost_table(driver, attacks, costs)]
     write_json(published / "corner_cases.json", rows)
+    if leads:
+        write_json(published / "lead.json", leads)
+        tables.append(lead_table(leads))
     if scores := _of_all(roots, SCORE):
         write_json(published / "mutation_score.json", list(mutation_rows(DATA, scores)))
         tables.append(mutation_table(scores[0]))

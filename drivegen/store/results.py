@@ -12,6 +12,7 @@ from typing import Any, Self
 import numpy as np
 import orjson
 import pyarrow as pa
+import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from drivegen.store.files import write_table
@@ -128,3 +129,13 @@ def _number(value: object) -> float:
 def write_results(path: Path, parts: Sequence[pa.Table]) -> None:
     """All rows of one stage's item as one Parquet part."""
     write_table(path, pa.concat_tables([RESULT.empty_table(), *parts]))
+
+
+def read_values(path: Path, metrics: Sequence[str]) -> dict[str, dict[str, dict[str, float]]]:
+    """Of the rows of whole scenarios: the value by item, metric (of `metrics`) and scenario; nothing where there is no file."""
+    found: dict[str, dict[str, dict[str, float]]] = {}
+    if path.exists():
+        wanted = [("metric", "in", list(metrics)), ("sample", "=", WHOLE_SCENE)]
+        for row in pq.read_table(path, columns=["item", "metric", "scenario", "value"], filters=wanted).to_pylist():
+            found.setdefault(row["item"], {}).setdefault(row["metric"], {})[row["scenario"]] = row["value"]
+    return found

@@ -87,7 +87,7 @@ def test_the_table_has_a_line_for_each_way_of_placing(made, tmp_path):
     place = tmp_path / "runs/7"
     write_json(place / publish_corner.BESET, orjson.loads((made / publish_corner.BESET).read_bytes()))
     write_json(place / "reports/metrics/attack/idm.json", {})
-    publish_corner.main(publish_corner.Params(7, [7], {}), tmp_path / "runs", tmp_path / "out")
+    publish_corner.main(publish_corner.Params(7, [7], {}, 20), tmp_path / "runs", tmp_path / "out")
     text = (tmp_path / "out/beset.md").read_text()
     assert [line.split(" | ")[1:3] for line in text.splitlines() if line.startswith("| idm |")] == [
         ["DriveGen-CS", "as always"],

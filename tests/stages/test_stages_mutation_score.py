@@ -112,7 +112,7 @@ def test_the_score_is_published_with_one_table_and_one_chart(once, tmp_path):
         place.parent.mkdir(parents=True)
         shutil.copy(once[0] / publish_corner.SCORE, place)
         write_json(tmp_path / "runs" / seed / "reports/metrics/attack/idm.json", {})
-    publish_corner.main(publish_corner.Params(7, [7, 8], {}), tmp_path / "runs", tmp_path / "out")
+    publish_corner.main(publish_corner.Params(7, [7, 8], {}, 20), tmp_path / "runs", tmp_path / "out")
     rows = orjson.loads((tmp_path / "out/mutation_score.json").read_bytes())
     found = {(row["tester"], row["driver"], row["metric"]): row for row in rows}
     score = orjson.loads((tmp_path / "runs/7" / publish_corner.SCORE).read_bytes())
@@ -129,6 +129,6 @@ def test_the_score_is_published_with_one_table_and_one_chart(once, tmp_path):
 
 def test_without_a_score_nothing_of_it_is_published(tmp_path):
     write_json(tmp_path / "runs/7/reports/metrics/attack/idm.json", {})
-    publish_corner.main(publish_corner.Params(7, [7], {}), tmp_path / "runs", tmp_path / "out")
+    publish_corner.main(publish_corner.Params(7, [7], {}, 20), tmp_path / "runs", tmp_path / "out")
     assert not (tmp_path / "out/mutation_score.json").exists()
     assert "Runs: 7; of code None." in (tmp_path / "out/corner.md").read_text()

@@ -94,7 +94,7 @@ def test_the_table_has_a_line_for_each_attack(made, tmp_path):
     place = tmp_path / "runs/7"
     write_json(place / publish_corner.NATURAL, run(made, tmp_path))
     write_json(place / "reports/metrics/attack/idm.json", {})
-    publish_corner.main(publish_corner.Params(7, [7], {}), tmp_path / "runs", tmp_path / "out")
+    publish_corner.main(publish_corner.Params(7, [7], {}, 20), tmp_path / "runs", tmp_path / "out")
     text = (tmp_path / "out/naturalness.md").read_text()
     assert "| random goals | legal | idm | 2 | -" in text
     assert {row["seeds"] for row in orjson.loads((tmp_path / "out/naturalness.json").read_bytes())} == {1}
@@ -104,7 +104,7 @@ def test_where_nobody_was_exchanged_there_is_no_table(tmp_path):
     place = tmp_path / "runs/7"
     write_json(place / publish_corner.NATURAL, [])
     write_json(place / "reports/metrics/attack/idm.json", {})
-    publish_corner.main(publish_corner.Params(7, [7], {}), tmp_path / "runs", tmp_path / "out")
+    publish_corner.main(publish_corner.Params(7, [7], {}, 20), tmp_path / "runs", tmp_path / "out")
     assert not (tmp_path / "out/naturalness.md").exists()
 
 

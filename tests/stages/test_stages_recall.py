@@ -76,7 +76,7 @@ def test_the_table_has_a_line_for_each_adversary_and_number_of_runs(rows, tmp_pa
     place = tmp_path / "runs/7"
     write_json(place / publish_corner.FOUND, rows)
     write_json(place / "reports/metrics/attack/idm.json", {})
-    publish_corner.main(publish_corner.Params(7, [7], {}), tmp_path / "runs", tmp_path / "out")
+    publish_corner.main(publish_corner.Params(7, [7], {}, 20), tmp_path / "runs", tmp_path / "out")
     text = (tmp_path / "out/recall.md").read_text()
     lines = [line for line in text.splitlines() if line.startswith("| idm |")]
     assert len(lines) == 1 + 3 * len(QUERIES)

@@ -150,7 +150,7 @@ def test_versions_are_published_side_by_side(once, tmp_path):
         rows = [row | {"value": share} if (row["version"], row["tester"], row["metric"]) == met else row for row in once[1]]
         write_json(tmp_path / "runs" / seed / publish_corner.REPAIRED / "gail.json", rows)
         write_json(tmp_path / "runs" / seed / "reports/metrics/attack/gail.json", {})
-    publish_corner.main(publish_corner.Params(7, [7, 8], {}), tmp_path / "runs", tmp_path / "out")
+    publish_corner.main(publish_corner.Params(7, [7, 8], {}, 20), tmp_path / "runs", tmp_path / "out")
     rows = orjson.loads((tmp_path / "out/repair.json").read_bytes())
     keys = {"data", "driver", "version", "tester", "metric", "value", "low", "high", "n", "seeds"}
     assert all(set(row) == keys and row["seeds"] == 2 for row in rows)

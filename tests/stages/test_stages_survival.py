@@ -76,7 +76,7 @@ def test_the_table_has_a_line_for_each_adversary_and_a_column_for_who_reacts(mad
     place = tmp_path / "runs/7"
     run(made, place)
     write_json(place / "reports/metrics/attack/idm.json", {})
-    publish_corner.main(publish_corner.Params(7, [7], {}), tmp_path / "runs", tmp_path / "out")
+    publish_corner.main(publish_corner.Params(7, [7], {}, 20), tmp_path / "runs", tmp_path / "out")
     text = (tmp_path / "out/survival.md").read_text()
     assert f"| driver |  | cases | {' | '.join(f'reacting: {who}' for who in WHO)} |" in text
     [line] = [line for line in text.splitlines() if line.startswith("| idm |")]

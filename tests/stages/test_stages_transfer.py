@@ -54,7 +54,7 @@ def test_the_table_has_a_line_for_whom_it_was_found_and_a_column_for_who_drives(
     rows = run(made, tmp_path)
     write_json(place / publish_corner.TRANSFERRED, [{**row, "driver": name} for name in ("idm", "gail") for row in rows])
     write_json(place / "reports/metrics/attack/idm.json", {})
-    publish_corner.main(publish_corner.Params(7, [7], {}), tmp_path / "runs", tmp_path / "out")
+    publish_corner.main(publish_corner.Params(7, [7], {}, 20), tmp_path / "runs", tmp_path / "out")
     text = (tmp_path / "out/transfer.md").read_text()
     assert "|  | found for | cases | driven by idm | driven by gail |" in text
     assert "| random goals | idm | 2 | 1.00 (1.00 to 1.00; without 0.00) | 1.00 (1.00 to 1.00; without 0.00) |" in text
