@@ -82,7 +82,7 @@ def _parser() -> argparse.ArgumentParser:
     flows.add_parser("gate", help="whether a new driver is worse than the old one, both of params.yaml: exit code 1 if it is")
     tables = flows.add_parser("tables", help="the published tables: all data sets, several training seeds")
     real = Path(os.environ.get("DRIVEGEN_REAL_DATA", "../shared/data"))
-    about_real = "folder of real recordings (publish.data says which of its folders); what is not there is left out"
+    about_real = "folder of real recordings (flows/tables.yaml says which of its folders); what is not there is left out"
     corpus.add_argument(
         "--real", type=Path, default=real, help="folder of real data, with networks; those not there are left out"
     )

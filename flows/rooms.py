@@ -52,7 +52,7 @@ class Room:
 
 def rooms(part: str, values: dict[str, Any], real: Path) -> Iterator[Room]:
     """The runs of a part, by the `values` of params.yaml and the folder of real recordings."""
-    publish = values[DOORS[part][0]]
+    publish = _opened(values["tables"])[part]
     if part == MAPS:
         folder = str(real) if real.is_dir() else ""
         yield Room("pieces", {name: placed(value, folder) for name, value in publish["params"].items()}, OF_PIECES)
@@ -83,14 +83,17 @@ def _of_quality(publish: dict[str, Any], real: Path) -> Iterator[Room]:
 
 def _data_sets(publish: dict[str, Any], real: Path) -> Iterator[tuple[str, dict[str, Any], dict[str, Any]]]:
     """Name, entry and parameters of each data set that is there."""
-    data_sets = publish["data"]
-    if isinstance(data_sets, str):  # the name of a file stands for what is in it
-        data_sets = yaml.safe_load(Path(data_sets).read_text())
-    for name, data in data_sets.items():
+    for name, data in publish["data"].items():
         folder = real / data["folder"]
         if not data["folder"] or folder.is_dir():
             folders = {key: placed(value, str(folder)) for key, value in data["folders"].items()}
             yield name, data, {**publish["params"], **data["params"], **folders}
+
+
+def _opened(section: Any) -> dict[str, Any]:
+    """The values of a section of params.yaml, for which the name of a file may stand."""
+    values: dict[str, Any] = yaml.safe_load(Path(section).read_text()) if isinstance(section, str) else section
+    return values
 
 
 def placed(value: Any, folder: str) -> Any:

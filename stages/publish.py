@@ -26,7 +26,7 @@ from stages._door import enter, require
 
 @dataclass(frozen=True)
 class About:
-    """A data set of `publish.data`.
+    """A data set of `tables.quality.data`.
 
     Attributes:
         title: in words. folder: below the folder of real recordings, "" where none is needed.
@@ -44,7 +44,7 @@ class About:
 
 @dataclass(frozen=True)
 class Params:
-    """Section `publish`.
+    """Section `tables.quality`.
 
     Attributes:
         draws: bootstrap draws. seeds, sampling_seeds: of training and of the futures, every pair a run. temperatures: of the
@@ -117,4 +117,4 @@ def _tables(params: Params, runs: Path, pooled_sets: PooledSets) -> list[Table]:
 
 
 if __name__ == "__main__":
-    enter("publish", Params, main)
+    enter("tables.quality", Params, main)

@@ -113,4 +113,4 @@ def _read(root: Path, driver: str) -> tuple[Attacks, Costs]:
 
 
 if __name__ == "__main__":
-    enter("publish_corner", Params, main)
+    enter("tables.corner", Params, main)

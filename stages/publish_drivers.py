@@ -59,4 +59,4 @@ def _read(name: str, results: Path, params: Params) -> Tests:
 
 
 if __name__ == "__main__":
-    enter("publish_drivers", Params, main)
+    enter("tables.drivers", Params, main)

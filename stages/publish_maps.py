@@ -35,4 +35,4 @@ def main(_: Params, reports: Path, published: Path) -> None:
 
 
 if __name__ == "__main__":
-    enter("publish_maps", Params, main)
+    enter("tables.maps", Params, main)

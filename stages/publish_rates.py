@@ -39,4 +39,4 @@ def main(params: Params, runs: Path, published: Path) -> None:
 
 
 if __name__ == "__main__":
-    enter("publish_rates", Params, main)
+    enter("tables.rates", Params, main)

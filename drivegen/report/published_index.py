@@ -14,7 +14,7 @@ _FILES = (
 def index(tables: Sequence[Table], data: Mapping[str, str], provenance: Mapping[str, Any], parts: Sequence[str] = ()) -> str:
     """The tables as links: by data set (title by name, the headline's first), what concerns several, other `parts`, raw files."""
     there, missing = len(provenance["runs"]), provenance["runs_missing"]
-    whole_set = f"From all {there} runs that `publish` of params.yaml asks for."
+    whole_set = f"From all {there} runs that flows/tables.yaml asks for."
     partial = f"INCOMPLETE: from {there} of {there + len(missing)} runs; not there: {', '.join(missing)}."
     lines = ["# Published tables", "", partial if missing else whole_set]
     rest = list(tables)

@@ -34,7 +34,7 @@ def test_driving_is_tested_on_20_networks_8_of_them_not_ours_in_60_runs_or_more(
 
 
 def test_tuned_drivers_are_tested_on_seven_networks_of_our_own_that_the_default_corpus_does_not_hold() -> None:
-    params = yaml.safe_load(Path("flows/tables_drivers.yaml").read_text())["unseen"]["params"]
+    params = yaml.safe_load(Path("flows/tables.yaml").read_text())["drivers"]["data"]["unseen"]["params"]
     default = yaml.safe_load(Path("params.yaml").read_text())["corpus"]
     corpus = overridden({"corpus": default, "drive_tuned": {"policies": ""}}, params)["corpus"]
     every = build(Networks, yaml.safe_load(Path(corpus["networks"]).read_text()), "unseen")

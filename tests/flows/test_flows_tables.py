@@ -27,11 +27,12 @@ PUBLISH = {
         },
     },
 }
+TABLES = {"tables": {"quality": PUBLISH}}
 
 
 def test_every_data_set_is_run_with_every_pair_of_seeds_and_its_front_with_the_first(tmp_path: Path) -> None:
     (tmp_path / "recordings").mkdir()
-    found = {room.name: room for room in rooms("quality", {"publish": PUBLISH}, tmp_path)}
+    found = {room.name: room for room in rooms("quality", TABLES, tmp_path)}
     assert list(found) == [
         "corpus/7-7", "corpus/7-17", "corpus/8-7", "corpus/8-17", "corpus/t0.5", "real/7-7", "real/7-17", "real/8-7", "real/8-17",
     ]  # fmt: skip
@@ -45,7 +46,7 @@ def test_every_data_set_is_run_with_every_pair_of_seeds_and_its_front_with_the_f
 
 def test_a_run_begins_with_what_one_of_the_same_training_seed_made(tmp_path: Path) -> None:
     (tmp_path / "recordings").mkdir()
-    asked = list(rooms("quality", {"publish": PUBLISH}, tmp_path))
+    asked = list(rooms("quality", TABLES, tmp_path))
     found = [nearest(room, asked[:n]) for n, room in enumerate(asked)]
     assert [room and room.name for room in found] == [
         None, "corpus/7-7", "corpus/7-17", "corpus/8-7", "corpus/7-17", "corpus/7-17", "real/7-7", "corpus/8-17", "real/8-7",
@@ -53,7 +54,7 @@ def test_a_run_begins_with_what_one_of_the_same_training_seed_made(tmp_path: Pat
 
 
 def test_recordings_that_are_not_there_are_left_out(tmp_path: Path) -> None:
-    assert [room.name for room in rooms("quality", {"publish": PUBLISH}, tmp_path)] == [
+    assert [room.name for room in rooms("quality", TABLES, tmp_path)] == [
         "corpus/7-7", "corpus/7-17", "corpus/8-7", "corpus/8-17", "corpus/t0.5",
     ]  # fmt: skip
 
@@ -62,7 +63,7 @@ def test_recordings_that_are_not_there_are_left_out(tmp_path: Path) -> None:
 @pytest.mark.parametrize("real", [True, False])
 def test_what_the_runs_of_a_part_replace_is_in_params_yaml(part: str, real: bool, tmp_path: Path) -> None:
     values = yaml.safe_load((Path(__file__).parents[2] / "params.yaml").read_text())
-    for section in ("publish.data", "publish_drivers.data"):
+    for section in ("tables.quality.data", "tables.drivers.data"):
         for data in read_section(section).values() if real else ():
             (tmp_path / data["folder"]).mkdir(parents=True, exist_ok=True)
     runs = list(rooms(part, values, tmp_path))
@@ -91,7 +92,7 @@ def test_the_tables_of_drivers_are_made_from_every_data_set_that_is_there(tmp_pa
         "drivers/unseen",
         "drivers/paper",
     ]
-    for data in read_section("publish_drivers.data").values():
+    for data in read_section("tables.drivers.data").values():
         (tmp_path / data["folder"]).mkdir(parents=True, exist_ok=True)
     runs = rooms("drivers", values, tmp_path)
-    assert [room.name for room in runs] == [f"drivers/{name}" for name in read_section("publish_drivers.data")]
+    assert [room.name for room in runs] == [f"drivers/{name}" for name in read_section("tables.drivers.data")]

@@ -74,14 +74,15 @@ PUBLISH = """
   sampling_seed: 7
   own: [drivegen, log]
 rollout: {generation: {temperature: 1.0}}
-publish:
-  seeds: [7, 8]
-  sampling_seeds: [7]
-  temperatures: [0.5]
-  params: {run.seed: 3}
-  data:
-    toy: {folder: "", params: {}, folders: {}, front: true}
-    absent: {folder: recordings, params: {}, folders: {}, front: false}
+tables:
+  quality:
+    seeds: [7, 8]
+    sampling_seeds: [7]
+    temperatures: [0.5]
+    params: {run.seed: 3}
+    data:
+      toy: {folder: "", params: {}, folders: {}, front: true}
+      absent: {folder: recordings, params: {}, folders: {}, front: false}
 """
 
 DOOR = """#!/bin/sh

@@ -73,7 +73,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     params["run"] |= {"baselines": [*params["run"]["baselines"], NAME], "workers": 1}
     params["rollout_baseline"]["samples"] = 2
     params["evaluate"] |= {"draws": 20, "splits": 2}
-    params["publish"]["data"] = str(ROOT / params["publish"]["data"])
+    params["tables"] = str(ROOT / params["tables"])
     (tmp_path / "params.yaml").write_text(yaml.safe_dump(params))
     scenes = [busy_crossing(60, f"recording-{letter}") for letter in "abc"]
     write_shard(tmp_path / "data/scenarios/test/shard-00000.parquet", scenes)
@@ -133,7 +133,7 @@ def test_it_is_in_every_published_table_and_a_stranger_is_no_row_but_an_error(pr
     for name in ("reports", "data"):
         (room / name).parent.mkdir(parents=True, exist_ok=True)
         (room / name).symlink_to(project / name)
-    params = read_params("publish", publish.Params)
+    params = read_params("tables.quality", publish.Params)
     publish.main(params, project / "runs", project / "out")
     rows = orjson.loads((project / "out/scenario_quality.json").read_bytes())
     assert {row["method"] for row in rows} == {NAME, "constant_velocity"}

@@ -123,7 +123,7 @@ def test_runs_that_nobody_asks_for_any_more_are_not_counted(runs, tmp_path):
     (tmp_path / "out/provenance-drivers.json").write_text("{}")  # another part was published there
     publish.main(asked, runs, tmp_path / "out")
     text = (tmp_path / "out/README.md").read_text()
-    assert "From all 5 runs that `publish`" in text
+    assert "From all 5 runs that flows/tables.yaml asks for" in text
     assert "* [Drivers](drivers.md)" in text
     made = orjson.loads((tmp_path / "out/provenance.json").read_bytes())
     assert set(made["runs"]) == {"here/7-7", "here/8-7", "here/t0.5", "there/7-7", "there/8-7"}
@@ -166,7 +166,7 @@ def test_seeds_with_other_scenes_are_refused(runs, tmp_path):
 
 def test_the_section_of_params_yaml_is_what_the_door_takes(monkeypatch):
     monkeypatch.chdir(Path(publish.__file__).parents[1])
-    asked = read_params("publish", Params)
+    asked = read_params("tables.quality", Params)
     assert set(asked.runs) >= {
         f"{name}/{pair.folder}" for name in asked.data for pair in pairs(asked.seeds, asked.sampling_seeds)
     }
