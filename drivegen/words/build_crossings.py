@@ -45,7 +45,8 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     if not (first or second):
         _check_one(streets)
     if any(compass):
-        if count != 4 or shape is not None or len(compass[0]) > 1 or len(compass[1]) > 1:
+        several = any(road.value("count") not in (None, 1) for road in (*compass[0], *compass[1]))
+        if several or count != 4 or shape is not None or len(compass[0]) > 1 or len(compass[1]) > 1:
             raise Unfit("roads are named by their directions at a crossing of two roads")
         first, second = compass
         roads = [*compass[0], *compass[1]]
@@ -85,6 +86,8 @@ def _shape_and_count(scene: Scene, whole: Thing, joins: set[str], roads: list[Th
     """Which letter the crossing looks like, if any, and how many arms it has."""
     shape, count = whole.value("shape"), count_of(whole, scene.named("arm"))
     number = sum(int(road.value("count") or 1) for road in roads if road.name == "street" and road.which is None)
+    if scene.there("main") and scene.there("side") and not (joins or whole.facts or scene.there("crossing", "cross")):
+        raise Unfit("say whether the side road crosses the main road or ends at it")
     if count is None and shape is None:
         meets = "meets" in joins and "crosses" not in joins and not scene.there("cross")
         t_like = meets and len(roads) >= 2 and not scene.there("crossing")

@@ -18,6 +18,8 @@ _FURTHER = frozenset({"another", "second", "third", "further"})
 """Words that tell a second event from the first one said again."""
 
 EVENTS = ("on_ramp", "off_ramp", "ramp", "weaving", "lane_drop", "lane_gain")
+_FEWER = ("narrow", "reduc", "drop", "taper", "shrink", "squeez", "funnel")
+_MORE = ("widen", "grow", "expand", "gain", "opens up")
 _CHANGES = ("change", "change_to")
 EVENT_FACTS = (*_CHANGES, "loses", "loses_side", "gains", "gains_side")
 
@@ -48,6 +50,9 @@ def events_of(scene: Scene, road: Thing, lanes: int | None) -> tuple[list[Event]
         single += _once([s for s in steps if s["kind"] == kind], named, keeping)
     events += sorted(single, key=steps.index)
     changes = [fact.value for fact in facts if fact.name == "change"]
+    bare = {thing.name for thing in things if thing.name.startswith("lane_") and not thing.facts}
+    if bare and any(step["kind"] not in bare for step in steps):
+        raise Unfit(f"{' and '.join(repr(step['text']) for step in steps)} is no {' or '.join(sorted(bare)).replace('_', ' ')}")
     for event in events:
         like = [e for e in events if e["kind"] == event["kind"]]
         mine = [r for r in references if r.name == event["kind"] and _is(r, like.index(event), len(like))]
@@ -66,6 +71,8 @@ def _steps(facts: Sequence[Fact], lanes: int | None) -> list[Event]:
                 raise Unfit(f"say from how many lanes to how many in {fact.text!r}")
             if lanes is not None and lanes != before:
                 raise Unfit(f"a road of {lanes} lanes cannot change from {before}")
+            if any(word in fact.text for word in (_FEWER if after > before else _MORE)):
+                raise Unfit(f"{fact.text!r} says the opposite of {before} to {after} lanes")
             lanes = int(after)
             kind = "lane_gain" if after > before else "lane_drop"
             step: Event = {"kind": kind, "lanes": abs(after - before), "before": before}

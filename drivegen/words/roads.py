@@ -17,6 +17,7 @@ from drivegen.words.choices import Choices, check_lanes
 from drivegen.words.things import Scene, Undrawable, Unfit, merged
 
 _BENT = {"line", "arc", "turn", "turn_side", "turn_angle", "turn_to", "bends", "hairpins", "s_turn", "s_arc"}
+_SIZES = {"length", "speed", "spacing", "radius", "diameter", "island", "lane_width", "ring_speed"}
 _WIDE = ("crossing", "corridor", "grid", "highway", "fork")
 Builder = Callable[[Scene, Choices], dict[str, Any]]
 
@@ -24,6 +25,8 @@ Builder = Callable[[Scene, Choices], dict[str, Any]]
 def specification(scene: Scene, choices: Choices) -> MapSpec:
     """The road of a scene. Raises Unfit where none is spoken of, something said fits nowhere, or it cannot be drawn."""
     check_lanes(scene.everything)
+    if nothing := next((fact for fact in scene.everything.facts if fact.name in _SIZES and fact.value == 0), None):
+        raise Unfit(f"{nothing.text!r} is nothing that could be drawn")
     hands = set(scene.everything.values("left_hand"))
     if len(hands) > 1:
         raise Unfit("traffic is said to keep left and right")
@@ -49,11 +52,14 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
 
 
 def _cross_streets(scene: Scene) -> None:
-    """Several streets that cross one road lie along it: "a boulevard crossed by three streets"."""
+    """Several streets that cross one road lie along it: "a boulevard crossed by three side streets"."""
     streets = [thing for thing in scene.things if thing.name in ("street", "main") and thing.which is None]
     counts = [next((int(f.value) for f in thing.facts if f.name == "count"), 1) for thing in streets]
     if "crosses" in scene.links and len(streets) > 1 and sorted(counts)[-2:-1] == [1] and max(counts) > 1:
         streets[counts.index(max(counts))].name = "cross"
+    for thing in scene.things:
+        if thing.name == "side" and "crosses" in scene.links and any(f.name == "count" and f.value > 1 for f in thing.facts):
+            thing.name = "cross"
 
 
 def first_complaint(error: ValidationError) -> str:

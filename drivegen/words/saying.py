@@ -159,14 +159,14 @@ def _corridor(road: Corridor) -> list[Sentence]:
     if not road.junctions:
         return spoken
     forms = [junction.form for junction in road.junctions]
-    spoken.append(Sentence("Along it there are", tuple(_listed(forms))))
+    spoken.append(_along_it(forms))
     for form in dict.fromkeys(forms):
         items = [_junction(junction) for junction in road.junctions if junction.form == form]
         spoken += _grouped(f"Every {form} has", f"The {{}} {form} has", items)
     return spoken
 
 
-def _listed(names: Sequence[str]) -> list[FieldValue]:
+def _along_it(names: Sequence[str]) -> Sentence:
     """Things in a row, those of one name that follow one another as a number."""
     facts: list[FieldValue] = []
     for name in names:
@@ -174,7 +174,7 @@ def _listed(names: Sequence[str]) -> list[FieldValue]:
             facts[-1] = ("thing", (facts[-1][1][0] + 1, name))
         else:
             facts.append(("thing", (1, name)))
-    return facts
+    return Sentence(f"Along it there {'is' if facts[0][1][0] == 1 else 'are'}", tuple(facts))
 
 
 def _junction(junction: Junction) -> list[FieldValue]:
@@ -203,7 +203,7 @@ def _highway(road: Highway) -> list[Sentence]:
     facts += [("both", True)] if road.both else []
     spoken = [Sentence(f"A {noun('highway')} with", tuple(facts))]
     if road.events:
-        spoken.append(Sentence("Along it there are", tuple(_listed([event.kind for event in road.events]))))
+        spoken.append(_along_it([event.kind for event in road.events]))
     for kind in dict.fromkeys(event.kind for event in road.events):
         items = [_event(event) for event in road.events if event.kind == kind]
         spoken += _grouped(f"Every {noun(kind)} has", f"The {{}} {noun(kind)} has", items)
