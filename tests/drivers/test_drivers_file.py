@@ -15,6 +15,8 @@ BAD = {
     "does_not_run": ("import nothing_like_it\n", "cannot be run: ModuleNotFoundError"),
     "no_python": ("def act(:\n", "cannot be run: SyntaxError"),
     "raises": ("def act(seen): return seen.nothing\n", "fails: AttributeError"),
+    "exits": ("import sys\ndef act(seen): sys.exit(0)\n", "fails: SystemExit"),
+    "exits_at_once": ("raise SystemExit(0)\n", "cannot be run: SystemExit"),
     "no_action": ("def act(seen): return -1.0\n", "must return"),
     "too_few": (GOOD.replace("0 * seen.speed", "seen.speed[:1]"), "each of the 512 targets"),
     "no_number": (GOOD.replace("0 *", "float('nan') *"), "acceleration that is no number"),

@@ -30,7 +30,7 @@ class FileDriver:
         """See `drivers.base.Driver`."""
         try:
             answer = self._act(observation)
-        except Exception as error:
+        except (Exception, SystemExit) as error:  # an exit would count as a finished command
             raise UnusableInput(f"{self._path}: act(observation) fails: {_what(error)}") from error
         return self._checked(answer, len(observation.speed))
 
@@ -60,7 +60,7 @@ def _function(path: Path) -> Callable[[Observation], Any]:
     sys.modules[spec.name] = module  # dataclasses look there for the names in annotations that are kept as text
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         del sys.modules[spec.name]
         raise UnusableInput(f"{path} cannot be run: {_what(error)}") from error
     act: Callable[[Observation], Any] | None = getattr(module, "act", None)
@@ -69,5 +69,5 @@ def _function(path: Path) -> Callable[[Observation], Any]:
     return act
 
 
-def _what(error: Exception) -> str:
+def _what(error: BaseException) -> str:
     return f"{type(error).__name__}, {(str(error) or 'without a word').splitlines()[0]}"
