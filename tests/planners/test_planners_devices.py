@@ -14,7 +14,7 @@ from drivegen.training import loop
 from tests.planners.test_planners_contract import examples, tiny
 
 TOLERANCE = 0.01
-"""Of positions [m], as README.md states it."""
+"""Of positions [m], as docs/commands.md states it."""
 
 
 @pytest.fixture(scope="module")
