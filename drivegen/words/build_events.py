@@ -144,7 +144,7 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
     for event in events:
         facts = merged(event["thing"])
         ramp = event["kind"] in _AUXILIARY
-        for nothing in ("count", "setting", "merges", "leaves", "one_side", "has_auxiliary", "row"):
+        for nothing in ("count", "setting", "merges", "leaves", "one_side", "has_auxiliary", "has_ramps", "row"):
             facts.values(nothing)
         exact, given = given, facts.value("auxiliary") or facts.value("length")
         everywhere = everywhere and (facts.has("position") or (facts.has("gap") and not placed))

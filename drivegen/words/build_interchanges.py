@@ -26,6 +26,7 @@ def interchange(scene: Scene, _: Choices) -> Road:
     """A highway and a road over it, joined by ramps that end at crossings."""
     whole, main, upper, ramp = _parts(scene, "interchange")
     forms = set(whole.values("form")) or {"diamond"}
+    whole.values("has_roads")
     forms -= {"terminal"} if "diamond" in forms else set()
     forms -= {"diamond"} if len(forms) > 1 else set()
     if len(forms) > 1:
