@@ -59,6 +59,11 @@ class Route:
         """The lanes in order of travel."""
         return tuple(piece.lane for piece in self.pieces)
 
+    @cached_property
+    def entries(self) -> NDArray[np.intp]:
+        """The points at which the line enters another lane."""
+        return np.flatnonzero(self.lane[1:] != self.lane[:-1]) + 1
+
     @property
     def leaves_map(self) -> bool:
         """Whether the line goes straight on beyond the end of the map."""
