@@ -159,7 +159,7 @@ def _of_vehicle(scenario: Scenario, signals: Signals, vehicle: int, c: Candidate
         *_way(c, wrap_angle(c.heading - v.heading[vehicle]), along, roads),
         *roads.waits.T,
         *(np.full(len(c), value) for value in _place_in_scene(scenario, vehicle)),
-        *(c.manoeuvre == kind for kind in Manoeuvre),
+        *(c.manoeuvre == kind for kind in range(len(Manoeuvre))),
     ]
     return np.column_stack(columns).clip(-3, 3).astype(np.float32)
 
