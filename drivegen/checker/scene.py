@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from drivegen.checker import collisions, dynamics, priority, road
 from drivegen.checker.limits import FLAGS, NEVER, NOT_FINITE, OVERLAP, OVERLAP_CONTEXT, RULES, Limits
+from drivegen.core.boxes import bounds
 from drivegen.core.geometry import unit
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
-from drivegen.roads.drivable import RoadField, covered, road_field
+from drivegen.roads.drivable import RoadField, road_field
 from drivegen.roads.gates import Gates
 
 NOBODY = -1
@@ -183,12 +184,14 @@ class SceneChecker:
 
     def _field_around(self, position: NDArray[np.float32], valid: NDArray[np.bool_], size: NDArray[np.float32]) -> RoadField:
         """Rasters of the road around all that has been judged so far: most of a map is never looked at."""
-        box = covered(position[valid], size)
-        if box is None:  # nobody is anywhere: any part will do
+        boxes = bounds(position, valid).astype(np.float64)
+        reach = float(np.hypot(*size.T).max(initial=0.0)) / 2
+        low, high = boxes[:, :2].min(0, initial=np.inf) - reach, boxes[:, 2:].max(0, initial=-np.inf) + reach
+        if low[0] > high[0]:  # nobody is anywhere: any part will do
             return self._field or road_field(self._map, np.zeros((1, 2)))
         least, most = self._looked_at
-        if self._field is None or (box[0] < least).any() or (box[1] > most).any():
-            self._looked_at = least, most = np.minimum(least, box[0] - ROOM), np.maximum(most, box[1] + ROOM)
+        if self._field is None or (low < least).any() or (high > most).any():
+            self._looked_at = least, most = np.minimum(least, low - ROOM), np.maximum(most, high + ROOM)
             self._field = road_field(self._map, np.stack([least, most]))
         return self._field
 

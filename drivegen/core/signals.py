@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +40,16 @@ class Signals:
             raise UnusableInput("a signal guards a lane that the map does not hold", reason="bad-signals")
         if (self.state > max(SignalState)).any():
             raise UnusableInput("a signal has a state that is none", reason="bad-signals")
+
+    @cached_property
+    def closed(self) -> NDArray[np.bool_]:
+        """(G, T) whether it is red or yellow."""
+        return (self.state == SignalState.RED) | (self.state == SignalState.YELLOW)
+
+    @cached_property
+    def shown(self) -> NDArray[np.bool_]:
+        """(G,) whether it is ever known."""
+        return (self.state != SignalState.UNKNOWN).any(1)
 
     def held(self) -> "Signals":
         """The same, each signal showing its last known state wherever the state is UNKNOWN: what drivers assume."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import Floats, wrap_angle
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.scenario import DT, TARGET, Scenario, VehicleKind
+from drivegen.core.signals import Signals
 from drivegen.goals.candidates import Candidates
 from drivegen.goals.forecast import Habit, forecast
 from drivegen.goals.manoeuvres import Manoeuvre
@@ -87,14 +88,13 @@ class _Roads:
     end_speed: Floats
 
     @classmethod
-    def of(cls, scenario: Scenario, vehicle: int, c: Candidates, seconds: float) -> "_Roads":
+    def of(cls, scenario: Scenario, signals: Signals, vehicle: int, c: Candidates, seconds: float) -> "_Roads":
         """Those of the routes of `c`."""
         v = scenario.vehicles
         speed, length = max(float(v.speed[vehicle]), 0.0), float(v.size[vehicle, 0])
         reach = max((route.length for route in c.routes), default=0.0)
         around = Neighbours.of(scenario, vehicle).near(v.position[vehicle], reach + 20.0)
         steady = speed * seconds
-        signals = scenario.signals.held()
         rows: list[tuple[float, ...]] = []
         waits: list[tuple[float, ...]] = []
         for route, ahead, offset, share in zip(c.routes, c.ahead, c.offset, shares(c.routes), strict=True):
@@ -128,9 +128,9 @@ def features(scenario: Scenario, candidates: Sequence[Candidates]) -> list[NDArr
 
     A signal is taken to go on showing its last known state: the one at step 0, unless the scenario gives its programme.
     """
-    clashes = _clashes(scenario, candidates)
+    clashes, signals = _clashes(scenario, candidates), scenario.signals.held()
     return [
-        np.column_stack([_of_vehicle(scenario, vehicle, c), clash.clip(0, 3), (clash - clash.min()).clip(0, 3)])
+        np.column_stack([_of_vehicle(scenario, signals, vehicle, c), clash.clip(0, 3), (clash - clash.min()).clip(0, 3)])
         for vehicle, (c, clash) in enumerate(zip(candidates, clashes, strict=True))
     ]
 
@@ -142,12 +142,12 @@ def _clashes(scenario: Scenario, candidates: Sequence[Candidates]) -> list[NDArr
     return np.split(np.asarray(clash, np.float32), together.start[1:-1])
 
 
-def _of_vehicle(scenario: Scenario, vehicle: int, c: Candidates) -> NDArray[np.float32]:
+def _of_vehicle(scenario: Scenario, signals: Signals, vehicle: int, c: Candidates) -> NDArray[np.float32]:
     v = scenario.vehicles
     seconds = max(float(c.step.max()) * DT, DT)
     on_route = c.route >= 0
     along = np.where(on_route, c.s, np.hypot(*(c.position - v.position[vehicle]).T)).astype(np.float64)
-    roads = _Roads.of(scenario, vehicle, c, seconds)[np.where(on_route, c.route, len(c.routes))]
+    roads = _Roads.of(scenario, signals, vehicle, c, seconds)[np.where(on_route, c.route, len(c.routes))]
     beyond = along[:, None] - roads.marks
     width = 4.0 + 0.08 * along[:, None]
     columns = [
@@ -159,7 +159,7 @@ def _of_vehicle(scenario: Scenario, vehicle: int, c: Candidates) -> NDArray[np.f
         *_way(c, wrap_angle(c.heading - v.heading[vehicle]), along, roads),
         *roads.waits.T,
         *(np.full(len(c), value) for value in _place_in_scene(scenario, vehicle)),
-        *(c.manoeuvre == kind for kind in Manoeuvre),
+        *(c.manoeuvre == kind for kind in range(len(Manoeuvre))),
     ]
     return np.column_stack(columns).clip(-3, 3).astype(np.float32)
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats
 from drivegen.core.scenario import DT
-from drivegen.core.signals import Signals, SignalState
+from drivegen.core.signals import Signals
 from drivegen.goals.reach import Dynamics, speed_caps
 from drivegen.goals.traffic import STAND, Ahead, Queue
 from drivegen.roads.line import SPACING, Route
@@ -94,11 +94,9 @@ def forecast(route: Route, speed: float, length: float, ahead: Ahead, queue: Que
 
 def _signals_ahead(route: Route, signals: Signals, steps: int) -> tuple[Floats, NDArray[np.bool_]]:
     """Where to stand (W,) [m] before the signals on the route, and whether each is closed (W, steps // STRIDE)."""
-    entries = np.flatnonzero(route.lane[1:] != route.lane[:-1]) + 1
-    at, which = np.nonzero(route.lane[entries][:, None] == signals.lane[None])
+    at, which = np.nonzero(route.lane[route.entries, None] == signals.lane)
     times = np.minimum(np.arange(0, steps - steps % STRIDE, STRIDE), signals.state.shape[1] - 1)
-    state = signals.state[which][:, times]
-    return entries[at] * SPACING - STAND, (state == SignalState.RED) | (state == SignalState.YELLOW)
+    return route.entries[at] * SPACING - STAND, signals.closed[which[:, None], times]
 
 
 @njit(cache=True)

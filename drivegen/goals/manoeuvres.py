@@ -3,6 +3,7 @@
 from enum import IntEnum
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats
@@ -34,6 +35,9 @@ class Manoeuvre(IntEnum):
     PARK = 9
 
 
+_KEEP, _LEFT, _RIGHT, _CHANGE_LEFT, _CHANGE_RIGHT, _U_TURN, _STOP, _STAY = map(int, list(Manoeuvre)[:8])  # for compiled code
+
+
 def manoeuvres(route: Route | None, s: Floats | float, final: Floats | float) -> NDArray[np.uint8]:
     """Manoeuvre (...) of ending on `route` at `s` (...) [m] with `final` (...) [m/s]; OFF_LANE without a route.
 
@@ -41,12 +45,24 @@ def manoeuvres(route: Route | None, s: Floats | float, final: Floats | float) ->
     """
     if route is None:
         return np.full(np.shape(s), Manoeuvre.OFF_LANE, np.uint8)
-    at = np.clip(np.asarray(s) / SPACING, 0, len(route.line) - 1).astype(int)
-    turned, shift = route.turned[at], route.shift[at]
-    kind = np.where(np.asarray(final) < STANDING, Manoeuvre.STOP, Manoeuvre.KEEP)
-    kind = np.where(shift > 0, Manoeuvre.CHANGE_LEFT, np.where(shift < 0, Manoeuvre.CHANGE_RIGHT, kind))
-    kind = np.where(turned > TURN, Manoeuvre.LEFT, np.where(turned < -TURN, Manoeuvre.RIGHT, kind))
-    back = (np.abs(route.heading[at] - route.heading[0]) > U_TURN) & (np.abs(turned) > U_TURN / 2)  # some of it on the way in
-    kind = np.where(back, Manoeuvre.U_TURN, kind)
-    still = (np.asarray(s) < NO_MOVE) & (np.asarray(final) < STANDING)
-    return np.where(still, Manoeuvre.STAY, kind).astype(np.uint8)
+    place, pace = np.broadcast_arrays(np.asarray(s, np.float64), np.asarray(final, np.float64))
+    kinds: NDArray[np.uint8] = _kinds(place.ravel(), pace.ravel(), route.heading, route.turned, route.shift)
+    return kinds.reshape(place.shape)
+
+
+@njit(cache=True)
+def _kinds(s, final, heading, turned, shift):  # type: ignore[no-untyped-def]
+    kinds = np.empty(len(s), np.uint8)
+    for i in range(len(s)):
+        at = int(min(max(s[i] / SPACING, 0.0), len(heading) - 1.0))
+        if s[i] < NO_MOVE and final[i] < STANDING:
+            kinds[i] = _STAY
+        elif abs(heading[at] - heading[0]) > U_TURN and abs(turned[at]) > U_TURN / 2:  # some of it on the way in
+            kinds[i] = _U_TURN
+        elif abs(turned[at]) > TURN:
+            kinds[i] = _LEFT if turned[at] > 0 else _RIGHT
+        elif shift[at] != 0:
+            kinds[i] = _CHANGE_LEFT if shift[at] > 0 else _CHANGE_RIGHT
+        else:
+            kinds[i] = _STOP if final[i] < STANDING else _KEEP
+    return kinds

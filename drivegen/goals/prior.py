@@ -5,8 +5,10 @@ dynamics allow, follow the vehicle ahead or stop behind it, stop at a red light 
 to put candidates where vehicles end; ranking them is the selectors' business.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,14 +75,21 @@ def shares(routes: Sequence[Route]) -> list[float]:
 
     Routes are compared with those of as many lane changes; each lane change costs the factor CHANGE.
     """
-    onward: dict[tuple[int, ...], set[int]] = {}
+    branch_of: dict[tuple[int, int], int] = {}  # of a tree, by the branch before and the lane
+    onward: Counter[int] = Counter()
+    forks = []
     for route in routes:
-        for i, lane in enumerate(route.lanes):
-            onward.setdefault((route.lane_changes, *route.lanes[:i]), set()).add(lane)
+        branch, passed = -1 - route.lane_changes, []
+        for lane in route.lanes:
+            if (branch, lane) not in branch_of:
+                branch_of[branch, lane] = len(branch_of)
+                onward[branch] += 1
+            branch = branch_of[branch, lane]
+            passed.append(branch)
+        forks.append(passed[:-1])
     return [
-        CHANGE**route.lane_changes
-        / float(np.prod([len(onward[(route.lane_changes, *route.lanes[:i])]) for i in range(1, len(route.lanes))]))
-        for route in routes
+        CHANGE**route.lane_changes / prod(onward[branch] for branch in passed)
+        for route, passed in zip(routes, forks, strict=True)
     ]
 
 

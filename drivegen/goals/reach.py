@@ -35,8 +35,8 @@ class Dynamics:
 
 def speed_caps(route: Route, speed: float, dynamics: Dynamics) -> NDArray[np.float32]:
     """(P,) [m/s] most speed at each point of the route for a vehicle that drives `speed` at s = 0."""
-    limit = np.where(np.isnan(route.speed_limit), max(UNLIMITED, speed), route.speed_limit * dynamics.limit_factor)
-    caps: NDArray[np.float32] = _caps(route.heading, limit.astype(np.float32), dynamics.lateral, dynamics.braking, SPACING)
+    limits = route.speed_limit, np.float32(dynamics.limit_factor), np.float32(max(UNLIMITED, speed))
+    caps: NDArray[np.float32] = _caps(route.heading, *limits, dynamics.lateral, dynamics.braking, SPACING)
     return caps
 
 
@@ -62,11 +62,11 @@ def end_speed(distance: NDArray[np.floating], speed: float, caps: NDArray[np.flo
 
 
 @njit(cache=True)
-def _caps(heading, limit, lateral, braking, spacing):  # type: ignore[no-untyped-def]
-    caps = limit.copy()
+def _caps(heading, limit, factor, unknown, lateral, braking, spacing):  # type: ignore[no-untyped-def]
+    caps = np.where(np.isnan(limit), unknown, limit * factor)
     count = len(caps)
     for k in range(count):
-        window = int(min(max(limit[k] / 3, 2.0), 15.0) / spacing)  # fast roads are drawn with few vertices: kinks are no bends
+        window = int(min(max(caps[k] / 3, 2.0), 15.0) / spacing)  # fast roads are drawn with few vertices: kinks are no bends
         a, b = max(k - window, 0), min(k + window, count - 1)
         bend = abs(heading[b] - heading[a]) / ((b - a) * spacing)
         caps[k] = min(caps[k], np.sqrt(lateral / max(bend, 1e-4)))

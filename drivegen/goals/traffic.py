@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import Floats, wrap_angle
 from drivegen.core.roadmap import LaneControl, RoadMap
 from drivegen.core.scenario import Scenario
-from drivegen.core.signals import SignalState
 from drivegen.roads.frenet import to_frenet
 from drivegen.roads.line import SPACING, Route
 
@@ -88,14 +87,15 @@ class Queue:
     @classmethod
     def on(cls, route: Route, neighbours: Neighbours) -> "Queue":
         """Those of `neighbours` that are within the lane and go the same way."""
-        if len(neighbours.position) == 0:
-            return cls(np.zeros(0), np.zeros(0), np.zeros(0))
         s, d = to_frenet(route, neighbours.position).T
-        at = np.clip(s / SPACING, 0, len(route.heading) - 1).astype(int)
-        turn = np.abs(wrap_angle(neighbours.heading - route.heading[at]))
-        there = np.flatnonzero((s > 0) & (np.abs(d) < IN_LANE) & (turn < SAME_WAY) & (s < route.length))
-        there = there[np.argsort(s[there], kind="stable")]
-        pace = np.maximum(neighbours.speed[there] * np.cos(turn[there]), 0.0)
+        there = np.flatnonzero((s > 0) & (np.abs(d) < IN_LANE) & (s < route.length))
+        if len(there) == 0:
+            return cls(np.zeros(0), np.zeros(0), np.zeros(0))
+        turn = np.abs(wrap_angle(neighbours.heading[there] - route.heading[(s[there] / SPACING).astype(int)]))
+        order = np.argsort(s[there], kind="stable")
+        order = order[turn[order] < SAME_WAY]
+        there = there[order]
+        pace = np.maximum(neighbours.speed[there] * np.cos(turn[order]), 0.0)
         return cls(*(a.astype(np.float64) for a in (s[there], pace, neighbours.length[there])))
 
 
@@ -103,8 +103,8 @@ def look_ahead(scenario: Scenario, route: Route, neighbours: Neighbours, length:
     """What a vehicle of `length` [m] at s = 0 finds on `route`."""
     gap, speed = _leader(Queue.on(route, neighbours), length)
     front = length / 2 + STAND
-    closed = np.isin(scenario.signals.state[:, 0], (SignalState.RED, SignalState.YELLOW))
-    return Ahead(gap, speed, _first_entry(route, scenario.signals.lane[closed]) - front, _first_wait(route, scenario.map) - front)
+    closed = scenario.signals.lane[scenario.signals.closed[:, 0]]
+    return Ahead(gap, speed, _first_entry(route, closed) - front, _first_wait(route, scenario.map) - front)
 
 
 def _leader(queue: Queue, length: float) -> tuple[float, float]:
@@ -117,14 +117,13 @@ def _leader(queue: Queue, length: float) -> tuple[float, float]:
 
 def _first_entry(route: Route, lanes: NDArray[np.int32]) -> float:
     """Distance [m] to where the route enters the first of `lanes`; inf if it does not."""
-    entries = np.flatnonzero(route.lane[1:] != route.lane[:-1]) + 1
-    hit = entries[np.isin(route.lane[entries], lanes)]
+    hit = route.entries[(route.lane[route.entries, None] == lanes).any(1)]
     return float(hit[0]) * SPACING if len(hit) else np.inf
 
 
 def _first_wait(route: Route, road_map: RoadMap) -> float:
     """Distance [m] to the first lane across a junction that is not known to be free; inf if there is none."""
-    entries = np.flatnonzero(route.lane[1:] != route.lane[:-1]) + 1
+    entries = route.entries
     entered, left = route.lane[entries], route.lane[entries - 1]
     waits = road_map.in_junction[entered] & ~road_map.in_junction[left] & (road_map.control[entered] != LaneControl.FREE)
     return float(entries[np.argmax(waits)]) * SPACING if waits.any() else np.inf

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.scenario import DT
-from drivegen.core.signals import Signals, SignalState
+from drivegen.core.signals import Signals
 from drivegen.goals.traffic import HALTED, STAND, Ahead, Queue
 from drivegen.roads.line import SPACING, Route
 
@@ -78,13 +78,10 @@ class Waiting:
 
 def _next_signal(route: Route, signals: Signals) -> tuple[float, NDArray[np.bool_] | None]:
     """Where the route enters the first lane with a known signal [m], and whether that is closed (T,); (inf, None) without one."""
-    shown = (signals.state != SignalState.UNKNOWN).any(1)
-    entries = np.flatnonzero(route.lane[1:] != route.lane[:-1]) + 1
-    at, which = np.nonzero(route.lane[entries][:, None] == signals.lane[shown][None])
+    at, which = np.nonzero((route.lane[route.entries, None] == signals.lane) & signals.shown)
     if len(at) == 0:
         return np.inf, None
-    state = signals.state[shown][which[0]]
-    return float(entries[at[0]]) * SPACING, (state == SignalState.RED) | (state == SignalState.YELLOW)
+    return float(route.entries[at[0]]) * SPACING, signals.closed[which[0]]
 
 
 def _first(when: NDArray[np.bool_]) -> float:

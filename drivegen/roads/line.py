@@ -59,6 +59,11 @@ class Route:
         """The lanes in order of travel."""
         return tuple(piece.lane for piece in self.pieces)
 
+    @cached_property
+    def entries(self) -> NDArray[np.intp]:
+        """The points at which the line enters another lane."""
+        return np.flatnonzero(self.lane[1:] != self.lane[:-1]) + 1
+
     @property
     def leaves_map(self) -> bool:
         """Whether the line goes straight on beyond the end of the map."""
@@ -124,10 +129,12 @@ def extended(graph: LaneGraph, pieces: Sequence[Piece], reach: float) -> list[Pi
     for piece in pieces:
         if total >= reach:
             break
-        way.append(replace(piece, end=min(piece.end, piece.begin + reach - total)))
+        most = piece.begin + reach - total
+        way.append(piece if piece.end <= most else replace(piece, end=most))
         total += max(way[-1].end - piece.begin, 0.0)
     rest = min(max(float(graph.length[way[-1].lane]) - way[-1].end, 0.0), max(reach - total, 0.0))
-    way[-1] = replace(way[-1], end=way[-1].end + rest)  # a matched track may end in the middle of its lane
+    if rest > 0:  # a matched track may end in the middle of its lane
+        way[-1] = replace(way[-1], end=way[-1].end + rest)
     total += rest
     while total < reach:
         last = way[-1].lane

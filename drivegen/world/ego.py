@@ -39,6 +39,10 @@ class Ego:
         zero = torch.zeros_like(speed)
         return _posed(zero, zero, zero, speed, paths)
 
+    def of(self, chosen: Tensor) -> "Ego":
+        """The targets `chosen` (R,), copied."""
+        return Ego(*(getattr(self, field.name)[chosen] for field in fields(self)))
+
     def put(self, rows: Tensor, fresh: "Ego") -> None:
         """Overwrite `rows` by those of `fresh`."""
         for field in fields(self):

@@ -31,21 +31,20 @@ class World:
         """Without `neighbours` all are replayed, without a `lookout` no rules are seen; targets keep to paths or move `free`."""
         self.scenes, self.neighbours, self._free = scenes, neighbours or Replayed(scenes), free
         self._watch = Watch(lookout, rows) if lookout else None
+        self._begin = Ego.at_start(scenes.speed, scenes.paths)  # of every scene: episodes begin in nearly every step
+        if free:
+            self._begin = placed(self._begin, *scenes.start, scenes.paths)
         self.scene = torch.arange(rows, device=scenes.steps.device) % len(scenes)
         self.reset(self.scene)
 
     def reset(self, scene: Tensor, rows: Tensor | None = None) -> None:
         """Begin `scene` in every row, or in `rows` alone."""
-        paths = self.scenes.paths.of(scene)
-        ego = Ego.at_start(self.scenes.speed[scene], paths)
-        if self._free:
-            position, heading = self.scenes.start
-            ego = placed(ego, position[scene], heading[scene], paths)
+        ego = self._begin.of(scene)
         if rows is None:
             self.resume(scene, torch.zeros_like(scene), ego)
             return
         self.scene[rows], self.step[rows], self.size[rows] = scene, 0, self.scenes.size[scene]
-        self.paths.put(rows, paths)
+        self.paths.put(rows, self.scenes.paths.of(scene))
         self.ego.put(rows, ego)
         self._reset_others(rows)
 

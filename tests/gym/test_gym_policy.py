@@ -11,7 +11,17 @@ from torch import nn
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.settings import read_params
 from drivegen.drivers.shared.conditions import Settings
-from drivegen.drivers.shared.features import COUNT, DISTANCES, LIMIT, NEAREST, crossing, features, leader, nearest_boxes
+from drivegen.drivers.shared.features import (
+    COUNT,
+    DISTANCES,
+    LIMIT,
+    NEAREST,
+    crossing,
+    features,
+    leader,
+    nearest_boxes,
+    road_ahead,
+)
 from drivegen.drivers.shared.network import Network
 from drivegen.drivers.shared.network import Settings as Weights
 from drivegen.gym.sb3 import DriveVecEnv, save_policy
@@ -75,4 +85,5 @@ def test_the_compiled_features_are_those_of_tensors(seed):
     torch.testing.assert_close(numbers[:, 10], comes / 5)
     torch.testing.assert_close(numbers[:, 11], place / 30)
     first = 12 + 2 * len(DISTANCES)
+    torch.testing.assert_close(numbers[:, 12:first], torch.cat(road_ahead(seen), dim=1).clamp(-LIMIT, LIMIT))
     torch.testing.assert_close(numbers[:, first : first + 8 * NEAREST], nearest_boxes(seen).clamp(-LIMIT, LIMIT))

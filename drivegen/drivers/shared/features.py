@@ -38,7 +38,7 @@ from torch import Tensor
 
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.signals import SignalState
-from drivegen.world.observation import Observation
+from drivegen.world.observation import PATH_SPACING, Observation
 
 DISTANCES = (5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 80.0)
 """[m] ahead of the target's front."""
@@ -53,13 +53,15 @@ _UNKNOWN_LIMIT, _FARTHEST, _HARDEST = 13.9, 60.0, 8.0
 _SPEED, _GAP = 15.0, 30.0
 _SLOWEST, _LATEST, _COMFORTABLE = 0.1, 10.0, 3.0
 _FAR = 1e6
+_DISTANCES = np.array(DISTANCES, np.float32)  # for compiled code
 
 
 def features(view: Observation) -> Tensor:
     """(S, COUNT) float32 of S targets."""
     on_cpu = view.speed.device.type == "cpu"
     leading, side, neighbours = _compiled(view) if on_cpu else (leader(view), crossing(view), nearest_boxes(view))
-    parts = [_own(view, *_halting(view, *leading), *side), *_road(view), neighbours, _rules(view)]
+    road = _compiled_road(view) if on_cpu else road_ahead(view)
+    parts = [_own(view, *_halting(view, *leading), *side), *road, neighbours, _rules(view)]
     return torch.cat(parts, dim=1).clamp_(-LIMIT, LIMIT)
 
 
@@ -104,7 +106,8 @@ def crossing(view: Observation) -> tuple[Tensor, Tensor]:
     return time.clamp_max(_LATEST), torch.where(time < _LATEST, place.clamp(0.0, _FARTHEST), _FARTHEST)
 
 
-def _road(view: Observation) -> tuple[Tensor, Tensor]:
+def road_ahead(view: Observation) -> tuple[Tensor, Tensor]:
+    """Speed limits and bends (S, len(DISTANCES)) in their units."""
     distances = torch.tensor(DISTANCES, device=view.speed.device)
     rows = view.paths.row((view.along + 0.5 * view.length)[:, None] + distances)
     here = view.paths.heading.gather(1, view.paths.row(view.along[:, None]))
@@ -144,6 +147,33 @@ def _compiled(view: Observation) -> tuple[tuple[Tensor, Tensor], tuple[Tensor, T
     _look(*(array.numpy() for array in arrays), gap, closing, comes, comes_at, boxes)
     leading, side = (gap, closing), (comes, comes_at)
     return (_tensors(leading), _tensors(side), torch.from_numpy(boxes).flatten(1))
+
+
+def _compiled_road(view: Observation) -> tuple[Tensor, Tensor]:
+    """`road_ahead` by a loop."""
+    limits, bends = np.empty((2, len(view.speed), len(DISTANCES)), np.float32)
+    arrays = (view.along, view.length, view.paths.heading, view.paths.speed_limit, view.paths.length)
+    _look_along(*(array.numpy() for array in arrays), limits, bends)
+    return _tensors((limits, bends))
+
+
+@njit(cache=True, error_model="numpy")
+def _look_along(along, length, heading, limit, end, limits, bends):  # type: ignore[no-untyped-def]
+    turn, farthest = np.float32(2 * np.pi), heading.shape[1] - 2
+    for s in range(len(along)):
+        front = along[s] + np.float32(0.5) * length[s]
+        here = heading[s, _row(along[s], end[s], farthest)]
+        for k in range(len(_DISTANCES)):
+            row = _row(front + _DISTANCES[k], end[s], farthest)
+            turned = heading[s, row] - here
+            bends[s, k] = turned - turn * np.rint(turned / turn)
+            limits[s, k] = (np.float32(_UNKNOWN_LIMIT) if np.isnan(limit[s, row]) else limit[s, row]) / np.float32(_SPEED)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _row(along, end, farthest):  # type: ignore[no-untyped-def]
+    """`Paths.row` of one place."""
+    return min(int(min(max(along, np.float32(0)), end) / np.float32(PATH_SPACING)), farthest)
 
 
 def _tensors(arrays: tuple[NDArray[np.float32], NDArray[np.float32]]) -> tuple[Tensor, Tensor]:
