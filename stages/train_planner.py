@@ -6,8 +6,9 @@ An interrupted training goes on from `.drivegen/checkpoints/`, in a folder named
 """
 
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.planners.shared.scores import drawn_tracks, score
 from drivegen.roads.graph import LaneGraph
 from drivegen.store.files import write_json
+from drivegen.store.lookup import evenly
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import checkpoint
 from drivegen.training.curve import plateau, write_curve
@@ -31,6 +33,9 @@ from drivegen.training.timing import timed
 from stages._door import build, enter, spread_splits
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
+
+VALIDATION_SHARDS = 10
+"""Of more validation shards so many are looked at, evenly spread: their tracks stay in memory, with their maps."""
 
 
 @dataclass(frozen=True)
@@ -58,16 +63,17 @@ def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Pa
     planner, settings = _untrained(model.name, params)
     single = SingleJudge(read_limits_file(limits))
     train, validation = _examples(scenarios, params)
+    learnt: list[int] = []
     data = [*shards(scenarios / "train"), *shards(scenarios / "val")]
     inputs = (model.name, asdict(settings), params.training_seed, params.seen)
     checkpoints = CHECKPOINTS / checkpoint.name_of(inputs, data, checkpoint.source_digest("drivegen", "stages"))
     costs: dict[str, float] = {"planned": 0.0}
     with timed("training", costs):
-        rows = planner.fit(train, validation, params.training_seed, checkpoints, _say(model.name))
+        rows = planner.fit(_counted(train, learnt), validation, params.training_seed, checkpoints, _say(model.name))
     planner.save(model)
     write_curve(curve, rows, error="ade")
-    counts = {"train_tracks": len(train), "validation_tracks": len(validation), "steps": rows[-1].step}
-    epochs = round(rows[-1].step * settings.training.batch / max(len(train), 1), 2)
+    counts = {"train_tracks": sum(learnt), "validation_tracks": len(validation), "steps": rows[-1].step}
+    epochs = round(rows[-1].step * settings.training.batch / max(sum(learnt), 1), 2)
 
     def sample(scenes: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
         with timed("planning", costs):
@@ -94,16 +100,24 @@ def _untrained(name: str, params: Params) -> tuple[Planner, Any]:
     return plugin(settings), settings
 
 
-def _examples(scenarios: Path, params: Params) -> tuple[Examples, Examples]:
-    """Requests and motion of the logged tracks of both splits, shard by shard."""
-    train, validation = spread_splits(
-        _shard_examples,
-        scenarios,
-        lambda split: [(shard, params.seen, params.training_seed) for shard in shards(split)],
-        params.workers,
-        "tracks",
-    )
-    return Examples.join(train), Examples.join(validation)
+def _examples(scenarios: Path, params: Params) -> tuple[Iterator[Examples], Examples]:
+    """Requests and motion of the logged tracks: of the train split shard by shard, of the validation split all at once."""
+
+    def tasks(split: Path) -> list[tuple[Path, float, int]]:
+        files = shards(split)
+        most = len(files) if split.name == "train" else VALIDATION_SHARDS
+        return [(files[n], params.seen, params.training_seed) for n in evenly(len(files), most)]
+
+    parts = spread_splits(_shard_examples, scenarios, tasks, params.workers, "tracks")
+    validation = Examples.join([part for _, part in islice(parts, len(tasks(scenarios / "val")))])
+    return (part for _, part in parts), validation
+
+
+def _counted(parts: Iterable[Examples], counts: list[int]) -> Iterator[Examples]:
+    """The same; how many tracks each has is added to `counts`."""
+    for part in parts:
+        counts.append(len(part))
+        yield part
 
 
 def _shard_examples(task: tuple[Path, float, int]) -> Examples:

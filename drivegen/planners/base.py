@@ -1,6 +1,6 @@
 """The protocol of a planner: learn from logs, then fill in motion between initial states and goals, in batches."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Protocol, Self
@@ -166,7 +166,7 @@ class Planner(Protocol):
 
     def fit(
         self,
-        train: Examples,
+        train: Iterable[Examples],
         validation: Examples,
         seed: int,
         checkpoints: Path | None,
@@ -174,7 +174,8 @@ class Planner(Protocol):
     ) -> list[LossRow]:
         """Learn, and return the loss curve. Same arguments, same weights, also when killed and started again.
 
-        `checkpoints` is a folder for interrupted work, named by the caller after all inputs; `report` takes progress lines.
+        `train` comes in parts, a shard each, and is gone through once. `checkpoints` is a folder for interrupted work, named by
+        the caller after all inputs; `report` takes progress lines.
         """
 
     def sample(self, scenarios: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
