@@ -6,8 +6,9 @@ An interrupted training goes on from `.drivegen/checkpoints/`, in a folder named
 """
 
 import shutil
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.settings import Count, Share
-from drivegen.planners.base import Examples, Planner, PlanRequests
+from drivegen.planners.base import Examples, Planner, PlanRequests, Stream
 from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.planners.shared.scores import drawn_tracks, score
 from drivegen.roads.graph import LaneGraph
@@ -33,9 +34,8 @@ from drivegen.training.timing import timed
 from stages._door import build, enter, spread_splits
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
-
 VALIDATION_SHARDS = 10
-"""Of more validation shards so many are looked at, evenly spread: their tracks stay in memory, with their maps."""
+"""Of more, so many are looked at, evenly spread: their tracks stay in memory, with their maps."""
 
 
 @dataclass(frozen=True)
@@ -60,20 +60,18 @@ class Params:
 
 def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Path, curve: Path) -> dict[str, float]:
     """Train, save, score."""
-    planner, settings = _untrained(model.name, params)
-    single = SingleJudge(read_limits_file(limits))
+    (planner, settings), single = _untrained(model.name, params), SingleJudge(read_limits_file(limits))
     train, validation = _examples(scenarios, params)
-    learnt: list[int] = []
     data = [*shards(scenarios / "train"), *shards(scenarios / "val")]
     inputs = (model.name, asdict(settings), params.training_seed, params.seen)
     checkpoints = CHECKPOINTS / checkpoint.name_of(inputs, data, checkpoint.source_digest("drivegen", "stages"))
-    costs: dict[str, float] = {"planned": 0.0}
+    costs, say = {"planned": 0.0}, partial(print, f"train_planner {model.name}:", flush=True)
     with timed("training", costs):
-        rows = planner.fit(_counted(train, learnt), validation, params.training_seed, checkpoints, _say(model.name))
+        rows = planner.fit(train, validation, params.training_seed, checkpoints, say)
     planner.save(model)
     write_curve(curve, rows, error="ade")
-    counts = {"train_tracks": sum(learnt), "validation_tracks": len(validation), "steps": rows[-1].step}
-    epochs = round(rows[-1].step * settings.training.batch / max(sum(learnt), 1), 2)
+    counts = {"train_tracks": train.tracks, "validation_tracks": len(validation), "steps": rows[-1].step}
+    epochs = round(rows[-1].step * settings.training.batch / max(train.tracks, 1), 2)
 
     def sample(scenes: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
         with timed("planning", costs):
@@ -93,41 +91,29 @@ def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Pa
 
 def _untrained(name: str, params: Params) -> tuple[Planner, Any]:
     """The planner plugin called `name` and its settings; raises UnusableInput where params know none."""
-    plugin = plugins.load("planners", name)
     if name not in params.planners:
         raise UnusableInput(f"params.yaml: train_planner.planners has no settings for {name!r}")
+    plugin = plugins.load("planners", name)
     settings = build(plugin.Settings, params.planners[name], f"params.yaml: train_planner.planners.{name}")
     return plugin(settings), settings
 
 
-def _examples(scenarios: Path, params: Params) -> tuple[Iterator[Examples], Examples]:
+def _examples(scenarios: Path, params: Params) -> tuple[Stream, Examples]:
     """Requests and motion of the logged tracks: of the train split shard by shard, of the validation split all at once."""
 
     def tasks(split: Path) -> list[tuple[Path, float, int]]:
         files = shards(split)
-        most = len(files) if split.name == "train" else VALIDATION_SHARDS
-        return [(files[n], params.seen, params.training_seed) for n in evenly(len(files), most)]
+        chosen = evenly(len(files), VALIDATION_SHARDS if split.name == "val" else len(files))
+        return [(files[n], params.seen, params.training_seed) for n in chosen]
 
-    parts = spread_splits(_shard_examples, scenarios, tasks, params.workers, "tracks")
-    validation = Examples.join([part for _, part in islice(parts, len(tasks(scenarios / "val")))])
-    return (part for _, part in parts), validation
-
-
-def _counted(parts: Iterable[Examples], counts: list[int]) -> Iterator[Examples]:
-    """The same; how many tracks each has is added to `counts`."""
-    for part in parts:
-        counts.append(len(part))
-        yield part
+    parts = (part for _, part in spread_splits(_shard_examples, scenarios, tasks, params.workers, "tracks"))
+    validation = Examples.join(list(islice(parts, len(tasks(scenarios / "val")))))
+    return Stream(parts), validation
 
 
 def _shard_examples(task: tuple[Path, float, int]) -> Examples:
     shard, least_seen, seed = task
-    scenarios = read_shard(shard)
-    return examples_from_logs(scenarios, [LaneGraph.of(s.map) for s in scenarios], least_seen, seed)
-
-
-def _say(name: str) -> Callable[[str], None]:
-    return lambda line: print(f"train_planner {name}: {line}", flush=True)
+    return examples_from_logs(logs := read_shard(shard), [LaneGraph.of(log.map) for log in logs], least_seen, seed)
 
 
 if __name__ == "__main__":

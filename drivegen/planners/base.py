@@ -1,6 +1,6 @@
 """The protocol of a planner: learn from logs, then fill in motion between initial states and goals, in batches."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Protocol, Self
@@ -150,6 +150,19 @@ class Examples:
             motion.valid[rows, : part.motion.steps] = part.motion.valid
             low += len(part)
         return cls(scenarios, PlanRequests.join([p.requests for p in parts], [len(p.scenarios) for p in parts]), motion)
+
+
+@dataclass
+class Stream:
+    """Examples that come in parts and are gone through once; `tracks` have come so far."""
+
+    parts: Iterator[Examples]
+    tracks: int = 0
+
+    def __iter__(self) -> Iterator[Examples]:
+        for part in self.parts:
+            self.tracks += len(part)
+            yield part
 
 
 class Planner(Protocol):
