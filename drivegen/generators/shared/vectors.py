@@ -214,10 +214,6 @@ class SceneTensors:
     def __len__(self) -> int:
         return len(self.frame)
 
-    def __getitem__(self, rows: Tensor | slice) -> "SceneTensors":
-        """The chosen scenarios."""
-        return SceneTensors(*(getattr(self, f.name)[rows] for f in fields(self)))
-
 
 def local_future(scenes: SceneTensors) -> Tensor:
     """Logged positions (S, A, T, 2) [m] in each vehicle's own frame at step 0: x forward, y left."""
