@@ -19,8 +19,9 @@ import os
 import resource
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any, TypeVar
@@ -30,15 +31,24 @@ from drivegen.core.settings import SHARED
 from drivegen.core.settings import build as build
 from drivegen.core.settings import read_params as read_params
 from drivegen.core.settings import read_section as read_section
+from drivegen.store.columns import Columns, Table
 from drivegen.store.costs import write_cost
 from stages._cluster import USED, cpu_seconds, on_cluster
 
 P = TypeVar("P")
 Task = TypeVar("Task")
 Result = TypeVar("Result")
+Learnt = TypeVar("Learnt", bound=Table)
 
 COST_FOLDER = Path(".drivegen/costs")
 """Where times are kept: they differ from run to run, so no stage's output holds any."""
+
+
+SCRATCH = Path(".drivegen/scratch")
+"""Where files without a name lie that trainings learn from; empty to look at, and once nobody trains."""
+
+AHEAD = 8
+"""Tasks of each process that may be begun before the result of the first of them is taken."""
 
 
 def enter(section: str, params: type[P], main: Callable[..., Mapping[str, float] | None]) -> None:
@@ -99,7 +109,7 @@ def _taken(began: float) -> dict[str, float]:
 
 
 def spread(work: Callable[[Task], Result], tasks: Sequence[Task], workers: int, what: str) -> Iterator[tuple[Task, Result]]:
-    """Run `work` over tasks and yield (task, result) in task order, with a line of progress each.
+    """Run `work` over tasks and yield (task, result) in task order, with a line of progress each; no result is kept here.
 
     `work` must be a top-level function. With one worker everything runs here; with more in so many spawned processes, or on
     the cluster that `run.cluster` names. Results never depend on where.
@@ -123,9 +133,13 @@ def _done(work: Callable[[Task], Result], tasks: Sequence[Task], workers: int, w
     else:
         context = multiprocessing.get_context("spawn")  # fork is unsafe with torch, rerun and threads
         with ProcessPoolExecutor(min(workers, len(tasks)), mp_context=context) as pool:
-            futures = {pool.submit(work, task): i for i, task in enumerate(tasks)}
-            for future in as_completed(futures):
-                yield futures[future], _result(future, what)
+            waiting: deque[Future[Result]] = deque()
+            for number, task in enumerate(tasks):
+                waiting.append(pool.submit(work, task))
+                if len(waiting) == AHEAD * workers:
+                    yield number + 1 - len(waiting), _result(waiting.popleft(), what)
+            while waiting:
+                yield len(tasks) - len(waiting), _result(waiting.popleft(), what)
 
 
 def _result(future: "Future[Result]", what: str) -> Result:
@@ -140,15 +154,26 @@ def _result(future: "Future[Result]", what: str) -> Result:
 
 def spread_splits(
     work: Callable[[Task], Result], scenarios: Path, tasks: Callable[[Path], Sequence[Task]], workers: int, what: str
-) -> tuple[list[Result], list[Result]]:
-    """Results for the train and for the validation split of `scenarios`, each in order, by the same processes.
+) -> Iterator[tuple[str, Result]]:
+    """Results for the splits `val` and, after it, `train` of `scenarios`, each in order, by the same processes.
 
     `tasks` gives the tasks of a split's folder, none where there is no folder; without a train split MissingTool is raised.
     One set of processes does both splits because to start one takes two seconds.
     """
-    train = tasks(require(scenarios / "train", "run the ingest stage"))
-    results = [result for _, result in spread(work, [*train, *tasks(scenarios / "val")], workers, what)]
-    return results[: len(train)], results[len(train) :]
+    train, held_out = tasks(require(scenarios / "train", "run the ingest stage")), tasks(scenarios / "val")
+    for number, (_, result) in enumerate(spread(work, [*held_out, *train], workers, what)):
+        yield ("val" if number < len(held_out) else "train"), result
+
+
+def learnt_from(
+    kind: type[Learnt], work: Callable[[Task], Learnt], scenarios: Path, tasks: Callable[[Path], Sequence[Task]], workers: int,
+    what: str,
+) -> tuple[Learnt, Learnt]:  # fmt: skip
+    """What `work` makes of the shards of both splits, as two tables in mapped files: memory does not grow with them."""
+    made = {split: Columns(kind, SCRATCH) for split in ("train", "val")}
+    for split, part in spread_splits(work, scenarios, tasks, workers, what):
+        made[split].add(part)
+    return made["train"].whole(), made["val"].whole()
 
 
 def _progress(what: str, done: int, total: int) -> None:

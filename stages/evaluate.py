@@ -16,11 +16,12 @@ from drivegen.metrics.road_edge import FARTHEST, RoadEdges
 from drivegen.metrics.scene import Scored, Settings, score
 from drivegen.metrics.whole import columns, sample_columns, summary
 from drivegen.roads.drivable import CELL, covered, road_surface
+from drivegen.store.columns import on_disk
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import read_shard, shards
-from stages._door import enter, require, spread
+from stages._door import SCRATCH, enter, require, spread
 
 SHOWN = ("min_sade", "mean_sade", "realism", "illegal_per_vehicle")
 """What `dvc metrics show` prints: one row a method, no wider than a screen."""
@@ -51,7 +52,7 @@ def main(params: Params, scenarios: Path, generated: Path, results: Path, detail
     tasks = [Task(shard, require(generated / shard.name, "run the rollout stage"), params) for shard in shards(scenarios)]
     scenes: list[Scored] = []
     for _, part in spread(_score_shard, tasks, params.workers, f"evaluate {shown.stem}"):
-        scenes += part
+        scenes += on_disk(part, SCRATCH)  # motion and histograms; of each scene only its numbers stay in memory
     if not scenes:
         raise UnusableInput(f"{scenarios} holds no scenario with a log to compare with", reason="no-scenarios")
     run = Run.of("evaluate", shown.stem, asdict(params), [scenarios, generated], method=shown.stem)

@@ -5,16 +5,18 @@ their own because no training seed changes them, and they take longer than to le
 selector recorded for the train split (stage goals) are the labels of train.parquet instead of the logs'.
 """
 
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count
 from drivegen.goals.candidates import Settings as CandidateSettings
-from drivegen.goals.list_files import write_lists
+from drivegen.goals.list_files import list_writer
 from drivegen.goals.lists import Lists
 from drivegen.goals.packing import unpack
 from drivegen.roads.graph import LaneGraph
+from drivegen.store.columns import joined
 from drivegen.store.folders import whole_folder
 from drivegen.store.goals import read_goals
 from drivegen.store.scenarios import read_shard, shards
@@ -49,19 +51,22 @@ def main(params: Params, scenarios: Path, out: Path) -> dict[str, float]:
         teacher = params.teacher.goals if split.name == "train" else ""
         return [(shard, params.candidates, teacher) for shard in shards(split)]
 
-    train, val = spread_splits(_shard_lists, scenarios, tasks, params.workers, "goal lists")
-    learnt, held_out = (Lists.joined([Lists.none(), *parts]) for parts in (train, val))
-    with whole_folder(out) as folder:
-        write_lists(folder / "train.parquet", learnt, params.teacher.name)
-        write_lists(folder / "val.parquet", held_out)
-    return {"lists": float(len(learnt) + len(held_out))}
+    count = 0
+    with whole_folder(out) as folder, ExitStack() as files:
+        teachers = {"train": params.teacher.name, "val": ""}
+        write = {split: files.enter_context(list_writer(folder / f"{split}.parquet", who)) for split, who in teachers.items()}
+        for split, lists in spread_splits(_shard_lists, scenarios, tasks, params.workers, "goal lists"):
+            write[split](lists)
+            count += len(lists)
+        files.close()  # before the folder takes its place
+    return {"lists": float(count)}
 
 
 def _shard_lists(task: tuple[Path, CandidateSettings, str]) -> Lists:
     shard, settings, teacher = task
     if teacher:
         return _taught_lists(shard, require(Path(teacher) / shard.name, "run the goals stage on the train split"))
-    return Lists.joined([Lists.none(), *(Lists.of_log(log, settings) for log in read_shard(shard))])
+    return joined(Lists, (Lists.of_log(log, settings) for log in read_shard(shard)))
 
 
 def _taught_lists(shard: Path, recorded: Path) -> Lists:
@@ -69,10 +74,10 @@ def _taught_lists(shard: Path, recorded: Path) -> Lists:
     scenarios, goals = read_shard(shard), read_goals(recorded)
     if [s.scenario_id for s in scenarios] != [g.scenario_id for g in goals]:
         raise UnusableInput(f"{recorded} belongs to other scenarios than {shard}: run the goals stage again")
-    parts = [Lists.none()]
-    for scenario, columns in zip(scenarios, goals, strict=True):
-        parts.append(Lists.by_teacher(scenario, *unpack(LaneGraph.of(scenario.map), columns)))
-    return Lists.joined(parts)
+    pairs = zip(scenarios, goals, strict=True)
+    return joined(
+        Lists, (Lists.by_teacher(scenario, *unpack(LaneGraph.of(scenario.map), columns)) for scenario, columns in pairs)
+    )
 
 
 if __name__ == "__main__":

@@ -7,13 +7,14 @@ argv: maps (a folder with <name>/map.net.xml), assets, gaps, held-out logs (a fo
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.scenario import Scenario
 from drivegen.core.settings import Count
-from drivegen.placement.gaps import Gaps, headways, measure_gaps
+from drivegen.placement.gaps import Following, Gaps, headways
 from drivegen.placement.place import MODES
 from drivegen.placement.scenes import Initialiser, Settings
 from drivegen.placement.table import Table
@@ -46,12 +47,13 @@ def main(params: Params, maps: Path, assets: Path, gaps: Path, held_out: Path, o
         raise MissingTool(f"{maps} holds no map: run the maps stage")
     rejected: Counter[str] = Counter()
     placer = _Placer(params, table, gap_table)
-    scenarios = [scenario for file in files for scenario in placer.scenes(file, params.initial, rejected)]
-    for shard, start in enumerate(range(0, len(scenarios), params.per_shard)):
-        write_shard(out / f"shard-{shard:05d}.parquet", scenarios[start : start + params.per_shard])
-    placed = sum(len(scenario.vehicles) for scenario in scenarios)
-    vehicles = len(files) * params.per_map * params.initial.vehicles
-    numbers = {"maps": len(files), "scenarios": len(scenarios), "asked": vehicles, "placed": placed, "rejected": rejected}
+    scenarios = (scenario for file in files for scenario in placer.scenes(file, params.initial, rejected))
+    sizes: list[int] = []
+    while part := list(islice(scenarios, params.per_shard)):
+        write_shard(out / f"shard-{len(sizes) // params.per_shard:05d}.parquet", part)
+        sizes += [len(scenario.vehicles) for scenario in part]
+    placed, vehicles = sum(sizes), len(files) * params.per_map * params.initial.vehicles
+    numbers = {"maps": len(files), "scenarios": len(sizes), "asked": vehicles, "placed": placed, "rejected": rejected}
     write_json(counts, {**numbers, "mode": params.initial.placement.mode, "headways": _headways(placer, files, held_out)})
     print(f"place: {placed} of {vehicles} vehicles on {len(files)} maps")
 
@@ -59,13 +61,13 @@ def main(params: Params, maps: Path, assets: Path, gaps: Path, held_out: Path, o
 def _headways(placer: "_Placer", files: list[Path], held_out: Path) -> dict[str, Any]:
     """Of both modes and of the held-out logs."""
     params = placer.params
-    logs = [s for shard in shards(require(held_out, "run the ingest stage")) for s in read_shard(shard)][: params.compared]
-    truth = measure_gaps(logs)
+    logs = (s for shard in shards(require(held_out, "run the ingest stage")) for s in read_shard(shard))
+    truth = Following.of(islice(logs, params.compared))
     by_name = {"held-out logs": headways(truth)}
     for mode in MODES:
         initial = replace(params.initial, placement=replace(params.initial.placement, mode=mode))
-        scenes = [scene for file in files for scene in placer.scenes(file, initial, Counter())]
-        by_name[f"placed, mode {mode}"] = headways(measure_gaps(scenes), truth)
+        scenes = (scene for file in files for scene in placer.scenes(file, initial, Counter()))
+        by_name[f"placed, mode {mode}"] = headways(Following.of(scenes), truth)
     return by_name
 
 

@@ -23,7 +23,7 @@ from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import checkpoint
 from drivegen.training.curve import kept, plateau, write_curve
-from stages._door import build, enter, spread_splits
+from stages._door import build, enter, learnt_from
 from stages._rolled_out import WATCHED_SEED, Watched, rolled_out, scores_of
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
@@ -89,10 +89,11 @@ def _chosen(name: str, params: Params) -> tuple[type[Learned], Any]:
 
 def _examples(plugin: type[Learned], settings: Any, scenarios: Path, workers: int) -> tuple[Any, Any]:
     """What the generator learns from and what it is validated on, shard by shard."""
-    train, validation = spread_splits(
-        _shard_examples, scenarios, lambda split: [(plugin, settings, shard) for shard in shards(split)], workers, "scenes"
-    )
-    return plugin.Examples.joined(train), plugin.Examples.joined(validation)
+
+    def tasks(split: Path) -> list[tuple[type[Learned], Any, Path]]:
+        return [(plugin, settings, shard) for shard in shards(split)]
+
+    return learnt_from(plugin.Examples, _shard_examples, scenarios, tasks, workers, "scenes")
 
 
 def _shard_examples(task: tuple[type[Learned], Any, Path]) -> Any:

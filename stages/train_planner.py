@@ -6,8 +6,10 @@ An interrupted training goes on from `.drivegen/checkpoints/`, in a folder named
 """
 
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +21,12 @@ from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.settings import Count, Share
-from drivegen.planners.base import Examples, Planner, PlanRequests
+from drivegen.planners.base import Examples, Planner, PlanRequests, Stream
 from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.planners.shared.scores import drawn_tracks, score
 from drivegen.roads.graph import LaneGraph
 from drivegen.store.files import write_json
+from drivegen.store.lookup import evenly
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import checkpoint
 from drivegen.training.curve import plateau, write_curve
@@ -31,6 +34,8 @@ from drivegen.training.timing import timed
 from stages._door import build, enter, spread_splits
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
+VALIDATION_SHARDS = 10
+"""Of more, so many are looked at, evenly spread: their tracks stay in memory, with their maps."""
 
 
 @dataclass(frozen=True)
@@ -55,19 +60,18 @@ class Params:
 
 def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Path, curve: Path) -> dict[str, float]:
     """Train, save, score."""
-    planner, settings = _untrained(model.name, params)
-    single = SingleJudge(read_limits_file(limits))
+    (planner, settings), single = _untrained(model.name, params), SingleJudge(read_limits_file(limits))
     train, validation = _examples(scenarios, params)
     data = [*shards(scenarios / "train"), *shards(scenarios / "val")]
     inputs = (model.name, asdict(settings), params.training_seed, params.seen)
     checkpoints = CHECKPOINTS / checkpoint.name_of(inputs, data, checkpoint.source_digest("drivegen", "stages"))
-    costs: dict[str, float] = {"planned": 0.0}
+    costs, say = {"planned": 0.0}, partial(print, f"train_planner {model.name}:", flush=True)
     with timed("training", costs):
-        rows = planner.fit(train, validation, params.training_seed, checkpoints, _say(model.name))
+        rows = planner.fit(train, validation, params.training_seed, checkpoints, say)
     planner.save(model)
     write_curve(curve, rows, error="ade")
-    counts = {"train_tracks": len(train), "validation_tracks": len(validation), "steps": rows[-1].step}
-    epochs = round(rows[-1].step * settings.training.batch / max(len(train), 1), 2)
+    counts = {"train_tracks": train.tracks, "validation_tracks": len(validation), "steps": rows[-1].step}
+    epochs = round(rows[-1].step * settings.training.batch / max(train.tracks, 1), 2)
 
     def sample(scenes: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
         with timed("planning", costs):
@@ -87,33 +91,29 @@ def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Pa
 
 def _untrained(name: str, params: Params) -> tuple[Planner, Any]:
     """The planner plugin called `name` and its settings; raises UnusableInput where params know none."""
-    plugin = plugins.load("planners", name)
     if name not in params.planners:
         raise UnusableInput(f"params.yaml: train_planner.planners has no settings for {name!r}")
+    plugin = plugins.load("planners", name)
     settings = build(plugin.Settings, params.planners[name], f"params.yaml: train_planner.planners.{name}")
     return plugin(settings), settings
 
 
-def _examples(scenarios: Path, params: Params) -> tuple[Examples, Examples]:
-    """Requests and motion of the logged tracks of both splits, shard by shard."""
-    train, validation = spread_splits(
-        _shard_examples,
-        scenarios,
-        lambda split: [(shard, params.seen, params.training_seed) for shard in shards(split)],
-        params.workers,
-        "tracks",
-    )
-    return Examples.join(train), Examples.join(validation)
+def _examples(scenarios: Path, params: Params) -> tuple[Stream, Examples]:
+    """Requests and motion of the logged tracks: of the train split shard by shard, of the validation split all at once."""
+
+    def tasks(split: Path) -> list[tuple[Path, float, int]]:
+        files = shards(split)
+        chosen = evenly(len(files), VALIDATION_SHARDS if split.name == "val" else len(files))
+        return [(files[n], params.seen, params.training_seed) for n in chosen]
+
+    parts = (part for _, part in spread_splits(_shard_examples, scenarios, tasks, params.workers, "tracks"))
+    validation = Examples.join(list(islice(parts, len(tasks(scenarios / "val")))))
+    return Stream(parts), validation
 
 
 def _shard_examples(task: tuple[Path, float, int]) -> Examples:
     shard, least_seen, seed = task
-    scenarios = read_shard(shard)
-    return examples_from_logs(scenarios, [LaneGraph.of(s.map) for s in scenarios], least_seen, seed)
-
-
-def _say(name: str) -> Callable[[str], None]:
-    return lambda line: print(f"train_planner {name}: {line}", flush=True)
+    return examples_from_logs(logs := read_shard(shard), [LaneGraph.of(log.map) for log in logs], least_seen, seed)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import checkpoint
 from drivegen.training.curve import plateau, write_curve
-from stages._door import enter, require
+from stages._door import SCRATCH, enter, require
 
 CHECKPOINTS = Path(".drivegen/checkpoints")
 
@@ -39,7 +39,7 @@ class Params:
 def main(params: Params, scenarios: Path, lists: Path, model: Path, metrics: Path, curve: Path) -> dict[str, float]:
     """Learn, save, score."""
     files = [require(lists, "run the goal_lists stage") / f"{split}.parquet" for split in ("train", "val")]
-    (learnt, teacher), (held_out, _) = map(read_lists, files)
+    (learnt, teacher), (held_out, _) = (read_lists(file, SCRATCH) for file in files)
     inputs = (asdict(params.learned), params.training_seed)
     name = checkpoint.name_of(inputs, files, checkpoint.source_digest("drivegen", "stages"))
     interrupted = CHECKPOINTS / f"selector-{name}.safetensors"

@@ -16,6 +16,7 @@ from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.roads.graph import LaneGraph
 from drivegen.selectors.learned import Plugin as Learned
 from drivegen.selectors.learned import Settings as LearnedSettings
+from drivegen.store.columns import joined as end_to_end
 from stages import train_selector
 from stages._door import read_params, read_section
 from tests.checking import LIMITS
@@ -41,7 +42,7 @@ def planner(scenes: list[Scenario]) -> Planner:
     small = params | {"width": 32, "blocks": 1, "euler_steps": 2, "training": training}
     made: Planner = plugin(build(plugin.Settings, small, "tests/models.py"))
     logs = examples_from_logs(scenes, [LaneGraph.of(s.map) for s in scenes], 0.8, 7)
-    made.fit(logs, logs, 7, None, lambda _: None)
+    made.fit([logs], logs, 7, None, lambda _: None)
     return made
 
 
@@ -51,9 +52,8 @@ def selector(scenes: list[Scenario]) -> Learned:
     training = params["training"] | {"steps": 40, "batch": 16, "warmup": 5, "report_every": 20, "checkpoint_every": 20}
     settings = build(LearnedSettings, params | {"width": 16, "training": training}, "tests/models.py")
     offered = candidate_settings()
-    lists = Lists.joined(
-        [Lists.of(s, [candidates(LaneGraph.of(s.map), s, n, offered) for n in range(len(s.vehicles))]) for s in scenes]
-    )
+    each = (Lists.of(s, [candidates(LaneGraph.of(s.map), s, n, offered) for n in range(len(s.vehicles))]) for s in scenes)
+    lists = end_to_end(Lists, each)
     made, _ = Learned.fit(lists, lists, settings, 7, None, lambda _: None)
     return made
 

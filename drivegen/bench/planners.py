@@ -50,6 +50,6 @@ def rows() -> Iterator[Row]:
 def _per_second(
     planner: RouteFm | PolyFm | Paper, examples: Examples, indices: "np.ndarray[tuple[int, ...], np.dtype[np.int64]]", turns: int
 ) -> float:
-    planner.fit(examples, examples[:0], _scene.SEED, None, lambda _: None)
+    planner.fit([examples], examples[:0], _scene.SEED, None, lambda _: None)
     requests = examples.requests[indices]
     return len(indices) / cpu_seconds(lambda: planner.sample(examples.scenarios, requests), turns)

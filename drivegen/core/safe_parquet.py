@@ -16,15 +16,18 @@ MOST_VALUES = 250_000_000
 """Of all columns together: 2 GB in memory. The largest recordings and shards of ours hold a twentieth of it."""
 
 
-def open_parquet(source: Any, place: object, **options: Any) -> pq.ParquetFile:
+def open_parquet(source: Any, place: object, by_groups: bool = False, **options: Any) -> pq.ParquetFile:
     """The open file; `source` and `options` as of `pq.ParquetFile`, whose errors are raised where it is none.
 
-    Raises UnusableInput, reason `too-large`, naming `place`, where it holds more than `MOST_VALUES`.
+    Raises UnusableInput, reason `too-large`, naming `place`, where it, or `by_groups` one of its row groups, holds more than
+    `MOST_VALUES`.
     """
     file = pq.ParquetFile(source, page_checksum_verification=True, **options)
     about = file.metadata
-    _expect_few(about.num_rows * about.num_columns, place)
-    _expect_few(sum(about.row_group(i).total_byte_size for i in range(about.num_row_groups)) // 8, place)
+    groups = [about.row_group(i) for i in range(about.num_row_groups)]
+    together = max if by_groups else sum
+    _expect_few(together([0, *(group.num_rows * about.num_columns for group in groups)]), place)
+    _expect_few(together([0, *(group.total_byte_size for group in groups)]) // 8, place)
     return file
 
 

@@ -129,7 +129,7 @@ class Plugin(Learned):
     def _driven(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         tracks = Tracks.of_beginnings(scenarios, samples)
         box = np.flatnonzero(tracks.planned)
-        group = tracks.scene[box]
+        group = tracks.scene(box)
         scene = group // samples
         within = box - tracks.start[group]
         first, same = np.unique(scene * (within.max() + 1) + within, return_index=True, return_inverse=True)[1:]

@@ -75,9 +75,9 @@ class Wishes:
         return len(self.share)
 
     @classmethod
-    def joined(cls, parts: Sequence[Self]) -> Self:
-        """See `_learned.Examples`."""
-        return cls(np.concatenate([np.zeros(0), *(p.share for p in parts)]))
+    def none(cls) -> Self:
+        """No vehicle."""
+        return cls(np.zeros(0))
 
 
 class WishDistribution(nn.Module):

@@ -102,7 +102,7 @@ class Plugin(Learned):
     def objective(cls, settings: LctgenSettings, net: nn.Module, train: Taught, validation: Taught, seed: int) -> loop.Objective:
         """See `Learned`."""
         del net, seed
-        return LctgenObjective(train, validation, settings.placement, loop.device())
+        return LctgenObjective(train, validation, settings.placement)
 
     def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         """K futures of each scenario, the vehicles' drawn apart from one another."""

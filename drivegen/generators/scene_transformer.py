@@ -97,7 +97,7 @@ class Plugin(Learned):
     ) -> loop.Objective:
         """See `Learned`."""
         del net, seed
-        return _BestOfF(train.tensors(loop.device()), validation.tensors(loop.device()), settings.relaxed)
+        return _BestOfF(train, validation, settings.relaxed)
 
     def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         """K joint futures of each scenario."""
@@ -125,7 +125,7 @@ def _picked(logits: NDArray[np.float32], count: int, rng: np.random.Generator) -
 class _BestOfF:
     """Displacement of the joint future that is nearest to the log, and the cross-entropy of choosing it."""
 
-    def __init__(self, train: SceneTensors, validation: SceneTensors, relaxed: float) -> None:
+    def __init__(self, train: Scenes, validation: Scenes, relaxed: float) -> None:
         self.train, self.held_out, self.relaxed = train, validation, relaxed
         self.size = len(train)
 
@@ -133,11 +133,12 @@ class _BestOfF:
         return ()
 
     def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:  # noqa: ARG002
-        return self._of(model, self.train[rows])
+        return self._of(model, self.train[rows.cpu().numpy()].tensors(rows.device))
 
     def validation(self, model: nn.Module) -> float:
+        device = next(model.parameters()).device
         parts = [self.held_out[low : low + 4 * CHUNK] for low in range(0, len(self.held_out), 4 * CHUNK)]
-        sums: list[Any] = [self._of(model, part) * len(part) for part in parts]
+        sums: list[Any] = [self._of(model, part.tensors(device)) * len(part) for part in parts]
         return float(sum(sums)) / len(self.held_out) if sums else float("nan")
 
     def _of(self, model: nn.Module, scenes: SceneTensors) -> Tensor:

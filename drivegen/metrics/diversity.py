@@ -28,36 +28,42 @@ from drivegen.core.scenario import Trajectories
 
 Pairs = NDArray[np.intp]
 
+PAIRS = 4096
+"""Pairs that are compared at once."""
+
+WEIGHTS = 2**22
+"""Weights of pairs in draws that are in memory at once, or 64 draws' where these are more."""
+
 
 @dataclass(frozen=True)
 class OwnFrames:
-    """Motion of S scenes, each vehicle in its own initial frame, padded to N vehicles and T steps.
+    """Motion of S scenes, each vehicle in its own initial frame, padded to N vehicles and T steps; made when asked for.
 
-    Attributes:
-        position: (S, N, T, 2) float32 [m], zero where not valid.
-        valid: (S, N, T) bool.
+    `frames[s]` are positions (N, T, 2) float32 [m], zero where not valid, and valid (N, T) of a scene.
     """
 
-    position: NDArray[np.float32]
-    valid: NDArray[np.bool_]
+    scenes: Sequence[Trajectories]
+    vehicles: int
+    steps: int
 
     def __len__(self) -> int:
-        return len(self.valid)
+        return len(self.scenes)
 
-
-def own_frames(scenes: list[Trajectories]) -> OwnFrames:
-    """Scenes of Trajectories (N_i, T_i), moved into each vehicle's frame at its first valid step and padded."""
-    vehicles = max(scene.valid.shape[0] for scene in scenes)
-    steps = max(scene.steps for scene in scenes)
-    position = np.zeros((len(scenes), vehicles, steps, 2), np.float32)
-    valid = np.zeros((len(scenes), vehicles, steps), np.bool_)
-    for s, scene in enumerate(scenes):
+    def __getitem__(self, number: int) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        scene = self.scenes[number]
         rows = np.arange(len(scene.valid))
         first = np.argmax(scene.valid, axis=1)
         moved = to_vehicle_frame(scene.position, scene.position[rows, first], scene.heading[rows, first])
-        position[s, : len(rows), : scene.steps] = np.where(scene.valid[..., None], moved, 0)
-        valid[s, : len(rows), : scene.steps] = scene.valid
-    return OwnFrames(position, valid)
+        position = np.zeros((self.vehicles, self.steps, 2), np.float32)
+        valid = np.zeros((self.vehicles, self.steps), np.bool_)
+        position[: len(rows), : scene.steps] = np.where(scene.valid[..., None], moved, 0)
+        valid[: len(rows), : scene.steps] = scene.valid
+        return position, valid
+
+
+def own_frames(scenes: Sequence[Trajectories]) -> OwnFrames:
+    """Of scenes of Trajectories (N_i, T_i), moved into each vehicle's frame at its first valid step."""
+    return OwnFrames(scenes, max(scene.valid.shape[0] for scene in scenes), max(scene.steps for scene in scenes))
 
 
 def random_pairs(scenes: int, splits: int, rng: np.random.Generator) -> Pairs:
@@ -69,23 +75,28 @@ def random_pairs(scenes: int, splits: int, rng: np.random.Generator) -> Pairs:
 
 def squared_differences(frames: OwnFrames, pairs: Pairs) -> NDArray[np.float64]:
     """D (P,) [m^2] of each pair with the squared norm."""
-    position = frames.position.astype(np.float64)
-    count = frames.valid.sum(axis=1).astype(np.float64)
-    total = position.sum(axis=1)
-    square = (position**2).sum(axis=(1, 3))
-    a, b = pairs.T
-    cross: NDArray[np.float64] = np.einsum("ptd,ptd->p", total[a], total[b])
-    same: NDArray[np.float64] = np.einsum("pt,pt->p", count[a], square[b]) + np.einsum("pt,pt->p", square[a], count[b])
-    return same - 2 * cross
+    count, square = np.zeros((2, len(frames), frames.steps))
+    total = np.zeros((len(frames), frames.steps, 2))
+    for s in range(len(frames)):
+        position, valid = frames[s][0].astype(np.float64), frames[s][1]
+        count[s], total[s], square[s] = valid.sum(axis=0), position.sum(axis=0), (position**2).sum(axis=(0, 2))
+    out = np.zeros(len(pairs))
+    for low in range(0, len(pairs), PAIRS):
+        a, b = pairs[low : low + PAIRS].T
+        cross = np.einsum("ptd,ptd->p", total[a], total[b])
+        same = np.einsum("pt,pt->p", count[a], square[b]) + np.einsum("pt,pt->p", square[a], count[b])
+        out[low : low + PAIRS] = same - 2 * cross
+    return out
 
 
 def plain_differences(frames: OwnFrames, pairs: Pairs) -> NDArray[np.float64]:
     """D (P,) [m] of each pair with the plain norm; N x N x T distances a pair."""
     out = np.zeros(len(pairs))
-    for p, (a, b) in enumerate(pairs):
-        gap = frames.position[a][:, None] - frames.position[b][None]
+    for p, pair in enumerate(pairs.tolist()):
+        (one, seen), (other, there) = (frames[s] for s in pair)
+        gap = one[:, None] - other[None]
         distance = np.sqrt(gap[..., 0] ** 2 + gap[..., 1] ** 2)
-        out[p] = distance.sum(where=frames.valid[a][:, None] & frames.valid[b][None], dtype=np.float64)
+        out[p] = distance.sum(where=seen[:, None] & there[None], dtype=np.float64)
     return out
 
 
@@ -105,8 +116,11 @@ def ratio(
     if len(pairs) == 0 or real.sum() == 0:
         return Interval(np.nan, np.nan, np.nan)
     times = resamplings(recordings, draws, rng)
-    weight = times[:, pairs[:, 0]] * times[:, pairs[:, 1]]
-    below = weight @ real
-    drawn = (weight @ generated)[below > 0] / below[below > 0]
+    above, below = np.zeros((2, len(times)))
+    rows = max(WEIGHTS // len(pairs) // 64, 1) * 64
+    for part in (slice(low, low + rows) for low in range(0, len(times), rows)):
+        weight = times[part][:, pairs[:, 0]] * times[part][:, pairs[:, 1]]
+        above[part], below[part] = weight @ generated, weight @ real
+    drawn = above[below > 0] / below[below > 0]
     low, high = percentiles(drawn)
     return Interval(float(generated.sum() / real.sum()), low, high)

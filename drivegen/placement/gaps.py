@@ -167,17 +167,34 @@ LONGEST = 10.0
 """Longer time gaps [s] say nothing of following."""
 
 
-def headways(gaps: Gaps, truth: Gaps | None = None) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Following:
+    """Of vehicles on lanes, all that headways are taken of: gap (G,) float32 [m], inf without a leader, speed (G,) [m/s]."""
+
+    gap: NDArray[np.float32]
+    speed: NDArray[np.float32]
+
+    @classmethod
+    def of(cls, scenarios: Iterable[Scenario]) -> "Following":
+        """Of all vehicles of `scenarios` at the first frame, scenario by scenario."""
+        parts = [np.zeros((2, 0), np.float32)]
+        for scenario in scenarios:
+            gaps = measure_gaps([scenario])
+            parts.append(np.stack([gaps.gap, gaps.speed]))
+        return cls(*np.concatenate(parts, axis=1))
+
+
+def headways(gaps: Following, truth: Following | None = None) -> dict[str, Any]:
     """What can be compared of gaps: counts, medians, 41 quantiles of the time gap [s] of moving vehicles with a leader.
 
     `distance` is the Wasserstein-1 distance [s] between their time gaps and those of `truth`: the mean difference of quantiles.
     """
-    own = _time_gaps(gaps)
+    own, led = _time_gaps(gaps), np.isfinite(gaps.gap)
     share = np.linspace(0.0, 1.0, 41)
     numbers: dict[str, Any] = {
-        "vehicles": len(gaps),
-        "led": float(gaps.led.mean()) if len(gaps) else 0.0,
-        "gap_median": float(np.median(gaps.gap[gaps.led])) if gaps.led.any() else None,
+        "vehicles": len(led),
+        "led": float(led.mean()) if len(led) else 0.0,
+        "gap_median": float(np.median(gaps.gap[led])) if led.any() else None,
         "time_gap_median": float(np.median(own)) if len(own) else None,
         "time_gap": np.quantile(own, share).round(3).tolist() if len(own) else [],
     }
@@ -187,7 +204,7 @@ def headways(gaps: Gaps, truth: Gaps | None = None) -> dict[str, Any]:
     return numbers
 
 
-def _time_gaps(gaps: Gaps) -> NDArray[np.float64]:
-    led = gaps[gaps.led & (gaps.speed > 1.0)]
-    seconds = (led.gap / led.speed).astype(np.float64)
+def _time_gaps(gaps: Following) -> NDArray[np.float64]:
+    led = np.isfinite(gaps.gap) & (gaps.speed > 1.0)
+    seconds = (gaps.gap[led] / gaps.speed[led]).astype(np.float64)
     return np.asarray(seconds[seconds <= LONGEST])

@@ -1,6 +1,6 @@
 """The protocol of a planner: learn from logs, then fill in motion between initial states and goals, in batches."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Protocol, Self
@@ -152,6 +152,19 @@ class Examples:
         return cls(scenarios, PlanRequests.join([p.requests for p in parts], [len(p.scenarios) for p in parts]), motion)
 
 
+@dataclass
+class Stream:
+    """Examples that come in parts and are gone through once; `tracks` have come so far."""
+
+    parts: Iterator[Examples]
+    tracks: int = 0
+
+    def __iter__(self) -> Iterator[Examples]:
+        for part in self.parts:
+            self.tracks += len(part)
+            yield part
+
+
 class Planner(Protocol):
     """`Plugin(settings)` is an untrained planner; `Plugin.Settings` is the dataclass of its params section.
 
@@ -166,7 +179,7 @@ class Planner(Protocol):
 
     def fit(
         self,
-        train: Examples,
+        train: Iterable[Examples],
         validation: Examples,
         seed: int,
         checkpoints: Path | None,
@@ -174,7 +187,8 @@ class Planner(Protocol):
     ) -> list[LossRow]:
         """Learn, and return the loss curve. Same arguments, same weights, also when killed and started again.
 
-        `checkpoints` is a folder for interrupted work, named by the caller after all inputs; `report` takes progress lines.
+        `train` comes in parts, a shard each, and is gone through once. `checkpoints` is a folder for interrupted work, named by
+        the caller after all inputs; `report` takes progress lines.
         """
 
     def sample(self, scenarios: Sequence[Scenario], requests: PlanRequests) -> Trajectories:

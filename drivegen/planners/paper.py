@@ -17,7 +17,7 @@ States are in the vehicle's frame at step 0. Tokens run from step 1 to the goal'
 to the same number of tokens. The goal is a condition, not a guarantee; the first frame is the initial state itself.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Self
@@ -90,14 +90,15 @@ class Plugin:
         self.net = self._new_net()
 
     def fit(
-        self, train: Examples, validation: Examples, seed: int, checkpoints: Path | None, report: Callable[[str], None]
+        self, train: Iterable[Examples], validation: Examples, seed: int, checkpoints: Path | None, report: Callable[[str], None]
     ) -> list[LossRow]:
-        """See `planners.base.Planner`."""
+        """See `planners.base.Planner`. All of `train` is held in memory, with its maps."""
         torch.manual_seed(seeds.derive(seed, "network"))
+        learnt = Examples.join(list(train))
         settings, device = self.settings, loop.device()
         alpha_bar = alpha_bars(settings.schedule, settings.noise_steps).to(device)
         objective = DiffusionObjective(
-            train[~train.requests.parked], validation[~validation.requests.parked], alpha_bar, settings.target, settings.state,
+            learnt[~learnt.requests.parked], validation[~validation.requests.parked], alpha_bar, settings.target, settings.state,
             settings.tokens, settings.batch_of, settings.channels, settings.extent, seeds.derive(seed, "validation"),
         )  # fmt: skip
         path = None if checkpoints is None else checkpoints / "paper.safetensors"

@@ -15,7 +15,7 @@ stay, as the rival `idm` takes it.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 import torch
@@ -27,12 +27,14 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario
 from drivegen.goals.candidates import Candidates
 from drivegen.goals.features import NAMES, features
-from drivegen.goals.lists import Lists, padded, padded_odds
+from drivegen.goals.lists import Lists, Padded, Padding, padded, padded_odds
 from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.parked import parked
 from drivegen.selectors._ranker import Ranker
 from drivegen.selectors.base import FirstFrameSelector
+from drivegen.store.columns import Columns, Starts
+from drivegen.store.lookup import evenly
 from drivegen.training.curve import LossRow
 from drivegen.training.loop import Settings as Training
 from drivegen.training.loop import train
@@ -49,6 +51,12 @@ CHUNK = 64
 
 PARKED_STAYS = 0.9
 """Who is parked stays with at least this probability."""
+
+HELD_OUT = 8192
+"""Of more validation lists so many are asked about, evenly spread."""
+
+LABELLED = 4096
+"""Lists are labelled in chunks of this many."""
 
 TEMPERATURES = np.exp(np.linspace(-1.0, 1.5, 51))
 """Tried on the validation split."""
@@ -107,15 +115,15 @@ class Plugin(FirstFrameSelector):
         """
         torch.manual_seed(seeds.derive(seed, "ranker"))
         net = Ranker(len(NAMES), settings.width, settings.dropout)
-        objective = _Listwise(learnt, held_out, settings)
+        objective = _Listwise(learnt, held_out, settings, None if checkpoint is None else checkpoint.parent)
         if objective.size:
-            rows = objective.x[objective.there]
+            rows = torch.from_numpy(objective.learnt.x)
             net.mean.copy_(rows.mean(0))
             net.scale.copy_(rows.std(0).clamp(min=0.05))
         net, curve = train(
             net, objective, settings.training, seed, checkpoint, report, keep_best=True, probe=objective.goal_distance
         )
-        calibration = objective if len(held_out) == 0 else _Listwise(held_out, held_out, settings)
+        calibration = objective.learnt.some(HELD_OUT) if len(held_out) == 0 else objective.held_out
         net.temperature.fill_(_temperature(net.eval(), calibration, settings.floor))
         return cls(net, settings.floor, described=f"learned selector (distilled from {teacher})" if teacher else ""), curve
 
@@ -155,19 +163,69 @@ class Plugin(FirstFrameSelector):
         return cls(net, about["floor"], known, about["described"])
 
 
+_Tensors = tuple[Tensor, Tensor, Tensor, Tensor, Tensor]
+"""x (B, MOST, F), there, soft label, prior and distance [m] (B, MOST) of lists."""
+
+
+@dataclass(frozen=True)
+class _Taught:
+    """Lists that have a candidate near enough, end to end, with their soft labels; a table of columns."""
+
+    start: Annotated[NDArray[np.int64], Starts("x")]
+    x: NDArray[np.float32]
+    label: NDArray[np.float32]
+    prior: NDArray[np.float32]
+    distance: NDArray[np.float32]
+
+    @classmethod
+    def none(cls) -> Self:
+        none = Lists.none()
+        return cls(none.start, none.x, none.prior, none.prior, none.distance)
+
+    @classmethod
+    def of(cls, lists: Lists, settings: Settings, folder: Path | None) -> Self:
+        """Mapped from files of `folder` where one is named."""
+        columns = Columns(cls, folder)
+        for low in range(0, len(lists), LABELLED):
+            columns.add(cls._of(lists.padded(np.arange(low, min(low + LABELLED, len(lists)))), settings))
+        return columns.whole()
+
+    @classmethod
+    def _of(cls, lists: Padded, settings: Settings) -> Self:
+        near = lists.distance.min(1, initial=np.inf) <= settings.farthest + lists.doubt
+        distance, doubt = lists.distance[near].astype(np.float64), lists.doubt[near, None].astype(np.float64)
+        label = np.exp(-(distance**2 - distance.min(1, keepdims=True) ** 2) / (2 * (settings.sigma**2 + doubt**2)))
+        taught, there = lists.taught[near], lists.there[near]
+        label = np.where(taught.any(1, keepdims=True), taught, label)
+        label = (label / label.sum(1, keepdims=True)).astype(np.float32)
+        columns = (lists.x[near], label, lists.prior[near], distance.astype(np.float32))
+        return cls(np.concatenate([[0], there.sum(1).cumsum()]), *(column[there] for column in columns))
+
+    def padded(self, rows: NDArray[np.integer]) -> _Tensors:
+        """The lists `rows` (b,)."""
+        pad = Padding.of(self.start, rows)
+        arrays = pad(self.x), pad.there, pad(self.label), pad(self.prior), pad(self.distance)
+        return tuple(map(torch.from_numpy, arrays))  # type: ignore[return-value]  # as many as there are arrays
+
+    def some(self, most: int) -> _Tensors:
+        """At most `most` of the lists, evenly spread."""
+        return self.padded(np.array(evenly(len(self.start) - 1, most), np.int64))
+
+
 class _Listwise:
     """Soft-label cross-entropy over lists; an `Objective` of the training loop."""
 
-    def __init__(self, learnt: Lists, held_out: Lists, settings: Settings) -> None:
-        self.x, self.there, self.label, self.prior, _ = _tensors(learnt, settings)
-        self.held_out = _tensors(held_out, settings)
-        self.size = len(self.x)
+    def __init__(self, learnt: Lists, held_out: Lists, settings: Settings, folder: Path | None) -> None:
+        self.learnt = _Taught.of(learnt, settings, folder)
+        self.held_out = _Taught.of(held_out, settings, folder).some(HELD_OUT)
+        self.size = len(self.learnt.start) - 1
 
     def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:  # noqa: ARG002 nothing is random
         return ()
 
     def loss(self, model: torch.nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:  # noqa: ARG002
-        return _cross_entropy(model(self.x[rows], self.there[rows]), self.label[rows])
+        x, there, label, _, _ = self.learnt.padded(rows.numpy())
+        return _cross_entropy(model(x, there), label)
 
     def validation(self, model: torch.nn.Module) -> float:
         x, there, label, _, _ = self.held_out
@@ -198,29 +256,17 @@ def _cross_entropy(log_probability: Tensor, label: Tensor) -> Tensor:
     return -(label * log_probability.clamp(min=-30)).sum(-1).mean()
 
 
-def _tensors(lists: Lists, settings: Settings) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:
-    """x, there, soft label, prior and distance [m] of the lists that have a candidate near enough."""
-    near = lists.distance.min(1, initial=np.inf) <= settings.farthest + lists.doubt
-    distance, doubt = lists.distance[near].astype(np.float64), lists.doubt[near, None].astype(np.float64)
-    label = np.exp(-(distance**2 - distance.min(1, keepdims=True) ** 2) / (2 * (settings.sigma**2 + doubt**2)))
-    taught = lists.taught[near]
-    label = np.where(taught.any(1, keepdims=True), taught, label)
-    label = (label / label.sum(1, keepdims=True)).astype(np.float32)
-    there = np.isfinite(distance)
-    arrays = lists.x[near], there, label, lists.prior[near], np.where(there, distance, 0.0).astype(np.float32)
-    return tuple(map(torch.from_numpy, arrays))  # type: ignore[return-value]  # as many as there are arrays
-
-
 def _floored(score: Tensor, prior: Tensor, temperature: float, floor: float) -> Tensor:
     """Probabilities (B, MOST): tempered scores, and the share `floor` of the candidates' prior."""
     return (1 - floor) * torch.softmax(score / temperature, -1) + floor * prior
 
 
 @torch.no_grad()
-def _temperature(net: Ranker, lists: _Listwise, floor: float) -> float:
+def _temperature(net: Ranker, lists: _Tensors, floor: float) -> float:
     """The temperature of the highest likelihood of the nearest candidate."""
-    if lists.size == 0:
+    x, there, label, prior, _ = lists
+    if not len(x):
         return 1.0
-    score, best = net(lists.x, lists.there), lists.label.argmax(-1, keepdim=True)
-    losses = [-_floored(score, lists.prior, float(t), floor).gather(1, best).log().mean().item() for t in TEMPERATURES]
+    score, best = net(x, there), label.argmax(-1, keepdim=True)
+    losses = [-_floored(score, prior, float(t), floor).gather(1, best).log().mean().item() for t in TEMPERATURES]
     return float(TEMPERATURES[int(np.argmin(losses))])

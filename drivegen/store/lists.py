@@ -5,9 +5,11 @@ slices. Floats are stored as byte streams (Parquet's BYTE_STREAM_SPLIT), which z
 Same content, same bytes; the schema's version and a checksum of the whole file stand in it and are checked.
 """
 
-import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
 from itertools import pairwise
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,7 +20,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.errors import UnusableInput, naming
 from drivegen.core.safe_parquet import open_parquet
-from drivegen.core.seal import BLANK, expect_seal, has_seal, sealed
+from drivegen.core.seal import BLANK, expect_seal, has_seal, seal_file
 from drivegen.store.files import whole
 
 _KIND = b"drivegen"
@@ -49,30 +51,71 @@ def column(rows: Sequence[NDArray[Any]], kind: pa.DataType) -> pa.Array:
     return pa.ListArray.from_arrays(start, values, type=_list_of(kind))
 
 
+def list_column(start: NDArray[np.integer], values: NDArray[Any], kind: pa.DataType) -> pa.Array:
+    """A list column of numbers (N,) that lie end to end, row r from `start[r]` to `start[r + 1]`."""
+    return pa.ListArray.from_arrays(start.astype(np.int32), pa.array(np.ascontiguousarray(values), kind), type=_list_of(kind))
+
+
 def _list_of(kind: pa.DataType) -> pa.DataType:
     return pa.list_(pa.field("element", kind, nullable=False))  # no nulls: nothing to decode for each number
 
 
 def write_shard_table(path: Path, columns: Mapping[str, pa.Array], kind: str, version: int) -> None:
     """Write the columns as one row group of a file that says what it is."""
+    table = table_of(columns)
+    with shard_writer(path, table.schema, kind, version) as write:
+        write(table)
+
+
+def table_of(columns: Mapping[str, pa.Array]) -> pa.Table:
+    """Columns side by side, none of them with nulls."""
     fields = [pa.field(name, array.type, nullable=False) for name, array in columns.items()]
-    schema = pa.schema(fields, metadata={_KIND: kind.encode(), _VERSION: str(version).encode()})
-    table = pa.Table.from_arrays(list(columns.values()), schema=schema)
+    return pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields))
+
+
+@contextmanager
+def shard_writer(path: Path, fields: pa.Schema, kind: str, version: int) -> Iterator[Callable[[pa.Table], None]]:
+    """What writes tables of `fields`, a row group each, into a file that says what it is and appears whole."""
+    schema = fields.with_metadata({_KIND: kind.encode(), _VERSION: str(version).encode()})
     floats = [f"{f.name}.list.element" for f in fields if pa.types.is_list(f.type) and pa.types.is_floating(f.type.value_type)]
-    written = io.BytesIO()
-    with pq.ParquetWriter(
-        written,
-        schema,
-        compression="zstd",
-        compression_level=3,
-        use_dictionary=False,
-        use_byte_stream_split=floats,
-        write_statistics=False,
-    ) as writer:
-        writer.write_table(table, row_group_size=max(1, table.num_rows))
-        writer.add_key_value_metadata({"drivegen.checksum": BLANK})  # in the footer alone: the schema is there twice
     with whole(path) as temporary:
-        temporary.write_bytes(sealed(written.getvalue()))
+        with pq.ParquetWriter(
+            temporary,
+            schema,
+            compression="zstd",
+            compression_level=3,
+            use_dictionary=False,
+            use_byte_stream_split=floats,
+            write_statistics=False,
+        ) as writer:
+            yield lambda table: writer.write_table(table.cast(schema), row_group_size=max(1, table.num_rows))
+            writer.add_key_value_metadata({"drivegen.checksum": BLANK})  # in the footer alone: the schema is there twice
+        seal_file(temporary)
+
+
+def read_groups(path: Path, kind: str, version: int) -> Iterator[Callable[[str], pa.Array]]:
+    """What reads a column of each row group, one after the other. Raises as `read_shard_table`, KeyError for no such column."""
+    with _readable(path):
+        with path.open("rb") as raw, mmap(raw.fileno(), 0, access=ACCESS_READ) as content:
+            expect_seal(content, path, _AGAIN)
+        with open_parquet(path, path, by_groups=True) as file:
+            _expect_kind(file.schema_arrow.metadata or {}, path, kind, version)
+            for group in range(file.num_row_groups):
+                yield partial(_column_of, file, group)
+
+
+def _column_of(file: pq.ParquetFile, group: int, name: str) -> pa.Array:
+    return file.read_row_group(group, [name], use_threads=False)[name].combine_chunks()
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
+    """Raises UnusableInput, reason `truncated`, naming `path`, where the block cannot read it."""
+    try:
+        yield
+    except (pa.ArrowException, OSError) as error:
+        what = (str(error).splitlines() or ["unreadable"])[0]
+        raise UnusableInput(f"{path} is no whole shard ({what}): {_AGAIN}", reason="truncated") from None
 
 
 def read_shard_table(path: Path, kind: str, version: int, columns: list[str] | None = None) -> Shard:
@@ -81,7 +124,7 @@ def read_shard_table(path: Path, kind: str, version: int, columns: list[str] | N
     Raises UnusableInput naming the file: reason `truncated` if it is cut short, empty or no Parquet, `foreign-file` if it
     is not of this kind, `old-version` if another version of DriveGen wrote it, `damaged` if it is not what was written.
     """
-    try:
+    with _readable(path):
         raw = path.read_bytes()
         if marked := has_seal(raw):
             expect_seal(raw, path, _AGAIN)  # before anything is parsed
@@ -90,9 +133,6 @@ def read_shard_table(path: Path, kind: str, version: int, columns: list[str] | N
             if not marked:
                 expect_seal(raw, path, _AGAIN)
             return Shard(file.read(columns, use_threads=False))
-    except (pa.ArrowException, OSError) as error:
-        what = (str(error).splitlines() or ["unreadable"])[0]
-        raise UnusableInput(f"{path} is no whole shard ({what}): {_AGAIN}", reason="truncated") from None
 
 
 def _expect_kind(metadata: Mapping[bytes, bytes], path: Path, kind: str, version: int) -> None:

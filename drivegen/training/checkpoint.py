@@ -61,7 +61,8 @@ def name_of(inputs: object, files: Iterable[Path], code: str) -> str:
     """
     digest = hashlib.sha256(f"{inputs!r}\n{code}\n".encode())
     for path in files:
-        digest.update(hashlib.sha256(path.read_bytes()).digest())
+        with path.open("rb") as file:
+            digest.update(hashlib.file_digest(file, "sha256").digest())
     return digest.hexdigest()[:24]
 
 

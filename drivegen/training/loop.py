@@ -12,12 +12,14 @@ import os
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 import torch
 import torch.distributed as dist
+from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn.parallel import DistributedDataParallel
 from torch.optim.swa_utils import get_ema_multi_avg_fn
@@ -224,8 +226,16 @@ def batch_rows(size: int, batch: int, seed: int, step: int) -> Tensor:
     """Example numbers (batch,) of one step: the endless chain of shuffled epochs, cut into batches."""
     first = step * batch
     epochs = range(first // size, (first + batch - 1) // size + 1)
-    chain = np.concatenate([seeds.rng(seed, "order", epoch).permutation(size) for epoch in epochs])
-    return torch.from_numpy(chain[first - epochs[0] * size :][:batch])
+    begin, parts = first - epochs[0] * size, [_order(size, seed, epoch) for epoch in epochs]
+    chain = [part[max(begin - k * size, 0) : begin - k * size + batch] for k, part in enumerate(parts)]
+    return torch.from_numpy(np.concatenate(chain).astype(np.int64))
+
+
+@lru_cache(maxsize=2)
+def _order(size: int, seed: int, epoch: int) -> NDArray[np.integer]:
+    """Example numbers (size,) of one epoch; kept, as the next batch asks for it again, in as few bytes as will do."""
+    kind = np.int32 if size < 2**31 else np.int64
+    return seeds.rng(seed, "order", epoch).permutation(np.arange(size, dtype=kind))
 
 
 def _rate(settings: Settings, done: int) -> float:

@@ -15,6 +15,7 @@ from drivegen.generators._bits.net import CELLS, HOLD, BitsNet, Plan, cell_of, t
 from drivegen.generators._bits.raster import BEHIND, COLUMNS, PIXEL, ROWS, Painted, rasters
 from drivegen.generators._bits.rules import broken
 from drivegen.generators.shared.closed_loop import Crowd, Tracks
+from drivegen.store.columns import joined
 from tests.generators.rivals import trained
 from tests.scenes import any_scenario, busy_crossing, drive, road_map, scenario, stack
 
@@ -72,11 +73,11 @@ def test_a_closed_signal_is_drawn_while_it_is_closed():
 
 def test_painted_scenes_join_to_the_scenes_painted_together():
     parts = [busy_crossing(11, "a"), any_scenario(3, "b"), on_a_road()]
-    one, other = Painted.joined([Painted.of(parts[:2]), Painted.of(parts[2:])]), Painted.of(parts)
+    one, other = joined(Painted, [Painted.of(parts[:2]), Painted.of(parts[2:])]), Painted.of(parts)
     for name in ("first", "shape", "origin", "number", "planes", "signal", "state"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
     assert (one.planes[:, 0] > 0).all()
-    assert len(Painted.joined([]).shape) == 0
+    assert len(joined(Painted, []).shape) == 0
 
 
 def test_unicycle_goes_straight_round_a_circle_and_never_backward():

@@ -4,6 +4,7 @@ import numpy as np
 
 from drivegen.core.scenario import Trajectories
 from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.store.columns import joined
 from tests.models import two_lanes
 from tests.scenes import any_scenario, busy_crossing
 
@@ -11,11 +12,11 @@ SCENES = [busy_crossing(41, "a"), any_scenario(3, "b"), two_lanes(9.0, "c", 31)]
 
 
 def test_logs_of_shards_join_to_the_logs_of_all():
-    parts = Tracks.joined([Tracks.of_logs(SCENES[:1]), Tracks.of_logs(SCENES[1:2]), Tracks.of_logs(SCENES[2:])])
+    parts = joined(Tracks, [Tracks.of_logs(SCENES[:1]), Tracks.of_logs(SCENES[1:2]), Tracks.of_logs(SCENES[2:])])
     whole = Tracks.of_logs(SCENES)
     for name in ("start", "planned", "size", "kind", "position", "velocity", "heading", "valid"):
         np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
-    assert len(Tracks.joined([]).start) == 1
+    assert len(joined(Tracks, []).start) == 1
 
 
 def test_a_crowd_is_all_that_was_there():
@@ -31,22 +32,11 @@ def test_a_crowd_is_all_that_was_there():
     assert crowd.planned[first:last].sum() == len(SCENES[0].vehicles)
 
 
-def test_examples_are_vehicles_seen_at_both_ends():
-    tracks = Tracks.of_logs(SCENES)
-    box, step = tracks.examples(5, 10)
-    assert len(box) > 50
-    assert (step % 5 == 0).all()
-    assert tracks.planned[box].all()
-    assert (tracks.valid[box, step] & tracks.valid[box, step + 10]).all()
-    box, _ = tracks.examples(5, 200)
-    assert len(box) == 0
-
-
 def test_copies_begin_alike_and_are_driven_apart():
     tracks = Tracks.of_beginnings(SCENES[:1], 2)
     count = len(SCENES[0].vehicles)
     assert not tracks.valid[tracks.planned, 1:].any()
-    box = np.flatnonzero(tracks.planned & (tracks.scene == 1))
+    box = np.flatnonzero(tracks.planned & (tracks.scene(np.arange(len(tracks.planned))) == 1))
     motion = Trajectories(
         *(np.ones(s, np.float32) for s in ((count, 60, 2), (count, 60), (count, 60, 2))), np.ones((count, 60), bool)
     )

@@ -18,6 +18,7 @@ from drivegen.generators._smart.net import Past, Seen, SmartNet
 from drivegen.generators._smart.tokens import RADIUS, SPAN, STILL, Vocabulary, codes, disks, gone, motions, pace, ways
 from drivegen.generators.shared.closed_loop import Tracks
 from drivegen.generators.shared.lanes import PACE, REACH, LaneVectors
+from drivegen.store.columns import joined
 from tests.generators.rivals import same, scenes, trained
 from tests.scenes import any_scenario, busy_crossing, drive, scenario, stack, straight_road
 
@@ -202,11 +203,11 @@ def test_what_is_seen_does_not_depend_on_where_the_scene_lies(turn, x, y):
 
 def test_roads_join_to_the_roads_of_all():
     parts = [busy_crossing(11, "a"), any_scenario(3, "b"), busy_crossing(41, "c")]
-    one = LaneVectors.joined([LaneVectors.of(parts[:2], PIECE), LaneVectors.of(parts[2:], PIECE)])
+    one = joined(LaneVectors, [LaneVectors.of(parts[:2], PIECE), LaneVectors.of(parts[2:], PIECE)])
     other = LaneVectors.of(parts, PIECE)
     for name in ("start", "ends", "static", "signal", "state"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
-    assert len(LaneVectors.joined([]).start) == 1
+    assert len(joined(LaneVectors, []).start) == 1
 
 
 def network(memory: int) -> SmartNet:

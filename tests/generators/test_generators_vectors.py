@@ -16,6 +16,7 @@ from drivegen.generators.shared.motion import DEGREES, KNOTS, at_knots, filled_i
 from drivegen.generators.shared.pieces import PIECE, POINTS, Pieces
 from drivegen.generators.shared.relative import REACH, surroundings
 from drivegen.generators.shared.vectors import ACTORS, AGENTS, PIECES, STEPS, Scenes, local_future
+from drivegen.store.columns import joined
 from tests.generators.rivals import scenes
 from tests.scenes import busy_crossing, crossing, drive, scenario, stack, straight_road
 
@@ -129,10 +130,10 @@ def test_padding_and_joining_keep_rows_as_they_are() -> None:
     three = Scenes.of(scenes())
     assert len(three.padded(5)) == 5
     assert not three.padded(5).present[3:].any()
-    joined = Scenes.joined([three[0:1], three[1:3]])
+    again = joined(Scenes, [three[0:1], three[1:3]])
     for name in Scenes.__dataclass_fields__:
-        np.testing.assert_array_equal(getattr(joined, name), getattr(three, name))
-    assert len(Scenes.joined([])) == 0
+        np.testing.assert_array_equal(getattr(again, name), getattr(three, name))
+    assert len(joined(Scenes, [])) == 0
     assert three.points.shape == (3, PIECES, POINTS, 2)
 
 

@@ -8,7 +8,7 @@ import pytest
 from drivegen.core.errors import UnusableInput
 from drivegen.core.signals import Signals, SignalState
 from drivegen.placement.draws import Draws
-from drivegen.placement.gaps import Gaps, headways, measure_gaps
+from drivegen.placement.gaps import Following, Gaps, headways, measure_gaps
 from drivegen.placement.place import Placer, PlaceSettings
 from drivegen.placement.slots import Slots
 from drivegen.placement.table import Provenance, build_table
@@ -71,8 +71,9 @@ def test_rows_say_where_a_vehicle_stands():
 
 
 def test_placement_from_data_has_the_gaps_of_the_data_where_the_papers_has_not():
-    logs = measure_gaps([queue(float(gap), 10.0) for gap in range(12, 20)])
-    table, draws = build_table([busy_crossing()]), Draws(logs)
+    queues = [queue(float(gap), 10.0) for gap in range(12, 20)]
+    truth, draws = Following.of(queues), Draws(measure_gaps(queues))
+    table = build_table([busy_crossing()])
     found = {}
     for mode in ("paper", "data"):
         placer = Placer(SLOTS, table, settings(mode), draws)
@@ -82,7 +83,7 @@ def test_placement_from_data_has_the_gaps_of_the_data_where_the_papers_has_not()
         scenes = [type(s)(**{**vars(s), "vehicles": p.vehicles, "log": None}) for s, p in zip(scenes, placed, strict=True)]
         rows = measure_gaps(scenes)
         assert set(rows.provenance) == {Provenance.GENERATED}
-        found[mode] = headways(rows, logs)["distance"]
+        found[mode] = headways(Following.of(scenes), truth)["distance"]
     assert found["data"] < 0.6 * found["paper"]
 
 

@@ -72,7 +72,7 @@ def logs() -> Examples:
 @pytest.fixture(scope="module", params=NAMES)
 def trained(request: pytest.FixtureRequest, logs: Examples) -> Planner:
     planner = tiny(request.param)
-    planner.fit(logs, logs[:4], 7, None, lambda line: None)
+    planner.fit([logs], logs[:4], 7, None, lambda line: None)
     return planner
 
 
@@ -89,14 +89,14 @@ def without_routes(requests: PlanRequests) -> PlanRequests:
 def test_the_same_seed_gives_the_same_bytes(name: str, logs: Examples, tmp_path: Path) -> None:
     for folder in ("a", "b"):
         planner = tiny(name)
-        planner.fit(logs, logs[:4], 7, tmp_path / f"checkpoints-{folder}", lambda line: None)
+        planner.fit([logs], logs[:4], 7, tmp_path / f"checkpoints-{folder}", lambda line: None)
         planner.save(tmp_path / folder)
     for file in ("settings.json", "weights.safetensors"):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
 
 
 def test_the_loss_curve_covers_the_budget(logs: Examples) -> None:
-    curve = tiny("route_fm").fit(logs, logs[:4], 7, None, lambda line: None)
+    curve = tiny("route_fm").fit([logs], logs[:4], 7, None, lambda line: None)
     assert [row.step for row in curve] == [3, 6]
     assert all(np.isfinite([row.train, row.validation]).all() for row in curve)
 
@@ -179,4 +179,4 @@ def test_an_untrained_planner_and_a_train_set_without_motion_are_refused(name: s
     with pytest.raises(UnusableInput, match="not been trained"):
         tiny(name).sample(logs.scenarios, logs.requests)
     with pytest.raises(UnusableInput):
-        tiny(name).fit(logs[logs.requests.parked], logs, 7, None, lambda line: None)
+        tiny(name).fit([logs[logs.requests.parked]], logs, 7, None, lambda line: None)

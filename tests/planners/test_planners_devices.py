@@ -25,7 +25,7 @@ def logs() -> Examples:
 @pytest.fixture(scope="module", params=["route_fm", "poly_fm"])
 def trained(request: pytest.FixtureRequest, logs: Examples) -> Planner:
     planner = tiny(request.param)
-    planner.fit(logs, logs[:4], 7, None, lambda line: None)
+    planner.fit([logs], logs[:4], 7, None, lambda line: None)
     return planner
 
 

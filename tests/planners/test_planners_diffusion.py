@@ -67,7 +67,7 @@ def test_without_an_earlier_estimate_the_second_order_step_is_ddim_s():
 def test_the_paper_s_planner_samples_by_all_three_and_refuses_a_fourth():
     logs = examples(1)
     planner = tiny("paper")
-    planner.fit(logs, logs[:2], 7, None, lambda line: None)
+    planner.fit([logs], logs[:2], 7, None, lambda line: None)
     found = []
     for sampler in SAMPLERS:
         planner.settings = replace(planner.settings, sampler=sampler)

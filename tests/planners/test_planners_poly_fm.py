@@ -27,7 +27,7 @@ MOVING = LOGS[~LOGS.requests.parked]
 @pytest.fixture(scope="module")
 def planner() -> Planner:
     planner = tiny("poly_fm")
-    planner.fit(LOGS, LOGS[:4], 7, None, lambda line: None)
+    planner.fit([LOGS], LOGS[:4], 7, None, lambda line: None)
     return planner
 
 

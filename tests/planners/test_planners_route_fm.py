@@ -24,7 +24,7 @@ LOGS = examples()
 @pytest.fixture(scope="module")
 def planner() -> Planner:
     planner = tiny("route_fm")
-    planner.fit(LOGS, LOGS[:4], 7, None, lambda line: None)
+    planner.fit([LOGS], LOGS[:4], 7, None, lambda line: None)
     return planner
 
 

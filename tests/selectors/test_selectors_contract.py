@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 import torch
 
@@ -13,7 +14,7 @@ from drivegen.core.roadmap import LaneControl
 from drivegen.goals import list_files
 from drivegen.goals.candidates import candidates
 from drivegen.goals.features import NAMES, features
-from drivegen.goals.list_files import read_lists, write_lists
+from drivegen.goals.list_files import list_writer, read_lists
 from drivegen.goals.lists import Lists
 from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.twins import twin
@@ -21,6 +22,7 @@ from drivegen.roads.graph import LaneGraph
 from drivegen.selectors._ranker import Ranker
 from drivegen.selectors.learned import Plugin, Settings
 from drivegen.selectors.log import logged_ends
+from drivegen.store.columns import joined
 from drivegen.training import weights
 from drivegen.training.loop import Settings as Training
 from tests import scenes
@@ -43,7 +45,13 @@ def steady_scene(speed):
 
 
 def lists(speeds):
-    return Lists.joined([Lists.of(scene, offered(scene)[1]) for scene in map(steady_scene, speeds)])
+    return joined(Lists, (Lists.of(scene, offered(scene)[1]) for scene in map(steady_scene, speeds)))
+
+
+def write_lists(path, *parts, teacher=""):
+    with list_writer(path, teacher) as write:
+        for part in parts:
+            write(part)
 
 
 @pytest.fixture(scope="module")
@@ -185,7 +193,7 @@ def test_a_log_is_learnt_from_with_its_signals_and_rules_and_without():
     log = scenes.stack([scenes.drive(scenes.joined(roads, 0), 10.0, 10.0, 101)])
     scene = scenes.scenario(roads, log)
     lists = Lists.of_log(scene, SETTINGS)
-    rules = lists.x[:, 0, NAMES.index("rules")]
+    rules = lists.x[lists.start[:-1], NAMES.index("rules")]
     assert rules.tolist() == [1.0, 0.0]
     twins = [twin(replace(scene, scenario_id=f"scene-{n}")) for n in range(40)]
     assert all(len(t.signals) == 0 and (t.map.control == LaneControl.UNKNOWN).all() for t in twins)
@@ -200,26 +208,40 @@ def test_a_log_and_its_twin_give_the_lists_that_each_gives_alone():
     limited = 0
     for scene in (scenes.busy_crossing(scenario_id=f"crossing-{n}") for n in range(6)):
         limited += not np.isnan(twin(scene).map.speed_limit).any()
-        apart = Lists.joined([Lists.of(one, offered(one)[1]) for one in (scene, twin(scene))])
+        apart = joined(Lists, (Lists.of(one, offered(one)[1]) for one in (scene, twin(scene))))
         together = Lists.of_log(scene, SETTINGS)
         for name in Lists.__dataclass_fields__:
             assert np.array_equal(getattr(together, name), getattr(apart, name)), name
     assert 0 < limited < 6
 
 
-def test_lists_come_back_from_their_file_as_they_were(tmp_path):
-    """With their padding, and whoever taught them; the same lists are the same bytes."""
-    made = lists(np.linspace(3, 14, 6))
-    taught = replace(made, taught=np.where(np.isfinite(made.distance), np.float32(0.25), np.float32(0)), doubt=made.doubt + 0.5)
-    for given, teacher in ((made, ""), (taught, "somebody"), (Lists.none(), "")):
-        write_lists(tmp_path / "lists.parquet", given, teacher)
-        found, who = read_lists(tmp_path / "lists.parquet")
+@pytest.mark.parametrize("group", [2**14, 5])
+def test_lists_come_back_from_their_file_as_they_were(tmp_path, monkeypatch, group):
+    """Whoever taught them and however many row groups they fill; the same lists are the same bytes, in one part or in several."""
+    monkeypatch.setattr(list_files, "GROUP", group)
+    parts = [lists(speeds) for speeds in (np.linspace(3, 8, 4), [9.0], np.linspace(10, 14, 6))]
+    made = joined(Lists, parts)
+    taught = replace(made, taught=np.full_like(made.taught, 0.25), doubt=made.doubt + 0.5)
+    for given, teacher, folder in ((made, "", None), (taught, "somebody", tmp_path), (Lists.none(), "", None)):
+        write_lists(tmp_path / "lists.parquet", given, teacher=teacher)
+        found, who = read_lists(tmp_path / "lists.parquet", folder)
         assert who == teacher
         for name in Lists.__dataclass_fields__:
             np.testing.assert_array_equal(getattr(found, name), getattr(given, name), err_msg=name)
-            assert getattr(found, name).dtype == np.float32
-        write_lists(tmp_path / "again.parquet", found, who)
-        assert (tmp_path / "again.parquet").read_bytes() == (tmp_path / "lists.parquet").read_bytes()
+            assert getattr(found, name).dtype == getattr(given, name).dtype
+    write_lists(tmp_path / "whole.parquet", made)
+    write_lists(tmp_path / "parts.parquet", *parts)
+    assert (tmp_path / "whole.parquet").read_bytes() == (tmp_path / "parts.parquet").read_bytes()
+    assert pq.read_metadata(tmp_path / "whole.parquet").num_row_groups == -(-len(made) // group)
+
+
+def test_damaged_lists_are_refused(tmp_path):
+    write_lists(tmp_path / "lists.parquet", lists([5.0]))
+    raw = bytearray((tmp_path / "lists.parquet").read_bytes())
+    raw[len(raw) // 3] ^= 1
+    (tmp_path / "lists.parquet").write_bytes(raw)
+    with pytest.raises(UnusableInput, match="is not what was written"):
+        read_lists(tmp_path / "lists.parquet")
 
 
 def test_lists_of_other_features_are_not_learnt_from(tmp_path, monkeypatch):

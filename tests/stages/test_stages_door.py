@@ -89,6 +89,11 @@ def test_results_come_in_task_order_whatever_the_number_of_workers(capsys):
     assert capsys.readouterr().out.splitlines()[-1] == "squares 4/4"
 
 
+def begin(file: Path) -> str:
+    file.touch()
+    return file.name
+
+
 def killed(number: int) -> int:
     os.kill(os.getpid(), signal.SIGKILL)
     return number
@@ -107,13 +112,22 @@ def test_no_tasks_are_no_results():
 def test_both_splits_are_spread_together_and_come_apart_again(tmp_path, workers, capsys):
     (tmp_path / "train").mkdir()
     numbers = {tmp_path / "train": [3, 4], tmp_path / "val": [5]}
-    assert _door.spread_splits(square, tmp_path, numbers.__getitem__, workers, "squares") == ([9, 16], [25])
+    found = list(_door.spread_splits(square, tmp_path, numbers.__getitem__, workers, "squares"))
+    assert found == [("val", 25), ("train", 9), ("train", 16)]
     assert capsys.readouterr().out.splitlines() == ["squares 1/3", "squares 2/3", "squares 3/3"]
 
 
 def test_without_a_train_split_the_stage_that_makes_it_is_named(tmp_path):
     with pytest.raises(MissingTool, match="train is not there: run the ingest stage"):
-        _door.spread_splits(square, tmp_path, lambda split: [1], 1, "squares")
+        list(_door.spread_splits(square, tmp_path, lambda split: [1], 1, "squares"))
+
+
+def test_results_come_in_order_and_few_are_begun_before_they_are_taken(tmp_path, monkeypatch):
+    monkeypatch.setattr(_door, "AHEAD", 2)
+    found = _door.spread(begin, [tmp_path / str(n) for n in range(20)], 2, "files")
+    assert next(found)[1] == "0"
+    assert len(list(tmp_path.iterdir())) <= 4
+    assert [name for _, name in found] == [str(n) for n in range(1, 20)]
 
 
 @dataclass(frozen=True)

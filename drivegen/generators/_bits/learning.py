@@ -1,6 +1,5 @@
 """What BITS learns from: rasters of every vehicle of every log at many steps; goals, plans and predictions by imitation."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +13,7 @@ from drivegen.core.scenario import DT
 from drivegen.generators._bits.net import GOAL, HOLD, Plan, Seen, cell_of, told_of
 from drivegen.generators._bits.raster import Painted, rasters, stretch
 from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.moments import Moments
 
 HELD_OUT, HELD_OUT_CHUNK = 1024, 128
 """Validation examples that the loss is taken over, drawn once, and how many go through the network at once."""
@@ -36,39 +36,35 @@ class Logs:
         return len(self.tracks.start) - 1
 
     @classmethod
-    def joined(cls, parts: Sequence["Logs"]) -> "Logs":
-        """All scenes in order."""
-        return cls(Tracks.joined([p.tracks for p in parts]), Painted.joined([p.painted for p in parts]))
+    def none(cls) -> "Logs":
+        """No scene."""
+        return cls(Tracks.none(), Painted.none())
 
 
 class DrivingExamples:
-    """Vehicles at steps: what they saw, and what they did until `horizon` steps later.
-
-    Attributes:
-        box, step: (E,) of the logs.
-    """
+    """Vehicles at steps: what they saw, and what they did until `horizon` steps later; at most `most`, evenly spread."""
 
     def __init__(self, logs: Logs, horizon: int, most: int | None = None) -> None:
         self.logs, self.horizon = logs, horizon
-        self.box, self.step = logs.tracks.examples(HOLD, horizon)
-        self.scene = logs.tracks.scene
-        if most is not None and len(self.box) > most:
-            kept = np.linspace(0, len(self.box) - 1, most).astype(np.intp)
-            self.box, self.step = self.box[kept], self.step[kept]
+        self.moments = Moments(logs.tracks, HOLD, horizon, most=most)
+
+    def __len__(self) -> int:
+        return len(self.moments)
 
     def seen(self, rows: NDArray[np.integer]) -> tuple[Tensor, Tensor]:
         """Rasters and numbers that the network is told, for examples `rows` (b,)."""
-        tracks, scene, step = self.logs.tracks, self.scene[self.box[rows]], self.step[rows]
+        tracks, (logged, step) = self.logs.tracks, self.moments[rows]
+        scene = tracks.scene(logged)
         crowd = tracks.at(scene, step)
-        box = crowd.start[:-1] + self.box[rows] - tracks.start[scene]
+        box = crowd.start[:-1] + logged - tracks.start[scene]
         pictures = rasters(self.logs.painted, crowd, np.arange(len(rows)), box, scene, step, self.horizon * DT)
         speed = np.hypot(crowd.state[box, 3], crowd.state[box, 4])
-        told = told_of(*(torch.from_numpy(a) for a in (speed, crowd.size[box], tracks.kind[self.box[rows]])))
+        told = told_of(*(torch.from_numpy(a) for a in (speed, crowd.size[box], tracks.kind[logged])))
         return torch.from_numpy(pictures), told
 
     def future(self, rows: NDArray[np.integer]) -> tuple[Tensor, ...]:
         """Place (b, Q, 2), turn (b, Q) and speed (b, Q) every HOLD steps, in each vehicle's frame, and whether it was seen."""
-        tracks, box, step = self.logs.tracks, self.box[rows, None], self.step[rows, None]
+        tracks, (box, step) = self.logs.tracks, (part[:, None] for part in self.moments[rows])
         at = step + np.arange(HOLD, self.horizon + 1, HOLD)
         heading = tracks.heading[box, step]
         place = rotate(tracks.position[box, at] - tracks.position[box, step], -heading)
@@ -84,7 +80,7 @@ class BitsObjective:
 
     def __init__(self, train: DrivingExamples, validation: DrivingExamples) -> None:
         self.train, self.held_out = train, validation
-        self.size = len(train.box)
+        self.size = len(train)
 
     def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:
         """By how much each goal misses (rows, GOAL)."""
@@ -96,7 +92,7 @@ class BitsObjective:
 
     def validation(self, model: nn.Module) -> float:
         """Over examples spread evenly over the validation logs, with goals that don't miss."""
-        count, device = len(self.held_out.box), next(model.parameters()).device
+        count, device = len(self.held_out), next(model.parameters()).device
         parts = [np.arange(low, min(low + HELD_OUT_CHUNK, count)) for low in range(0, count, HELD_OUT_CHUNK)]
         total = 0.0
         for rows in parts:

@@ -6,6 +6,7 @@ hundred times cheaper than drawing polygons for each vehicle of each sample at e
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numba import njit
@@ -16,6 +17,7 @@ from drivegen.core.roadmap import LaneControl
 from drivegen.core.scenario import Scenario
 from drivegen.core.signals import SignalState
 from drivegen.generators.shared.closed_loop import Crowd
+from drivegen.store.columns import Held, Rows, Starts, joined
 
 ROWS, COLUMNS = 48, 32
 """Pixels of a vehicle's raster; row 0 is farthest ahead, column 0 leftmost."""
@@ -61,18 +63,18 @@ class Painted:
         state: (G, T) uint8 SignalState of all scenes' signals; the last one is held where a scene is shorter.
     """
 
-    first: NDArray[np.int64]
+    first: Annotated[NDArray[np.int64], Starts("number")]
     shape: NDArray[np.int64]
     origin: NDArray[np.float32]
-    number: NDArray[np.int32]
+    number: Annotated[NDArray[np.int32], Rows("planes")]
     planes: NDArray[np.float32]
-    signal: NDArray[np.int32]
-    state: NDArray[np.uint8]
+    signal: Annotated[NDArray[np.int32], Rows("state")]
+    state: Annotated[NDArray[np.uint8], Held()]
 
     @classmethod
     def of(cls, scenarios: Sequence[Scenario]) -> "Painted":
         """Paint the vehicle lanes of each scenario."""
-        return cls.joined([cls._of(s) for s in scenarios])
+        return joined(cls, [cls._of(s) for s in scenarios])
 
     @classmethod
     def _of(cls, scenario: Scenario) -> "Painted":
@@ -103,31 +105,11 @@ class Painted:
         )
 
     @classmethod
-    def joined(cls, parts: Sequence["Painted"]) -> "Painted":
-        """The scenes of all parts, in order."""
-        if not parts:
-            none, pair = np.zeros(0, np.int32), np.zeros((0, 2))
-            planes, state = np.zeros((0, PLANES), np.float32), np.zeros((0, 1), np.uint8)
-            return cls(np.zeros(1, np.int64), pair.astype(np.int64), pair.astype(np.float32), none, planes, none, state)
-        steps = max(p.state.shape[1] for p in parts)
-        cells, painted, signals = (
-            np.cumsum([0, *counts])
-            for counts in ([len(p.number) for p in parts], [len(p.planes) for p in parts], [len(p.state) for p in parts])
-        )
-        return cls(
-            np.concatenate([[0], *(p.first[1:] + n for p, n in zip(parts, cells, strict=False))]),
-            np.concatenate([p.shape for p in parts]),
-            np.concatenate([p.origin for p in parts]),
-            _renumbered([p.number for p in parts], painted),
-            np.concatenate([p.planes for p in parts]),
-            _renumbered([p.signal for p in parts], signals),
-            np.concatenate([np.pad(p.state, ((0, 0), (0, steps - p.state.shape[1])), mode="edge") for p in parts]),
-        )
-
-
-def _renumbered(numbers: list[NDArray[np.int32]], before: NDArray[np.int64]) -> NDArray[np.int32]:
-    """All in one list, each part's numbers raised by what comes `before` it."""
-    return np.concatenate([np.where(n < 0, NOTHING, n + b) for n, b in zip(numbers, before, strict=False)]).astype(np.int32)
+    def none(cls) -> "Painted":
+        """No scene."""
+        count, pair, planes = np.zeros(0, np.int32), np.zeros((0, 2)), np.zeros((0, PLANES), np.float32)
+        state = np.zeros((0, 1), np.uint8)
+        return cls(np.zeros(1, np.int64), pair.astype(np.int64), pair.astype(np.float32), count, planes, count, state)
 
 
 @njit(cache=True)

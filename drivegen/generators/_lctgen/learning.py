@@ -1,6 +1,5 @@
 """What LCTGen learns from scenes: motion of the log's code, the prior of its action fields, placement."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -53,12 +52,15 @@ class Taught:
         return cls(scenes, np.concatenate([state_code(scenes), actions], axis=-1), seen, piece, attributes)
 
     @classmethod
-    def joined(cls, parts: Sequence[Self]) -> Self:
-        """See `_learned.Examples`."""
-        if not parts:
-            return cls.of(Scenes.joined([]))
-        arrays = (np.concatenate([getattr(p, name) for p in parts]) for name in ("code", "seen", "piece", "attributes"))
-        return cls(Scenes.joined([p.scenes for p in parts]), *arrays)
+    def none(cls) -> Self:
+        """No scene."""
+        return cls.of(Scenes.none())
+
+    def tensors(self, rows: NDArray[np.integer], device: torch.device) -> "_Tensors":
+        """Scenes, codes, actions seen, pieces and attributes of the scenes `rows` (b,)."""
+        arrays = (self.code, self.seen, self.piece, self.attributes)
+        code, seen, piece, attributes = (torch.from_numpy(a[rows]).to(device) for a in arrays)
+        return self.scenes[rows].tensors(device), code, seen, piece, attributes
 
 
 def places(scenes: Scenes) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
@@ -82,8 +84,8 @@ def places(scenes: Scenes) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
 class LctgenObjective:
     """The motion nearest to the log, which mode that is, the prior of actions, and the likelihood of the placement."""
 
-    def __init__(self, train: Taught, validation: Taught, placement: float, device: torch.device) -> None:
-        self.train, self.held_out, self.placement = _tensors(train, device), _tensors(validation, device), placement
+    def __init__(self, train: Taught, validation: Taught, placement: float) -> None:
+        self.train, self.held_out, self.placement = train, validation, placement
         self.size = len(train)
 
     def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:  # noqa: ARG002 nothing is random
@@ -92,22 +94,22 @@ class LctgenObjective:
 
     def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:  # noqa: ARG002
         """See `loop.Objective`."""
-        return self._of(model, self.train, rows)
+        return self._of(model, self.train, rows.cpu().numpy(), rows.device)
 
     def validation(self, model: nn.Module) -> float:
         """See `loop.Objective`."""
-        count = len(self.held_out[0])
-        parts = [torch.arange(low, min(low + BATCH, count)) for low in range(0, count, BATCH)]
-        return sum(float(self._of(model, self.held_out, part)) * len(part) for part in parts) / count if parts else float("nan")
+        count, device = len(self.held_out), next(model.parameters()).device
+        parts = [np.arange(low, min(low + BATCH, count)) for low in range(0, count, BATCH)]
+        losses = [float(self._of(model, self.held_out, part, device)) * len(part) for part in parts]
+        return sum(losses) / count if parts else float("nan")
 
-    def _of(self, model: nn.Module, all_of: "_Tensors", rows: Tensor) -> Tensor:
-        every, code, seen, piece, attributes = all_of
-        scenes, code = every[rows], code[rows]
+    def _of(self, model: nn.Module, taught: Taught, rows: NDArray[np.integer], device: torch.device) -> Tensor:
+        scenes, code, seen, piece, attributes = taught.tensors(rows, device)
         moved, prior, placed = model(scenes, code)
         loss: Tensor = (
             _motion_loss(scenes, *moved)
-            + _prior_loss(prior, code[..., -PARTS:], seen[rows])
-            + self.placement * _placement_loss(placed, piece[rows], attributes[rows])
+            + _prior_loss(prior, code[..., -PARTS:], seen)
+            + self.placement * _placement_loss(placed, piece, attributes)
         )
         return loss
 
@@ -130,13 +132,6 @@ class Trainable(nn.Module):
 
 
 _Tensors = tuple[SceneTensors, Tensor, Tensor, Tensor, Tensor]
-
-
-def _tensors(taught: Taught, device: torch.device) -> _Tensors:
-    code, seen, piece, attributes = (
-        torch.from_numpy(a).to(device) for a in (taught.code, taught.seen, taught.piece, taught.attributes)
-    )
-    return taught.scenes.tensors(device), code, seen, piece, attributes
 
 
 def _motion_loss(scenes: SceneTensors, knots: Tensor, logits: Tensor) -> Tensor:

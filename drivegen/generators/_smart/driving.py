@@ -58,7 +58,7 @@ class Driver:
         state = np.column_stack([tracks.position[:, step], tracks.heading[:, step], pace_of]).astype(np.float32)
         zero, fresh = np.zeros(len(box), np.int64), np.full((len(box), 1), step == 0)
         road, drawn_there = roads.around(pose(state[box]), zero, zero, self.counts[0], LOOK)
-        scene = tracks.scene[box]
+        scene = tracks.scene(box)
         span = np.stack([tracks.start[scene], tracks.start[scene + 1]], axis=1)
         other, there, which = others(
             span, box, state[:, None], tracks.valid[:, step, None], tracks.size, tracks.planned, self.counts[1]

@@ -5,7 +5,6 @@ Some are slips: one of the nearest few. The word to be learnt is then the one th
 by drawn words recovers from them.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,9 +53,9 @@ class Logs:
         return len(self.tracks.start) - 1
 
     @classmethod
-    def joined(cls, parts: Sequence["Logs"]) -> "Logs":
-        """All scenes in order."""
-        return cls(Tracks.joined([p.tracks for p in parts]), LaneVectors.joined([p.roads for p in parts]))
+    def none(cls) -> "Logs":
+        """No scene."""
+        return cls(Tracks.none(), LaneVectors.none())
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import rotate, wrap_angle
 from drivegen.core.scenario import DT
 from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.moments import Moments
 
 SPAN = 5
 """Steps of a token."""
@@ -74,12 +75,10 @@ def motions(tracks: Tracks) -> NDArray[np.float32]:
 
     And, after them, what who is faster than all of these would do.
     """
-    box, step = tracks.examples(SPAN, SPAN)
+    moments = Moments(tracks, SPAN, SPAN, throughout=True, most=_POOL)
+    box, step = moments[np.arange(len(moments))]
     at = step[:, None] + np.arange(1, SPAN + 1)
-    seen = tracks.valid[box[:, None], at].all(axis=1)
-    box, step, at = box[seen], step[seen], at[seen]
-    kept = np.linspace(0, len(box) - 1, min(len(box), _POOL)).astype(np.intp)
-    way = ways(logged(tracks, box[kept], step[kept]), logged(tracks, np.repeat(box[kept, None], SPAN, 1), at[kept]))
+    way = ways(logged(tracks, box, step), logged(tracks, np.repeat(box[:, None], SPAN, 1), at))
     way = way[np.abs(way[..., :2]).max(axis=(1, 2), initial=0) < _WHOLE]
     beyond = np.arange(pace(way).max(initial=0.0), _FASTEST, _FINE)[:, None]
     faster = np.zeros((len(beyond), SPAN, 3), np.float32)

@@ -47,7 +47,7 @@ class Driver:
         draw the modes of one scene each.
         """
         box = np.flatnonzero(tracks.planned)
-        group = tracks.scene[box]
+        group = tracks.scene(box)
         vehicles = np.bincount(group // copies, minlength=len(chances))
         groups = np.arange(len(tracks.start) - 1)
         for step in range(0, tracks.valid.shape[1] - 1, self.commit):

@@ -4,7 +4,6 @@ Driven on by what it predicted, a vehicle is soon somewhat beside its lane or tu
 examples are begun like that, and end where the log went.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +20,7 @@ from drivegen.generators._trafficgen.placement import PlacementExamples, Regions
 from drivegen.generators._trafficgen.vectors import Surroundings
 from drivegen.generators.shared.closed_loop import Tracks
 from drivegen.generators.shared.lanes import LaneVectors
+from drivegen.generators.shared.moments import Moments
 
 HELD_OUT, HELD_OUT_CHUNK = 1024, 256
 """Validation examples that the loss is taken over, drawn once, and how many go through the network at once."""
@@ -70,36 +70,32 @@ class Logs:
         return len(self.tracks.start) - 1
 
     @classmethod
-    def joined(cls, parts: Sequence["Logs"]) -> "Logs":
-        """All scenes in order."""
-        return cls(Tracks.joined([p.tracks for p in parts]), LaneVectors.joined([p.vectors for p in parts]))
+    def none(cls) -> "Logs":
+        """No scene."""
+        return cls(Tracks.none(), LaneVectors.none())
 
 
 class MotionExamples:
-    """Vehicles at steps: surroundings and what they did next.
-
-    Attributes:
-        box, step: (E,) of the logs. knots: Q of what is predicted.
-    """
+    """Vehicles at steps: surroundings and what they did next, at Q `knots`; at most `most`, evenly spread."""
 
     def __init__(self, logs: Logs, knots: int, counts: tuple[int, int], look: float, most: int | None = None) -> None:
         self.logs, self.knots, self.counts, self.look = logs, knots, counts, look
-        self.box, self.step = logs.tracks.examples(KNOT, KNOT)
-        self.scene = logs.tracks.scene
-        if most is not None and len(self.box) > most:
-            kept = np.linspace(0, len(self.box) - 1, most).astype(np.intp)
-            self.box, self.step = self.box[kept], self.step[kept]
+        self.moments = Moments(logs.tracks, KNOT, KNOT, most=most)
+
+    def __len__(self) -> int:
+        return len(self.moments)
 
     def logged(self, rows: NDArray[np.integer]) -> NDArray[np.float32]:
         """States (b, 5) of examples `rows` (b,): place, heading, velocity."""
-        tracks, box, step = self.logs.tracks, self.box[rows], self.step[rows]
+        tracks, (box, step) = self.logs.tracks, self.moments[rows]
         return np.column_stack([tracks.position[box, step], tracks.heading[box, step], tracks.velocity[box, step]])
 
     def surroundings(self, rows: NDArray[np.integer], state: NDArray[np.float32]) -> tuple[Tensor, ...]:
         """Inputs of the network for examples `rows` (b,) that are in `state` (b, 5), the others where the log has them."""
-        tracks, scene, step = self.logs.tracks, self.scene[self.box[rows]], self.step[rows]
+        tracks, (logged, step) = self.logs.tracks, self.moments[rows]
+        scene = tracks.scene(logged)
         crowd = tracks.at(scene, step)
-        box = crowd.start[:-1] + self.box[rows] - tracks.start[scene]
+        box = crowd.start[:-1] + logged - tracks.start[scene]
         crowd.state[box] = state
         group = np.arange(len(rows))
         around = Surroundings.of(self.logs.vectors, crowd, group, box, scene, step, self.counts, self.look)
@@ -110,7 +106,7 @@ class MotionExamples:
 
         From another state than the logged one, a cubic leads back to the logged way within RECOVERY.
         """
-        tracks, box, step = self.logs.tracks, self.box[rows, None], self.step[rows, None]
+        tracks, (box, step) = self.logs.tracks, (part[:, None] for part in self.moments[rows])
         ahead = KNOT * np.arange(1, self.knots + 1)
         at = np.minimum(step + ahead, tracks.valid.shape[1] - 1)
         off = (state - self.logged(rows))[:, None]
@@ -155,7 +151,7 @@ class TrafficGenObjective:
         self, train: MotionExamples, validation: MotionExamples, placement: PlacementExamples, disturbance: Disturbance
     ) -> None:
         self.train, self.held_out, self.placement, self.disturbance = train, validation, placement, disturbance
-        self.size = len(train.box)
+        self.size = len(train)
 
     def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:
         """In [0, 1): how a row is disturbed (3), which scene it places vehicles in and what share of them is given (2)."""
@@ -171,7 +167,7 @@ class TrafficGenObjective:
 
     def validation(self, model: nn.Module) -> float:
         """That of the motion alone, over examples spread evenly over the validation logs, begun as logged."""
-        count, device = len(self.held_out.box), next(model.parameters()).device
+        count, device = len(self.held_out), next(model.parameters()).device
         parts = [np.arange(low, min(low + HELD_OUT_CHUNK, count)) for low in range(0, count, HELD_OUT_CHUNK)]
         each = [(rows, self._loss(model, self.held_out, rows, self.held_out.logged(rows), device)) for rows in parts]
         return sum(len(rows) * float(loss) for rows, loss in each) / count if count else float("nan")
@@ -189,6 +185,6 @@ class TrafficGenObjective:
 
     def _placed(self, model: nn.Module, chance: NDArray[np.floating], device: torch.device) -> Tensor:
         """Loss of the placement for examples and shares drawn by `chance` (b, 2)."""
-        inputs, wanted = self.placement.of((chance[:, 0] * len(self.placement.scene)).astype(np.intp), chance[:, 1])
+        inputs, wanted = self.placement.of((chance[:, 0] * len(self.placement.moments)).astype(np.intp), chance[:, 1])
         regions = Regions(*model("placement", *(t.to(device) for t in inputs)))
         return placement_loss(regions, wanted.to(device))

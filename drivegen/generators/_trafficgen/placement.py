@@ -21,6 +21,7 @@ from drivegen.generators._trafficgen.net import Encoder
 from drivegen.generators._trafficgen.vectors import Surroundings
 from drivegen.generators.shared.closed_loop import Crowd, Tracks
 from drivegen.generators.shared.lanes import REACH, LaneVectors
+from drivegen.generators.shared.moments import Moments
 
 ATTRIBUTES = 6
 """Part of the region passed, offset to its left [m], heading against it [rad], speed [10 m/s], length [5 m], width [2 m]."""
@@ -110,20 +111,20 @@ class PlacementExamples:
 
     def __init__(self, tracks: Tracks, vectors: LaneVectors, counts: tuple[int, int]) -> None:
         self.tracks, self.vectors, self.counts = tracks, vectors, counts
-        self.scene, self.step = np.nonzero(tracks.valid[tracks.start[:-1]])
+        self.moments = Moments(tracks, 1, 0, boxes=tracks.start[:-1])
 
     def of(self, rows: NDArray[np.integer], share: NDArray[np.floating]) -> tuple[tuple[Tensor, ...], Wanted]:
         """Inputs and what is wanted for examples `rows` (b,), of whose vehicles about `share` (b,) are given."""
-        crowd = self.tracks.at(self.scene[rows], self.step[rows])
+        target, step = self.moments[rows]
+        scene = self.tracks.scene(target)
+        crowd = self.tracks.at(scene, step)
         first, group = crowd.start[:-1], np.repeat(np.arange(len(rows)), np.diff(crowd.start))
         within = np.arange(crowd.start[-1]) - first[group]
         given = (within * 0.61803398875 + 7 * share[group]) % 1.0 < share[group]  # spread evenly, another subset for each share
         given[first] = True
         shown = replace(crowd, there=crowd.there & given)
-        around = Surroundings.of(
-            self.vectors, shown, np.arange(len(rows)), first, self.scene[rows], self.step[rows], self.counts, 0.0
-        )
-        box = self.tracks.start[self.scene[rows]][group] + within
+        around = Surroundings.of(self.vectors, shown, np.arange(len(rows)), first, scene, step, self.counts, 0.0)
+        box = target[group] + within
         asked = np.flatnonzero(crowd.there & crowd.planned & ~given)
         found = _wanted(around, crowd, first, group[asked], asked, self.tracks.kind[box[asked]])
         return _tensors(around), found

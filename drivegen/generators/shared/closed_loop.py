@@ -6,7 +6,7 @@ replayed. Everything is a flat array over all boxes of all scenes, so cost doesn
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drivegen.core.geometry import unit
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Actors, Scenario, Trajectories, Vehicles
+from drivegen.store.columns import Starts
 
 _MOVING = ("position", "velocity", "heading", "valid")
 
@@ -46,7 +47,7 @@ class Tracks:
         position, velocity: (X, T, 2) float32 [m], [m/s]; heading: (X, T) float32 [rad]; valid: (X, T) bool.
     """
 
-    start: NDArray[np.int64]
+    start: Annotated[NDArray[np.int64], Starts("planned")]
     planned: NDArray[np.bool_]
     size: NDArray[np.float32]
     kind: NDArray[np.uint8]
@@ -93,21 +94,13 @@ class Tracks:
             getattr(self, name)[part] = getattr(motion, name)
 
     @classmethod
-    def joined(cls, parts: Sequence["Tracks"]) -> "Tracks":
-        """The scenes of all parts, in order."""
-        if not parts:
-            return cls._of([])
-        steps = max(part.valid.shape[1] for part in parts)
-        offsets = np.cumsum([0, *(part.start[-1] for part in parts)])
-        start = np.concatenate([[0], *(part.start[1:] + shift for part, shift in zip(parts, offsets[:-1], strict=True))])
-        fixed = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("planned", "size", "kind")}
-        moving = {name: np.concatenate([_lengthened(getattr(part, name), steps) for part in parts]) for name in _MOVING}
-        return cls(start=start, **fixed, **moving)
+    def none(cls) -> Self:
+        """No scene."""
+        return cls._of([])
 
-    @property
-    def scene(self) -> NDArray[np.int64]:
-        """(X,) the scene of each box."""
-        return np.repeat(np.arange(len(self.start) - 1), np.diff(self.start))
+    def scene(self, box: NDArray[np.integer]) -> NDArray[np.int64]:
+        """The scene of each of `box` (R,)."""
+        return np.asarray(np.searchsorted(self.start, box, side="right") - 1)
 
     def boxes(self, scene: NDArray[np.integer]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The boxes of each of `scene` (G,) one after the other (X,), and the first of each (G + 1,), X at the end."""
@@ -121,14 +114,6 @@ class Tracks:
         when = np.repeat(step, np.diff(start))
         columns = (self.position[box, when], self.heading[box, when, None], self.velocity[box, when])
         return Crowd(start, np.concatenate(columns, axis=1), self.valid[box, when], self.planned[box], self.size[box])
-
-    def examples(self, stride: int, least: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Boxes and steps (E,), (E,) to learn from: vehicles seen then and `least` steps later, every `stride` steps."""
-        until = self.valid.shape[1] - least
-        learnable = self.valid[:, :until] & self.valid[:, least:] & self.planned[:, None]
-        learnable[:, np.arange(max(until, 0)) % stride != 0] = False
-        box, step = np.nonzero(learnable)
-        return box, step
 
     def drive(self, box: NDArray[np.integer], step: int, motion: Trajectories) -> None:
         """Write how `box` (R,) go on after `step`: motion (R, C), cut off where the scenes end."""
@@ -156,8 +141,3 @@ def _beginning(scenario: Scenario) -> Trajectories:
     motion.position[:, 0], motion.heading[:, 0], motion.valid[:, 0] = vehicles.position, vehicles.heading, True
     motion.velocity[:, 0] = unit(vehicles.heading) * vehicles.speed[:, None]
     return motion
-
-
-def _lengthened(values: NDArray[np.generic], steps: int) -> NDArray[np.generic]:
-    """Zeros at the end of the axis of time (X, T, ...), up to `steps`."""
-    return np.pad(values, [(0, 0), (0, steps - values.shape[1]), *[(0, 0)] * (values.ndim - 2)])

@@ -5,6 +5,7 @@ Nothing is told in the frame of the scene, so a scene that is turned or shifted 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numba import njit
@@ -14,6 +15,7 @@ from drivegen.core.geometry import resample
 from drivegen.core.roadmap import LaneControl, RoadMap
 from drivegen.core.scenario import Scenario
 from drivegen.core.signals import SignalState
+from drivegen.store.columns import Held, Rows, Starts, joined
 
 LANE_FEATURES = 15
 """Both ends, direction, speed limit, whether it is known, junction, yield, stop, signal closed, signal open; and, on
@@ -43,16 +45,16 @@ class LaneVectors:
         state: (G, T) uint8 SignalState of all scenes' signals; the last state is held where a scene is shorter.
     """
 
-    start: NDArray[np.int64]
+    start: Annotated[NDArray[np.int64], Starts("ends")]
     ends: NDArray[np.float32]
     static: NDArray[np.float32]
-    signal: NDArray[np.int32]
-    state: NDArray[np.uint8]
+    signal: Annotated[NDArray[np.int32], Rows("state")]
+    state: Annotated[NDArray[np.uint8], Held()]
 
     @classmethod
     def of(cls, scenarios: Sequence[Scenario], length: float) -> "LaneVectors":
         """Pieces of about `length` [m]."""
-        return cls.joined([cls._of(s, length) for s in scenarios])
+        return joined(cls, [cls._of(s, length) for s in scenarios])
 
     @classmethod
     def _of(cls, scenario: Scenario, length: float) -> "LaneVectors":
@@ -65,25 +67,10 @@ class LaneVectors:
         return cls(np.array([0, len(lane)]), ends, static.astype(np.float32), guard[lane], scenario.signals.held().state)
 
     @classmethod
-    def joined(cls, parts: Sequence["LaneVectors"]) -> "LaneVectors":
-        """The scenes of all parts, in order."""
-        if not parts:
-            empty = np.zeros((0, 4), np.float32)
-            return cls(
-                np.zeros(1, np.int64), empty, np.zeros((0, STATIC), np.float32), np.zeros(0, np.int32), np.zeros((0, 1), np.uint8)
-            )
-        steps = max(p.state.shape[1] for p in parts)
-        pieces_before = np.cumsum([0, *(len(p.ends) for p in parts)])
-        signals_before = np.cumsum([0, *(len(p.state) for p in parts)])
-        return cls(
-            np.concatenate([[0], *(p.start[1:] + shift for p, shift in zip(parts, pieces_before, strict=False))]),
-            np.concatenate([p.ends for p in parts]),
-            np.concatenate([p.static for p in parts]),
-            np.concatenate(
-                [np.where(p.signal < 0, -1, p.signal + n) for p, n in zip(parts, signals_before, strict=False)]
-            ).astype(np.int32),
-            np.concatenate([np.pad(p.state, ((0, 0), (0, steps - p.state.shape[1])), mode="edge") for p in parts]),
-        )
+    def none(cls) -> "LaneVectors":
+        """No scene."""
+        ends, static = np.zeros((0, 4), np.float32), np.zeros((0, STATIC), np.float32)
+        return cls(np.zeros(1, np.int64), ends, static, np.zeros(0, np.int32), np.zeros((0, 1), np.uint8))
 
     def around(
         self,

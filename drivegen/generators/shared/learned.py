@@ -20,6 +20,7 @@ from drivegen.core.methods import Method
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario, Vehicles
 from drivegen.core.settings import build
+from drivegen.store.columns import Table
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
 from drivegen.training.weights import fill, read_weights, write_weights
@@ -28,15 +29,11 @@ Placement = Callable[[Scenario], Vehicles]
 """Vehicles on a scenario's map around its target, as many as it has where there is room; the target comes first."""
 
 
-class Examples(Protocol):
-    """Logged scenarios as arrays to learn from; picklable, so that shards are read in processes of their own."""
+class Examples(Table, Protocol):
+    """Logged scenarios as arrays to learn from: a table of columns, which may be mapped; only its rows are read, by batches."""
 
     def __len__(self) -> int:
         """How many there are."""
-
-    @classmethod
-    def joined(cls, parts: Sequence[Self]) -> Self:
-        """All of them in order; of no parts, none."""
 
 
 class Learned(ABC):

@@ -18,6 +18,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import rotate, unit, wrap_angle
 from drivegen.core.scenario import TARGET, Scenario, VehicleKind
 from drivegen.generators.shared.pieces import FEATURES, POINTS, Pieces
+from drivegen.store.columns import joined
 
 AGENTS = 16
 """A, vehicles of a scenario at most: what `ingest.selection.max_vehicles` allows."""
@@ -114,11 +115,9 @@ class Scenes:
         return made
 
     @classmethod
-    def joined(cls, parts: Sequence[Self]) -> Self:
-        """All of them in order; of no parts, none."""
-        if not parts:
-            return cls.empty(0, STEPS)
-        return cls(**{f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)})
+    def none(cls) -> Self:
+        """No scenario."""
+        return cls.empty(0, STEPS)
 
     def __getitem__(self, index: slice | NDArray[np.integer]) -> Self:
         """The chosen scenarios."""
@@ -126,7 +125,7 @@ class Scenes:
 
     def padded(self, count: int) -> Self:
         """With empty rows behind, `count` in all."""
-        return self.joined([self, self.empty(count - len(self), self.known.shape[2])])
+        return joined(type(self), [self, self.empty(count - len(self), self.known.shape[2])])
 
     def tensors(self, device: torch.device) -> "SceneTensors":
         """The same arrays as tensors on `device`."""
@@ -214,10 +213,6 @@ class SceneTensors:
 
     def __len__(self) -> int:
         return len(self.frame)
-
-    def __getitem__(self, rows: Tensor | slice) -> "SceneTensors":
-        """The chosen scenarios."""
-        return SceneTensors(*(getattr(self, f.name)[rows] for f in fields(self)))
 
 
 def local_future(scenes: SceneTensors) -> Tensor:

@@ -5,7 +5,7 @@ is (`_new_net`), and how latents that were drawn become motion again (`_planned`
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import ClassVar, Generic, Self, TypeVar
@@ -23,6 +23,7 @@ from drivegen.planners.shared.flow import FlowNet, FlowObjective
 from drivegen.planners.shared.latent import Basis, draw, importance, principal, whitened
 from drivegen.planners.shared.noise import normals
 from drivegen.planners.shared.scores import drawn_tracks, probe
+from drivegen.store.columns import Columns
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
 from drivegen.training.weights import fill, read_weights, write_weights
@@ -55,6 +56,28 @@ class FlowSettings:
 S = TypeVar("S", bound=FlowSettings)
 
 
+@dataclass(frozen=True)
+class _Inputs:
+    """Features (E, F)."""
+
+    rows: NDArray[np.float32]
+
+    @classmethod
+    def none(cls) -> Self:
+        return cls(np.zeros((0, 0), np.float32))
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    """Spline coefficients (E, C) of a group."""
+
+    rows: NDArray[np.float64]
+
+    @classmethod
+    def none(cls) -> Self:
+        return cls(np.zeros((0, 0)))
+
+
 class FlowPlanner(ABC, Generic[S]):
     """See `planners.base.Planner`; `name` is the plugin's, `keeps` what tracks must do to be learnt from, in words."""
 
@@ -68,10 +91,11 @@ class FlowPlanner(ABC, Generic[S]):
         self.net = self._new_net()
 
     def fit(
-        self, train: Examples, validation: Examples, seed: int, checkpoints: Path | None, report: Callable[[str], None]
+        self, train: Iterable[Examples], validation: Examples, seed: int, checkpoints: Path | None, report: Callable[[str], None]
     ) -> list[LossRow]:
         """See `planners.base.Planner`. Raises UnusableInput where fewer tracks move than there are components."""
-        (inputs, coefficients), (held_inputs, held) = self._encoded(train), self._encoded(validation)
+        inputs, coefficients, tracks_seen = self._all_encoded(train, checkpoints)
+        held_inputs, held = self._encoded(validation)
         counts, settings, device = self._coefficient_counts(), self.settings, loop.device()
         if len(inputs) < max(counts.values()):
             raise UnusableInput(f"only {len(inputs)} logged tracks move: too few to learn from", reason="no-examples")
@@ -81,12 +105,12 @@ class FlowPlanner(ABC, Generic[S]):
         torch.manual_seed(seeds.derive(seed, "network"))
         net = self._new_net().to(device)
         objective = FlowObjective(
-            torch.from_numpy(inputs).to(device), whitened(coefficients, self.basis).to(device),
+            torch.from_numpy(inputs).to(device), whitened(coefficients, self.basis, checkpoints).to(device),
             importance(tuple(counts), self.basis).to(device), settings.draws,
             (torch.from_numpy(held_inputs).to(device), whitened(held, self.basis).to(device)), seeds.derive(seed, "validation"),
         )  # fmt: skip
         path = None if checkpoints is None else checkpoints / f"{self.name}.safetensors"
-        report(f"{len(inputs)} of {len(train)} logged tracks move and keep {self.keeps}")
+        report(f"{len(inputs)} of {tracks_seen} logged tracks move and keep {self.keeps}")
         tracks = drawn_tracks(validation, WATCHED, None, seed)
 
         def watched(net: FlowNet) -> float:
@@ -96,6 +120,18 @@ class FlowPlanner(ABC, Generic[S]):
         averaged, curve = loop.train(net, objective, settings.training, seed, path, report, probe=watched)
         self.net = averaged.cpu().eval()
         return curve
+
+    def _all_encoded(self, train: Iterable[Examples], folder: Path | None) -> tuple[NDArray[np.float32], Coefficients, int]:
+        """`_encoded` of all parts, mapped from files of `folder`, and how many tracks were gone through."""
+        inputs, tracks = Columns(_Inputs, folder), 0
+        coefficients = {group: Columns(_Fitted, folder) for group in self._coefficient_counts()}
+        for part in train:
+            told, fitted = self._encoded(part)
+            tracks += len(part)
+            inputs.add(_Inputs(told))
+            for group, columns in coefficients.items():
+                columns.add(_Fitted(fitted[group]))
+        return inputs.whole().rows, {group: columns.whole().rows for group, columns in coefficients.items()}, tracks
 
     def sample(self, scenarios: Sequence[Scenario], requests: PlanRequests) -> Trajectories:
         """See `planners.base.Planner`. Raises UnusableInput if it was never trained."""

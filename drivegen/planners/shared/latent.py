@@ -1,6 +1,7 @@
 """The latent space of a flow: whitened principal components of groups of spline coefficients, and drawing from it."""
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 
 import numpy as np
 import torch
@@ -8,10 +9,14 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from drivegen.planners.shared.flow import FlowNet
+from drivegen.store.columns import mapped
 from drivegen.training import loop
 
 CHUNK = {"cpu": 256, "cuda": 8192}
 """Requests that go through the network at once, always: sums differ between batch sizes."""
+
+ROWS = 2**16
+"""Rows of coefficients that are looked at at once."""
 
 Basis = dict[str, NDArray[np.float64]]
 """`<group>_mean` (C,), `<group>_components` (K, C) and `<group>_scale` (K,) of every group, in the groups' order."""
@@ -20,17 +25,25 @@ Basis = dict[str, NDArray[np.float64]]
 def principal(coefficients: NDArray[np.float64], count: int, name: str) -> Basis:
     """Mean, the first `count` principal components of coefficients (E, C), and their standard deviations."""
     mean = coefficients.mean(axis=0)
-    value, vector = np.linalg.eigh(np.cov(coefficients.T))
+    parts = (coefficients[low : low + ROWS] - mean for low in range(0, len(coefficients), ROWS))
+    value, vector = np.linalg.eigh(sum(part.T @ part for part in parts) * np.true_divide(1, len(coefficients) - 1))
     components = vector[:, ::-1][:, :count].T
     components = components * np.sign(components[np.arange(count), np.abs(components).argmax(axis=1)])[:, None]
     scale = np.sqrt(np.maximum(value[::-1][:count], 1e-10))
     return {f"{name}_mean": mean, f"{name}_components": np.ascontiguousarray(components), f"{name}_scale": scale}
 
 
-def whitened(coefficients: Mapping[str, NDArray[np.float64]], basis: Basis) -> Tensor:
-    """Latents (E, Z) of the groups' coefficients (E, C), side by side."""
-    parts = [(c - basis[f"{n}_mean"]) @ basis[f"{n}_components"].T / basis[f"{n}_scale"] for n, c in coefficients.items()]
-    return torch.from_numpy(np.concatenate(parts, axis=1).astype(np.float32))
+def whitened(coefficients: Mapping[str, NDArray[np.float64]], basis: Basis, folder: Path | None = None) -> Tensor:
+    """Latents (E, Z) of the groups' coefficients (E, C), side by side; mapped from a file of `folder` where one is named."""
+    count, size = len(next(iter(coefficients.values()))), sum(len(basis[f"{name}_scale"]) for name in coefficients)
+    latents = mapped(folder, (count, size), np.float32)
+    for low in range(0, count, ROWS):
+        part, column = slice(low, low + ROWS), 0
+        for name, fitted in coefficients.items():
+            own = (fitted[part] - basis[f"{name}_mean"]) @ basis[f"{name}_components"].T / basis[f"{name}_scale"]
+            latents[part, column : column + own.shape[1]] = own
+            column += own.shape[1]
+    return torch.from_numpy(latents)
 
 
 def importance(names: tuple[str, ...], basis: Basis) -> Tensor:
