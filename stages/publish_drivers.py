@@ -1,7 +1,7 @@
 """The door `publish_drivers`: tables of drivers, read from the runs of `make tables PART=drivers`. It is in no dvc.yaml.
 
 argv: folder of runs (one a data set, each a workspace), the folder of published tables (gets drivers.json, ranking.json,
-drivers-<table>.md, their index drivers.md, provenance-drivers.json).
+drivers-<table>.md with charts where there are any, their index drivers.md, provenance-drivers.json).
 """
 
 from dataclasses import dataclass
@@ -12,9 +12,11 @@ import orjson
 
 from drivegen.core.methods import read_methods
 from drivegen.core.settings import Count
-from drivegen.report.published_drivers import Tests, driver_rows, driver_tables, read_tests
+from drivegen.report.published_amounts import amount_tables
+from drivegen.report.published_drivers import driver_tables
 from drivegen.report.published_files import write_part
 from drivegen.report.published_ranking import kinds_of, ranking_rows, ranking_table
+from drivegen.report.published_tuned import Tests, driver_rows, read_tests
 from drivegen.store.files import write_json
 from drivegen.store.results import RESULT
 from drivegen.warehouse.database import read_parts
@@ -48,7 +50,7 @@ def main(params: Params, runs: Path, published: Path) -> None:
     write_json(published / "drivers.json", tuned)
     titles = {name: method.title for name, method in read_methods().items()}
     about = {one.data: (str(params.data[one.data]["title"]), len(set(one.recordings))) for one in tests}
-    tables = [ranking_table(ranking, titles), *driver_tables(tuned, about)]
+    tables = [ranking_table(ranking, titles), *driver_tables(tuned, about), *amount_tables(tuned, about)]
     provenance = {"seed": params.seed, "bootstrap_draws": params.draws, **describe_runs(runs, folders, (RANK, TUNED))}
     write_part(published, "drivers", "Drivers: ranked by traffic, and tuned on it", tables, provenance)
 

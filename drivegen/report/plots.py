@@ -220,3 +220,26 @@ def two_kinds(solid: Series, dashed: Series, across: str, up: str) -> bytes:
         if solid or dashed:
             axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return canvas.svg
+
+
+def steps(series: Mapping[str, Mapping[str, tuple[float, float, float]]], across: str, up: str) -> bytes:
+    """Lines over named steps, evenly spaced in the order of their first mention: value with its interval (value, low, high)."""
+    places = {step: n for n, step in enumerate(dict.fromkeys(step for line in series.values() for step in line))}
+    with Canvas(5.6, 3.2) as (canvas, axes):
+        for n, ((name, line), colour) in enumerate(coloured(series.items())):
+            xs = [
+                places[step] + 0.06 * (n - (len(series) - 1) / 2) for step in line
+            ]  # aside, so that intervals do not hide others
+            values, lows, highs = (list(column) for column in zip(*line.values(), strict=True)) if line else ([], [], [])
+            ends = [
+                [max(v - low, 0) for v, low in zip(values, lows, strict=True)],
+                [max(h - v, 0) for v, h in zip(values, highs, strict=True)],
+            ]
+            axes.errorbar(xs, values, yerr=ends, color=colour, lw=1.4, marker="o", ms=4, capsize=3, elinewidth=1, label=name)
+        axes.set_xticks(range(len(places)), list(places))
+        axes.set_xlabel(across)
+        axes.set_ylabel(up)
+        axes.set_ylim(bottom=0)
+        if series:
+            axes.legend(frameon=False, fontsize=8)
+    return canvas.svg

@@ -79,6 +79,18 @@ def futures_in(shard: Path, scenarios: Path) -> Iterator[tuple[Scenario, Samples
     yield from zip(rows, futures, strict=True)
 
 
+def first_futures(folder: Path, scenarios: Path, count: int) -> list[tuple[Scenario, Trajectories]]:
+    """The first `count` futures of each scenario of all shards of a folder; `scenarios` as in `futures_in`.
+
+    Raises UnusableInput where a scenario has fewer.
+    """
+    futures = [pair for shard in shards(folder) for pair in futures_in(shard, scenarios)]
+    fewest = min((len(made.dropped) for _, made in futures), default=count)
+    if fewest < count:
+        raise UnusableInput(f"{folder} holds {fewest} futures of a scenario, {count} are wanted: make more of them")
+    return [(scenario, made.motion[k]) for scenario, made in futures for k in range(count)]
+
+
 def in_turn(scenarios: Path, samples: Path | None, most: int) -> list[tuple[Scenario, Trajectories, int]]:
     """Traffic of a shard of scenarios: the log of each (0), or the first future of each (0), then the second of each (1), ...
 

@@ -62,7 +62,7 @@ LEARNERS = frozenset({"train_selector", "train_planner", "train_generator"})
 PLANNING = frozenset(
     {
         "rollout", "ship", "corner", "asked", "attack", "attack_taught", "beset", "mutation_score", "rates", "recall", "repair",
-        "tune_traffic",
+        "tune", "tune_amounts", "tune_traffic",
     }
 )  # fmt: skip
 """Stages in which the planner plans."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegen.report.plots import SERIES, apart, coloured, curves, front, lines, panels, shares, two_kinds
+from drivegen.report.plots import SERIES, apart, coloured, curves, front, lines, panels, shares, steps, two_kinds
 
 LINE = 0.4
 
@@ -43,8 +43,9 @@ LINE_OF = {name: ([0.0, 1.0], [1.0, 2.0]) for name in MANY}
         panels({"group": LINE_OF}, "x", "y"),
         shares({name: [1.0, 2.0] for name in MANY}, "x"),
         two_kinds(dict(list(LINE_OF.items())[:2]), dict(list(LINE_OF.items())[2:]), "x", "y"),
+        steps({name: {"0": (1.0, 0.5, 2.0), "4": (0.5, 0.2, 1.0)} for name in MANY}, "x", "y"),
     ],
-    ids=["curves", "lines", "panels", "shares", "two kinds"],
+    ids=["curves", "lines", "panels", "shares", "two kinds", "steps"],
 )
 def test_no_line_is_missing_where_there_are_more_than_colours(picture: bytes):
     assert [name for name in MANY if f"<!-- {name} -->" not in picture.decode()] == []

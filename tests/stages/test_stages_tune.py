@@ -3,6 +3,7 @@
 import copy
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import orjson
@@ -11,15 +12,24 @@ import pytest
 import torch
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.first_frame import first_frame
 from drivegen.core.samples import Samples
 from drivegen.drivers import gail
 from drivegen.drivers.shared.tuning import Continued, How, stand_at
-from drivegen.report.published_drivers import read_tests
-from drivegen.store.samples import write_samples
+from drivegen.goals.packing import pack
+from drivegen.report import published_tuned
+from drivegen.report.published_amounts import amount_tables
+from drivegen.report.published_tuned import driver_rows, read_tests
+from drivegen.rollout.batch import choose
+from drivegen.selectors.random import Plugin as Random
+from drivegen.store.goals import write_goals
+from drivegen.store.lookup import logs_below
+from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import read_shard, write_shard
-from stages import drive_tuned, publish_drivers, tune, tune_traffic
+from stages import _lessons, drive_tuned, publish_drivers, tune, tune_amounts, tune_traffic
 from stages._door import read_params, read_section
 from tests.drivers.taught import PARAMS, straight_lessons, teaching
+from tests.models import candidate_settings, two_lanes, write_models
 from tests.scenes import busy_crossing, noisy_samples
 
 PPO = {"rows": 16, "epochs": 1, "batch": 512, "learning_rate": 0.001, "clip": 0.2, "discount": 0.98, "smoothing": 0.95}
@@ -65,19 +75,44 @@ def test_a_driver_without_settings_is_one_sentence():
         How.of("gail", {"sac": {"base": {}, "tuned": {}}}, "tune.drivers")
 
 
+def settings() -> tune.Params:
+    """Two policy seeds, of which the second tunes on one method alone."""
+    taught = {**read_section("train_driver.drivers.gail", PARAMS), **SHORT}
+    params = read_params("tune", tune.Params, PARAMS)
+    return replace(
+        params,
+        seeds=(7, 8),
+        further=tune.Further(1, ("bits",)),
+        methods=("bits", "drivegen", "log"),
+        amounts=(1, 3),
+        corner_cases=replace(params.corner_cases, adversaries={"random": {}}, queries=2, samples=1),
+        drivers={"gail": {"base": taught, "tuned": taught}},
+    )
+
+
+def sources(root: Path) -> list[Path]:
+    """Tuning scenes, more futures, models, goals, and the traffic that is attacked."""
+    return [root / "scenes", root / "generated/drivegen", root / "models", root / "goals", root / "generated/drivegen"]
+
+
 @pytest.fixture(scope="module")
 def tuned(tmp_path_factory) -> Path:
     root = tmp_path_factory.mktemp("tuned")
     for split in ("train", "val", "test"):
         scenes = [busy_crossing(31, f"{split}{n}-00000-1") for n in range(4)]
         write_shard(root / "scenarios" / split / "shard-00000.parquet", scenes)
-    write_samples(root / "generated/bits/shard-00000.parquet", [noisy_samples(scene, 4, n) for n, scene in enumerate(scenes)])
-    params = replace(read_params("tune_traffic", tune_traffic.Params, PARAMS), share=0.0)
-    nothing = root / "nothing"
-    tune_traffic.main(params, root / "scenarios", root / "generated", *[nothing] * 3, root / "models", root / "scenes/bits")
-    taught = {**read_section("train_driver.drivers.gail", PARAMS), **SHORT}
-    settings = tune.Params((7,), ("bits",), {"gail": {"base": taught, "tuned": taught}})
-    tune.main(settings, root / "scenarios", root / "scenes", root / "data/gail/7", root / "tune.json")
+    (root / "nothing").mkdir()
+    for method in ("bits", "drivegen", "log"):
+        futures = [noisy_samples(scene, 4, n) for n, scene in enumerate(scenes)]
+        write_samples(root / "generated" / method / "shard-00000.parquet", futures)
+        params = replace(read_params("tune_traffic", tune_traffic.Params, PARAMS), share=0.0)
+        folders = root / "scenarios", root / "generated"
+        tune_traffic.main(params, *folders, *[root / "nothing"] * 3, root / "models", root / "scenes" / method)
+    write_models(root / "models")
+    choices = choose(scenes, Random(), candidate_settings(), 1.0)
+    write_goals(root / "goals/shard-00000.parquet", [pack(c.scenario, "random", c.candidates, c.natural) for c in choices])
+    for seed in (7, 8):
+        tune.main(settings(), root / "scenarios", *sources(root), root / f"data/gail/{seed}", root / f"tune-{seed}.json")
     tests = replace(read_params("drive_tuned", drive_tuned.Params, PARAMS), workers=1, draws=20)
     results = root / "runs/here" / publish_drivers.TUNED
     drive_tuned.main(tests, root / "scenarios/test", root / "data", results, results.with_suffix(".json"))
@@ -94,10 +129,70 @@ def test_scenes_are_any_future_of_the_method_or_the_best_of_several(tuned: Path)
     assert np.allclose(scenes["test0-00000-1"].log.position, samples.motion[0].position, atol=0.01)
 
 
-def test_every_row_has_weights_and_grades(tuned: Path):
-    rows = {"dataset", "dataset_longer", "bits"}
-    assert {folder.name for folder in (tuned / "data/gail/7").iterdir()} == rows
-    assert set(orjson.loads((tuned / "tune.json").read_bytes())) == rows
+def test_every_row_has_weights_and_grades_and_seeds_after_so_many_have_only_those_that_are_named(tuned: Path):
+    always = {"dataset", "dataset_longer", "bits"}
+    for seed, rows in ((7, always | {"drivegen", "log", "amount_1", "amount_3", "corner_cases"}), (8, always)):
+        assert {folder.name for folder in (tuned / f"data/gail/{seed}").iterdir()} == rows
+        assert set(orjson.loads((tuned / f"tune-{seed}.json").read_bytes())) == rows
+
+
+def test_no_row_of_cases_where_their_share_is_none():
+    none = replace(settings(), amounts=(), corner_cases=replace(settings().corner_cases, share=0.0))
+    assert none.rows(7) == _lessons.Rows(("bits", "drivegen", "log"), (), None)
+
+
+def test_amounts_are_the_logs_and_the_first_futures_of_each(tuned: Path):
+    of = _lessons.Sources(tuned / "scenarios/test", *sources(tuned))
+    rows = dict(of.of(_lessons.Rows(("log",), (1, 3), None), None, 7))
+    assert [len(rows[name]) for name in ("log", "amount_1", "amount_3")] == [4, 8, 16]
+    for row in ("amount_1", "amount_3"):
+        same = zip(rows["log"], rows[row], strict=False)
+        assert all(np.array_equal(log.position, first.position) for (_, log), (_, first) in same)
+    futures = read_samples(tuned / "generated/drivegen/shard-00000.parquet")
+    added = [(scenario.scenario_id, motion.position) for scenario, motion in rows["amount_3"][4:]]
+    wanted = [(samples.scenario_id, samples.motion[k].position) for samples in futures for k in range(3)]
+    assert all(mine[0] == theirs[0] and np.array_equal(mine[1], theirs[1]) for mine, theirs in zip(added, wanted, strict=True))
+    with pytest.raises(UnusableInput, match="holds 4 futures of a scenario, 5 are wanted"):
+        dict(of.of(_lessons.Rows((), (5,), None), None, 7))
+
+
+def test_a_quarter_of_the_lessons_are_cases_and_the_rest_are_drivegens(tuned: Path, monkeypatch):
+    """Every lesson learnt in a straight lane stands for a case here; the attacked driver is the one that is handed over."""
+    cases = straight_lessons(2).traffic
+    attacked = []
+
+    def attack(driver, ground, who, bounds, seed, law):
+        attacked.append((driver.name, [choice.scenario.scenario_id for choice in ground.generated.choices], bounds.budget, seed))
+        return {}
+
+    monkeypatch.setattr(_lessons, "attacked", attack)
+    monkeypatch.setattr(
+        _lessons, "found_cases", lambda _: [SimpleNamespace(scenario=scenario, traffic=motion) for scenario, motion in cases]
+    )
+    of = _lessons.Sources(tuned / "scenarios/test", *sources(tuned))
+    rows = _lessons.Rows((), (), settings().corner_cases)
+    ((name, lessons),) = of.of(rows, SimpleNamespace(name="gail"), 8)
+    assert name == "corner_cases"
+    assert attacked == [("gail", [f"test{n}-00000-1" for n in range(4)], 2, 8)]
+    ours = logs_below(tuned / "scenes/drivegen")
+    assert [scene.scenario_id for scene, _ in lessons[:4]] == [scene.scenario_id for scene, _ in ours]
+    assert len(lessons) == 5  # one of five: a third of four is nearest to one
+    assert lessons[4] == cases[0]
+
+
+def test_more_futures_are_made_from_the_first_frame_alone(tmp_path: Path):
+    scene = two_lanes(steps=41)
+    params = replace(read_params("tune_amounts", tune_amounts.Params, PARAMS), samples=3, workers=1)
+    models = write_models(tmp_path / "models")
+    made = []
+    for name, one in (("whole", scene), ("first", first_frame(scene))):
+        write_shard(tmp_path / name / "shard-00000.parquet", [one])
+        tune_amounts.main(params, tmp_path / name, models, tmp_path / "out" / name)
+        made.append((tmp_path / "out" / name / "shard-00000.parquet").read_bytes())
+    assert made[0] == made[1]
+    (samples,) = read_samples(tmp_path / "out/whole/shard-00000.parquet")
+    assert len(samples.dropped) == 3
+    assert samples.method == "drivegen"
 
 
 def test_the_published_rows_are_those_that_are_asked_for(tuned: Path):
@@ -113,21 +208,74 @@ def test_the_published_rows_are_those_that_are_asked_for(tuned: Path):
     assert "GAIL tuned on each method's scenes, neighbours replayed: These scenes" in table
     assert "| BITS |" in table
     assert "| BITS (paper, on Argoverse 2) | 0.15 | 56.90 | 5.10 | 7.84 |" in table
-    assert "policy seeds: 1" in table
+    seeds = {row.split("|")[1].strip(): row.split("|")[-2].strip() for row in table.splitlines() if row.startswith("| ")}
+    assert seeds["BITS"] == "2"
+    assert seeds["DriveGen"] == "1"
+    assert seeds["BITS (paper, on Argoverse 2)"] == ""
+    assert "| DriveGen, a quarter corner cases |" in table
+    amounts = (tuned / "published/drivers-here-clean-amounts.md").read_text()
+    assert [line.split("|")[1].strip() for line in amounts.splitlines() if line.startswith("| ")][2:] == ["0", "1", "3"]
+    assert "![" in amounts
+    assert b"<svg" in (tuned / "published/drivers-here-clean-amounts.svg").read_bytes()
     assert "paper, on" not in (tuned / "published/drivers-here-clean-gail-reactive.md").read_text()
 
 
-def test_the_primary_endpoint_also_stands_by_policy_seed():
-    """Of scenes a, b and c the first two are rich; the second seed collides in a, the first in c alone."""
+def counted(*runs: tuple[str, int, str]) -> pa.Table:
+    """Of scenes a, b and c the first two are rich; each run is a method, a policy seed and the scenes in which it collides."""
     rows = [
-        {"driver": "gail", "method": "bits", "metric": metric, "scenario": scenario, "seed": seed, "value": value}
-        for seed, hit in ((7, "c"), (8, "a"))
+        {"driver": "gail", "method": method, "metric": metric, "scenario": scenario, "seed": seed, "value": value}
+        for method, seed, hits in runs
         for scenario in "abc"
         for metric, value in (
-            ("counted", float(scenario == hit)),
+            ("counted", float(scenario in hits)),
             ("reactive.counted", 0.0),
             ("rich", float(scenario != "c")),
         )
     ]
-    tests = read_tests("here", "clean", pa.Table.from_pylist(rows), {})
-    assert tests.primary == {("gail", "bits"): {7: 0.0, 8: 0.5}}
+    return pa.Table.from_pylist(rows)
+
+
+def figures(results: pa.Table, monkeypatch) -> dict[tuple[str, str], dict]:
+    """Replayed neighbours' rows of the primary endpoint by method and metric."""
+    monkeypatch.setattr(published_tuned, "METRICS", {published_tuned.PRIMARY: published_tuned.METRICS[published_tuned.PRIMARY]})
+    methods = set(results["method"].to_pylist())
+    nothing = {"value": None, "low": None, "high": None}
+    diversity = {f"gail/{method}/7/{kind}": nothing for method in methods for kind in ("replayed", "reactive")}
+    rows = driver_rows(read_tests("here", "clean", results, diversity), 20, 7)
+    return {(row["method"], row["metric"]): row for row in rows if row["neighbours"] == "replayed"}
+
+
+def test_the_primary_endpoint_also_stands_by_policy_seed(monkeypatch):
+    found = figures(counted(("bits", 7, "c"), ("bits", 8, "a")), monkeypatch)
+    assert found["bits", "counted_rich.seed_7"]["value"] == 0.0
+    assert found["bits", "counted_rich.seed_8"]["value"] == 0.5
+    assert found["bits", "counted_rich"]["value"] == 0.25
+
+
+def test_rows_with_unequal_seeds_are_compared_by_those_that_both_have(monkeypatch):
+    """The reference has three seeds, the last two with two collisions; the other method has the first two of them."""
+    results = counted(
+        ("dataset_longer", 7, ""), ("dataset_longer", 8, "ab"), ("dataset_longer", 9, "ab"), ("bits", 7, "a"), ("bits", 8, "a")
+    )
+    found = figures(results, monkeypatch)
+    assert found["dataset_longer", "counted_rich"]["seeds"] == 3
+    assert found["dataset_longer", "counted_rich"]["value"] == pytest.approx(2 / 3)
+    assert found["bits", "counted_rich"]["value"] == 0.5
+    apart = found["bits", "counted_rich.minus_dataset_longer"]
+    assert (apart["seeds"], apart["value"]) == (2, pytest.approx(0.5 - 0.5))
+
+
+def test_amounts_are_compared_with_the_logs_and_cases_with_the_same_scenes_without(monkeypatch):
+    runs = [("log", 7, "ab"), ("amount_4", 7, "a"), ("amount_16", 7, ""), ("drivegen", 7, "a"), ("corner_cases", 7, "ab")]
+    found = figures(counted(*runs), monkeypatch)
+    assert found["amount_4", "counted_rich.minus_log"]["value"] == -0.5
+    assert found["corner_cases", "counted_rich.minus_drivegen"]["value"] == 0.5
+    assert ("drivegen", "counted_rich.minus_log") not in found
+    assert ("amount_4", "counted_rich.minus_dataset_longer") not in found  # there is no such row here
+    rows = [row | {"metric": metric} for row in found.values() for metric in {row["metric"], "cr"}]
+    (table,) = amount_tables(rows, {"here": ("These scenes", 3)})
+    assert [[cell.text for cell in row.cells[:3]] for row in table.rows] == [
+        ["0", "1.000", ""],
+        ["4", "0.500", "-0.500"],
+        ["16", "0.000", "-1.000"],
+    ]

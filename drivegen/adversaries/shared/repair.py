@@ -37,7 +37,7 @@ MEASURES = ("distance", "comfort_absolute")
 
 @dataclass(frozen=True)
 class Half:
-    """Half of the recordings: their logs, and the traffic that was generated from them."""
+    """Half of the recordings, or all of them (`whole`): their logs, and the traffic that was generated from them."""
 
     logs: Ground
     generated: Ground
@@ -57,10 +57,11 @@ def halved(
         raise UnusableInput("all scenarios are of one recording: what a driver learns from it can't be tested elsewhere")
     side = dict(zip(names, (rng(seed, "repair", "halves").permutation(len(names)) % 2).tolist(), strict=True))
     members = [[i for i, name in enumerate(of) if side[name] == half] for half in (0, 1)]
-    return [_half([choices[i] for i in rows], [samples[i] for i in rows], scenes, planner, limits) for rows in members]
+    return [whole([choices[i] for i in rows], [samples[i] for i in rows], scenes, planner, limits) for rows in members]
 
 
-def _half(choices: Sequence[Choices], samples: Sequence[Samples], scenes: int, planner: Planner, limits: Limits) -> Half:
+def whole(choices: Sequence[Choices], samples: Sequence[Samples], scenes: int, planner: Planner, limits: Limits) -> Half:
+    """Scenarios (C,) with their samples (C,), of which `scenes` are traffic, none held back."""
     return Half(logged(choices, planner, limits), sampled(choices, samples, scenes, planner, limits))
 
 

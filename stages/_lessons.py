@@ -1,0 +1,88 @@
+"""What drivers are tuned on, row by row: a method's scenes, logs with more and more futures, scenes with corner cases."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from drivegen.adversaries.shared.arena import Bounds
+from drivegen.adversaries.shared.repair import attacked, found_cases, whole
+from drivegen.core import plugins
+from drivegen.core.settings import Count, Index, Within
+from drivegen.corner_cases.case import Case
+from drivegen.drivers.base import Driver
+from drivegen.drivers.shared.conditions import Traffic
+from drivegen.drivers.shared.tuning import exemplary, mixed
+from drivegen.store.lookup import first_futures, logs_below
+from drivegen.store.scenarios import shards
+from drivegen.world.reactive import Reaction
+from stages._door import require
+from stages._ground import Made
+
+LOGS, OURS = "log", "drivegen"
+"""To whose scenes futures are added, and among whose the cases are."""
+
+AMOUNT, CASES = "amount_", "corner_cases"
+"""Rows beside those of methods; of amounts with the number behind it."""
+
+
+@dataclass(frozen=True)
+class CornerCases:
+    """`share` of the lessons that are cases (0: there is no such row), and how they are found; see `stages.repair.Params`."""
+
+    share: Annotated[float, Within(0, 0.9)]
+    adversaries: dict[str, dict[str, Any]]
+    planner: str
+    samples: Count
+    allowed: str
+    queries: Count
+    reaction_steps: Index
+    reaction: Reaction
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Which rows there are beside those of logs; see `stages.tune.Params`."""
+
+    methods: tuple[str, ...]
+    amounts: tuple[int, ...]
+    corner_cases: CornerCases | None
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Folders that lessons come from: see the stage `tune`; `test` is the split that tuning scenes were made of."""
+
+    test: Path
+    scenes: Path
+    futures: Path
+    models: Path
+    goals: Path
+    traffic: Path
+
+    def tuning(self, method: str) -> list[Traffic]:
+        """The tuning scenes of a method."""
+        return logs_below(require(self.scenes / method, f"run the stage tune_traffic with {method!r} among tune.methods"))
+
+    def cases(self, how: CornerCases, driver: Driver, seed: int) -> list[Traffic]:
+        """What adversaries find against `driver`, as far as it shows how to drive."""
+        made = Made.open(self.models, how.planner, self.goals, self.traffic)
+        who = {
+            name: plugins.make("adversaries", name, how.adversaries, "tune.corner_cases.adversaries") for name in how.adversaries
+        }
+        bounds, found = Bounds(how.allowed, how.queries, how.reaction_steps), list[Case]()
+        for shard in shards(self.test):
+            ground = whole(made.choices(shard), made.samples(shard), how.samples, made.planner, made.limits)
+            found += found_cases(attacked(driver, ground, who, bounds, seed, how.reaction))
+        return exemplary([(case.scenario, case.traffic) for case in found])
+
+    def of(self, rows: Rows, driver: Driver, seed: int) -> Iterator[tuple[str, list[Traffic]]]:
+        """Each row with its lessons; corner cases are those of `driver`."""
+        for method in rows.methods:
+            yield method, self.tuning(method)
+        for amount in rows.amounts:
+            yield f"{AMOUNT}{amount}", [*self.tuning(LOGS), *first_futures(self.futures, self.test, amount)]
+        if (how := rows.corner_cases) is not None:
+            cases = self.cases(how, driver, seed)
+            print(f"tune {driver.name} {seed} {CASES}: {len(cases)} cases to learn from", flush=True)
+            yield CASES, mixed(self.tuning(OURS), cases, how.share)
