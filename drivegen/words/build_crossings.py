@@ -38,6 +38,8 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     streets, arms = scene.named("street"), scene.named("arm")
     joins = {link for thing in streets for link in thing.links} | scene.links
     roads = [*main, *streets, *side]
+    if any((road.value("count") or 1) > 1 for road in side):
+        raise Unfit("several side roads cross a road at several places")
     shape, count = _shape_and_count(scene, whole, joins, roads)
     whole.values("evenly")
     angles = _angles(count, shape, whole, side)
@@ -88,6 +90,9 @@ def _shape_and_count(scene: Scene, whole: Thing, joins: set[str], roads: list[Th
     number = sum(int(road.value("count") or 1) for road in roads if road.name == "street" and road.which is None)
     if scene.there("main") and scene.there("side") and not (joins or whole.facts or scene.there("crossing", "cross")):
         raise Unfit("say whether the side road crosses the main road or ends at it")
+    texts = [road.text for road in roads if road.name == "street" and road.which is None and road.value("count") is None]
+    if number > 2 and len(set(texts)) < len(texts):
+        raise Unfit(f"say whether {max(texts, key=texts.count)!r} is one road or several")
     if count is None and shape is None:
         meets = "meets" in joins and "crosses" not in joins and not scene.there("cross")
         t_like = meets and len(roads) >= 2 and not scene.there("crossing")

@@ -5,7 +5,7 @@ import math
 from drivegen.words.build_crossings import Road, count_of, own_of_arms
 from drivegen.words.choices import Choices, lanes_of, speed_of, usual_speed
 from drivegen.words.slots import KMH
-from drivegen.words.things import Scene, Thing, Unfit, merged
+from drivegen.words.things import Scene, Thing, Undrawable, Unfit, merged
 
 ISLAND = 8.0
 """By how much the island of a roundabout is smaller than its outer edge, per lane of the ring [m]."""
@@ -30,7 +30,7 @@ def roundabout(scene: Scene, choices: Choices) -> Road:
     itself = merged(scene.named("roundabout"))
     on_ring += [*itself.values("lane_road"), *itself.values("lanes")]
     if len(set(on_ring)) > 1:
-        raise Unfit("two numbers of lanes are said of the ring")
+        raise Undrawable("two numbers of lanes are said of the ring")
     ring = int(on_ring[0]) if on_ring else 1
     of_roads = [fact for fact in whole.facts if fact not in itself.facts or fact.name not in ("lane_road", "lanes")]
     lanes = lanes_of(Thing("", facts=of_roads), arms=True) or (min(ring, 2), 0)

@@ -4,7 +4,7 @@ from typing import Any
 
 from drivegen.core import seeds
 from drivegen.words.slots import KMH
-from drivegen.words.things import Thing, Unfit
+from drivegen.words.things import Thing, Undrawable, Unfit
 
 _SPEEDS = {"residential": 30 * KMH, "rural": 80 * KMH, "urban": 50 * KMH, None: 50 * KMH}
 ARTERIAL, FAST = 60 * KMH, 120 * KMH
@@ -48,6 +48,8 @@ def lanes_of(
             if name in ("lanes", "lane_road") and pairs and value in (pairs[0][0], sum(pairs[0])):
                 continue  # "an eight-lane highway, four in each direction"
             pairs.append(_counted(name, value, one_way=one_way, most=most if per_carriageway else 0, arms=arms))
+    if one_way and any(fact.name == "lanes_each" for fact in road.facts):
+        raise Undrawable("a one-way road has no lanes in the other direction")
     if one_way:
         pairs = [(ahead, 0) for ahead, _ in pairs]
     if any(pair != pairs[0] for pair in pairs):

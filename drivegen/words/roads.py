@@ -55,10 +55,11 @@ def _cross_streets(scene: Scene) -> None:
     """Several streets that cross one road lie along it: "a boulevard crossed by three side streets"."""
     streets = [thing for thing in scene.things if thing.name in ("street", "main") and thing.which is None]
     counts = [next((int(f.value) for f in thing.facts if f.name == "count"), 1) for thing in streets]
-    if "crosses" in scene.links and len(streets) > 1 and sorted(counts)[-2:-1] == [1] and max(counts) > 1:
+    crosses = any("crosses" in links for links in (scene.links, *(thing.links for thing in scene.things)))
+    if crosses and len(streets) > 1 and sorted(counts)[-2:-1] == [1] and max(counts) > 1:
         streets[counts.index(max(counts))].name = "cross"
     for thing in scene.things:
-        if thing.name == "side" and "crosses" in scene.links and any(f.name == "count" and f.value > 1 for f in thing.facts):
+        if thing.name == "side" and crosses and any(f.name == "count" and f.value > 1 for f in thing.facts):
             thing.name = "cross"
 
 
@@ -103,7 +104,10 @@ def _in_a_row(scene: Scene) -> bool:
     news = [thing for thing in junctions if thing.which is None]
     several = len(news) > 1 or any(f.value != 1 for t in news for f in t.facts if f.name == "count")
     along = [thing for thing in (*junctions, scene.whole) if thing.has("position", "spacing", "gap", "middle")]
-    return bool(junctions) and (several or bool(along))
+    crossed = any(
+        fact.name == "count" and fact.value > 1 for thing in scene.things if thing.name == "cross" for fact in thing.facts
+    )
+    return bool(junctions) and (several or bool(along)) or crossed
 
 
 def _meeting(scene: Scene) -> bool:
