@@ -28,8 +28,8 @@ def amount_tables(rows: Sequence[Mapping[str, Any]], about: Mapping[str, tuple[s
         heads = [f"{name.upper()}: {head}" for name in drivers for head in COLUMNS.values()]
         notes = (
             f"{PRIMARY_WORDS} Tuned on the logs of the tuning scenes with so many of DriveGen's futures of each among them, for "
-            f"as many steps in every row. {next(iter(figures.values()))['n']} scenes of {recordings} recordings; 95 % intervals over "
-            "recordings for the policies as they are, differences paired by scene and policy seed.",
+            f"as many steps in every row. {next(iter(figures.values()))['n']} scenes of {recordings} recordings; 95 % intervals "
+            "over recordings for the policies as they are, differences paired by scene and policy seed.",
             PROTOCOLS[protocol],
         )
         yield Table(
