@@ -104,10 +104,8 @@ def _in_a_row(scene: Scene) -> bool:
     news = [thing for thing in junctions if thing.which is None]
     several = len(news) > 1 or any(f.value != 1 for t in news for f in t.facts if f.name == "count")
     along = [thing for thing in (*junctions, scene.whole) if thing.has("position", "spacing", "gap", "middle")]
-    crossed = any(
-        fact.name == "count" and fact.value > 1 for thing in scene.things if thing.name == "cross" for fact in thing.facts
-    )
-    return bool(junctions) and (several or bool(along)) or crossed
+    crossed = any(f.name == "count" and f.value > 1 for thing in scene.things if thing.name == "cross" for f in thing.facts)
+    return crossed or (bool(junctions) and (several or bool(along)))
 
 
 def _meeting(scene: Scene) -> bool:
