@@ -44,12 +44,12 @@ class Signals:
     @cached_property
     def closed(self) -> NDArray[np.bool_]:
         """(G, T) whether it is red or yellow."""
-        return (self.state == SignalState.RED) | (self.state == SignalState.YELLOW)
+        return np.asarray((self.state == SignalState.RED) | (self.state == SignalState.YELLOW))
 
     @cached_property
     def shown(self) -> NDArray[np.bool_]:
         """(G,) whether it is ever known."""
-        return (self.state != SignalState.UNKNOWN).any(1)
+        return np.asarray((self.state != SignalState.UNKNOWN).any(1))
 
     def held(self) -> "Signals":
         """The same, each signal showing its last known state wherever the state is UNKNOWN: what drivers assume."""

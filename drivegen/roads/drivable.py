@@ -157,6 +157,16 @@ def _surface(map_: RoadMap, quads: _Quads, frame: _Frame) -> RoadSurface:
     return RoadSurface(frame.low.astype(np.float32), _signed_distance(road), road > mapped, around)
 
 
+def covered(places: NDArray[np.floating], size: NDArray[np.floating]) -> NDArray[np.float64] | None:
+    """Two corners (2, 2) [m] of what boxes of `size` (N, 2 or 3) [m] cover, any of them at any of the places (P, 2) [m].
+
+    Places that are not finite count for nothing; None where no other is.
+    """
+    there = places[np.isfinite(places).all(axis=-1)].astype(np.float64)
+    reach = float(np.hypot(*size[:, :2].T).max(initial=0.0)) / 2
+    return np.stack([there.min(0) - reach, there.max(0) + reach]) if len(there) else None
+
+
 def sectors(heading: NDArray[np.floating]) -> NDArray[np.uint8]:
     """Number of the direction sector of each heading [rad], of any shape."""
     number: NDArray[np.uint8] = np.floor(heading * (SECTORS / (2 * np.pi))).astype(np.int64).astype(np.uint8) % SECTORS
