@@ -166,7 +166,7 @@ class SceneChecker:
         `stated` (B, T) are the steps that the trajectories call valid, whether their numbers are finite or not.
         """
         position, heading, velocity, valid = arrays
-        direction = unit(np.where(valid, heading, np.float32(0))).astype(np.float32)
+        direction = unit(np.where(valid, heading, np.float32(0)))
         worst, first = _nothing(len(size), len(RULES))
         dynamics.judge(position, direction, velocity, valid, self.limit, worst, first)
         field = self._field_around(position, valid, size)
@@ -178,8 +178,9 @@ class SceneChecker:
             collisions.against(position, heading, valid, size, *people, self.limit[OVERLAP_CONTEXT], hit, when)
             worst[:, OVERLAP_CONTEXT], first[:, OVERLAP_CONTEXT] = hit, when
         broken = stated & ~valid
-        worst[:, NOT_FINITE] = np.where(broken.any(axis=1), 1.0, NEVER)
-        first[:, NOT_FINITE] = np.where(broken.any(axis=1), broken.argmax(axis=1), -1)
+        if broken.any():
+            worst[:, NOT_FINITE] = np.where(broken.any(axis=1), 1.0, NEVER)
+            first[:, NOT_FINITE] = np.where(broken.any(axis=1), broken.argmax(axis=1), -1)
         return Severities(worst, first)
 
     def _field_around(self, position: NDArray[np.float32], valid: NDArray[np.bool_], size: NDArray[np.float32]) -> RoadField:

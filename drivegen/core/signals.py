@@ -44,14 +44,12 @@ class Signals:
     @cached_property
     def closed(self) -> NDArray[np.bool_]:
         """(G, T) whether it is red or yellow."""
-        closed: NDArray[np.bool_] = (self.state == SignalState.RED) | (self.state == SignalState.YELLOW)
-        return closed
+        return np.asarray((self.state == SignalState.RED) | (self.state == SignalState.YELLOW))
 
     @cached_property
     def shown(self) -> NDArray[np.bool_]:
         """(G,) whether it is ever known."""
-        shown: NDArray[np.bool_] = (self.state != SignalState.UNKNOWN).any(1)
-        return shown
+        return np.asarray((self.state != SignalState.UNKNOWN).any(1))
 
     def held(self) -> "Signals":
         """The same, each signal showing its last known state wherever the state is UNKNOWN: what drivers assume."""
