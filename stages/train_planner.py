@@ -91,9 +91,9 @@ def main(params: Params, scenarios: Path, limits: Path, model: Path, metrics: Pa
 
 def _untrained(name: str, params: Params) -> tuple[Planner, Any]:
     """The planner plugin called `name` and its settings; raises UnusableInput where params know none."""
+    plugin = plugins.load("planners", name)
     if name not in params.planners:
         raise UnusableInput(f"params.yaml: train_planner.planners has no settings for {name!r}")
-    plugin = plugins.load("planners", name)
     settings = build(plugin.Settings, params.planners[name], f"params.yaml: train_planner.planners.{name}")
     return plugin(settings), settings
 
