@@ -12,7 +12,10 @@ def grid(scene: Scene, choices: Choices) -> Road:
     scene.one_road("street", "main")
     whole = scene.merged("grid", "street", "crossing")
     sizes, spacing = {*whole.values("grid_size"), *(pair[::-1] for pair in whole.values("columns_rows"))}, spacing_of(whole, [])
-    sizes |= {(rows + 1, columns + 1) for rows, columns in whole.values("grid_blocks")}
+    blocks = whole.values("grid_blocks")
+    if any(0 in pair for pair in blocks):
+        raise Unfit("a grid has a block at least")
+    sizes |= {(rows + 1, columns + 1) for rows, columns in blocks}
     counts = whole.values("count")
     if len(sizes) > 1 or counts:
         raise Unfit("say the grid as rows by columns of crossings, e.g. '3 by 4'")
