@@ -57,6 +57,14 @@ def declined(text: str) -> str:
         ("a crossroads with dual left-turn lanes", "2 lanes to turn into"),
         ("the main road has 3 m lanes at a T-junction with a side road", "3 m lanes"),
         ("a T-junction with right turn only from the side road", "turn bans"),
+        ("lane drop from two lanes to four lanes", "is no lane drop"),
+        ("a motorway where two lanes narrow to four", "says the opposite of 2 to 4 lanes"),
+        ("a road that is 0 metres long", "nothing that could be drawn"),
+        ("a main road with a side road with one lane", "crosses the main road or ends at it"),
+        ("two north-south streets cross two east-west streets", "crossing of two roads"),
+        ("one-way street with two lanes in each direction", "no lanes in the other direction"),
+        ("a single-lane roundabout with three lanes in the ring", "two numbers of lanes"),
+        ("grid of zero by zero blocks", "a block at least"),
     ],
 )
 def test_what_cannot_be_read_is_declined_by_name_with_a_sentence_to_try(text, word):
@@ -251,3 +259,16 @@ def test_covers_that_differ_in_silent_words_are_one():
 def test_long_nonsense_is_declined_soon():
     text = "two lanes in each direction at the crossing with a song " * 35
     assert cpu_seconds(lambda: declined(text)) < 20 * yardstick()
+
+
+@pytest.mark.parametrize(
+    "text", ["a main road crossed by three side streets", "avenue crossed by three streets, lights at each crossing"]
+)
+def test_streets_that_cross_a_road_cross_it_one_after_another(text):
+    road = read(text, 7).road.road
+    assert [junction.sides for junction in road.junctions] == [("left", "right")] * 3
+
+
+def test_blocks_lie_between_streets():
+    road = read("a grid of 2 by 3 city blocks", 7).road.road
+    assert (road.rows, road.columns) == (3, 4)
