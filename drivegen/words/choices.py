@@ -48,7 +48,7 @@ def lanes_of(
             if name in ("lanes", "lane_road") and pairs and value in (pairs[0][0], sum(pairs[0])):
                 continue  # "an eight-lane highway, four in each direction"
             pairs.append(_counted(name, value, one_way=one_way, most=most if per_carriageway else 0, arms=arms))
-    if one_way and any(fact.name == "lanes_each" for fact in road.facts):
+    if one_way and road.has("lanes_each"):
         raise Undrawable("a one-way road has no lanes in the other direction")
     if one_way:
         pairs = [(ahead, 0) for ahead, _ in pairs]
