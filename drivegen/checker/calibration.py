@@ -1,5 +1,6 @@
 """Set the checker's limits from logs: people drove them, so at least 99 % of their tracks must pass each rule.
 
+Who is parked beside the lanes shows nothing of how people drive and is left out.
 The limit of a rule is the larger of a floor (what is sensible on any road) and the quantile of the logged severities. Where
 several rules set one flag, each may reject only its part of the 1 %, so that the share holds for the flag too.
 """
@@ -15,6 +16,8 @@ from drivegen.checker.scene import SceneChecker
 from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Violation
 from drivegen.core.scenario import Scenario
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.parked import parked
 
 _DECIMALS = 1000
 
@@ -49,14 +52,15 @@ class Calibration:
 
 
 def logged_severities(scenario: Scenario, limits: Limits) -> NDArray[np.float32]:
-    """(tracks, R) severities of every logged track of one scenario; none for a scenario without log.
+    """(tracks, R) severities of every logged track of one scenario but the parked ones'; none for a scenario without log.
 
     Severities don't depend on the limits; one set is needed to build a checker.
     """
     if scenario.log is None:
         return np.zeros((0, len(RULES)), np.float32)
     worst = SceneChecker(scenario, limits).severities(scenario.log[None]).worst[0]
-    tracks: NDArray[np.float32] = worst[scenario.log.valid.any(axis=-1)]
+    driven = scenario.log.valid.any(axis=-1) & ~parked(LaneGraph.of(scenario.map), scenario.vehicles)
+    tracks: NDArray[np.float32] = worst[driven]
     return tracks
 
 

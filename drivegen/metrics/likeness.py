@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
+from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from drivegen.core.recorded_log import RecordedLog
 from drivegen.core.roadmap import NO_LANE
@@ -101,7 +101,8 @@ def traffic(log: RecordedLog) -> Traffic:
 def _smoothed(motion: Trajectories) -> Trajectories:
     reach = round(2 * SMOOTHING / DT)
     position = gaussian_filter1d(motion.position, SMOOTHING / DT, axis=-2, radius=reach)
-    return Trajectories(position, motion.heading, motion.velocity, within(motion.valid, reach))
+    whole = minimum_filter1d(motion.valid, 2 * reach + 1, axis=-1, mode="constant")  # nothing averaged over a gap
+    return Trajectories(position, motion.heading, motion.velocity, whole)
 
 
 def _offsets(graph: LaneGraph, motion: Trajectories) -> tuple[NDArray[np.bool_], NDArray[np.float32]]:

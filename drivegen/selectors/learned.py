@@ -8,8 +8,8 @@ learnt from no ranker should be surer than that. Every log is learnt from twice,
 way and, half of the times, limits, as data sets without these layers have it (`_twins`). The ranker may also be taught by
 another selector's recorded odds; its description then says whose.
 
-The simulated corpus has nobody parked, so no ranker learns from it what that is: who is parked (`lanes.parked`) is taken to
-stay, as the rival `idm` takes it.
+In the simulated corpus whoever is parked stays for good, and few are: who is parked (`roads.parked`) is taken to stay by rule, as
+the rival `idm` takes it.
 """
 
 from collections.abc import Callable, Sequence

@@ -19,6 +19,7 @@ from drivegen.sumo.bends import with_human_speeds
 from drivegen.sumo.demand import Demand, draw_demand, mean_limit, vehicles_at_begin
 from drivegen.sumo.netconvert import convert
 from drivegen.sumo.network import Network
+from drivegen.sumo.parking import ParkingSettings, park, with_parked
 from drivegen.sumo.sensing import SensingSettings, sensed
 from drivegen.sumo.traffic import Run, Traffic, simulate
 from drivegen.sumo.windows import EGO, Recording, WindowSettings, cut_windows, moves
@@ -47,7 +48,7 @@ class CorpusSettings:
         fast_density: as `density` of `simulate_scenarios`, on networks whose mean limit is above FAST: from free flow to jams.
         exit_speed: least and most of a run, see `Demand`.
         time_limit: processor time that one run may take [s].
-        window: which windows make scenarios. sensing: how they are measured.
+        parking: who is parked beside the streets. window: which windows make scenarios. sensing: how they are measured.
         without_signals: share of the runs whose recordings tell nobody what signals show.
     """
 
@@ -58,6 +59,7 @@ class CorpusSettings:
     fast_density: tuple[float, ...]
     exit_speed: tuple[float, ...]
     time_limit: Positive
+    parking: ParkingSettings
     window: WindowSettings
     sensing: SensingSettings
     without_signals: Share
@@ -98,10 +100,13 @@ def simulate_scenarios(
         missing = count - len(scenarios)
         vehicles = vehicles_at_begin(network, random.uniform(least, most), settings.most_vehicles)
         windows = int(np.clip(np.ceil(missing / (vehicles * share)), 1, settings.most_windows_per_run))
-        recording = Recording(network, _drive(raw, network, vehicles, windows, settings, random), cropper, city)
+        traffic = _drive(raw, network, vehicles, windows, settings, random)
+        recording = Recording(network, traffic, cropper, city)
         cut = list(islice(cut_windows(recording, f"{city}-{part:03d}-{run:02d}", settings.window, random), missing))
         windows_seen += cut[-1][0] + 1 if len(cut) == missing else windows
-        scenarios += _recorded([window for _, window in cut], settings, random)
+        parked = park(network.map, traffic, settings.parking, seeds.rng(seed, "parked", city, part, run))
+        shown = [with_parked(window, parked, network.map.origin, settings.window.radius) for _, window in cut]
+        scenarios += _recorded(shown, settings, random)
         share = max(len(cut) / (windows * vehicles), share / 4)  # what this network really gives
         barren, run = (0 if cut else barren + 1), run + 1
         if barren == _BARREN_RUNS:

@@ -8,7 +8,7 @@ from drivegen.checker.limits import FLAGS, LIMITED, RULES, Limits
 from drivegen.checker.scene import check_samples
 from drivegen.core.errors import UnusableInput
 from tests.checking import LIMITS
-from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
+from tests.scenes import beside, busy_crossing, drive, scenario, stack, straight_road
 
 ROAD = straight_road()
 LINE = ROAD.centreline[0].astype(np.float64)
@@ -80,6 +80,14 @@ def test_without_logs_there_is_nothing_to_calibrate_on():
     with pytest.raises(UnusableInput, match="no logged track"):
         calibrate([logged_severities(bare, LIMITS)], LIMITS, 0.99)
     assert pass_rates(np.zeros((0, len(RULES)), np.float32), LIMITS)["legal"] is None
+
+
+def test_who_is_parked_beside_the_lanes_is_not_calibrated_on():
+    driven, kerb = drive(LINE, 20, 8, 40), drive(beside(LINE, -3.0), 60, 0, 40)
+    alone = logged_severities(scenario(ROAD, stack([driven])), LIMITS)
+    assert (logged_severities(scenario(ROAD, stack([driven, kerb])), LIMITS) == alone).all()
+    waiting = drive(LINE, 60, 0, 40)
+    assert len(logged_severities(scenario(ROAD, stack([driven, waiting])), LIMITS)) == 2
 
 
 def test_severities_do_not_depend_on_the_limits():

@@ -10,10 +10,11 @@ import pytest
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import resample, wrap_angle
 from drivegen.core.recorded_log import RecordedLog
-from drivegen.core.scenario import TARGET
+from drivegen.core.scenario import TARGET, VehicleKind
 from drivegen.datasets.sumo_corpus import Plugin, write_part
 from drivegen.layouts.corpus import Networks
 from drivegen.sumo.corpus import CorpusSettings
+from drivegen.sumo.parking import ParkingSettings
 from drivegen.sumo.sensing import SensingSettings, sensed
 from drivegen.sumo.windows import WindowSettings, moves, overlapping_pairs, thrown
 from stages.corpus import Params, main
@@ -42,6 +43,7 @@ PARAMS = Params(
         fast_density=(15.0, 30.0),
         exit_speed=(5.0, 15.0),
         time_limit=60.0,
+        parking=ParkingSettings(share=0.0, fastest=14.0, spacing=6.5, taken=0.6, gap=(0.2, 0.5), from_end=12.0),
         window=WindowSettings(
             steps=110, radius=150.0, map_radius=100.0, apart=20.0, focal_travel=8.0, fewest=4, moving_share=0.6
         ),
@@ -233,3 +235,23 @@ def test_a_share_of_runs_is_measured_with_errors_and_a_share_of_training_runs_te
             assert (len(b.signals) > 0) == told
             assert not np.allclose(a.motion.position[a.focal], b.motion.position[b.focal], atol=1e-3)
             assert set(b.track_id) <= set(a.track_id)
+
+
+def test_parked_cars_come_on_top_of_the_same_traffic_and_touch_nobody(corpus, tmp_path):
+    main(replace(PARAMS, settings=replace(PARAMS.settings, parking=replace(PARAMS.settings.parking, share=1.0))), tmp_path)
+    empty, full = Plugin(corpus), Plugin(tmp_path)
+    cars = 0
+    for split in ("train", "test"):
+        assert empty.scenes(split) == full.scenes(split)
+        for scene in empty.scenes(split):
+            a, b = empty.read(split, scene), full.read(split, scene)
+            stands = np.char.startswith(b.track_id, "parked-")
+            assert a.per_hour == b.per_hour
+            assert sorted(a.track_id) == sorted(b.track_id[~stands])
+            assert a.motion[np.argsort(a.track_id)].position.tobytes() == (
+                b.motion[~stands][np.argsort(b.track_id[~stands])].position.tobytes()
+            )
+            assert len(overlapping_pairs(b.motion, b.size)) == 0
+            assert (b.kind[stands] == VehicleKind.CAR).all()
+            cars += stands.sum()
+    assert cars > 10

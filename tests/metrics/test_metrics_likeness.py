@@ -53,6 +53,14 @@ def test_who_stands_is_counted_and_who_stands_beside_the_road_is_not():
     assert [events / of for events, of in shares] == [0.5, 0.5]
 
 
+def test_a_track_with_a_gap_is_not_averaged_over_it():
+    hidden = drive(lane(0), 200, 0, STEPS)
+    hidden.position[50], hidden.valid[50] = 0, False
+    averaged = STEPS - 16  # not eight steps at either end, nor eight on each side of the gap; what begins or ends has no speed
+    standing, all_steps = traffic(recording(drive(lane(1), 20, 10, STEPS), hidden)).rates[1].tolist()
+    assert (standing, all_steps) == (averaged - 17 - 4, 2 * averaged - 17 - 6)
+
+
 def test_a_change_of_lane_is_one_and_wander_is_an_offset():
     t = np.linspace(0, 1, STEPS)
     shift = np.clip(3 * t - 1, 0, 1)[:, None] * (lane(1)[0] - lane(0)[0])
