@@ -151,9 +151,9 @@ def _of_vehicle(scenario: Scenario, signals: Signals, vehicle: int, c: Candidate
     beyond = along[:, None] - roads.marks
     width = 4.0 + 0.08 * along[:, None]
     columns = [
-        np.tanh(beyond / 30.0),
-        np.exp(-0.5 * (beyond / width) ** 2),
-        np.exp(-0.5 * (beyond / (3 * width)) ** 2),
+        *np.tanh(beyond / 30.0).T,
+        *np.exp(-0.5 * (beyond / width) ** 2).T,
+        *np.exp(-0.5 * (beyond / (3 * width)) ** 2).T,
         *_motion(scenario, vehicle, c, along / seconds, roads, seconds),
         *_traffic(max(float(v.speed[vehicle]), 0.0), roads),
         *_way(c, wrap_angle(c.heading - v.heading[vehicle]), along, roads),
@@ -161,7 +161,7 @@ def _of_vehicle(scenario: Scenario, signals: Signals, vehicle: int, c: Candidate
         *(np.full(len(c), value) for value in _place_in_scene(scenario, vehicle)),
         *(c.manoeuvre == kind for kind in range(len(Manoeuvre))),
     ]
-    return np.column_stack(columns).clip(-3, 3).astype(np.float32)
+    return np.array(columns).clip(-3, 3).astype(np.float32).T
 
 
 def _motion(scenario: Scenario, vehicle: int, c: Candidates, pace: Floats, roads: _Roads, seconds: float) -> list[Floats]:

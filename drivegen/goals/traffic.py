@@ -24,7 +24,7 @@ HALTED = 1.0
 SAME_WAY = np.pi / 3
 """A vehicle with a heading farther from the line's than this [rad] leads nobody."""
 
-_HALF_TURN, _TURN = np.float32(np.pi), np.float32(2 * np.pi)  # for compiled code
+_HALF_TURN, _TURN, _FREE = np.float32(np.pi), np.float32(2 * np.pi), int(LaneControl.FREE)  # for compiled code
 
 
 @dataclass(frozen=True)
@@ -126,22 +126,36 @@ def look_ahead(scenario: Scenario, route: Route, neighbours: Neighbours, length:
 
 
 def _leader(queue: Queue, length: float) -> tuple[float, float]:
-    gap = queue.s - (queue.length + length) / 2
-    if len(gap) == 0:
+    if len(queue.s) == 0:
         return np.inf, 0.0
+    gap = queue.s - (queue.length + length) / 2
     first = int(np.argmin(gap))
     return max(float(gap[first]), 0.0), float(queue.speed[first])
 
 
 def _first_entry(route: Route, lanes: NDArray[np.int32]) -> float:
     """Distance [m] to where the route enters the first of `lanes`; inf if it does not."""
-    hit = route.entries[(route.lane[route.entries, None] == lanes).any(1)]
-    return float(hit[0]) * SPACING if len(hit) else np.inf
+    return float(_first_among(route.entries, route.lane, lanes))
+
+
+@njit(cache=True)
+def _first_among(entries, lane, lanes):  # type: ignore[no-untyped-def]
+    for at in entries:
+        for other in lanes:
+            if lane[at] == other:
+                return at * SPACING
+    return np.inf
 
 
 def _first_wait(route: Route, road_map: RoadMap) -> float:
     """Distance [m] to the first lane across a junction that is not known to be free; inf if there is none."""
-    entries = route.entries
-    entered, left = route.lane[entries], route.lane[entries - 1]
-    waits = road_map.in_junction[entered] & ~road_map.in_junction[left] & (road_map.control[entered] != LaneControl.FREE)
-    return float(entries[np.argmax(waits)]) * SPACING if waits.any() else np.inf
+    return float(_first_not_free(route.entries, route.lane, road_map.in_junction, road_map.control))
+
+
+@njit(cache=True)
+def _first_not_free(entries, lane, in_junction, control):  # type: ignore[no-untyped-def]
+    for at in entries:
+        entered, left = lane[at], lane[at - 1]
+        if in_junction[entered] and not in_junction[left] and control[entered] != _FREE:
+            return at * SPACING
+    return np.inf
