@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats, wrap_angle
@@ -217,9 +218,16 @@ def _limit(route: Route) -> float:
 
 def _braking(route: Route, speed: float) -> float:
     """Deceleration [m/s2] that the route's bends and limits ask for."""
-    caps = speed_caps(route, speed, ALLOWED)
-    s = np.arange(len(caps)) * SPACING + 1.0
-    return float(np.max((speed**2 - caps.astype(np.float64) ** 2) / (2 * s), initial=0.0))
+    return float(_hardest(speed_caps(route, speed, ALLOWED), speed))
+
+
+@njit(cache=True)
+def _hardest(caps, speed):  # type: ignore[no-untyped-def]
+    """Hardest braking [m/s2] from `speed` [m/s] to any of the caps (P,), felt from a metre before the first on."""
+    hardest = 0.0
+    for k in range(len(caps)):
+        hardest = max(hardest, (speed**2 - np.float64(caps[k]) ** 2) / (2 * (k * SPACING + 1.0)))
+    return hardest
 
 
 def _flow(scenario: Scenario, vehicle: int) -> float:
@@ -234,7 +242,8 @@ def _room(c: Candidates, along: Floats) -> Floats:
     """Half the distance (C,) [m] between the candidates before and after each on its route."""
     order = np.lexsort((along, c.route))
     s, route = along[order], c.route[order]
-    step = np.where(np.diff(route) == 0, np.diff(s), 8.0)
+    step = np.full(len(c) + 1, 8.0)
+    step[1:-1] = np.where(route[1:] == route[:-1], s[1:] - s[:-1], 8.0)
     room = np.empty(len(c))
-    room[order] = (np.append(step, 8.0) + np.insert(step, 0, 8.0)) / 2
+    room[order] = (step[1:] + step[:-1]) / 2
     return room.clip(0, 15)

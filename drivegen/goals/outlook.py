@@ -138,7 +138,7 @@ def _distances(time, duration, distance, v0, v1):  # type: ignore[no-untyped-def
     for q in range(len(duration)):
         both, full = v0[q] + v1[q], duration[q]
         whole = full * both / 2
-        ramp = full if distance[q] >= whole else float(np.float32(2) * distance[q] / max(both, np.float32(1e-6)))
+        ramp = full if distance[q] >= whole else np.float64(np.float32(2) * distance[q] / max(both, np.float32(1e-6)))
         ramp, rest = max(ramp, 1e-3), max(distance[q] - whole, 0.0)
         for k in range(len(time)):
             t = min(time[k], full)
