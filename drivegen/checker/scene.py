@@ -124,15 +124,23 @@ class SceneChecker:
         alone: Severities,
     ) -> Severities:
         """`alone` for the K candidates (K, T) of one vehicle, completed in place by the rules that need others."""
-        position, heading, _, valid = arrays = _arrays(motion)
-        others = _arrays(committed)
-        size = np.repeat(self.size[vehicle : vehicle + 1], len(valid), axis=0)
+        sample = np.zeros(len(motion.valid), np.int64)
+        return self.among_samples(vehicle, motion, sample, committed[np.newaxis], committed_size, alone)
+
+    def among_samples(
+        self,
+        vehicle: int,
+        motion: Trajectories,
+        sample: NDArray[np.int64],
+        committed: Trajectories,
+        committed_size: NDArray[np.float32],
+        alone: Severities,
+    ) -> Severities:
+        """As `among_committed`, each of B candidates (B, T) in its own one of samples (K, M, T); `sample` (B,) is sorted."""
+        size = np.repeat(self.size[vehicle : vehicle + 1], len(sample), axis=0)
         other_size = np.ascontiguousarray(committed_size[:, :2], np.float32)
-        worst, first = _nothing(len(valid))
-        boxes = (others[0], others[1], others[3], other_size)
-        collisions.against(position, heading, valid, size, *boxes, self.limit[OVERLAP], worst, first)
-        alone.worst[:, OVERLAP], alone.first[:, OVERLAP] = worst, first
-        priority.judge(self._gates, arrays, size, others, other_size, False, NOBODY, self.limit, alone.worst, alone.first)
+        arrays, others = _arrays(motion), _arrays(committed)
+        _among_samples(self._gates, arrays, size, sample, others, other_size, self.limit, alone.worst, alone.first)
         return alone
 
     def check_samples(self, motion: Trajectories, ignore_target: bool = False) -> tuple[NDArray[np.uint16], NDArray[np.int16]]:
@@ -209,6 +217,26 @@ def _arrays(motion: Trajectories) -> _Arrays:
     valid = np.ascontiguousarray(motion.valid)
     known = _known(position.reshape(-1, 2), heading.ravel(), velocity.reshape(-1, 2), valid.ravel())
     return position, heading, velocity, known.reshape(valid.shape)
+
+
+@njit(cache=True)
+def _among_samples(gates, motion, size, sample, others, other_size, limit, worst, first):  # type: ignore[no-untyped-def]
+    """Fill the rules that need others in `worst`, `first` (B, R), for the candidates of one sample after the other."""
+    position, heading, velocity, valid = motion
+    high = 0
+    while high < len(sample):
+        low, k = high, sample[high]
+        while high < len(sample) and sample[high] == k:
+            high += 1
+        rows = slice(low, high)
+        their = (others[0][k], others[1][k], others[2][k], others[3][k])
+        hit, when = np.full(high - low, np.float32(NEVER)), np.full(high - low, np.int16(-1))
+        collisions.against(
+            position[rows], heading[rows], valid[rows], size[rows], their[0], their[1], their[3], other_size, limit[OVERLAP], hit, when
+        )
+        worst[rows, OVERLAP], first[rows, OVERLAP] = hit, when
+        own = (position[rows], heading[rows], velocity[rows], valid[rows])
+        priority.judge(gates, own, size[rows], their, other_size, False, NOBODY, limit, worst[rows], first[rows])
 
 
 @njit(cache=True, error_model="numpy")

@@ -14,6 +14,12 @@ def depth(dx, dy, heading_a, length_a, width_a, heading_b, length_b, width_b):  
     """How deep two boxes are in each other [m]; negative: apart by at least that. (dx, dy): from a's centre to b's."""
     cos_a, sin_a = np.cos(heading_a), np.sin(heading_a)
     cos_b, sin_b = np.cos(heading_b), np.sin(heading_b)
+    return depth_of_turned(dx, dy, cos_a, sin_a, length_a, width_a, cos_b, sin_b, length_b, width_b)
+
+
+@njit(cache=True)
+def depth_of_turned(dx, dy, cos_a, sin_a, length_a, width_a, cos_b, sin_b, length_b, width_b):  # type: ignore[no-untyped-def]
+    """`depth`, given cosines and sines of the headings."""
     cos, sin = abs(cos_a * cos_b + sin_a * sin_b), abs(sin_b * cos_a - cos_b * sin_a)
     la, wa, lb, wb = 0.5 * length_a, 0.5 * width_a, 0.5 * length_b, 0.5 * width_b
     on_a = min(la + lb * cos + wb * sin - abs(cos_a * dx + sin_a * dy), wa + lb * sin + wb * cos - abs(cos_a * dy - sin_a * dx))

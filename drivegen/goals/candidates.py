@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats, rotate, wrap_angle
@@ -196,8 +197,7 @@ class _Table:
         self, keep: NDArray[np.intp], routes: list[Route], ahead: list[Ahead], offset: NDArray[np.float32], step: int
     ) -> Candidates:
         """The chosen rows; each inherits the mass of the places nearest to it."""
-        gap = ((self.position[:, None] - self.position[keep]) ** 2).sum(-1)
-        prior = np.bincount(gap.argmin(1), self.mass, len(keep))
+        prior = np.bincount(_nearest(self.position, self.position[keep]), self.mass, len(keep))
         return Candidates(
             position=self.position[keep].astype(np.float32),
             heading=wrap_angle(self.heading[keep]).astype(np.float32),
@@ -214,6 +214,19 @@ class _Table:
             ahead=tuple(ahead),
             offset=offset,
         )
+
+
+@njit(cache=True)
+def _nearest(places, chosen):  # type: ignore[no-untyped-def]
+    """(Q,) which of the chosen ones (K, 2) is nearest to each of the places (Q, 2)."""
+    nearest = np.zeros(len(places), np.int64)
+    for q in range(len(places)):
+        best = np.inf
+        for k in range(len(chosen)):
+            dx, dy = places[q, 0] - chosen[k, 0], places[q, 1] - chosen[k, 1]
+            if dx * dx + dy * dy < best:
+                best, nearest[q] = dx * dx + dy * dy, k
+    return nearest
 
 
 def _on_route(number: int, route: Route, where: Places, offset: float, speed: float, seconds: float) -> _Table:

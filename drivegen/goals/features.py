@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats, wrap_angle
@@ -151,9 +152,9 @@ def _of_vehicle(scenario: Scenario, signals: Signals, vehicle: int, c: Candidate
     beyond = along[:, None] - roads.marks
     width = 4.0 + 0.08 * along[:, None]
     columns = [
-        np.tanh(beyond / 30.0),
-        np.exp(-0.5 * (beyond / width) ** 2),
-        np.exp(-0.5 * (beyond / (3 * width)) ** 2),
+        *np.tanh(beyond / 30.0).T,
+        *np.exp(-0.5 * (beyond / width) ** 2).T,
+        *np.exp(-0.5 * (beyond / (3 * width)) ** 2).T,
         *_motion(scenario, vehicle, c, along / seconds, roads, seconds),
         *_traffic(max(float(v.speed[vehicle]), 0.0), roads),
         *_way(c, wrap_angle(c.heading - v.heading[vehicle]), along, roads),
@@ -161,7 +162,7 @@ def _of_vehicle(scenario: Scenario, signals: Signals, vehicle: int, c: Candidate
         *(np.full(len(c), value) for value in _place_in_scene(scenario, vehicle)),
         *(c.manoeuvre == kind for kind in range(len(Manoeuvre))),
     ]
-    return np.column_stack(columns).clip(-3, 3).astype(np.float32)
+    return np.array(columns).clip(-3, 3).astype(np.float32).T
 
 
 def _motion(scenario: Scenario, vehicle: int, c: Candidates, pace: Floats, roads: _Roads, seconds: float) -> list[Floats]:
@@ -217,9 +218,16 @@ def _limit(route: Route) -> float:
 
 def _braking(route: Route, speed: float) -> float:
     """Deceleration [m/s2] that the route's bends and limits ask for."""
-    caps = speed_caps(route, speed, ALLOWED)
-    s = np.arange(len(caps)) * SPACING + 1.0
-    return float(np.max((speed**2 - caps.astype(np.float64) ** 2) / (2 * s), initial=0.0))
+    return float(_hardest(speed_caps(route, speed, ALLOWED), speed))
+
+
+@njit(cache=True)
+def _hardest(caps, speed):  # type: ignore[no-untyped-def]
+    """Hardest braking [m/s2] from `speed` [m/s] to any of the caps (P,), felt from a metre before the first on."""
+    hardest = 0.0
+    for k in range(len(caps)):
+        hardest = max(hardest, (speed**2 - np.float64(caps[k]) ** 2) / (2 * (k * SPACING + 1.0)))
+    return hardest
 
 
 def _flow(scenario: Scenario, vehicle: int) -> float:
@@ -234,7 +242,8 @@ def _room(c: Candidates, along: Floats) -> Floats:
     """Half the distance (C,) [m] between the candidates before and after each on its route."""
     order = np.lexsort((along, c.route))
     s, route = along[order], c.route[order]
-    step = np.where(np.diff(route) == 0, np.diff(s), 8.0)
+    step = np.full(len(c) + 1, 8.0)
+    step[1:-1] = np.where(route[1:] == route[:-1], s[1:] - s[:-1], 8.0)
     room = np.empty(len(c))
-    room[order] = (np.append(step, 8.0) + np.insert(step, 0, 8.0)) / 2
+    room[order] = (step[1:] + step[:-1]) / 2
     return room.clip(0, 15)

@@ -80,23 +80,45 @@ class Forecast:
 
 def forecast(route: Route, speed: float, length: float, ahead: Ahead, queue: Queue, signals: Signals, steps: int) -> Forecast:
     """Drive a vehicle of `length` [m] with `speed` [m/s] at s = 0 on for `steps` steps behind `queue`."""
-    limit = route.speed_limit.astype(np.float32)
-    route_caps = speed_caps(route, max(speed, 0.0), Dynamics(ACCELERATION, BRAKING, LATERAL, 1.0))
-    with_limit = ~np.isnan(limit)
-    caps = np.where(with_limit, route_caps, np.minimum(route_caps, max(UNKNOWN_LIMIT, speed))).astype(np.float64)
-    walls, closed = _signals_ahead(route, signals, steps)
-    place, pace, size = (
-        np.concatenate([[own], theirs]) for own, theirs in ((0.0, queue.s), (speed, queue.speed), (length, queue.length))
-    )
-    end = _drive(caps, place, pace, size, walls, closed, ahead.entry_s + length / 2, steps // STRIDE, STRIDE * DT)
+    caps = speed_caps(route, max(speed, 0.0), Dynamics(ACCELERATION, BRAKING, LATERAL, 1.0))
+    wanted = _wanted(caps, route.speed_limit, np.float32(max(UNKNOWN_LIMIT, speed)))
+    place, pace, size = _in_line(speed, length, queue.s, queue.speed, queue.length)
+    entry, last = ahead.entry_s + length / 2, steps // STRIDE
+    walls, closed = _signals_ahead(route.entries, route.lane, signals.lane, signals.closed, last)
+    end = _drive(wanted, place, pace, size, walls, closed, entry, last, STRIDE * DT)
     return Forecast(end[:, 0], end[:, 1])
 
 
-def _signals_ahead(route: Route, signals: Signals, steps: int) -> tuple[Floats, NDArray[np.bool_]]:
-    """Where to stand (W,) [m] before the signals on the route, and whether each is closed (W, steps // STRIDE)."""
-    at, which = np.nonzero(route.lane[route.entries, None] == signals.lane)
-    times = np.minimum(np.arange(0, steps - steps % STRIDE, STRIDE), signals.state.shape[1] - 1)
-    return route.entries[at] * SPACING - STAND, signals.closed[which[:, None], times]
+@njit(cache=True)
+def _wanted(caps, limit, unknown):  # type: ignore[no-untyped-def]
+    """(P,) [m/s] what is driven under `caps` (P,) at most; without a speed limit nobody wants more than `unknown`."""
+    wanted = np.empty(len(caps))
+    for k in range(len(caps)):
+        wanted[k] = min(caps[k], unknown) if np.isnan(limit[k]) else caps[k]
+    return wanted
+
+
+@njit(cache=True)
+def _in_line(speed, length, places, speeds, lengths):  # type: ignore[no-untyped-def]
+    """Places, speeds and lengths (1 + M,) of the vehicle, which is at 0 m, and of the queue before it."""
+    whole = np.empty((3, 1 + len(places)))
+    whole[0, 0], whole[1, 0], whole[2, 0] = 0.0, speed, length
+    whole[0, 1:], whole[1, 1:], whole[2, 1:] = places, speeds, lengths
+    return whole
+
+
+@njit(cache=True)
+def _signals_ahead(entries, lane, signal_lane, closed, steps):  # type: ignore[no-untyped-def]
+    """Where to stand (W,) [m] before the signals on the route, and whether each is closed (W, steps) at every STRIDE-th step."""
+    walls, shut, count = np.empty(len(entries) * len(signal_lane)), np.empty((len(entries) * len(signal_lane), steps), np.bool_), 0
+    for at in entries:
+        for g in range(len(signal_lane)):
+            if signal_lane[g] == lane[at]:
+                walls[count] = at * SPACING - STAND
+                for step in range(steps):
+                    shut[count, step] = closed[g, min(step * STRIDE, closed.shape[1] - 1)]
+                count += 1
+    return walls[:count], shut[:count]
 
 
 @njit(cache=True)

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.core.boxes import bounds, depth
+from drivegen.core.boxes import bounds, depth_of_turned
 from drivegen.core.geometry import Floats, wrap_angle
 from drivegen.core.scenario import DT, TARGET, Scenario, Trajectories
 from drivegen.goals.candidates import Candidates
@@ -56,22 +56,17 @@ class Outlooks:
             np.concatenate([getattr(c, name) for c in candidates]) for name in ("position", "heading", "speed", "step", "s", "d")
         )
         offset = np.concatenate([_own_offset(c) for c in candidates])
-        way = goal - vehicles.position[owner]
+        own = vehicles.heading[owner]
+        way, turning = goal - vehicles.position[owner], wrap_angle(turn - own)
         routed = np.concatenate([c.route >= 0 for c in candidates])
         distance = np.where(routed, np.maximum(s, 0.0), np.hypot(way[:, 0], way[:, 1]))
         time = np.arange(0, scenario.steps, STRIDE) * DT
         gone = distances(time, np.maximum(step, 1) * DT, distance, vehicles.speed[owner], speed)
-        share = gone / np.maximum(distance, 1e-6)[:, None]
-        fade = np.clip(share, 0.0, 1.0)
-        position, heading = _along_routes(candidates, gone, offset[:, None] + (d - offset)[:, None] * fade**2 * (3 - 2 * fade))
-        own = vehicles.heading[owner]
-        straight = vehicles.position[owner][:, None] + share[..., None] * way[:, None]
-        position = np.where(routed[:, None, None], position, straight)
-        heading = np.where(routed[:, None], heading, own[:, None] + wrap_angle(turn - own)[:, None] * fade)
-        position[:, 0], heading[:, 0] = vehicles.position[owner], own
+        poses = (vehicles.position[owner], own, way, turning)
+        position, heading = _motion(gone, distance, offset, d, *poses, *_lines(candidates, routed))
         size = np.ascontiguousarray(vehicles.size[owner, :2], np.float32)
         whole = np.ones(heading.shape, np.bool_)
-        way_there = Trajectories(position.astype(np.float32), heading.astype(np.float32), np.zeros_like(position), whole)
+        way_there = Trajectories(position, heading, np.zeros_like(position), whole)
         visible = Exits.of(scenario.map).leave(way_there, size[:, 0])
         return cls(
             start=np.cumsum([0, *counts]),
@@ -87,8 +82,9 @@ class Outlooks:
     def exclusions(self) -> NDArray[np.bool_]:
         """(Q, Q) whether two candidates of different vehicles exclude each other."""
         met = np.zeros((len(self.owner), len(self.owner)), np.bool_)
-        last = -(-self.target_steps // STRIDE)[self.owner]
-        _exclusions(self.position, self.heading, self.valid, self.size, self.owner, last, met)
+        x, y = np.ascontiguousarray(np.where(self.valid[..., None], self.position, np.nan).T)
+        last = -(-self.target_steps // STRIDE)
+        _exclusions(x, y, self.position, self.heading, self.valid, self.size, self.start, last, met)
         return met
 
     def meetings(self, vehicle: int, committed: Trajectories, sizes: NDArray[np.float32]) -> NDArray[np.int64]:
@@ -115,57 +111,104 @@ def distances(time: Floats, duration: Floats, distance: Floats, v0: Floats, v1: 
 
     Where both ramps alone cover more than the distance, each is shortened and the vehicle stands between them.
     """
-    t = np.minimum(time[None], duration[:, None])
-    whole = duration * (v0 + v1) / 2
-    ramp = np.where(distance >= whole, duration, 2 * distance / np.maximum(v0 + v1, 1e-6)).clip(1e-3)[:, None]
-    rest = np.maximum(distance - whole, 0.0)[:, None]
-    u, last = np.minimum(t / ramp, 1.0), np.maximum(1 - (duration[:, None] - t) / ramp, 0.0)
-    middle = t / duration[:, None]
-    gone = v0[:, None] * ramp * (u - u**3 + u**4 / 2) + v1[:, None] * ramp * (last**3 - last**4 / 2)
-    gone = gone + rest * middle**3 * (10 - 15 * middle + 6 * middle**2)
-    return np.asarray(gone + v1[:, None] * (time[None] - t))
+    gone: Floats = _distances(time, duration, *(np.asarray(a, np.float32) for a in (distance, v0, v1)))
+    return gone
 
 
-def _along_routes(candidates: Sequence[Candidates], s: Floats, d: Floats) -> tuple[Floats, Floats]:
-    """Positions (Q, S, 2) and headings (Q, S) at `s`, `d` (Q, S) of each candidate's route; anything where it has none."""
+def _lines(candidates: Sequence[Candidates], routed: NDArray[np.bool_]) -> tuple[NDArray[np.generic], ...]:
+    """Points (P, 2) and headings (P,) of all routes, one after the other; where that of each candidate begins in them (Q,),
+    -1 where it has none, and its last point, counted from there (Q,).
+    """
     routes = [route for c in candidates for route in c.routes]
     if not routes:
-        return np.zeros((*s.shape, 2)), np.zeros(s.shape)
-    first_route = np.cumsum([0, *(len(c.routes) for c in candidates)])[:-1]
-    number = np.concatenate([np.maximum(c.route, 0) + first for c, first in zip(candidates, first_route, strict=True)])
-    number = np.minimum(number, len(routes) - 1)
-    line, angle = np.concatenate([r.line for r in routes]), np.concatenate([r.heading for r in routes])
+        none = np.full(len(routed), -1)
+        return np.zeros((0, 2), np.float32), np.zeros(0, np.float32), none, none
+    counts = [len(c.routes) for c in candidates]
+    first = np.repeat(np.cumsum(counts) - counts, [len(c) for c in candidates])
+    number = np.where(routed, np.concatenate([c.route for c in candidates]) + first, 0)
     lengths = np.array([len(r.line) for r in routes])
-    begin, last = (np.cumsum(lengths) - lengths)[number, None], (lengths - 1)[number, None]
-    at = np.clip(s / SPACING, 0.0, last)
-    first = np.minimum(at.astype(np.int64), last - 1)
-    share, low = at - first, begin + first
-    heading = angle[low] + share * (angle[low + 1] - angle[low])
-    forward = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
-    left = np.stack([-forward[..., 1], forward[..., 0]], axis=-1)
-    on_line = line[low] + share[..., None] * (line[low + 1] - line[low])
-    return on_line + (s - at * SPACING)[..., None] * forward + d[..., None] * left, heading
+    begin = np.where(routed, (np.cumsum(lengths) - lengths)[number], -1)
+    line, heading = np.concatenate([r.line for r in routes]), np.concatenate([r.heading for r in routes])
+    return line, heading, begin, lengths[number] - 1
+
+
+@njit(cache=True)
+def _distances(time, duration, distance, v0, v1):  # type: ignore[no-untyped-def]
+    gone = np.empty((len(duration), len(time)))
+    for q in range(len(duration)):
+        both, full = v0[q] + v1[q], duration[q]
+        whole = full * both / 2
+        ramp = full if distance[q] >= whole else np.float64(np.float32(2) * distance[q] / max(both, np.float32(1e-6)))
+        ramp, rest = max(ramp, 1e-3), max(distance[q] - whole, 0.0)
+        for k in range(len(time)):
+            t = min(time[k], full)
+            u, last, middle = min(t / ramp, 1.0), max(1 - (full - t) / ramp, 0.0), t / full
+            ramps = v0[q] * ramp * (u - u**3 + u**4 / 2) + v1[q] * ramp * (last**3 - last**4 / 2)
+            gone[q, k] = ramps + rest * middle**3 * (10 - 15 * middle + 6 * middle**2) + v1[q] * (time[k] - t)
+    return gone
+
+
+@njit(cache=True)
+def _motion(gone, distance, offset, d, start, own, way, turning, line, angle, begin, last):  # type: ignore[no-untyped-def]
+    """Positions (Q, S, 2) and headings (Q, S) of who has `gone` (Q, S) [m] along its route, or straight on where it has none."""
+    position, heading = np.empty((*gone.shape, 2), np.float32), np.empty(gone.shape, np.float32)
+    for q in range(len(gone)):
+        position[q, 0, 0], position[q, 0, 1], heading[q, 0] = start[q, 0], start[q, 1], own[q]
+        for k in range(1, gone.shape[1]):
+            s = gone[q, k]
+            share = s / max(distance[q], np.float32(1e-6))
+            fade = min(max(share, 0.0), 1.0)
+            if begin[q] < 0:
+                position[q, k, 0], position[q, k, 1] = start[q, 0] + share * way[q, 0], start[q, 1] + share * way[q, 1]
+                heading[q, k] = own[q] + turning[q] * fade
+                continue
+            left = offset[q] + (d[q] - offset[q]) * (fade * fade) * (3 - 2 * fade)
+            at = min(max(s / SPACING, 0.0), float(last[q]))
+            first = min(int(at), last[q] - 1)
+            part, low, beyond = at - first, begin[q] + first, s - at * SPACING
+            angled = angle[low] + part * (angle[low + 1] - angle[low])
+            cos, sin = np.cos(angled), np.sin(angled)
+            x = line[low, 0] + part * (line[low + 1, 0] - line[low, 0])
+            y = line[low, 1] + part * (line[low + 1, 1] - line[low, 1])
+            position[q, k, 0], position[q, k, 1] = x + beyond * cos - left * sin, y + beyond * sin + left * cos
+            heading[q, k] = angled
+    return position, heading
 
 
 # Rows are never cut out of arrays inside the loops: a cut costs as much as the whole test that it is for.
 
 
 @njit(cache=True)
-def _meet(pos_a, head_a, valid_a, size_a, a, pos_b, head_b, valid_b, size_b, b, last):  # type: ignore[no-untyped-def]
-    """Whether the boxes of rows a and b meet before sample `last`, once they have been apart."""
-    length_a, width_a, length_b, width_b = size_a[a, 0], size_a[a, 1], size_b[b, 0], size_b[b, 1]
-    reach = np.float32(0.5) * (
-        np.sqrt(length_a * length_a + width_a * width_a) + np.sqrt(length_b * length_b + width_b * width_b)
-    )
-    reach *= reach
+def _directions(heading):  # type: ignore[no-untyped-def]
+    """Cosines and sines (..., 2) of headings (B, S)."""
+    direction = np.empty((*heading.shape, 2), np.float32)
+    for b in range(heading.shape[0]):
+        for t in range(heading.shape[1]):
+            direction[b, t, 0], direction[b, t, 1] = np.cos(heading[b, t]), np.sin(heading[b, t])
+    return direction
+
+
+@njit(cache=True)
+def _reaches(size):  # type: ignore[no-untyped-def]
+    """(B,) [m] from the middles of boxes (B, 2) to their corners."""
+    return np.float32(0.5) * np.sqrt(size[:, 0] * size[:, 0] + size[:, 1] * size[:, 1])
+
+
+@njit(cache=True)
+def _meet(pos_a, turn_a, valid_a, size_a, a, pos_b, turn_b, valid_b, size_b, b, reach, last):  # type: ignore[no-untyped-def]
+    """Whether the boxes of rows a and b, which reach `reach` [m] together, meet before sample `last`, once they have been apart."""
     apart = False
-    for t in range(min(last, head_a.shape[1])):
+    for t in range(last):
         if not (valid_a[a, t] and valid_b[b, t]):
             continue
         dx, dy = pos_b[b, t, 0] - pos_a[a, t, 0], pos_b[b, t, 1] - pos_a[a, t, 1]
-        touching = dx * dx + dy * dy <= reach
+        touching = dx * dx + dy * dy <= reach * reach
         if touching:
-            touching = depth(dx, dy, head_a[a, t], length_a, width_a, head_b[b, t], length_b, width_b) > 0
+            deep = depth_of_turned(
+                dx, dy, turn_a[a, t, 0], turn_a[a, t, 1], size_a[a, 0], size_a[a, 1],
+                turn_b[b, t, 0], turn_b[b, t, 1], size_b[b, 0], size_b[b, 1],
+            )  # fmt: skip
+            touching = deep > 0
         if touching and apart:
             return True
         apart = apart or not touching
@@ -173,34 +216,41 @@ def _meet(pos_a, head_a, valid_a, size_a, a, pos_b, head_b, valid_b, size_b, b, 
 
 
 @njit(cache=True)
-def _exclusions(position, heading, valid, size, owner, target_last, met):  # type: ignore[no-untyped-def]
-    boxes = bounds(position, valid)
-    for a in range(len(owner)):
-        mine = np.float32(0.5) * (size[a, 0] + size[a, 1])
-        low_x, low_y, high_x, high_y = boxes[a, 0] - mine, boxes[a, 1] - mine, boxes[a, 2] + mine, boxes[a, 3] + mine
-        for b in range(a):
-            if owner[a] == owner[b]:
-                break
-            theirs = np.float32(0.5) * (size[b, 0] + size[b, 1])
-            if low_x > boxes[b, 2] + theirs or high_x < boxes[b, 0] - theirs:
-                continue
-            if low_y > boxes[b, 3] + theirs or high_y < boxes[b, 1] - theirs:
-                continue
-            last = target_last[a] if owner[b] == TARGET else position.shape[1]
-            step = _meet(position, heading, valid, size, a, position, heading, valid, size, b, last)
-            met[a, b], met[b, a] = step, step
+def _come_near(x, y, reach, a, count, near):  # type: ignore[no-untyped-def]
+    """Note in `near` (Q,) which of the first `count` rows ever come as near to row a as both reach; x, y are (S, Q) [m].
+
+    Rows are looked at inside, samples outside, and without a way out: a processor does many rows at once.
+    """
+    near[:count] = False
+    for t in range(len(x)):
+        for b in range(count):
+            dx, dy, both = x[t, b] - x[t, a], y[t, b] - y[t, a], reach[a] + reach[b]
+            near[b] |= dx * dx + dy * dy <= both * both
+
+
+@njit(cache=True)
+def _exclusions(x, y, position, heading, valid, size, start, target_last, met):  # type: ignore[no-untyped-def]
+    turn, reach, near = _directions(heading), _reaches(size), np.empty(len(size), np.bool_)
+    for n in range(1, len(start) - 1):
+        for a in range(start[n], start[n + 1]):
+            _come_near(x, y, reach, a, start[n], near)
+            for b in range(start[n]):
+                if near[b]:
+                    last = min(target_last[n], len(x)) if b < start[TARGET + 1] else len(x)
+                    step = _meet(position, turn, valid, size, a, position, turn, valid, size, b, reach[a] + reach[b], last)
+                    met[a, b], met[b, a] = step, step
 
 
 @njit(cache=True)
 def _meetings(position, heading, valid, size, other_position, other_heading, other_valid, other_size, met):  # type: ignore[no-untyped-def]
-    boxes = bounds(position, valid)
-    others = bounds(other_position, other_valid)
+    boxes, turn, reach = bounds(position, valid), _directions(heading), _reaches(size)
+    others, other_turn, other_reach = bounds(other_position, other_valid), _directions(other_heading), _reaches(other_size)
     for a in range(len(heading)):
         for b in range(len(other_heading)):
-            reach = np.float32(0.5) * (size[a, 0] + size[a, 1] + other_size[b, 0] + other_size[b, 1])
+            both = reach[a] + other_reach[b]
             across = max(boxes[a, 0] - others[b, 2], others[b, 0] - boxes[a, 2])
             along = max(boxes[a, 1] - others[b, 3], others[b, 1] - boxes[a, 3])
-            if max(across, along) <= reach:
+            if max(across, along) <= both:
                 met[a] += _meet(
-                    position, heading, valid, size, a, other_position, other_heading, other_valid, other_size, b, heading.shape[1]
+                    position, turn, valid, size, a, other_position, other_turn, other_valid, other_size, b, both, heading.shape[1]
                 )

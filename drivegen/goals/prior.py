@@ -32,6 +32,9 @@ HEADWAY = 1.2
 GAP = 2.5
 """Gap to a standing vehicle ahead [m]."""
 
+STOP_WIDTH = 1.5
+"""Standard deviation of where a vehicle stops about a place to stop at [m]."""
+
 CHANGE = 0.06
 """A route counts this much less for each lane change."""
 
@@ -62,9 +65,15 @@ def places(route: Route, speed: float, ahead: Ahead, dynamics: Dynamics, step: f
     steady = travelled(caps, speed, 0.0, dynamics.braking, seconds)
     stops = [(s, w) for s, w in _stops(ahead) if nearest <= s <= farthest]
     s = np.concatenate([np.arange(nearest, farthest + step / 2, step), [s for s, _ in stops]])
-    mass = _density(s, free, steady, ahead, seconds) * step + ANY * step / max(farthest - nearest, step)
-    for place, weight in stops:
-        mass += weight * step * _bell(s, place, 1.5)
+    ways = _ways(free, steady, ahead, seconds)
+    middle, width = np.array([way[1:] for way in ways] + [(place, STOP_WIDTH) for place, _ in stops]).T[..., None]
+    bells = np.exp(-0.5 * ((s - middle) / width) ** 2) / (width * np.sqrt(2 * np.pi))
+    density = np.zeros(len(s))
+    for (weight, _, _), bell in zip(ways, bells, strict=False):
+        density += weight * bell
+    mass = density * step + ANY * step / max(farthest - nearest, step)
+    for (_, weight), bell in zip(stops, bells[len(ways) :], strict=True):
+        mass += weight * step * bell
     at = np.minimum((s / SPACING).astype(int), len(caps) - 1)
     kind = np.arange(len(s)) >= len(s) - len(stops)
     return Places(s, mass, caps[at], kind)
@@ -100,18 +109,12 @@ def _stops(ahead: Ahead) -> list[tuple[float, float]]:
     return [*halts, (ahead.red_s, RED), (ahead.entry_s, ENTRY)]
 
 
-def _density(s: NDArray[np.float64], free: float, steady: float, ahead: Ahead, seconds: float) -> NDArray[np.float64]:
-    """Mass per metre of driving freely, at the present speed, behind the leader."""
-    mass = STEADY * _bell(s, steady, 3.0 + 0.06 * steady)
+def _ways(free: float, steady: float, ahead: Ahead, seconds: float) -> list[tuple[float, float, float]]:
+    """Weight, middle and width [m] of the normal densities of who does not stop: at the present speed, behind the leader, freely."""
+    ways = [(STEADY, steady, 3.0 + 0.06 * steady)]
     if np.isfinite(ahead.leader_gap):
         spare = ahead.leader_gap - GAP - HEADWAY * ahead.leader_speed
         following = max(ahead.leader_speed * seconds + 0.5 * spare, 0.0)
-        mass += FOLLOW * _bell(s, following, 3.0 + 0.06 * following)
+        ways.append((FOLLOW, following, 3.0 + 0.06 * following))
         free = min(free, 0.5 * (following + free))
-    return mass + FREE * _bell(s, free, 3.0 + 0.12 * free)
-
-
-def _bell(s: NDArray[np.float64], middle: float, width: float) -> NDArray[np.float64]:
-    """Density [1/m] of a normal distribution."""
-    density: NDArray[np.float64] = np.exp(-0.5 * ((s - middle) / width) ** 2) / (width * np.sqrt(2 * np.pi))
-    return density
+    return [*ways, (FREE, free, 3.0 + 0.12 * free)]

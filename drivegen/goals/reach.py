@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from drivegen.core.geometry import Floats
 from drivegen.core.settings import Positive
 from drivegen.roads.line import SPACING, Route
 
@@ -57,8 +58,8 @@ def end_speed(distance: NDArray[np.floating], speed: float, caps: NDArray[np.flo
     That of the cubic s(t) of least squared acceleration through both positions and the initial speed: its acceleration
     fades to zero at the end, so v(T) = 3/2 s/T - v(0)/2.
     """
-    final: NDArray[np.float32] = np.clip(1.5 * distance / seconds - 0.5 * speed, 0.0, caps).astype(np.float32)
-    return final
+    final: Floats = np.minimum(np.maximum(1.5 * distance / seconds - 0.5 * speed, 0.0), caps)
+    return final.astype(np.float32)
 
 
 @njit(cache=True)

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.core.geometry import Floats, wrap_angle
+from drivegen.core.geometry import Floats
 from drivegen.core.roadmap import LaneControl, RoadMap
 from drivegen.core.scenario import Scenario
 from drivegen.roads.frenet import to_frenet
@@ -22,6 +23,8 @@ HALTED = 1.0
 
 SAME_WAY = np.pi / 3
 """A vehicle with a heading farther from the line's than this [rad] leads nobody."""
+
+_HALF_TURN, _TURN, _FREE = np.float32(np.pi), np.float32(2 * np.pi), int(LaneControl.FREE)  # for compiled code
 
 
 @dataclass(frozen=True)
@@ -87,16 +90,31 @@ class Queue:
     @classmethod
     def on(cls, route: Route, neighbours: Neighbours) -> "Queue":
         """Those of `neighbours` that are within the lane and go the same way."""
-        s, d = to_frenet(route, neighbours.position).T
-        there = np.flatnonzero((s > 0) & (np.abs(d) < IN_LANE) & (s < route.length))
-        if len(there) == 0:
-            return cls(np.zeros(0), np.zeros(0), np.zeros(0))
-        turn = np.abs(wrap_angle(neighbours.heading[there] - route.heading[(s[there] / SPACING).astype(int)]))
-        order = np.argsort(s[there], kind="stable")
-        order = order[turn[order] < SAME_WAY]
-        there = there[order]
-        pace = np.maximum(neighbours.speed[there] * np.cos(turn[order]), 0.0)
-        return cls(*(a.astype(np.float64) for a in (s[there], pace, neighbours.length[there])))
+        place = to_frenet(route, neighbours.position)
+        there, turn = _followed(place, neighbours.heading, route.heading, np.float32(route.length))
+        pace = np.maximum(neighbours.speed[there] * np.cos(turn), 0.0)
+        return cls(*(a.astype(np.float64) for a in (place[there, 0], pace, neighbours.length[there])))
+
+
+@njit(cache=True)
+def _followed(place, heading, line_heading, length):  # type: ignore[no-untyped-def]
+    """Who of M boxes at s, d (M, 2) is on the route and goes its way, nearest first, and how far each is turned from it [rad]."""
+    there, turn = np.empty(len(place), np.int64), np.empty(len(place), np.float32)
+    count = 0
+    for m in range(len(place)):
+        s, d = place[m]
+        if not (s > 0 and abs(d) < np.float32(IN_LANE) and s < length):
+            continue
+        turned = abs((heading[m] - line_heading[int(s / np.float32(SPACING))] + _HALF_TURN) % _TURN - _HALF_TURN)
+        if turned >= np.float32(SAME_WAY):
+            continue
+        k = count
+        while k > 0 and place[there[k - 1], 0] > s:
+            there[k], turn[k] = there[k - 1], turn[k - 1]
+            k -= 1
+        there[k], turn[k] = m, turned
+        count += 1
+    return there[:count], turn[:count]
 
 
 def look_ahead(scenario: Scenario, route: Route, neighbours: Neighbours, length: float) -> Ahead:
@@ -108,22 +126,36 @@ def look_ahead(scenario: Scenario, route: Route, neighbours: Neighbours, length:
 
 
 def _leader(queue: Queue, length: float) -> tuple[float, float]:
-    gap = queue.s - (queue.length + length) / 2
-    if len(gap) == 0:
+    if len(queue.s) == 0:
         return np.inf, 0.0
+    gap = queue.s - (queue.length + length) / 2
     first = int(np.argmin(gap))
     return max(float(gap[first]), 0.0), float(queue.speed[first])
 
 
 def _first_entry(route: Route, lanes: NDArray[np.int32]) -> float:
     """Distance [m] to where the route enters the first of `lanes`; inf if it does not."""
-    hit = route.entries[(route.lane[route.entries, None] == lanes).any(1)]
-    return float(hit[0]) * SPACING if len(hit) else np.inf
+    return float(_first_among(route.entries, route.lane, lanes))
+
+
+@njit(cache=True)
+def _first_among(entries, lane, lanes):  # type: ignore[no-untyped-def]
+    for at in entries:
+        for other in lanes:
+            if lane[at] == other:
+                return at * SPACING
+    return np.inf
 
 
 def _first_wait(route: Route, road_map: RoadMap) -> float:
     """Distance [m] to the first lane across a junction that is not known to be free; inf if there is none."""
-    entries = route.entries
-    entered, left = route.lane[entries], route.lane[entries - 1]
-    waits = road_map.in_junction[entered] & ~road_map.in_junction[left] & (road_map.control[entered] != LaneControl.FREE)
-    return float(entries[np.argmax(waits)]) * SPACING if waits.any() else np.inf
+    return float(_first_not_free(route.entries, route.lane, road_map.in_junction, road_map.control))
+
+
+@njit(cache=True)
+def _first_not_free(entries, lane, in_junction, control):  # type: ignore[no-untyped-def]
+    for at in entries:
+        entered, left = lane[at], lane[at - 1]
+        if in_junction[entered] and not in_junction[left] and control[entered] != _FREE:
+            return at * SPACING
+    return np.inf

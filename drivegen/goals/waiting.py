@@ -7,6 +7,7 @@ is not seen, and may stay.
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.scenario import DT
@@ -78,10 +79,18 @@ class Waiting:
 
 def _next_signal(route: Route, signals: Signals) -> tuple[float, NDArray[np.bool_] | None]:
     """Where the route enters the first lane with a known signal [m], and whether that is closed (T,); (inf, None) without one."""
-    at, which = np.nonzero((route.lane[route.entries, None] == signals.lane) & signals.shown)
-    if len(at) == 0:
-        return np.inf, None
-    return float(route.entries[at[0]]) * SPACING, signals.closed[which[0]]
+    at, which = _first_shown(route.entries, route.lane, signals.lane, signals.shown)
+    return (np.inf, None) if which < 0 else (at * SPACING, signals.closed[which])
+
+
+@njit(cache=True)
+def _first_shown(entries, lane, signal_lane, shown):  # type: ignore[no-untyped-def]
+    """Point and number of the first signal on the route that is ever known; -1, -1 without one."""
+    for at in entries:
+        for g in range(len(signal_lane)):
+            if shown[g] and signal_lane[g] == lane[at]:
+                return at, g
+    return -1, -1
 
 
 def _first(when: NDArray[np.bool_]) -> float:

@@ -59,7 +59,10 @@ class Plugin(FlowPlanner[RouteFmSettings]):
         return features(frames, examples.requests)[codes.usable], coefficients
 
     def _planned(self, _: Sequence[Scenario], requests: PlanRequests, steps: int, /) -> Trajectories:
-        return self.motion(requests, self._latents(self.inputs(requests), requests), steps)
+        frames, latents = Frames.of(requests), np.zeros((len(requests), self.size), np.float32)
+        moves = (frames.distance > 0) & ~requests.parked  # nothing is drawn for who stays
+        latents[moves] = self._latents(features(frames, requests)[moves], requests[moves])
+        return decode(frames, requests, self._residuals(latents), steps)
 
     def inputs(self, requests: PlanRequests) -> NDArray[np.float32]:
         """(B, F) what the network is told of requests."""

@@ -166,3 +166,17 @@ def joined_line(lanes, numbers, points, start, along, half_width, spacing):  # t
         if q > 0:
             heading[q] = heading[q - 1] + (heading[q] - heading[q - 1] + np.pi) % (2 * np.pi) - np.pi
     return line, heading, piece, room
+
+
+@njit(cache=True)
+def layers(lanes, changes, piece, heading, in_junction, speed_limit):  # type: ignore[no-untyped-def]
+    """What lies under each point (P,): its lane, the changes until there, how far it has turned in junctions, its limit."""
+    lane, shift = np.empty(len(piece), np.int32), np.empty(len(piece), np.int8)
+    turned, limit = np.empty(len(piece), np.float32), np.empty(len(piece), np.float32)
+    shifts, total = np.cumsum(changes), np.float32(0.0)
+    for q in range(len(piece)):
+        lane[q], shift[q] = lanes[piece[q]], shifts[piece[q]]
+        if q > 0 and in_junction[lane[q]]:
+            total += heading[q] - heading[q - 1]
+        turned[q], limit[q] = total, speed_limit[lane[q]]
+    return lane, shift, turned, limit

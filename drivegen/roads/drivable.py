@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Polylines, unit
@@ -255,14 +256,21 @@ def _continuations(map_: RoadMap, quads: _Quads) -> NDArray[np.float32]:
     return np.concatenate(strips)
 
 
-def _cut(outline: NDArray[np.floating]) -> NDArray[np.float64]:
+@njit(cache=True)
+def _cut(outline):  # type: ignore[no-untyped-def]
     """The closed outline (P, 2) with a point at least every PIECE metres."""
-    edge = np.roll(outline, -1, axis=0) - outline.astype(np.float64)
-    count = np.clip(np.ceil(np.hypot(*edge.T) / PIECE), 1, _MOST_PIECES).astype(np.int64)
-    index = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    points: NDArray[np.float64] = (
-        np.repeat(outline, count, axis=0) + np.repeat(edge / count[:, None], count, axis=0) * index[:, None]
-    )
+    corners = len(outline)
+    x, y = outline[:, 0].astype(np.float64), outline[:, 1].astype(np.float64)
+    parts = np.empty(corners, np.int64)
+    for i in range(corners):
+        j = (i + 1) % corners
+        parts[i] = min(max(np.ceil(np.hypot(x[j] - x[i], y[j] - y[i]) / PIECE), 1), _MOST_PIECES)
+    points, count = np.empty((parts.sum(), 2)), 0
+    for i in range(corners):
+        j = (i + 1) % corners
+        for k in range(parts[i]):
+            points[count, 0], points[count, 1] = x[i] + (x[j] - x[i]) / parts[i] * k, y[i] + (y[j] - y[i]) / parts[i] * k
+            count += 1
     return points
 
 

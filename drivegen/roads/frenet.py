@@ -16,23 +16,32 @@ def from_frenet(
     route: Route, s: NDArray[np.floating], d: NDArray[np.floating]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Positions (..., 2) [m] and the line's headings (...) [rad] at `s`, `d` (...) [m]."""
-    last = len(route.line) - 1
-    at = np.clip(np.asarray(s, np.float64) / SPACING, 0.0, last)
-    first = np.minimum(at.astype(np.int64), last - 1)
-    share = at - first
-    heading = route.heading[first] + share * (route.heading[first + 1] - route.heading[first])
-    forward = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
-    left = np.stack([-forward[..., 1], forward[..., 0]], axis=-1)
-    on_line = route.line[first] + share[..., None] * (route.line[first + 1] - route.line[first])
-    beyond = np.asarray(s, np.float64) - at * SPACING
-    position = on_line + beyond[..., None] * forward + np.asarray(d, np.float64)[..., None] * left
-    return position.astype(np.float32), heading.astype(np.float32)
+    s, d = np.asarray(s, np.float64), np.asarray(d, np.float64)
+    position, heading = _from_frenet(s.ravel(), d.ravel(), route.line, route.heading, SPACING)
+    return position.reshape(*s.shape, 2), heading.reshape(s.shape)
 
 
 def to_frenet(route: Route, points: Floats) -> NDArray[np.float32]:
     """s, d (Q, 2) [m] of points (Q, 2), each on its own (the nearest place on the line)."""
     result: NDArray[np.float32] = _to_frenet(np.ascontiguousarray(points, np.float64), route.line, route.heading, SPACING)
     return result
+
+
+@njit(cache=True)
+def _from_frenet(s, d, line, heading, spacing):  # type: ignore[no-untyped-def]
+    last = len(line) - 1
+    position, angle = np.empty((len(s), 2), np.float32), np.empty(len(s), np.float32)
+    for q in range(len(s)):
+        at = min(max(s[q] / spacing, 0.0), float(last))
+        k = min(int(at), last - 1)
+        share, beyond = at - k, s[q] - at * spacing
+        turned = heading[k] + share * (heading[k + 1] - heading[k])
+        cos, sin = np.cos(turned), np.sin(turned)
+        x = line[k, 0] + share * (line[k + 1, 0] - line[k, 0])
+        y = line[k, 1] + share * (line[k + 1, 1] - line[k, 1])
+        position[q, 0], position[q, 1] = x + beyond * cos - d[q] * sin, y + beyond * sin + d[q] * cos
+        angle[q] = turned
+    return position, angle
 
 
 @njit(cache=True)

@@ -94,22 +94,22 @@ def build_route(graph: LaneGraph, pieces: Sequence[Piece]) -> Route:
     line, heading, piece, room = _line.joined_line(
         lanes, numbers, graph.line.points, graph.line.start, graph.along, graph.half_width, SPACING
     )
-    changes = np.array([p.change for p in pieces])
-    lane, last = lanes[piece], pieces[-1]
+    changes, road_map = np.array([p.change for p in pieces], np.int8), graph.map
+    lane, shift, turned, limit = _line.layers(lanes, changes, piece, heading, road_map.in_junction, road_map.speed_limit)
+    last, length = pieces[-1], (len(line) - 1) * SPACING
     overshoot = last.end - float(graph.length[last.lane])
-    length = (len(line) - 1) * SPACING
     return Route(
         pieces=tuple(pieces),
         line=line,
         heading=heading,
         lane=lane,
-        shift=np.cumsum(changes).astype(np.int8)[piece],
-        turned=np.cumsum(np.diff(heading, prepend=heading[:1]) * graph.map.in_junction[lane], dtype=np.float32),
-        speed_limit=graph.map.speed_limit[lane],
+        shift=shift,
+        turned=turned,
+        speed_limit=limit,
         half_width_left=room[:, 0],
         half_width_right=room[:, 1],
         length=length,
-        lane_changes=int(np.count_nonzero(changes)),
+        lane_changes=sum(p.change != 0 for p in pieces),
         exit_s=max(0.0, length - overshoot) if overshoot > SPACING else np.inf,
     )
 

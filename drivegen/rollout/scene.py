@@ -8,7 +8,8 @@ cannot get out. Such a vehicle takes its best trajectory that is legal but for c
 planned again, a bounded number of times.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Annotated
 
 import numpy as np
@@ -102,6 +103,7 @@ class Rollout:
     ) -> None:
         scenario, count = choice.scenario, len(choice.scenario.vehicles)
         self.choice, self.settings, self.turn, self.rejections = choice, settings, 0, rejections
+        self.turned_down: list[tuple[int, int, int, int, NDArray[np.float32]]] = []
         self.checker = SceneChecker(scenario, limits)
         self.exits = Exits.of(scenario.map)
         self.motion = Trajectories.empty(samples, count, scenario.steps)
@@ -147,7 +149,7 @@ class Rollout:
     def _next_goals(self, k: int, n: int) -> list[int]:
         """The goals to try next for vehicle n of sample k, the likeliest first; a goal may be tried more than once."""
         own = slice(self.start[n], self.start[n + 1])
-        met = self.outlooks.meetings(n, self._others(k, n), self.checker.size)
+        met = self.outlooks.meetings(n, self._others(n)[k], self.checker.size)
         score = self.score[k, own] - PENALTY * met - FAILED * self.failed[k, own]
         chosen = []
         for _ in range(self.settings.attempts):
@@ -156,45 +158,69 @@ class Rollout:
             score[best] -= FAILED
         return chosen
 
-    def _others(self, k: int, n: int) -> Trajectories:
-        """What is committed in sample k and vehicle n has to avoid."""
-        others = self.motion[k]
-        if self.target_steps[n] == others.steps:
-            return others
-        valid = others.valid.copy()
-        valid[TARGET, self.target_steps[n] :] = False
-        return Trajectories(others.position, others.heading, others.velocity, valid)
+    def _others(self, n: int) -> Trajectories:
+        """What is committed (K, N, T) and vehicle n has to avoid."""
+        if self.target_steps[n] == self.motion.steps:
+            return self.motion
+        valid = self.motion.valid.copy()
+        valid[:, TARGET, self.target_steps[n] :] = False
+        return replace(self.motion, valid=valid)
 
     def commit(self, rows: NDArray[np.int64], motion: Trajectories) -> None:
-        """Walk each sample's pending vehicles in asset order; commit the first legal trajectory of each.
+        """Walk the pending vehicles in asset order, each in all samples at once; commit the first legal trajectory of each.
 
         Trajectories end where they leave the map, before they are judged.
         """
         motion = self.exits.leave(motion, self.checker.size[rows[:, 1], 0])
         alone = self.checker.alone(rows[:, 1], motion)
-        starts = np.flatnonzero(np.any(np.diff(rows[:, :2], axis=0, prepend=-1) != 0, axis=1))
-        for a, b in zip(starts, [*starts[1:], len(rows)], strict=True):
-            k, n = int(rows[a, 0]), int(rows[a, 1])
-            severities = self.checker.among_committed(n, motion[a:b], self._others(k, n), self.checker.size, alone[a:b])
-            self._judge(k, n, rows[a:b, 2], motion[a:b], severities)
+        for n in np.unique(rows[:, 1]).tolist():
+            own = np.flatnonzero(rows[:, 1] == n)
+            self._commit_vehicle(n, rows[own], motion[own], alone[own])
+        self._note_turned_down()
 
-    def _judge(self, k: int, n: int, candidate: NDArray[np.int64], motion: Trajectories, severities: Severities) -> None:
+    def _commit_vehicle(self, n: int, rows: NDArray[np.int64], motion: Trajectories, alone: Severities) -> None:
+        """Judge what was planned for vehicle n, against what is committed before it in the same sample."""
+        sample = rows[:, 0]
+        severities = self.checker.among_samples(n, motion, sample, self._others(n), self.checker.size, alone)
+        violation, first = severities.violation, severities.first_step
+        starts = np.flatnonzero(np.diff(sample, prepend=-1)).tolist()
+        for a, b in zip(starts, [*starts[1:], len(rows)], strict=True):
+            self._judge(int(sample[a]), n, rows[a:b, 2], motion[a:b], violation[a:b], first[a:b])
+
+    def _judge(
+        self,
+        k: int,
+        n: int,
+        candidate: NDArray[np.int64],
+        motion: Trajectories,
+        violation: NDArray[np.uint16],
+        first: NDArray[np.int16],
+    ) -> None:
         """Commit the first legal trajectory of vehicle n in sample k, or make way for one, or keep the least illegal."""
-        violation = severities.violation
         first_legal, tried = self._first_legal(k, n, candidate, motion, violation)
         self.attempts[k, n] += tried
-        if self.rejections is not None:
-            for i in range(tried):
-                if i != first_legal:
-                    self.rejections.add(k, n, int(violation[i]), motion.position[i])
+        for i in range(tried):
+            if i != first_legal:
+                self._turn_down(k, n, n, int(violation[i]), motion.position[i])
         if first_legal is not None:
             self._settle(k, n, int(candidate[first_legal]), motion[first_legal])
             return
-        badness = _badness(violation, severities.first_step, motion.steps)
+        badness = _badness(violation, first, motion.steps)
         chosen = int(badness.argmin())
         if badness[chosen] < self.badness[k, n]:
             self.badness[k, n], self.goal[k, n] = badness[chosen], candidate[chosen]
             _put(self.spare, (k, n), motion[chosen])
+
+    def _turn_down(self, k: int, judged: int, n: int, violation: int, position: NDArray[np.float32]) -> None:
+        """Remember a trajectory (T, 2) of vehicle n in sample k that fell when vehicle `judged` was judged."""
+        if self.rejections is not None:
+            self.turned_down.append((k, judged, n, violation, position.copy()))
+
+    def _note_turned_down(self) -> None:
+        """Note what was turned down in this round, sample by sample."""
+        for k, judged, n, violation, position in sorted(self.turned_down, key=itemgetter(0, 1)):
+            self.rejections.add(k, n, violation, position, made_way=n != judged)
+        self.turned_down = []
 
     def _first_legal(
         self, k: int, n: int, candidate: NDArray[np.int64], motion: Trajectories, violation: NDArray[np.uint16]
@@ -217,14 +243,13 @@ class Rollout:
         """Make way for a trajectory that only collides: whether all in its way could be sent to the next round."""
         if self.turn + 1 == self.settings.rounds:
             return False
-        others = np.flatnonzero(self.checker.partners(n, motion, self._others(k, n)))
+        others = np.flatnonzero(self.checker.partners(n, motion, self._others(n)[k]))
         if (self.evictions[k, others] >= self.settings.evictions).any() or len(others) == 0:
             return False
         self.evictions[k, others] += 1
         self.pending[k, others] = True
         for other in others.tolist():
-            if self.rejections is not None:
-                self.rejections.add(k, other, Violation.COLLISION, self.motion.position[k, other], made_way=True)
+            self._turn_down(k, n, other, Violation.COLLISION, self.motion.position[k, other])
             _put(self.spare, (k, other), self.motion[k, other])
             self.badness[k, other] = 1.0  # it was legal: nothing illegal is as good
         self.motion.valid[k, others] = False

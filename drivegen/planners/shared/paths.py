@@ -75,7 +75,7 @@ def _table(requests: PlanRequests) -> tuple[Doubles, NDArray[np.int64], Doubles]
     used, row = np.unique(requests.route, return_inverse=True)
     free = requests.route < 0
     has_free = bool(free.any())
-    smooth = _smoothed(requests.route_line[used[int(has_free) :]].astype(np.float64))
+    smooth = _smoothed(requests.route_line[used[int(has_free) :]])
     row = row.astype(np.int64) - int(has_free)
     row[free] = len(smooth) + np.arange(free.sum())
     start = np.column_stack([requests.position, requests.heading])[free].astype(np.float64)
@@ -93,15 +93,28 @@ def _goal_window(requests: PlanRequests, bezier_length: Doubles) -> Doubles:
     return np.stack([guess - window, guess + window], axis=1)
 
 
-def _smoothed(lines: Doubles) -> Doubles:
+@njit(cache=True)
+def _smoothed(lines: NDArray[np.float32]) -> Doubles:  # pragma: no cover - compiled
     """Binomially filtered lines (R, P, 2), continued straight at both ends so that these stay where they are."""
-    for _ in range(3):
-        ahead = [2 * lines[:, -1:] - lines[:, -2:-1], 3 * lines[:, -1:] - 2 * lines[:, -2:-1]]
-        behind = [3 * lines[:, :1] - 2 * lines[:, 1:2], 2 * lines[:, :1] - lines[:, 1:2]]
-        padded = np.concatenate([*behind, lines, *ahead], axis=1)
-        count = lines.shape[1]
-        lines = np.sum([w * padded[:, k : k + count] for k, w in enumerate((1, 4, 6, 4, 1))], axis=0) / 16
-    return lines
+    count = lines.shape[1]
+    smooth, padded = np.empty(lines.shape), np.empty(count + 4)
+    for r in range(len(lines)):
+        for axis in range(2):
+            padded[2:-2] = lines[r, :, axis]
+            for _ in range(3):
+                _continue(padded)
+                for k in range(count):
+                    near = padded[k] + 4 * padded[k + 1] + 6 * padded[k + 2]
+                    smooth[r, k, axis] = (near + 4 * padded[k + 3] + padded[k + 4]) / 16
+                padded[2:-2] = smooth[r, :, axis]
+    return smooth
+
+
+@njit(cache=True)
+def _continue(line: Doubles) -> None:  # pragma: no cover - compiled
+    """Continue numbers (P + 4,) straight on by two at either end."""
+    line[0], line[1] = 3 * line[2] - 2 * line[3], 2 * line[2] - line[3]
+    line[-2], line[-1] = 2 * line[-3] - line[-4], 3 * line[-3] - 2 * line[-4]
 
 
 @njit(cache=True)

@@ -58,10 +58,11 @@ def plan_requests(scenarios: Sequence[Scenario], routes: Sequence[Route], goals:
     Every route belongs to one vehicle: its s = 0 is abreast of it. A route that several goals share is looked at once;
     one that begins elsewhere counts as none.
     """
-    goals = replace(goals, route=_abreast(scenarios, routes, goals))
-    of_vehicle = [scenarios[s].vehicles for s in range(len(scenarios))]
+    of_vehicle = [scenario.vehicles for scenario in scenarios]
     start = np.cumsum([0, *(len(v) for v in of_vehicle)])
     row = start[goals.scenario] + goals.vehicle
+    position = np.concatenate([v.position for v in of_vehicle])[row]
+    goals = replace(goals, route=_abreast(position, routes, goals))
     leader_gap, leader_speed, stop_s = _traffic_ahead(scenarios, routes, goals)
     line, length, limit = _route_table(routes)
 
@@ -175,14 +176,17 @@ def _arrays(motion: Trajectories) -> tuple[NDArray[np.generic], ...]:
     return motion.position, motion.heading, motion.velocity, motion.valid
 
 
-def _abreast(scenarios: Sequence[Scenario], routes: Sequence[Route], goals: Goals) -> NDArray[np.integer]:
-    """Goals' routes (B,), -1 for those that do not begin within ABREAST of their vehicle (maps end, matches fail)."""
+def _abreast(position: Floats, routes: Sequence[Route], goals: Goals) -> NDArray[np.integer]:
+    """Goals' routes (B,), -1 for those that do not begin within ABREAST of their vehicle at `position` (B, 2) (maps end,
+    matches fail).
+    """
+    on_route = np.flatnonzero(goals.route >= 0)
+    if not len(on_route):
+        return goals.route
+    first, second = (np.array([route.line[point] for route in routes])[goals.route[on_route]] for point in (0, 1))
+    along = ((position[on_route] - first) * (second - first)).sum(1)
     route_of = goals.route.copy()
-    for b in np.flatnonzero(route_of >= 0):
-        route, position = routes[route_of[b]], scenarios[goals.scenario[b]].vehicles.position[goals.vehicle[b]]
-        away, forward = position - route.line[0], route.line[1] - route.line[0]
-        if abs(float(away @ forward)) > ABREAST * ROUTE_SPACING:
-            route_of[b] = -1
+    route_of[on_route[np.abs(along) > ABREAST * ROUTE_SPACING]] = -1
     return route_of
 
 
@@ -210,10 +214,11 @@ def _traffic_ahead(
     on_route = np.flatnonzero(goals.route >= 0)
     _, first, inverse = np.unique(goals.route[on_route], return_index=True, return_inverse=True)
     ahead = np.zeros((len(first), 3), np.float32)
-    for u, b in enumerate(on_route[first]):
-        scenario, route = scenarios[goals.scenario[b]], routes[goals.route[b]]
-        ahead[u, :2] = _leader(*_boxes(scenario), int(goals.vehicle[b]), route.line[:ROUTE_POINTS])
-        ahead[u, 2] = _next_stop(scenario, route)
+    boxes = {s: _boxes(scenarios[s]) for s in np.unique(goals.scenario[on_route]).tolist()}
+    for u, b in enumerate(on_route[first].tolist()):
+        s, route = int(goals.scenario[b]), routes[goals.route[b]]
+        ahead[u, :2] = _leader(*boxes[s], int(goals.vehicle[b]), route.line[:ROUTE_POINTS])
+        ahead[u, 2] = _next_stop(scenarios[s], route)
     gap[on_route], speed[on_route], stop[on_route] = ahead[inverse].T
     return gap, speed, stop
 
@@ -256,11 +261,8 @@ def _leader(
 def _next_stop(scenario: Scenario, route: Route) -> float:
     """Distance [m] along the route to the first lane entered under red or yellow at step 0; inf if there is none."""
     signals = scenario.signals
-    if not len(signals):
+    closed = signals.lane[signals.closed[:, 0]]
+    if not len(closed):
         return np.inf
-    closed = signals.lane[np.isin(signals.state[:, 0], (SignalState.RED, SignalState.YELLOW))]
-    entered = np.isin(route.lane, closed)
-    entered[1:] &= route.lane[1:] != route.lane[:-1]
-    entered[:1] = False  # already on it
-    hit = np.flatnonzero(entered)
+    hit = route.entries[np.isin(route.lane[route.entries], closed)]
     return float(hit[0] * ROUTE_SPACING) if len(hit) else np.inf
