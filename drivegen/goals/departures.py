@@ -16,6 +16,9 @@ from drivegen.roads.frenet import from_frenet, to_frenet
 from drivegen.roads.leaving import Exits
 from drivegen.roads.line import Route
 
+ON_ROUTE = 1.0
+"""An exit is on a route whose line passes it within this distance [m]."""
+
 STAYS_ON = np.float32(np.inf)
 """When a vehicle leaves that does not [s]."""
 
@@ -60,9 +63,12 @@ def departures(scenario: Scenario, vehicle: int, candidates: Candidates, exits: 
 
 
 def _exit(route: Route, exits: Exits) -> float:
-    """[m] along the route to the exit by which it leaves the map; inf if it does not."""
-    at = np.flatnonzero(exits.lane == route.lanes[-1])
-    return float(to_frenet(route, exits.point[at])[0, 0]) if len(at) else np.inf
+    """[m] along the route to the exit by which it leaves the map; inf where it ends before, wherever its last lane leads."""
+    for point in exits.point[exits.lane == route.lanes[-1]]:
+        s = to_frenet(route, point[None])[:, 0]
+        if np.hypot(*(from_frenet(route, s, np.zeros(1))[0][0] - point)) < ON_ROUTE:
+            return float(s[0])
+    return np.inf
 
 
 def _passing(

@@ -82,7 +82,7 @@ def show(case: Case, pixels: int, wording: Wording) -> tuple[str, Image]:
     others = Others.of(scenario, n, reach)
     picture, _ = draw_goal_picture(scenario, n, position, others.letters, reach, pixels)
     own = _own(c)
-    told = [_situation(case, wording, others, own), others.table(own), table(case, seen, others)]
+    told = [_situation(case, wording, others, own), others.table(own), table(case, seen, others, own)]
     return fenced(f"vehicle_{n}", "\n".join(told)), Image(png(picture), "image/png")
 
 

@@ -1,5 +1,7 @@
 """The rows of places in the question `goals-2`: where, by which way, past whom, how fast."""
 
+from collections.abc import Sequence
+
 from drivegen.core.geometry import to_vehicle_frame
 from drivegen.core.roadmap import NO_LANE, LaneControl
 from drivegen.goals.candidates import NO_ROUTE
@@ -8,7 +10,8 @@ from drivegen.goals.traffic import STAND
 from drivegen.questions.goals import Case
 from drivegen.questions.others import Others, pace, where
 from drivegen.questions.places import Place
-from drivegen.questions.ways import Passage, lane_words, passages, way_words
+from drivegen.questions.ways import IN_LANE, STAYS, Passage, lane_words, passages, way_words
+from drivegen.roads.line import Route
 from drivegen.roads.parked import STANDING
 
 AT_LINE = 2.0
@@ -20,15 +23,19 @@ SLOW = 2.0
 BEHIND = 6.0
 """Who stands with its front within this distance of the next one's rear [m] stands close behind it."""
 
-OTHERWISE = 2.0
-"""An end speed that differs from the present one by less [m/s] is about the same."""
+OTHERWISE, OTHERWISE_SHARE = 0.5, 0.15
+"""An end speed that differs from the present one by less [m/s], and by less than this share of it more, is about the same."""
 
 MOST_PAST = 4
 """Of those whom a place is past that are named."""
 
 
-def table(case: Case, shown: Departures, others: Others) -> str:
-    """A line per place, by number; a place beyond an exit is where the vehicle leaves the map."""
+def table(case: Case, shown: Departures, others: Others, own: Sequence[Route]) -> str:
+    """A line per place, by number; a place beyond an exit is where the vehicle leaves the map.
+
+    `own` are the routes that begin in the vehicle's lane and keep to it, the likeliest first: of a place in that lane, whoever is
+    ahead on the first of them counts, also where the place's own route leaves the lane farther on.
+    """
     v, c, scenario = case.scenario.vehicles, case.candidates, case.scenario
     local = to_vehicle_frame(shown.place, v.position[case.vehicle], v.heading[case.vehicle])
     words = way_words(scenario.map, scenario.signals, c)
@@ -36,17 +43,18 @@ def table(case: Case, shown: Departures, others: Others) -> str:
     lines = ["place: where; what the vehicle does, lane there; way along the road; speed there, against the present one"]
     for number, place in enumerate(case.places):
         i = place.shown
-        lane = "" if c.lane[i] == NO_LANE or shown.leaves[i] else lane_words(scenario.map, int(c.lane[i]))
-        does = [words[i], *([lane] if lane else []), *_remarks(case, shown, others, queues, place)]
+        at, queue = int(c.lane[i]), queues[c.route[i]] if c.route[i] != NO_ROUTE else []
+        if own and words[i].startswith(IN_LANE):
+            at, queue = own[0].pieces[0].lane if words[i] == STAYS else at, others.in_lane(own[0])
+        lane = "" if at == NO_LANE or shown.leaves[i] else lane_words(scenario.map, at)
+        does = [words[i], *([lane] if lane else []), *_remarks(case, shown, others, queue, place)]
         way = f"{shown.way[i]:.0f} m" if c.route[i] >= 0 else "no lane"
         lines.append(f"{number}: {where(*local[i].tolist())}; {', '.join(does)}; {way}; {_speed(case, shown, place)}")
     return "\n".join(lines)
 
 
-def _remarks(
-    case: Case, shown: Departures, others: Others, queues: list[list[tuple[int, float, float]]], place: Place
-) -> list[str]:
-    """That it leaves the map there, stands at a line or behind somebody, has passed where others now are in its lane."""
+def _remarks(case: Case, shown: Departures, others: Others, queue: list[tuple[int, float, float]], place: Place) -> list[str]:
+    """That it leaves the map there, stands at a line or behind somebody, has passed where those in the `queue` now are."""
     c, i = case.candidates, place.shown
     if shown.leaves[i]:
         after = shown.after[place.members]
@@ -56,7 +64,6 @@ def _remarks(
     if c.route[i] == NO_ROUTE:
         return told
     s, half = float(c.s[i]), float(case.scenario.vehicles.size[case.vehicle, 0]) / 2
-    queue = queues[c.route[i]]
     waits = [p.begin for p in passages(case.scenario.map, case.scenario.signals, c.routes[c.route[i]]) if _may_wait(p)]
     if place.slowest < STANDING and any(0 <= line - half - s < AT_LINE + STAND for line in waits):
         told.append("at the line")
@@ -84,7 +91,7 @@ def _speed(case: Case, shown: Departures, place: Place) -> str:
         route = c.routes[c.route[i]]
         limit = float(route.speed_limit[min(int(max(shown.way[i], 0.0)), len(route.speed_limit) - 1)])
         if speed > 1.05 * limit:
-            return f"{pace(speed)}, above the limit"
-    if abs(speed - now) < OTHERWISE:
+            return f"{pace(speed)}, above the limit of {limit:.0f} there"
+    if now >= STANDING and abs(speed - now) < OTHERWISE + OTHERWISE_SHARE * now:
         return f"{pace(speed)}, as now"
     return f"{pace(speed)}, {'faster' if speed > now else 'slower'}"

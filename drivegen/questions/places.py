@@ -25,7 +25,7 @@ from drivegen.roads.frenet import from_frenet
 from drivegen.roads.line import SPACING, Route
 from drivegen.roads.parked import STANDING
 
-ALONG, SHARE, ASIDE = 2.0, 0.03, 1.2
+ALONG, SHARE, ASIDE = 2.0, 0.03, 2.0
 """Places are one within so many metres along the road, or this share of the way there, and so many metres across it, ..."""
 
 SAME_HEADING = np.deg2rad(25)
@@ -86,6 +86,8 @@ def _one_place(c: Candidates, shown: Departures, words: Sequence[str], a: int, b
     stands = min(speeds) < STANDING and not shown.leaves[a]
     if aside > ASIDE or (stands and abs(speeds[0] - speeds[1]) > SAME_SPEED):
         return False
+    if shown.leaves[a]:  # at one end of the road, whatever it would have done beyond
+        return bool(along <= ALONG / 2)
     if Manoeuvre.PARK in c.manoeuvre[[a, b]]:
         return bool(along <= KERB and max(speeds) < STANDING)
     return bool(along <= (max(ALONG, SHARE * way) if words[a] == words[b] else ALONG / 2))

@@ -1,6 +1,7 @@
 """Ways along routes in the words of the road: lanes counted from the right, turns by what the road does, not by the picture."""
 
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +24,12 @@ WIDTH = 3.5
 
 MOST_LANES = 20
 
-_ODD = {
-    Manoeuvre.STAY: "stays where it is",
-    Manoeuvre.OFF_LANE: "drives off the lanes",
-    Manoeuvre.PARK: "pulls over and parks",
-}
+STAYS, KEEPS, PARKS = "stays where it is", "keeps its lane", "pulls over and parks"
+
+IN_LANE = (STAYS, KEEPS, PARKS)
+"""What a vehicle does, whatever is said of bends, that is still in its own lane at the end."""
+
+_ODD = {Manoeuvre.STAY: STAYS, Manoeuvre.OFF_LANE: "drives off the lanes", Manoeuvre.PARK: PARKS}
 _NUMBERS = ("no lane", "one lane", "two lanes", "three lanes", "four lanes")
 
 
@@ -84,8 +86,26 @@ def _words(crossed: list[list[Passage]], c: Candidates, i: int) -> str:
     side = "left" if moved > 0 else "right"
     change = f"{_NUMBERS[min(abs(moved), 4)]} to the {side}" if moved else ""
     if not done:
-        return f"changes {change}" if change else "keeps its lane"
-    return ", then ".join([*ways, *inside]) + (f", changing {change}" if change else "")
+        bend = _bend(c, i)
+        return f"changes {change}{bend}" if change else f"{KEEPS}{bend}"
+    return ", then ".join([*_counted(ways), *inside]) + (f", changing {change}" if change else "")
+
+
+def _bend(c: Candidates, i: int) -> str:
+    """That the road turns on the way to a candidate, where the map has no junction there."""
+    turn = float(wrap_angle(np.array(float(c.heading[i]) - float(c.routes[c.route[i]].heading[0]))))
+    return "" if abs(turn) < TURNS else f", round to the {'left' if turn > 0 else 'right'}"
+
+
+def _counted(ways: list[str]) -> list[str]:
+    """The same way across several junctions in a row is said once.
+
+    >>> _counted(["straight on", "straight on", "turns left"])
+    ['straight on at two junctions', 'turns left']
+    """
+    alike = [(way, len(list(same))) for way, same in groupby(ways)]
+    numbers = {2: "two", 3: "three", 4: "four"}
+    return [way if count == 1 else f"{way} at {numbers.get(count, count)} junctions" for way, count in alike]
 
 
 def lanes_moved(c: Candidates, i: int) -> int:

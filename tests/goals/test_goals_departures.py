@@ -48,6 +48,22 @@ def test_the_time_is_that_of_the_outlook_which_is_in_nobody_s_way_from_then_on()
     assert (out.after[out.leaves] <= last + STRIDE * DT + 0.01).all()
 
 
+def test_who_does_not_get_to_the_end_of_its_lane_stays_though_the_lane_comes_back_beside_it():
+    bend = [(300 + 25 * np.sin(a), 25 - 25 * np.cos(a)) for a in np.linspace(0.2, np.pi - 0.2, 9)]
+    hairpin = np.array([*((x, 0.0) for x in range(0, 301, 10)), *bend, *((x, 50.0) for x in range(300, 29, -10))], np.float64)
+    roads = scenes.road_map([hairpin], links=[], neighbours=[], whole=True)
+    for start, leaves in ((40.0, False), (hairpin_length(hairpin) - 30, True)):
+        scene = alone(roads, scenes.joined(roads, 0), start, SPEED)
+        found = candidates(LaneGraph.of(roads), scene, 0, SETTINGS)
+        out = departures(scene, 0, found, Exits.of(roads))
+        assert out.leaves.any() == leaves
+        assert (out.after[out.leaves] > 1).all()
+
+
+def hairpin_length(line):
+    return float(np.hypot(*np.diff(line, axis=0).T).sum())
+
+
 def test_where_the_map_is_cut_goals_lie_beyond_it():
     _, found, out = shown(whole=False)
     assert not out.leaves.any()
