@@ -9,7 +9,7 @@ from drivegen.words.things import Scene, Thing, Unfit, merged
 
 Road = dict[str, Any]
 
-TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes", "pocket")
+TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes", "turn_pocket", "pocket")
 _LANES = ("lanes", "lanes_each", "lanes_total", "lanes_pair", "lane_road")
 
 
@@ -188,15 +188,21 @@ def turning(things: Sequence[Thing], arm: Road, bans: str = "turn_bans") -> Road
     for thing in things:
         lanes = [*thing.values("turn_lanes_n"), *((1, side) for side in thing.values("turn_lanes"))]
         lanes += [(1, "left"), (1, "right")] if thing.values("both_turn_lanes") else []
+        pockets = [*thing.values("pocket")]
+        for pair in thing.values("turn_pocket"):
+            lanes += [(1, value) for value in pair if isinstance(value, str)]
+            pockets += [value for value in pair if not isinstance(value, str)]
         if thing.values("no_turn_lanes") and lanes:
             raise Unfit("turn lanes are asked for and ruled out")
         if len(set(lanes)) > len({side for _, side in lanes}):
             raise Unfit("two numbers of turn lanes are said of one road")
+        if len(set(pockets)) > 1:
+            raise Unfit("two lengths of turn lanes are said of one road")
         fields |= {f"{side}_turn_lanes": number for number, side in lanes}
         if banned := {*thing.values("turn_bans"), *thing.values(bans)}:
             fields["turn_bans"] = tuple(sorted(banned | set((arm | fields).get("turn_bans", ()))))
-        if (pocket := thing.value("pocket")) is not None:
-            fields |= {"pocket": pocket}
+        if pockets:
+            fields |= {"pocket": pockets[0]}
             if not any(name.endswith("turn_lanes") and value for name, value in (arm | fields).items()):
                 fields["left_turn_lanes"] = 1
     return fields

@@ -123,7 +123,7 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
         return True
     last, following = tokens[end - 1], tokens[end].text if end < len(tokens) else ""
     counted = end + 1 < len(tokens) and tokens[end].value is not None
-    counts = phrase.name == "queue" or (counted and phrase.name in ("count", "lane_road") and tokens[end + 1].text in _COUNTED)
+    counts = phrase.name in ("queue", "size") or (counted and phrase.name in ("count", "lane_road") and tokens[end + 1].text in _COUNTED)
     before_noun = not last.plural and following not in _STOPS and (not counted or counts)
     if phrase.place == "pre":
         return before_noun or (following == "," and not last.plural and phrase.name not in ("count", "nth"))

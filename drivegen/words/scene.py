@@ -23,6 +23,10 @@ WHOLES = ("crossing", "roundabout", "highway", "street", "grid", "fork", "interc
 _PLACES = ("position", "gap")
 _PLACED = ("place", *(f"far_{relation}" for relation in Relation))
 _SEEN = ("does", *_PLACED)
+_DONE_TO_TARGET = ("cut_in", "overtake", "turn_left_across")
+_TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes")
+"""A length right behind them is theirs: "with left and right turn lanes of 60 m"."""
+
 MOVING = ("car", "truck", "bus", "vehicle", "member", "target")
 """Things of which nothing that roads have is said."""
 
@@ -91,15 +95,19 @@ class Walk:
         self.mark, self.det, self.comma, self.sticky = ".", "", False, False
 
     def _thing(self, item: Item, phrase: Phrase) -> None:
+        several = [thing.name for thing in self.scene.things if any(f.name == "count" and f.value != 1 for f in thing.facts)]
+        if phrase.name == "nth_one" and not several:
+            raise Unfit(f"it is not clear what {item.raw!r} is")
+        name = several[-1] if phrase.name == "nth_one" else phrase.name
         slots = zip(phrase.slots, item.values, strict=True)
         facts = [*self.pending, *(Fact(n, v, item.raw, ()) for n, v in (*phrase.facts.items(), *slots))]
         which = [fact.value for fact in facts if fact.name in ("nth", "compass")]
         facts = [fact for fact in facts if fact.name not in ("nth", "compass")]
-        thing = self._resolved(phrase.name, item.raw, which[0] if which else "all" if self.det in ALL else None)
+        thing = self._resolved(name, item.raw, which[0] if which else "all" if self.det in ALL else None)
         thing.facts += facts
         self.pending = []
         self._ahead_of_noun(thing)
-        parts = phrase.name not in (*WHOLES, "street", *traffic_names()) or thing.which is not None
+        parts = name not in (*WHOLES, "street", *traffic_names()) or thing.which is not None
         if parts and self.mark in words("prepositions") and self.subject is not None and self.subject.name in traffic_names():
             raise Unfit(f"where {self.subject.text!r} is can be said as seen from the target only, not by {item.raw!r}")
         definite = self.det in _KNOWN or self.det in ALL or bool(which)
@@ -125,7 +133,8 @@ class Walk:
     def _resolved(self, name: str, text: str, which: Any) -> Thing:
         """The thing that is meant: one that was spoken of before, or a new one."""
         like = [thing for thing in self.scene.things if thing.name == name and thing.which == which]
-        if like and (self.det in _KNOWN or which is not None):
+        bare = name in ("main", "side") and not (self.det or self.pending or text.endswith("s"))
+        if like and (self.det in _KNOWN or which is not None or bare):
             if name in MOVING and name != "target" and like[-1].text.split()[-1] != text.split()[-1]:
                 raise Unfit(f"it is not clear whether {text!r} is among {like[-1].text!r}")
             return like[-1]
@@ -134,15 +143,20 @@ class Walk:
 
     def _fact(self, i: int, item: Item, phrase: Phrase) -> None:
         fact = Fact(phrase.name, item.value, item.raw, phrase.scope)
-        if fact.name in _PLACED:
-            self._seen_from_target(i)
+        before = self.items[i - 1].phrase if i else None
+        if fact.name == "length" and before is not None and before.name in _TURN_LANES:
+            fact.name, fact.scope = "pocket", before.scope
         if self.mark == "at" and fact.name == "length":
             raise Unfit(f"it is not clear what lies at {fact.text!r}")
-        if phrase.place == "pre" or (phrase.place == "" and self._before_noun(i, fact)):
+        led = self.det or self.mark in words("prepositions")
+        led = led or (phrase.place == "" and (fact.value not in _DONE_TO_TARGET or self.pending))
+        if phrase.place == "pre" or (led and self._before_noun(i, fact)):
             self.pending.append(fact)
             self.comma = False
             return
         self._nothing_pending()
+        if fact.name in _PLACED or fact.value in _DONE_TO_TARGET:
+            self._seen_from_target(i)
         if fact.name in _PLACES and self._begins(i) and self._things_follow(i):
             self.fronted.append(fact)
             return
@@ -155,11 +169,13 @@ class Walk:
         self.mark, self.det = "", ""
 
     def _seen_from_target(self, i: int) -> None:
-        """Raises Unfit where a place is seen from something else: "behind it", "ahead of the bus"."""
-        names = [item.text if item.phrase is None else item.phrase.name for item in self.items[i + 1 : i + 3]]
-        if names[:1] in (["it"], ["them"]) or (len(names) > 1 and names[0] in _KNOWN and names[1] in MOVING):
-            seen = " ".join(item.raw for item in self.items[i + 1 : i + 3])
-            raise Unfit(f"where vehicles are can be said as seen from the target only, not from {seen!r}")
+        """Raises Unfit where a place is seen from, or something is done to, somebody else: "behind it", "overtaking a bus"."""
+        for item in self.items[i + 1 :]:
+            thing = item.phrase is not None and item.phrase.kind == "thing"
+            if item.text in ("it", "them") or (thing and item.phrase.name in MOVING and item.phrase.name != "target"):
+                raise Unfit(f"where vehicles are, and whom they overtake or cut off, is said of the target only, not of {item.raw!r}")
+            if thing or (item.phrase is None and item.text not in words("determiners") | {"of", "to"}):
+                return
 
     def _before_noun(self, i: int, fact: Fact) -> bool:
         """Whether a noun that can hold the fact, or further words before it, follow at once."""
@@ -175,7 +191,8 @@ class Walk:
         before = self.items[i - 1] if i else None
         if before is None or before.text == "." or (before.phrase is not None and before.phrase.kind == "link"):
             return True
-        following = [item for item in self.items[i + 1 : i + 4] if item.text not in words("determiners")]
+        gap = ("," if self.items[i].phrase is not None and self.items[i].phrase.name == "gap" else "")
+        following = [item for item in self.items[i + 1 : i + 4] if item.text not in words("determiners") | {gap}]
         clause = before.phrase is None and before.text in (",", "and")
         return clause and bool(following) and following[0].phrase is not None and following[0].phrase.place != "post"
 
