@@ -38,7 +38,7 @@ def facts(text: str) -> list[Statement]:
     return [
         Statement(item.raw, item.phrase.name, item.phrase.scope, item.value)
         for item in covers[0].items
-        if item.phrase is not None and item.phrase.kind == "fact"
+        if item.phrase.kind == "fact"
     ]
 
 

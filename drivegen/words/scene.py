@@ -10,7 +10,7 @@ from typing import Any
 
 from drivegen.core.relation import Relation
 from drivegen.words.cover import Item
-from drivegen.words.phrase import Phrase
+from drivegen.words.phrase import WORD, Phrase
 from drivegen.words.table import traffic_names, words
 from drivegen.words.things import Fact, Scene, Thing, Unfit
 from drivegen.words.tokens import stems
@@ -27,7 +27,8 @@ _DONE_TO_TARGET = ("cut_in", "overtake", "turn_left_across")
 _TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes")
 """A length right behind them is theirs: "with left and right turn lanes of 60 m"."""
 
-MOVING = ("car", "truck", "bus", "vehicle", "member", "target")
+_OTHERS = ("car", "truck", "bus", "vehicle", "member")
+MOVING = (*_OTHERS, "target")
 """Things of which nothing that roads have is said."""
 
 
@@ -47,7 +48,7 @@ class Walk:
     def run(self) -> Scene:
         """The scene. Raises Unfit."""
         for i, item in enumerate(self.items):
-            if item.phrase is None:
+            if item.phrase is WORD:
                 self._word(item)
             elif item.phrase.kind == "thing":
                 self._thing(item, item.phrase)
@@ -143,13 +144,13 @@ class Walk:
 
     def _fact(self, i: int, item: Item, phrase: Phrase) -> None:
         fact = Fact(phrase.name, item.value, item.raw, phrase.scope)
-        before = self.items[i - 1].phrase if i else None
-        if fact.name == "length" and before is not None and before.name in _TURN_LANES:
+        before = self.items[i - 1].phrase if i else WORD
+        if fact.name == "length" and before.name in _TURN_LANES:
             fact.name, fact.scope = "pocket", before.scope
         if self.mark == "at" and fact.name == "length":
             raise Unfit(f"it is not clear what lies at {fact.text!r}")
-        led = self.det or self.mark in words("prepositions")
-        led = led or (phrase.place == "" and (fact.value not in _DONE_TO_TARGET or self.pending))
+        led = bool(self.det) or self.mark in words("prepositions")
+        led = led or (phrase.place == "" and (fact.value not in _DONE_TO_TARGET or bool(self.pending)))
         if phrase.place == "pre" or (led and self._before_noun(i, fact)):
             self.pending.append(fact)
             self.comma = False
@@ -171,16 +172,15 @@ class Walk:
     def _seen_from_target(self, i: int) -> None:
         """Raises Unfit where a place is seen from, or something is done to, somebody else: "behind it", "overtaking a bus"."""
         for item in self.items[i + 1 :]:
-            thing = item.phrase is not None and item.phrase.kind == "thing"
-            if item.text in ("it", "them") or (thing and item.phrase.name in MOVING and item.phrase.name != "target"):
-                raise Unfit(f"where vehicles are, and whom they overtake or cut off, is said of the target only, not of {item.raw!r}")
-            if thing or (item.phrase is None and item.text not in words("determiners") | {"of", "to"}):
+            if item.text in ("it", "them") or item.phrase.name in _OTHERS:
+                raise Unfit(f"where vehicles are and whom they overtake is said of the target only, not of {item.raw!r}")
+            if item.phrase.kind == "thing" or (item.phrase is WORD and item.text not in words("determiners") | {"of", "to"}):
                 return
 
     def _before_noun(self, i: int, fact: Fact) -> bool:
         """Whether a noun that can hold the fact, or further words before it, follow at once."""
         for item in self.items[i + 1 :]:
-            if item.phrase is None or item.phrase.place == "post" or item.phrase.kind not in ("thing", "fact"):
+            if item.phrase.place == "post" or item.phrase.kind not in ("thing", "fact"):
                 return False
             if item.phrase.kind == "thing":
                 return item.phrase.name in fact.scope or "*" in fact.scope
@@ -189,12 +189,12 @@ class Walk:
     def _begins(self, i: int) -> bool:
         """Whether a clause begins with the item i: a sentence, or right before a noun, not behind one."""
         before = self.items[i - 1] if i else None
-        if before is None or before.text == "." or (before.phrase is not None and before.phrase.kind == "link"):
+        if before is None or before.text == "." or before.phrase.kind == "link":
             return True
-        gap = ("," if self.items[i].phrase is not None and self.items[i].phrase.name == "gap" else "")
-        following = [item for item in self.items[i + 1 : i + 4] if item.text not in words("determiners") | {gap}]
-        clause = before.phrase is None and before.text in (",", "and")
-        return clause and bool(following) and following[0].phrase is not None and following[0].phrase.place != "post"
+        between = words("determiners") | ({","} if self.items[i].phrase.name == "gap" else set())
+        following = next((item.phrase for item in self.items[i + 1 : i + 4] if item.text not in between), WORD)
+        clause = before.phrase is WORD and before.text in (",", "and")
+        return clause and following is not WORD and following.place != "post"
 
     def _holder(self, i: int, fact: Fact) -> Thing:
         if self.subject is not None and self.subject.name in MOVING and not (self.comma or _can_hold(self.subject, fact)):
@@ -216,10 +216,8 @@ class Walk:
 
     def _things_follow(self, i: int) -> bool:
         for item in self.items[i + 1 :]:
-            if item.phrase is None and item.text == ".":
-                return False
-            if item.phrase is not None and item.phrase.kind == "thing":
-                return True
+            if item.phrase.kind == "thing" or item.text == ".":
+                return item.text != "."
         return False
 
 
