@@ -11,22 +11,10 @@ Road = dict[str, Any]
 _ANGLES = {"hairpin": 180.0, "s_curve": 60.0, "curve": 90.0}
 _LEAST_HAIRPIN = 135.0
 _SHORT = 0.9
-BEND_FIELDS = (
-    "line",
-    "turn",
-    "turn_side",
-    "turn_angle",
-    "turn_to",
-    "towards",
-    "radius",
-    "bends",
-    "arc",
-    "sharpness",
-    "straights",
-    "hairpins",
-    "s_turn",
-    "s_arc",
-)
+BENT = (
+    "line", "turn", "turn_side", "turn_angle", "turn_to", "towards", "bends", "arc", "straights", "hairpins", "s_turn", "s_arc",
+)  # fmt: skip
+"""Fields of which each makes a road bend."""
 
 
 def alignment(road: Thing, choices: Choices, usual: tuple[int, int], radius: float = 60.0) -> Road:

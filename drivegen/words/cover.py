@@ -15,7 +15,7 @@ from drivegen.words.tokens import Token, stem, stems
 UNREAD = 50.0
 """What a token costs that nothing reads: any cover without is better."""
 
-_PHRASE, _SLOT, _SILENT, _BEHIND = 1.0, 0.02, 0.3, 0.01
+_PHRASE, _SLOT, _SILENT, _BEHIND = 1.0, 0.02, 0.3, 0.03
 _CLOSE = 0.65
 """Covers that cost so much more than the best are looked at where the best makes no sense."""
 
@@ -106,8 +106,9 @@ class Grammar:
                     matches[phrase, values, end] = None
         for phrase, values, end in matches:
             raw = " ".join(token.raw for token in tokens[i:end])
-            behind = _BEHIND if phrase.place == "post" and tokens[end - 1].raw == "lane" else 0.0
-            yield Item(phrase, values, i, end, tokens[end - 1].text, raw), _PHRASE + _SLOT * len(values) + behind
+            late = phrase.name == "member" or (phrase.place == "post" and tokens[end - 1].raw == "lane")
+            cost = _PHRASE + _SLOT * len(values) + (_BEHIND if late else 0.0)
+            yield Item(phrase, values, i, end, tokens[end - 1].text, raw), cost
 
 
 def _before_a_noun(tokens: Sequence[Token], i: int) -> bool:

@@ -275,6 +275,8 @@ def test_an_edit_is_scoped_or_declined():
     arms = edited(spec, "30 km/h on the side road").road.arms
     assert [arm.speed for arm in arms] == pytest.approx([50 * KMH, 50 * KMH, 30 * KMH])
     assert len(edited(spec, "make it a roundabout").road.arms) == 3
+    ramps = edited(read("a motorway with two on-ramps and an off-ramp", 7).road, "remove the last on-ramp").road.events
+    assert [event.kind for event in ramps] == ["on_ramp", "off_ramp"]
     for edit in ("sing me a song", "add an on-ramp", "remove the traffic lights", "a pedestrian crossing"):
         with pytest.raises(UnusableInput, match="\ntry: "):
             edited(spec, edit)
@@ -287,6 +289,15 @@ def test_a_models_specification_is_held_against_the_texts_numbers():
     wrong = read("a motorway with three lanes in each direction, 100 km/h", 7).road
     assert contradicted(said, right) == []
     assert len(contradicted(said, wrong)) == 2
+
+
+def test_turn_lanes_bans_lane_widths_and_sizes_are_held_against_a_specification():
+    text = "a crossroads with three lanes per direction, two left-turn lanes, no right turns, lanes 3 m wide"
+    said = facts(text)
+    assert contradicted(said, read(text, 7).road) == []
+    told = " ".join(contradicted(said, read("a crossroads with three lanes per direction", 7).road))
+    assert all(words in told for words in ("two left turn lanes", "no right turns", "lanes 3 m wide"))
+    assert len(contradicted(facts("a 3 by 4 grid"), read("a 3 by 3 grid", 7).road)) == 1
 
 
 @pytest.mark.parametrize(
