@@ -55,7 +55,11 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     unequal = shape == "t" or bool(side) or bool(main)
     of_main = {0, 1} if shape == "t" else {0, 2} if count == 4 and (first or second or unequal) else set(range(count))
     shared = Thing("", facts=[*whole.facts, *(f for road in roads if road not in (*first, *second) for f in road.facts)])
-    groups = {True: _group(shared, first), False: _group(shared, second)}
+    if length := next(
+        (fact for road in roads if road not in (*first, *second) for fact in road.facts if fact.name == "length"), None
+    ):
+        raise Unfit(f"say of the arms how long they are, not of the roads: {length.text!r}")
+    groups = {True: _group(shared, first, 2), False: _group(shared, second, 2 if count == 4 else 1)}
     built = _arms(angles, groups, of_main, shared, choices)
     for i, arm in enumerate(built):
         arm["main"] = i in of_main or not unequal
@@ -149,8 +153,8 @@ def _two_roads(
     return [], []
 
 
-def _group(shared: Thing, roads: list[Thing]) -> dict[str, Any]:
-    """Lanes, limit and length that are said of one of two roads, or of both."""
+def _group(shared: Thing, roads: list[Thing], arms: int) -> dict[str, Any]:
+    """Lanes and limit that are said of one of two roads, or of both, and the length of each of its arms."""
     own = merged(roads)
     own.values("count")
     one_way = own.has("one_way") or shared.has("one_way")
@@ -158,7 +162,8 @@ def _group(shared: Thing, roads: list[Thing]) -> dict[str, Any]:
     lanes = lanes or lanes_of(shared, one_way=one_way, arms=True)
     if lanes and lanes[1] not in (0, lanes[0]):
         raise Unfit("say of the arms how many lanes lead in and out")
-    return {"lanes": lanes, "speed": speed_of(own), "length": own.value("length"), "thing": own}
+    length = own.value("length")
+    return {"lanes": lanes, "speed": speed_of(own), "length": length and length / arms, "thing": own}
 
 
 def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing]) -> list[float]:

@@ -104,14 +104,12 @@ def _side_streets(
     road.values("signals"), side.values("signals")
     junction = _joining(side, base) | {"control": control} | turns_at(merged([road, side]))
     both = any(thing.name == "cross" or thing.value("both_sides") for thing in sides)
-    side.values("alternate"), road.values("cross_streets")
+    side.values("alternate")
+    all_on = road.value("side") or ("right" if side.value("same_side") else None)
     words = [thing for thing in sides for _ in range(counted(thing))]
     if len(words) > MOST:
         raise Unfit(f"a road can have at most {MOST} junctions along it")
-    turns = [
-        thing.value("side") or ("right" if thing.value("same_side") else ("left", "right")[i % 2])
-        for i, thing in enumerate(words)
-    ]
+    turns = [thing.value("side") or all_on or ("left", "right")[i % 2] for i, thing in enumerate(words)]
     return [{**junction, "sides": ("left", "right") if both else (turn,)} for turn in turns], *places(words, [], spacing)
 
 

@@ -158,6 +158,8 @@ class Walk:
         self._nothing_pending()
         if fact.name in _PLACED or fact.value in _DONE_TO_TARGET:
             self._seen_from_target(i)
+        if fact.name == "side" and i + 1 < len(self.items) and self.items[i + 1].phrase.kind == "thing":
+            raise Unfit(f"what is said {fact.text!r} {self.items[i + 1].raw!r} cannot be drawn apart")
         if fact.name in _PLACES and self._begins(i) and self._things_follow(i):
             self.fronted.append(fact)
             return

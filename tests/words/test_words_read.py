@@ -60,6 +60,11 @@ def declined(text: str) -> str:
         ("a diamond interchange, the freeway over an arterial", "'over'"),
         ("two crossroads and two traffic lights", "at which crossing"),
         ("five lanes go on for 300 m and then drop to four", "'300 m'"),
+        ("a T-junction with two lanes on the left arm", "'two lanes'"),
+        ("ten vehicles, three trucks and seven cars on a motorway", "or as many more"),
+        ("a motorway with four cars and another behind me", "'one of them'"),
+        ("a grid of streets 200 m long", "'200 m long'"),
+        ("a roundabout of 40 m", "the diameter of the roundabout or the length of its arms"),
         ("a skewed crossroads", "which angle"),
         ("a crossroads with dual left-turn lanes", "2 lanes to turn into"),
         ("the main road has 3 m lanes at a T-junction with a side road", "3 m lanes"),
@@ -194,6 +199,13 @@ def test_a_length_behind_turn_lanes_is_theirs_on_their_side(text, left, right, p
     for arm in read(text, 7).road.road.arms[:2]:
         assert (arm.left_turn_lanes, arm.right_turn_lanes, arm.pocket) == (left, right, pytest.approx(pocket))
         assert arm.length > 100.0
+
+
+def test_the_length_of_a_road_is_that_of_both_its_arms():
+    arms = read("a crossing of a 600 m long main road with a side road 100 m long", 7).road.road.arms
+    assert [arm.length for arm in arms] == [300.0, 50.0, 300.0, 50.0]
+    stem = read("a T-junction with a main road and a side road 80 m long", 7).road.road.arms[2]
+    assert stem.length == 80.0
 
 
 def test_lanes_between_an_article_and_a_noun_are_of_that_noun():
