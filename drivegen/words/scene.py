@@ -156,6 +156,8 @@ class Walk:
             self.comma = False
             return
         self._nothing_pending()
+        if self.det == "another":
+            raise Unfit(f"it is not clear of what other one {fact.text!r} is said")
         if fact.name in _PLACED or fact.value in _DONE_TO_TARGET:
             self._seen_from_target(i)
         if fact.name == "side" and i + 1 < len(self.items) and self.items[i + 1].phrase.kind == "thing":

@@ -62,7 +62,7 @@ def declined(text: str) -> str:
         ("five lanes go on for 300 m and then drop to four", "'300 m'"),
         ("a T-junction with two lanes on the left arm", "'two lanes'"),
         ("ten vehicles, three trucks and seven cars on a motorway", "or as many more"),
-        ("a motorway with four cars and another behind me", "'one of them'"),
+        ("a motorway with four cars and another behind me", "of what other one"),
         ("a grid of streets 200 m long", "'200 m long'"),
         ("a roundabout of 40 m", "the diameter of the roundabout or the length of its arms"),
         ("a skewed crossroads", "which angle"),
