@@ -147,8 +147,9 @@ class Walk:
         before = self.items[i - 1].phrase if i else WORD
         if fact.name == "length" and before.name in _TURN_LANES:
             fact.name, fact.scope = "pocket", before.scope
-        if self.mark == "at" and fact.name == "length":
-            raise Unfit(f"it is not clear what lies at {fact.text!r}")
+        nothing = self.segment and self.segment[-1][0].name.startswith("no_")  # "no junctions for 2 km"
+        if self.mark in ("at", "for") and fact.name == "length" and not nothing:
+            raise Unfit(f"it is not clear what is {self.mark} {fact.text!r}")
         led = bool(self.det) or self.mark in words("prepositions")
         led = led or (phrase.place == "" and (fact.value not in _DONE_TO_TARGET or bool(self.pending)))
         if phrase.place == "pre" or (led and self._before_noun(i, fact)):

@@ -106,7 +106,7 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
         source.count -= count or 1
         if source.count < 0:
             raise Unfit(f"there are not so many as {thing.text!r}")
-        groups.append(_Group(source.kind, count or 1, asks))
+        groups.append(_Group(source.kind, count or 1, {**({"place": p} if (p := source.asks.get("place")) else {}), **asks}))
     else:
         groups.append(_Group(thing.name, 1 if count is None else int(count), asks))
         if count == 0:

@@ -65,6 +65,7 @@ def declined(text: str) -> str:
         ("a motorway with four cars and another behind me", "of what other one"),
         ("a grid of streets 200 m long", "'200 m long'"),
         ("a roundabout of 40 m", "the diameter of the roundabout or the length of its arms"),
+        ("a road with a limit of 30 km/h for 200 m", "for '200 m'"),
         ("a skewed crossroads", "which angle"),
         ("a crossroads with dual left-turn lanes", "2 lanes to turn into"),
         ("the main road has 3 m lanes at a T-junction with a side road", "3 m lanes"),
@@ -175,6 +176,8 @@ def test_several_vehicles_that_do_something_do_it_each():
     assert [(group.count, group.manoeuvre) for group in groups] == [(1, Manoeuvre.TURN_LEFT)] * 2
     queue = read("a queue of five cars ahead of me at a crossroads", 7).traffic.groups
     assert [(group.count, group.place.value, group.queue) for group in queue] == [(5, "ahead", True)]
+    ahead = read("two cars ahead of me, one of them brakes hard", 7).traffic.groups
+    assert [group.place.value for group in ahead] == ["ahead", "ahead"]
     truck = read("Truck ahead of the ego at 25 m, motorway, two lanes.", 7)
     assert truck.traffic.groups[0].distance == 25.0
     assert truck.road.road.alignment.length > 500.0
