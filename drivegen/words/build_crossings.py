@@ -9,7 +9,7 @@ from drivegen.words.things import Scene, Thing, Unfit, merged
 
 Road = dict[str, Any]
 
-TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes", "pocket")
+TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes", "turn_pocket", "pocket")
 _LANES = ("lanes", "lanes_each", "lanes_total", "lanes_pair", "lane_road")
 
 
@@ -55,7 +55,11 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     unequal = shape == "t" or bool(side) or bool(main)
     of_main = {0, 1} if shape == "t" else {0, 2} if count == 4 and (first or second or unequal) else set(range(count))
     shared = Thing("", facts=[*whole.facts, *(f for road in roads if road not in (*first, *second) for f in road.facts)])
-    groups = {True: _group(shared, first), False: _group(shared, second)}
+    if length := next(
+        (fact for road in roads if road not in (*first, *second) for fact in road.facts if fact.name == "length"), None
+    ):
+        raise Unfit(f"say of the arms how long they are, not of the roads: {length.text!r}")
+    groups = {True: _group(shared, first, 2), False: _group(shared, second, 2 if count == 4 else 1)}
     built = _arms(angles, groups, of_main, shared, choices)
     for i, arm in enumerate(built):
         arm["main"] = i in of_main or not unequal
@@ -149,8 +153,8 @@ def _two_roads(
     return [], []
 
 
-def _group(shared: Thing, roads: list[Thing]) -> dict[str, Any]:
-    """Lanes, limit and length that are said of one of two roads, or of both."""
+def _group(shared: Thing, roads: list[Thing], arms: int) -> dict[str, Any]:
+    """Lanes and limit that are said of one of two roads, or of both, and the length of each of its arms."""
     own = merged(roads)
     own.values("count")
     one_way = own.has("one_way") or shared.has("one_way")
@@ -158,7 +162,8 @@ def _group(shared: Thing, roads: list[Thing]) -> dict[str, Any]:
     lanes = lanes or lanes_of(shared, one_way=one_way, arms=True)
     if lanes and lanes[1] not in (0, lanes[0]):
         raise Unfit("say of the arms how many lanes lead in and out")
-    return {"lanes": lanes, "speed": speed_of(own), "length": own.value("length"), "thing": own}
+    length = own.value("length")
+    return {"lanes": lanes, "speed": speed_of(own), "length": length and length / arms, "thing": own}
 
 
 def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing]) -> list[float]:
@@ -188,15 +193,21 @@ def turning(things: Sequence[Thing], arm: Road, bans: str = "turn_bans") -> Road
     for thing in things:
         lanes = [*thing.values("turn_lanes_n"), *((1, side) for side in thing.values("turn_lanes"))]
         lanes += [(1, "left"), (1, "right")] if thing.values("both_turn_lanes") else []
+        pockets = [*thing.values("pocket")]
+        for pair in thing.values("turn_pocket"):
+            lanes += [(1, value) for value in pair if isinstance(value, str)]
+            pockets += [value for value in pair if not isinstance(value, str)]
         if thing.values("no_turn_lanes") and lanes:
             raise Unfit("turn lanes are asked for and ruled out")
         if len(set(lanes)) > len({side for _, side in lanes}):
             raise Unfit("two numbers of turn lanes are said of one road")
+        if len(set(pockets)) > 1:
+            raise Unfit("two lengths of turn lanes are said of one road")
         fields |= {f"{side}_turn_lanes": number for number, side in lanes}
         if banned := {*thing.values("turn_bans"), *thing.values(bans)}:
             fields["turn_bans"] = tuple(sorted(banned | set((arm | fields).get("turn_bans", ()))))
-        if (pocket := thing.value("pocket")) is not None:
-            fields |= {"pocket": pocket}
+        if pockets:
+            fields |= {"pocket": pockets[0]}
             if not any(name.endswith("turn_lanes") and value for name, value in (arm | fields).items()):
                 fields["left_turn_lanes"] = 1
     return fields

@@ -149,8 +149,8 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
         exact, given = given, facts.value("auxiliary") or facts.value("length")
         everywhere = everywhere and (facts.has("position") or (facts.has("gap") and not placed))
         length = given or _AUXILIARY.get(event["kind"], 0.0) * share
-        here = event.get("position") or facts.value("position")
-        gap = event.get("gap") or facts.value("gap") or facts.value("spacing")
+        here = facts.value("position")
+        gap = facts.value("gap") or facts.value("spacing")
         if here is None and gap:
             here = gap + (nose_of(placed[-1]) if placed else 0.0)
         if here is not None and event["kind"] == "off_ramp":

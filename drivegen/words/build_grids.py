@@ -27,7 +27,7 @@ def grid(scene: Scene, choices: Choices) -> Road:
     speed = speed_of(whole)
     fields = {"kind": "grid", "rows": rows, "columns": columns, "lanes": lanes[0], "one_way": one_way}
     fields |= {
-        "spacing": spacing or whole.value("length") or choices.length("spacing", 100, 150),
+        "spacing": spacing or choices.length("spacing", 100, 150),
         "beyond": whole.value("beyond"),
     }
     return fields | {"speed": usual_speed([whole]) if speed is None else speed, "control": control_of(whole, True)}

@@ -41,7 +41,7 @@ def highway(scene: Scene, choices: Choices) -> Road:
     speed = (FAST if fast else usual_speed([road])) if speed is None else speed
     if road.values("has_auxiliary") and not any(event["kind"] in ("on_ramp", "off_ramp") for event in events):
         raise Unfit("a lane for speeding up or slowing down belongs to a ramp")
-    _place_change(events, road)
+    _share_out(events, road)
     line = alignment(road, choices, (800, 1200), radius=250.0)
     fixed = road.has("length", "straights")
     limit = _common(scene, road, "ramp_speed", "speed")
@@ -52,14 +52,18 @@ def highway(scene: Scene, choices: Choices) -> Road:
     return fields | {"events": built}
 
 
-def _place_change(events: list[Event], road: Thing) -> None:
-    """Put the one change of lanes that no thing stands for where a place is said of the road. Raises Unfit for several."""
-    places = [(name, value) for name in ("position", "gap") for value in road.values(name)]
+def _share_out(events: list[Event], road: Thing) -> None:
+    """Give the events what is said of the road and is theirs: a place is that of the one change of lanes that no thing stands
+    for, an acceleration lane that of the one ramp. Raises Unfit where several can be meant.
+    """
     changes = [event for event in events if not event["thing"]]
-    if places and (len(changes) != 1 or len(places) != 1):
-        raise Unfit("it is not clear what lies at the place that is said")
-    for event, place in zip(changes, places, strict=False):
-        event.update([place])
+    ramps = [event for event in events if event["kind"] in ("on_ramp", "off_ramp")]
+    for names, holders in ((("position", "gap"), changes), (("auxiliary",), ramps)):
+        facts = [fact for fact in road.facts if fact.name in names]
+        if facts and (len(holders) != 1 or len(facts) != 1):
+            raise Unfit(f"it is not clear what {facts[0].text!r} is said of")
+        for event in holders if facts else []:
+            event["thing"] = [*event["thing"], Thing("", facts=facts)]
 
 
 def _no_ramps(road: Thing, scene: Scene) -> None:
@@ -87,6 +91,8 @@ def fork(scene: Scene, choices: Choices) -> Road:
     joins = bool(whole.value("joins"))
     if any(count != 1 for count in whole.values("arms")):
         raise Unfit("a fork is one road and two branches")
+    if any(fact.name == "lanes" and fact.text.endswith("each") for fact in whole.facts):
+        raise Unfit("each lane of a fork is of a branch")
     whole.values("splits"), whole.values("count"), is_one_way(whole), whole.values("signals")
     shared = merged(branch)
     shared.values("count")

@@ -11,21 +11,10 @@ Road = dict[str, Any]
 _ANGLES = {"hairpin": 180.0, "s_curve": 60.0, "curve": 90.0}
 _LEAST_HAIRPIN = 135.0
 _SHORT = 0.9
-BEND_FIELDS = (
-    "line",
-    "turn",
-    "turn_side",
-    "turn_angle",
-    "turn_to",
-    "radius",
-    "bends",
-    "arc",
-    "sharpness",
-    "straights",
-    "hairpins",
-    "s_turn",
-    "s_arc",
-)
+BENT = (
+    "line", "turn", "turn_side", "turn_angle", "turn_to", "towards", "bends", "arc", "straights", "hairpins", "s_turn", "s_arc",
+)  # fmt: skip
+"""Fields of which each makes a road bend."""
 
 
 def alignment(road: Thing, choices: Choices, usual: tuple[int, int], radius: float = 60.0) -> Road:
@@ -40,7 +29,8 @@ def alignment(road: Thing, choices: Choices, usual: tuple[int, int], radius: flo
         raise Unfit("a road is said to be straight and to bend")
     if not shapes and not bent:
         return {"shape": "straight", "length": length or choices.length("length", *usual, step=50)}
-    shapes -= {"curve"} if len(shapes) > 1 else set()
+    for vague, meant in (("curve", "curve"), ("winding", "s_curve")):
+        shapes = (shapes - {vague} or {meant}) if vague in shapes else shapes
     if len(shapes) > 1:
         raise Unfit("I can draw a curve, an S-curve or hairpins on one road, not several of these")
     shape = shapes.pop() if shapes else "curve"
@@ -81,7 +71,7 @@ def _length(road: Thing, length: float | None, arc: float, share: float, choices
 
 def _turn(road: Thing) -> tuple[float | None, str | None]:
     """By how many degrees a road turns, and to which side."""
-    angles, sides = list(map(float, road.values("turn_angle"))), list(road.values("turn_to"))
+    angles, sides = list(map(float, road.values("turn_angle"))), [*road.values("turn_to"), *road.values("towards")]
     for pair in (*road.values("turn"), *road.values("turn_side")):
         angles.append(float(next(value for value in pair if not isinstance(value, str))))
         sides.append(next(value for value in pair if isinstance(value, str)))

@@ -28,6 +28,8 @@ def roundabout(scene: Scene, choices: Choices) -> Road:
         raise Unfit(f"3 to 8 roads can meet at a roundabout, not {count}")
     on_ring = [*ring_thing.values("lanes"), *ring_thing.values("lane_road"), *whole.values("ring_lanes")]
     itself = merged(scene.named("roundabout"))
+    if size := next((fact for fact in itself.facts if fact.name == "length"), None):
+        raise Unfit(f"say whether {size.text!r} is the diameter of the roundabout or the length of its arms")
     on_ring += [*itself.values("lane_road"), *itself.values("lanes")]
     if len(set(on_ring)) > 1:
         raise Undrawable("two numbers of lanes are said of the ring")

@@ -35,7 +35,7 @@ def row(
     for ref in references:
         if ref.which != "all" and not any(_is(ref, i, words) for i in range(len(words))):
             raise Unfit(f"there is no {ref.text!r} along the road")
-    return junctions, *_places(words, references, spacing)
+    return junctions, *places(words, references, spacing)
 
 
 def _is(reference: Thing, i: int, words: list[Thing]) -> bool:
@@ -107,7 +107,7 @@ def spacing_of(road: Thing, things: list[Thing]) -> float | None:
     return distances.pop() if distances else None
 
 
-def _places(words: list[Thing], references: list[Thing], spacing: float) -> tuple[list[float], float | None]:
+def places(words: list[Thing], references: list[Thing], spacing: float) -> tuple[list[float], float | None]:
     """Gaps between the junctions, and the first one's place."""
     positions: list[float | None] = []
     gaps = [spacing] * (len(words) - 1)

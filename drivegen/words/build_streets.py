@@ -1,11 +1,10 @@
 """From a scene to a street with junctions along it, side streets, or a staggered junction."""
 
-from itertools import pairwise
 from typing import Any
 
 from drivegen.words.build_crossings import TURN_LANES, said_control
-from drivegen.words.build_lines import BEND_FIELDS, alignment
-from drivegen.words.build_rows import MOST, counted, row, spacing_of, turns_at
+from drivegen.words.build_lines import BENT, alignment
+from drivegen.words.build_rows import MOST, counted, places, row, spacing_of, turns_at
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
 from drivegen.words.things import Scene, Thing, Unfit, merged
 
@@ -54,7 +53,7 @@ def street(scene: Scene, choices: Choices) -> Road:
 def _line(road: Thing, choices: Choices, gaps: list[float], first: float | None) -> Road:
     """The road's line with the place `start` of its first junction on it."""
     between = sum(gaps)
-    if road.has(*(name for name in BEND_FIELDS if name not in ("radius", "sharpness"))):
+    if road.has(*BENT):
         if first is None:
             raise Unfit("say where along a road with bends its junctions lie")
         return {**alignment(road, choices, (400, 600)), "start": first}
@@ -100,47 +99,26 @@ def _side_streets(
     """Side streets, on the sides that are said, else on both sides in turn; those that cross the road are on both."""
     side = merged([*sides, *(reference for reference in references if reference.which == "all")])
     residential = "residential" in {fact.value for fact in road.facts if fact.name == "setting"}
-    counts = [(thing, counted(thing)) for thing in sides]
     spacing = spacing_of(road, sides) or choices.length("spacing", 70, 110)
     control = said_control([side, road]) or ("uncontrolled" if residential else "yield")
     road.values("signals"), side.values("signals")
-    lanes = (lanes_of(side, arms=True) or (1,))[0]
-    junction: Road = {"side_lanes": lanes, "control": control, "side_speed": speed_of(side) or base["speed"]}
-    if (length := side.value("length")) is not None:
-        junction["side_length"] = length
-    junction |= {"dead_end": True} if side.value("dead_end") else {}
-    junction |= turns_at(merged([road, side]))
-    every: list[tuple[str, ...]] = []
+    junction = _joining(side, base) | {"control": control} | turns_at(merged([road, side]))
     both = any(thing.name == "cross" or thing.value("both_sides") for thing in sides)
-    side.values("alternate"), road.values("cross_streets")
-    for thing, count in counts:
-        own = thing.value("side")
-        for _ in range(count):
-            turn = ("left", "right")[len(every) % 2]
-            same = "right" if thing.value("same_side") else None
-            every.append(("left", "right") if both else (own or same or turn,))
-    if len(every) > MOST:
+    side.values("alternate")
+    all_on = road.value("side") or ("right" if side.value("same_side") else None)
+    words = [thing for thing in sides for _ in range(counted(thing))]
+    if len(words) > MOST:
         raise Unfit(f"a road can have at most {MOST} junctions along it")
-    if len(counts) == 1 and counts[0][1] == 1:
-        places = [spacing, counts[0][0].value("position")]
-        return [{**junction, "sides": every[0]}], [], places[1]
-    starts = _starts([thing for thing, count in counts if count == 1])
-    if len(starts) == len(counts) and starts:
-        return [{**junction, "sides": s} for s in every], [b - a for a, b in pairwise(starts)], starts[0]
-    return [{**junction, "sides": s} for s in every], [spacing] * (len(every) - 1), None
+    turns = [thing.value("side") or all_on or ("left", "right")[i % 2] for i, thing in enumerate(words)]
+    return [{**junction, "sides": ("left", "right") if both else (turn,)} for turn in turns], *places(words, [], spacing)
 
 
-def _starts(things: list[Thing]) -> list[float]:
-    """Where each lies, as it is said: from the start, or from the one before; none where that is not said of all."""
-    starts: list[float] = []
-    for thing in things:
-        place, gap = thing.value("position"), thing.value("gap")
-        if place is None and gap is None:
-            return []
-        starts.append(float(place if gap is None else gap + (starts[-1] if starts else 0.0)))
-    if starts != sorted(starts):
-        raise Unfit("the side streets are not said in the order in which they lie along the road")
-    return starts
+def _joining(side: Thing, base: Road) -> Road:
+    """What a side road is like."""
+    lanes = (lanes_of(side, arms=True) or (1,))[0]
+    fields: Road = {"side_lanes": lanes, "side_speed": speed_of(side) or base["speed"]}
+    fields |= {"side_length": length} if (length := side.value("length")) is not None else {}
+    return fields | ({"dead_end": True} if side.value("dead_end") else {})
 
 
 def _staggered(
@@ -153,12 +131,10 @@ def _staggered(
     offset = spacing_of(road, [whole, side]) or whole.value("gap") or choices.length("offset", 40, 60)
     control = said_control([whole, side, road]) or "yield"
     side.values("count"), whole.values("signals"), road.values("signals"), side.values("both_sides"), whole.values("setting")
-    lanes = (lanes_of(side, arms=True) or (1,))[0]
-    common = {"side_lanes": lanes, "control": control, "side_speed": speed_of(side) or base["speed"]}
-    common |= turns_at(merged([whole, side, road]))
+    if (speed := speed_of(whole)) is not None:
+        base["speed"] = speed
+    common = _joining(side, base) | {"control": control} | turns_at(merged([whole, side, road]))
     first = whole.value("side") or side.value("side") or "right"
-    speed = speed_of(whole)
-    base["speed"] = common["side_speed"] = speed or base["speed"]
     if (through := lanes_of(whole, arms=True)) is not None:
         base |= {"lanes": through[0], "lanes_back": through[1]}
     other = "left" if first == "right" else "right"

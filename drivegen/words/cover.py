@@ -7,7 +7,7 @@ from itertools import chain
 from typing import Any
 
 from drivegen.words.forms import Pattern, first_words, match, stemmed
-from drivegen.words.phrase import Phrase
+from drivegen.words.phrase import WORD, Phrase
 from drivegen.words.slots import ORDINALS, SLOTS
 from drivegen.words.table import words
 from drivegen.words.tokens import Token, stem, stems
@@ -15,7 +15,7 @@ from drivegen.words.tokens import Token, stem, stems
 UNREAD = 50.0
 """What a token costs that nothing reads: any cover without is better."""
 
-_PHRASE, _SLOT, _SILENT, _BEHIND = 1.0, 0.02, 0.3, 0.01
+_PHRASE, _SLOT, _SILENT, _BEHIND = 1.0, 0.02, 0.3, 0.03
 _CLOSE = 0.65
 """Covers that cost so much more than the best are looked at where the best makes no sense."""
 
@@ -29,9 +29,9 @@ _STOPS = stems(", . ( : and with at on in of for to from that where which is are
 
 @dataclass(frozen=True)
 class Item:
-    """A stretch of the text: a phrase with the values of its slots, or one word without (`phrase` None)."""
+    """A stretch of the text: a phrase with the values of its slots, or one word without (`phrase` is WORD)."""
 
-    phrase: Phrase | None
+    phrase: Phrase
     values: tuple[Any, ...]
     start: int
     end: int
@@ -42,14 +42,14 @@ class Item:
     @property
     def value(self) -> Any:
         """Of a phrase: its own, or that of its slots, a tuple where there are several."""
-        if self.phrase is None or not self.values:
-            return None if self.phrase is None else self.phrase.value
+        if not self.values:
+            return self.phrase.value
         return self.values[0] if len(self.values) == 1 else self.values
 
     @property
     def cannot(self) -> bool:
         """Whether it names what cannot be."""
-        return self.phrase is not None and self.phrase.kind == "cannot"
+        return self.phrase.kind == "cannot"
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class Grammar:
             for item, cost in [*self._said(tokens, i), self._alone(token, i)]:
                 for cover in best[i]:
                     reading = cover.reading
-                    if item.phrase is not None or item.unread:
+                    if item.phrase is not WORD or item.unread:
                         reading = readings.setdefault(
                             (reading, item.phrase, item.values, item.raw if item.unread else ""), len(readings) + 1
                         )
@@ -95,7 +95,7 @@ class Grammar:
 
     def _alone(self, token: Token, i: int) -> tuple[Item, float]:
         unread = token.text not in self.silent and token.text not in (",", ".", "(", ":")
-        return Item(None, (), i, i + 1, token.text, token.raw, unread), UNREAD if unread else _SILENT
+        return Item(WORD, (), i, i + 1, token.text, token.raw, unread), UNREAD if unread else _SILENT
 
     def _said(self, tokens: Sequence[Token], i: int) -> Iterable[tuple[Item, float]]:
         matches: dict[tuple[Phrase, tuple[Any, ...], int], None] = {}
@@ -106,8 +106,9 @@ class Grammar:
                     matches[phrase, values, end] = None
         for phrase, values, end in matches:
             raw = " ".join(token.raw for token in tokens[i:end])
-            behind = _BEHIND if phrase.place == "post" and tokens[end - 1].raw == "lane" else 0.0
-            yield Item(phrase, values, i, end, tokens[end - 1].text, raw), _PHRASE + _SLOT * len(values) + behind
+            late = phrase.name == "member" or (phrase.place == "post" and tokens[end - 1].raw == "lane")
+            cost = _PHRASE + _SLOT * len(values) + (_BEHIND if late else 0.0)
+            yield Item(phrase, values, i, end, tokens[end - 1].text, raw), cost
 
 
 def _before_a_noun(tokens: Sequence[Token], i: int) -> bool:
@@ -117,17 +118,17 @@ def _before_a_noun(tokens: Sequence[Token], i: int) -> bool:
 
 def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
     """Whether a phrase that must stand before its noun, or must not, can stand there."""
+    if phrase.name == "lights":
+        return tokens[end - 1].plural
     if phrase.name == "member":
         return end == len(tokens) or tokens[end].text not in words("moved")
-    if not phrase.place or phrase.kind != "fact":
+    if phrase.place != "pre":
         return True
     last, following = tokens[end - 1], tokens[end].text if end < len(tokens) else ""
     counted = end + 1 < len(tokens) and tokens[end].value is not None
-    counts = phrase.name == "queue" or (counted and phrase.name in ("count", "lane_road") and tokens[end + 1].text in _COUNTED)
-    before_noun = not last.plural and following not in _STOPS and (not counted or counts)
-    if phrase.place == "pre":
-        return before_noun or (following == "," and not last.plural and phrase.name not in ("count", "nth"))
-    return True
+    counts = counted and phrase.name in ("count", "lane_road") and tokens[end + 1].text in _COUNTED
+    before_noun = following not in _STOPS and (not counted or counts or phrase.name in ("queue", "size"))
+    return not last.plural and (before_noun or (following == "," and phrase.name not in ("count", "nth")))
 
 
 def _few(covers: list[Cover]) -> list[Cover]:

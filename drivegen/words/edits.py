@@ -65,8 +65,10 @@ def apply(spec: MapSpec, scene: Scene) -> MapSpec:
         if (left_hand := thing.value("left_hand")) is not None:
             fields["left_hand"] = left_hand
         Edit(fields, thing).run()
-    if left := [fact.text for fact in scene.everything.facts if not fact.used]:
-        raise Unfit(f"{left[0]!r} cannot be set on this {spec.road.kind.replace('_', ' ')}")
+    if left := [fact for fact in scene.everything.facts if not fact.used]:
+        if left[0].name == "remove":
+            raise Unfit("ramps, changes of lanes, lights, signs, turn lanes and bends can be removed, nothing else")
+        raise Unfit(f"{left[0].text!r} cannot be set on this {spec.road.kind.replace('_', ' ')}")
     try:
         after = MapSpec.model_validate(fields)
     except ValidationError as error:

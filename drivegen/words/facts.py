@@ -3,6 +3,7 @@
 For whoever lets a language model read: the model's specification must hold the numbers, lights and sides that the text states.
 """
 
+import re
 from itertools import accumulate
 from typing import Any, NamedTuple
 
@@ -15,7 +16,10 @@ _SHARE = 0.02
 """Numbers of a text are round: a specification's may differ from them by this share."""
 
 _SPEEDS = {"speed", "ring_speed", "ramp_speed", "ramps_limit", "loop_speed", "side_speed"}
-_LENGTHS = {"length", "diameter", "radius", "spacing", "auxiliary", "median", "position", "loop_radius", "gap", "lane_width"}
+_LENGTHS = {
+    "length", "diameter", "radius", "spacing", "auxiliary", "median", "position", "loop_radius", "gap", "lane_width", "pocket",
+    "turn_pocket",
+}  # fmt: skip
 _LANES = {"lanes_each", "ring_lanes", "lanes_in", "lanes_out"}
 _LANES_OR_TOTAL = {"lanes", "lane_road", "lanes_total"}
 
@@ -38,7 +42,7 @@ def facts(text: str) -> list[Statement]:
     return [
         Statement(item.raw, item.phrase.name, item.phrase.scope, item.value)
         for item in covers[0].items
-        if item.phrase is not None and item.phrase.kind == "fact"
+        if item.phrase.kind == "fact"
     ]
 
 
@@ -48,18 +52,20 @@ def contradictions(text: str, spec: MapSpec) -> list[str]:
 
 
 def contradicted(statements: list[Statement], spec: MapSpec) -> list[str]:
-    """Sentences on what is stated and the specification has nowhere: limits, lengths, lanes, arms, lights, side of traffic."""
+    """Sentences on what is stated and the specification has nowhere: limits, lengths, lanes, arms, lights, bans, sizes, sides."""
     numbers: Numbers = {}
     _collect(spec.model_dump(), "", numbers)
     speeds, lengths, lanes = _speeds(numbers), _lengths(numbers), _lanes(numbers)
     if isinstance(spec.road, Highway):
         lanes += accumulate((event.change for event in spec.road.events), initial=spec.road.lanes)
-    lit = '"control":"signals"' in spec.model_dump_json()
+    text = spec.model_dump_json()
+    lit, banned = '"control":"signals"' in text, "".join(re.findall(r'turn_bans":\[([^]]*)', text))
+    size = sorted([*numbers.get("rows", []), *numbers.get("columns", [])])
     arms = getattr(spec.road, "arms", None)
     counts = {value for _, field, _, value in statements if field == "arms"}
     wrong = []
     for phrase, field, _, values in statements:
-        value = values[0] if isinstance(values, tuple) else values
+        value: Any = next((v for v in values if not isinstance(v, str)), None) if isinstance(values, tuple) else values
         right = (
             (field not in _SPEEDS or _among(value, speeds))
             and (field not in _LENGTHS or _among(value, lengths))
@@ -70,6 +76,8 @@ def contradicted(statements: list[Statement], spec: MapSpec) -> list[str]:
             and ((field, value) != ("signals", False) or not lit)
             and (field != "turn_lanes" or any(numbers.get(f"{value}_turn_lanes", [])))
             and (field != "turn_lanes_n" or value in numbers.get(f"{values[1]}_turn_lanes", []))
+            and (not field.endswith("turn_bans") or value in banned)
+            and (field != "grid_size" or sorted(values) == size)
             and (field != "left_hand" or value == spec.left_hand)
         )
         wrong += [] if right else [f"the description says {phrase!r} ({field.replace('_', ' ')}), the specification does not"]

@@ -6,6 +6,7 @@ from itertools import chain, combinations, islice, takewhile, zip_longest
 
 from drivegen.words.choices import Choices
 from drivegen.words.cover import Cover, Item
+from drivegen.words.phrase import WORD
 from drivegen.words.read import SAME, Words, best, covers_of, grammar, meaning
 from drivegen.words.saying import Sentence, say
 from drivegen.words.table import table, words
@@ -68,7 +69,7 @@ def offered(tokens: Sequence[Token], covers: Sequence[Cover], choices: Choices) 
 
 
 def _left_out(cover: Cover, held: set[int]) -> tuple[str, ...]:
-    items = [item for item in cover.items if item.phrase is not None and not item.cannot]
+    items = [item for item in cover.items if item.phrase is not WORD and not item.cannot]
     return tuple(item.raw for item in items if item.start not in held)
 
 
@@ -78,15 +79,14 @@ def _clear(items: Sequence[Item]) -> list[Item]:
     for i, item in enumerate(items):
         number = item.raw[:1].isdigit() or item.text == "#"
         if item.cannot or (item.unread and (number or item.text in words("turning"))):
-            before = items[i - 1].phrase if i and item.unread else None
-            gone |= {i - 1} if before is not None and before.kind == "fact" else set()
+            gone |= {i - 1} if i and item.unread and items[i - 1].phrase.kind == "fact" else set()
             gone |= set(takewhile(lambda j: items[j].text not in _STOPS, range(i, len(items))))
     return [item for i, item in enumerate(items) if i not in gone and not item.unread]
 
 
 def _variants(items: Sequence[Item]) -> Iterator[list[Sequence[Item]]]:
     """As it is, with lanes counted otherwise, with a street where no road is named; with one or two items less."""
-    spoken = [item for item in items if item.phrase is not None]
+    spoken = [item for item in items if item.phrase is not WORD]
     front = Item(_STREET, (), -1, -1, "road", "road")
     sets = (left_out for number in range(3) for left_out in combinations(spoken[::-1], number))
     for left_out in islice(sets if spoken else (), _TRIES // _COVERS):
@@ -96,12 +96,12 @@ def _variants(items: Sequence[Item]) -> Iterator[list[Sequence[Item]]]:
 
 def _with_lights(items: Sequence[Item]) -> list[Item]:
     """The crossing with traffic lights, another one where none is named, for those who stand at one."""
-    if not any(item.phrase is not None and item.phrase.name == "at_light" for item in items):
+    if not any(item.phrase.name == "at_light" for item in items):
         return []
     lights, crossing = (Item(phrase, (), -1, -1, "", phrase.name) for phrase in (_LIGHTS, _CROSSING))
-    there = next((i for i, item in enumerate(items) if item.phrase is not None and item.phrase.name == "crossing"), None)
+    there = next((i for i, item in enumerate(items) if item.phrase.name == "crossing"), None)
     if there is None:
-        return [crossing, lights, Item(None, (), -1, -1, ".", "."), *items]
+        return [crossing, lights, Item(WORD, (), -1, -1, ".", "."), *items]
     return [*items[: there + 1], lights, *items[there + 1 :]]
 
 
@@ -110,7 +110,7 @@ def _counted(items: Sequence[Item]) -> list[Item]:
 
     def counted(item: Item) -> Item:
         phrase = item.phrase
-        if phrase is None or phrase.name not in ("lanes", "lane_road"):
+        if phrase.name not in ("lanes", "lane_road"):
             return item
         both = item.value >= _BOTH and item.value % 2 == 0
         return replace(item, phrase=replace(_EACH, place=phrase.place), values=(item.value // 2,) if both else item.values)
@@ -122,7 +122,7 @@ def _shortest(words: Words, items: Sequence[Item], choices: Choices) -> str:
     """Sentences for these words without what they would have anyway and the items do not state; "" where none reads the same."""
     road = say(words.road) if words.road is not None and words.road.road.kind != "graph" else []
     traffic = request_sentences(words.traffic)
-    phrases = [(item.phrase, item.values) for item in items if item.phrase is not None]
+    phrases = [(item.phrase, item.values) for item in items if item.phrase is not WORD]
     stated = {name for phrase, _ in phrases for name in (phrase.name, *phrase.facts)}
     stated |= {str(value) for phrase, values in phrases for value in (*values, phrase.value) if value not in (None, True)}
     if not _same(_joined(road, traffic), words, choices):

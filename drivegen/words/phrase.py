@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-Kind = Literal["thing", "fact", "link", "cannot", "silent"]
+Kind = Literal["thing", "fact", "link", "cannot", "silent", "word"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,3 +26,7 @@ class Phrase:
     facts: dict[str, Any] = field(default_factory=dict)
     slots: tuple[str, ...] = ()
     place: Literal["", "pre", "post"] = ""
+
+
+WORD = Phrase("word", "", ())
+"""Stands for a word or mark that no phrase holds."""

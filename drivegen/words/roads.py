@@ -14,7 +14,7 @@ from drivegen.words.build_interchanges import cloverleaf, interchange
 from drivegen.words.build_roundabouts import roundabout
 from drivegen.words.build_streets import street
 from drivegen.words.choices import Choices, check_lanes
-from drivegen.words.things import Scene, Undrawable, Unfit, merged
+from drivegen.words.things import Fact, Scene, Undrawable, Unfit, merged
 
 _BENT = {"line", "arc", "turn", "turn_side", "turn_angle", "turn_to", "bends", "hairpins", "s_turn", "s_arc"}
 _SIZES = {"length", "speed", "spacing", "radius", "diameter", "island", "lane_width", "ring_speed"}
@@ -30,6 +30,7 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
     hands = set(scene.everything.values("left_hand"))
     if len(hands) > 1:
         raise Unfit("traffic is said to keep left and right")
+    _lights(scene)
     _cross_streets(scene)
     for thing in scene.things:
         if thing.name in ("highway", "street", "main") and thing.value("undivided"):
@@ -49,6 +50,15 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
         return MapSpec.model_validate({"road": fields, "left_hand": bool(hands and hands.pop())})
     except ValidationError as error:
         raise Undrawable(f"this road cannot be drawn: {first_complaint(error)}") from None
+
+
+def _lights(scene: Scene) -> None:
+    """Several traffic lights stand at as many crossings along a road: "an arterial with three traffic lights"."""
+    for thing in scene.named("lights"):
+        if scene.there("crossing", "side", "cross") or not any(f.name == "count" and f.value > 1 for f in thing.facts):
+            raise Unfit(f"say at which crossing {thing.text!r} are")
+        thing.name = "crossing"
+        thing.facts.append(Fact("control", "signals", thing.text, ()))
 
 
 def _cross_streets(scene: Scene) -> None:

@@ -243,12 +243,11 @@ def _quadrants(road: QuadrantInterchange) -> list[Sentence]:
         ("loop_radius", road.loop_radius),
     ]
     facts += [("loop_speed", road.loop_speed), ("median", road.median)]
-    facts += [] if road.north_leg else [("leg", "south")]
     facts += [] if road.south_leg else [("leg", "north")]
     facts += [] if road.control is None else [("control", road.control)]
     above = (("lanes_each", road.road_lanes), ("speed", road.road_speed), ("length", road.leg_length))
     return [
-        Sentence(f"A {noun('cloverleaf', form='cloverleaf')} with", tuple(facts)),
+        Sentence(f"A {noun('cloverleaf', form='cloverleaf' if road.north_leg else 'trumpet')} with", tuple(facts)),
         Sentence(f"The {noun('highway')} has", (("lanes_each", road.lanes), ("speed", road.speed))),
         Sentence(f"The {noun('upper')} has", above),
         *(Sentence(f"The {noun(name)} has", (("ramps", getattr(road, name)),)) for name in QUADRANTS),

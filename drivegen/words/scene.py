@@ -10,7 +10,7 @@ from typing import Any
 
 from drivegen.core.relation import Relation
 from drivegen.words.cover import Item
-from drivegen.words.phrase import Phrase
+from drivegen.words.phrase import WORD, Phrase
 from drivegen.words.table import traffic_names, words
 from drivegen.words.things import Fact, Scene, Thing, Unfit
 from drivegen.words.tokens import stems
@@ -23,7 +23,12 @@ WHOLES = ("crossing", "roundabout", "highway", "street", "grid", "fork", "interc
 _PLACES = ("position", "gap")
 _PLACED = ("place", *(f"far_{relation}" for relation in Relation))
 _SEEN = ("does", *_PLACED)
-MOVING = ("car", "truck", "bus", "vehicle", "member", "target")
+_DONE_TO_TARGET = ("cut_in", "overtake", "turn_left_across")
+_TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes")
+"""A length right behind them is theirs: "with left and right turn lanes of 60 m"."""
+
+_OTHERS = ("car", "truck", "bus", "vehicle", "member")
+MOVING = (*_OTHERS, "target")
 """Things of which nothing that roads have is said."""
 
 
@@ -43,7 +48,7 @@ class Walk:
     def run(self) -> Scene:
         """The scene. Raises Unfit."""
         for i, item in enumerate(self.items):
-            if item.phrase is None:
+            if item.phrase is WORD:
                 self._word(item)
             elif item.phrase.kind == "thing":
                 self._thing(item, item.phrase)
@@ -91,15 +96,19 @@ class Walk:
         self.mark, self.det, self.comma, self.sticky = ".", "", False, False
 
     def _thing(self, item: Item, phrase: Phrase) -> None:
+        several = [thing.name for thing in self.scene.things if any(f.name == "count" and f.value != 1 for f in thing.facts)]
+        if phrase.name == "nth_one" and not several:
+            raise Unfit(f"it is not clear what {item.raw!r} is")
+        name = several[-1] if phrase.name == "nth_one" else phrase.name
         slots = zip(phrase.slots, item.values, strict=True)
         facts = [*self.pending, *(Fact(n, v, item.raw, ()) for n, v in (*phrase.facts.items(), *slots))]
         which = [fact.value for fact in facts if fact.name in ("nth", "compass")]
         facts = [fact for fact in facts if fact.name not in ("nth", "compass")]
-        thing = self._resolved(phrase.name, item.raw, which[0] if which else "all" if self.det in ALL else None)
+        thing = self._resolved(name, item.raw, which[0] if which else "all" if self.det in ALL else None)
         thing.facts += facts
         self.pending = []
         self._ahead_of_noun(thing)
-        parts = phrase.name not in (*WHOLES, "street", *traffic_names()) or thing.which is not None
+        parts = name not in (*WHOLES, "street", *traffic_names()) or thing.which is not None
         if parts and self.mark in words("prepositions") and self.subject is not None and self.subject.name in traffic_names():
             raise Unfit(f"where {self.subject.text!r} is can be said as seen from the target only, not by {item.raw!r}")
         definite = self.det in _KNOWN or self.det in ALL or bool(which)
@@ -125,7 +134,8 @@ class Walk:
     def _resolved(self, name: str, text: str, which: Any) -> Thing:
         """The thing that is meant: one that was spoken of before, or a new one."""
         like = [thing for thing in self.scene.things if thing.name == name and thing.which == which]
-        if like and (self.det in _KNOWN or which is not None):
+        bare = name in ("main", "side") and not (self.det or self.pending or text.endswith("s"))
+        if like and (self.det in _KNOWN or which is not None or bare):
             if name in MOVING and name != "target" and like[-1].text.split()[-1] != text.split()[-1]:
                 raise Unfit(f"it is not clear whether {text!r} is among {like[-1].text!r}")
             return like[-1]
@@ -134,15 +144,25 @@ class Walk:
 
     def _fact(self, i: int, item: Item, phrase: Phrase) -> None:
         fact = Fact(phrase.name, item.value, item.raw, phrase.scope)
-        if fact.name in _PLACED:
-            self._seen_from_target(i)
-        if self.mark == "at" and fact.name == "length":
-            raise Unfit(f"it is not clear what lies at {fact.text!r}")
-        if phrase.place == "pre" or (phrase.place == "" and self._before_noun(i, fact)):
+        before = self.items[i - 1].phrase if i else WORD
+        if fact.name == "length" and before.name in _TURN_LANES:
+            fact.name, fact.scope = "pocket", before.scope
+        nothing = self.segment and self.segment[-1][0].name.startswith("no_")  # "no junctions for 2 km"
+        if self.mark in ("at", "for") and fact.name == "length" and not nothing:
+            raise Unfit(f"it is not clear what is {self.mark} {fact.text!r}")
+        led = bool(self.det) or self.mark in words("prepositions")
+        led = led or (phrase.place == "" and (fact.value not in _DONE_TO_TARGET or bool(self.pending)))
+        if phrase.place == "pre" or (led and self._before_noun(i, fact)):
             self.pending.append(fact)
             self.comma = False
             return
         self._nothing_pending()
+        if self.det == "another":
+            raise Unfit(f"it is not clear of what other one {fact.text!r} is said")
+        if fact.name in _PLACED or fact.value in _DONE_TO_TARGET:
+            self._seen_from_target(i)
+        if fact.name == "side" and i + 1 < len(self.items) and self.items[i + 1].phrase.kind == "thing":
+            raise Unfit(f"what is said {fact.text!r} {self.items[i + 1].raw!r} cannot be drawn apart")
         if fact.name in _PLACES and self._begins(i) and self._things_follow(i):
             self.fronted.append(fact)
             return
@@ -155,16 +175,17 @@ class Walk:
         self.mark, self.det = "", ""
 
     def _seen_from_target(self, i: int) -> None:
-        """Raises Unfit where a place is seen from something else: "behind it", "ahead of the bus"."""
-        names = [item.text if item.phrase is None else item.phrase.name for item in self.items[i + 1 : i + 3]]
-        if names[:1] in (["it"], ["them"]) or (len(names) > 1 and names[0] in _KNOWN and names[1] in MOVING):
-            seen = " ".join(item.raw for item in self.items[i + 1 : i + 3])
-            raise Unfit(f"where vehicles are can be said as seen from the target only, not from {seen!r}")
+        """Raises Unfit where a place is seen from, or something is done to, somebody else: "behind it", "overtaking a bus"."""
+        for item in self.items[i + 1 :]:
+            if item.text in ("it", "them") or item.phrase.name in _OTHERS:
+                raise Unfit(f"where vehicles are and whom they overtake is said of the target only, not of {item.raw!r}")
+            if item.phrase.kind == "thing" or (item.phrase is WORD and item.text not in words("determiners") | {"of", "to"}):
+                return
 
     def _before_noun(self, i: int, fact: Fact) -> bool:
         """Whether a noun that can hold the fact, or further words before it, follow at once."""
         for item in self.items[i + 1 :]:
-            if item.phrase is None or item.phrase.place == "post" or item.phrase.kind not in ("thing", "fact"):
+            if item.phrase.place == "post" or item.phrase.kind not in ("thing", "fact"):
                 return False
             if item.phrase.kind == "thing":
                 return item.phrase.name in fact.scope or "*" in fact.scope
@@ -173,11 +194,12 @@ class Walk:
     def _begins(self, i: int) -> bool:
         """Whether a clause begins with the item i: a sentence, or right before a noun, not behind one."""
         before = self.items[i - 1] if i else None
-        if before is None or before.text == "." or (before.phrase is not None and before.phrase.kind == "link"):
+        if before is None or before.text == "." or before.phrase.kind == "link":
             return True
-        following = [item for item in self.items[i + 1 : i + 4] if item.text not in words("determiners")]
-        clause = before.phrase is None and before.text in (",", "and")
-        return clause and bool(following) and following[0].phrase is not None and following[0].phrase.place != "post"
+        between = words("determiners") | ({","} if self.items[i].phrase.name == "gap" else set())
+        following = next((item.phrase for item in self.items[i + 1 : i + 4] if item.text not in between), WORD)
+        clause = before.phrase is WORD and before.text in (",", "and")
+        return clause and following is not WORD and following.place != "post"
 
     def _holder(self, i: int, fact: Fact) -> Thing:
         if self.subject is not None and self.subject.name in MOVING and not (self.comma or _can_hold(self.subject, fact)):
@@ -199,10 +221,8 @@ class Walk:
 
     def _things_follow(self, i: int) -> bool:
         for item in self.items[i + 1 :]:
-            if item.phrase is None and item.text == ".":
-                return False
-            if item.phrase is not None and item.phrase.kind == "thing":
-                return True
+            if item.phrase.kind == "thing" or item.text == ".":
+                return item.text != "."
         return False
 
 

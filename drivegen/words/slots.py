@@ -63,12 +63,12 @@ def _amount(tokens: Sequence[Token], i: int) -> Match | None:
     return (1, i + 1) if counted is None and _text(tokens, i) in ("a", "an", "another") else counted
 
 
-def _measured(units: dict[str, float]) -> Callable[[Sequence[Token], int], Match | None]:
+def _measured(units: dict[str, float], digits: int = 99) -> Callable[[Sequence[Token], int], Match | None]:
     def read(tokens: Sequence[Token], i: int) -> Match | None:
         value = _value(tokens, i)
         if value is None or _text(tokens, i + 1) not in units:
             return None
-        return value * units[tokens[i + 1].text], i + 2
+        return round(value * units[tokens[i + 1].text], digits), i + 2
 
     return read
 
@@ -133,7 +133,7 @@ SLOTS = {
     "number": Slot(_plain, number),
     "speed": Slot(_measured(_SPEEDS), speak_speed),
     "limit": Slot(_bare_speed, speak_speed),
-    "length": Slot(_measured(_LENGTHS), lambda metres: f"{number(metres)} m"),
+    "length": Slot(_measured(_LENGTHS, 6), lambda metres: f"{number(metres)} m"),
     "angle": Slot(_measured({"degree": 1.0}), lambda degrees: f"{number(degrees)} degrees"),
     "nth": Slot(_nth, lambda n: "last" if n == -1 else ORDINALS[n - 1]),
     "compass": Slot(_compass, lambda degrees: next(name for name, d in _COMPASS.items() if math.isclose(d, degrees))),

@@ -11,6 +11,7 @@ _SIGNS = {
     "−": "-",
     "×": " x ",
     "°": " degrees ",
+    "→": " to ",
     "½": " 1/2 ",
     "¼": " 1/4 ",
     "’": "'",
@@ -35,6 +36,9 @@ _SPELLING = (
     (r"\bw/o\b", "without"),
     (r"\bw/(?=\s)", "with"),
     (r"\bhwy\b", "highway"),
+    (r"\b(i|we|you)'d\b", r"\1 would"),
+    (r"\bt(junction|intersection)(s?)\b", r"t \1\2"),
+    (r"\bstop-?light(s?)\b", r"stop light\1"),
     (r"\bjct\b", "junction"),
     (r"\bpls\b", "please"),
     (r"\bgimme\b", "give me"),
@@ -47,6 +51,12 @@ _SPELLING = (
     (r"\b(left|right|slip|side|dual|high|free|motor|express)(ramp|turn|road|street|carriageway)(s?)\b", r"\1 \2\3"),
     (r"\b(on|off)[- ]?ramp(s?)\b", r"\1ramp\2"),
     (r"\bdir\b\.?", "direction"),
+    (r"\b(?:a )?dozen\b", "12"),
+    (r"\ba (?:couple|pair) of\b|\b(?:couple|pair) of\b", "2"),
+    (r"\bhalf (?:of )?(?:an? )?(?=mile|km|kilomet)", "0.5 "),
+    (r"\b(?:an? )?quarter (?:of )?(?:an? )?(?=mile|km|kilomet)", "0.25 "),
+    (r"\ban? (?=hundred|thousand)", ""),
+    (r"\ban? (?=(?:mile|km|kilomet(?:re|er))\b(?! ?/| per))", "1 "),
     (r"\bonly (?=\d|(?:a|one|two|three|four|five|six)\b)", ""),
 )
 _ONES = [
@@ -57,7 +67,6 @@ NUMBERS = {word: i for i, word in enumerate(_ONES)}
 _TENS = ["twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety"]
 NUMBERS |= {word: 10 * i for i, word in enumerate(_TENS, 2)}
 NUMBERS |= {"hundred": 100, "thousand": 1000}
-_PARTS = {"half": 0.5, "quarter": 0.25}
 _LEXEME = re.compile(
     r"\d+/\d+(?![\w/])|\d{1,3}(?:,\d{3})+(?![\w,])|(?:\d+\.\d+|\d+|\.\d+)(?![\w.]*\d*[a-z]*\d)|[a-z]+(?:'[a-z]+)?|\w+|\S"
 )
@@ -134,34 +143,11 @@ def stem(word: str) -> str:
 
 
 def _joined(tokens: list[Token]) -> Iterator[Token]:
-    """Numbers of several words as one: "one hundred and twenty", "twenty five", "a dozen", "half a mile", "a couple of"."""
+    """Numbers of several words as one: "one hundred and twenty", "twenty five"."""
     i = 0
     while i < len(tokens):
-        token, following = tokens[i], [t.text for t in tokens[i + 1 : i + 4]]
-        if token.value is not None and not token.raw[0].isdigit() and token.raw[0] != ".":
-            number, i = _spelled(tokens, i)
-            yield number
-        elif token.text in _PARTS and {"mile", "km"} & set(following):
-            i += 1
-            while tokens[i].text not in ("mile", "km"):
-                i += 1
-            yield Token("#", token.raw, _PARTS[token.text])
-        elif token.text in ("a", "an") and following[:1] in (["km"], ["mile"]):
-            yield Token("#", token.raw, 1.0)
-            i += 1
-        elif (
-            token.text == "a" and i + 1 < len(tokens) and tokens[i + 1].raw in ("hundred", "thousand", "dozen", "couple", "pair")
-        ):
-            i += 1
-        elif token.text == "dozen":
-            yield Token("#", token.raw, 12.0)
-            i += 1
-        elif token.text in ("couple", "pair") and following[:1] == ["of"]:
-            yield Token("#", token.raw, 2.0)
-            i += 2
-        else:
-            yield token
-            i += 1
+        token, i = _spelled(tokens, i) if _is_spelled(tokens[i]) else (tokens[i], i + 1)
+        yield token
 
 
 def _spelled(tokens: list[Token], i: int) -> tuple[Token, int]:

@@ -59,6 +59,9 @@ def request(scene: Scene) -> TrafficRequest:
     _note(fields, "target_kind", scene.whole.value("target_kind"))
     _note(fields, "speed", scene.whole.value("speed"))
     groups = [group for group in groups if group.count]
+    counts = [group.count for group in groups if group.kind != "vehicle"]
+    if len(counts) > 1 and any(group.kind == "vehicle" and group.count == sum(counts) for group in groups):
+        raise Unfit(f"{sum(counts)} vehicles can be those that are named, or as many more")
     if len(groups) == 1 and groups[0].count > 1 and "speed" in groups[0].asks and not groups[0].asks.get("queue"):
         _note(fields, "speed", groups[0].asks.pop("speed"))
     if left := scene.unused():
@@ -98,12 +101,12 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
         groups[0].asks |= asks
     elif thing.name == "member":
         source = next((group for group in reversed(groups) if group.count > 1 and not group.asks.get("does")), None)
-        if source is None:
-            raise Unfit(f"it is not clear who {thing.text!r} is")
+        if source is None or (thing.beside is not None and not thing.text.endswith("them")):
+            raise Unfit(f"it is not clear who {thing.text!r} is: one of those that are named is 'one of them'")
         source.count -= count or 1
         if source.count < 0:
             raise Unfit(f"there are not so many as {thing.text!r}")
-        groups.append(_Group(source.kind, count or 1, asks))
+        groups.append(_Group(source.kind, count or 1, {**({"place": p} if (p := source.asks.get("place")) else {}), **asks}))
     else:
         groups.append(_Group(thing.name, 1 if count is None else int(count), asks))
         if count == 0:

@@ -51,8 +51,21 @@ def declined(text: str) -> str:
         ("25 cars on a motorway, and the car ahead of me brakes hard", "among 'cars'"),
         ("off ramp from a motorway with 4 lanes per direction, one exit, 60 mph", "exit"),
         ("a street with side streets", "say how many"),
-        ("a coach on a country road and three cars behind it", "from the target only"),
-        ("three cars behind the bus on a road", "from the target only"),
+        ("a coach on a country road and three cars behind it", "of the target only"),
+        ("three cars behind the bus on a road", "of the target only"),
+        ("three cars behind a bus on a road", "of the target only"),
+        ("a car overtaking two trucks on a motorway", "of the target only"),
+        ("a car cuts in in front of a truck on a motorway", "of the target only"),
+        ("a truck turning left in front of one oncoming car at a crossroads", "of the target only"),
+        ("a diamond interchange, the freeway over an arterial", "'over'"),
+        ("two crossroads and two traffic lights", "at which crossing"),
+        ("five lanes go on for 300 m and then drop to four", "'300 m'"),
+        ("a T-junction with two lanes on the left arm", "'two lanes'"),
+        ("ten vehicles, three trucks and seven cars on a motorway", "or as many more"),
+        ("a motorway with four cars and another behind me", "of what other one"),
+        ("a grid of streets 200 m long", "'200 m long'"),
+        ("a roundabout of 40 m", "the diameter of the roundabout or the length of its arms"),
+        ("a road with a limit of 30 km/h for 200 m", "for '200 m'"),
         ("a skewed crossroads", "which angle"),
         ("a crossroads with dual left-turn lanes", "2 lanes to turn into"),
         ("the main road has 3 m lanes at a T-junction with a side road", "3 m lanes"),
@@ -143,7 +156,7 @@ def test_a_road_may_have_a_side_road_on_one_side(text, sides):
     [
         ("a motorway portion with three lanes and an on-ramp after 500 m", ("3 lanes", "500 m"), ()),
         ("a motorway without an off-ramp at its end", ("motorway",), ("off-ramp",)),
-        ("a street with three crossings, the second one signalised", ("3 crossings",), ("traffic lights",)),
+        ("a street with three crossings, the second of which has lights", ("3 crossings",), ("traffic lights",)),
         ("an intersection with an eastbound one-way street", ("crossing",), ("lanes in", "lanes out", "one-way")),
         ("a railway crossing with barriers on a road", ("road",), ("60 km/h", "2 lanes")),
         ("a six-lane highway", ("3 lanes in each direction",), ("6 lanes",)),
@@ -163,6 +176,8 @@ def test_several_vehicles_that_do_something_do_it_each():
     assert [(group.count, group.manoeuvre) for group in groups] == [(1, Manoeuvre.TURN_LEFT)] * 2
     queue = read("a queue of five cars ahead of me at a crossroads", 7).traffic.groups
     assert [(group.count, group.place.value, group.queue) for group in queue] == [(5, "ahead", True)]
+    ahead = read("two cars ahead of me, one of them brakes hard", 7).traffic.groups
+    assert [group.place.value for group in ahead] == ["ahead", "ahead"]
     truck = read("Truck ahead of the ego at 25 m, motorway, two lanes.", 7)
     assert truck.traffic.groups[0].distance == 25.0
     assert truck.road.road.alignment.length > 500.0
@@ -173,6 +188,56 @@ def test_who_stands_at_a_light_stands_at_one_that_is_there():
     assert words.road.road.control == "signals"
     assert (words.traffic.groups[0].queue, words.traffic.groups[0].speed) == (True, 0.0)
     assert read("a truck turning left at the intersection", 7).road.road.kind == "crossing"
+
+
+@pytest.mark.parametrize(
+    ("text", "left", "right", "pocket"),
+    [
+        ("a T-junction, right-turn pocket 50 m long on the main road", 0, 1, 50.0),
+        ("a crossroads with a left-turn pocket of 150 ft", 1, 0, 45.72),
+        ("a crossroads with left and right turn lanes of 40 m", 1, 1, 40.0),
+    ],
+)
+def test_a_length_behind_turn_lanes_is_theirs_on_their_side(text, left, right, pocket):
+    for arm in read(text, 7).road.road.arms[:2]:
+        assert (arm.left_turn_lanes, arm.right_turn_lanes, arm.pocket) == (left, right, pytest.approx(pocket))
+        assert arm.length > 100.0
+
+
+def test_the_length_of_a_road_is_that_of_both_its_arms():
+    arms = read("a crossing of a 600 m long main road with a side road 100 m long", 7).road.road.arms
+    assert [arm.length for arm in arms] == [300.0, 50.0, 300.0, 50.0]
+    stem = read("a T-junction with a main road and a side road 80 m long", 7).road.road.arms[2]
+    assert stem.length == 80.0
+
+
+def test_lanes_between_an_article_and_a_noun_are_of_that_noun():
+    arms = read("a crossing of a 5-lanes-per-direction arterial with a 2-lanes-per-direction avenue", 7).road.road.arms
+    assert [arm.lanes_in for arm in arms] == [5, 2, 5, 2]
+    assert read("a motorway that forks into two motorways, two lanes each", 7).road.road.left_lanes == 2
+
+
+def test_a_road_that_is_named_again_is_the_same():
+    road = read("a side road joins a main road, side road 30 km/h", 7).road.road
+    assert (road.kind, road.arms[2].speed) == ("crossing", pytest.approx(30 * KMH))
+
+
+@pytest.mark.parametrize(
+    ("text", "gap"),
+    [
+        ("a T-junction and, 250 m further, a four-way crossing", 250.0),
+        ("two roundabouts connected by a road of 500 m", 500.0),
+        ("an arterial with three traffic lights 300 m apart", 300.0),
+    ],
+)
+def test_junctions_are_as_far_apart_as_it_is_said(text, gap):
+    junctions = read(text, 7).road.road.junctions
+    assert junctions[1].position - junctions[0].position == gap
+
+
+def test_one_of_several_is_told_by_its_number():
+    junctions = read("a street with three crossings, the second one signalised", 7).road.road.junctions
+    assert [junction.control for junction in junctions] == ["yield", "signals", "yield"]
 
 
 def test_what_a_third_set_of_lines_had_wrong_is_right():
@@ -225,6 +290,8 @@ def test_an_edit_is_scoped_or_declined():
     arms = edited(spec, "30 km/h on the side road").road.arms
     assert [arm.speed for arm in arms] == pytest.approx([50 * KMH, 50 * KMH, 30 * KMH])
     assert len(edited(spec, "make it a roundabout").road.arms) == 3
+    ramps = edited(read("a motorway with two on-ramps and an off-ramp", 7).road, "remove the last on-ramp").road.events
+    assert [event.kind for event in ramps] == ["on_ramp", "off_ramp"]
     for edit in ("sing me a song", "add an on-ramp", "remove the traffic lights", "a pedestrian crossing"):
         with pytest.raises(UnusableInput, match="\ntry: "):
             edited(spec, edit)
@@ -237,6 +304,15 @@ def test_a_models_specification_is_held_against_the_texts_numbers():
     wrong = read("a motorway with three lanes in each direction, 100 km/h", 7).road
     assert contradicted(said, right) == []
     assert len(contradicted(said, wrong)) == 2
+
+
+def test_turn_lanes_bans_lane_widths_and_sizes_are_held_against_a_specification():
+    text = "a crossroads with three lanes per direction, two left-turn lanes, no right turns, lanes 3 m wide"
+    said = facts(text)
+    assert contradicted(said, read(text, 7).road) == []
+    told = " ".join(contradicted(said, read("a crossroads with three lanes per direction", 7).road))
+    assert all(words in told for words in ("two left turn lanes", "no right turns", "lanes 3 m wide"))
+    assert len(contradicted(facts("a 3 by 4 grid"), read("a 3 by 3 grid", 7).road)) == 1
 
 
 @pytest.mark.parametrize(
