@@ -5,6 +5,8 @@ counts of labels (JSON), the few numbers that DVC shows (JSON).
 """
 
 from dataclasses import asdict, dataclass
+from functools import partial
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +16,9 @@ from drivegen.core.seeds import rng
 from drivegen.core.settings import Count
 from drivegen.metrics.road_edge import FARTHEST, RoadEdges
 from drivegen.metrics.scene import Scored, Settings, score
-from drivegen.metrics.whole import columns, sample_columns, summary
+from drivegen.metrics.whole import Scenes, columns, sample_columns, summary
 from drivegen.roads.drivable import CELL, covered, road_surface
-from drivegen.store.columns import on_disk
+from drivegen.store.columns import Filed
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import read_samples
@@ -50,16 +52,16 @@ class Task:
 def main(params: Params, scenarios: Path, generated: Path, results: Path, details: Path, shown: Path) -> dict[str, float]:
     """Score every shard, then the whole set."""
     tasks = [Task(shard, require(generated / shard.name, "run the rollout stage"), params) for shard in shards(scenarios)]
-    scenes: list[Scored] = []
-    for _, part in spread(_score_shard, tasks, params.workers, f"evaluate {shown.stem}"):
-        scenes += on_disk(part, SCRATCH)  # motion and histograms; of each scene only its numbers stay in memory
-    if not scenes:
+    parts = spread(_score_shard, tasks, params.workers, f"evaluate {shown.stem}")
+    scenes = Scenes.of((scene for _, part in parts for scene in part), partial(Filed, SCRATCH))
+    if not len(scenes):
         raise UnusableInput(f"{scenarios} holds no scenario with a log to compare with", reason="no-scenarios")
     run = Run.of("evaluate", shown.stem, asdict(params), [scenarios, generated], method=shown.stem)
     table = columns(scenes, params.measured)
     ids, sample, each = sample_columns(scenes)
-    rows = [result_rows(run, [scene.scenario for scene in scenes], table), result_rows(run, ids, each, sample)]
-    write_results(results, rows)
+    of_scenes = (result_rows(run, list(scenes.scenario), {name: table[name]}) for name in sorted(table))
+    of_samples = (result_rows(run, ids, {name: each[name]}, sample) for name in sorted(each))
+    write_results(results, chain(of_scenes, of_samples))
     numbers = summary(scenes, table, params.seed, params.draws, params.splits)
     write_json(details, numbers)
     write_json(shown, {name: numbers[name] for name in SHOWN})

@@ -6,8 +6,9 @@ with 14, 93 % with 40.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,13 +86,51 @@ def counts(count: int, draws: int, rng: np.random.Generator) -> NDArray[np.float
     return rng.multinomial(count, np.full(count, 1 / count), size=draws).astype(np.float64)
 
 
+ROWS = 4096
+"""Rows that are resampled at once: sums of fewer have the same bits as in one product of matrices."""
+
+
+@dataclass(frozen=True)
+class Draws:
+    """Bootstrap draws of recordings: of D draws how often each of R recordings comes, and the recording of each of S rows.
+
+    Attributes:
+        times: (D, R) float64. number: (S,) int.
+    """
+
+    times: NDArray[np.float64]
+    number: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, recordings: Sequence[str], draws: int, rng: np.random.Generator) -> "Draws":
+        """`draws` draws of the distinct names in `recordings`, one name a row; none where there is one recording alone."""
+        names, number = np.unique(np.asarray(recordings), return_inverse=True)
+        return cls(counts(len(names), draws if len(names) > 1 else 0, rng), number)
+
+    def sums(self, parts: Iterable[NDArray[np.float64]]) -> NDArray[np.float64]:
+        """(D, ...) sums over the rows of each draw; values (S, ...) come in parts, one after the other."""
+        total, row = np.zeros(0), 0
+        for part in parts:
+            times = self.times[:, self.number[row : row + len(part)]]
+            sums = (times @ part.reshape(len(part), -1)).reshape(len(times), *part.shape[1:])
+            total, row = (total + sums if row else sums), row + len(part)
+        return total
+
+
+def stacked(values: Iterable[NDArray[np.float64]]) -> Iterator[NDArray[np.float64]]:
+    """The values of all rows in parts (s, ...) of at most ROWS."""
+    rows = iter(values)
+    while part := list(islice(rows, ROWS)):
+        yield np.stack(part)
+
+
 def resamplings(recordings: Sequence[str], draws: int, rng: np.random.Generator) -> NDArray[np.float64]:
     """How often each row comes in each of D draws of the distinct names in `recordings`, one name a row: (D, len(recordings)).
 
     Rows of one recording come equally often (cluster bootstrap). Of one recording alone there are no draws: D = 0.
     """
-    names, number = np.unique(np.asarray(recordings), return_inverse=True)
-    return counts(len(names), draws if len(names) > 1 else 0, rng)[:, number]
+    drawn = Draws.of(recordings, draws, rng)
+    return drawn.times[:, drawn.number]
 
 
 def bootstrap_means(
@@ -105,14 +144,15 @@ def bootstrap_means(
     if scenes == 0:
         return [Interval(np.nan, np.nan, np.nan)] * values.shape[1]
     finite = np.isfinite(values)
-    filled = np.where(finite, values, 0.0).astype(np.float64)
-    times = resamplings(recordings, draws, rng)
-    weight = times @ finite
-    means = np.divide(times @ filled, weight, out=np.full(weight.shape, np.nan), where=weight > 0)
+    drawn = Draws.of(recordings, draws, rng)
+    parts = [slice(low, low + ROWS) for low in range(0, scenes, ROWS)]
+    weight = drawn.sums(finite[part].astype(np.float64) for part in parts)
+    total = drawn.sums(np.where(finite[part], values[part], 0.0).astype(np.float64) for part in parts)
+    means = np.divide(total, weight, out=np.full(weight.shape, np.nan), where=weight > 0)
     out = []
     for column in range(values.shape[1]):
-        count = finite[:, column].sum()
+        known = finite[:, column]
         of_column = means[:, column]
-        value = float(filled[:, column].sum() / count) if count else np.nan
+        value = float(np.where(known, values[:, column], 0.0).astype(np.float64).sum() / known.sum()) if known.any() else np.nan
         out.append(Interval(value, *percentiles(of_column[np.isfinite(of_column)])))
     return out

@@ -10,13 +10,13 @@ collision and post-encroachment times are those below their limit. How often the
 `close_call` (share of vehicle steps with a time to collision below CLOSE_CALL).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.intervals import Interval, percentiles, resamplings
+from drivegen.core.intervals import Draws, Interval, percentiles, stacked
 from drivegen.metrics import encroachment
 from drivegen.metrics.encroachment import post_encroachment
 from drivegen.metrics.features import Features
@@ -135,23 +135,36 @@ def distances(
     scenes: Sequence[SceneCounts], recordings: Sequence[str], draws: int, rng: np.random.Generator
 ) -> dict[str, Interval]:
     """Distances over all scenes, by name, with bootstrap intervals that resample their `recordings`, one name a scene."""
-    times = resamplings(recordings, draws, rng)
+    drawn = Draws.of(recordings, draws, rng)
     out = {
-        name: distance(np.stack([scene.numbers[q] for scene in scenes]), low, high, times)
+        name: _interval(*(wasserstein(counts, low, high) for counts in _resampled((scene.numbers[q] for scene in scenes), drawn)))
         for q, (name, (low, high)) in enumerate(RANGES.items())
     }
-    counts = np.stack([scene.manoeuvres for scene in scenes])
-    return out | {"manoeuvres": _interval(*(jensen_shannon(drawn) for drawn in _resampled(counts, times)))}
+    manoeuvres = _resampled((scene.manoeuvres for scene in scenes), drawn)
+    return out | {"manoeuvres": _interval(*(jensen_shannon(counts) for counts in manoeuvres))}
 
 
 def distance(counts: Floats, low: float, high: float, times: Floats) -> Interval:
-    """Wasserstein-1 distance of histograms (S, 2, BINS) over [low, high] added up over scenes, with its interval."""
-    return _interval(*(wasserstein(drawn, low, high) for drawn in _resampled(counts, times)))
+    """Wasserstein-1 distance of histograms (S, 2, BINS) over [low, high] added up over scenes, with its interval.
+
+    `times` (D, S) is how often each scene comes in each draw.
+    """
+    drawn = _resampled(counts, Draws(times, np.arange(len(counts))))
+    return _interval(*(wasserstein(some, low, high) for some in drawn))
 
 
-def _resampled(counts: Floats, times: Floats) -> tuple[Floats, Floats]:
-    """Sums over scenes (S, 2, C): as they are (2, C), and by the counts of each draw (D, 2, C)."""
-    return counts.sum(axis=0), (times @ counts.reshape(len(counts), -1)).reshape(len(times), *counts.shape[1:])
+def _resampled(counts: Iterable[Floats], draws: Draws) -> tuple[Floats, Floats]:
+    """Sums over the scenes' counts, each (2, C): as they are (2, C), and of each draw (D, 2, C)."""
+    total = np.zeros(0)
+
+    def parts() -> Iterator[Floats]:
+        nonlocal total
+        for number, part in enumerate(stacked(counts)):
+            total = total + part.sum(axis=0) if number else part.sum(axis=0)
+            yield part
+
+    drawn = draws.sums(parts())
+    return total, drawn
 
 
 def _interval(value: Floats, drawn: Floats) -> Interval:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import to_vehicle_frame
-from drivegen.core.intervals import Interval, percentiles, resamplings
+from drivegen.core.intervals import Draws, Interval, percentiles
 from drivegen.core.scenario import Trajectories
 
 Pairs = NDArray[np.intp]
@@ -63,7 +63,8 @@ class OwnFrames:
 
 def own_frames(scenes: Sequence[Trajectories]) -> OwnFrames:
     """Of scenes of Trajectories (N_i, T_i), moved into each vehicle's frame at its first valid step."""
-    return OwnFrames(scenes, max(scene.valid.shape[0] for scene in scenes), max(scene.steps for scene in scenes))
+    shapes = np.array([scene.valid.shape for scene in scenes])
+    return OwnFrames(scenes, *shapes.max(axis=0).tolist())
 
 
 def random_pairs(scenes: int, splits: int, rng: np.random.Generator) -> Pairs:
@@ -115,11 +116,12 @@ def ratio(
     """
     if len(pairs) == 0 or real.sum() == 0:
         return Interval(np.nan, np.nan, np.nan)
-    times = resamplings(recordings, draws, rng)
+    drawn_recordings = Draws.of(recordings, draws, rng)
+    times, (one, other) = drawn_recordings.times, drawn_recordings.number[pairs.T]
     above, below = np.zeros((2, len(times)))
     rows = max(WEIGHTS // len(pairs) // 64, 1) * 64
     for part in (slice(low, low + rows) for low in range(0, len(times), rows)):
-        weight = times[part][:, pairs[:, 0]] * times[part][:, pairs[:, 1]]
+        weight = times[part][:, one] * times[part][:, other]
         above[part], below[part] = weight @ generated, weight @ real
     drawn = above[below > 0] / below[below > 0]
     low, high = percentiles(drawn)

@@ -18,10 +18,11 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.boxes import bounds
-from drivegen.core.intervals import Interval, percentiles, resamplings
+from drivegen.core.intervals import Draws, Interval, percentiles
 from drivegen.core.scenario import DT, Scenario, Trajectories
 from drivegen.metrics.displacement import scored_steps
 from drivegen.metrics.distributions import SceneCounts, distances, scene_counts
+from drivegen.metrics.each import Each
 from drivegen.metrics.encroachment import LONGEST, SAME_PLACE, nearest_visits, paces
 from drivegen.metrics.features import Features, scene_features
 from drivegen.metrics.proper import energy_scores
@@ -79,11 +80,11 @@ def joint_figures(
 ) -> dict[str, Interval]:
     """What only a set of scenes has: shares of right orders, distances when shuffled; intervals resample recordings."""
     counted = np.stack([scene.orders for scene in scenes])
-    drawn = np.tensordot(resamplings(recordings, draws, rng), counted, 1)
+    drawn = Draws.of(recordings, draws, rng).sums([counted.astype(np.float64)])
     found = {}
     for kind, name in enumerate(("joint.order", "shuffled.order")):
         found[name] = Interval(float(_share(counted.sum(axis=0)[kind])), *percentiles(_known(_share(drawn[:, kind]))))
-    apart = distances([scene.shuffled for scene in scenes], recordings, draws, rng)
+    apart = distances(Each(len(scenes), lambda number: scenes[number].shuffled), recordings, draws, rng)
     return found | {f"shuffled.{name}": apart[name] for name in DISTANCES}
 
 

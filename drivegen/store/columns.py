@@ -1,4 +1,4 @@
-"""Tables of many parts, end to end: in memory, or mapped from files of which no part stays in memory.
+"""Tables of many parts, end to end: in memory, or mapped from files of which no part stays in memory; and values in a file.
 
 A table is a dataclass of arrays and of further tables; `none()` is one without rows. Parts are concatenated along the first
 axis. Columns that count through another one say so in their type:
@@ -8,13 +8,15 @@ axis. Columns that count through another one say so in their type:
 Mapped files have no name: the system removes them as soon as nobody uses them, also where a process is killed.
 """
 
+import os
 import pickle
-from collections.abc import Iterable
+from array import array
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Annotated, Any, Generic, Protocol, Self, TypeVar, cast, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Generic, Protocol, Self, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,9 +52,6 @@ class Table(Protocol):
 T = TypeVar("T", bound=Table)
 Anything = TypeVar("Anything")
 
-ALIGNED = 64
-"""Arrays begin at multiples of so many bytes."""
-
 
 def joined(kind: type[T], parts: Iterable[T], folder: Path | None = None) -> T:
     """All parts in order; in mapped files of `folder` where one is named."""
@@ -71,20 +70,29 @@ def mapped(folder: Path | None, shape: tuple[int, ...], kind: Any) -> NDArray[An
         return _map(file, shape, np.dtype(kind))
 
 
-def on_disk(value: Anything, folder: Path) -> Anything:
-    """The same value, whatever it is made of, with its arrays in a mapped file of `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    buffers: list[pickle.PickleBuffer] = []
-    rest = pickle.dumps(value, protocol=5, buffer_callback=buffers.append)
-    with TemporaryFile(dir=folder) as file:
-        spans = []
-        for buffer in buffers:
-            file.write(bytes(-file.tell() % ALIGNED))
-            begin = file.tell()
-            spans.append(slice(begin, begin + file.write(buffer.raw())))
-        file.write(bytes(1))  # nothing cannot be mapped
-        view = _map(file, (file.tell(),), np.dtype(np.uint8)).data
-    return cast(Anything, pickle.loads(rest, buffers=[view[span] for span in spans]))  # noqa: S301 our own, a line above
+class Filed(Sequence[Anything]):
+    """Values in a file of `folder`, whatever they are made of: each is read when it is asked for, and none stays in memory."""
+
+    def __init__(self, folder: Path) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self._file = TemporaryFile(dir=folder)  # noqa: SIM115 it lasts as long as this does
+        self._ends = array("Q", [0])
+
+    def append(self, value: Anything) -> None:
+        """Add a value at the end."""
+        self._ends.append(self._ends[-1] + self._file.write(pickle.dumps(value, protocol=5)))
+
+    def __len__(self) -> int:
+        return len(self._ends) - 1
+
+    def __getitem__(self, number: Any) -> Any:
+        """The value of that number, from 0 on."""
+        begin, end = (self._ends[i] for i in (range(len(self))[number], number + 1))
+        self._file.flush()
+        return pickle.loads(os.pread(self._file.fileno(), end - begin, begin))  # noqa: S301 our own file
+
+    def __del__(self) -> None:
+        self._file.close()
 
 
 class Columns(Generic[T]):

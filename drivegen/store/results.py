@@ -4,7 +4,7 @@ Times are no results: they differ from run to run and are kept by `costs.py`.
 """
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
@@ -15,7 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from drivegen.store.files import write_table
+from drivegen.store.files import whole
 
 RESULT = pa.schema(
     [
@@ -37,6 +37,9 @@ RESULT = pa.schema(
 
 WHOLE_SCENE = -1
 """The sample of a number that is of a scene as a whole, often the mean over its samples."""
+
+ROW_GROUP = 2**20
+"""Rows that are written at once."""
 
 
 @dataclass(frozen=True)
@@ -126,9 +129,20 @@ def _number(value: object) -> float:
     return float(value) if isinstance(value, int | float) else np.nan
 
 
-def write_results(path: Path, parts: Sequence[pa.Table]) -> None:
-    """All rows of one stage's item as one Parquet part."""
-    write_table(path, pa.concat_tables([RESULT.empty_table(), *parts]))
+def write_results(path: Path, parts: Iterable[pa.Table]) -> None:
+    """All rows of one stage's item as one Parquet part; no more than a row group of them is in memory."""
+    waiting, rows = [RESULT.empty_table()], 0
+    with (
+        whole(path) as temporary,
+        pq.ParquetWriter(temporary, RESULT, compression="zstd", compression_level=3) as writer,
+    ):
+        for part in parts:
+            waiting, rows = [*waiting, part], rows + len(part)
+            while rows > ROW_GROUP:
+                table = pa.concat_tables(waiting)
+                writer.write_table(table.slice(0, ROW_GROUP), ROW_GROUP)
+                waiting, rows = [table.slice(ROW_GROUP)], rows - ROW_GROUP
+        writer.write_table(pa.concat_tables(waiting), ROW_GROUP)
 
 
 def read_values(path: Path, metrics: Sequence[str]) -> dict[str, dict[str, dict[str, float]]]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivegen.core.intervals import Interval, bootstrap_means, recording, resamplings, usual_length
+from drivegen.core.intervals import ROWS, Draws, Interval, bootstrap_means, recording, resamplings, stacked, usual_length
 
 
 def bootstrap_mean(values: np.ndarray, draws: int, random: np.random.Generator) -> Interval:
@@ -47,6 +47,18 @@ def test_rows_of_one_recording_come_and_go_together():
     assert times.shape == (200, 4)
     np.testing.assert_array_equal(times[:, 0], times[:, 2])
     np.testing.assert_array_equal(times[:, [0, 1, 3]].sum(axis=1), 3)
+
+
+def test_sums_of_parts_are_those_of_all_rows_resampled_at_once():
+    values = np.random.default_rng(0).normal(size=(2 * ROWS + 5, 3, 2))
+    of = [str(n // 7) for n in range(len(values))]
+    parts = list(stacked(iter(values)))
+    assert [len(part) for part in parts] == [ROWS, ROWS, 5]
+    sums = Draws.of(of, 20, np.random.default_rng(1)).sums(parts)
+    assert sums == pytest.approx(np.tensordot(resamplings(of, 20, np.random.default_rng(1)), values, 1), rel=1e-9, abs=1e-6)
+    few = values[:90]
+    one, other = (Draws.of(of[:90], 20, np.random.default_rng(1)).sums(parts) for parts in (stacked(few), [few]))
+    assert one.tobytes() == other.tobytes()
 
 
 def test_twenty_alike_scenes_of_a_recording_say_no_more_than_one():

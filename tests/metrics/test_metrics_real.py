@@ -16,7 +16,7 @@ from drivegen.ingest.selection import Settings as Selection
 from drivegen.ingest.selection import select
 from drivegen.metrics.road_edge import RoadEdges
 from drivegen.metrics.scene import Settings, score
-from drivegen.metrics.whole import columns, summary
+from drivegen.metrics.whole import Scenes, columns, summary
 from drivegen.roads.drivable import CELL, road_field
 
 REAL = Path(os.environ.get("DRIVEGEN_REAL_DATA", Path(__file__).parents[2].parent / "shared" / "data"))
@@ -59,7 +59,8 @@ def measured(scenes, module):
                 rng(7, "test"),
             )
         )
-    return summary(parts, columns(parts, MEASURED), 7, 20, 4)
+    scenes = Scenes.of(parts)
+    return summary(scenes, columns(scenes, MEASURED), 7, 20, 4)
 
 
 def test_anchors_and_distances_on_real_driving(scenes):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from drivegen.store.columns import Columns, Held, Rows, Starts, joined, mapped
+from drivegen.store.columns import Columns, Filed, Held, Rows, Starts, joined, mapped
 
 
 @dataclass(frozen=True)
@@ -115,3 +115,30 @@ def test_memory_does_not_grow_with_the_parts(tmp_path: Path) -> None:
     Columns(Roads, tmp_path).whole()
     one = roads(200, 100, 0).moved.nbytes
     assert peak(40) - peak(10) < one  # thirty parts more, and less than one of them
+
+
+def test_filed_values_are_read_one_by_one_in_any_order(tmp_path: Path) -> None:
+    filed = Filed(tmp_path)
+    values = [{"a": np.arange(n, dtype=np.float32), "b": [None, n]} for n in range(4)]
+    for value in values[:3]:
+        filed.append(value)
+    assert filed[2]["a"].tolist() == [0, 1]
+    filed.append(values[3])
+    assert len(filed) == 4
+    for found, value in zip([filed[3], *filed], [values[3], *values], strict=True):
+        assert found["b"] == value["b"]
+        np.testing.assert_array_equal(found["a"], value["a"])
+    with pytest.raises(IndexError):
+        filed[4]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_filed_values_take_no_memory(tmp_path: Path) -> None:
+    tracemalloc.start()
+    filed = Filed(tmp_path)
+    for _ in range(100):
+        filed.append(np.ones(100_000))
+    assert sum(value.sum() for value in filed) == 1e7
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 5 * 800_000  # of 80 MB

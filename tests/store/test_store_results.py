@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
@@ -10,6 +11,7 @@ from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.methods import read_methods
 from drivegen.lm.ledger import CALLS
+from drivegen.store import results
 from drivegen.store.costs import COST, write_cost
 from drivegen.store.results import RESULT, WHOLE_SCENE, Run, record_rows, result_rows, run_id, write_results
 from drivegen.warehouse.database import build, query, read_parts, result_parts
@@ -29,6 +31,18 @@ def warehouse(folder, *parts):
     costs = read_parts(sorted((folder / "costs").glob("*.parquet")), COST)
     build(folder / "drivegen.duckdb", {"results": results, "costs": costs, "calls": CALLS.empty_table()})
     return folder / "drivegen.duckdb"
+
+
+def test_parts_are_written_as_they_come_and_rows_lie_in_row_groups(tmp_path, monkeypatch):
+    parts = [rows(**{f"m{n}": [1.0, np.nan, n]}) for n in range(8)]
+    write_results(tmp_path / "whole.parquet", [pa.concat_tables(parts)])
+    write_results(tmp_path / "parts.parquet", iter(parts))
+    assert (tmp_path / "whole.parquet").read_bytes() == (tmp_path / "parts.parquet").read_bytes()
+    monkeypatch.setattr(results, "ROW_GROUP", 5)
+    write_results(tmp_path / "groups.parquet", iter(parts))
+    file = pq.ParquetFile(tmp_path / "groups.parquet")
+    assert [file.metadata.row_group(n).num_rows for n in range(file.num_row_groups)] == [5, 5, 5, 1]
+    assert file.read().equals(pq.read_table(tmp_path / "whole.parquet"))
 
 
 def test_rows_are_one_number_of_one_scenario_each():
