@@ -146,10 +146,8 @@ def _links(lanes: Sequence[Mapping[str, Any]], index: Mapping[int, int]) -> tupl
     """Links (E, 2), sorted and unique, and the number of those that name a lane the map does not hold."""
     pairs = [(i, index.get(other, NO_LANE)) for i, lane in enumerate(lanes) for other in lane["successors"]]
     pairs += [(index.get(other, NO_LANE), i) for i, lane in enumerate(lanes) for other in lane["predecessors"]]
-    table = np.array(pairs, np.int64).reshape(-1, 2)
-    held = (table != NO_LANE).all(-1)
-    code = np.unique(table[held, 0] * len(lanes) + table[held, 1])
-    return np.stack(np.divmod(code, len(lanes)), axis=-1).astype(np.int32), int(np.count_nonzero(~held))
+    held = sorted({pair for pair in pairs if NO_LANE not in pair})
+    return np.array(held, np.int32).reshape(-1, 2), sum(NO_LANE in pair for pair in pairs)
 
 
 def _neighbours(

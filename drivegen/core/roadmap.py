@@ -124,7 +124,7 @@ class RoadMap:
         lines = (self.centreline, self.left, self.right)
         if any(len(a) != count for a in (*per_lane, self.may_change, self.cut, *lines)):
             raise UnusableInput("the map's lane arrays differ in length", reason="bad-map")
-        if len(np.unique(self.lane_id)) != count:
+        if len(set(self.lane_id.tolist())) != count:
             raise UnusableInput("the map has two lanes of one id", reason="bad-map")
         if any(np.diff(line.start).min() < 2 for line in lines):
             raise UnusableInput("a lane of the map has fewer than two points", reason="bad-map")

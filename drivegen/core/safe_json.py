@@ -18,7 +18,8 @@ MAX_VALUES = 10_000_000
 
 def parse(raw: bytes, place: object, reason: str = "not-json") -> Any:
     """The value in `raw`. Raises UnusableInput, naming `place`: for what is no JSON with this reason, else `too-large`."""
-    if len(raw) > MAX_BYTES or sum(map(raw.count, (b",", b"[", b"{", b":"))) > MAX_VALUES:  # those in strings count, too
+    many = len(raw) > MAX_VALUES and sum(map(raw.count, (b",", b"[", b"{", b":"))) > MAX_VALUES  # those in strings count, too
+    if len(raw) > MAX_BYTES or many:
         raise UnusableInput(f"{place} has more than {MAX_BYTES >> 20} MB or {MAX_VALUES} values", reason="too-large")
     try:
         return orjson.loads(raw)
