@@ -58,7 +58,7 @@ class Params:
 
     def __post_init__(self) -> None:
         if not self.drivers:
-            raise UnusableInput("params.yaml: beset.drivers: name at least one")
+            raise UnusableInput("stages/params.yaml: beset.drivers: name at least one")
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ class Params:
 def main(params: Params, scenarios: Path, futures: Path, record: Path) -> dict[str, float]:
     """Drive, compare, write."""
     said = {"old": params.old, "new": params.new}
-    old, new = (version(one, params.drivers, "gate.drivers", f"params.yaml: gate.{name}") for name, one in said.items())
+    old, new = (version(one, params.drivers, "gate.drivers", f"stages/params.yaml: gate.{name}") for name, one in said.items())
     pairs = [pair for shard in shards(require(futures, "run the rollout stages")) for pair in futures_in(shard, scenarios)]
     every = [(scenario, k, made.motion[k]) for scenario, made in pairs for k in range(len(made.dropped))]
     result = gate(old, new, every, params.settings, params.seed)

@@ -39,14 +39,14 @@ class Params:
     def __post_init__(self) -> None:
         for attack in self.attacks:
             if attack.count(".") != 2:
-                raise UnusableInput(f"params.yaml: naturalness.attacks: {attack!r} is no <method>.<allowed>.<queries>")
+                raise UnusableInput(f"stages/params.yaml: naturalness.attacks: {attack!r} is no <method>.<allowed>.<queries>")
 
 
 def main(params: Params, scenarios: Path, models: Path, traffic: Path, cases: Path, results: Path) -> None:
     """Every attack on every driver."""
     kind = plugins.load("generators", params.judge)
     if not hasattr(kind, "log_likelihood"):
-        raise UnusableInput(f"params.yaml: naturalness.judge is {params.judge!r}, which has no log_likelihood: smart has")
+        raise UnusableInput(f"stages/params.yaml: naturalness.judge is {params.judge!r}, which has no log_likelihood: smart has")
     judge: LikelihoodModel = kind(models, None)
     as_it_is, rows = read_traffic(scenarios, traffic), []
     for driver in params.drivers:

@@ -51,7 +51,7 @@ class Params:
         sound: dict[str, Driver] = {name: plugins.make("drivers", name, self.drivers, "rates.drivers") for name in self.drivers}
         known = sound | mutated(sound)
         if unknown := [name for name in self.tested if name not in known]:
-            raise UnusableInput(f"params.yaml: rates.tested names {unknown[0]}, which is none of {', '.join(known)}")
+            raise UnusableInput(f"stages/params.yaml: rates.tested names {unknown[0]}, which is none of {', '.join(known)}")
         return [known[name] for name in self.tested]
 
 

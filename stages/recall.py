@@ -51,7 +51,7 @@ class Params:
 
     def __post_init__(self) -> None:
         if not self.queries:
-            raise UnusableInput("params.yaml: recall.queries: name at least one number of runs")
+            raise UnusableInput("stages/params.yaml: recall.queries: name at least one number of runs")
 
     def searching(self) -> dict[str, Adversary]:
         """All that search, a variant by `drivegen_cs.<name>`."""
@@ -60,7 +60,7 @@ class Params:
             name: plugins.make("adversaries", name, self.adversaries, place) for name in self.adversaries
         }
         for name, settings in self.variants.items():
-            made[f"{VARIED}.{name}"] = own(build(own.settings_type, settings, f"params.yaml: recall.variants.{name}"))
+            made[f"{VARIED}.{name}"] = own(build(own.settings_type, settings, f"stages/params.yaml: recall.variants.{name}"))
         return made
 
 

@@ -50,7 +50,7 @@ def initial(vehicles: int) -> InitialSettings:
 
 def asked_settings() -> AskedSettings:
     """How traffic in words is looked for."""
-    return build(AskedSettings, read_section("asked.settings"), "params.yaml: asked.settings")
+    return build(AskedSettings, read_section("asked.settings"), "stages/params.yaml: asked.settings")
 
 
 def generation(*, scored: bool) -> GeneratorSettings:

@@ -26,7 +26,7 @@ HOUR = 3600.0
 
 @dataclass(frozen=True)
 class _Settings:
-    """What of params.yaml, `rates`, is asked for here (see `stages/rates.py`)."""
+    """What of stages/params.yaml, `rates`, is asked for here (see `stages/rates.py`)."""
 
     draws: Count
     tries: Count
