@@ -101,8 +101,12 @@ def _rows(recall: Recall, params: Params) -> Iterator[dict[str, Any]]:
     yield {"method": EVERY, "queries": None, "metric": "counted", **_mean(recall.open, whole, recall, params)}
     for method, search in recall.searches.items():
         for queries in params.queries:
-            found = search.first <= queries
-            shares = {"counted": (found, whole), "avoidable": (found & search.avoidable, whole), "recall": (found, recall.open)}
+            hit = search.first <= queries
+            shares = {
+                "counted": (hit, whole),
+                "avoidable": (hit & search.avoidable, whole),
+                "recall": (hit, recall.open),
+            }
             for metric, (values, among) in shares.items():
                 yield {"method": method, "queries": queries, "metric": metric, **_mean(values, among, recall, params)}
 

@@ -14,5 +14,5 @@ def driver_of(word: str) -> Driver:
     """The driver of a Python file; or the one that a YAML file describes, with what differs in its settings; or of that name."""
     if word.endswith(".py"):
         return FileDriver(Path(word))
-    said = read_yaml(Path(word)) if word.endswith(".yaml") else {word: {}}
-    return version(said, read_section(SECTION), SECTION, word)
+    drivers = read_yaml(Path(word)) if word.endswith(".yaml") else {word: {}}
+    return version(drivers, read_section(SECTION), SECTION, word)
