@@ -79,7 +79,7 @@ def _parser() -> argparse.ArgumentParser:
     iterate.add_argument("--min-gain", type=float, default=0.0, help="a round must raise the rate by more than this")
     corpus = flows.add_parser("corpus", help="the corpus in another size, simulated and ingested in a workspace of its own")
     corpus.add_argument("size", help="its name in flows/sizes.yaml")
-    flows.add_parser("gate", help="whether a new driver is worse than the old one, both of params.yaml: exit code 1 if it is")
+    flows.add_parser("gate", help="whether the new driver of stages/params.yaml, `gate`, is worse than the old one: exit code 1")
     tables = flows.add_parser("tables", help="the published tables: all data sets, several training seeds")
     real = Path(os.environ.get("DRIVEGEN_REAL_DATA", "../shared/data"))
     about_real = "folder of real recordings (flows/tables.yaml says which of its folders); what is not there is left out"

@@ -1,7 +1,7 @@
 """The release gate: bring what it drives in up to date, drive both drivers, and fail where the new one is worse.
 
-Which drivers is said in params.yaml, section `gate`. The stage is one of stages/dvc.yaml, so nothing is driven again that has
-not changed.
+Which drivers is said in stages/params.yaml, section `gate`. The stage is one of stages/dvc.yaml, so nothing is driven again
+that has not changed.
 """
 
 from prefect import State, flow, get_run_logger, task

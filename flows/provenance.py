@@ -60,9 +60,6 @@ def _git(source: Path, *words: str) -> str | None:
 
 
 def _is_of(cost: str, stage: str) -> bool:
-    """Whether costs `<stage>-<item>`, or `<stage>-<item>-<part>`, are of dvc.lock's `<stage>@<item>`, or of one without items.
-
-    A stage `<stage>_taught` is the same door as `<stage>`.
-    """
-    name = stage.replace("_taught@", "@").replace("@", "-", 1)
+    """Whether costs `<stage>-<item>`, or `<stage>-<item>-<part>`, are of dvc.lock's `<stage>@<item>`, or of one without items."""
+    name = stage.replace("@", "-", 1)
     return cost == name or cost.startswith(f"{name}-")

@@ -35,7 +35,7 @@ FRONT = ("evaluate",)
 
 OF_PIECES = ("map_suite", "map_diversity", "likeness", "initial_states", "asked", "train_planner", "goals")
 BY_SEED = {
-    CORNER: ("attack", "attack_taught", "beset", "mutation_score", "naturalness", "recall", "repair", "survival", "transfer"),
+    CORNER: ("attack", "beset", "mutation_score", "naturalness", "recall", "repair", "survival", "transfer"),
     RATES: ("rates",),
 }
 """Parts with a run for every seed."""

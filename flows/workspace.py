@@ -12,12 +12,19 @@ from typing import Any
 
 import yaml
 
+PARAMS = ("params.yaml", "stages/params.yaml")
+"""What one would change of the pipeline, and of the stages that only measure us."""
+
+LIKE = "like"
+"""Beside this name stands the section whose values hold where no others are said: one more may be said."""
+
 
 def duplicate(source: Path, target: Path, params: Mapping[str, Any], cache: Path | None = None) -> None:
-    """Copy the files that git knows or does not ignore to the new folder `target`, with `params` over those of params.yaml,
+    """Copy the files that git knows or does not ignore to the new folder `target`, with `params` over those of `PARAMS`,
     and what has been compiled of them.
 
-    DVC keeps its files in `cache`, by default that of `source`. Raises FileExistsError if `target` exists.
+    DVC keeps its files in `cache`, by default that of `source`. Raises FileExistsError if `target` exists, KeyError for a
+    parameter that there is not.
     """
     target.mkdir(parents=True)
     for name in _files(source):
@@ -25,8 +32,7 @@ def duplicate(source: Path, target: Path, params: Mapping[str, Any], cache: Path
         there.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(source / name, there)
     share_compiled(source, target)
-    values = yaml.safe_load((target / "params.yaml").read_text())
-    (target / "params.yaml").write_text(yaml.safe_dump(overridden(values, params), sort_keys=False))
+    override(target, params)
     folder = (cache or source / ".dvc" / "cache").resolve()
     (target / ".dvc" / "config.local").write_text(f"[core]\n    no_scm = true\n[cache]\n    dir = {folder}\n")
 
@@ -42,6 +48,17 @@ def share_compiled(source: Path, target: Path) -> None:
             shutil.copytree(compiled, target / folder / "__pycache__", dirs_exist_ok=True)
 
 
+def override(root: Path, params: Mapping[str, Any]) -> None:
+    """Write `params` over those of the workspace `root`, each into the file that has its section."""
+    left = dict(params)
+    for file in [root / name for name in PARAMS if (root / name).exists()]:
+        values = yaml.safe_load(file.read_text())
+        own = {name: left.pop(name) for name in params if name.split(".")[0] in values}
+        file.write_text(yaml.safe_dump(overridden(values, own), sort_keys=False))
+    if left:
+        raise KeyError(f"{' and '.join(PARAMS)} have no section for {min(left)!r}")
+
+
 def overridden(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     """`values` with some replaced whole, named by dotted paths as in `dvc exp run -S`.
 
@@ -54,10 +71,12 @@ def overridden(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, 
     for name, value in over.items():
         *sections, last = name.split(".")
         place: Any = result
+        free = False
         for word in sections:
-            place = place[word]
-        if last not in place:
-            raise KeyError(f"params.yaml has no {name!r} to replace")
+            place = place.setdefault(word, {}) if free else place[word]
+            free |= LIKE in place
+        if last not in place and not free:
+            raise KeyError(f"the parameters have no {name!r} to replace")
         place[last] = value
     return result
 

@@ -26,9 +26,9 @@ def read_traffic(scenarios: Path, traffic: Path) -> Traffic:
 
 def read_cases(folder: Path, as_it_is: Traffic) -> list[Samples]:
     """The cases in the folder of an attack. Raises UnusableInput where one is of no scenario that is there."""
-    found = read_samples(require(folder / "samples.parquet", "run the attack stages"))
-    if unknown := {case.scenario_id for case in found} - as_it_is.keys():
+    cases = read_samples(require(folder / "samples.parquet", "run the attack stages"))
+    if unknown := {case.scenario_id for case in cases} - as_it_is.keys():
         raise UnusableInput(
             f"cases are of scenario {min(unknown)}, which is not among the scenarios: run the attack stages again"
         )
-    return found
+    return cases

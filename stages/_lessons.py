@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
+from drivegen.adversaries.base import Adversary
 from drivegen.adversaries.shared.arena import Bounds
 from drivegen.adversaries.shared.repair import attacked, found_cases, whole
 from drivegen.core import plugins
@@ -28,7 +29,12 @@ AMOUNT, CASES = "amount_", "corner_cases"
 
 @dataclass(frozen=True)
 class CornerCases:
-    """`share` of the lessons that are cases (0: there is no such row), and how they are found; see `stages.repair.Params`."""
+    """How corner cases are looked for to learn from.
+
+    Attributes:
+        share: of the lessons that are cases (0: none). adversaries: who looks for them, and its settings. planner, allowed,
+            reaction_steps: as in `attack`. samples: scenes of each scenario; `queries` runs in these. reaction: of neighbours.
+    """
 
     share: Annotated[float, Within(0, 0.9)]
     adversaries: dict[str, dict[str, Any]]
@@ -38,6 +44,16 @@ class CornerCases:
     queries: Count
     reaction_steps: Index
     reaction: Reaction
+
+    @property
+    def bounds(self) -> Bounds:
+        """Of what may be proposed, and how often the driver is run."""
+        return Bounds(self.allowed, self.queries, self.reaction_steps)
+
+    def searching(self, section: str) -> dict[str, Adversary]:
+        """The adversaries; `section` is that of these settings."""
+        place = f"{section}.adversaries"
+        return {name: plugins.make("adversaries", name, self.adversaries, place) for name in self.adversaries}
 
 
 @dataclass(frozen=True)
@@ -67,14 +83,11 @@ class Sources:
     def cases(self, how: CornerCases, driver: Driver, seed: int) -> list[Traffic]:
         """What adversaries find against `driver`, as far as it shows how to drive."""
         made = Made.open(self.models, how.planner, self.goals, self.traffic)
-        who = {
-            name: plugins.make("adversaries", name, how.adversaries, "tune.corner_cases.adversaries") for name in how.adversaries
-        }
-        bounds, found = Bounds(how.allowed, how.queries, how.reaction_steps), list[Case]()
+        who, cases = how.searching("tune.corner_cases"), list[Case]()
         for shard in shards(self.test):
             ground = whole(made.choices(shard), made.samples(shard), how.samples, made.planner, made.limits)
-            found += found_cases(attacked(driver, ground, who, bounds, seed, how.reaction))
-        return exemplary([(case.scenario, case.traffic) for case in found])
+            cases += found_cases(attacked(driver, ground, who, how.bounds, seed, how.reaction))
+        return exemplary([(case.scenario, case.traffic) for case in cases])
 
     def of(self, rows: Rows, driver: Driver, seed: int) -> Iterator[tuple[str, list[Traffic]]]:
         """Each row with its lessons; corner cases are those of `driver`."""

@@ -5,6 +5,7 @@ They are two only because their deps differ: a rival that is trained again must 
 """
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from drivegen.checker.verdicts import judged, read_limits
@@ -27,31 +28,21 @@ class Params:
     samples: Count
 
 
-@dataclass(frozen=True)
-class Task:
-    """One shard by one generator."""
-
-    shard: Path
-    models: Path
-    out: Path
-    params: Params
-
-
 def main(params: Params, scenarios: Path, models: Path, generated: Path) -> dict[str, float]:
     """Generate and judge shard after shard."""
-    tasks = [Task(shard, models, generated, params) for shard in shards(require(scenarios, "run the ingest stage"))]
-    counts = [count for _, count in spread(_generate_shard, tasks, params.workers, f"rollout {generated.name}")]
+    files, work = shards(require(scenarios, "run the ingest stage")), partial(_generate_shard, params, models, generated)
+    counts = [count for _, count in spread(work, files, params.workers, f"rollout {generated.name}")]
     return {"scenarios": float(sum(counts))}
 
 
-def _generate_shard(task: Task) -> int:
-    name, scenarios = task.out.name, read_shard(task.shard)
+def _generate_shard(params: Params, models: Path, out: Path, shard: Path) -> int:
+    name, scenarios = out.name, read_shard(shard)
     plugin = plugins.load("generators", name)
     if plugin.about.kind != BOUND:
         scenarios = [first_frame(scenario) for scenario in scenarios]
     if plugin.about.goals is not None:
         raise UnusableInput(f"generator {name!r} follows goals: of the lists in params.yaml it belongs in run.own")
-    limits = read_limits(task.models)
-    futures = plugin(task.models, None).generate(scenarios, task.params.samples, task.params.sampling_seed)
-    write_samples(task.out / task.shard.name, [judged(s, m, limits) for s, m in zip(scenarios, futures, strict=True)])
+    limits = read_limits(models)
+    futures = plugin(models, None).generate(scenarios, params.samples, params.sampling_seed)
+    write_samples(out / shard.name, [judged(s, m, limits) for s, m in zip(scenarios, futures, strict=True)])
     return len(scenarios)

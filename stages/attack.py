@@ -22,8 +22,7 @@ from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import shards
 from drivegen.world.reactive import Reaction
-from stages._cluster import cpu_seconds
-from stages._door import COST_FOLDER, enter, require
+from stages._door import COST_FOLDER, cpu_seconds, enter, require
 from stages._ground import Made
 
 

@@ -58,7 +58,7 @@ class Params:
 
     def __post_init__(self) -> None:
         if not self.drivers:
-            raise UnusableInput("params.yaml: beset.drivers: name at least one")
+            raise UnusableInput("stages/params.yaml: beset.drivers: name at least one")
 
 
 @dataclass(frozen=True)
@@ -77,14 +77,14 @@ def main(params: Params, maps: Path, assets: Path, gaps: Path, models: Path, sce
     files = sorted(require(maps, "run the maps stage").glob("*/map.net.xml"))
     if not files:
         raise MissingTool(f"{maps} holds no map: run the maps stage")
-    besetting, found = list[Scenario](), defaultdict[Attack, list[tuple[str, Findings]]](list)
+    besetting, findings = list[Scenario](), defaultdict[Attack, list[tuple[str, Findings]]](list)
     tasks = [Task(file, assets, gaps, models, params) for file in files]
     for task, (scenarios, parts) in spread(_on_map, tasks, params.workers, "beset"):
         besetting += scenarios
         for attack, part in parts.items():
-            found[attack].append((task.network.parent.name, part))
+            findings[attack].append((task.network.parent.name, part))
     write_shard(scenes / "shard-00000.parquet", besetting)
-    write_json(results, list(besetting_rows(found, params.draws, params.seed)))
+    write_json(results, list(besetting_rows(findings, params.draws, params.seed)))
 
 
 def _on_map(task: Task) -> tuple[list[Scenario], dict[Attack, Findings]]:
@@ -92,7 +92,7 @@ def _on_map(task: Task) -> tuple[list[Scenario], dict[Attack, Findings]]:
     params, generation = task.params, task.params.generation
     tools, initialiser = Equipment.open(task.models, generation.planner, SELECTOR), _initialiser(task)
     drivers = [plugins.make("drivers", name, params.drivers, "beset.drivers") for name in params.drivers]
-    bounds, besetting, found = Bounds(params.allowed, params.queries, params.reaction_steps), list[Scenario](), {}
+    bounds, besetting, findings = Bounds(params.allowed, params.queries, params.reaction_steps), list[Scenario](), {}
     for placed, beset in PLACED.items():
         scenarios = list(initialiser.scenarios(params.per_map, params.seed, beset))
         choices = choose(scenarios, tools.selector, generation.candidates, generation.temperature)
@@ -105,8 +105,8 @@ def _on_map(task: Task) -> tuple[list[Scenario], dict[Attack, Findings]]:
         for driver, name in product(drivers, params.adversaries):
             own = arena.again(driver)
             plugins.make("adversaries", name, params.adversaries, "beset.adversaries").attack(own)
-            found[Attack(driver.name, placed, name)] = Findings.of(own.runs(), driver, name, params.reaction)
-    return besetting, found
+            findings[Attack(driver.name, placed, name)] = Findings.of(own.runs(), driver, name, params.reaction)
+    return besetting, findings
 
 
 def _initialiser(task: Task) -> Initialiser:

@@ -42,14 +42,14 @@ def main(params: Params, scenarios: Path, limits: Path, rates: Path) -> None:
 
 def _severities(scenarios: Path, params: Params) -> tuple[list[NDArray[np.float32]], list[NDArray[np.float32]]]:
     """Of both splits, shard by shard: a few numbers for each track."""
-    found: dict[str, list[NDArray[np.float32]]] = {"train": [], "val": []}
+    by_split: dict[str, list[NDArray[np.float32]]] = {"train": [], "val": []}
 
     def tasks(split: Path) -> list[tuple[Path, Limits]]:
         return [(shard, params.floors) for shard in shards(split)]
 
     for split, severities in spread_splits(_shard_severities, scenarios, tasks, params.workers, "calibrate"):
-        found[split].append(severities)
-    return found["train"], found["val"]
+        by_split[split].append(severities)
+    return by_split["train"], by_split["val"]
 
 
 def _shard_severities(task: tuple[Path, Limits]) -> NDArray[np.float32]:

@@ -29,18 +29,18 @@ class Params:
 
 def main(params: Params, scenarios: Path, futures: Path, record: Path) -> dict[str, float]:
     """Drive, compare, write."""
-    said = {"old": params.old, "new": params.new}
-    old, new = (version(one, params.drivers, "gate.drivers", f"params.yaml: gate.{name}") for name, one in said.items())
+    chosen = {"old": params.old, "new": params.new}
+    old, new = (version(one, params.drivers, "gate.drivers", f"stages/params.yaml: gate.{name}") for name, one in chosen.items())
     pairs = [pair for shard in shards(require(futures, "run the rollout stages")) for pair in futures_in(shard, scenarios)]
     every = [(scenario, k, made.motion[k]) for scenario, made in pairs for k in range(len(made.dropped))]
     result = gate(old, new, every, params.settings, params.seed)
     names = (_name("the old", params.old), _name("the new", params.new))
-    write_json(record, {"drivers": said, "folder": str(futures), **result.record(*names)})
+    write_json(record, {"drivers": chosen, "folder": str(futures), **result.record(*names)})
     return {"runs": float(len(every))}
 
 
-def _name(which: str, said: dict[str, Any]) -> str:
-    return f"{which} {next(iter(said))}"
+def _name(which: str, drivers: dict[str, Any]) -> str:
+    return f"{which} {next(iter(drivers))}"
 
 
 if __name__ == "__main__":

@@ -70,7 +70,7 @@ def main(
         folder = None if tester == LOG else traffic if tester in params.adversaries else generated / tester
         inputs = [scenarios, models, *([require(folder, "run the rollout and corner stages")] if folder else [])]
         tasks = [Task(tester, file, runs, folder, goals, models, params) for file, runs in share]
-        parts = [found for _, found in spread(_test, tasks, params.workers, f"mutation score of {tester}") if found]
+        parts = [part for _, part in spread(_test, tasks, params.workers, f"mutation score of {tester}") if part]
         if not parts:
             raise UnusableInput(f"{tester} has nothing to drive in {scenarios}, or mutation_score.runs is too small for it")
         pairs = {name: Pairs.joined([part[name] for part in parts]) for name in parts[0]}

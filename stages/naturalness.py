@@ -39,32 +39,32 @@ class Params:
     def __post_init__(self) -> None:
         for attack in self.attacks:
             if attack.count(".") != 2:
-                raise UnusableInput(f"params.yaml: naturalness.attacks: {attack!r} is no <method>.<allowed>.<queries>")
+                raise UnusableInput(f"stages/params.yaml: naturalness.attacks: {attack!r} is no <method>.<allowed>.<queries>")
 
 
 def main(params: Params, scenarios: Path, models: Path, traffic: Path, cases: Path, results: Path) -> None:
     """Every attack on every driver."""
     kind = plugins.load("generators", params.judge)
     if not hasattr(kind, "log_likelihood"):
-        raise UnusableInput(f"params.yaml: naturalness.judge is {params.judge!r}, which has no log_likelihood: smart has")
+        raise UnusableInput(f"stages/params.yaml: naturalness.judge is {params.judge!r}, which has no log_likelihood: smart has")
     judge: LikelihoodModel = kind(models, None)
     as_it_is, rows = read_traffic(scenarios, traffic), []
     for driver in params.drivers:
         for attack in params.attacks:
             method, allowed, _ = attack.split(".")
-            found = _judged(judge, read_cases(cases / driver / attack, as_it_is), as_it_is, params)
-            rows += [{"method": method, "allowed": allowed, "found_for": driver, **row} for row in found]
+            likelihoods = _judged(judge, read_cases(cases / driver / attack, as_it_is), as_it_is, params)
+            rows += [{"method": method, "allowed": allowed, "found_for": driver, **row} for row in likelihoods]
     write_json(results, rows)
 
 
-def _judged(judge: LikelihoodModel, found: list[Samples], as_it_is: Traffic, params: Params) -> Iterator[dict[str, Any]]:
+def _judged(judge: LikelihoodModel, cases: list[Samples], as_it_is: Traffic, params: Params) -> Iterator[dict[str, Any]]:
     """Means over the cases in which somebody was attacked, with 95 % over recordings."""
-    if not found:
+    if not cases:
         return
-    scenarios, before = zip(*[as_it_is[case.scenario_id] for case in found], strict=True)
-    both = naturalness(judge, scenarios, before, [case.motion[0] for case in found])
+    scenarios, before = zip(*[as_it_is[case.scenario_id] for case in cases], strict=True)
+    both = naturalness(judge, scenarios, before, [case.motion[0] for case in cases])
     there = np.flatnonzero(np.isfinite(both).all(1))
-    recordings, random = [recording(found[c].scenario_id) for c in there.tolist()], rng(params.seed, "naturalness", "bootstrap")
+    recordings, random = [recording(cases[c].scenario_id) for c in there.tolist()], rng(params.seed, "naturalness", "bootstrap")
     columns = np.column_stack([both[there], both[there, 0] - both[there, 1]])
     if len(there):
         for metric, interval in zip(METRICS, bootstrap_means(columns, recordings, params.draws, random), strict=True):

@@ -73,8 +73,8 @@ def main(params: Params, runs: Path, published: Path) -> None:
     for driver in drivers:
         of_runs = [_read(root, driver) for root in roots]
         rows += corner_rows(DATA, driver, of_runs)
-        found = read_values(roots[0] / "reports/metrics/attack" / f"{driver}.parquet", LED)
-        leads += lead_rows(driver, found, params.draws, params.seed)
+        values = read_values(roots[0] / "reports/metrics/attack" / f"{driver}.parquet", LED)
+        leads += lead_rows(driver, values, params.draws, params.seed)
         attacks, took = of_runs[0]
         costs = {f"attack/{driver}-{key}": cost for key, cost in took.items()}
         tables += [outcome_table(driver, attacks), *proposer_tables(driver, attacks), cost_table(driver, attacks, costs)]

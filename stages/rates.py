@@ -6,6 +6,7 @@ of shards), who failed in which draw (Parquet rows), rates (JSON). Neighbours re
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -49,46 +50,35 @@ class Params:
     def make(self) -> list[Driver]:
         """Those that are tested."""
         sound: dict[str, Driver] = {name: plugins.make("drivers", name, self.drivers, "rates.drivers") for name in self.drivers}
-        known = sound | mutated(sound)
-        if unknown := [name for name in self.tested if name not in known]:
-            raise UnusableInput(f"params.yaml: rates.tested names {unknown[0]}, which is none of {', '.join(known)}")
-        return [known[name] for name in self.tested]
-
-
-@dataclass(frozen=True)
-class Task:
-    """So many `scenes` of a shard."""
-
-    shard: Path
-    scenes: int
-    models: Path
-    goals: Path
-    traffic: Path
-    params: Params
+        drivers = sound | mutated(sound)
+        if unknown := [name for name in self.tested if name not in drivers]:
+            raise UnusableInput(f"stages/params.yaml: rates.tested names {unknown[0]}, which is none of {', '.join(drivers)}")
+        return [drivers[name] for name in self.tested]
 
 
 def main(params: Params, scenarios: Path, models: Path, goals: Path, traffic: Path, table: Path, results: Path) -> None:
     """Draw, drive, and take the draws for the law whose rates are known."""
     params.make()  # to say what is wrong with them before anything takes long
-    tasks = [Task(*part, models, goals, traffic, params) for part in shares(scenarios, params.scenes)]
-    found = Exposure.joined([part for _, part in spread(_exposed, tasks, params.workers, "rates")])
-    write_json(results, found.rates(params.tested, params.trial, params.seed))
-    write_table(table, _table(found, params.tested))
+    parts, work = shares(scenarios, params.scenes), partial(_exposed, params, models, goals, traffic)
+    exposure = Exposure.joined([part for _, part in spread(work, parts, params.workers, "rates")])
+    write_json(results, exposure.rates(params.tested, params.trial, params.seed))
+    write_table(table, _table(exposure, params.tested))
 
 
-def _exposed(task: Task) -> Exposure:
-    params = task.params
-    ground = Made.open(task.models, params.planner, task.goals, task.traffic).ground(task.shard, 1, task.scenes)
+def _exposed(params: Params, models: Path, goals: Path, traffic: Path, part: tuple[Path, int]) -> Exposure:
+    """`part`: a shard, and of how many scenes of it."""
+    shard, scenes = part
+    ground = Made.open(models, params.planner, goals, traffic).ground(shard, 1, scenes)
     drawn = draw_scenes(ground, params.draws, params.tries, params.seed)
     return Exposure.of(drawn, params.make(), params.draws, params.reaction)
 
 
-def _table(found: Exposure, names: Sequence[str]) -> pa.Table:
+def _table(exposure: Exposure, names: Sequence[str]) -> pa.Table:
     """A row for each draw; of each driver whether it failed, and how near [m] the others came."""
-    scenes, draws, _ = found.failed.shape
-    at = {"scenario": np.repeat(found.scenarios, draws), "draw": np.tile(np.arange(draws, dtype=np.int32), scenes)}
-    failed = {name: found.failed[:, :, m].ravel() for m, name in enumerate(names)}
-    return pa.table(at | failed | {f"{name}.near": found.near[:, :, m].ravel() for m, name in enumerate(names)})
+    scenes, draws, _ = exposure.failed.shape
+    at = {"scenario": np.repeat(exposure.scenarios, draws), "draw": np.tile(np.arange(draws, dtype=np.int32), scenes)}
+    failed = {name: exposure.failed[:, :, m].ravel() for m, name in enumerate(names)}
+    return pa.table(at | failed | {f"{name}.near": exposure.near[:, :, m].ravel() for m, name in enumerate(names)})
 
 
 if __name__ == "__main__":

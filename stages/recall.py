@@ -51,7 +51,7 @@ class Params:
 
     def __post_init__(self) -> None:
         if not self.queries:
-            raise UnusableInput("params.yaml: recall.queries: name at least one number of runs")
+            raise UnusableInput("stages/params.yaml: recall.queries: name at least one number of runs")
 
     def searching(self) -> dict[str, Adversary]:
         """All that search, a variant by `drivegen_cs.<name>`."""
@@ -60,7 +60,7 @@ class Params:
             name: plugins.make("adversaries", name, self.adversaries, place) for name in self.adversaries
         }
         for name, settings in self.variants.items():
-            made[f"{VARIED}.{name}"] = own(build(own.settings_type, settings, f"params.yaml: recall.variants.{name}"))
+            made[f"{VARIED}.{name}"] = own(build(own.settings_type, settings, f"stages/params.yaml: recall.variants.{name}"))
         return made
 
 
@@ -101,8 +101,12 @@ def _rows(recall: Recall, params: Params) -> Iterator[dict[str, Any]]:
     yield {"method": EVERY, "queries": None, "metric": "counted", **_mean(recall.open, whole, recall, params)}
     for method, search in recall.searches.items():
         for queries in params.queries:
-            found = search.first <= queries
-            shares = {"counted": (found, whole), "avoidable": (found & search.avoidable, whole), "recall": (found, recall.open)}
+            hit = search.first <= queries
+            shares = {
+                "counted": (hit, whole),
+                "avoidable": (hit & search.avoidable, whole),
+                "recall": (hit, recall.open),
+            }
             for metric, (values, among) in shares.items():
                 yield {"method": method, "queries": queries, "metric": metric, **_mean(values, among, recall, params)}
 

@@ -9,14 +9,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-from drivegen.adversaries.shared.arena import Bounds
 from drivegen.adversaries.shared.findings import Findings
 from drivegen.adversaries.shared.repair import BEFORE, LONGER, REPAIRED, Half, attacked, found_cases, halved, repair_rows
 from drivegen.core import plugins
 from drivegen.core.samples import Samples
-from drivegen.core.settings import Count, Index, Within
+from drivegen.core.settings import Count
 from drivegen.drivers.base import Driver
 from drivegen.drivers.shared.conditions import Traffic
 from drivegen.drivers.shared.lessons import Lessons
@@ -26,46 +25,32 @@ from drivegen.rollout.scene import Choices
 from drivegen.store.files import write_json
 from drivegen.store.lookup import logs_below
 from drivegen.store.scenarios import shards
-from drivegen.world.reactive import Reaction
 from stages._door import enter, require
 from stages._ground import Made
+from stages._lessons import CornerCases
 
 
 @dataclass(frozen=True)
-class Params:
-    """Section `repair`.
-
-    Attributes:
-        share: of the lessons that are cases; the rest are logs. drivers: how each is taught (`base`), and tuned (`tuned`).
-        adversaries: who tests, and its settings; what those that search find are the cases. The others are as in `attack`.
-    """
+class Params(CornerCases):
+    """`drivers`: how each is taught (`base`), and tuned (`tuned`). Adversaries test, too; those that search find the cases."""
 
     seed: int
-    share: Annotated[float, Within(0, 0.9)]
     drivers: dict[str, dict[str, Any]]
-    adversaries: dict[str, dict[str, Any]]
-    planner: str
-    samples: Count
-    allowed: str
-    queries: Count
-    reaction_steps: Index
-    reaction: Reaction
     draws: Count
 
 
 def main(params: Params, scenarios: Path, models: Path, goals: Path, traffic: Path, out: Path, results: Path) -> None:
     """Teach, attack, teach with what was found, attack again."""
     both, pupil = _halved(params, scenarios / "test", models, goals, traffic), _Pupil(params, scenarios, out)
-    who = {name: plugins.make("adversaries", name, params.adversaries, "repair.adversaries") for name in params.adversaries}
-    bounds = Bounds(params.allowed, params.queries, params.reaction_steps)
+    who, seed = params.searching("repair"), params.seed
 
     def tested(*drivers: Driver) -> list[dict[str, Findings]]:
-        return [attacked(d, half, who, bounds, params.seed, params.reaction) for d, half in zip(drivers, both, strict=True)]
+        return [attacked(d, half, who, params.bounds, seed, params.reaction) for d, half in zip(drivers, both, strict=True)]
 
-    found = tested(pupil.before, pupil.before)
-    cases = [exemplary([(case.scenario, case.traffic) for case in found_cases(half)]) for half in found]
+    before = tested(pupil.before, pupil.before)
+    cases = [exemplary([(case.scenario, case.traffic) for case in found_cases(half)]) for half in before]
     longer = pupil.tuned(LONGER, pupil.logs)
-    tests = {BEFORE: found, LONGER: tested(longer, longer), REPAIRED: tested(*(pupil.repaired(n, cases[1 - n]) for n in (0, 1)))}
+    tests = {BEFORE: before, LONGER: tested(longer, longer), REPAIRED: tested(*(pupil.repaired(n, cases[1 - n]) for n in (0, 1)))}
     write_json(results, list(repair_rows(tests, sum(map(len, cases)), params.draws, params.seed)))
 
 

@@ -47,24 +47,25 @@ def main(params: Params, scenarios: Path, traffic: Path, cases: Path, results: P
     for name in params.drivers:
         driver = plugins.make("drivers", name, params.drivers, "survival.drivers")
         for attack in params.attacks:
-            found = read_cases(cases / name / attack, as_it_is)
+            attack_cases = read_cases(cases / name / attack, as_it_is)
             rows += [
-                {"method": attack.partition(".")[0], "driver": name, **row} for row in _held(found, as_it_is, driver, params)
+                {"method": attack.partition(".")[0], "driver": name, **row}
+                for row in _held(attack_cases, as_it_is, driver, params)
             ]
     write_json(results, rows)
 
 
-def _held(found: list[Samples], as_it_is: Traffic, driver: Driver, params: Params) -> Iterator[dict[str, Any]]:
+def _held(cases: list[Samples], as_it_is: Traffic, driver: Driver, params: Params) -> Iterator[dict[str, Any]]:
     """Of every way of reacting the share of the cases that hold, with 95 % over recordings."""
-    if not found:
+    if not cases:
         return
-    scenarios, before = zip(*[as_it_is[case.scenario_id] for case in found], strict=True)
-    again = replays(scenarios, before, [case.motion[0] for case in found], driver, params.reaction)
+    scenarios, before = zip(*[as_it_is[case.scenario_id] for case in cases], strict=True)
+    again = replays(scenarios, before, [case.motion[0] for case in cases], driver, params.reaction)
     held = survival(again, driver, attentions(params.reaction))
     columns = np.column_stack(list(held.values())).astype(np.float64)
-    recordings, random = [recording(case.scenario_id) for case in found], rng(params.seed, "survival", "bootstrap")
+    recordings, random = [recording(case.scenario_id) for case in cases], rng(params.seed, "survival", "bootstrap")
     for (name, who), interval in zip(held, bootstrap_means(columns, recordings, params.draws, random), strict=True):
-        yield {"attention": name, "reacting": str(who), **asdict(interval), "n": len(found)}
+        yield {"attention": name, "reacting": str(who), **asdict(interval), "n": len(cases)}
 
 
 if __name__ == "__main__":

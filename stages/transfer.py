@@ -38,24 +38,24 @@ def main(params: Params, scenarios: Path, traffic: Path, cases: Path, results: P
     as_it_is, rows = read_traffic(scenarios, traffic), []
     for found_for in params.drivers:
         for method, attack in params.attacks.items():
-            found = read_cases(cases / found_for / attack, as_it_is)
-            rows += [{"method": method, "found_for": found_for, **row} for row in _driven(found, as_it_is, params)]
+            attack_cases = read_cases(cases / found_for / attack, as_it_is)
+            rows += [{"method": method, "found_for": found_for, **row} for row in _driven(attack_cases, as_it_is, params)]
     write_json(results, rows)
 
 
-def _driven(found: list[Samples], as_it_is: Traffic, params: Params) -> Iterator[dict[str, Any]]:
+def _driven(cases: list[Samples], as_it_is: Traffic, params: Params) -> Iterator[dict[str, Any]]:
     """Of each driver the share of the cases in which it has a counted collision, and of their scenes without the attack."""
-    if not found:
+    if not cases:
         return
-    scenarios, untouched = zip(*[as_it_is[case.scenario_id] for case in found], strict=True)
+    scenarios, untouched = zip(*[as_it_is[case.scenario_id] for case in cases], strict=True)
     drivers = [plugins.make("drivers", name, params.drivers, "transfer.drivers") for name in params.drivers]
-    recordings = [recording(case.scenario_id) for case in found]
-    for metric, traffic in (("counted", [case.motion[0] for case in found]), ("untouched", untouched)):
+    recordings = [recording(case.scenario_id) for case in cases]
+    for metric, traffic in (("counted", [case.motion[0] for case in cases]), ("untouched", untouched)):
         outcomes = plugins.load("simulators", SIMULATOR)().run_each(drivers, scenarios, traffic)
         columns = np.array([outcome.counted for outcome in outcomes], np.float64).T
         random = rng(params.seed, "transfer", "bootstrap")
         for driver, interval in zip(params.drivers, bootstrap_means(columns, recordings, params.draws, random), strict=True):
-            yield {"driver": driver, "metric": metric, **asdict(interval), "n": len(found)}
+            yield {"driver": driver, "metric": metric, **asdict(interval), "n": len(cases)}
 
 
 if __name__ == "__main__":

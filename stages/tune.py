@@ -77,7 +77,7 @@ def main(
     tuner.base.write(out / BASE, name)
     driver = plugin(plugin.settings_type(weights=str(out / BASE), sees_rules=True))
     sources = Sources(scenarios / "test", scenes, futures, models, goals, traffic)
-    rows = ((row, Lessons.of(found)) for row, found in sources.of(params.rows(seed), driver, seed))
+    rows = ((row, Lessons.of(driven)) for row, driven in sources.of(params.rows(seed), driver, seed))
     grades = {BASE: [asdict(grade) for grade in tuner.grades]}
     for row, lessons in chain([(LONGER, train)], rows):
         policy, looked = tuner.tune(lessons, say(row))

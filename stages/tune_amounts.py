@@ -5,6 +5,7 @@ They begin with the first frame of a scenario, like the pipeline's own.
 """
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from drivegen.core import plugins
@@ -28,27 +29,17 @@ class Params:
     generation: Settings
 
 
-@dataclass(frozen=True)
-class Task:
-    """One shard."""
-
-    shard: Path
-    models: Path
-    out: Path
-    params: Params
-
-
 def main(params: Params, scenarios: Path, models: Path, out: Path) -> None:
     """Shard after shard."""
-    tasks = [Task(file, models, out, params) for file in shards(require(scenarios, "run the ingest stage"))]
-    for _ in spread(_generate_shard, tasks, params.workers, "tune_amounts"):
+    files, work = shards(require(scenarios, "run the ingest stage")), partial(_generate_shard, params, models, out)
+    for _ in spread(work, files, params.workers, "tune_amounts"):
         pass
 
 
-def _generate_shard(task: Task) -> None:
-    scenarios = [first_frame(scenario) for scenario in read_shard(task.shard)]
-    generator = plugins.load("generators", METHOD)(task.models, task.params.generation)
-    write_samples(task.out / task.shard.name, generator.generate(scenarios, task.params.samples, task.params.seed))
+def _generate_shard(params: Params, models: Path, out: Path, shard: Path) -> None:
+    scenarios = [first_frame(scenario) for scenario in read_shard(shard)]
+    generator = plugins.load("generators", METHOD)(models, params.generation)
+    write_samples(out / shard.name, generator.generate(scenarios, params.samples, params.seed))
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import yaml
 
+from drivegen.core.settings import MEASURES
 from drivegen.placement.table import build_table
 from drivegen.store.assets import write_assets
 from tests.scenes import busy_crossing
@@ -13,11 +14,13 @@ PARAMS = Path(__file__).parents[1] / "params.yaml"
 
 
 def make_project(folder: Path, models: Path) -> Path:
-    """`folder` with params.yaml, data/assets.parquet and a copy of `models` as data/models."""
+    """`folder` with both files of parameters, data/assets.parquet and a copy of `models` as data/models."""
     tree = yaml.safe_load(PARAMS.read_text())
     for section in ("rollout", "ship"):
         tree[section]["generation"]["rollout"] |= {"attempts": 2, "rounds": 2}
     (folder / "params.yaml").write_text(yaml.safe_dump(tree))
+    (folder / MEASURES).parent.mkdir()
+    shutil.copy(PARAMS.parent / MEASURES, folder / MEASURES)
     shutil.copytree(models, folder / "data" / "models")
     write_assets(folder / "data" / "assets.parquet", build_table([busy_crossing()]).to_arrow())
     return folder

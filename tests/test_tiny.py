@@ -72,8 +72,7 @@ def test_nothing_is_left_to_do_for_dvc(tiny):
 def test_dvc_alone_gives_the_same_bytes_in_one_process_with_another_hash_seed(tiny):
     before = hashes(tiny)
     shutil.rmtree(tiny / ".drivegen")  # nothing may be taken from what the first run kept outside DVC
-    params = yaml.safe_load((tiny / "params.yaml").read_text())
-    (tiny / "params.yaml").write_text(yaml.safe_dump(workspace.overridden(params, {"run.workers": 1}), sort_keys=False))
+    workspace.override(tiny, {"run.workers": 1})
     said = run(tiny, "dvc", "repro", "--force", PYTHONHASHSEED="123")
     assert said.count("Running stage") == len(yaml.safe_load((tiny / "dvc.lock").read_text())["stages"])
     assert hashes(tiny) == before

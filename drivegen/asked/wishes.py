@@ -107,7 +107,7 @@ def _fill(density: Density | None, densities: Mapping[str, Fill]) -> Fill | None
     if density in (None, Density.NONE):
         return None
     if density not in densities:
-        raise UnusableInput(f"params.yaml says nothing of the density {density} (asked.settings.densities)")
+        raise UnusableInput(f"stages/params.yaml says nothing of the density {density} (asked.settings.densities)")
     fill = densities[density]
     if not 1 <= fill.vehicles <= MOST or fill.radius <= 0:
         raise UnusableInput(f"density {density}: vehicles must lie between 1 and {MOST}, the radius be positive")

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from drivegen.core.settings import read_section, read_tree
+from drivegen.core.settings import read_section, read_yaml
 from drivegen.drivers.base import Driver
 from drivegen.drivers.shared.file import FileDriver
 from drivegen.drivers.shared.version import version
@@ -14,5 +14,5 @@ def driver_of(word: str) -> Driver:
     """The driver of a Python file; or the one that a YAML file describes, with what differs in its settings; or of that name."""
     if word.endswith(".py"):
         return FileDriver(Path(word))
-    said = read_tree(Path(word)) if word.endswith(".yaml") else {word: {}}
-    return version(said, read_section(SECTION), SECTION, word)
+    drivers = read_yaml(Path(word)) if word.endswith(".yaml") else {word: {}}
+    return version(drivers, read_section(SECTION), SECTION, word)

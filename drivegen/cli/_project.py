@@ -33,8 +33,8 @@ ASSETS, GAPS = Path("data/assets.parquet"), Path("data/gaps.parquet")
 
 def some_of(kind: type[S], section: str) -> S:
     """Those settings of a section of params.yaml that `kind` has."""
-    said = read_section(section)
-    return build(kind, {field.name: said[field.name] for field in fields(kind) if field.name in said}, f"params.yaml: {section}")
+    own = read_section(section)
+    return build(kind, {field.name: own[field.name] for field in fields(kind) if field.name in own}, f"params.yaml: {section}")
 
 
 def selection(vehicles: int) -> SelectionSettings:
@@ -50,7 +50,7 @@ def initial(vehicles: int) -> InitialSettings:
 
 def asked_settings() -> AskedSettings:
     """How traffic in words is looked for."""
-    return build(AskedSettings, read_section("asked.settings"), "params.yaml: asked.settings")
+    return build(AskedSettings, read_section("asked.settings"), "stages/params.yaml: asked.settings")
 
 
 def generation(*, scored: bool) -> GeneratorSettings:

@@ -39,7 +39,7 @@ def command(
     strict: Annotated[bool, Option("--strict", help=f"Exit with {UNDECIDED} where the two are not told apart.")] = False,
 ) -> None:
     """Drive OLD and NEW through the same scenes and say whether NEW is worse. Exits with 3 if it is, else with 0."""
-    settings = build(Settings, read_section("gate.settings"), "params.yaml: gate.settings")
+    settings = build(Settings, read_section("gate.settings"), "stages/params.yaml: gate.settings")
     drivers = driver_of(old), driver_of(new)
     with _folder(out) as folder:  # refused before anything is driven
         if (scenarios / "samples").is_dir():

@@ -26,7 +26,7 @@ HOUR = 3600.0
 
 @dataclass(frozen=True)
 class _Settings:
-    """What of params.yaml, `rates`, is asked for here (see `stages/rates.py`)."""
+    """What of stages/params.yaml, `rates`, is asked for here (see `stages/rates.py`)."""
 
     draws: Count
     tries: Count
@@ -45,8 +45,8 @@ def command(
     out: Annotated[Path | None, Option(help="A JSON file for what was found.")] = None,
 ) -> None:
     """Say how often DRIVER fails in law-abiding generated traffic, with an interval, running it where others come near."""
-    said = _project.some_of(_Settings, "rates")
-    settings, tested, seed = replace(said, draws=draws or said.draws), driver_of(driver), read_section("run")["seed"]
+    defaults = _project.some_of(_Settings, "rates")
+    settings, tested, seed = replace(defaults, draws=draws or defaults.draws), driver_of(driver), read_section("run")["seed"]
     where = {scenario.scenario_id: scenario for scenario, _ in read_traffic(scenarios)}
     scenes, left_out = _draw(list(where.values())[:most], settings, seed)
     if not scenes:
@@ -54,15 +54,15 @@ def command(
             f"{scenarios}: in none of {len(left_out)} scenes are {settings.draws} of {settings.tries} draws legal"
         )
     pool = Pool(scenes, tested, settings.reaction)
-    found = estimate(pool.near(tested), lambda picks: pool.failed(tested, picks), runs, rng(seed, "rate"))
+    result = estimate(pool.near(tested), lambda picks: pool.failed(tested, picks), runs, rng(seed, "rate"))
     if out:
         about = {"driver": driver, "folder": str(scenarios), "scenes": len(scenes), "left_out": left_out, "draws": settings.draws}
-        strata = {"edges": EDGES.tolist(), "share": found.share.tolist(), "runs": found.runs.tolist()}
-        strata |= {"failed": found.failed.tolist()}
-        write_json(out, about | asdict(found.rate) | {"seconds": pool.seconds, "strata": strata})
+        strata = {"edges": EDGES.tolist(), "share": result.share.tolist(), "runs": result.runs.tolist()}
+        strata |= {"failed": result.failed.tolist()}
+        write_json(out, about | asdict(result.rate) | {"seconds": pool.seconds, "strata": strata})
     console = Console(soft_wrap=True, highlight=False, markup=False)
-    console.print(_table(found))
-    console.print(_sentence(tested.name, found, pool, len(left_out)))
+    console.print(_table(result))
+    console.print(_sentence(tested.name, result, pool, len(left_out)))
 
 
 def _draw(scenarios: list[Scenario], settings: _Settings, seed: int) -> tuple[list[Drawn], list[str]]:
@@ -73,20 +73,20 @@ def _draw(scenarios: list[Scenario], settings: _Settings, seed: int) -> tuple[li
     return with_enough(watched, settings.draws)
 
 
-def _table(found: Estimate) -> Table:
+def _table(result: Estimate) -> Table:
     table = Table("others come as near as", "share of draws", "runs", "failed", box=None, pad_edge=False)
     names = [*(f"less than {edge:g} m" for edge in EDGES), "farther"]
-    for name, share, runs, failed in zip(names, found.share, found.runs, found.failed, strict=True):
+    for name, share, runs, failed in zip(names, result.share, result.runs, result.failed, strict=True):
         table.add_row(name, f"{share:.2%}", str(runs), str(failed))
     return table
 
 
-def _sentence(name: str, found: Estimate, pool: Pool, left_out: int) -> str:
-    rate, hourly = found.rate, HOUR / pool.seconds
+def _sentence(name: str, result: Estimate, pool: Pool, left_out: int) -> str:
+    rate, hourly = result.rate, HOUR / pool.seconds
     scenes = f"{len(pool.scenes)} scenes" + (f" ({left_out} more have too little that is legal)" if left_out else "")
     return (
         f"{name}: {rate.value:.2g} counted collisions a scene (95 %: {rate.low:.2g} to {rate.high:.2g}), "
         f"{hourly * rate.value:.2g} an hour ({hourly * rate.low:.2g} to {hourly * rate.high:.2g}), by "
-        f"{found.runs.sum() + len(pool.scenes)} runs in {scenes}. Generated traffic that keeps the rules, neighbours that react; "
-        "in other scenes it would be another rate."
+        f"{result.runs.sum() + len(pool.scenes)} runs in {scenes}. Generated traffic that keeps the rules, neighbours that "
+        "react; in other scenes it would be another rate."
     )

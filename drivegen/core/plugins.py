@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from drivegen.core.errors import UnusableInput
-from drivegen.core.settings import build
+from drivegen.core.settings import build, file_of
 
 _NOT_PLUGINS = {"base"}
 
@@ -42,14 +42,14 @@ def load(folder: str, name: str) -> Any:
 
 
 def make(folder: str, name: str, settings: Mapping[str, Any], section: str) -> Any:
-    """The plugin made with its own of `settings`, which stand by its name in that section of params.yaml.
+    """The plugin made with its own of `settings`, which stand by its name in that section of the parameters.
 
     Raises UnusableInput as `load` does, where there are none, and where they are not what its `settings_type` says.
     """
-    plugin = load(folder, name)
+    plugin, file = load(folder, name), file_of(section)
     if name not in settings:
-        raise UnusableInput(f"params.yaml: {section} has no settings for {name!r}: write them there")
-    return plugin(build(plugin.settings_type, settings[name], f"params.yaml: {section}.{name}"))
+        raise UnusableInput(f"{file}: {section} has no settings for {name!r}: write them there")
+    return plugin(build(plugin.settings_type, settings[name], f"{file}: {section}.{name}"))
 
 
 def about(folder: str, name: str) -> dict[str, Any]:

@@ -1,6 +1,8 @@
 """Settings dataclasses from params.yaml, strictly: nothing unknown, nothing missing, nothing of the wrong type.
 
-Only doors (a stage, the command line) read params.yaml; everything behind them is handed its dataclass.
+Only doors (a stage, the command line) read params.yaml; everything behind them is handed its dataclass. Its sections stand in
+two files: those of stages that only measure us in `stages/params.yaml`. `like: SECTION` among names and values stands for
+those of that section, in whichever file, but for what is said beside it.
 """
 
 import dataclasses
@@ -19,11 +21,17 @@ P = TypeVar("P")
 PARAMS = Path("params.yaml")
 """In the project's folder, where every command runs."""
 
+MEASURES = Path("stages/params.yaml")
+"""Beside it: the sections of stages that only measure us."""
+
 SHARED = "run"
 """The params section whose keys (seed, workers) every stage may name among its own."""
 
 TRAINING = "training"
 """The params section whose values hold for every model whose own `training` does not name them."""
+
+LIKE = "like"
+"""The name beside which stands whose values hold where no others are said."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -59,13 +67,9 @@ def read_section(section: str, path: Path = PARAMS) -> dict[str, Any]:
     Where names and values are wanted, the name of a YAML file may stand for what is in it. Raises MissingTool where there is
     no such file, UnusableInput where it is no YAML or has no such section.
     """
-    tree: Any = read_tree(path)
-    for word in section.split("."):
-        if not isinstance(tree, dict) or word not in tree:
-            raise UnusableInput(f"{path} has no section {section!r}")
-        tree = _opened(tree[word])
+    tree = _found(section, read_tree(path), path)
     if tree is not None and not isinstance(tree, dict):
-        raise UnusableInput(f"{path}: {section} must have names and values, not {tree!r}")
+        raise UnusableInput(f"{file_of(section, path)}: {section} must have names and values, not {tree!r}")
     return tree or {}
 
 
@@ -76,7 +80,13 @@ def read_params(section: str, params: type[P], path: Path = PARAMS) -> P:
     shared = read_section(SHARED, path) if SHARED in read_tree(path) else {}
     for name in _SHARED_KINDS.keys() & shared.keys():
         _typed(_SHARED_KINDS[name], shared[name], f"{path}: {SHARED}.{name}")
-    return build(params, {**{k: v for k, v in shared.items() if k in own_names}, **own}, f"{path}: {section}")
+    return build(params, {**{k: v for k, v in shared.items() if k in own_names}, **own}, f"{file_of(section, path)}: {section}")
+
+
+def file_of(section: str, path: Path = PARAMS) -> Path:
+    """The one of the two files that the section stands in."""
+    beside = path.parent / MEASURES
+    return beside if beside.exists() and section.split(".")[0] in read_yaml(beside) else path
 
 
 def build(cls: type[P], values: dict[str, Any], place: str) -> P:
@@ -125,7 +135,7 @@ def _within(value: Any, bounds: tuple[Any, ...], place: str) -> Any:
     return value
 
 
-class _Loader(yaml.SafeLoader):
+class _Loader(yaml.CSafeLoader):
     """Takes no name twice in one section: the first value would be lost without a word."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
@@ -139,10 +149,23 @@ class _Loader(yaml.SafeLoader):
 
 
 def read_tree(path: Path = PARAMS) -> dict[str, Any]:
-    """All sections by name, with the values that a `training` has from the section of that name.
+    """All sections by name, with the values of the sections that they are like, and in a `training` those of that section.
 
-    Raises MissingTool where there is no such file, UnusableInput where it is no YAML.
+    Raises MissingTool where there is no such file, UnusableInput where it is no YAML, where a section stands in both files or
+    is like one that there is not.
     """
+    tree: dict[str, Any] = {}
+    for file, sections in _files(path).items():
+        if twice := tree.keys() & sections.keys():
+            raise UnusableInput(f"{min(twice)!r} is a section of {path} and, again, of {file}")
+        tree |= sections
+    alike = {name: _alike(section, tree, path, ()) for name, section in tree.items()}
+    trained: dict[str, Any] = _trained(alike, alike.get(TRAINING))
+    return trained
+
+
+def read_yaml(path: Path) -> dict[str, Any]:
+    """The names and values of any YAML file; raises MissingTool where it is not there, UnusableInput where it has none."""
     if not path.exists():
         raise MissingTool(f"{path} is not here: change into the project's folder, the one with the Makefile")
     try:
@@ -151,8 +174,43 @@ def read_tree(path: Path = PARAMS) -> dict[str, Any]:
         raise UnusableInput(f"{path} is not YAML: {str(error).splitlines()[0]}") from None
     if not isinstance(tree, dict):
         raise UnusableInput(f"{path} has no sections")
-    sections: dict[str, Any] = _trained(tree, tree.get(TRAINING))
-    return sections
+    values: dict[str, Any] = tree
+    return values
+
+
+def _files(path: Path) -> dict[Path, dict[str, Any]]:
+    """What stands in `path`, and in the second file if there is one."""
+    beside = path.parent / MEASURES
+    return {file: read_yaml(file) for file in (path, *([beside] if beside.exists() else []))}
+
+
+def _found(section: str, tree: Any, path: Path) -> Any:
+    """What stands under a dotted name; the file that a name stands for is opened."""
+    for word in section.split("."):
+        if not isinstance(tree, dict) or word not in tree:
+            raise UnusableInput(f"{path} has no section {section!r}")
+        tree = _opened(tree[word])
+    return tree
+
+
+def _alike(value: Any, tree: dict[str, Any], path: Path, within: tuple[str, ...]) -> Any:
+    """`value` with those of the sections that it is like; `within` are the sections that are being looked up."""
+    if not isinstance(value, dict):
+        return value
+    own = {name: _alike(inner, tree, path, within) for name, inner in value.items() if name != LIKE}
+    if LIKE not in value:
+        return own
+    section = str(value[LIKE])
+    if section in within:
+        raise UnusableInput(f"{path}: {section} is like itself")
+    return _over(_alike(_found(section, tree, path), tree, path, (*within, section)), own)
+
+
+def _over(base: Any, own: Any) -> Any:
+    """`own` values in place of those of `base`, name by name and at every depth."""
+    if not isinstance(base, dict) or not isinstance(own, dict):
+        return own
+    return {**base, **{name: _over(base.get(name), value) for name, value in own.items()}}
 
 
 def _written_out(hint: Any, value: Any) -> Any:
@@ -162,7 +220,7 @@ def _written_out(hint: Any, value: Any) -> Any:
 
 def _opened(value: Any) -> Any:
     """What is in a YAML file, where `value` is the name of one."""
-    return read_tree(Path(value)) if isinstance(value, str) and value.endswith(".yaml") else value
+    return read_yaml(Path(value)) if isinstance(value, str) and value.endswith(".yaml") else value
 
 
 def _trained(tree: Any, default: Any) -> Any:

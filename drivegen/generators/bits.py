@@ -27,7 +27,7 @@ from drivegen.core.samples import Samples
 from drivegen.core.scenario import DT, Scenario, Trajectories
 from drivegen.core.settings import Count, NotNegative, Positive
 from drivegen.generators._bits.learning import HELD_OUT, BitsObjective, DrivingExamples, Logs
-from drivegen.generators._bits.net import BitsNet, Plan, Seen, told_of
+from drivegen.generators._bits.net import BitsNet, Plan, Seen, numbers_of
 from drivegen.generators._bits.raster import Painted, rasters
 from drivegen.generators._bits.rules import EVERY, broken
 from drivegen.generators.shared.closed_loop import Crowd, Tracks
@@ -145,12 +145,12 @@ class Plugin(Learned):
 
     def _planned(self, fixed: _Scene, crowd: Crowd, step: int, chance: NDArray[np.float64]) -> Trajectories:
         """Motion (R, commit) of all vehicles from `step` on; `chance` (R, M) in [0, 1) draws the goals."""
-        told, seen, prediction = self._seen(fixed, crowd, step)
+        numbers, seen, prediction = self._seen(fixed, crowd, step)
         share = torch.log_softmax(seen.logit / self.settings.temperature, dim=1)
         odds = share.double().exp().cumsum(dim=1)
         cell = torch.searchsorted(odds, torch.from_numpy(chance) * odds[:, -1:], right=True).clamp(max=odds.shape[1] - 1)
         rows = torch.arange(len(cell))[:, None]
-        plan = self._plans(seen.code, told, seen.goal[rows, cell])
+        plan = self._plans(seen.code, numbers, seen.goal[rows, cell])
         state = crowd.state[fixed.box]
         predicted = _extrapolated(crowd, self.settings.horizon)
         predicted[fixed.box] = _looks(state, Plan(*(part[:, None] for part in prediction)))[:, 0]
@@ -177,21 +177,21 @@ class Plugin(Learned):
             steps = np.full(CHUNK, step)
             pictures = rasters(fixed.painted, crowd, fixed.group[rows], box, fixed.scene[rows], steps, self.settings.horizon * DT)
             speed = np.hypot(crowd.state[box, 3], crowd.state[box, 4])
-            told = told_of(*(torch.from_numpy(a) for a in (speed, crowd.size[box], fixed.kind[rows])))
-            seen = self.net.see(torch.from_numpy(pictures), told)
-            parts.append([part[:count] for part in (told, *seen, *self.net.predict(seen.code, told))])
+            numbers = numbers_of(*(torch.from_numpy(a) for a in (speed, crowd.size[box], fixed.kind[rows])))
+            seen = self.net.see(torch.from_numpy(pictures), numbers)
+            parts.append([part[:count] for part in (numbers, *seen, *self.net.predict(seen.code, numbers))])
         joined = [torch.cat(part) for part in zip(*parts, strict=True)]
         if step == 0:
             joined = [part[torch.from_numpy(fixed.same)] for part in joined]
         return joined[0], Seen(*joined[1:4]), Plan(*joined[4:])
 
-    def _plans(self, code: Tensor, told: Tensor, goal: Tensor) -> Plan:
+    def _plans(self, code: Tensor, numbers: Tensor, goal: Tensor) -> Plan:
         """Plans (R, M, T), in chunks of CHUNK vehicles."""
         parts = []
         for low in range(0, len(code), CHUNK):
             count = min(CHUNK, len(code) - low)
             rows = torch.from_numpy(np.resize(np.arange(low, low + count), CHUNK))
-            parts.append([part[:count] for part in self.net.plan(code[rows], told[rows], goal[rows])])
+            parts.append([part[:count] for part in self.net.plan(code[rows], numbers[rows], goal[rows])])
         return Plan(*(torch.cat(part) for part in zip(*parts, strict=True)))
 
 

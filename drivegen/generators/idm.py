@@ -151,8 +151,8 @@ class Plugin(Learned):
         draws = rng.random((samples, len(scenario.vehicles)))
         way = (ways.start[:-1] + (draws * np.diff(ways.start)).astype(np.intp)).reshape(-1)
         wish = rng.laplace(float(self.net.middle), float(self.net.log_scale.exp()), way.shape).clip(*WISHES).astype(np.float32)
-        known = np.nan_to_num(ways.limit[way], nan=self.settings.driver.desired_speed)
-        crowd = Crowd.of(scenario, ways.point[way], known * wish[:, None], ways.lane[way], ways.parked)
+        limits = np.nan_to_num(ways.limit[way], nan=self.settings.driver.desired_speed)
+        crowd = Crowd.of(scenario, ways.point[way], limits * wish[:, None], ways.lane[way], ways.parked)
         driven = drive(crowd, Driver(self.settings.driver), scenario.steps)
         return Samples.without_goals(scenario.scenario_id, self.name, motion(crowd, scenario, *driven))
 

@@ -116,11 +116,11 @@ class Plugin(Learned):
             for row, scenario in enumerate(chunk):
                 dense = filled_in(knots[row], scenes.speed[row])
                 motion = trajectories(scenario, *(x[:, : len(scenario.vehicles)] for x in dense))
-                made.append(Samples.without_goals(scenario.scenario_id, self.said, motion))
+                made.append(Samples.without_goals(scenario.scenario_id, self.label, motion))
         return made
 
     @property
-    def said(self) -> str:
+    def label(self) -> str:
         """The method's name in what it makes."""
         return self.name
 
@@ -149,19 +149,19 @@ class Plugin(Learned):
 
     def bounds(self) -> dict[str, Learned]:
         """Told the log's actions."""
-        told = LogCode.__new__(LogCode)
-        told.settings, told.net = self.settings, self.net
-        return {told.said: told}
+        informed = LogCode.__new__(LogCode)
+        informed.settings, informed.net = self.settings, self.net
+        return {informed.label: informed}
 
-    def _knots(self, scenes: Scenes, noise: "Noise", known: NDArray[np.int64] | None) -> NDArray[np.float32]:
+    def _knots(self, scenes: Scenes, noise: "Noise", given: NDArray[np.int64] | None) -> NDArray[np.float32]:
         """Knots (CHUNK, K, A, J, 2) in the vehicles' frames."""
-        net, told = self.net.net, scenes.tensors(torch.device("cpu"))
-        roads, vehicles, state = net.roads(told), net.vehicles(told), torch.from_numpy(state_code(scenes))
+        net, inputs = self.net.net, scenes.tensors(torch.device("cpu"))
+        roads, vehicles, state = net.roads(inputs), net.vehicles(inputs), torch.from_numpy(state_code(scenes))
         drawn = []
         for k in range(noise.actions.shape[1]):
-            actions = self._actions(vehicles, noise.actions[:, k]) if known is None else torch.from_numpy(known)
-            decoded = net.decoded(told, roads, torch.cat([state, actions], dim=-1), vehicles)
-            knots, logits = net.moved(told, decoded)
+            actions = self._actions(vehicles, noise.actions[:, k]) if given is None else torch.from_numpy(given)
+            decoded = net.decoded(inputs, roads, torch.cat([state, actions], dim=-1), vehicles)
+            knots, logits = net.moved(inputs, decoded)
             mode = (logits / self.settings.temperature + noise.modes[:, k]).argmax(-1)
             index = mode[..., None, None, None].expand(*mode.shape, 1, *knots.shape[-2:])
             drawn.append(knots.gather(2, index)[:, :, 0])
@@ -182,7 +182,7 @@ class LogCode(Plugin):
     backend = "recorded"
 
     @property
-    def said(self) -> str:
+    def label(self) -> str:
         """See `Plugin`."""
         return "lctgen_log_code"
 

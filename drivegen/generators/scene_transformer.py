@@ -144,11 +144,11 @@ class _BestOfF:
     def _of(self, model: nn.Module, scenes: SceneTensors) -> Tensor:
         knots, logits = model(scenes)
         truth = at_knots(local_future(scenes))[:, None]
-        known = at_knots(scenes.known[..., None]).to(knots)[:, None, ..., 0]
+        logged = at_knots(scenes.logged[..., None]).to(knots)[:, None, ..., 0]
         gap = ((knots - truth) ** 2).sum(-1).add(1e-4).sqrt()
-        steps = known.sum(-1)
+        steps = logged.sum(-1)
         agents = (steps > 0).to(gap)
-        each = (gap * known).sum(-1) / steps.clamp_min(1)
+        each = (gap * logged).sum(-1) / steps.clamp_min(1)
         joint = (each * agents).sum(-1) / agents.sum(-1).clamp_min(1)  # (S, F)
         best, which = joint.min(dim=1)
         displacement = (1 - self.relaxed) * best + self.relaxed * joint.mean(dim=1)

@@ -107,16 +107,16 @@ class Plugin(Learned):
         What others do is known as it happens. A motion is told in the nearest tokens; how far it is from these does not count.
         """
         counts, plain, nobody = (self.settings.lanes, self.settings.boxes), Slips(0.0, 1, 0.0), np.random.default_rng(0)
-        words, zero, found = Vocabulary(self.net.way.numpy()), np.zeros(1, np.int64), []
+        words, zero, means = Vocabulary(self.net.way.numpy()), np.zeros(1, np.int64), []
         for scenario, motion in zip(scenarios, traffic, strict=True):
-            told = Examples(self.examples(self.settings, [replace(scenario, log=motion)]), words, counts)
-            seen, target = told.batch(zero, zero, zero, plain, nobody)
+            tokenised = Examples(self.examples(self.settings, [replace(scenario, log=motion)]), words, counts)
+            seen, target = tokenised.batch(zero, zero, zero, plain, nobody)
             with torch.inference_mode():
                 odds = self.net(seen)[0].log_softmax(-1).gather(-1, target.clamp_min(0)[..., None])[..., 0]
-            known = (target >= 0).numpy()
-            total = np.where(known, odds.numpy().astype(np.float64), 0.0).sum(1)
-            found.append(np.where(known.any(1), total / np.maximum(known.sum(1), 1), np.nan))
-        return found
+            scored = (target >= 0).numpy()
+            total = np.where(scored, odds.numpy().astype(np.float64), 0.0).sum(1)
+            means.append(np.where(scored.any(1), total / np.maximum(scored.sum(1), 1), np.nan))
+        return means
 
     def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         """K = `samples` futures of each scenario, driven in closed loop, all of a scenario at once."""

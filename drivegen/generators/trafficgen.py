@@ -89,8 +89,8 @@ class TrafficGenNet(nn.Module):
 
     def forward(self, half: str, lanes: Tensor, lane_there: Tensor, boxes: Tensor, box_there: Tensor) -> Modes | Regions:
         """The `half` "motion" or "placement" of `Surroundings`."""
-        found: Modes | Regions = getattr(self, half)(lanes, lane_there, boxes, box_there)
-        return found
+        output: Modes | Regions = getattr(self, half)(lanes, lane_there, boxes, box_there)
+        return output
 
 
 class Plugin(Learned):

@@ -66,7 +66,8 @@ class Records:
         reply_fields = {"text": reply.text, "input_tokens": reply.input_tokens, "output_tokens": reply.output_tokens}
         key = key_of(request)
         write_json(
-            self._file(key), {"key": key, "request": told(request), "reply": reply_fields, "sha256": _digest(reply_fields)}
+            self._file(key),
+            {"key": key, "request": fields_of(request), "reply": reply_fields, "sha256": _digest(reply_fields)},
         )
 
     def _file(self, key: str) -> Path:
@@ -75,10 +76,10 @@ class Records:
 
 def key_of(request: Request) -> str:
     """SHA-256 of the request as canonical JSON: model, prompt version, messages, schema, sample and output mode."""
-    return _digest(told(request))
+    return _digest(fields_of(request))
 
 
-def told(request: Request) -> dict[str, Any]:
+def fields_of(request: Request) -> dict[str, Any]:
     """The request as plain values, pictures as their digests."""
     parts = [
         {"image": hashlib.sha256(part.content).hexdigest(), "media_type": part.media_type} if isinstance(part, Image) else part

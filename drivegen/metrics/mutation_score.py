@@ -81,7 +81,9 @@ class Settings:
 
     def __post_init__(self) -> None:
         if not self.looks or list(self.looks) != sorted(set(self.looks)):
-            raise UnusableInput("params.yaml: mutation_score.test.looks must be numbers of runs, each more than the one before")
+            raise UnusableInput(
+                "stages/params.yaml: mutation_score.test.looks must be numbers of runs, each above the one before"
+            )
 
 
 def holm(p: NDArray[np.floating], level: float) -> NDArray[np.bool_]:

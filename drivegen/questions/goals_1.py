@@ -54,8 +54,8 @@ def shown(case: Case, pixels: int, wording: Wording) -> tuple[str, Image]:
     c, order = case.candidates, case.order
     seen = departures(case.scenario, case.vehicle, c, Exits.of(case.scenario.map))
     picture, _ = draw_bird_eye(case.scenario, case.vehicle, seen.place[order], c.lane[order], pixels)
-    told = f"{_situation(case, wording)}\n{_table(case, seen)}"
-    return fenced(f"vehicle_{case.vehicle}", told), Image(png(picture), "image/png")
+    text = f"{_situation(case, wording)}\n{_table(case, seen)}"
+    return fenced(f"vehicle_{case.vehicle}", text), Image(png(picture), "image/png")
 
 
 def _situation(case: Case, wording: Wording) -> str:

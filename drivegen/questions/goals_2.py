@@ -82,8 +82,8 @@ def show(case: Case, pixels: int, wording: Wording) -> tuple[str, Image]:
     others = Others.of(scenario, n, reach)
     picture, _ = draw_goal_picture(scenario, n, position, others.letters, reach, pixels)
     own = _own(c)
-    told = [_situation(case, wording, others, own), others.table(own), table(case, seen, others, own)]
-    return fenced(f"vehicle_{n}", "\n".join(told)), Image(png(picture), "image/png")
+    facts = [_situation(case, wording, others, own), others.table(own), table(case, seen, others, own)]
+    return fenced(f"vehicle_{n}", "\n".join(facts)), Image(png(picture), "image/png")
 
 
 def _own(c: Candidates) -> list[Route]:
@@ -140,7 +140,7 @@ def _ahead(case: Case, others: Others, own: Route) -> str:
         return "Nobody is seen ahead in its lane."
     half = float(case.scenario.vehicles.size[case.vehicle, 0]) / 2
     line = min((p.begin for p in passages(case.scenario.map, case.scenario.signals, own) if p.begin > 0), default=np.inf)
-    told = [
+    facts = [
         f"{others.name(i)} after {max(s - half - float(others.length[i]) / 2, 0.0):.0f} m ({pace(speed)}"
         + (", beyond the line)" if s > line else ")")
         for i, s, speed in queue[:MOST_AHEAD]
@@ -148,7 +148,7 @@ def _ahead(case: Case, others: Others, own: Route) -> str:
     more = f" and {len(queue) - MOST_AHEAD} more" if len(queue) > MOST_AHEAD else ""
     halted = sum(speed < HALTED and s < line for _, s, speed in queue)
     stand = f" {halted} of them stand or creep before the junction." if halted > 1 and np.isfinite(line) else ""
-    return f"Ahead in its lane: {', '.join(told)}{more}.{stand}"
+    return f"Ahead in its lane: {', '.join(facts)}{more}.{stand}"
 
 
 def _junction(case: Case, own: list[Route]) -> str:

@@ -79,8 +79,8 @@ class Others:
     def _row(self, i: int, routes: Sequence[Route]) -> str:
         forward, left = self.local[i].tolist()
         kind = VehicleKind(self.kind[i]).name.lower() + (" (the target)" if self.number[i] == TARGET else "")
-        told = (f"{self.letters[int(self.number[i])]}: {kind}", where(forward, left), self._way(i, routes), pace(self.speed[i]))
-        return "; ".join(told)
+        facts = (f"{self.letters[int(self.number[i])]}: {kind}", where(forward, left), self._way(i, routes), pace(self.speed[i]))
+        return "; ".join(facts)
 
     def _way(self, i: int, routes: Sequence[Route]) -> str:
         """Against the vehicle's own way: in its lane, lanes beside, oncoming, across."""

@@ -60,21 +60,21 @@ def _remarks(case: Case, shown: Departures, others: Others, queue: list[tuple[in
         after = shown.after[place.members]
         first, last = f"{after.min():.1f}", f"{after.max():.1f}"
         return [f"leaves the map here after {first} s" if first == last else f"leaves the map here after {first} to {last} s"]
-    told = ["beyond the map"] if c.leaves_map[i] else []
+    remarks = ["beyond the map"] if c.leaves_map[i] else []
     if c.route[i] == NO_ROUTE:
-        return told
+        return remarks
     s, half = float(c.s[i]), float(case.scenario.vehicles.size[case.vehicle, 0]) / 2
     waits = [p.begin for p in passages(case.scenario.map, case.scenario.signals, c.routes[c.route[i]]) if _may_wait(p)]
     if place.slowest < STANDING and any(0 <= line - half - s < AT_LINE + STAND for line in waits):
-        told.append("at the line")
+        remarks.append("at the line")
     past = [others.name(k) for k, at, speed in queue if at < s + half and speed < SLOW]
     if past:
-        told.append(f"past {', '.join(past[:MOST_PAST])}{' and more' if len(past) > MOST_PAST else ''}")
+        remarks.append(f"past {', '.join(past[:MOST_PAST])}{' and more' if len(past) > MOST_PAST else ''}")
     elif place.slowest < STANDING and queue and queue[0][2] < SLOW:
         first, at, _ = queue[0]
         if 0 <= at - float(others.length[first]) / 2 - half - s < BEHIND:
-            told.append(f"close behind where {others.name(first)} is now")
-    return told
+            remarks.append(f"close behind where {others.name(first)} is now")
+    return remarks
 
 
 def _may_wait(p: Passage) -> bool:

@@ -108,7 +108,7 @@ def with_stops(scenario: Scenario, vehicle: int, c: Candidates) -> Candidates:
 
     No more than a list may hold (MOST), those of routes with fewer lane changes first; the given ones where nothing is missing.
     """
-    found: list[tuple[int, float]] = []
+    added: list[tuple[int, float]] = []
     stands = c.speed < STANDING
     for number, route in enumerate(c.routes):
         on = c.route == number
@@ -117,11 +117,11 @@ def with_stops(scenario: Scenario, vehicle: int, c: Candidates) -> Candidates:
         nearest, farthest = float(c.s[on].min()), float(c.s[on].max())
         for s in sorted(_stops(scenario, vehicle, route)):
             spot, _ = from_frenet(route, np.array([s]), _offset(c, number, s))
-            there = [*c.position[stands], *(from_frenet(c.routes[r], np.array([p]), _offset(c, r, p))[0][0] for r, p in found)]
+            there = [*c.position[stands], *(from_frenet(c.routes[r], np.array([p]), _offset(c, r, p))[0][0] for r, p in added)]
             near = np.hypot(*(np.array(there).reshape(-1, 2) - spot[0]).T) < NO_NEARER
-            if nearest - SPACING <= s <= farthest and len(c) + len(found) < MOST and not near.any():
-                found.append((number, s))
-    return _joined(c, found) if found else c
+            if nearest - SPACING <= s <= farthest and len(c) + len(added) < MOST and not near.any():
+                added.append((number, s))
+    return _joined(c, added) if added else c
 
 
 def _stops(scenario: Scenario, vehicle: int, route: Route) -> list[float]:
@@ -142,18 +142,18 @@ def _offset(c: Candidates, number: int, s: float) -> NDArray[np.float64]:
     return np.array([float(c.offset[number]) * np.exp(-s / SETTLE)])
 
 
-def _joined(c: Candidates, found: list[tuple[int, float]]) -> Candidates:
+def _joined(c: Candidates, added: list[tuple[int, float]]) -> Candidates:
     """With candidates that stand at (route, s); each takes half the prior of the candidate nearest to it."""
     rows: dict[str, list[Any]] = {name: [] for name in _COLUMNS}
     prior = c.prior.copy()
-    for number, s in found:
+    for number, s in added:
         route, d = c.routes[number], _offset(c, number, s)
         position, heading = from_frenet(route, np.array([s]), d)
         nearest = int(np.argmin(np.hypot(*(c.position - position[0]).T)))
         prior[nearest] /= 2
         at = min(int(s / SPACING), len(route.lane) - 1)
-        told = (position[0], wrap_angle(heading)[0], 0.0, number, s, d[0], c.step[0], manoeuvres(route, s, 0.0))
-        for name, value in zip(_COLUMNS, (*told, route.lane[at], s > route.exit_s, prior[nearest]), strict=True):
+        placed = (position[0], wrap_angle(heading)[0], 0.0, number, s, d[0], c.step[0], manoeuvres(route, s, 0.0))
+        for name, value in zip(_COLUMNS, (*placed, route.lane[at], s > route.exit_s, prior[nearest]), strict=True):
             rows[name].append(value)
     first = replace(c, prior=prior)
     columns: dict[str, Any] = {name: _longer(getattr(first, name), values) for name, values in rows.items()}

@@ -55,7 +55,7 @@ def passages(road: RoadMap, signals: Signals, route: Route) -> list[Passage]:
     inside = road.in_junction[route.lane]
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
     now = dict(zip(signals.lane.tolist(), signals.state[:, 0].tolist(), strict=True))
-    found = []
+    crossed = []
     for begin, end in edges.reshape(-1, 2).tolist():
         lane = int(route.lane[begin])
         after = end + round(SIDE / SPACING)
@@ -65,8 +65,8 @@ def passages(road: RoadMap, signals: Signals, route: Route) -> list[Passage]:
             turn = _across(road, lane)
         word = _turn(turn) + _fork(road, lane)
         control = LaneControl.SIGNAL if lane in now else int(road.control[lane])
-        found.append(Passage(begin * SPACING, end * SPACING, lane, word, control, now.get(lane, SignalState.UNKNOWN)))
-    return found
+        crossed.append(Passage(begin * SPACING, end * SPACING, lane, word, control, now.get(lane, SignalState.UNKNOWN)))
+    return crossed
 
 
 def way_words(road: RoadMap, signals: Signals, c: Candidates) -> list[str]:

@@ -65,7 +65,7 @@ def _row(amount: int, drivers: Mapping[str, Figures]) -> Row:
 def _picture(drivers: Mapping[str, Figures]) -> bytes:
     lines = {}
     for name, figures in drivers.items():
-        found = {str(amount): figures[_method(amount), PRIMARY] for amount in _amounts(figures)}
-        ends = {amount: (each["value"], each["low"], each["high"]) for amount, each in found.items()}
+        bars = {str(amount): figures[_method(amount), PRIMARY] for amount in _amounts(figures)}
+        ends = {amount: (each["value"], each["low"], each["high"]) for amount, each in bars.items()}
         lines[name.upper()] = {amount: three for amount, three in ends.items() if None not in three}
     return plots.steps(lines, "generated traffic, times the logs", HEADS[PRIMARY])

@@ -80,5 +80,5 @@ def _mean(values: Sequence[Any]) -> float | None:
 
 def mean_of_all(values: Sequence[float | bool | None]) -> float | None:
     """The mean over runs, None where one of them has none."""
-    known = [float(value) for value in values if value is not None]
-    return sum(known) / len(known) if len(known) == len(values) else None
+    numbers = [float(value) for value in values if value is not None]
+    return sum(numbers) / len(numbers) if len(numbers) == len(values) else None

@@ -79,11 +79,11 @@ def driver_tables(rows: Sequence[Mapping[str, Any]], about: Mapping[str, tuple[s
 
 def by_test(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str, str, str], Figures]:
     """Rows by (data set, protocol, driver, neighbours)."""
-    found: dict[tuple[str, str, str, str], dict[tuple[str, str], Mapping[str, Any]]] = {}
+    figures: dict[tuple[str, str, str, str], dict[tuple[str, str], Mapping[str, Any]]] = {}
     for each in rows:
         test = each["data"], each["protocol"], each["driver"], each["neighbours"]
-        found.setdefault(test, {})[each["method"], each["metric"]] = each
-    return dict(found)
+        figures.setdefault(test, {})[each["method"], each["metric"]] = each
+    return dict(figures)
 
 
 def primary(figures: Figures, method: str) -> Cell:

@@ -231,7 +231,9 @@ def test_view_takes_the_id_of_a_scenario_or_of_a_future_of_it(tmp_path):
 
 
 def test_without_models_generate_says_who_makes_them(tmp_path):
-    shutil.copy(Path(__file__).parents[2] / "params.yaml", tmp_path)
+    (tmp_path / "stages").mkdir()
+    for name in ("params.yaml", "stages/params.yaml"):
+        shutil.copy(Path(__file__).parents[2] / name, tmp_path / name)
     done = run("generate", "--out", "o", "--text", "roundabout with four arms", cwd=tmp_path)
     assert done.returncode == 1
     assert "`make run`" in done.stderr

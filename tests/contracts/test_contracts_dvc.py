@@ -15,6 +15,7 @@ import pytest
 from dvc.dependency.param import ParamsDependency
 from dvc.repo import Repo
 
+from drivegen.core.settings import read_yaml
 from stages import _door
 
 ROOT = Path(__file__).parents[2]
@@ -156,6 +157,38 @@ def test_params_are_those_that_the_stage_reads_and_the_file_holds(word):
             f"{stage.addressing}: params must list {word!r}"
         )
     assert params is not None
+
+
+def likes(value: object) -> set[str]:
+    """The sections that names and values are like, those of these sections included."""
+    if not isinstance(value, dict):
+        return set()
+    named = {str(value["like"])} if "like" in value else set()
+    within = [*value.values(), *(raw(section) for section in named)]
+    return named.union(*map(likes, within))
+
+
+def raw(section: str) -> object:
+    """What stands in a section, as it is written."""
+    value: object = {**read_yaml(ROOT / "params.yaml"), **read_yaml(ROOT / "stages/params.yaml")}
+    for word in section.split("."):
+        assert isinstance(value, dict)
+        value = value[word]
+    return value
+
+
+@pytest.mark.parametrize("word", STAGES)
+def test_sections_that_those_of_a_stage_are_like_are_listed(word):
+    """DVC compares what is written: it does not look up what a section is like."""
+    for stage in STAGES[word]:
+        listed = {name for dep in stage.deps if isinstance(dep, ParamsDependency) for name in dep.params}
+        wanted = set().union(*(likes(raw(name)) for name in listed))
+        assert [s for s in sorted(wanted) if not any(f"{s}.".startswith(f"{name}.") for name in listed)] == [], stage.addressing
+
+
+def test_a_section_stands_beside_the_pipeline_that_has_its_stage():
+    measured = set(read_yaml(ROOT / "stages/params.yaml"))
+    assert measured == {word for word, items in STAGES.items() if {s.path_in_repo for s in items} == {"stages/dvc.yaml"}}
 
 
 def test_plots_are_drawn_without_a_network():

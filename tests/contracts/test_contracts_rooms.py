@@ -10,7 +10,7 @@ import pytest
 from dvc.repo import Repo
 
 ROOT = Path(__file__).parents[2]
-MOST_MODULES, MOST_FOLDERS, MOST_NODES = 6, 8, 27
+MOST_MODULES, MOST_FOLDERS, MOST_NODES = 6, 8, 25
 
 
 @cache
@@ -61,7 +61,7 @@ ALL: set[str] = set()
 LEARNERS = frozenset({"train_selector", "train_planner", "train_generator"})
 PLANNING = frozenset(
     {
-        "rollout", "ship", "corner", "asked", "attack", "attack_taught", "beset", "mutation_score", "rates", "recall", "repair",
+        "rollout", "ship", "corner", "asked", "attack", "beset", "mutation_score", "rates", "recall", "repair",
         "tune", "tune_amounts", "tune_traffic",
     }
 )  # fmt: skip
@@ -105,7 +105,7 @@ EDITS = {
 }
 """What is edited, in which file, and which stages have to run again for it (with those that follow if their inputs change)."""
 
-WIDE = {"corner@0", "corner@1", "corner@2", "attack@idm", "attack_taught@gail", "attack_taught@sac"}
+WIDE = {"corner@0", "corner@1", "corner@2", "attack@idm", "attack@gail", "attack@sac"}
 """Stages that list more: to generate takes eight folders, and both drive what they generated, shard by shard in one process; a
 round of corner cases also asks and draws."""
 

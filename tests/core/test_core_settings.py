@@ -124,6 +124,50 @@ def test_a_model_is_trained_as_all_are_where_its_own_section_says_nothing_else(t
     assert read_section("a", tmp_path / "p.yaml")["training"] == [1]
 
 
+@pytest.fixture
+def two_files(tmp_path: Path):
+    """Writes params.yaml and, beside it, that of the stages that only measure us; returns the first."""
+    (tmp_path / "stages").mkdir()
+
+    def write(params: str, measures: str) -> Path:
+        (tmp_path / "params.yaml").write_text(params)
+        (tmp_path / "stages/params.yaml").write_text(measures)
+        return tmp_path / "params.yaml"
+
+    return write
+
+
+def test_a_section_that_is_like_another_one_has_its_values_but_for_those_named_beside_it(two_files):
+    path = two_files("a: {x: 1, deep: {y: 2, z: 3}}\nrun: {}\n", "b: {like: a, deep: {z: 4}}\nc: {d: {like: b, x: 5}}\n")
+    assert read_section("b", path) == {"x": 1, "deep": {"y": 2, "z": 4}}
+    assert read_section("c.d", path) == {"x": 5, "deep": {"y": 2, "z": 4}}
+    assert list(read_section("c.d", path)) == [
+        "x",
+        "deep",
+    ]  # in the order of the first
+    assert read_section("a", path)["deep"] == {"y": 2, "z": 3}
+
+
+@pytest.mark.parametrize(
+    ("params", "measures", "sentence"),
+    [
+        ("a: {like: b}", "b: {like: a}", "is like itself"),
+        ("a: {b: {like: a}}", "", "a is like itself"),
+        ("a: {like: c.d}", "", r"has no section 'c\.d'"),
+        ("a: {}", "a: {}", r"'a' is a section of .*params\.yaml and, again, of .*stages/params\.yaml"),
+    ],
+)
+def test_sections_that_are_alike_in_circles_or_twice_there_are_refused(two_files, params: str, measures: str, sentence: str):
+    with pytest.raises(UnusableInput, match=sentence):
+        read_section("a", two_files(params, measures or "e: {}"))
+
+
+def test_what_is_wrong_is_named_with_the_file_that_it_stands_in(two_files):
+    path = two_files("run: {}", "a: {count: 0, index: 0, positive: 1, not_negative: 0, share: 1, pairs: {}}")
+    with pytest.raises(UnusableInput, match=r"stages/params\.yaml: a\.count must be at least 1"):
+        read_params("a", Numbers, path)
+
+
 @pytest.mark.parametrize(
     ("place", "value", "sentence"),
     [

@@ -9,6 +9,7 @@ import threading
 from pathlib import Path
 
 import pytest
+import yaml
 from dvc.repo import Repo
 
 from flows import pipeline, workspace
@@ -147,6 +148,27 @@ def test_overrides_replace_values_and_refuse_unknown_names():
     assert values["run"]["seed"] == 7
     with pytest.raises(KeyError, match=r"run\.speed"):
         workspace.overridden(values, {"run.speed": 1})
+
+
+def test_what_is_like_another_section_may_be_told_more_than_stands_there():
+    values = {"rank": {"drivers": {"like": "drive.drivers"}}}
+    over = {"rank.drivers.idm.headway": 1.0, "rank.drivers.gail": {}}
+    assert workspace.overridden(values, over) == {
+        "rank": {"drivers": {"like": "drive.drivers", "idm": {"headway": 1.0}, "gail": {}}}
+    }
+
+
+def test_an_override_is_written_into_the_file_that_has_its_section(tmp_path: Path):
+    (tmp_path / "stages").mkdir()
+    (tmp_path / "params.yaml").write_text("run: {seed: 7}")
+    (tmp_path / "stages/params.yaml").write_text("rank: {samples: 4}")
+    workspace.override(tmp_path, {"run.seed": 8, "rank.samples": 2})
+    assert [yaml.safe_load((tmp_path / name).read_text()) for name in workspace.PARAMS] == [
+        {"run": {"seed": 8}},
+        {"rank": {"samples": 2}},
+    ]
+    with pytest.raises(KeyError, match=r"no section for 'tune\.seeds'"):
+        workspace.override(tmp_path, {"tune.seeds": [1]})
 
 
 def test_what_is_discarded_is_made_again_and_nothing_else_goes(done: Path):

@@ -26,11 +26,11 @@ def cost(root: Path, name: str, text: str) -> Path:
 
 def test_times_stay_of_stages_that_are_as_they_were(tmp_path: Path) -> None:
     old, new = tmp_path / "old", tmp_path / "new"
-    lock(old, train__bits="a", train__idm="a", select="a", goals__log="a", attack_taught__gail="a")
+    lock(old, train__bits="a", train__idm="a", select="a", goals__log="a", attack__gail="a")
     for name in ("train-bits", "train-idm", "select-ranker", "goals-log", "attack-gail-cat.legal.10"):
         cost(old, name, "old")
     times = Times.of(old)
-    lock(new, train__bits="a", train__idm="b", select="a", goals__log="a", attack_taught__gail="a")
+    lock(new, train__bits="a", train__idm="b", select="a", goals__log="a", attack__gail="a")
     mine = cost(new, "goals-log", "new")
     times.put_back(new)
     assert {file.stem for file in (new / COSTS).iterdir()} == {

@@ -9,9 +9,10 @@ import yaml
 from drivegen.core.settings import read_section
 from flows.rooms import BY_SEED, CORNER, FRONT, MEASURED, PARTS, rooms
 from flows.tables import nearest
-from flows.workspace import overridden
+from flows.workspace import PARAMS, overridden
 from stages import publish_corner
 
+ROOT = Path(__file__).parents[2]
 PUBLISH = {
     "seeds": [7, 8],
     "sampling_seeds": [7, 17],
@@ -61,15 +62,16 @@ def test_recordings_that_are_not_there_are_left_out(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("real", [True, False])
-def test_what_the_runs_of_a_part_replace_is_in_params_yaml(part: str, real: bool, tmp_path: Path) -> None:
-    values = yaml.safe_load((Path(__file__).parents[2] / "params.yaml").read_text())
+def test_what_the_runs_of_a_part_replace_is_there(part: str, real: bool, tmp_path: Path) -> None:
+    values = yaml.safe_load((ROOT / "params.yaml").read_text())
     for section in ("tables.quality.data", "tables.drivers.data"):
         for data in read_section(section).values() if real else ():
             (tmp_path / data["folder"]).mkdir(parents=True, exist_ok=True)
     runs = list(rooms(part, values, tmp_path))
     assert len({room.name for room in runs}) == len(runs) > 0
+    every = {name: value for file in PARAMS for name, value in yaml.safe_load((ROOT / file).read_text()).items()}
     for room in runs:
-        replaced = overridden(values, room.params)  # raises KeyError for a name that is not there
+        replaced = overridden(every, room.params)  # raises KeyError for a name that is not there
         assert {name: valued(replaced, name) for name in room.params} == room.params
 
 
@@ -86,7 +88,7 @@ def valued(values: Any, name: str) -> Any:
 
 
 def test_the_tables_of_drivers_are_made_from_every_data_set_that_is_there(tmp_path: Path) -> None:
-    values = yaml.safe_load((Path(__file__).parents[2] / "params.yaml").read_text())
+    values = yaml.safe_load((ROOT / "params.yaml").read_text())
     assert [room.name for room in rooms("drivers", values, tmp_path)] == [
         "drivers/sumo_corpus",
         "drivers/unseen",

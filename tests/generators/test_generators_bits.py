@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from drivegen.core.scenario import Scenario
 from drivegen.core.signals import Signals, SignalState
 from drivegen.generators._bits.learning import way_loss
-from drivegen.generators._bits.net import CELLS, HOLD, BitsNet, Plan, cell_of, told_of, unicycle
+from drivegen.generators._bits.net import CELLS, HOLD, BitsNet, Plan, cell_of, numbers_of, unicycle
 from drivegen.generators._bits.raster import BEHIND, COLUMNS, PIXEL, ROWS, Painted, rasters
 from drivegen.generators._bits.rules import broken
 from drivegen.generators.shared.closed_loop import Crowd, Tracks
@@ -116,9 +116,9 @@ def test_a_goal_is_driven_to_before_anything_is_learnt():
     """The policy is a correction of the actions that the goal itself tells."""
     torch.manual_seed(0)
     net = BitsNet(32, 40).eval()
-    told = told_of(torch.tensor([10.0]), torch.tensor([[4.5, 1.9]]), torch.tensor([0]))
+    numbers = numbers_of(torch.tensor([10.0]), torch.tensor([[4.5, 1.9]]), torch.tensor([0]))
     goals = torch.tensor([[[60.0, 0.0, 0.0, 20.0], [20.0, 0.0, 0.0, 0.0], [30.0, 6.0, 0.4, 8.0]]])
-    plan = net.plan(torch.zeros(1, 32), told, goals)
+    plan = net.plan(torch.zeros(1, 32), numbers, goals)
     torch.testing.assert_close(plan.place[0, :, -1], goals[0, :, :2], atol=2.5, rtol=0)
 
 

@@ -13,7 +13,7 @@ from drivegen.core.scenario import Scenario
 from drivegen.core.signals import Signals, SignalState
 from drivegen.generators._smart.around import LOOK, OTHER_FEATURES, PIECE, others, pose
 from drivegen.generators._smart.driving import drawn, velocities
-from drivegen.generators._smart.learning import Examples, Logs, Slips, SmartObjective, tell
+from drivegen.generators._smart.learning import Examples, Logs, Slips, SmartObjective, tokenise
 from drivegen.generators._smart.net import Past, Seen, SmartNet
 from drivegen.generators._smart.tokens import RADIUS, SPAN, STILL, Vocabulary, codes, disks, gone, motions, pace, ways
 from drivegen.generators.shared.closed_loop import Tracks
@@ -103,10 +103,10 @@ def told_of(share: float, count: int = 512) -> tuple[np.ndarray, np.ndarray]:
     """[m] (V, T) how far from their ways those are who go them in words of which a `share` are slips, and the words."""
     tracks = winding()
     box, step = np.arange(60), np.tile(np.arange(20) * SPAN, (60, 1))
-    told = tell(words_of(tracks, count), tracks, box, step, np.zeros(60, int), Slips(share, 8, 0.0), random())
-    assert (told.fresh == (step == 0)).all()
-    assert (told.target >= 0).all()
-    return np.linalg.norm(told.pose[..., :2] - tracks.position[box[:, None], step], axis=-1), told.token
+    sequences = tokenise(words_of(tracks, count), tracks, box, step, np.zeros(60, int), Slips(share, 8, 0.0), random())
+    assert (sequences.fresh == (step == 0)).all()
+    assert (sequences.target >= 0).all()
+    return np.linalg.norm(sequences.pose[..., :2] - tracks.position[box[:, None], step], axis=-1), sequences.token
 
 
 def test_logs_in_words_are_the_logs_the_nearer_the_more_words():
@@ -129,12 +129,12 @@ def test_the_word_to_learn_leads_back():
     tracks = Tracks.of_logs([scenario(straight_road(), stack([drive(lane, 0, 10.0, 11)]))])
     words = Vocabulary(np.stack([straight(v) for v in (0.0, 9.0, 10.0, 11.0)]))
     step = np.array([[0, 5]])
-    plain = tell(words, tracks, np.zeros(1, int), step, np.zeros(1, int), PLAIN, random())
+    plain = tokenise(words, tracks, np.zeros(1, int), step, np.zeros(1, int), PLAIN, random())
     assert plain.target.tolist() == [[2, 2]]
     for seed in range(9):
-        told = tell(words, tracks, np.zeros(1, int), step, np.zeros(1, int), Slips(1.0, 3, 0.0), random(seed))
-        assert told.target[0, 1] == {1: 3, 2: 2, 3: 1}[int(told.token[0, 1])]
-        assert told.speed[0, 1] == pytest.approx(8 + told.token[0, 1], abs=1e-3)
+        sequences = tokenise(words, tracks, np.zeros(1, int), step, np.zeros(1, int), Slips(1.0, 3, 0.0), random(seed))
+        assert sequences.target[0, 1] == {1: 3, 2: 2, 3: 1}[int(sequences.token[0, 1])]
+        assert sequences.speed[0, 1] == pytest.approx(8 + sequences.token[0, 1], abs=1e-3)
 
 
 def batch(scene: Scenario, cut: int = 0) -> tuple[Seen, torch.Tensor]:
@@ -272,8 +272,8 @@ def test_nothing_that_signals_show_later_changes_a_future():
     green = np.where(np.arange(scene.steps) == 0, red, SignalState.GREEN).astype(np.uint8)
     lane = np.arange(len(scene.map), dtype=np.int32)
     states = [np.repeat(state, len(lane), axis=0) for state in (red, green, green[:, ::-1])]
-    told = [replace(scene, signals=Signals(lane, state)) for state in states]
-    now_red, turns_green, now_green = (generator.generate([one], 2, 7) for one in told)
+    sequences = [replace(scene, signals=Signals(lane, state)) for state in states]
+    now_red, turns_green, now_green = (generator.generate([one], 2, 7) for one in sequences)
     assert same(now_red, turns_green)
     assert not same(now_red, now_green)  # what they show now does
 
@@ -291,8 +291,8 @@ def test_how_likely_logs_are_is_the_loss_of_training_turned_round_and_who_jumps_
     odds = made.log_likelihood(*zip(*logs, strict=True))
     zero = np.zeros(1, np.int64)
     for (logged, _), own in zip(logs, odds, strict=True):
-        told = made.examples(made.settings, [logged])
-        examples = Examples(told, Vocabulary(made.net.way.numpy()), (made.settings.lanes, made.settings.boxes))
+        sequences = made.examples(made.settings, [logged])
+        examples = Examples(sequences, Vocabulary(made.net.way.numpy()), (made.settings.lanes, made.settings.boxes))
         known = (examples.batch(zero, zero, zero, PLAIN, random())[1] >= 0).sum(1).numpy()
         assert len(own) == len(logged.vehicles)
         loss = SmartObjective(examples, examples, PLAIN).validation(made.net)

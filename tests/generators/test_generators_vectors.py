@@ -90,7 +90,7 @@ def test_turning_and_shifting_the_map_changes_nothing_but_the_frame(turn: float,
     for name in ("position", "speed", "agent", "actor_position", "actor_velocity", "future"):
         np.testing.assert_allclose(getattr(here, name), getattr(there, name), atol=2e-2)
     np.testing.assert_allclose(wrap_angle(here.heading - there.heading), 0, atol=1e-4)
-    np.testing.assert_array_equal(here.known, there.known)
+    np.testing.assert_array_equal(here.logged, there.logged)
     assert abs(wrap_angle(there.frame[0, 2] - here.frame[0, 2] - np.float32(turn))) < 1e-4
 
 

@@ -11,7 +11,8 @@ import pytest
 from drivegen.checker.verdicts import write_limits_file
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.store.scenarios import write_shard
-from stages import _cluster, _door, rollout_baseline
+from stages import _door, rollout_baseline
+from stages._door import cluster as on_dask
 from tests.checking import LIMITS
 from tests.scenes import busy_crossing
 
@@ -65,7 +66,7 @@ def test_tasks_run_in_the_workers_and_come_in_order(capsys):
     assert [(task, square) for task, (square, _) in done] == [(i, i * i) for i in range(8)]
     assert os.getpid() not in {pid for _, (_, pid) in done}
     assert capsys.readouterr().out.splitlines()[-1] == "squares 8/8"
-    assert not any(_cluster.MARKS.iterdir())
+    assert not any(on_dask.MARKS.iterdir())
 
 
 def test_a_stage_gives_the_same_bytes_there_as_here_and_its_seconds_are_counted(project):
@@ -73,11 +74,11 @@ def test_a_stage_gives_the_same_bytes_there_as_here_and_its_seconds_are_counted(
     for i in range(3):
         write_shard(project / "test" / f"shard-{i:05d}.parquet", [busy_crossing(101, f"scene-{i}")])
     params = rollout_baseline.Params(sampling_seed=7, workers=1, samples=2)
-    before = _cluster.USED["cpu_seconds"]
+    before = on_dask.USED["cpu_seconds"]
     for folder, workers in (("here", 1), ("there", 2)):
         given = Path("test"), Path("models"), Path(folder) / "random_agent"
         rollout_baseline.main(replace(params, workers=workers), *given)
-    assert _cluster.USED["cpu_seconds"] > before
+    assert on_dask.USED["cpu_seconds"] > before
     here, there = (sorted(path.read_bytes() for path in Path(folder).rglob("*.parquet")) for folder in ("here", "there"))
     assert (len(here), here) == (3, there)
 
@@ -105,10 +106,10 @@ def test_a_worker_with_other_code_or_packages_or_in_another_folder_does_nothing(
         return str(error.value)
 
     with monkeypatch.context() as patch:
-        patch.setattr(_cluster, "code", lambda: "of yesterday")
+        patch.setattr(on_dask, "code", lambda: "of yesterday")
         assert "has other code of DriveGen than this run: bring it to the same state, then start the worker again" in refusal()
     with monkeypatch.context() as patch:
-        patch.setattr(_cluster, "packages", lambda: {"numpy": "1.0"})
+        patch.setattr(on_dask, "packages", lambda: {"numpy": "1.0"})
         assert "this run 1.0: install what constraints.txt says on both" in refusal()
     (tmp_path / "params.yaml").write_text(Path("params.yaml").read_text())
     monkeypatch.chdir(tmp_path)
@@ -116,24 +117,24 @@ def test_a_worker_with_other_code_or_packages_or_in_another_folder_does_nothing(
 
 
 def test_two_threads_in_a_worker_are_refused():
-    run = _cluster.Run(Path("params.yaml"), _cluster.code(), _cluster.packages())
-    assert _cluster._fault(run, 1) == ""
-    assert _cluster._fault(run, 2).startswith("has 2 threads: start it with --nthreads 1")
+    run = on_dask.Run(Path("params.yaml"), on_dask.code(), on_dask.packages())
+    assert on_dask._fault(run, 1) == ""
+    assert on_dask._fault(run, 2).startswith("has 2 threads: start it with --nthreads 1")
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense://x", "tcp://127.0.0.1:notaport"])
 def test_without_a_scheduler_the_address_is_named(tmp_path, monkeypatch, address):
     (tmp_path / "params.yaml").write_text(f"run:\n  cluster: {address}\n")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(_cluster, "_PATIENCE", 1)
+    monkeypatch.setattr(on_dask, "_PATIENCE", 1)
     with pytest.raises(MissingTool, match=f"^squares: no Dask scheduler answers at {address}"):
         list(_door.spread(process, [1, 2], 2, "squares"))
 
 
 def test_a_cluster_without_workers_is_one_sentence(tmp_path, monkeypatch):
-    monkeypatch.setattr(_cluster, "_PATIENCE", 0.2)
+    monkeypatch.setattr(on_dask, "_PATIENCE", 0.2)
     with (
         distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as cluster,
         pytest.raises(MissingTool, match=r"has no worker after 0\.2 s: start some \(docs/cluster\.md\)"),
     ):
-        list(_cluster.on_cluster(cluster.scheduler_address, process, [1], "squares"))
+        list(on_dask.on_cluster(cluster.scheduler_address, process, [1], "squares"))

@@ -14,6 +14,7 @@ import pytest
 import yaml
 
 from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.settings import read_tree
 from drivegen.store.files import whole
 from stages import _door, asked, corner, evaluate, goals, ingest, place, rollout, train_planner
 
@@ -232,7 +233,7 @@ def test_what_is_required_and_absent_is_told_with_its_remedy(tmp_path):
     ],
 )
 def test_a_number_with_which_a_stage_could_do_nothing_is_refused_by_name(tmp_path, params, where, value):
-    values = yaml.safe_load(Path("params.yaml").read_text())
+    values = read_tree()
     section, name = nested(values, where)
     section[name] = value
     with pytest.raises(

@@ -55,7 +55,7 @@ def generated(folder: Path, models: Path, method: str) -> bytes:
     """What stage rollout, or that of those who follow no goals, leaves for the shard."""
     shard, out = folder / "test" / SHARD, folder / "generated" / method
     if METHODS[method].goals is None:
-        _without_goals._generate_shard(_without_goals.Task(shard, models, out, _without_goals.Params(7, 1, 2)))
+        _without_goals._generate_shard(_without_goals.Params(7, 1, 2), models, out, shard)
     else:
         recorded(folder, models, METHODS[method].goals or "")
         params = read_params("rollout", rollout.Params)

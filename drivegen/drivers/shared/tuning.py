@@ -11,7 +11,7 @@ from torch.optim import Optimizer
 
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
-from drivegen.core.settings import build
+from drivegen.core.settings import build, file_of
 from drivegen.drivers.shared.conditions import Traffic
 from drivegen.drivers.shared.lessons import Grade, Lessons
 from drivegen.drivers.shared.policy import Policy
@@ -30,11 +30,11 @@ class How:
 
     @classmethod
     def of(cls, name: str, drivers: Mapping[str, Mapping[str, Any]], section: str) -> Self:
-        """By the settings of each driver in a section of params.yaml; raises UnusableInput where the driver `name` has none."""
+        """By each driver's settings in a section of the parameters; raises UnusableInput where the driver `name` has none."""
         if name not in drivers or drivers[name].keys() != {"base", "tuned"}:
-            raise UnusableInput(f"params.yaml: {section} has no settings `base` and `tuned` for {name!r}")
-        kind = plugins.load("drivers", name).lessons_type()
-        return cls(**{key: build(kind, value, f"params.yaml: {section}.{name}.{key}") for key, value in drivers[name].items()})
+            raise UnusableInput(f"{file_of(section)}: {section} has no settings `base` and `tuned` for {name!r}")
+        kind, place = plugins.load("drivers", name).lessons_type(), f"{file_of(section)}: {section}.{name}"
+        return cls(**{key: build(kind, value, f"{place}.{key}") for key, value in drivers[name].items()})
 
 
 class Tuner:

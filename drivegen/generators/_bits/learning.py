@@ -10,7 +10,7 @@ from torch.nn import functional
 
 from drivegen.core.geometry import rotate, wrap_angle
 from drivegen.core.scenario import DT
-from drivegen.generators._bits.net import GOAL, HOLD, Plan, Seen, cell_of, told_of
+from drivegen.generators._bits.net import GOAL, HOLD, Plan, Seen, cell_of, numbers_of
 from drivegen.generators._bits.raster import Painted, rasters, stretch
 from drivegen.generators.shared.closed_loop import Tracks
 from drivegen.generators.shared.moments import Moments
@@ -59,8 +59,8 @@ class DrivingExamples:
         box = crowd.start[:-1] + logged - tracks.start[scene]
         pictures = rasters(self.logs.painted, crowd, np.arange(len(rows)), box, scene, step, self.horizon * DT)
         speed = np.hypot(crowd.state[box, 3], crowd.state[box, 4])
-        told = told_of(*(torch.from_numpy(a) for a in (speed, crowd.size[box], tracks.kind[logged])))
-        return torch.from_numpy(pictures), told
+        numbers = numbers_of(*(torch.from_numpy(a) for a in (speed, crowd.size[box], tracks.kind[logged])))
+        return torch.from_numpy(pictures), numbers
 
     def future(self, rows: NDArray[np.integer]) -> tuple[Tensor, ...]:
         """Place (b, Q, 2), turn (b, Q) and speed (b, Q) every HOLD steps, in each vehicle's frame, and whether it was seen."""
@@ -100,12 +100,12 @@ class BitsObjective:
         return total / count if count else float("nan")
 
     def _loss(self, model: nn.Module, examples: DrivingExamples, rows: NDArray[np.integer], missed: Tensor) -> Tensor:
-        pictures, told = (t.to(missed.device) for t in examples.seen(rows))
+        pictures, numbers = (t.to(missed.device) for t in examples.seen(rows))
         place, turn, speed, there = (t.to(missed.device) for t in examples.future(rows))
         goal = torch.cat([place[:, -1], turn[:, -1:], speed[:, -1:]], dim=1)
-        seen, plan, prediction = model(pictures, told, goal[:, None] + missed[:, None])
+        seen, plan, prediction = model(pictures, numbers, goal[:, None] + missed[:, None])
         plan = Plan(*(part[:, 0] for part in plan))
-        longer = torch.from_numpy(stretch(10 * told[:, 0].cpu().numpy(), examples.horizon * DT)).to(missed.device)
+        longer = torch.from_numpy(stretch(10 * numbers[:, 0].cpu().numpy(), examples.horizon * DT)).to(missed.device)
         return (
             goal_loss(Seen(*seen), goal, longer)
             + way_loss(plan, place, turn, there)
@@ -116,9 +116,9 @@ class BitsObjective:
 def goal_loss(seen: Seen, goal: Tensor, stretch: Tensor) -> Tensor:
     """Cross-entropy of the cell of each goal (b, GOAL), and how far the goal of that cell is from it."""
     cell = cell_of(goal[:, :2], stretch)
-    found = seen.goal[torch.arange(len(cell), device=cell.device), cell]
+    chosen = seen.goal[torch.arange(len(cell), device=cell.device), cell]
     weight = goal.new_tensor([1.0, 1.0, TURN_WEIGHT, 1.0])
-    gap = functional.smooth_l1_loss(found * weight, goal * weight, reduction="none").sum(dim=1)
+    gap = functional.smooth_l1_loss(chosen * weight, goal * weight, reduction="none").sum(dim=1)
     return functional.cross_entropy(seen.logit, cell) + gap.mean()
 
 

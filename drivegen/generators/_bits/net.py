@@ -74,47 +74,47 @@ class BitsNet(nn.Module):
         across = (GOAL_COLUMNS / 2 - torch.arange(GOAL_COLUMNS) - 0.5) * 2 * PIXEL[1]
         self.register_buffer("centres", torch.cartesian_prod(along, across), persistent=False)
 
-    def forward(self, pictures: Tensor, told: Tensor, goal: Tensor) -> tuple[Seen, Plan, Plan]:
+    def forward(self, pictures: Tensor, numbers: Tensor, goal: Tensor) -> tuple[Seen, Plan, Plan]:
         """What is seen, the plans (R, M, T) to goals (R, M, GOAL) and the predictions (R, T)."""
-        seen = self.see(pictures, told)
-        return seen, self.plan(seen.code, told, goal), self.predict(seen.code, told)
+        seen = self.see(pictures, numbers)
+        return seen, self.plan(seen.code, numbers, goal), self.predict(seen.code, numbers)
 
-    def see(self, pictures: Tensor, told: Tensor) -> Seen:
+    def see(self, pictures: Tensor, numbers: Tensor) -> Seen:
         """Rasters (R, CHANNELS, ROWS, COLUMNS) and numbers (R, TOLD) of each vehicle."""
         fine = self.down[0](pictures)
         middle = self.down[1](fine)
         coarse = self.down[2](middle)
-        code = self.code(torch.cat([coarse.flatten(1), told], dim=1))
+        code = self.code(torch.cat([coarse.flatten(1), numbers], dim=1))
         lifted = functional.interpolate(self.lift(coarse), scale_factor=2.0)
         joined = self.up(lifted + self.beside(middle) + self.spread(code)[:, :, None, None])
         maps = (functional.pixel_shuffle(self.heads(joined), 2) + self.fine(fine)).flatten(2)
         along, across, turn, gain = maps[:, 1:].unbind(dim=1)
-        speed = 10.0 * told[:, :1]
-        x = (self.centres[:, 0] + along) * self.stretch(told)[:, None]
+        speed = 10.0 * numbers[:, :1]
+        x = (self.centres[:, 0] + along) * self.stretch(numbers)[:, None]
         goal = torch.stack([x, self.centres[:, 1] + across, 0.2 * turn, speed + 5 * gain], dim=2)
         return Seen(code, maps[:, 0], goal)
 
-    def stretch(self, told: Tensor) -> Tensor:
+    def stretch(self, numbers: Tensor) -> Tensor:
         """(R,) see `raster.stretch`."""
-        return (told[:, 0] * (10.0 * self.steps * DT / FAST)).clamp(min=1.0)
+        return (numbers[:, 0] * (10.0 * self.steps * DT / FAST)).clamp(min=1.0)
 
-    def plan(self, code: Tensor, told: Tensor, goal: Tensor) -> Plan:
+    def plan(self, code: Tensor, numbers: Tensor, goal: Tensor) -> Plan:
         """How each of M goals (R, M, GOAL) is driven to."""
-        speed, seconds = 10.0 * told[:, None, 0], self.steps * DT
+        speed, seconds = 10.0 * numbers[:, None, 0], self.steps * DT
         gain = (2 * (goal[..., 0] - speed * seconds) / seconds**2).clamp(*ACCELERATION)
         bend = torch.where(goal[..., 0] > LEAST_WAY, goal[..., 2] / goal[..., 0].clamp(min=LEAST_WAY), 0.0).clamp(
             -CURVATURE, CURVATURE
         )
         scale = goal.new_tensor([25.0, 5.0, 1.0, 10.0])
-        given = torch.cat([code, told], dim=1)[:, None].expand(-1, goal.shape[1], -1)
+        given = torch.cat([code, numbers], dim=1)[:, None].expand(-1, goal.shape[1], -1)
         raw = self.policy(torch.cat([given, goal / scale, gain[..., None], 20 * bend[..., None]], dim=-1))
         raw = raw.unflatten(-1, (2, -1))
         return unicycle(speed, gain[..., None] + 2 * raw[..., 0, :], bend[..., None] + 0.05 * raw[..., 1, :])
 
-    def predict(self, code: Tensor, told: Tensor) -> Plan:
+    def predict(self, code: Tensor, numbers: Tensor) -> Plan:
         """What each vehicle is expected to do, (R, T)."""
-        raw = self.predictor(torch.cat([code, told], dim=1)).unflatten(-1, (2, -1))
-        return unicycle(10.0 * told[:, 0], 2 * raw[:, 0], 0.05 * raw[:, 1])
+        raw = self.predictor(torch.cat([code, numbers], dim=1)).unflatten(-1, (2, -1))
+        return unicycle(10.0 * numbers[:, 0], 2 * raw[:, 0], 0.05 * raw[:, 1])
 
 
 def unicycle(speed: Tensor, acceleration: Tensor, curvature: Tensor) -> Plan:
@@ -138,7 +138,7 @@ def cell_of(place: Tensor, stretch: Tensor) -> Tensor:
     return (row * GOAL_COLUMNS + column).long()
 
 
-def told_of(speed: Tensor, size: Tensor, kind: Tensor) -> Tensor:
+def numbers_of(speed: Tensor, size: Tensor, kind: Tensor) -> Tensor:
     """(R, TOLD) from speeds (R,) [m/s], sizes (R, 2) [m] and kinds (R,)."""
     kinds = torch.stack([kind == k for k in (VehicleKind.CAR, VehicleKind.TRUCK, VehicleKind.BUS)], dim=1)
     return torch.cat([speed[:, None] / 10, size / size.new_tensor([5.0, 2.0]), kinds.float()], dim=1)

@@ -45,9 +45,9 @@ class Ways:
     def of(cls, scenario: Scenario, most: int, lane_changes: int) -> "Ways":
         """At most `most` ways of each vehicle with at most `lane_changes` lane changes."""
         graph, vehicles = LaneGraph.of(scenario.map), scenario.vehicles
-        found = [_of_vehicle(graph, scenario, n, most, lane_changes) for n in range(len(vehicles))]
-        start = np.cumsum([0, *(len(ways) for ways in found)])
-        points, limits, lanes = zip(*(way for ways in found for way in ways), strict=True)
+        by_vehicle = [_of_vehicle(graph, scenario, n, most, lane_changes) for n in range(len(vehicles))]
+        start = np.cumsum([0, *(len(ways) for ways in by_vehicle)])
+        points, limits, lanes = zip(*(way for ways in by_vehicle for way in ways), strict=True)
         return cls(start, np.stack(points), np.stack(limits), np.stack(lanes), parked(graph, vehicles))
 
 

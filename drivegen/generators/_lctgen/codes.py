@@ -78,9 +78,9 @@ def logged_actions(scenes: Scenes) -> tuple[NDArray[np.int64], NDArray[np.bool_]
     """Actions (S, A, PARTS), and whether the log saw both ends of the part."""
     position = np.concatenate([scenes.position[:, :, None], scenes.future], axis=2)
     heading = np.concatenate([scenes.heading[:, :, None], scenes.future_heading], axis=2)
-    known = np.concatenate([scenes.present[:, :, None], scenes.known], axis=2)
+    logged = np.concatenate([scenes.present[:, :, None], scenes.logged], axis=2)
     edges = np.arange(PARTS + 1) * (STEPS // PARTS)
-    speed, clocked = _speeds(scenes, position, known, edges)
+    speed, clocked = _speeds(scenes, position, logged, edges)
     begin, end = edges[:-1], edges[1:]
     sideways = rotate(position[:, :, end] - position[:, :, begin], -heading[:, :, begin])[..., 1]
     turn = wrap_angle(heading[:, :, end] - heading[:, :, begin])
@@ -106,24 +106,24 @@ def logged_actions(scenes: Scenes) -> tuple[NDArray[np.int64], NDArray[np.bool_]
         ],
         Action.KEEP_SPEED,
     )
-    seen = known[:, :, begin] & known[:, :, end] & clocked[:, :, 1:] & clocked[:, :, :-1]
+    seen = logged[:, :, begin] & logged[:, :, end] & clocked[:, :, 1:] & clocked[:, :, :-1]
     return np.asarray(action, np.int64), seen
 
 
 def _speeds(
-    scenes: Scenes, position: NDArray[np.float32], known: NDArray[np.bool_], edges: NDArray[np.intp]
+    scenes: Scenes, position: NDArray[np.float32], logged: NDArray[np.bool_], edges: NDArray[np.intp]
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
     """Speeds (S, A, PARTS + 1) at the parts' edges over the half second before, the initial one at step 0; and if known."""
     before = np.maximum(edges - 5, 0)
     way = position[:, :, edges] - position[:, :, before]
     speed = np.hypot(way[..., 0], way[..., 1]) / (5 * DT)
     speed[:, :, 0] = scenes.speed
-    return speed.astype(np.float32), known[:, :, edges] & known[:, :, before]
+    return speed.astype(np.float32), logged[:, :, edges] & logged[:, :, before]
 
 
 def logged_code(scenario: Scenario) -> NDArray[np.int64]:
     """The code (N, 8) of a scenario by its log; who is not seen is said to keep its speed."""
     scenes = Scenes.with_logs([scenario])
-    actions, known = logged_actions(scenes)
-    code = np.concatenate([state_code(scenes), np.where(known, actions, Action.KEEP_SPEED)], axis=-1)
+    actions, logged = logged_actions(scenes)
+    code = np.concatenate([state_code(scenes), np.where(logged, actions, Action.KEEP_SPEED)], axis=-1)
     return np.asarray(code[0, : len(scenario.vehicles)])

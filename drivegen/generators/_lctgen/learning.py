@@ -137,10 +137,10 @@ _Tensors = tuple[SceneTensors, Tensor, Tensor, Tensor, Tensor]
 def _motion_loss(scenes: SceneTensors, knots: Tensor, logits: Tensor) -> Tensor:
     """Mean displacement [m] of each vehicle's nearest mode, and the cross-entropy of choosing it."""
     truth = at_knots(local_future(scenes))[:, :, None]
-    known = at_knots(scenes.known[..., None]).to(knots)[:, :, None, :, 0]
+    logged = at_knots(scenes.logged[..., None]).to(knots)[:, :, None, :, 0]
     gap = ((knots - truth) ** 2).sum(-1).add(1e-4).sqrt()
-    steps = known.sum(-1)
-    each = (gap * known).sum(-1) / steps.clamp_min(1)
+    steps = logged.sum(-1)
+    each = (gap * logged).sum(-1) / steps.clamp_min(1)
     best, which = each.min(dim=-1)
     choice = nn.functional.cross_entropy(logits.flatten(0, 1), which.flatten(), reduction="none").reshape(which.shape)
     there = (steps[..., 0] > 0).to(gap)

@@ -99,9 +99,9 @@ class LctgenNet(nn.Module):
 
     def action_logits(self, vehicles: Tensor, actions: Tensor, part: int) -> Tensor:
         """The prior's logits (..., A, 8) of the action in `part`, given those before it in `actions` (..., A, PARTS)."""
-        told = nn.functional.one_hot(actions, len(Action) + 1).to(vehicles)
-        told = told * (torch.arange(PARTS, device=told.device) < part)[:, None]
-        logits: Tensor = self.prior(torch.cat([vehicles, told.flatten(-2)], dim=-1))
+        drawn_actions = nn.functional.one_hot(actions, len(Action) + 1).to(vehicles)
+        drawn_actions = drawn_actions * (torch.arange(PARTS, device=drawn_actions.device) < part)[:, None]
+        logits: Tensor = self.prior(torch.cat([vehicles, drawn_actions.flatten(-2)], dim=-1))
         return logits
 
     def decoded(self, scenes: SceneTensors, roads: Tensor, code: Tensor, vehicles: Tensor | None) -> Tensor:

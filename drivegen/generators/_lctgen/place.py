@@ -37,11 +37,11 @@ def place(net: LctgenNet, scenario: Scenario, code: NDArray[np.int64], rng: np.r
     scenes.present[0, :count] = True
     padded = np.zeros((1, AGENTS, code.shape[1]), np.int64)
     padded[0, :count] = code
-    told = scenes.tensors(torch.device("cpu"))
+    inputs = scenes.tensors(torch.device("cpu"))
     with torch.inference_mode():
-        roads = net.roads(told)
-        placed = net.placed(net.decoded(told, roads, torch.from_numpy(padded), None), roads)
-    odds = torch.softmax(placed.piece.masked_fill(~told.drawn[:, None], -torch.inf), -1)[0].double().numpy()
+        roads = net.roads(inputs)
+        placed = net.placed(net.decoded(inputs, roads, torch.from_numpy(padded), None), roads)
+    odds = torch.softmax(placed.piece.masked_fill(~inputs.drawn[:, None], -torch.inf), -1)[0].double().numpy()
     weight = torch.softmax(placed.weight, -1)[0].double().numpy()
     mean, spread = placed.mean[0].numpy(), placed.log_scale.exp()[0].numpy()
     taken = [_row(scenario.vehicles)]

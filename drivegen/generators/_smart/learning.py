@@ -59,7 +59,7 @@ class Logs:
 
 
 @dataclass(frozen=True)
-class Told:
+class Sequences:
     """V vehicles at T moments as they were told: what led there, where that is, what is to come.
 
     Attributes:
@@ -74,10 +74,10 @@ class Told:
     target: NDArray[np.int64]
 
 
-def tell(
+def tokenise(
     words: Vocabulary, tracks: Tracks, box: NDArray[np.integer], step: NDArray[np.integer], cut: NDArray[np.integer],
     slips: Slips, random: np.random.Generator,
-) -> Told:  # fmt: skip
+) -> Sequences:  # fmt: skip
     """The logs of boxes (V,) in tokens from moment to moment, `step` (V, T), anew from moment `cut` (V,) on."""
     steps, count = tracks.valid.shape[1], step.shape[1]
     at = np.minimum(step, steps - 1)
@@ -86,20 +86,20 @@ def tell(
     ahead = step[..., None] + np.arange(1, SPAN + 1)
     every = np.broadcast_to(box[:, None, None], ahead.shape)
     after = logged(tracks, every, ahead)
-    known = there & (tracks.valid[every, np.minimum(ahead, steps - 1)] & (ahead < steps)).all(axis=-1)
+    labelled = there & (tracks.valid[every, np.minimum(ahead, steps - 1)] & (ahead < steps)).all(axis=-1)
     token, fresh, target = np.zeros(step.shape, np.int64), np.ones(step.shape, np.bool_), np.full(step.shape, -1, np.int64)
     for t in range(count):
         between = words.distances(ways(pose[:, t], after[:, t]))
         nearest = between.argmin(axis=1)
-        target[:, t] = np.where(known[:, t], nearest, -1)
+        target[:, t] = np.where(labelled[:, t], nearest, -1)
         slip = random.random(len(box)) < slips.share
-        said = np.where(slip, words.disturbed(between, slips.nearest, random), nearest)
+        chosen = np.where(slip, words.disturbed(between, slips.nearest, random), nearest)
         if t + 1 < count:
-            on = known[:, t] & there[:, t + 1] & (cut != t + 1)
-            way = words.way[said[on]]
+            on = labelled[:, t] & there[:, t + 1] & (cut != t + 1)
+            way = words.way[chosen[on]]
             pose[on, t + 1], speed[on, t + 1] = gone(pose[on, t], way)[:, -1], pace(way)
-            token[on, t + 1], fresh[on, t + 1] = said[on], False
-    return Told(pose, speed.astype(np.float32), token, fresh, target)
+            token[on, t + 1], fresh[on, t + 1] = chosen[on], False
+    return Sequences(pose, speed.astype(np.float32), token, fresh, target)
 
 
 def own_features(
@@ -129,12 +129,12 @@ class Examples:
         moments = min(WORDS, max(1, (tracks.valid.shape[1] - 1) // SPAN))
         step = phase[group, None] + SPAN * np.arange(moments)
         row = np.flatnonzero(tracks.planned[box])
-        told = tell(self.words, tracks, box[row], step[row], cut[group[row]], slips, random)
-        state, there = self._states(box, step, row, told)
+        sequences = tokenise(self.words, tracks, box[row], step[row], cut[group[row]], slips, random)
+        state, there = self._states(box, step, row, sequences)
         begun = np.where(np.arange(moments) >= cut[group[row], None], cut[group[row], None], 0)
         shown = phase[group[row], None] + SPAN * begun
         age = (np.arange(moments) - begun) * SPAN * DT
-        own = own_features(told.speed, tracks.size[box[row]], tracks.kind[box[row]], age, told.fresh)
+        own = own_features(sequences.speed, tracks.size[box[row]], tracks.kind[box[row]], age, sequences.fresh)
         scene = np.repeat(scenes[group[row]], moments)
         road, drawn = self.logs.roads.around(pose(state[row].reshape(-1, 4)), scene, shown.reshape(-1), self.counts[0], LOOK)
         span = np.stack([start[:-1], start[1:]], axis=1)[group[row]]
@@ -143,19 +143,19 @@ class Examples:
         number[row] = np.arange(len(row))
         shape = (len(row), moments, -1)
         arrays = (
-            told.token, own, told.pose, told.fresh, road.reshape(*shape, road.shape[-1]), drawn.reshape(shape), other, seen,
-            number[who],
+            sequences.token, own, sequences.pose, sequences.fresh, road.reshape(*shape, road.shape[-1]), drawn.reshape(shape),
+            other, seen, number[who],
         )  # fmt: skip
-        return Seen(*(torch.from_numpy(a) for a in arrays)), torch.from_numpy(told.target)
+        return Seen(*(torch.from_numpy(a) for a in arrays)), torch.from_numpy(sequences.target)
 
     def _states(
-        self, box: NDArray[np.integer], step: NDArray[np.integer], row: NDArray[np.integer], told: Told
+        self, box: NDArray[np.integer], step: NDArray[np.integer], row: NDArray[np.integer], sequences: Sequences
     ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         """(X, T, 4) x, y, heading, speed of all boxes, vehicles where they were told to be, and (X, T) whether they are there."""
         tracks, at = self.logs.tracks, np.minimum(step, self.logs.tracks.valid.shape[1] - 1)
         speed = np.hypot(*np.moveaxis(tracks.velocity[box[:, None], at], -1, 0))
         state = np.concatenate([logged(tracks, box[:, None], at), speed[..., None]], axis=-1)
-        state[row] = np.concatenate([told.pose, told.speed[..., None]], axis=-1)
+        state[row] = np.concatenate([sequences.pose, sequences.speed[..., None]], axis=-1)
         return state, tracks.valid[box[:, None], at] & (step == at)
 
 
@@ -193,5 +193,5 @@ class SmartObjective:
 
 def _entropy(model: nn.Module, seen: Seen, target: Tensor, device: torch.device) -> Tensor:
     logit, _ = model(Seen(*(part.to(device) for part in seen)))
-    known = target.to(device) >= 0
-    return functional.cross_entropy(logit[known], target.to(device)[known], reduction="sum") / known.sum().clamp_min(1)
+    labelled = target.to(device) >= 0
+    return functional.cross_entropy(logit[labelled], target.to(device)[labelled], reduction="sum") / labelled.sum().clamp_min(1)

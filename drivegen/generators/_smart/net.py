@@ -53,7 +53,7 @@ class Past(NamedTuple):
 
     pose: Tensor
     fresh: Tensor
-    known: list[Tensor]
+    context: list[Tensor]
 
 
 class Look(nn.Module):
@@ -71,8 +71,8 @@ class Look(nn.Module):
         """(..., width); `there` (..., K)."""
         query = self.query(x).unflatten(-1, (self.heads, -1))
         score = (query @ things.transpose(-1, -2) * self.scale).masked_fill(~there[..., None, :], -1e4)
-        found: Tensor = self.out((score.softmax(dim=-1) @ things).flatten(-2))
-        return found
+        attended: Tensor = self.out((score.softmax(dim=-1) @ things).flatten(-2))
+        return attended
 
 
 class Layer(nn.Module):
@@ -85,21 +85,21 @@ class Layer(nn.Module):
         self.feed = nn.Sequential(nn.Linear(width, 4 * width), nn.GELU(), nn.Linear(4 * width, width))
 
     def forward(
-        self, x: Tensor, seen: Seen, codes: tuple[Tensor, ...], known: Tensor, back: Tensor, there: Tensor
+        self, x: Tensor, seen: Seen, codes: tuple[Tensor, ...], context: Tensor, back: Tensor, there: Tensor
     ) -> tuple[Tensor, Tensor]:
-        """x (V, T, width), and what is known (V, P + T, width) after `known` (V, P, width) of earlier moments.
+        """x (V, T, width), and what is known (V, P + T, width) after `context` (V, P, width) of earlier moments.
 
         `codes` of how past, road and others lie; `back`, `there`: see `SmartNet._remembered`.
         """
         normal = self.norms[0](x)
-        known = torch.cat([known, normal], dim=1)
-        x = x + self.looks[0](normal, known[:, back] + codes[0], there)
+        context = torch.cat([context, normal], dim=1)
+        x = x + self.looks[0](normal, context[:, back] + codes[0], there)
         x = x + self.looks[1](self.norms[1](x), codes[1], seen.road_there)
         normal, moment = self.norms[2](x), torch.arange(x.shape[1], device=x.device)[:, None]
         theirs = torch.where((seen.who >= 0)[..., None], normal[seen.who.clamp_min(0), moment], 0.0)
         x = x + self.looks[2](normal, theirs + codes[2], seen.other_there)
         x = x + self.feed(self.norms[3](x))
-        return x, known
+        return x, context
 
 
 class SmartNet(nn.Module):
@@ -130,12 +130,12 @@ class SmartNet(nn.Module):
         back, there = self._remembered(fresh, seen.token.shape[1])
         codes = self.past(_between(seen.pose, pose[:, back])), self.road(seen.road), self.other(seen.other)
         moving = torch.where(seen.fresh[..., None], self.begin, self.word(self.code)[seen.token])
-        x, known = moving + self.told(seen.own), []
+        x, context = moving + self.told(seen.own), []
         for number, layer in enumerate(self.layers):
-            x, now = layer(x, seen, codes, first.known[number] if first.known else x[:, :0], back, there)
-            known.append(now)
+            x, now = layer(x, seen, codes, first.context[number] if first.context else x[:, :0], back, there)
+            context.append(now)
         kept = max(self.memory - 1, 1)
-        return self._odds(x, seen), Past(pose[:, -kept:], fresh[:, -kept:], [part[:, -kept:] for part in known])
+        return self._odds(x, seen), Past(pose[:, -kept:], fresh[:, -kept:], [part[:, -kept:] for part in context])
 
     @property
     def spare(self) -> Tensor:

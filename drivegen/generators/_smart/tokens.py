@@ -93,19 +93,19 @@ def disks(way: NDArray[np.float32], count: int, random: np.random.Generator) -> 
     until there are `count`. So wide disks cover rare motions, and what is left goes where most motions are. Fewer different
     motions than that leave the rest of the vocabulary to stand still, which is never matched.
     """
-    found = np.zeros((count, SPAN, 3), np.float32)
-    code, centre = codes(way), codes(found[:1])
+    chosen = np.zeros((count, SPAN, 3), np.float32)
+    code, centre = codes(way), codes(chosen[:1])
     order = random.permutation(len(way))
     gap = np.square(code - centre).sum(axis=1)
     made, radius = 1, _WIDEST
     while made < count and gap.max(initial=0) > 1e-6:
         outside = order[gap[order] > radius**2]
         while made < count and len(outside):
-            found[made] = way[outside[0]]
+            chosen[made] = way[outside[0]]
             gap = np.minimum(gap, np.square(code - code[outside[0]]).sum(axis=1))
             outside, made = outside[gap[outside] > radius**2], made + 1
         radius *= _SHRINK
-    return found
+    return chosen
 
 
 @dataclass(frozen=True)

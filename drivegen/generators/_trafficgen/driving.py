@@ -79,16 +79,16 @@ class Driver:
             around = Surroundings.of(
                 vectors, crowd, group[rows], box[rows], scenes[scene[rows]], np.full(CHUNK, step), self.counts, self.look
             )
-            told = (around.lanes, around.lane_there, around.boxes, around.box_there)
-            modes = self.net(*(torch.from_numpy(a).to(device) for a in told))
+            inputs = (around.lanes, around.lane_there, around.boxes, around.box_there)
+            modes = self.net(*(torch.from_numpy(a).to(device) for a in inputs))
             parts.append([m[:count].cpu().numpy() for m in (modes.logit, modes.velocity, modes.turn)])
-        found = [np.concatenate(part) for part in zip(*parts, strict=True)]
+        outputs = [np.concatenate(part) for part in zip(*parts, strict=True)]
         if step:
-            return found
+            return outputs
         within = box - crowd.start[group]  # number of each vehicle in its scene
         row_of = {key: row for row, key in enumerate(zip(scene[first].tolist(), within[first].tolist(), strict=True))}
         same = np.array([row_of[key] for key in zip(scene.tolist(), within.tolist(), strict=True)])
-        return [values[same] for values in found]
+        return [values[same] for values in outputs]
 
     def _drawn(
         self,

@@ -119,8 +119,8 @@ class MotionExamples:
         slant = np.where(moving, _direction(velocity) - _direction(logged), 0.0)
         turn = wrap_angle(tracks.heading[box, at] + slant - heading).astype(np.float32)
         place = rotate(tracks.position[box, at] + back - state[:, None, :2], -heading)
-        told = place, rotate(velocity, -heading), turn, tracks.valid[box, at] & (step + ahead == at)
-        return tuple(torch.from_numpy(a) for a in told)
+        truth = place, rotate(velocity, -heading), turn, tracks.valid[box, at] & (step + ahead == at)
+        return tuple(torch.from_numpy(a) for a in truth)
 
 
 def _direction(velocity: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -135,8 +135,8 @@ def motion_loss(modes: Modes, place: Tensor, velocity: Tensor, turn: Tensor, see
     best = end_gap.detach().argmin(dim=1)
     weight = seen.float() / seen.sum(dim=1, keepdim=True).clamp(min=1)
 
-    def gap(found: Tensor, true: Tensor) -> Tensor:
-        each = functional.smooth_l1_loss(found, true, reduction="none")
+    def gap(predicted: Tensor, true: Tensor) -> Tensor:
+        each = functional.smooth_l1_loss(predicted, true, reduction="none")
         return ((each.sum(dim=-1) if each.dim() == 3 else each) * weight).sum(dim=1).mean()
 
     motion = gap(modes.place[rows, best], place) + gap(modes.velocity[rows, best], velocity)

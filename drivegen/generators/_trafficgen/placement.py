@@ -126,8 +126,8 @@ class PlacementExamples:
         around = Surroundings.of(self.vectors, shown, np.arange(len(rows)), first, scene, step, self.counts, 0.0)
         box = target[group] + within
         asked = np.flatnonzero(crowd.there & crowd.planned & ~given)
-        found = _wanted(around, crowd, first, group[asked], asked, self.tracks.kind[box[asked]])
-        return _tensors(around), found
+        wanted = _wanted(around, crowd, first, group[asked], asked, self.tracks.kind[box[asked]])
+        return _tensors(around), wanted
 
 
 def _wanted(

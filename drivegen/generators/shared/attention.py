@@ -25,8 +25,8 @@ class Attention(nn.Module):
         if there is not None:
             absent = torch.zeros_like(there, dtype=query.dtype).masked_fill(~there, -1e4)[..., None, None, :]
             bias = absent if bias is None else bias + absent
-        found = scaled_dot_product_attention(query, key, value, attn_mask=bias)
-        mixed: Tensor = self.out(found.transpose(-3, -2).flatten(-2))
+        attended = scaled_dot_product_attention(query, key, value, attn_mask=bias)
+        mixed: Tensor = self.out(attended.transpose(-3, -2).flatten(-2))
         return mixed
 
     def _split(self, x: Tensor) -> Tensor:

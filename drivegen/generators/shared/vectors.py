@@ -51,7 +51,7 @@ class Scenes:
         actor_position: (S, C, 2) [m]. actor_velocity: (S, C, 2) [m/s]. actor: (S, C, 2 + kinds) length and width [5 m],
             kind. seen: (S, C) bool.
         future: (S, A, T, 2) [m] logged positions at steps 1..T. future_heading: (S, A, T) [rad].
-        known: (S, A, T) bool where the log has them; T is 0 without logs.
+        logged: (S, A, T) bool where the log has them; T is 0 without logs.
     """
 
     frame: NDArray[np.float32]
@@ -69,7 +69,7 @@ class Scenes:
     seen: NDArray[np.bool_]
     future: NDArray[np.float32]
     future_heading: NDArray[np.float32]
-    known: NDArray[np.bool_]
+    logged: NDArray[np.bool_]
 
     def __len__(self) -> int:
         return len(self.frame)
@@ -84,7 +84,7 @@ class Scenes:
             "actor_position": (ACTORS, 2), "actor_velocity": (ACTORS, 2), "actor": (ACTORS, 2 + kinds),
             "future": (AGENTS, steps, 2), "future_heading": (AGENTS, steps),
         }  # fmt: skip
-        masks = {"present": (AGENTS,), "drawn": (PIECES,), "seen": (ACTORS,), "known": (AGENTS, steps)}
+        masks = {"present": (AGENTS,), "drawn": (PIECES,), "seen": (ACTORS,), "logged": (AGENTS, steps)}
         arrays: dict[str, Any] = {name: np.zeros((count, *shape), np.float32) for name, shape in shapes.items()}
         return cls(**arrays | {name: np.zeros((count, *shape), np.bool_) for name, shape in masks.items()})
 
@@ -125,7 +125,7 @@ class Scenes:
 
     def padded(self, count: int) -> Self:
         """With empty rows behind, `count` in all."""
-        return joined(type(self), [self, self.empty(count - len(self), self.known.shape[2])])
+        return joined(type(self), [self, self.empty(count - len(self), self.logged.shape[2])])
 
     def tensors(self, device: torch.device) -> "SceneTensors":
         """The same arrays as tensors on `device`."""
@@ -180,14 +180,14 @@ class Scenes:
         self.future[row, :count, :steps] = np.where(valid[..., None], position, 0)
         heading = wrap_angle(log.heading[:, 1 : steps + 1] - self.frame[row, 2])
         self.future_heading[row, :count, :steps] = np.where(valid, heading, 0)
-        self.known[row, :count, :steps] = valid
+        self.logged[row, :count, :steps] = valid
 
     def _local(self, row: int, points: NDArray[np.float32]) -> NDArray[np.float32]:
         """Points (..., 2) of the map's frame in the target's."""
         return rotate(points - self.frame[row, :2], -self.frame[row, 2])
 
 
-_FUTURE = ("future", "future_heading", "known")
+_FUTURE = ("future", "future_heading", "logged")
 
 
 @dataclass(frozen=True)
@@ -209,7 +209,7 @@ class SceneTensors:
     seen: Tensor
     future: Tensor
     future_heading: Tensor
-    known: Tensor
+    logged: Tensor
 
     def __len__(self) -> int:
         return len(self.frame)

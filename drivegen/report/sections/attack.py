@@ -77,8 +77,8 @@ def proposer_tables(driver: str, attacks: Mapping[str, dict[str, Any]]) -> list[
     columns = sorted({(varies, allowed) for _, varies, allowed, _ in cells})
     lines = []
     for who, budget in dict.fromkeys((who, budget) for who, _, _, budget in cells):
-        found = [cells.get((who, *column, budget)) for column in columns]
-        lines.append(row(who, number(budget), *(measured(each, "counted", 3) if each else "-" for each in found)))
+        figures = [cells.get((who, *column, budget)) for column in columns]
+        lines.append(row(who, number(budget), *(measured(each, "counted", 3) if each else "-" for each in figures)))
     heads = ("", "runs a scene", *(f"{varies}, {allowed}" for varies, allowed in columns))
     note = (
         "Share of scenes with a counted collision. Goals are planned by DriveGen; motions are the same tracks with other "

@@ -33,7 +33,8 @@ from drivegen.core.settings import read_params as read_params
 from drivegen.core.settings import read_section as read_section
 from drivegen.store.columns import Columns, Table
 from drivegen.store.costs import write_cost
-from stages._cluster import USED, cpu_seconds, on_cluster
+from stages._door.cluster import USED, on_cluster
+from stages._door.cluster import cpu_seconds as cpu_seconds
 
 P = TypeVar("P")
 Task = TypeVar("Task")

@@ -132,8 +132,8 @@ def _fault(run: Run, threads: int) -> str:
 @cache
 def code() -> str:
     """Hex digest of the sources of `drivegen` and `stages`, read once: what a worker has loaded does not change with them."""
-    total = hashlib.sha256()
-    for root in (Path(__file__).parent, Path(__file__).parents[1] / "drivegen"):
+    total, stages = hashlib.sha256(), Path(__file__).parents[1]
+    for root in (stages, stages.parent / "drivegen"):
         for path in sorted(path for path in root.rglob("*") if path.is_file() and "__pycache__" not in path.parts):
             total.update(f"{path.relative_to(root.parent)} {hashlib.sha256(path.read_bytes()).hexdigest()}\n".encode())
     return total.hexdigest()
