@@ -177,7 +177,7 @@ def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing]) -> l
         raise Unfit(f"an angle of {angle:g} degrees can be drawn between two roads that cross, or in a T or Y, from 20 to 160")
     if shape == "y":
         half = (angle or 70.0) / 2
-        return [180.0, half, -half]
+        return [180.0, half, -half if angle is None else 360.0 - half]
     if shape == "t":
         skew = 90.0 if angle is None else float(angle)
         return [180.0, 0.0, skew if turned == "left" else 360.0 - skew]
