@@ -69,7 +69,7 @@ def words(
 
     The word `words` can be left out. Lanes: 'N lanes in each direction' is always right. 'N lanes' are in each direction, 'a
     four-lane road' has four in both directions together. On motorways, one-way roads, ramps, forks and rings every number of
-    lanes is that of one carriageway.
+    lanes is that of one carriageway. Turn lanes are counted on each road into a junction.
     """
     _check_free(out, force=force)
     account = _build(text, seed, out, lm, map_mode, max_usd).account

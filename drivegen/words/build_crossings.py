@@ -52,13 +52,12 @@ def crossing(scene: Scene, choices: Choices) -> Road:
             raise Unfit("roads are named by their directions at a crossing of two roads")
         first, second = compass
         roads = [*compass[0], *compass[1]]
-    unequal = shape == "t" or bool(side) or bool(main)
-    of_main = {0, 1} if shape == "t" else {0, 2} if count == 4 and (first or second or unequal) else set(range(count))
     shared = Thing("", facts=[*whole.facts, *(f for road in roads if road not in (*first, *second) for f in road.facts)])
-    if length := next(
-        (fact for road in roads if road not in (*first, *second) for fact in road.facts if fact.name == "length"), None
-    ):
-        raise Unfit(f"say of the arms how long they are, not of the roads: {length.text!r}")
+    unequal = shape == "t" or bool(side or main) or shared.has("main_turn_bans", "side_turn_bans")
+    of_main = {0, 1} if shape == "t" else {0, 2} if count == 4 and (first or second or unequal) else set(range(count))
+    lengths = [fact.text for road in roads if road not in (*first, *second) for fact in road.facts if fact.name == "length"]
+    if lengths:
+        raise Unfit(f"say of the arms how long they are, not of the roads: {lengths[0]!r}")
     groups = {True: _group(shared, first, 2), False: _group(shared, second, 2 if count == 4 else 1)}
     built = _arms(angles, groups, of_main, shared, choices)
     for i, arm in enumerate(built):
@@ -178,7 +177,7 @@ def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing]) -> l
         raise Unfit(f"an angle of {angle:g} degrees can be drawn between two roads that cross, or in a T or Y, from 20 to 160")
     if shape == "y":
         half = (angle or 70.0) / 2
-        return [180.0, half, -half]
+        return [180.0, half, -half if angle is None else 360.0 - half]
     if shape == "t":
         skew = 90.0 if angle is None else float(angle)
         return [180.0, 0.0, skew if turned == "left" else 360.0 - skew]

@@ -148,9 +148,9 @@ def _same(text: str, words: Words, choices: Choices) -> bool:
 
 
 def _alike(tokens: Sequence[Token]) -> str:
-    """The example that shares most words with the text."""
+    """The example that shares most words with the text, a straight road where none shares any."""
     keys = {token.key for token in tokens}
-    return max(EXAMPLES, key=lambda example: (len(keys & _rare(example)), -len(example)))
+    return max(EXAMPLES, key=lambda example: (len(keys & _rare(example)), "straight" in example, -len(example)))
 
 
 def _rare(text: str) -> set[str]:

@@ -68,7 +68,8 @@ def _measured(units: dict[str, float], digits: int = 99) -> Callable[[Sequence[T
         value = _value(tokens, i)
         if value is None or _text(tokens, i + 1) not in units:
             return None
-        return round(value * units[tokens[i + 1].text], digits), i + 2
+        factor = units[tokens[i + 1].text]
+        return (value if factor == 1.0 else round(value * factor, digits)), i + 2
 
     return read
 

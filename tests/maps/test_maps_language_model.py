@@ -89,6 +89,19 @@ def test_what_contradicts_the_text_goes_back_to_the_model(tmp_path):
     assert (built.structure.lanes, built.as_asked) == (4, True)
 
 
+def test_turn_lanes_and_bans_that_the_model_leaves_out_go_back(tmp_path):
+    text = "a crossroads with two lanes each way, lanes 3 m wide, a left-turn lane of 40 m, no right turns"
+    arm = {"lanes_in": 2, "lanes_out": 2}
+    full = {**arm, "left_turn_lanes": 1, "pocket": 40, "turn_bans": ["right"]}
+    bare = {"kind": "crossing", "arms": [{"angle": a, **arm} for a in (0, 90, 180, 270)]}
+    whole = {**bare, "lane_width": 3.0, "arms": [{"angle": a, **full} for a in (0, 90, 180, 270)]}
+    with serving([says(bare), says(whole)]) as server:
+        built = build_map(text, 7, asking_writer("language_model", asked(tmp_path, server.url)))
+        wrong = str(server.requests[1]["messages"][-1]["content"]).rsplit("<wrong>", 1)[1]
+    assert all(words in wrong for words in ("lanes 3 m wide", "left turn lane of 40 m", "no right turns"))
+    assert (built.account["failed"], built.account["repairs"]) == ([], 1)
+
+
 def test_a_contradiction_that_the_model_keeps_is_told_and_a_worse_answer_does_not_count(tmp_path):
     with serving([says(highway(4, 130, 1000)), says(highway(4, 130, 1000))]) as server:
         built = build_map(FAST, 7, asking_writer("language_model", asked(tmp_path, server.url)))

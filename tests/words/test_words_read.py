@@ -257,6 +257,7 @@ def test_turns_are_banned_where_it_is_said():
     assert bans("a crossroads, no left turns") == [("left",)] * 4
     assert bans("a T-junction of a main road and a side road, no left turn from the side road") == [(), (), ("left",)]
     assert bans("a T-junction, no left turn into the side road") == [("left",), ("left",), ()]
+    assert bans("a crossroads with no right turns on the main road") == [("right",), (), ("right",), ()]
     row = read("a road with two side streets, left turns from the side streets are not allowed", 7).road.road.junctions
     assert [(junction.turn_bans, junction.side_turn_bans) for junction in row] == [((), ("left",))] * 2
 

@@ -40,7 +40,15 @@ def test_a_request_that_is_said_reads_the_same(asked):
     assert read(" ".join(request_sentences(asked)), 7).traffic == asked
 
 
-@pytest.mark.parametrize("text", EXAMPLES)
+UNEVEN = (
+    "a Y-junction at 60 degrees",
+    "a road with four signalised crossings 400 feet apart",
+    "a trumpet",
+    "a car overtaking me",
+)
+
+
+@pytest.mark.parametrize("text", [*EXAMPLES, *UNEVEN])
 def test_every_example_is_read_and_what_it_says_reads_the_same(text):
     words = read(text, 7)
     again = read(" ".join(words.sentences()), 8)

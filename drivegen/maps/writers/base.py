@@ -45,7 +45,7 @@ class MapWriter(Protocol):
 
     @property
     def description(self) -> str:
-        """Who writes, as it stands in tables, e.g. "offline rules (no language model)"."""
+        """Who writes, as it stands in tables, e.g. "phrase table (no language model)"."""
 
     def write(self, text: str, seed: int) -> Understanding:
         """The map that `text` describes.
