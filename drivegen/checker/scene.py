@@ -232,7 +232,17 @@ def _among_samples(gates, motion, size, sample, others, other_size, limit, worst
         their = (others[0][k], others[1][k], others[2][k], others[3][k])
         hit, when = np.full(high - low, np.float32(NEVER)), np.full(high - low, np.int16(-1))
         collisions.against(
-            position[rows], heading[rows], valid[rows], size[rows], their[0], their[1], their[3], other_size, limit[OVERLAP], hit, when
+            position[rows],
+            heading[rows],
+            valid[rows],
+            size[rows],
+            their[0],
+            their[1],
+            their[3],
+            other_size,
+            limit[OVERLAP],
+            hit,
+            when,
         )
         worst[rows, OVERLAP], first[rows, OVERLAP] = hit, when
         own = (position[rows], heading[rows], velocity[rows], valid[rows])

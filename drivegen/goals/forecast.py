@@ -12,7 +12,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.core.geometry import Floats
 from drivegen.core.scenario import DT
 from drivegen.core.signals import Signals
 from drivegen.goals.reach import Dynamics, speed_caps
@@ -110,7 +109,11 @@ def _in_line(speed, length, places, speeds, lengths):  # type: ignore[no-untyped
 @njit(cache=True)
 def _signals_ahead(entries, lane, signal_lane, closed, steps):  # type: ignore[no-untyped-def]
     """Where to stand (W,) [m] before the signals on the route, and whether each is closed (W, steps) at every STRIDE-th step."""
-    walls, shut, count = np.empty(len(entries) * len(signal_lane)), np.empty((len(entries) * len(signal_lane), steps), np.bool_), 0
+    walls, shut, count = (
+        np.empty(len(entries) * len(signal_lane)),
+        np.empty((len(entries) * len(signal_lane), steps), np.bool_),
+        0,
+    )
     for at in entries:
         for g in range(len(signal_lane)):
             if signal_lane[g] == lane[at]:

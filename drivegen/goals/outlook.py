@@ -196,7 +196,7 @@ def _reaches(size):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _meet(pos_a, turn_a, valid_a, size_a, a, pos_b, turn_b, valid_b, size_b, b, reach, last):  # type: ignore[no-untyped-def]
-    """Whether the boxes of rows a and b, which reach `reach` [m] together, meet before sample `last`, once they have been apart."""
+    """Whether the boxes of rows a and b, which reach `reach` [m] together, meet before sample `last`, having been apart."""
     apart = False
     for t in range(last):
         if not (valid_a[a, t] and valid_b[b, t]):

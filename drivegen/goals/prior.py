@@ -110,7 +110,7 @@ def _stops(ahead: Ahead) -> list[tuple[float, float]]:
 
 
 def _ways(free: float, steady: float, ahead: Ahead, seconds: float) -> list[tuple[float, float, float]]:
-    """Weight, middle and width [m] of the normal densities of who does not stop: at the present speed, behind the leader, freely."""
+    """Weight, middle, width [m] of the densities of who does not stop: at the present speed, behind the leader, freely."""
     ways = [(STEADY, steady, 3.0 + 0.06 * steady)]
     if np.isfinite(ahead.leader_gap):
         spare = ahead.leader_gap - GAP - HEADWAY * ahead.leader_speed

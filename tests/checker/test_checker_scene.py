@@ -13,9 +13,11 @@ from tests.checking import LIMITS, two_way_road
 from tests.scenes import (
     LANE_WIDTH,
     beside,
+    busy_crossing,
     crossing,
     drive,
     joined,
+    noisy_samples,
     scenario,
     stack,
     straight_road,
@@ -368,3 +370,16 @@ def test_who_starts_off_the_road_is_judged_once_it_is_on_it():
     parked = drive(way, 0, 0, STEPS)
     parked.position[50:] = drive(way[:4], 0, 12, STEPS).position[:51]
     assert Violation.OFF_ROAD not in judge(ROAD, parked)[0][0]
+
+
+def test_candidates_of_many_samples_are_judged_as_each_sample_alone():
+    scene = busy_crossing()
+    motion, checker = noisy_samples(scene, 3, 5).motion, SceneChecker(scene, LIMITS)
+    others = replace(motion, valid=motion.valid & (np.arange(len(scene.vehicles)) != 1)[:, None])
+    sample, planned = np.array([0, 0, 2]), motion[np.array([0, 1, 2]), 1]
+    alone = checker.alone(np.full(3, 1), planned)
+    apart = [checker.severities_of(1, planned[i : i + 1], others[k], checker.size) for i, k in enumerate(sample.tolist())]
+    together = checker.among_samples(1, planned, sample, others, checker.size, alone)
+    assert np.array_equal(together.worst, np.concatenate([one.worst for one in apart]))
+    assert np.array_equal(together.first, np.concatenate([one.first for one in apart]))
+    assert (together.worst[:, RULES.index("overlap")] > NEVER).any()

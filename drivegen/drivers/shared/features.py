@@ -185,9 +185,10 @@ def _look(  # type: ignore[no-untyped-def]
     ahead, left, half_length, half_width, along, sideways, present, offset, speed, length, width,
     gap, closing, comes, comes_at, boxes,
 ):  # fmt: skip
-    order, squared = np.empty(NEAREST, np.int64), np.empty(NEAREST, np.float32)
+    apart = np.empty(present.shape[1], np.float32)  # squared [m2]
     for s in range(len(speed)):
-        near, count = np.float32(_FAR), 0
+        near = np.float32(_FAR)
+        apart[:] = np.inf
         comes[s], comes_at[s] = _LATEST, _FARTHEST
         for m in range(present.shape[1]):
             if not present[s, m]:
@@ -201,24 +202,28 @@ def _look(  # type: ignore[no-untyped-def]
             if ahead[s, m] > 0 and beside >= 0 and inward > np.float32(_SLOWEST) and beside / inward < comes[s]:
                 comes[s] = beside / inward
                 comes_at[s] = min(max(room - np.float32(0.5) * length[s], np.float32(0)), np.float32(_FARTHEST))
-            apart = ahead[s, m] * ahead[s, m] + across * across
-            if count == NEAREST and apart >= squared[NEAREST - 1]:
-                continue
-            k = count = min(count + 1, NEAREST)
-            k -= 1
-            while k > 0 and squared[k - 1] > apart:
-                squared[k], order[k] = squared[k - 1], order[k - 1]
-                k -= 1
-            squared[k], order[k] = apart, m
+            apart[m] = ahead[s, m] * ahead[s, m] + across * across
         gap[s] = min(max(near - np.float32(0.5) * length[s], np.float32(0)), np.float32(_FARTHEST))
         if gap[s] >= _FARTHEST:
             closing[s] = 0
-        for k in range(count):
-            m, box = order[k], boxes[s, k]
+        for box in boxes[s]:
+            m = _least(apart)
+            if apart[m] == np.inf:
+                break
             box[0], box[1] = ahead[s, m] / np.float32(_GAP), (left[s, m] - offset[s]) / np.float32(10)
             box[2], box[3] = (along[s, m] - speed[s]) / np.float32(_SPEED), sideways[s, m] / np.float32(_SPEED)
             box[4], box[5] = half_length[s, m] / np.float32(5), half_width[s, m] / np.float32(5)
-            box[6], box[7] = np.sqrt(squared[k]) / np.float32(_GAP), 1
+            box[6], box[7] = np.sqrt(apart[m]) / np.float32(_GAP), 1
+            apart[m] = np.inf
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _least(values):  # type: ignore[no-untyped-def]
+    """The first place of the least of the values (M,)."""
+    least = 0
+    for m in range(1, len(values)):
+        least = m if values[m] < values[least] else least
+    return least
 
 
 def _rules(view: Observation) -> Tensor:

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from drivegen.core import seeds
 from drivegen.core.geometry import Floats
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.core.signals import SignalState
 from drivegen.planners.base import ROUTE_POINTS, ROUTE_SPACING, Examples, PlanRequests
 from drivegen.roads.frenet import to_frenet
 from drivegen.roads.graph import LaneGraph
