@@ -5,6 +5,7 @@ times of arrival, all planned by the planner and judged by the checker (`shared.
 
 Knowledge is made of runs of the driver alone, which count: first each scene is driven as it is. A candidate is dangerous where
 its planned motion meets the target's own, and where it gives little warning, since drivers brake for what they see in their way.
+Of two alike the one comes first that accelerates, brakes and turns less: what is legal may be what hardly anybody does.
 What the driver did about the first candidates then teaches which encounters (relative speed, direction, behaviour) end in a
 collision: P(collision | encounter), with its denominators, ranks the rest.
 """
@@ -19,6 +20,7 @@ from drivegen.adversaries.shared.approach import approaches
 from drivegen.adversaries.shared.arena import Arena, everywhere, share_out
 from drivegen.adversaries.shared.candidates import Candidates
 from drivegen.adversaries.shared.sources import Goals, Source
+from drivegen.adversaries.shared.strain import strain
 from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.core.settings import Count, NotNegative, Positive
 from drivegen.corner_cases.encounters import Encounters, encounters
@@ -43,6 +45,7 @@ class Ranking:
         learn_after: so many runs in each scenario what they teach is put to use.
         caution: [m/s] the gap that a second of warning is worth; 0 looks at gaps alone.
         behind: [m] the gap that coming up from behind is worth: its own duty.
+        ease: [s2] the gap [m] that each m/s2 of acceleration beyond what is usual is worth (`shared.strain`).
         again: [m] the gap that each earlier candidate of the same vehicle is worth: who has failed to fail once will again.
         weight: [m] the gap that a factor of e in P(collision | encounter) is worth; 0 leaves knowledge out.
         strength: of the prior, see `Knowledge`.
@@ -52,6 +55,7 @@ class Ranking:
     learn_after: Count
     caution: NotNegative
     behind: NotNegative
+    ease: NotNegative
     again: NotNegative
     weight: NotNegative
     strength: Positive
@@ -94,7 +98,8 @@ class Ranked:
     def _cost(self, arena: Arena, pool: Candidates, driven: Trajectories) -> NDArray[np.float32]:
         """(Q,) [m] of each candidate; the least is the most dangerous."""
         near = approaches(arena.trials, driven, pool.scene, pool.vehicle, pool.motion)
-        return near.cost(self.settings.caution, self.settings.behind)
+        cost = near.cost(self.settings.caution, self.settings.behind)
+        return np.asarray(cost + np.float32(self.settings.ease) * strain(pool.motion))
 
 
 class Plugin(Ranked):

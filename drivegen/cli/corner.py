@@ -20,7 +20,7 @@ from drivegen.core.settings import Count, Index, read_section
 from drivegen.corner_cases.avoidance import Avoidable
 from drivegen.corner_cases.case import Case
 from drivegen.corner_cases.judgement import Judgement, judgements
-from drivegen.corner_cases.kind_folder import PICTURE, RECORDING, write_kind
+from drivegen.corner_cases.kind_folder import write_kind
 from drivegen.corner_cases.kinds import Group, groups
 from drivegen.corner_cases.survival import Reacting
 from drivegen.drivers.base import Driver
@@ -69,10 +69,13 @@ def command(
         console.print(f"{searched}, no case found")
         return
     console.print(_table(kinds, judged))
+    console.print("Odds, of the attacker's goal by itself, and time to react are medians. The likeliest case of each kind:")
     for group in kinds:
-        place = out / _folder(group)
-        console.print(f"{group.kind}: {judged[group.cases[0]].sentence}\n  {place / PICTURE}  {place / RECORDING}")
-    console.print(f"{searched}, {sum(len(group.cases) for group in kinds)} cases of {len(kinds)} kinds in {out}")
+        place, likeliest = out / _folder(group), judged[group.cases[0]]
+        written = ", ".join(sorted(file.name for file in place.iterdir()))
+        console.print(f"{group.kind}, in {likeliest.case.scenario_id}: {likeliest.sentence}\n  {place}: {written}")
+    found = sum(len(group.cases) for group in kinds)
+    console.print(f"{searched}, {found} case{'s' * (found > 1)} of {len(kinds)} kind{'s' * (len(kinds) > 1)} in {out}")
 
 
 def _settings() -> _Settings:
@@ -103,15 +106,15 @@ def _table(kinds: Sequence[Group], judged: Sequence[Judgement]) -> Table:
         mine = [judged[c] for c in group.cases]
         avoidable = sum(one.replayed.verdict != Avoidable.NO for one in mine)
         holds = sum(one.holds["ordinary", Reacting.ALL] for one in mine)
-        odds, budget = (_median(values) for values in ([m.case.odds for m in mine], [m.replayed.budget for m in mine]))
+        odds, budget = _median([m.case.odds for m in mine], ".2g"), _median([m.replayed.budget for m in mine], ".1f", " s")
         shares = (f"{count} of {len(mine)}" for count in (avoidable, holds))
-        table.add_row(group.kind, str(len(mine)), f"{odds:.2g}", next(shares), f"{budget:.1f} s", next(shares))
+        table.add_row(group.kind, str(len(mine)), odds, next(shares), budget, next(shares))
     return table
 
 
-def _median(values: Sequence[float]) -> float:
+def _median(values: Sequence[float], how: str, unit: str = "") -> str:
     there = [value for value in values if not np.isnan(value)]
-    return float(np.median(there)) if there else float("nan")
+    return f"{np.median(there):{how}}{unit}" if there else "-"
 
 
 def _row(one: Judgement) -> dict[str, Any]:

@@ -13,6 +13,7 @@ VARIANTS = {
     "no_variations": "goals as they are, without variations",
     "no_warning": "without regard to warning",
     "anyone_behind": "without regard to who comes from behind",
+    "no_ease": "without regard to how hard vehicles accelerate",
     "no_turns": "without turns among attackers",
     "knowledge": "with knowledge of encounters",
 }

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core import seeds
-from drivegen.core.scenario import Trajectories
+from drivegen.core.scenario import DT, Trajectories
 from drivegen.core.settings import NotNegative
+from drivegen.goals.reach import stopping_distance
 from drivegen.planners.base import Planner, PlanRequests
 from drivegen.planners.shared.noise import normals
 from drivegen.planners.shared.requests import moved
@@ -18,6 +19,9 @@ from drivegen.rollout.scene import Choices
 
 NEAR = 1 << 20
 """The stream of noise that places near a goal are drawn from, apart from that of the motion towards them."""
+
+BRAKING = 4.0
+"""[m/s2] Who varies a goal brakes by this at most, in the mean over all the way to a standstill."""
 
 
 def plan_all_goals(choices: Sequence[Choices], planner: Planner, seed: int) -> list[Trajectories]:
@@ -44,13 +48,20 @@ def plan_near_goals(
 ) -> list[Trajectories]:
     """One trajectory towards a place near a candidate's for each row (number, vehicle, candidate, 0): (rows, T) per scenario.
 
-    Who gets farther on the same way, or is faster at its end, passes everything on it at other times. A place depends on its row,
-    the scenario and the seed alone.
+    Who gets farther on the same way, or is faster at its end, passes everything on it at other times. No place is nearer than
+    its vehicle can stop: a planner would let it stand at once. A place depends on its row, the scenario and the seed alone.
     """
     requests = goal_requests(choices, rows_of, lambda s: seeds.derive(seed, "near-goals", choices[s].scenario.scenario_id))
     along, across, speed, _ = normals(requests.seed, 4, NEAR).T
-    requests = moved(requests, spread.along * along, spread.across * across, spread.speed * speed)
+    farther = np.maximum(spread.along * along, np.minimum(_stopping(requests) - requests.goal_s, 0.0))
+    requests = moved(requests, farther, spread.across * across, spread.speed * speed)
     return _planned(choices, rows_of, requests, planner)
+
+
+def _stopping(requests: PlanRequests) -> NDArray[np.float64]:
+    """(B,) [m] the least distance in which vehicles stop."""
+    speeds = zip(requests.speed.tolist(), (requests.goal_step * DT).tolist(), strict=True)
+    return np.array([stopping_distance(speed, BRAKING, seconds) for speed, seconds in speeds])
 
 
 def _planned(

@@ -8,10 +8,11 @@ import pytest
 from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
 from drivegen.adversaries.shared.goals import exchanged_goals
 from drivegen.adversaries.shared.motions import Perturbation, exchanged_motions
-from drivegen.adversaries.shared.variation import Variation, with_variations
+from drivegen.adversaries.shared.variation import Variation, odds_of_nearest, with_variations
+from drivegen.core.scenario import Trajectories
 from drivegen.drivers import idm
 from drivegen.rollout.batch import choose
-from drivegen.rollout.towards import Spread
+from drivegen.rollout.towards import Spread, plan_near_goals
 from drivegen.selectors.random import Plugin as Random
 from tests.checking import IDM, LIMITS
 from tests.models import candidate_settings, planner, two_lanes
@@ -43,8 +44,21 @@ def test_the_pool_comes_first_then_what_is_allowed_of_the_best_of_each_scene(are
         assert {(whole.vehicle[q], whole.goal[q]) for q in mine} <= best
     new = slice(count, None)
     assert arena.allows(whole.scene[new], whole.vehicle[new], whole.motion[count:]).all()
-    odds = {(s, n, g): o for s, n, g, o in zip(pool.scene, pool.vehicle, pool.goal, pool.odds, strict=True)}
-    assert all(odds[s, n, g] == o for s, n, g, o in zip(whole.scene, whole.vehicle, whole.goal, whole.odds, strict=True))
+
+
+def test_a_variation_has_the_odds_of_the_goal_nearest_to_where_it_ends(arena):
+    n = int(exchanged_goals(arena, 1, np.arange(2)).vehicle[0])
+    goals, odds = arena.ground.choices[0].candidates[n], arena.ground.choices[0].natural[n]
+    first, faster = np.arange(len(goals)), goals.speed[0] + 40.0
+    track = Trajectories.empty(len(goals) + 1, 101)
+    track.position[:], track.valid[:, :50] = 1e6, True  # where it is no longer there, nothing counts
+    track.position[:, 49] = goals.position[[*first, 0]]
+    track.velocity[:, 49, 0] = [*goals.speed, faster]
+    found = odds_of_nearest(arena.ground, np.zeros(len(goals) + 1, np.int64), np.full(len(goals) + 1, n), track)
+    assert found[:-1].tolist() == odds.tolist()
+    apart = np.hypot(np.hypot(*(goals.position - goals.position[0]).T), 2 * (goals.speed - faster))
+    assert apart.argmin() > 0
+    assert found[-1] == odds[apart.argmin()]
 
 
 def test_without_spread_only_the_planners_noise_differs_and_with_it_ends_do(arena):
@@ -58,6 +72,17 @@ def test_without_spread_only_the_planners_noise_differs_and_with_it_ends_do(aren
 
     assert ends(NOWHERE).max() < 0.1
     assert ends(NEAR).std() > 1
+
+
+def test_who_drives_never_stands_at_once_however_near_a_place_would_be(arena):
+    choices = arena.ground.choices
+    rows = [np.array([(k, 1, len(c.candidates[1]) - 1, 0) for k in range(30)], np.int64) for c in choices]
+    planned = plan_near_goals(choices, rows, Spread(1000.0, 0.0, 0.0), arena.ground.planner, 7)
+    for choice, motion in zip(choices, planned, strict=True):
+        speed = float(choice.scenario.vehicles.speed[1])
+        went = np.hypot(*np.diff(motion.position[:, :2], axis=1)[:, 0].T) / 0.1
+        assert speed > 5
+        assert went.min() > speed - 1.0
 
 
 def test_several_motions_towards_a_goal_are_one_goal_and_every_variation_starts_where_its_vehicle_stands(arena):

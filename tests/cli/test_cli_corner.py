@@ -45,8 +45,10 @@ def test_a_driver_of_a_file_is_tested_and_its_kinds_are_written(project, monkeyp
     words = ("--driver", "blind.py", "--scenarios", "scenes", "--out", "out", "--adversary", "dataset")
     assert call(project, monkeypatch, *words) == 0
     said = capsys.readouterr().out
-    assert "Another stands in its way" in said
-    assert "2 cases of 1 kinds" in said
+    assert "standing, in a: Another stands in its way" in said
+    assert "2 cases of 1 kind in out" in said
+    assert "standing  2      -     2 of 2" in said  # logged traffic has no odds
+    assert "out/standing: picture.png, recording.rrd, sentence.txt, standing, standing.xodr, standing.xosc" in said
     cases = json.loads((project / "out/cases.json").read_text())
     assert [case["kind"] for case in cases] == ["standing", "standing"]
     assert {case["avoidable"] for case in cases} == {"with warning"}

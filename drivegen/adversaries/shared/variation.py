@@ -9,13 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.adversaries.shared.arena import Arena
+from drivegen.adversaries.shared.arena import Arena, Ground
 from drivegen.adversaries.shared.candidates import Candidates
 from drivegen.core import seeds
 from drivegen.core.scenario import Trajectories
 from drivegen.core.settings import Count, Index
 from drivegen.rollout.towards import Spread, plan_near_goals
 from drivegen.simulators.shared.drives import numbered
+
+METRES = 2.0
+"""A goal that is faster by 1 m/s is as far away as one so many metres farther on."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,7 @@ class Variation:
 def with_variations(arena: Arena, pool: Candidates, order: NDArray[np.integer], variation: Variation) -> Candidates:
     """The pool and behind it, of the first candidates of each scene in `order`, all variations that the arena allows.
 
-    Variations have the natural odds of the goal that they are varied from. Candidates that are no goals are not varied.
+    Variations have the natural odds of the goal that is nearest to where they end. Candidates that are no goals are not varied.
     """
     order = order[pool.goal[order] >= 0]
     goals = np.column_stack([pool.scene, pool.vehicle, pool.goal])[order]
@@ -50,6 +53,25 @@ def with_variations(arena: Arena, pool: Candidates, order: NDArray[np.integer], 
     steps = max(pool.motion.steps, *(motion.steps for motion in planned))
     motion = Trajectories.joined([part.padded(steps) for part in planned])
     kept = np.flatnonzero(arena.allows(pool.scene[rows], pool.vehicle[rows], motion))
-    rows = rows[kept]
-    varied = Candidates(pool.scene[rows], pool.vehicle[rows], pool.goal[rows], pool.odds[rows], motion[kept])
+    rows, motion = rows[kept], motion[kept]
+    odds = odds_of_nearest(ground, pool.scene[rows], pool.vehicle[rows], motion)
+    varied = Candidates(pool.scene[rows], pool.vehicle[rows], pool.goal[rows], odds, motion)
     return Candidates.joined([pool.padded(steps), varied])
+
+
+def odds_of_nearest(
+    ground: Ground, scene: NDArray[np.integer], vehicle: NDArray[np.integer], motion: Trajectories
+) -> NDArray[np.float32]:
+    """(E,) natural odds of the goal nearest to where each track (E, T) of a vehicle (E,) of a scene (E,) ends.
+
+    Goals are apart by their places and, METRES for each m/s, by their speeds.
+    """
+    odds, scenario, row = np.empty(len(scene), np.float32), ground.of[scene], np.arange(len(scene))
+    last = motion.last_valid()
+    end = np.column_stack([motion.position[row, last], METRES * motion.speed[row, last]])
+    for c, n in np.unique(np.column_stack([scenario, vehicle]), axis=0).tolist():
+        mine, goals = np.flatnonzero((scenario == c) & (vehicle == n)), ground.choices[c].candidates[n]
+        places = np.column_stack([goals.position, METRES * goals.speed])
+        nearest = np.linalg.norm(end[mine, None] - places, axis=-1).argmin(axis=1)
+        odds[mine] = ground.choices[c].natural[n][nearest]
+    return odds
