@@ -55,10 +55,9 @@ class Params:
 
     def searching(self) -> dict[str, Adversary]:
         """All that search, a variant by `drivegen_cs.<name>`."""
-        place, own = "recall.adversaries", plugins.load("adversaries", VARIED)
-        made: dict[str, Adversary] = {
-            name: plugins.make("adversaries", name, self.adversaries, place) for name in self.adversaries
-        }
+        place, own, made = "recall.adversaries", plugins.load("adversaries", VARIED), dict[str, Adversary]()
+        for name in self.adversaries:
+            made[name] = plugins.make("adversaries", name, self.adversaries, place)
         for name, settings in self.variants.items():
             made[f"{VARIED}.{name}"] = own(build(own.settings_type, settings, f"stages/params.yaml: recall.variants.{name}"))
         return made
@@ -102,11 +101,7 @@ def _rows(recall: Recall, params: Params) -> Iterator[dict[str, Any]]:
     for method, search in recall.searches.items():
         for queries in params.queries:
             hit = search.first <= queries
-            shares = {
-                "counted": (hit, whole),
-                "avoidable": (hit & search.avoidable, whole),
-                "recall": (hit, recall.open),
-            }
+            shares = {"counted": (hit, whole), "avoidable": (hit & search.avoidable, whole), "recall": (hit, recall.open)}
             for metric, (values, among) in shares.items():
                 yield {"method": method, "queries": queries, "metric": metric, **_mean(values, among, recall, params)}
 

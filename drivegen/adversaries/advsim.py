@@ -14,6 +14,7 @@ from drivegen.adversaries.base import About
 from drivegen.adversaries.shared.approach import approaches
 from drivegen.adversaries.shared.arena import Arena, everywhere
 from drivegen.adversaries.shared.bicycle import perturbed
+from drivegen.adversaries.shared.motions import Perturbation
 from drivegen.adversaries.shared.nearest import attackers
 from drivegen.core import seeds
 from drivegen.core.scenario import Trajectories
@@ -38,18 +39,14 @@ LEAST = 0.1
 
 
 @dataclass(frozen=True)
-class Settings:
-    """How it searches.
+class Settings(Perturbation):
+    """What is varied, and how it is searched.
 
     Attributes:
-        knots: values of each, held in turn over the horizon. acceleration: [m/s2], curvature: [1/m] largest changes.
         rounds: in which the budget is spent. elite: share of a round's runs that the next one is drawn around.
         tries: draws for each run until one is allowed.
     """
 
-    knots: Count
-    acceleration: Positive
-    curvature: Positive
     rounds: Count
     elite: Positive
     tries: Count

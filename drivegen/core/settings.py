@@ -5,6 +5,7 @@ two files: those of stages that only measure us in `stages/params.yaml`. `like: 
 those of that section, in whichever file, but for what is said beside it.
 """
 
+import contextlib
 import dataclasses
 import math
 import types
@@ -65,19 +66,20 @@ def read_section(section: str, path: Path = PARAMS) -> dict[str, Any]:
     """The names and values of a section of params.yaml; `section` may be dotted.
 
     Where names and values are wanted, the name of a YAML file may stand for what is in it. Raises MissingTool where there is
-    no such file, UnusableInput where it is no YAML or has no such section.
+    no such file, UnusableInput where it is no YAML, has no such section, or that is like one that there is not.
     """
-    tree = _found(section, read_tree(path), path)
-    if tree is not None and not isinstance(tree, dict):
-        raise UnusableInput(f"{file_of(section, path)}: {section} must have names and values, not {tree!r}")
-    return tree or {}
+    name, tree = section.split(".")[0], _sections(path)
+    value = _found(section, {name: _whole(name, tree, path)} if name in tree else {}, path)
+    if value is not None and not isinstance(value, dict):
+        raise UnusableInput(f"{file_of(section, path)}: {section} must have names and values, not {value!r}")
+    return value or {}
 
 
 def read_params(section: str, params: type[P], path: Path = PARAMS) -> P:
     """The params section as a dataclass; `section` may be dotted. Unknown and missing keys are errors that name both."""
     own_names = {f.name for f in dataclasses.fields(params)}  # type: ignore[arg-type]
     own = read_section(section, path)
-    shared = read_section(SHARED, path) if SHARED in read_tree(path) else {}
+    shared = read_section(SHARED, path) if SHARED in _sections(path) else {}
     for name in _SHARED_KINDS.keys() & shared.keys():
         _typed(_SHARED_KINDS[name], shared[name], f"{path}: {SHARED}.{name}")
     return build(params, {**{k: v for k, v in shared.items() if k in own_names}, **own}, f"{file_of(section, path)}: {section}")
@@ -149,19 +151,16 @@ class _Loader(yaml.CSafeLoader):
 
 
 def read_tree(path: Path = PARAMS) -> dict[str, Any]:
-    """All sections by name, with the values of the sections that they are like, and in a `training` those of that section.
+    """All sections by name. One that is like a section that there is not stands as it is written: whoever reads it is told.
 
-    Raises MissingTool where there is no such file, UnusableInput where it is no YAML, where a section stands in both files or
-    is like one that there is not.
+    Raises MissingTool where there is no such file, UnusableInput where it is no YAML or a section stands in both files.
     """
-    tree: dict[str, Any] = {}
-    for file, sections in _files(path).items():
-        if twice := tree.keys() & sections.keys():
-            raise UnusableInput(f"{min(twice)!r} is a section of {path} and, again, of {file}")
-        tree |= sections
-    alike = {name: _alike(section, tree, path, ()) for name, section in tree.items()}
-    trained: dict[str, Any] = _trained(alike, alike.get(TRAINING))
-    return trained
+    tree = _sections(path)
+    whole = dict(tree)
+    for name in tree:
+        with contextlib.suppress(UnusableInput):
+            whole[name] = _whole(name, tree, path)
+    return whole
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
@@ -178,10 +177,20 @@ def read_yaml(path: Path) -> dict[str, Any]:
     return values
 
 
-def _files(path: Path) -> dict[Path, dict[str, Any]]:
-    """What stands in `path`, and in the second file if there is one."""
+def _sections(path: Path) -> dict[str, Any]:
+    """What is written in `path` and, where there is one, in the second file."""
     beside = path.parent / MEASURES
-    return {file: read_yaml(file) for file in (path, *([beside] if beside.exists() else []))}
+    tree, measures = read_yaml(path), read_yaml(beside) if beside.exists() else {}
+    if twice := tree.keys() & measures.keys():
+        raise UnusableInput(f"{min(twice)!r} is a section of {path} and, again, of {beside}")
+    return tree | measures
+
+
+def _whole(name: str, tree: dict[str, Any], path: Path) -> Any:
+    """A section with the values of those that it is like and, in a `training`, those of the section of that name."""
+    if name == TRAINING:
+        return tree[name]
+    return _trained(_alike(tree[name], tree, path, ()), tree.get(TRAINING))
 
 
 def _found(section: str, tree: Any, path: Path) -> Any:

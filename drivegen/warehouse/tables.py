@@ -59,7 +59,7 @@ RECORDINGS = pa.schema(
 """Every recording: of which sample, the file below `reports`, what it shows. One of all methods has no stage and no item."""
 
 PARAMETERS = pa.schema([("stage", pa.string()), ("name", pa.string()), ("value", pa.string())])
-"""Every number of params.yaml: its section, its dotted name there, its value as text (JSON where it is no word)."""
+"""Every number of the parameters: its section, its dotted name there, its value as text (JSON where it is no word)."""
 
 
 def read_scenarios(folders: Mapping[str, Path]) -> pa.Table:
@@ -117,7 +117,7 @@ def read_recordings(listing: Path) -> pa.Table:
 
 
 def parameter_table(sections: Mapping[str, Any]) -> pa.Table:
-    """A row of every value of the sections of params.yaml."""
+    """A row of every value of the sections of the parameters."""
     rows = [(stage, ".".join(words), value) for stage, values in sections.items() for words, value in _leaves(values)]
     as_text = [value if isinstance(value, str) else orjson.dumps(value).decode() for _, _, value in rows]
     return pa.table({"stage": [row[0] for row in rows], "name": [row[1] for row in rows], "value": as_text}, PARAMETERS)

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from drivegen.core.errors import MissingTool, UnusableInput
-from drivegen.core.settings import Count, Index, NotNegative, Positive, Share, read_params, read_section
+from drivegen.core.settings import Count, Index, NotNegative, Positive, Share, read_params, read_section, read_tree
 from drivegen.generators.base import Settings as GeneratorSettings
 from drivegen.ingest.selection import Settings as SelectionSettings
 from drivegen.placement.scenes import Settings as InitialSettings
@@ -160,6 +160,14 @@ def test_a_section_that_is_like_another_one_has_its_values_but_for_those_named_b
 def test_sections_that_are_alike_in_circles_or_twice_there_are_refused(two_files, params: str, measures: str, sentence: str):
     with pytest.raises(UnusableInput, match=sentence):
         read_section("a", two_files(params, measures or "e: {}"))
+
+
+def test_a_section_that_is_like_nothing_hinders_no_other(two_files):
+    path = two_files("a: {x: 1}", "b: {like: gone}\nc: {like: a}")
+    assert read_section("a", path) == read_section("c", path) == {"x": 1}
+    assert read_tree(path) == {"a": {"x": 1}, "b": {"like": "gone"}, "c": {"x": 1}}
+    with pytest.raises(UnusableInput, match="has no section 'gone'"):
+        read_section("b", path)
 
 
 def test_what_is_wrong_is_named_with_the_file_that_it_stands_in(two_files):
