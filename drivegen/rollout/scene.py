@@ -218,8 +218,9 @@ class Rollout:
 
     def _note_turned_down(self) -> None:
         """Note what was turned down in this round, sample by sample."""
-        for k, judged, n, violation, position in sorted(self.turned_down, key=itemgetter(0, 1)):
-            self.rejections.add(k, n, violation, position, made_way=n != judged)
+        if self.rejections is not None:
+            for k, judged, n, violation, position in sorted(self.turned_down, key=itemgetter(0, 1)):
+                self.rejections.add(k, n, violation, position, made_way=n != judged)
         self.turned_down = []
 
     def _first_legal(
