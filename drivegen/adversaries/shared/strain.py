@@ -19,4 +19,5 @@ def strain(motion: Trajectories) -> NDArray[np.float32]:
     change = np.linalg.norm(velocity[:, WINDOW:] - velocity[:, :-WINDOW], axis=-1) / (WINDOW * DT)
     there = np.concatenate([motion.valid[:, :1], there], axis=1)
     seen = there[:, WINDOW:] & there[:, :-WINDOW]
-    return np.maximum(np.where(seen, change, 0.0).max(axis=1, initial=0.0) - USUAL, 0.0).astype(np.float32)
+    hardest = np.where(seen, change, 0.0).max(axis=1, initial=0.0)
+    return np.asarray(np.maximum(hardest - USUAL, 0.0), np.float32)
