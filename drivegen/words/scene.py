@@ -1,8 +1,8 @@
 """A cover as things and what is said of each: which fact belongs to which thing.
 
-A fact before a noun, also one behind its article, belongs to it; one behind belongs to what its clause speaks of, if that can
-hold it, else to the nearest thing that can, else to the whole. "on the side road" takes what stands before it in its clause. Behind
-a comma, at the end of all things, a fact is of the whole, unless the sentence speaks of one thing ("The side road has ..., ...").
+A fact before a noun, also one behind its article, belongs to it; one behind belongs to what its clause speaks of, if that
+can hold it, else to the nearest thing that can, else to the whole. "on the side road" takes what stands before it in its clause.
+Behind a comma, at the end of all things, a fact is of the whole, unless the sentence speaks of one thing ("The side road has").
 """
 
 from collections.abc import Iterable, Sequence
