@@ -1,8 +1,8 @@
 """A cover as things and what is said of each: which fact belongs to which thing.
 
-A fact before a noun belongs to it; one behind belongs to what its clause speaks of, if that can hold it, else to the nearest
-thing that can, else to the whole. "on the side road" takes what stands before it in its clause. Behind a comma, at the end of all
-things, a fact is of the whole, unless the sentence speaks of one thing ("The side road has ..., ...").
+A fact before a noun, also one behind its article, belongs to it; one behind belongs to what its clause speaks of, if that
+can hold it, else to the nearest thing that can, else to the whole. "on the side road" takes what stands before it in its clause.
+Behind a comma, at the end of all things, a fact is of the whole, unless the sentence speaks of one thing ("The side road has").
 """
 
 from collections.abc import Iterable, Sequence
@@ -147,7 +147,7 @@ class Walk:
         before = self.items[i - 1].phrase if i else WORD
         if fact.name == "length" and before.name in _TURN_LANES:
             fact.name, fact.scope = "pocket", before.scope
-        nothing = self.segment and self.segment[-1][0].name.startswith("no_")  # "no junctions for 2 km"
+        nothing = self.segment and self.segment[-1][0].name.startswith(("no_", "straight"))  # "no ramps for 2 km"
         if self.mark in ("at", "for") and fact.name == "length" and not nothing:
             raise Unfit(f"it is not clear what is {self.mark} {fact.text!r}")
         led = bool(self.det) or self.mark in words("prepositions")
