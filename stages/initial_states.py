@@ -18,7 +18,7 @@ from drivegen.core.intervals import Interval
 from drivegen.core.scenario import Scenario
 from drivegen.core.settings import Count
 from drivegen.generators.shared.learned import Placement
-from drivegen.placement.beginnings import Beginning, compared, rates
+from drivegen.placement.beginnings import Beginning, compared, rates, without_parked
 from drivegen.placement.draws import Draws
 from drivegen.placement.gaps import Gaps
 from drivegen.placement.on_logs import OnLogs
@@ -94,7 +94,7 @@ def _rivals(models: Path, train: Path, seed: int) -> Mapping[str, Placement]:
 
 def _logged(split: Path, shards_read: int | None = None) -> list[Scenario]:
     files = shards(require(split, "run the ingest stage"))[:shards_read]
-    return [scenario for file in files for scenario in read_shard(file) if scenario.log is not None]
+    return [without_parked(scenario) for file in files for scenario in read_shard(file) if scenario.log is not None]
 
 
 def _spread(scenarios: list[Scenario], most: int) -> list[Scenario]:

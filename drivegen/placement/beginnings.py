@@ -19,6 +19,7 @@ from drivegen.core.scenario import TARGET, Scenario, Vehicles
 from drivegen.metrics.distributions import binned, distance
 from drivegen.placement.gaps import gaps_of
 from drivegen.roads.graph import LaneGraph
+from drivegen.roads.parked import parked
 
 RANGES = {"speed": (0.0, 48.0), "gap": (0.0, 120.0), "heading": (0.0, 90.0), "offset": (0.0, 6.0)}
 """Ends of the bins [m/s], [m], [deg], [m]; headings and offsets without their sign."""
@@ -64,6 +65,14 @@ class Beginning:
         rates = np.array([_overlapping(vehicles)[others].mean(), off_lane[others].mean()]) if others.any() else np.full(2, np.nan)
         counts = np.stack([binned(values[name], *ends) for name, ends in RANGES.items()])
         return cls(counts, rates, len(vehicles), recording(scenario.scenario_id))
+
+
+def without_parked(scenario: Scenario) -> Scenario:
+    """The scenario less whoever is parked beside the lanes, the target apart: nobody places such vehicles."""
+    kept = ~parked(LaneGraph.of(scenario.map), scenario.vehicles)
+    kept[TARGET] = True
+    log = None if scenario.log is None else scenario.log[kept]
+    return replace(scenario, vehicles=scenario.vehicles[kept], log=log)
 
 
 def compared(logs: Sequence[Beginning], placed: Sequence[Beginning], draws: int, rng: np.random.Generator) -> dict[str, Interval]:

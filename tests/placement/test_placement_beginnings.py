@@ -7,7 +7,7 @@ import pytest
 
 from drivegen.core.scenario import Scenario
 from drivegen.metrics.distributions import BINS
-from drivegen.placement.beginnings import RANGES, Beginning, compared
+from drivegen.placement.beginnings import RANGES, Beginning, compared, without_parked
 from drivegen.roads.graph import LaneGraph
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
@@ -70,6 +70,15 @@ def test_logs_are_at_no_distance_from_themselves_and_farther_from_what_is_faster
     found = compared(logs, faster, 50, rng(0))["speed"]
     assert found.value == pytest.approx(10 * 48.0 / BINS, rel=1e-6)
     assert found.low <= found.value <= found.high
+
+
+def test_whoever_is_parked_is_left_out_but_a_target():
+    scene = lane_of(4)
+    beside = scene.vehicles.position + np.float32([0, -4]) * np.array([[1], [0], [1], [1]], np.float32)
+    speed = np.array([0, 0, 0, 10], np.float32)
+    kept = without_parked(replace(scene, vehicles=replace(scene.vehicles, position=beside, speed=speed)))
+    kept.validate()
+    assert kept.vehicles.track_id.tolist() == scene.vehicles.track_id[[0, 1, 3]].tolist()
 
 
 def test_first_frames_are_drawn_by_recording():
