@@ -71,9 +71,9 @@ def _remarks(case: Case, shown: Departures, others: Others, queue: list[tuple[in
     if past:
         remarks.append(f"past {', '.join(past[:MOST_PAST])}{' and more' if len(past) > MOST_PAST else ''}")
     elif place.slowest < STANDING and queue and queue[0][2] < SLOW:
-        first, at, _ = queue[0]
-        if 0 <= at - float(others.length[first]) / 2 - half - s < BEHIND:
-            remarks.append(f"close behind where {others.name(first)} is now")
+        nearest, at, _ = queue[0]
+        if 0 <= at - float(others.length[nearest]) / 2 - half - s < BEHIND:
+            remarks.append(f"close behind where {others.name(nearest)} is now")
     return remarks
 
 
