@@ -13,6 +13,13 @@ from tests.scenes import busy_crossing
 PARAMS = Path(__file__).parents[1] / "params.yaml"
 
 
+def copy_params(folder: Path) -> None:
+    """Both files of parameters, as they are, into `folder`."""
+    (folder / MEASURES).parent.mkdir()
+    for name in ("params.yaml", MEASURES):
+        shutil.copy(PARAMS.parent / name, folder / name)
+
+
 def make_project(folder: Path, models: Path) -> Path:
     """`folder` with both files of parameters, data/assets.parquet and a copy of `models` as data/models."""
     tree = yaml.safe_load(PARAMS.read_text())

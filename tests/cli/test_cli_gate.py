@@ -1,7 +1,6 @@
 """`drivegen gate`, from the words of the command line to the exit code and the record."""
 
 import json
-import shutil
 import sys
 
 import numpy as np
@@ -11,7 +10,7 @@ from drivegen import cli
 from drivegen.core.samples import Samples
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
-from tests.projects import PARAMS
+from tests.projects import copy_params
 from tests.scenes import drive, scenario, stack, straight_road
 
 BLIND = "from drivegen.world.observation import Action\ndef act(seen): return Action(0 * seen.speed)\n"
@@ -25,7 +24,7 @@ def parked(place: float):
 @pytest.fixture
 def project(tmp_path, monkeypatch):
     """Six recordings with a parked car each, a future of each without; a driver that sees nobody, and one that fails."""
-    shutil.copy(PARAMS, tmp_path)
+    copy_params(tmp_path)
     scenes = [scenario(straight_road(600), parked(80.0 + n), f"run{n}-0") for n in range(6)]
     write_shard(tmp_path / "scenes/shard-00000.parquet", scenes)
     free = [Samples.without_goals(s.scenario_id, "drivegen", stack([s.log, parked(500.0)])) for s in scenes]
