@@ -39,13 +39,13 @@ def table(case: Case, shown: Departures, others: Others, own: Sequence[Route]) -
     v, c, scenario = case.scenario.vehicles, case.candidates, case.scenario
     local = to_vehicle_frame(shown.place, v.position[case.vehicle], v.heading[case.vehicle])
     words = way_words(scenario.map, scenario.signals, c)
-    queues = [others.in_lane(route) for route in c.routes]
+    queues, own_queue = [others.in_lane(route) for route in c.routes], others.in_lane(own[0]) if own else []
     lines = ["place: where; what the vehicle does, lane there; way along the road; speed there, against the present one"]
     for number, place in enumerate(case.places):
         i = place.shown
         at, queue = int(c.lane[i]), queues[c.route[i]] if c.route[i] != NO_ROUTE else []
         if own and words[i].startswith(IN_LANE):
-            at, queue = own[0].pieces[0].lane if words[i] == STAYS else at, others.in_lane(own[0])
+            at, queue = own[0].pieces[0].lane if words[i] == STAYS else at, own_queue
         lane = "" if at == NO_LANE or shown.leaves[i] else lane_words(scenario.map, at)
         does = [words[i], *([lane] if lane else []), *_remarks(case, shown, others, queue, place)]
         way = f"{shown.way[i]:.0f} m" if c.route[i] >= 0 else "no lane"

@@ -228,3 +228,33 @@ def test_who_is_outside_the_picture_is_counted():
     _, words, _ = told(scenes.scenario(roads, scenes.stack(log)))
     assert "Outside the picture the scene has 2 more." in words
     assert "The scene holds 4 vehicles, those nearest to the target, the farthest 450 m from it" in words
+
+
+def rows_of(words):
+    """The lines of the table of places."""
+    return words[words.index("place: where") :].splitlines()[1:-1]
+
+
+def test_in_its_own_lane_nobody_of_the_next_one_is_ahead():
+    roads, own = scenes.straight_road(300, 3), 0
+    for place in np.arange(54.0, 90.0, 3.0).tolist():
+        log = [scenes.drive(scenes.joined(roads, lane), s, v, 101) for lane, s, v in ((1, 50, 1), (2, place, 0), (1, 120, 0))]
+        _, words, _ = told(scenes.scenario(roads, scenes.stack(log)))
+        beside = next(line[0] for line in words.splitlines() if "one lane to the left, same way" in line)
+        in_lane = [row for row in rows_of(words) if "stays where it is" in row or "keeps its lane" in row]
+        own += len(in_lane)
+        assert not any(re.search(rf"(past|where) ([A-Z], )*{beside}\b", row) for row in in_lane)
+    assert own
+
+
+def test_nothing_is_as_fast_as_now_for_who_stands():
+    rows = rows_of(told(queue(gaps=(60,), speeds=(0,), own=0.0))[1])
+    assert any("creeps at" in row for row in rows)
+    assert not any("as now" in row for row in rows)
+    assert any("as now" in row for row in rows_of(told(queue(own=8.0))[1]))
+
+
+def test_one_end_of_the_road_is_one_place():
+    roads = scenes.straight_road(120, 1, whole=True)
+    scene = scenes.scenario(roads, scenes.stack([scenes.drive(scenes.joined(roads, 0), 40, 14, 101)]))
+    assert sum("leaves the map here" in row for row in rows_of(told(scene)[1])) == 1
