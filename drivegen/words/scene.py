@@ -97,9 +97,11 @@ class Walk:
 
     def _thing(self, item: Item, phrase: Phrase) -> None:
         several = [thing.name for thing in self.scene.things if any(f.name == "count" and f.value != 1 for f in thing.facts)]
-        if phrase.name == "nth_one" and not several:
+        others = {"nth_one": several, "so_many": [t.name for t in self.scene.things[-1:] if t.has("count") and t.has("side")]}
+        if not others.get(phrase.name, [phrase.name]):
             raise Unfit(f"it is not clear what {item.raw!r} is")
-        name = several[-1] if phrase.name == "nth_one" else phrase.name
+        name = others.get(phrase.name, [phrase.name])[-1]
+        self.det = "another" if phrase.name == "so_many" else self.det
         slots = zip(phrase.slots, item.values, strict=True)
         facts = [*self.pending, *(Fact(n, v, item.raw, ()) for n, v in (*phrase.facts.items(), *slots))]
         which = [fact.value for fact in facts if fact.name in ("nth", "compass")]

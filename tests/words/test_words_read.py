@@ -78,6 +78,7 @@ def declined(text: str) -> str:
         ("one-way street with two lanes in each direction", "no lanes in the other direction"),
         ("a single-lane roundabout with three lanes in the ring", "two numbers of lanes"),
         ("grid of zero by zero blocks", "a block at least"),
+        ("a crossing; the north-south road has priority and the east-west road has priority", "not both"),
     ],
 )
 def test_what_cannot_be_read_is_declined_by_name_with_a_sentence_to_try(text, word):
@@ -238,6 +239,33 @@ def test_junctions_are_as_far_apart_as_it_is_said(text, gap):
 def test_one_of_several_is_told_by_its_number():
     junctions = read("a street with three crossings, the second one signalised", 7).road.road.junctions
     assert [junction.control for junction in junctions] == ["yield", "signals", "yield"]
+
+
+@pytest.mark.parametrize(
+    ("text", "main"),
+    [("the north-south road has priority", [False, True, False, True]), ("the east-west road has priority", [True, False] * 2)],
+)
+def test_one_of_two_roads_has_priority(text, main):
+    assert [arm.main for arm in read(f"a four-way intersection in which {text}", 7).road.road.arms] == main
+
+
+def test_one_more_on_the_other_side_is_of_the_same_kind():
+    sides = [
+        crossing.sides
+        for crossing in read("a street with two side roads on the left and one on the right", 7).road.road.junctions
+    ]
+    assert sides == [("left",), ("left",), ("right",)]
+    assert "'one on the right'" in declined("a road with four crossings, one on the right")
+
+
+def test_lanes_of_an_approach_lead_to_the_junction():
+    arms = read("a roundabout with four two-lane approaches", 7).road.road.arms
+    assert [(arm.lanes_in, arm.lanes_out) for arm in arms] == [(2, 2)] * 4
+
+
+def test_what_the_side_road_has_fewer_of_need_not_be_said_again():
+    arms = read("a crossroads where the main road has two lanes per direction and the side road one", 7).road.road.arms
+    assert [arm.lanes_in for arm in arms] == [2, 1, 2, 1]
 
 
 def test_what_a_third_set_of_lines_had_wrong_is_right():
