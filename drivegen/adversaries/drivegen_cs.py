@@ -76,6 +76,10 @@ class Ranked:
 
     def attack(self, arena: Arena) -> None:
         """See `base.Adversary`."""
+        self.one_by_one(arena, int(arena.left.max(initial=0)))
+
+    def one_by_one(self, arena: Arena, rounds: int) -> tuple[Candidates, NDArray[np.float32]]:
+        """Single attackers in at most `rounds` of `learn_after` runs; all candidates (Q,), and what each costs (Q,) [m]."""
         settings, ground = self.settings, arena.ground
         scenes = share_out(ground.of, np.maximum(arena.left // settings.per_scene, 1))
         driven = everywhere(arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion, scenes, len(ground.of))
@@ -85,15 +89,16 @@ class Ranked:
         cost = self._cost(arena, pool, driven)
         met = _encounters(arena, pool, driven)
         knowledge, tried = Knowledge.none(settings.strength), np.zeros(len(pool), np.bool_)
-        while True:
+        for _ in range(rounds):
             danger = settings.weight * np.log(knowledge.probability()[met.speed_bin, met.direction, met.behaviour])
             order = _in_turn(cost - danger, pool, tried, settings.again)
             rows, outcome = pool.drive(arena, order, settings.learn_after)
             if not len(rows):
-                return
+                break
             tried[rows] = True
             mine = outcome.partner == pool.vehicle[rows]
             knowledge = knowledge.with_outcomes(_some(met, rows), outcome.counted & mine, np.inf)
+        return pool, cost
 
     def _cost(self, arena: Arena, pool: Candidates, driven: Trajectories) -> NDArray[np.float32]:
         """(Q,) [m] of each candidate; the least is the most dangerous."""
