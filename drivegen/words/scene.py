@@ -105,6 +105,8 @@ class Walk:
         slots = zip(phrase.slots, item.values, strict=True)
         facts = [*self.pending, *(Fact(n, v, item.raw, ()) for n, v in (*phrase.facts.items(), *slots))]
         which = [fact.value for fact in facts if fact.name in ("nth", "compass")]
+        if which and self.det in ("every", "each"):
+            raise Unfit(f"say which ones {self.det} {item.raw!r} is, by their numbers")
         facts = [fact for fact in facts if fact.name not in ("nth", "compass")]
         thing = self._resolved(name, item.raw, which[0] if which else "all" if self.det in ALL else None)
         thing.facts += facts
@@ -206,8 +208,11 @@ class Walk:
     def _holder(self, i: int, fact: Fact) -> Thing:
         if self.subject is not None and self.subject.name in MOVING and not (self.comma or _can_hold(self.subject, fact)):
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
-        holds = [t for t in (self.subject, *reversed(self.sentence)) if t is not None and _can_hold(t, fact)]
         whole = "" in fact.scope
+        before = self.segment[-1] if self.segment and self.mark == "and" else None
+        if whole and before is not None and before[0].name == "control" and before[1] is self.scene.whole:
+            return self.scene.whole  # "crossing a four-lane road with signals and turn lanes": of the crossing, both
+        holds = [t for t in (self.subject, *reversed(self.sentence)) if t is not None and _can_hold(t, fact)]
         of_one = bool(holds) and holds[0].name in WHOLES and sum(thing.name == "street" for thing in self.sentence) < 2
         if self.comma and not self.sticky and whole and holds and not of_one and not self._things_follow(i):
             fact.loose = holds[0].name

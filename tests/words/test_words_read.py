@@ -78,6 +78,7 @@ def declined(text: str) -> str:
         ("one-way street with two lanes in each direction", "no lanes in the other direction"),
         ("a single-lane roundabout with three lanes in the ring", "two numbers of lanes"),
         ("grid of zero by zero blocks", "a block at least"),
+        ("a street with four crossings, every second one signalised", "which ones every"),
         ("a crossing; the north-south road has priority and the east-west road has priority", "not both"),
     ],
 )
@@ -256,6 +257,11 @@ def test_one_more_on_the_other_side_is_of_the_same_kind():
     ]
     assert sides == [("left",), ("left",), ("right",)]
     assert "'one on the right'" in declined("a road with four crossings, one on the right")
+
+
+def test_turn_lanes_named_beside_the_lights_are_of_the_crossing():
+    arms = read("a six-lane arterial crossing a four-lane road with signals and left-turn bays", 7).road.road.arms
+    assert [arm.left_turn_lanes for arm in arms] == [1] * 4
 
 
 def test_lanes_of_an_approach_lead_to_the_junction():
