@@ -74,9 +74,10 @@ def command(
     with whole_folder(out) as folder, model as reader, _progress(console) as progress:
         task = progress.add_task("reading", total=None)
         settings = _project.generation(scored=scenario is not None)
-        tools = _project.equipment(settings)
         order = _Order(map, text, vehicles, beset, seed, reader)
-        start = _logged(scenario, vehicles) if scenario else _new(order, folder, tools, settings, console)
+        wishes = None if reader else _read_wishes(order, console)  # a language model is asked once all that it takes is there
+        tools = _project.equipment(settings)
+        start = _logged(scenario, vehicles) if scenario else _new(order, wishes, folder, tools, settings, console)
         progress.update(task, description=f"planning {samples} futures of {len(start.scenario.vehicles)} vehicles")
         traffic = make(start, tools, settings, samples, seed)
         for k in progress.track(range(samples), task_id=task, description="writing"):
@@ -115,9 +116,11 @@ class _Order:
     reader: LanguageModel | None
 
 
-def _new(order: _Order, folder: Path, tools: Equipment, settings: Settings, console: Console) -> Start:
+def _new(
+    order: _Order, read_before: "_Wishes | None", folder: Path, tools: Equipment, settings: Settings, console: Console
+) -> Start:
     """Vehicles on a network: as the words ask for, on the road that they describe where no network is given."""
-    wishes = _read_wishes(order, console)
+    wishes = read_before or _read_wishes(order, console)
     network, name, source = _road(order, wishes, folder, console)
     initial, seed = _project.initial(order.vehicles), order.seed
     table, gaps = _project.assets(), _project.gaps(initial)

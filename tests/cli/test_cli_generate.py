@@ -259,6 +259,13 @@ def test_without_what_make_run_leaves_it_exits_1_and_says_so(run, project, tmp_p
     assert not list(folder.glob("*out*"))
 
 
+def test_words_are_read_before_models_are_looked_for(run, project, tmp_path):
+    folder = shutil.copytree(project, tmp_path / "project")
+    shutil.rmtree(folder / "data/models/selector")
+    code, said = run("--out", "out", "--text", "a motorway with a blorb", cwd=folder)
+    assert (code, "'blorb'" in said, "try: A motorway." in said) == (2, True, True)
+
+
 @pytest.fixture
 def small_disk() -> Iterator[Callable[[int], None]]:
     """Sets the size that a file may grow to, which fails as a full disk does."""
