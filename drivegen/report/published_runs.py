@@ -31,7 +31,7 @@ def read_data_set(
         return None
     places = [folder / run.folder / METRICS for run in evaluated]
     methods = _methods(folder, places, about)
-    results, left_out = split({method: read_results(places, method, _chosen_by(method)) for method in methods})
+    results, left_out = split({method: read_results(places, method, _chosen_by(method, places[0])) for method in methods})
     scenes = folder / evaluated[0].folder / SCENARIOS
     logs = (scene for shard in (shards(scenes) if scenes.is_dir() else ()) for scene in read_shard(shard))
     counted, added = tracks(logs, results), _added(places, results)
@@ -67,17 +67,20 @@ def _trained_on(metrics: Path) -> str:
     return f"Models were trained on: {ingest['trained_on']}." + (f" {ingest['note']}." if ingest["note"] else "")
 
 
-def _chosen_by(method: str) -> str:
-    """Who chose goals, as the method's plugin or its selector says."""
+def _chosen_by(method: str, metrics: Path) -> str:
+    """Who chose goals, as the stage goals has written it down, else as the method's plugin or its selector says."""
     plugin = plugins.load("generators", method)
-    return str(plugin.backend if plugin.about.goals is None else plugins.load("selectors", plugin.about.goals).described)
+    if plugin.about.goals is None:
+        return str(plugin.backend)
+    measured = metrics / "goals" / f"{plugin.about.goals}.json"
+    return str(read_json(measured)["described"] if measured.exists() else plugins.load("selectors", plugin.about.goals).described)
 
 
 def read_temperatures(folder: Path, temperatures: Iterable[float]) -> dict[float, Results]:
     """DriveGen's averaged results in the runs `t<temperature>` of a data set's folder, of those that were evaluated."""
     places = {temperature: folder / f"t{temperature}" / METRICS for temperature in temperatures}
     return {
-        temperature: read_results([place], OURS, _chosen_by(OURS)).averaged
+        temperature: read_results([place], OURS, _chosen_by(OURS, place)).averaged
         for temperature, place in places.items()
         if (place / "quality" / f"{OURS}.parquet").exists()
     }

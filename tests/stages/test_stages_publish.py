@@ -91,6 +91,16 @@ def test_every_figure_is_a_row_with_its_interval_and_who_chose(runs, tmp_path):
     assert {metric for _, _, metric in found} == {"min_sade", "min_sfde", "mean_sade", "mean_sfde", "diversity", "distance.speed"}
 
 
+def test_who_chose_goals_is_told_as_the_stage_goals_wrote_it(runs, tmp_path):
+    for seed in (7, 8):
+        run(runs / "here" / f"{seed}-7", {"drivegen_vlm": [1.0, 1, 1]})
+        goals = {"described": "language model somebody", "moving": {"vehicles": 3, "nll": 2.0}}
+        write_json(runs / "here" / f"{seed}-7/reports/metrics/goals/vlm.json", goals)
+    publish.main(params(), runs, tmp_path / "out")
+    rows = orjson.loads((tmp_path / "out/scenario_quality.json").read_bytes())
+    assert {row["selector"] for row in rows if row["method"] == "drivegen_vlm"} == {"language model somebody"}
+
+
 def test_scenes_of_one_recording_are_drawn_together(runs, tmp_path):
     for seed in (7, 8):
         run(runs / "here" / f"{seed}-7", {"drivegen": [1.0, 1.0, 4.0]})
