@@ -48,6 +48,8 @@ class Walk:
     def run(self) -> Scene:
         """The scene. Raises Unfit."""
         for i, item in enumerate(self.items):
+            if item.text in words("epithets"):
+                continue  # "a two-lane local road" is a two-lane road
             if item.phrase is WORD:
                 self._word(item)
             elif item.phrase.kind == "thing":
@@ -189,6 +191,8 @@ class Walk:
     def _before_noun(self, i: int, fact: Fact) -> bool:
         """Whether a noun that can hold the fact, or further words before it, follow at once."""
         for item in self.items[i + 1 :]:
+            if item.text in words("epithets"):
+                continue
             if item.phrase.place == "post" or item.phrase.kind not in ("thing", "fact"):
                 return False
             if item.phrase.kind == "thing":
@@ -206,7 +210,8 @@ class Walk:
         return clause and following is not WORD and following.place != "post"
 
     def _holder(self, i: int, fact: Fact) -> Thing:
-        if self.subject is not None and self.subject.name in MOVING and not (self.comma or _can_hold(self.subject, fact)):
+        moving = self.subject if self.subject is not None and self.subject.name in MOVING else None
+        if moving is not None and not (self.comma or _can_hold(moving, fact) or "limit" in fact.text):
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
         whole = "" in fact.scope
         before = self.segment[-1] if self.segment and self.mark == "and" else None
@@ -228,8 +233,10 @@ class Walk:
 
     def _things_follow(self, i: int) -> bool:
         for item in self.items[i + 1 :]:
-            if item.phrase.kind == "thing" or item.text == ".":
-                return item.text != "."
+            if item.text == ".":
+                return False
+            if item.phrase.kind == "thing" and item.phrase.name not in traffic_names():
+                return True
         return False
 
 

@@ -43,7 +43,7 @@ def words(name: str) -> frozenset[str]:
 
 def silent() -> frozenset[str]:
     """The words that say nothing. No number, unit, side, scope, direction or event is among them."""
-    return words("determiners") | words("prepositions") | words("verbs") | words("silent")
+    return words("determiners") | words("prepositions") | words("verbs") | words("epithets") | words("silent")
 
 
 @cache

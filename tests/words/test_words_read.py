@@ -264,6 +264,18 @@ def test_turn_lanes_named_beside_the_lights_are_of_the_crossing():
     assert [arm.left_turn_lanes for arm in arms] == [1] * 4
 
 
+def test_words_that_say_nothing_stand_between_an_adjective_and_its_noun():
+    arms = read("an intersection of a six-lane arterial and a two-lane local road with signals", 7).road.road.arms
+    assert [arm.lanes_in for arm in arms] == [3, 1, 3, 1]
+
+
+def test_a_limit_before_the_cars_is_the_roads():
+    for cars in ("and five cars", "and moderate traffic of about 20 cars", "five cars"):
+        road = read(f"a motorway with an on-ramp after 500 m, speed limit 130 km/h, {cars}", 7).road.road
+        assert road.speed == 130 * KMH
+    assert read("a motorway; there are ten cars and the limit is 100 km/h", 7).road.road.speed == 100 * KMH
+
+
 def test_lanes_of_an_approach_lead_to_the_junction():
     arms = read("a roundabout with four two-lane approaches", 7).road.road.arms
     assert [(arm.lanes_in, arm.lanes_out) for arm in arms] == [(2, 2)] * 4
