@@ -146,6 +146,8 @@ def _two_roads(
     """The things that are the first road (of a T: the one that goes through) and the second one."""
     if len(main) > 1 or len(side) > 1:
         raise Unfit("there is one main road and one side road at a crossing")
+    if count > 4 and any(road.has("speed", *_LANES) for road in (*main, *side)):
+        raise Unfit(f"say by their numbers which of the {count} arms are of the main road")
     single = [road for road in streets if road.which is None]
     if main or side:
         rest = single if single and (not main or not side) else []

@@ -28,6 +28,8 @@ _TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes")
 """A length right behind them is theirs: "with left and right turn lanes of 60 m"."""
 
 _OTHERS = ("car", "truck", "bus", "vehicle", "member")
+_ROADS = ("street", "main", "east_west", "north_south")
+"""Of these alone nobody can be said to stop or to give way: the side road does."""
 MOVING = (*_OTHERS, "target")
 """Things of which nothing that roads have is said."""
 
@@ -44,6 +46,8 @@ class Walk:
         self.fronted: list[Fact] = []
         self.segment: list[tuple[Fact, Thing]] = []
         self.mark, self.det, self.comma, self.sticky = ".", "", False, False
+        self.described = False
+        """Whether "with" or "has" stands behind the subject: what "and" adds is of it, too."""
 
     def run(self) -> Scene:
         """The scene. Raises Unfit."""
@@ -86,7 +90,7 @@ class Walk:
         else:
             self.mark = word
             if word in ("with", "has", "having", "where"):
-                self.comma = False
+                self.comma, self.described = False, True
             if word not in words("prepositions"):
                 self.det = ""
 
@@ -120,6 +124,8 @@ class Walk:
         definite = self.det in _KNOWN or self.det in ALL or bool(which)
         if self.mark in words("prepositions") and definite and self.segment:
             for fact, holder in self.segment:
+                if fact.value in ("stop", "stop_sign", "yield") and thing.name in _ROADS:
+                    raise Unfit(f"say by main and side road where {fact.text!r} is")
                 if thing.name in fact.scope or "*" in fact.scope:
                     holder.facts.remove(fact)
                     thing.facts.append(fact)
@@ -128,7 +134,7 @@ class Walk:
             thing.beside = self.subject if self.mark == "and" else None
             self.subject = thing
         self.sentence.append(thing)
-        self.segment, self.mark, self.det, self.comma = [], "", "", False
+        self.segment, self.mark, self.det, self.comma, self.described = [], "", "", False, False
 
     def _ahead_of_noun(self, thing: Thing) -> None:
         """Places that stand before their noun are of it: "after 400 m an off-ramp"."""
@@ -219,7 +225,8 @@ class Walk:
             return self.scene.whole  # "crossing a four-lane road with signals and turn lanes": of the crossing, both
         holds = [t for t in (self.subject, *reversed(self.sentence)) if t is not None and _can_hold(t, fact)]
         of_one = bool(holds) and holds[0].name in WHOLES and sum(thing.name == "street" for thing in self.sentence) < 2
-        if self.comma and not self.sticky and whole and holds and not of_one and not self._things_follow(i):
+        apart = self.comma or (self.mark == "and" and "limit" in fact.text and not self.described)
+        if apart and not self.sticky and whole and holds and not of_one and not self._things_follow(i):
             fact.loose = holds[0].name
             return self.scene.whole
         if holds and (self.subject in holds or not whole):

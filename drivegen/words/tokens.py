@@ -103,7 +103,7 @@ def tokenise(text: str) -> list[Token]:
     text = re.sub(r"(?<![\w.,/-])(\d+(?:\.\d+)?)(?=(?:k\.?m|m\.?p|m\b|ft\b|mi\b|yd|kmh|x\d))", r"\1 ", text)
     text = re.sub(r"\b(\d+) ?x ?(?=\d)", r"\1 x ", text)
     text = re.sub(r"(?<=\d),(?=\d{1,2}(?!\d))", ", ", text)
-    text = re.sub(r"(?<=[a-z0-9])-(?=[a-z])|(?<=[a-z])-(?=[0-9])", " ", text)
+    text = re.sub(r"(?<=[a-z0-9])-(?=[a-z])|(?<=[a-z])-(?=[0-9])|(?<=[a-z])-(?= (?:and|or)\b)", " ", text)
     for pattern, unit in _UNITS:
         text = re.sub(pattern, f" {unit} ", text)
     text = re.sub(r"(?<=[a-z])\.(?=[a-z]\b)|\b(approx|st|ave|vs|incl|max|min|no)\.(?= )", r"\1", text)

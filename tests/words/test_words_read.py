@@ -78,6 +78,8 @@ def declined(text: str) -> str:
         ("one-way street with two lanes in each direction", "no lanes in the other direction"),
         ("a single-lane roundabout with three lanes in the ring", "two numbers of lanes"),
         ("grid of zero by zero blocks", "a block at least"),
+        ("an urban street crossing a two-way street, stop signs on the two-way street", "by main and side road"),
+        ("an intersection with six arms, 3 lanes on the main road and 1 lane on the side road", "by their numbers"),
         ("a street with four crossings, every second one signalised", "which ones every"),
         ("a crossing; the north-south road has priority and the east-west road has priority", "not both"),
     ],
@@ -273,6 +275,8 @@ def test_a_limit_before_the_cars_is_the_roads():
     for cars in ("and five cars", "and moderate traffic of about 20 cars", "five cars"):
         road = read(f"a motorway with an on-ramp after 500 m, speed limit 130 km/h, {cars}", 7).road.road
         assert road.speed == 130 * KMH
+    exit_too = "three lanes in each direction, an exit on the right after 1 km and a speed limit of 100 km/h"
+    assert read(f"a motorway with {exit_too}", 7).road.road.speed == 100 * KMH
     assert read("a motorway; there are ten cars and the limit is 100 km/h", 7).road.road.speed == 100 * KMH
 
 
