@@ -7,13 +7,14 @@ from typing import Annotated, Any
 
 from drivegen.adversaries.base import Adversary
 from drivegen.adversaries.shared.arena import Bounds
-from drivegen.adversaries.shared.repair import attacked, found_cases, whole
+from drivegen.adversaries.shared.repair import attacked, found_cases, lessons_of, whole
 from drivegen.core import plugins
-from drivegen.core.settings import Count, Index, Within
+from drivegen.core.errors import UnusableInput
+from drivegen.core.settings import Count, Index, Within, file_of
 from drivegen.corner_cases.case import Case
 from drivegen.drivers.base import Driver
 from drivegen.drivers.shared.conditions import Traffic
-from drivegen.drivers.shared.tuning import exemplary, mixed
+from drivegen.drivers.shared.tuning import mixed
 from drivegen.store.lookup import first_futures, logs_below
 from drivegen.store.scenarios import shards
 from drivegen.world.reactive import Reaction
@@ -32,12 +33,14 @@ class CornerCases:
     """How corner cases are looked for to learn from.
 
     Attributes:
-        share: of the lessons that are cases (0: none). adversaries: who looks for them, and its settings. planner, allowed,
-            reaction_steps: as in `attack`. samples: scenes of each scenario; `queries` runs in these. reaction: of neighbours.
+        share: of the lessons that are cases (0: none). adversaries: who looks for them, and its settings. teacher: who shows how
+            to drive in them, and its settings. planner, allowed, reaction_steps: as in `attack`. samples: scenes of each
+            scenario; `queries` runs in these. reaction: of neighbours.
     """
 
     share: Annotated[float, Within(0, 0.9)]
     adversaries: dict[str, dict[str, Any]]
+    teacher: dict[str, dict[str, Any]]
     planner: str
     samples: Count
     allowed: str
@@ -54,6 +57,14 @@ class CornerCases:
         """The adversaries; `section` is that of these settings."""
         place = f"{section}.adversaries"
         return {name: plugins.make("adversaries", name, self.adversaries, place) for name in self.adversaries}
+
+    def shown_by(self, section: str) -> Driver:
+        """Who teaches. Raises UnusableInput unless it is one."""
+        if len(self.teacher) != 1:
+            raise UnusableInput(f"{file_of(section)}: {section}.teacher names one driver, not {len(self.teacher)}")
+        [name] = self.teacher
+        driver: Driver = plugins.make("drivers", name, self.teacher, f"{section}.teacher")
+        return driver
 
 
 @dataclass(frozen=True)
@@ -87,7 +98,7 @@ class Sources:
         for shard in shards(self.test):
             ground = whole(made.choices(shard), made.samples(shard), how.samples, made.planner, made.limits)
             cases += found_cases(attacked(driver, ground, who, how.bounds, seed, how.reaction))
-        return exemplary([(case.scenario, case.traffic) for case in cases])
+        return lessons_of(cases, how.shown_by("tune.corner_cases"))
 
     def of(self, rows: Rows, driver: Driver, seed: int) -> Iterator[tuple[str, list[Traffic]]]:
         """Each row with its lessons; corner cases are those of `driver`."""

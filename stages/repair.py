@@ -12,7 +12,17 @@ from pathlib import Path
 from typing import Any
 
 from drivegen.adversaries.shared.findings import Findings
-from drivegen.adversaries.shared.repair import BEFORE, LONGER, REPAIRED, Half, attacked, found_cases, halved, repair_rows
+from drivegen.adversaries.shared.repair import (
+    BEFORE,
+    LONGER,
+    REPAIRED,
+    Half,
+    attacked,
+    found_cases,
+    halved,
+    lessons_of,
+    repair_rows,
+)
 from drivegen.core import plugins
 from drivegen.core.samples import Samples
 from drivegen.core.settings import Count
@@ -20,7 +30,7 @@ from drivegen.drivers.base import Driver
 from drivegen.drivers.shared.conditions import Traffic
 from drivegen.drivers.shared.lessons import Lessons
 from drivegen.drivers.shared.policy import Policy
-from drivegen.drivers.shared.tuning import How, Say, Tuner, exemplary, mixed
+from drivegen.drivers.shared.tuning import How, Say, Tuner, mixed
 from drivegen.rollout.scene import Choices
 from drivegen.store.files import write_json
 from drivegen.store.lookup import logs_below
@@ -48,7 +58,7 @@ def main(params: Params, scenarios: Path, models: Path, goals: Path, traffic: Pa
         return [attacked(d, half, who, params.bounds, seed, params.reaction) for d, half in zip(drivers, both, strict=True)]
 
     before = tested(pupil.before, pupil.before)
-    cases = [exemplary([(case.scenario, case.traffic) for case in found_cases(half)]) for half in before]
+    cases = [lessons_of(found_cases(half), params.shown_by("repair")) for half in before]
     longer = pupil.tuned(LONGER, pupil.logs)
     tests = {BEFORE: before, LONGER: tested(longer, longer), REPAIRED: tested(*(pupil.repaired(n, cases[1 - n]) for n in (0, 1)))}
     write_json(results, list(repair_rows(tests, sum(map(len, cases)), params.draws, params.seed)))

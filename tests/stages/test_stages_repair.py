@@ -9,9 +9,11 @@ import orjson
 import pytest
 
 from drivegen.adversaries.shared.findings import Findings
-from drivegen.adversaries.shared.repair import attacked, halved
+from drivegen.adversaries.shared.repair import attacked, halved, lessons_of
 from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import recording
+from drivegen.core.scenario import TARGET
+from drivegen.drivers import idm
 from drivegen.drivers.shared.tuning import exemplary, mixed
 from drivegen.goals.packing import pack
 from drivegen.rollout.batch import choose
@@ -22,6 +24,7 @@ from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, write_shard
 from stages import publish_corner, repair
 from stages._door import read_params, read_section
+from tests.checking import IDM
 from tests.drivers.taught import PARAMS, straight_lessons
 from tests.models import candidate_settings, write_models
 from tests.scenes import busy_crossing, drive, noisy_samples, scenario, stack, straight_road
@@ -97,6 +100,9 @@ def test_nobody_is_tested_in_recordings_whose_cases_it_learnt_from(made, tmp_pat
             if s.scenario_id in names
         ]
 
+    def shown(some, teacher):
+        return [(case.scenario, case.traffic) for case in some]
+
     def mix(logs, some, share):
         taught.append({recording(scene.scenario_id) for scene, _ in some})
         return mixed(logs, some, share)
@@ -105,7 +111,7 @@ def test_nobody_is_tested_in_recordings_whose_cases_it_learnt_from(made, tmp_pat
         tested.append((driver, {recording(scene.scenario_id) for scene in half.generated.scenarios}))
         return attacked(driver, half, *rest)
 
-    for name, spy in (("found_cases", cases), ("mixed", mix), ("attacked", attack), ("exemplary", list)):
+    for name, spy in (("found_cases", cases), ("mixed", mix), ("attacked", attack), ("lessons_of", shown)):
         monkeypatch.setattr(repair, name, spy)
     run(made, tmp_path)
     *_, first, second = tested
@@ -162,3 +168,17 @@ def test_versions_are_published_side_by_side(once, tmp_path):
     assert "| taught on logs |" in text
     assert text.splitlines()[4].endswith("| 0.250 (0.000 to 0.000) |")
     assert "repair-gail-random.md" in (tmp_path / "out/corner.md").read_text()
+
+
+def test_a_case_is_shown_as_the_teacher_drives_in_it_if_it_gets_through():
+    case, hopeless = (
+        standing("bad-0"),
+        scenario(straight_road(), stack([drive(LINE, 10, 20, 41), drive(LINE, 16, 0, 41)]), "bad-1"),
+    )
+    [(scene, motion)] = lessons_of([SimpleNamespace(scenario=s, traffic=s.log) for s in (case, hopeless)], idm.Plugin(IDM))
+    assert scene is case
+    assert motion.steps == case.log.steps
+    assert motion.position[TARGET, -1, 0] < 36.0  # its own plan goes on through who stands at 40 m
+    np.testing.assert_array_equal(motion.position[TARGET + 1 :], case.log.position[TARGET + 1 :])
+    np.testing.assert_allclose(motion.position[TARGET, 0], case.log.position[TARGET, 0], atol=0.05)
+    assert lessons_of([], idm.Plugin(IDM)) == []

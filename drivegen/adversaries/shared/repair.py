@@ -20,10 +20,14 @@ from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import bootstrap_means, recording
 from drivegen.core.samples import Samples
+from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.core.seeds import rng
 from drivegen.corner_cases.case import Case
 from drivegen.corner_cases.kinds import Kind
+from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers.base import Driver
+from drivegen.drivers.shared.conditions import Traffic
+from drivegen.drivers.shared.tuning import exemplary
 from drivegen.planners.base import Planner
 from drivegen.rollout.scene import Choices
 from drivegen.world.reactive import Reaction
@@ -82,6 +86,23 @@ def found_cases(found: Mapping[str, Findings]) -> list[Case]:
     """What the adversaries that search have found; not what happens in logs, or in traffic as it is."""
     searches = [findings for name, findings in found.items() if plugins.about("adversaries", name)["varies"] != "nothing"]
     return [case for findings in searches for case in findings.cases]
+
+
+def lessons_of(cases: Sequence[Case], teacher: Driver) -> list[Traffic]:
+    """Each case with its target driving as `teacher` does in it, of those that this gets through without a collision.
+
+    The target's own plan shows less: in half of the cases it runs into somebody itself, as the driver did that followed it.
+    """
+    if not cases:
+        return []
+    trials = Trials(teacher, [case.scenario for case in cases], [case.traffic for case in cases])
+    outcome = trials.run(Variants.unchanged(np.arange(len(cases)), trials.steps))
+    shown = [
+        (case.scenario, Trajectories.joined([outcome.motion[n : n + 1].until(case.traffic.steps), case.traffic[TARGET + 1 :]]))
+        for n, case in enumerate(cases)
+        if not outcome.collided[n]
+    ]
+    return exemplary(shown)
 
 
 def repair_rows(
