@@ -244,52 +244,6 @@ def test_one_of_several_is_told_by_its_number():
     assert [junction.control for junction in junctions] == ["yield", "signals", "yield"]
 
 
-@pytest.mark.parametrize(
-    ("text", "main"),
-    [("the north-south road has priority", [False, True, False, True]), ("the east-west road has priority", [True, False] * 2)],
-)
-def test_one_of_two_roads_has_priority(text, main):
-    assert [arm.main for arm in read(f"a four-way intersection in which {text}", 7).road.road.arms] == main
-
-
-def test_one_more_on_the_other_side_is_of_the_same_kind():
-    sides = [
-        crossing.sides
-        for crossing in read("a street with two side roads on the left and one on the right", 7).road.road.junctions
-    ]
-    assert sides == [("left",), ("left",), ("right",)]
-    assert "'one on the right'" in declined("a road with four crossings, one on the right")
-
-
-def test_turn_lanes_named_beside_the_lights_are_of_the_crossing():
-    arms = read("a six-lane arterial crossing a four-lane road with signals and left-turn bays", 7).road.road.arms
-    assert [arm.left_turn_lanes for arm in arms] == [1] * 4
-
-
-def test_words_that_say_nothing_stand_between_an_adjective_and_its_noun():
-    arms = read("an intersection of a six-lane arterial and a two-lane local road with signals", 7).road.road.arms
-    assert [arm.lanes_in for arm in arms] == [3, 1, 3, 1]
-
-
-def test_a_limit_before_the_cars_is_the_roads():
-    for cars in ("and five cars", "and moderate traffic of about 20 cars", "five cars"):
-        road = read(f"a motorway with an on-ramp after 500 m, speed limit 130 km/h, {cars}", 7).road.road
-        assert road.speed == 130 * KMH
-    exit_too = "three lanes in each direction, an exit on the right after 1 km and a speed limit of 100 km/h"
-    assert read(f"a motorway with {exit_too}", 7).road.road.speed == 100 * KMH
-    assert read("a motorway; there are ten cars and the limit is 100 km/h", 7).road.road.speed == 100 * KMH
-
-
-def test_lanes_of_an_approach_lead_to_the_junction():
-    arms = read("a roundabout with four two-lane approaches", 7).road.road.arms
-    assert [(arm.lanes_in, arm.lanes_out) for arm in arms] == [(2, 2)] * 4
-
-
-def test_what_the_side_road_has_fewer_of_need_not_be_said_again():
-    arms = read("a crossroads where the main road has two lanes per direction and the side road one", 7).road.road.arms
-    assert [arm.lanes_in for arm in arms] == [2, 1, 2, 1]
-
-
 def test_what_a_third_set_of_lines_had_wrong_is_right():
     assert read("one carriageway of a motorway, 2 lanes, with an exit slip road", 7).road.road.carriageways == 1
     grid = read("a grid: four north-south streets crossing three east-west streets", 7).road.road
