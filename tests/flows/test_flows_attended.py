@@ -62,7 +62,7 @@ def test_a_flow_that_is_killed_leaves_neither_server_nor_stage(flow, number):
     left = psutil.Process(flow.pid).children(recursive=True)
     assert len(left) == 5  # two attendants, a server, a shell and its stage
     flow.send_signal(number)
-    assert flow.wait(5) == -number
+    assert flow.wait(20) == -number
     assert until(lambda: not any(process.is_running() and process.status() != "zombie" for process in left))
 
 
