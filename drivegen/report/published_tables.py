@@ -7,6 +7,7 @@ import numpy as np
 
 from drivegen.core.intervals import Interval, recording
 from drivegen.core.methods import ABLATION, BOUND, NO_TRAFFIC
+from drivegen.core.methods import OURS as OUR_KIND
 from drivegen.metrics.pooled import Resampling, pooled_mean, rank_correlation
 from drivegen.metrics.realism import WEIGHTS
 from drivegen.report import paper
@@ -24,7 +25,9 @@ _CAUTION = "So few scenes show that it runs; they rank nothing, and intervals ov
 
 def tables(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) -> list[Table]:
     """The paper's table I, paired differences, and what the paper leaves out."""
-    made_tables = [_quality(data, pooled), _paired(data, draws, rng), *_trust(data, pooled)]
+    variants = [name for name in data.methods if data.about[name].kind == OUR_KIND and name != OURS]
+    pairs = [_paired(data, name, draws, rng) for name in (OURS, *variants)]
+    made_tables = [_quality(data, pooled), *pairs, *_trust(data, pooled)]
     made_tables = [replace(table, notes=(data.over, *table.notes)) for table in made_tables]
     return [*made_tables, _by_scene(data)] if data.by_scene or data.left_out else made_tables
 
@@ -130,18 +133,19 @@ def _quality(data: DataSet, pooled: Pooled) -> Table:
     return Table(f"quality-{data.name}", f"Table I. Scenario quality: {data.title}", heads, (*ours, *theirs), notes)
 
 
-def _paired(data: DataSet, draws: int, rng: np.random.Generator) -> Table:
-    """DriveGen less each other method, scene by scene and seed by seed: negative is better."""
-    resampling, ours, lines = resampling_of(data, draws, rng), data.methods.get(OURS), []
-    for method in [name for name in data.generators if name != OURS]:
+def _paired(data: DataSet, mine: str, draws: int, rng: np.random.Generator) -> Table:
+    """One of ours less each other method, scene by scene and seed by seed: negative is better."""
+    resampling, ours, lines = resampling_of(data, draws, rng), data.methods.get(mine), []
+    for method in [name for name in data.generators if name != mine]:
         other = data.methods[method]
         cells = [
             cell(pooled_mean(ours.values[metric] - other.values[metric], resampling)) if ours else Cell(NOT_MEASURED)
             for metric in FIVE[:4]
         ]
         lines.append(row(data.about[method].title, *cells, origin="ours"))
-    title = f"DriveGen less the others, paired: {data.title}"
-    return Table(f"paired-{data.name}", title, ("DriveGen less", *HEADS[:4]), tuple(lines), ("Below zero DriveGen is better.",))
+    name, whose = f"paired-{data.name}" if mine == OURS else f"paired-{mine}-{data.name}", data.about[mine].title
+    title, note = f"{whose} less the others, paired: {data.title}", f"Below zero {whose} is better."
+    return Table(name, title, (f"{whose} less", *HEADS[:4]), tuple(lines), (note,))
 
 
 def _trust(data: DataSet, pooled: Pooled) -> list[Table]:

@@ -58,14 +58,15 @@ def crossing(scene: Scene, choices: Choices) -> Road:
         raise Unfit("one of two roads has priority, not both")
     unequal = shape == "t" or bool(side or main) or any(prior) or shared.has("main_turn_bans", "side_turn_bans")
     of_main = {0, 1} if shape == "t" else {0, 2} if count == 4 and (first or second or unequal) else set(range(count))
+    if prior[1]:  # the road from south to north is the first one then
+        first, second, of_main = second, first, {1, 3}
     lengths = [fact.text for road in roads if road not in (*first, *second) for fact in road.facts if fact.name == "length"]
     if lengths:
         raise Unfit(f"say of the arms how long they are, not of the roads: {lengths[0]!r}")
     groups = {True: _group(shared, first, 2), False: _group(shared, second, 2 if count == 4 else 1)}
     built = _arms(angles, groups, of_main, shared, choices)
-    goes_first = set(range(count)) - of_main if prior[1] else of_main
     for i, arm in enumerate(built):
-        arm["main"] = i in goes_first or not unequal
+        arm["main"] = i in of_main or not unequal
     _make_one_way(built, shared, first, second, of_main, count)
     every = [fact for fact in whole.facts if fact.name in ("lanes_in", "lanes_out")]
     own_of_arms(built, [*arms, Thing("arm", which="all", facts=every)])
@@ -128,9 +129,8 @@ def count_of(whole: Thing, arms: list[Thing]) -> int | None:
     """How many arms are asked for, None where it is not said."""
     counts = {int(value) for value in whole.values("arms")}
     counts |= {int(value) for arm in arms if arm.which in (None, "all") for value in arm.values("count")}
-    said = " ".join(
-        fact.text for fact in whole.facts if fact.name in ("arms", "angle")
-    )  # "where two roads", "cross at 60 degrees"
+    facts = [fact for fact in whole.facts if fact.name in ("arms", "angle")]  # "where two roads", "cross at 60 degrees"
+    said = " ".join(fact.text for fact in facts)
     crossed = any(word in said for word in ("cross", "intersect", "of ", "between "))
     counts = {4 if count == 2 and crossed else count for count in counts}
     if len(counts) > 1:

@@ -102,11 +102,7 @@ class Walk:
         self.mark, self.det, self.comma, self.sticky = ".", "", False, False
 
     def _thing(self, item: Item, phrase: Phrase) -> None:
-        several = [thing.name for thing in self.scene.things if any(f.name == "count" and f.value != 1 for f in thing.facts)]
-        others = {"nth_one": several, "so_many": [t.name for t in self.scene.things[-1:] if t.has("count") and t.has("side")]}
-        if not others.get(phrase.name, [phrase.name]):
-            raise Unfit(f"it is not clear what {item.raw!r} is")
-        name = others.get(phrase.name, [phrase.name])[-1]
+        name = self._kind(item, phrase)
         self.det = "another" if phrase.name == "so_many" else self.det
         slots = zip(phrase.slots, item.values, strict=True)
         facts = [*self.pending, *(Fact(n, v, item.raw, ()) for n, v in (*phrase.facts.items(), *slots))]
@@ -135,6 +131,17 @@ class Walk:
             self.subject = thing
         self.sentence.append(thing)
         self.segment, self.mark, self.det, self.comma, self.described = [], "", "", False, False
+
+    def _kind(self, item: Item, phrase: Phrase) -> str:
+        """What a noun names: itself, or of "the second one" and "two on the right" what was counted before."""
+        named = [phrase.name]
+        if phrase.name == "nth_one":
+            named = [t.name for t in self.scene.things if any(f.name == "count" and f.value != 1 for f in t.facts)]
+        elif phrase.name == "so_many":
+            named = [t.name for t in self.scene.things[-1:] if t.has("count") and t.has("side")]
+        if not named:
+            raise Unfit(f"it is not clear what {item.raw!r} is")
+        return named[-1]
 
     def _ahead_of_noun(self, thing: Thing) -> None:
         """Places that stand before their noun are of it: "after 400 m an off-ramp"."""
@@ -217,7 +224,7 @@ class Walk:
 
     def _holder(self, i: int, fact: Fact) -> Thing:
         moving = self.subject if self.subject is not None and self.subject.name in MOVING else None
-        if moving is not None and not (self.comma or _can_hold(moving, fact) or "limit" in fact.text):
+        if moving is not None and not (self.comma or _can_hold(moving, fact) or _is_limit(fact)):
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
         whole = "" in fact.scope
         before = self.segment[-1] if self.segment and self.mark == "and" else None
@@ -225,7 +232,7 @@ class Walk:
             return self.scene.whole  # "crossing a four-lane road with signals and turn lanes": of the crossing, both
         holds = [t for t in (self.subject, *reversed(self.sentence)) if t is not None and _can_hold(t, fact)]
         of_one = bool(holds) and holds[0].name in WHOLES and sum(thing.name == "street" for thing in self.sentence) < 2
-        apart = self.comma or (self.mark == "and" and "limit" in fact.text and not self.described)
+        apart = self.comma or (self.mark == "and" and _is_limit(fact) and not self.described)
         if apart and not self.sticky and whole and holds and not of_one and not self._things_follow(i):
             fact.loose = holds[0].name
             return self.scene.whole
@@ -245,6 +252,11 @@ class Walk:
             if item.phrase.kind == "thing" and item.phrase.name not in traffic_names():
                 return True
         return False
+
+
+def _is_limit(fact: Fact) -> bool:
+    """Whether a speed is called a limit, as that of a road is: "a limit of 50 km/h", not "50 km/h"."""
+    return fact.name == "speed" and "limit" in fact.text
 
 
 def _can_hold(thing: Thing, fact: Fact) -> bool:

@@ -82,3 +82,16 @@ def test_the_same_seed_gives_the_same_runs_and_a_case_is_the_run_it_came_from(na
     for run in np.flatnonzero(first.outcome.counted)[:2].tolist():
         case = first.case(run, "idm", name)
         assert (case.step, case.queries, case.legal) == (int(first.outcome.step[run]), int(first.query[run]), True)
+
+
+def test_two_attackers_drive_at_once_and_keep_the_rules_together(ground):
+    arena = attack("drivegen_cs_two", ground, budget=12)
+    variants = arena.runs().variants
+    attackers = np.bincount(variants.row, minlength=len(variants))
+    assert set(attackers) == {0, 1, 2}  # the scene as it is, one attacker, two
+    for run in np.flatnonzero(attackers == 2).tolist():
+        mine = variants.row == run
+        vehicle, motion = variants.vehicle[mine], variants.motion[mine]
+        assert len(set(vehicle.tolist())) == 2
+        assert arena.violation(int(variants.scene[run]), vehicle, motion) == 0
+        assert variants.attacker[run] in vehicle

@@ -99,6 +99,8 @@ def test_who_chose_goals_is_told_as_the_stage_goals_wrote_it(runs, tmp_path):
     publish.main(params(), runs, tmp_path / "out")
     rows = orjson.loads((tmp_path / "out/scenario_quality.json").read_bytes())
     assert {row["selector"] for row in rows if row["method"] == "drivegen_vlm"} == {"language model somebody"}
+    text = (tmp_path / "out/paired-drivegen_vlm-here.md").read_text()
+    assert "| DriveGen | -1.17" in text  # 1 - 13/6
 
 
 def test_scenes_of_one_recording_are_drawn_together(runs, tmp_path):

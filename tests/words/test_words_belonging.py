@@ -14,6 +14,12 @@ def test_one_of_two_roads_has_priority(text, main):
     assert [arm.main for arm in read(f"a four-way intersection in which {text}", 7).road.road.arms] == main
 
 
+def test_turns_are_banned_from_the_road_that_has_priority():
+    text = "a crossroads; the north-south road has priority and three lanes each way; no left turns from the main road"
+    arms = read(text, 7).road.road.arms
+    assert [(arm.main, arm.lanes_in, arm.turn_bans) for arm in arms] == [(False, 3, ()), (True, 3, ("left",))] * 2
+
+
 def test_one_more_on_the_other_side_is_of_the_same_kind():
     sides = [
         crossing.sides
