@@ -21,6 +21,7 @@ def stop(*_):
     time.sleep(2)  # as slow as who writes down first that it was stopped
     sys.exit(3)
 
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # whoever runs the tests under nohup lets all ignore it
 signal.signal(signal.SIGTERM, stop)
 server = attended.start(["sleep", "60"])
 with attended.stopping_work():
@@ -62,7 +63,7 @@ def test_a_flow_that_is_killed_leaves_neither_server_nor_stage(flow, number):
     left = psutil.Process(flow.pid).children(recursive=True)
     assert len(left) == 5  # two attendants, a server, a shell and its stage
     flow.send_signal(number)
-    assert flow.wait(20) == -number
+    assert flow.wait(5) == -number
     assert until(lambda: not any(process.is_running() and process.status() != "zombie" for process in left))
 
 
