@@ -47,6 +47,6 @@ def repair_tables(driver: str, rows: Rows) -> Iterator[Table]:
                 "shares of scenes with a counted collision of that kind.",
                 "Cases come from one half of the recordings, the test is in the other, both ways; both halves are of the same "
                 "networks. Who was tuned on logs alone learnt for as long.",
-                *(f"{number:g} cases taught: those found in which the target's own plan keeps clear." for number in taught),
+                *(f"{number:g} cases taught: those that the careful driver who teaches gets through." for number in taught),
             ),
         )
