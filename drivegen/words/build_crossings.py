@@ -103,7 +103,9 @@ def _shape_and_count(scene: Scene, whole: Thing, joins: set[str], roads: list[Th
         raise Unfit(f"say whether {max(texts, key=texts.count)!r} is one road or several")
     if count is None and shape is None:
         meets = "meets" in joins and "crosses" not in joins and not scene.there("cross")
-        t_like = meets and len(roads) >= 2 and not scene.there("crossing")
+        named = [thing.text for thing in scene.things if thing.name == "crossing"]
+        joined = scene.there("side") and not any("cross" in text for text in named)  # "joins it at an intersection"
+        t_like = meets and len(roads) >= 2 and (not named or joined or "ends" in joins)
         count = number if number > 2 and not scene.there("side", "cross") else 3 if t_like else 4
     count = 3 if shape in ("t", "y") and count is None else count
     if shape in ("t", "y") and count != 3:

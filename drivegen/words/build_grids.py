@@ -17,6 +17,8 @@ def grid(scene: Scene, choices: Choices) -> Road:
         raise Unfit("a grid has a block at least")
     sizes |= {(rows + 1, columns + 1) for rows, columns in blocks}
     counts = whole.values("count")
+    if any(arms != 4 for arms in whole.values("arms")):
+        raise Unfit("crossings of a grid have four arms")
     if len(sizes) > 1 or counts:
         raise Unfit("say the grid as rows by columns of crossings, e.g. '3 by 4'")
     rows, columns = sizes.pop() if sizes else (3, 3)

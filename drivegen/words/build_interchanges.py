@@ -91,6 +91,8 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     for quadrant in scene.named(*_OFF, *_ON):
         if (ramps := quadrant.value("ramps")) is not None:
             fields[quadrant.name] = ramps
+    if not controlled:
+        whole.values("signals"), main.values("signals"), upper.values("signals")
     if controlled:
         fields["control"] = control_of(Thing("", facts=[*whole.facts, *upper.facts]), False)
     return fields

@@ -35,6 +35,8 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
     for thing in scene.things:
         if thing.name in ("highway", "street", "main") and thing.value("undivided"):
             thing.name = "street"
+    _country_roads(scene)
+    _dead_ends(scene)
     fields = _builder(scene)(scene, choices)
     roads = [thing for thing in scene.things if thing.name in ("street", "highway", "grid", "fork", "crossing")]
     holders = [scene.whole, *(roads if len(roads) == 1 or fields["kind"] == "grid" else ())] if fields["kind"] in _WIDE else []
@@ -71,6 +73,28 @@ def _cross_streets(scene: Scene) -> None:
     for thing in scene.things:
         if thing.name == "side" and crosses and any(f.name == "count" and f.value > 1 for f in thing.facts):
             thing.name = "cross"
+
+
+def _country_roads(scene: Scene) -> None:
+    """A highway that is crossed, or has one lane in each direction in the country, is no motorway."""
+    if scene.there("interchange", "cloverleaf", *EVENTS):
+        return
+    crossed = scene.there("crossing", "roundabout", "side", "cross", "staggered")
+    for thing in scene.things:
+        said = {(fact.name, fact.value) for fact in (*thing.facts, *scene.whole.facts)}
+        if thing.name == "highway" and "highway" in thing.text and (crossed or {("setting", "rural"), ("lanes_each", 1)} <= said):
+            thing.name = "street"
+            thing.facts += [] if any(name == "setting" for name, _ in said) else [Fact("setting", "rural", thing.text, ())]
+
+
+def _dead_ends(scene: Scene) -> None:
+    """Dead ends beside another road are its side roads: "three cul-de-sacs off a residential street"."""
+    beside = scene.there("street", "main")
+    for thing in scene.things:
+        several = any(fact.name == "count" and fact.value > 1 for fact in thing.facts)
+        if thing.name == "dead_end" and beside and (several or thing.has("side") or "meets" in thing.links):
+            thing.name = "side"
+            thing.facts.append(Fact("dead_end", True, thing.text, ()))
 
 
 def first_complaint(error: ValidationError) -> str:
@@ -121,7 +145,7 @@ def _in_a_row(scene: Scene) -> bool:
 def _meeting(scene: Scene) -> bool:
     """Whether roads are said to meet or to cross, or there are a main and one side road."""
     counts = [f.value for t in scene.things if t.name in ("side", "cross") for f in t.facts if f.name == "count"]
-    if any(count > 1 for count in counts) or scene.there("dead_end"):
+    if any(count > 1 for count in counts) or any(t.name == "dead_end" or t.has("dead_end") for t in scene.things):
         return False
     sides = [thing for thing in scene.things if thing.name in ("side", "cross") and thing.which is None]
     if len(sides) > 1 or any(thing.has("position", "side") for thing in sides):

@@ -60,7 +60,8 @@ class Walk:
                 self._thing(item, item.phrase)
             elif item.phrase.kind == "link":
                 self._nothing_pending()
-                (self.subject or self.scene.whole).links.append(item.phrase.name)
+                names = ("meets", "ends") if item.phrase.name == "ends" else (item.phrase.name,)
+                (self.subject or self.scene.whole).links.extend(names)
                 self.mark, self.comma, self.det = "", False, ""
             elif item.phrase.kind == "fact":
                 self._fact(i, item, item.phrase)
@@ -227,6 +228,8 @@ class Walk:
         if moving is not None and not (self.comma or _can_hold(moving, fact) or _is_limit(fact)):
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
         whole = "" in fact.scope
+        if whole and fact.name == "speed" and fact.text.split()[-1] in words("overall"):
+            return self.scene.whole  # "40 mph on everything"
         before = self.segment[-1] if self.segment and self.mark == "and" else None
         if whole and before is not None and before[0].name == "control" and before[1] is self.scene.whole:
             return self.scene.whole  # "crossing a four-lane road with signals and turn lanes": of the crossing, both

@@ -51,7 +51,18 @@ _SPELLING = (
     (r"\b(left|right|slip|side|dual|high|free|motor|express)(ramp|turn|road|street|carriageway)(s?)\b", r"\1 \2\3"),
     (r"\b(on|off)[- ]?ramp(s?)\b", r"\1ramp\2"),
     (r"\bdir\b\.?", "direction"),
+    (r"\bhalf an? dozen\b", "6"),
     (r"\b(?:a )?dozen\b", "12"),
+    (r"\b(?:an? |one )?(mile|km|kilomet(?:re|er)) and a half\b", r"1.5 \1"),
+    (r"\ba (?=lane (?:(?:in|per|for) )?(?:each|either|both|every) (?:way|direction))", "1 "),
+    (r"@", " at "),
+    (r"\bm'way\b", "motorway"),
+    (r"\br(?:nd|d)?a?bt\b", "roundabout"),
+    (r"\btempo (?=\d+(?! ?k))(\d+)", r"\1 km/h"),
+    (r"\br ?= ?(?=\d)", "radius "),
+    (r"\baux\b", "auxiliary"),
+    (r"\bt'?s\b", "t junctions"),
+    (r"\b(i|e)\.(e|g)\.", r"\1\2"),
     (r"\ba (?:couple|pair) of\b|\b(?:couple|pair) of\b", "2"),
     (r"\bhalf (?:of )?(?:an? )?(?=mile|km|kilomet)", "0.5 "),
     (r"\b(?:an? )?quarter (?:of )?(?:an? )?(?=mile|km|kilomet)", "0.25 "),
@@ -100,7 +111,7 @@ def tokenise(text: str) -> list[Token]:
         text = text.replace(sign, plain)
     for pattern, spelt in _SPELLING:
         text = re.sub(pattern, spelt, text)
-    text = re.sub(r"(?<![\w.,/-])(\d+(?:\.\d+)?)(?=(?:k\.?m|m\.?p|m\b|ft\b|mi\b|yd|kmh|x\d))", r"\1 ", text)
+    text = re.sub(r"(?<![\w.,/-])(\d+(?:\.\d+)?)(?=(?:k\.?m|kph|m\.?p|m\b|ft\b|mi\b|yd|kmh|x\d))", r"\1 ", text)
     text = re.sub(r"\b(\d+) ?x ?(?=\d)", r"\1 x ", text)
     text = re.sub(r"(?<=\d),(?=\d{1,2}(?!\d))", ", ", text)
     text = re.sub(r"(?<=[a-z0-9])-(?=[a-z])|(?<=[a-z])-(?=[0-9])|(?<=[a-z])-(?= (?:and|or)\b)", " ", text)
