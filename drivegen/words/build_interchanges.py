@@ -71,7 +71,7 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     if len(forms) > 1:
         raise Unfit("one interchange is drawn at a time")
     form, count = _form_and_loops(forms.pop(), [*whole.values("loops"), *loop.values("count")])
-    controlled = whole.has("control", "signals") or upper.has("control", "signals")
+    controlled = any(f.name == "control" or (f.name == "signals" and f.value) for f in (*whole.facts, *upper.facts))
     if controlled and (form == "trumpet" or motorways > 1):
         raise Unfit("trumpets, and cloverleaves between two highways, have no crossings")
     lanes = lanes_of(main, per_carriageway=True) or lanes_of(whole, per_carriageway=True) or (2, 2)

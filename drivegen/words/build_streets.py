@@ -30,7 +30,7 @@ def street(scene: Scene, choices: Choices) -> Road:
     speed = speed_of(road)
     speed = usual_speed([road]) if speed is None else speed
     for thing in (road, *scene.things):
-        thing.values("row")
+        thing.values("row"), thing.values("evenly")
         if thing.name not in ("roundabout", ""):
             thing.values("size")
     base = {"kind": "corridor", "lanes": lanes[0], "lanes_back": 0 if one_way else lanes[1], "speed": speed}

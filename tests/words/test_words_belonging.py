@@ -56,3 +56,49 @@ def test_lanes_of_an_approach_lead_to_the_junction():
 def test_what_the_side_road_has_fewer_of_need_not_be_said_again():
     arms = read("a crossroads where the main road has two lanes per direction and the side road one", 7).road.road.arms
     assert [arm.lanes_in for arm in arms] == [2, 1, 2, 1]
+
+
+def test_a_limit_on_everything_is_no_limit_of_the_side_road():
+    text = "a crossroads where the main road has three lanes each way and the side road one each way, 40 mph on everything"
+    arms = read(f"{text}, each arm 200 m long", 7).road.road.arms
+    assert {round(arm.speed / KMH * 0.621371) for arm in arms} == {40}
+
+
+@pytest.mark.parametrize(
+    ("text", "arms"),
+    [
+        ("a side road ends at the main road; this junction has traffic lights", 3),
+        ("a side road joins a main road at a signalised intersection", 3),
+        ("a crossroads where a side road meets a main road", 4),
+    ],
+)
+def test_where_a_side_road_ends_are_three_arms(text, arms):
+    assert len(read(text, 7).road.road.arms) == arms
+
+
+@pytest.mark.parametrize(
+    ("text", "dead_ends"),
+    [
+        ("a cul-de-sac off a collector", [True]),
+        ("a residential street with three cul-de-sacs on the left", [True] * 3),
+        ("a dead-end residential street", []),
+        ("a main road ends in a cul-de-sac", []),
+    ],
+)
+def test_dead_ends_beside_a_road_are_its_side_roads(text, dead_ends):
+    road = read(text, 7).road.road
+    assert [junction.dead_end for junction in road.junctions] == dead_ends
+    assert road.dead_end is not bool(dead_ends)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("a rural highway with one lane per direction", "corridor"),
+        ("a highway with two signalised crossings", "corridor"),
+        ("a highway with two lanes per direction", "highway"),
+        ("a rural highway with one lane per direction and an exit", "highway"),
+    ],
+)
+def test_a_highway_that_is_crossed_or_has_one_lane_in_the_country_is_no_motorway(text, kind):
+    assert read(text, 7).road.road.kind == kind
