@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from drivegen.words.build_events import Event, events_of, fit
+from drivegen.words.build_events import EVENTS, Event, events_of, fit
 from drivegen.words.build_lines import alignment
 from drivegen.words.choices import FAST, Choices, is_one_way, lanes_of, speed_of, usual_speed
 from drivegen.words.things import Scene, Thing, Unfit, merged
@@ -18,6 +18,9 @@ def highway(scene: Scene, choices: Choices) -> Road:
     scene.one_road("highway")
     scene.one_road("street", "main")
     names = [thing.name for thing in scene.things]
+    crossed = "crosses" in scene.links or ("meets" in scene.links and not scene.there(*EVENTS))
+    if crossed and "highway" in names and scene.there("street", "main"):
+        raise Unfit("a motorway that another road meets or crosses is drawn as an interchange: say of which form")
     fast = "highway" in names and not all(t.has("divided") for t in scene.things if t.name == "highway")
     fast = fast or ("highway" not in names and "main" not in names and "street" not in names)
     road = scene.merged("highway", "street", "main")

@@ -80,6 +80,7 @@ def _country_roads(scene: Scene) -> None:
     if scene.there("interchange", "cloverleaf", *EVENTS):
         return
     crossed = scene.there("crossing", "roundabout", "side", "cross", "staggered")
+    crossed |= scene.there("street", "main") and bool(scene.links & {"crosses", "meets"})
     for thing in scene.things:
         said = {(fact.name, fact.value) for fact in (*thing.facts, *scene.whole.facts)}
         if thing.name == "highway" and "highway" in thing.text and (crossed or {("setting", "rural"), ("lanes_each", 1)} <= said):

@@ -58,7 +58,7 @@ _SPELLING = (
     (r"@", " at "),
     (r"\bm'way\b", "motorway"),
     (r"\br(?:nd|d)?a?bt\b", "roundabout"),
-    (r"\btempo (?=\d+(?! ?k))(\d+)", r"\1 km/h"),
+    (r"\btempo (\d+)\b(?! ?k)", r"\1 km/h"),
     (r"\br ?= ?(?=\d)", "radius "),
     (r"\baux\b", "auxiliary"),
     (r"\bt'?s\b", "t junctions"),

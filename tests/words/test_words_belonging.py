@@ -96,9 +96,14 @@ def test_dead_ends_beside_a_road_are_its_side_roads(text, dead_ends):
     [
         ("a rural highway with one lane per direction", "corridor"),
         ("a highway with two signalised crossings", "corridor"),
+        ("a highway crosses a country road", "crossing"),
         ("a highway with two lanes per direction", "highway"),
         ("a rural highway with one lane per direction and an exit", "highway"),
     ],
 )
 def test_a_highway_that_is_crossed_or_has_one_lane_in_the_country_is_no_motorway(text, kind):
     assert read(text, 7).road.road.kind == kind
+
+
+def test_a_motorway_that_a_road_crosses_is_declined():
+    assert "interchange" in declined("a motorway crosses a road")
