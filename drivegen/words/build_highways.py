@@ -90,7 +90,8 @@ def fork(scene: Scene, choices: Choices) -> Road:
     whole = scene.merged("fork", "highway", "street", "main")
     both = [scene.named("left_branch"), scene.named("right_branch")]
     branch, stem = scene.named("branch", "arm"), scene.named("stem")
-    fast = any(thing.name == "highway" for thing in scene.things)
+    merging = {word for fact in whole.facts if fact.name == "joins" for word in fact.text.split()}
+    fast = scene.there("highway") or bool(merging & {"motorways", "freeways", "highways"})
     joins = bool(whole.value("joins"))
     if any(count != 1 for count in whole.values("arms")):
         raise Unfit("a fork is one road and two branches")

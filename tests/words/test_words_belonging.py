@@ -107,3 +107,7 @@ def test_a_highway_that_is_crossed_or_has_one_lane_in_the_country_is_no_motorway
 
 def test_a_motorway_that_a_road_crosses_is_declined():
     assert "interchange" in declined("a motorway crosses a road")
+
+
+def test_motorways_that_merge_have_a_motorways_limit():
+    assert [round(read(f"two {roads} merge into one", 7).road.road.speed / KMH) for roads in ("motorways", "roads")] == [120, 50]
