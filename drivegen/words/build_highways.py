@@ -92,12 +92,16 @@ def fork(scene: Scene, choices: Choices) -> Road:
     branch, stem = scene.named("branch", "arm"), scene.named("stem")
     merging = {word for fact in whole.facts if fact.name == "joins" for word in fact.text.split()}
     fast = scene.there("highway") or bool(merging & {"motorways", "freeways", "highways"})
-    joins = bool(whole.value("joins"))
+    joins = bool(whole.values("joins"))
+    if any(fact.value != 2 for fact in whole.facts if fact.name in ("joins", "splits")):
+        raise Unfit("a fork has two branches")
     if any(count != 1 for count in whole.values("arms")):
         raise Unfit("a fork is one road and two branches")
     if any(fact.name == "lanes" and fact.text.endswith("each") for fact in whole.facts):
         raise Unfit("each lane of a fork is of a branch")
-    whole.values("splits"), whole.values("count"), is_one_way(whole), whole.values("signals")
+    if any(count not in (1, 2) for count in whole.values("count")):
+        raise Unfit("a fork has two branches")
+    whole.values("splits"), is_one_way(whole), whole.values("signals")
     shared = merged(branch)
     shared.values("count")
     own = [lanes_of(merged(things), one_way=True) for things in both]

@@ -71,7 +71,7 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     if len(forms) > 1:
         raise Unfit("one interchange is drawn at a time")
     form, count = _form_and_loops(forms.pop(), [*whole.values("loops"), *loop.values("count")])
-    controlled = any(f.name == "control" or (f.name == "signals" and f.value) for f in (*whole.facts, *upper.facts))
+    controlled = whole.has("control") or upper.has("control")
     if controlled and (form == "trumpet" or motorways > 1):
         raise Unfit("trumpets, and cloverleaves between two highways, have no crossings")
     lanes = lanes_of(main, per_carriageway=True) or lanes_of(whole, per_carriageway=True) or (2, 2)
@@ -91,10 +91,10 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     for quadrant in scene.named(*_OFF, *_ON):
         if (ramps := quadrant.value("ramps")) is not None:
             fields[quadrant.name] = ramps
-    if not controlled:
-        whole.values("signals"), main.values("signals"), upper.values("signals")
     if controlled:
         fields["control"] = control_of(Thing("", facts=[*whole.facts, *upper.facts]), False)
+    else:
+        whole.values("signals"), main.values("signals"), upper.values("signals")
     return fields
 
 

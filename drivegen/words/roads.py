@@ -83,9 +83,11 @@ def _country_roads(scene: Scene) -> None:
     crossed |= scene.there("street", "main") and bool(scene.links & {"crosses", "meets"})
     for thing in scene.things:
         said = {(fact.name, fact.value) for fact in (*thing.facts, *scene.whole.facts)}
-        if thing.name == "highway" and "highway" in thing.text and (crossed or {("setting", "rural"), ("lanes_each", 1)} <= said):
+        small = {("setting", "rural"), ("lanes_each", 1)} <= said
+        if thing.name == "highway" and "highway" in thing.text and (crossed or small):
             thing.name = "street"
-            thing.facts += [] if any(name == "setting" for name, _ in said) else [Fact("setting", "rural", thing.text, ())]
+            if not any(name == "setting" for name, _ in said):
+                thing.facts.append(Fact("setting", "rural", thing.text, ()))
 
 
 def _dead_ends(scene: Scene) -> None:

@@ -228,8 +228,6 @@ class Walk:
         if moving is not None and not (self.comma or _can_hold(moving, fact) or _is_limit(fact)):
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
         whole = "" in fact.scope
-        if whole and fact.name == "speed" and fact.text.split()[-1] in words("overall"):
-            return self.scene.whole  # "40 mph on everything"
         before = self.segment[-1] if self.segment and self.mark == "and" else None
         if whole and before is not None and before[0].name == "control" and before[1] is self.scene.whole:
             return self.scene.whole  # "crossing a four-lane road with signals and turn lanes": of the crossing, both

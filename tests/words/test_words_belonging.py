@@ -111,3 +111,8 @@ def test_a_motorway_that_a_road_crosses_is_declined():
 
 def test_motorways_that_merge_have_a_motorways_limit():
     assert [round(read(f"two {roads} merge into one", 7).road.road.speed / KMH) for roads in ("motorways", "roads")] == [120, 50]
+
+
+@pytest.mark.parametrize("text", ["a road that splits into three", "five roads that become one", "three motorways merge"])
+def test_a_fork_of_more_than_two_branches_is_declined(text):
+    assert "a fork has two branches" in declined(text)
