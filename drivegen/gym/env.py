@@ -9,6 +9,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from drivegen.core.errors import UnusableInput
 from drivegen.drivers.shared.conditions import Settings, Traffic
 from drivegen.drivers.shared.environment import OBSERVATION, TERMS
 from drivegen.gym.opening import opened
@@ -34,21 +35,25 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         Without `settings` they are those of params.yaml, section `environment`. `of` is the folder of the scenarios that
         generated samples are futures of. Raises UnusableInput where there is nothing to drive in.
         """
-        self.render_mode, self._environment = render_mode, opened(scenarios, 1, settings, of, "cpu")
-        self.observation_space, self.action_space = OBSERVATION, self._environment.actions
+        self.render_mode, self.environment = render_mode, opened(scenarios, 1, settings, of, "cpu")
+        self.observation_space, self.action_space = OBSERVATION, self.environment.actions
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
         """Begin a scenario drawn by the seed, or number `options["scenario"]` of those that are playable."""
         super().reset(seed=seed)
-        playable = self._environment.playable
-        number = (options or {}).get("scenario", self.np_random.integers(len(playable)))
-        scene = playable[int(number)].reshape(1)
-        features = self._environment.reset(scene)[0].numpy().copy()
-        return features, {"scenario": self._environment.traffic[int(scene)][0].scenario_id}
+        playable = self.environment.playable
+        number = int((options or {}).get("scenario", self.np_random.integers(len(playable))))
+        if not 0 <= number < len(playable):
+            raise UnusableInput(
+                f"options['scenario'] is {number}: the playable scenarios have the numbers 0 to {len(playable) - 1}"
+            )
+        scene = playable[number].reshape(1)
+        features = self.environment.reset(scene)[0].numpy().copy()
+        return features, {"scenario": self.environment.traffic[int(scene)][0].scenario_id}
 
     def step(self, action: Floats) -> tuple[Floats, float, bool, bool, dict[str, Any]]:
         """One step of 0.1 s."""
-        step = self._environment.step(torch.from_numpy(np.array(action, np.float32).reshape(1, -1)))
+        step = self.environment.step(torch.from_numpy(np.array(action, np.float32).reshape(1, -1)))
         info: dict[str, Any] = {f"reward/{name}": float(value) for name, value in zip(TERMS, step.terms[0], strict=True)}
         info |= {"collision": int(step.kind[0]), "off_road": bool(step.off_road[0]), "left_map": bool(step.left_map[0])}
         features = step.observation[0].numpy().copy()
@@ -56,4 +61,4 @@ class DriveEnv(gymnasium.Env[Any, Any]):
 
     def render(self) -> NDArray[np.uint8] | None:
         """(H, W, 3) the target in the middle, from above; None unless made with "rgb_array"."""
-        return picture(self._environment) if self.render_mode == "rgb_array" else None
+        return picture(self.environment) if self.render_mode == "rgb_array" else None

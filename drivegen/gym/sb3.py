@@ -10,6 +10,7 @@ from torch import nn
 
 from drivegen.core.errors import UnusableInput
 from drivegen.drivers.shared.conditions import Settings, Traffic
+from drivegen.drivers.shared.environment import OBSERVATION
 from drivegen.drivers.shared.network import write_network
 from drivegen.drivers.shared.vec_env import WorldVecEnv
 from drivegen.gym.opening import opened
@@ -18,8 +19,10 @@ from drivegen.gym.opening import opened
 def save_policy(model: BaseAlgorithm, folder: str | Path, name: str) -> None:
     """Write the network of a SAC's or PPO's policy as the weights of the driver `name` (`drivers.shared.network`).
 
-    Raises UnusableInput for other algorithms, and for networks that are more than linear layers with one kind of activation.
+    Raises UnusableInput for other algorithms, for networks that are more than linear layers with one kind of activation, and for
+    policies that a driver could not repeat: those that steer freely, and those that see numbers which `VecNormalize` has changed.
     """
+    _refuse_unrepeatable(model)
     policy: Any = model.policy
     sac = isinstance(model, SAC)
     if not sac and not isinstance(model, PPO):
@@ -29,7 +32,17 @@ def save_policy(model: BaseAlgorithm, folder: str | Path, name: str) -> None:
     activation = policy.activation_fn.__name__.lower()
     if len(parts) != 2 * len(linear) - 1:
         raise UnusableInput("the policy has layers that are neither linear nor activations between them")
-    write_network(Path(folder), name, [layer.cpu() for layer in linear], activation, squashed=sac)
+    write_network(Path(folder), name, linear, activation, squashed=sac)
+
+
+def _refuse_unrepeatable(model: BaseAlgorithm) -> None:
+    if model.observation_space != OBSERVATION:
+        raise UnusableInput("the policy does not see what drivers see: train it in this environment")
+    if model.get_vec_normalize_env() is not None:
+        raise UnusableInput("the policy was trained through VecNormalize, whose numbers no driver sees: train it without")
+    environment = model.get_env()
+    if environment is not None and environment.get_attr("environment")[0].settings.motion == "free":
+        raise UnusableInput("the policy steers freely, and drivers keep to paths: train it with motion `path` or `path_offset`")
 
 
 class DriveVecEnv(WorldVecEnv):

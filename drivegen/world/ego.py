@@ -1,7 +1,7 @@
 """Where the targets are, and how they move along their paths.
 
 On its path a target with acceleration a takes the speed max(0, v + a dt) and moves on by that (the Euler step that SUMO takes,
-too); an offset that the driver asks for is approached at most at STEEPEST to the path.
+too); a is kept within limits, and an offset that the driver asks for is approached at most at STEEPEST to the path.
 """
 
 from dataclasses import dataclass, fields
@@ -11,6 +11,9 @@ from torch import Tensor
 
 from drivegen.core.scenario import DT
 from drivegen.world.observation import PATH_SPACING, Action, Paths
+
+HARDEST_BRAKING, FASTEST_START = 9.0, 4.0
+"""[m/s2] Limits of the acceleration, whatever a driver asks for."""
 
 STEEPEST = 0.3
 """Largest slope towards a wanted offset [m across per m along]."""
@@ -52,12 +55,11 @@ class Ego:
 def on_path(ego: Ego, action: Action, paths: Paths, length: Tensor) -> Ego:
     """One step along the paths."""
     del length
-    speed = (ego.speed + action.acceleration * DT).clamp_min(0.0)
+    speed = (ego.speed + action.acceleration.clamp(-HARDEST_BRAKING, FASTEST_START) * DT).clamp_min(0.0)
     along = ego.along + speed * DT
-    if action.offset is None:
-        return _posed(along, ego.offset, ego.course, speed, paths)
+    wanted = torch.zeros_like(speed) if action.offset is None else action.offset
     most = STEEPEST * speed * DT
-    change = torch.minimum(torch.maximum(action.offset - ego.offset, -most), most)
+    change = torch.minimum(torch.maximum(wanted - ego.offset, -most), most)
     slope = change / (speed * DT).clamp_min(1e-6)
     return _posed(along, ego.offset + change, slope.atan(), speed, paths)
 

@@ -132,8 +132,8 @@ class Action:
     """What S drivers decide for one step.
 
     Attributes:
-        acceleration: (S,) [m/s2]; a target never drives backwards.
-        offset: (S,) [m] to the left of the path where the driver wants to be, or None to stay on the path's line.
+        acceleration: (S,) [m/s2], kept between -9 and 4 (`ego.py`); a target never drives backwards.
+        offset: (S,) [m] to the left of the path where the driver wants to be; None stands for 0, the path's line.
         steering: (S,) [rad] angle of the front wheels, to the left positive, where targets move freely; None on paths.
     """
 

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.settings import read_params
 from drivegen.drivers.shared.file import FileDriver
 from drivegen.simulators.batch import Plugin as Batch
 from drivegen.world.outcome import CollisionKind
+from drivegen.world.reactive import Reaction
 from tests.scenes import drive, scenario, stack, straight_road
 
 GOOD = "from drivegen.world.observation import Action\ndef act(seen): return Action(0 * seen.speed)\n"
@@ -14,12 +16,17 @@ BAD = {
     "no_function": ("x = 1\n", "has no function act"),
     "does_not_run": ("import nothing_like_it\n", "cannot be run: ModuleNotFoundError"),
     "no_python": ("def act(:\n", "cannot be run: SyntaxError"),
-    "raises": ("def act(seen): return seen.nothing\n", "fails: AttributeError"),
-    "exits": ("import sys\ndef act(seen): sys.exit(0)\n", "fails: SystemExit"),
+    "raises": (
+        "def helper(seen):\n    return seen.nothing\ndef act(seen): return helper(seen)\n",
+        "fails in line 2: AttributeError",
+    ),
+    "exits": ("import sys\ndef act(seen): sys.exit(0)\n", "fails in line 2: SystemExit"),
     "exits_at_once": ("raise SystemExit(0)\n", "cannot be run: SystemExit"),
     "no_action": ("def act(seen): return -1.0\n", "must return"),
     "too_few": (GOOD.replace("0 * seen.speed", "seen.speed[:1]"), "each of the 512 targets"),
     "no_number": (GOOD.replace("0 *", "float('nan') *"), "acceleration that is no number"),
+    "complex": (GOOD.replace("0 *", "1j *"), "one real number"),
+    "too_large": (GOOD.replace("0 * seen.speed", "1e300 * seen.speed.double()"), "acceleration that is no number"),
     "numpy": (GOOD.replace("seen.speed)", "seen.speed.numpy())"), "as acceleration a PyTorch tensor"),
     "numpy_offset": (GOOD.replace("seen.speed)", "seen.speed, seen.speed.numpy())"), "as offset a PyTorch tensor"),
     "no_offset": (GOOD.replace("seen.speed)", "seen.speed, seen.speed * float('nan'))"), "offset that is no number"),
@@ -42,6 +49,37 @@ def test_it_drives(tmp_path):
 
 def test_its_file_may_have_dataclasses_with_annotations_as_text(tmp_path):
     assert len(outcome(tmp_path, DATACLASS + GOOD).kind) == 1
+
+
+def test_numbers_of_another_kind_are_taken_as_the_world_s(tmp_path):
+    text = GOOD.replace("0 * seen.speed", "0 * seen.speed.double()")
+    file = tmp_path / "mine.py"
+    file.write_text(text)
+    world = Batch(reaction=read_params("drive.reaction", Reaction))
+    assert np.array_equal(world.run(FileDriver(file), [scenario(ROAD, LOG)], [LOG]).kind, outcome(tmp_path, GOOD).kind)
+
+
+def test_what_it_changes_of_what_it_sees_changes_nothing(tmp_path):
+    spoilt = GOOD.replace("return", "seen.speed.clamp_min_(30.0); seen.along.add_(50.0); seen.paths.length.zero_(); return")
+    untouched, touched = (outcome(tmp_path, text).motion for text in (GOOD, spoilt))
+    assert np.array_equal(untouched.position, touched.position)
+
+
+def test_no_driver_brakes_or_starts_harder_than_a_car_can(tmp_path):
+    for asked, hardest in (("1e6", 4.0), ("-1e6", -9.0)):
+        speed = outcome(tmp_path, GOOD.replace("0 * seen.speed", f"0 * seen.speed + {asked}")).motion.speed[0]
+        assert float(speed[1] - speed[0]) == pytest.approx(0.1 * hardest, abs=1e-4)
+
+
+def test_without_an_offset_it_goes_back_to_its_path_s_line(tmp_path):
+    swerve = GOOD.replace("0 * seen.speed)", "0 * seen.speed, OFFSET)")
+    texts = (
+        swerve.replace("OFFSET", f"1.5 + 0 * seen.speed if seen.step[0] < 5 else {back}") for back in ("None", "0 * seen.speed")
+    )
+    none, zero = (outcome(tmp_path, text).motion for text in texts)
+    assert np.array_equal(none.position, zero.position)
+    assert np.abs(none.position[0, 4:6, 1]).max() > 0.5
+    assert float(np.abs(none.position[0, 30, 1])) == pytest.approx(0, abs=1e-3)
 
 
 def test_it_sees_rules(tmp_path):

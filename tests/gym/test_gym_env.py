@@ -193,7 +193,46 @@ def test_a_free_target_follows_its_wheels_within_limits_and_ends_off_the_road():
     assert float(steps[ends.index(True)].terms[0, TERMS.index("off_road")]) == SETTINGS.rewards.off_road
 
 
+def test_who_leaves_by_an_exit_is_not_off_the_road_however_it_moves():
+    for motion in ("path", "free"):
+        for speed in (8.0, 10.0, 12.0, 13.9):
+            env = gymnasium.make(
+                drivegen.gym.ID, scenarios=[alone(start=265, speed=speed)], settings=replace(SETTINGS, motion=motion)
+            )
+            env.reset(seed=0)
+            ended = cut = False
+            while not (ended or cut):
+                _, reward, ended, cut, info = env.step(np.zeros(env.action_space.shape, np.float32))
+            assert (ended, cut, info["left_map"], info["off_road"]) == (False, True, True, False)
+            assert reward > 0
+
+
+@pytest.mark.parametrize("motion", ["path", "path_offset", "free"])
+def test_what_is_no_action_is_refused_before_anybody_has_moved(motion):
+    pair = behind_a_parked_car()
+    episodes = Environment([pair, pair], 2, replace(SETTINGS, motion=motion))
+    numbers = episodes.actions.shape[0]
+    bad = torch.zeros(2, numbers)
+    bad[1, -1] = torch.nan
+    with pytest.raises(UnusableInput, match=r"the action of row 1 is .*nan"):
+        episodes.step(bad)
+    for shape in ((2, numbers + 1), (1, numbers), (2,)):
+        with pytest.raises(UnusableInput, match=r"have the shape \(2, "):
+            episodes.step(torch.zeros(shape))
+    assert not episodes.world.step.any()
+    assert float(episodes.step(torch.zeros(2, numbers)).terms[0, 0]) == pytest.approx(0.1, rel=1e-3)
+
+
+def test_a_scenario_that_is_not_there_is_named():
+    env = gymnasium.make(drivegen.gym.ID, scenarios=[alone()], settings=SETTINGS)
+    for number in (-1, 1):
+        with pytest.raises(UnusableInput, match=f"is {number}: the playable scenarios have the numbers 0 to 0"):
+            env.reset(options={"scenario": number})
+
+
 def test_nothing_to_drive_is_said():
+    with pytest.raises(UnusableInput, match="at least one scenario"):
+        gymnasium.make(drivegen.gym.ID, scenarios=[], settings=SETTINGS)
     log = stack([drive(LINE, 50, 10, 51), drive(LINE, 52, 10, 51)])
     with pytest.raises(UnusableInput, match="overlaps somebody at step 0"):
         gymnasium.make(drivegen.gym.ID, scenarios=[(scenario(ROAD, log), log)], settings=SETTINGS)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 from stable_baselines3 import DDPG, PPO, SAC
+from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
 from drivegen.core.errors import MissingTool, UnusableInput
@@ -64,6 +65,15 @@ def test_the_driver_decides_as_the_policy_did(env, tmp_path, algorithm, activati
 def test_what_is_no_policy_of_ours_is_refused(env, tmp_path):
     with pytest.raises(UnusableInput, match="neither SAC nor PPO"):
         save_policy(DDPG("MlpPolicy", env), tmp_path, "mine")
+    with pytest.raises(UnusableInput, match="through VecNormalize"):
+        save_policy(PPO("MlpPolicy", VecNormalize(env)), tmp_path, "mine")
+    scene = busy_crossing(61)
+    free = DriveVecEnv([(scene, scene.log)], 4, replace(SETTINGS, motion="free"))
+    with pytest.raises(UnusableInput, match="steers freely"):
+        save_policy(PPO("MlpPolicy", free), tmp_path, "mine")
+    with pytest.raises(UnusableInput, match="does not see what drivers see"):
+        save_policy(PPO("MlpPolicy", "Pendulum-v1"), tmp_path, "mine")
+    assert not list(tmp_path.iterdir())
     with pytest.raises(MissingTool, match="holds no trained driver"):
         Mine(Weights(str(tmp_path / "none"), sees_rules=False))
 

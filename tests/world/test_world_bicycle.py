@@ -6,11 +6,12 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegen.world.bicycle import GRIP, HARDEST_BRAKING, SHARPEST, STEERING_RATE, WHEELBASE
+from drivegen.world.bicycle import GRIP, SHARPEST, STEERING_RATE, WHEELBASE
+from drivegen.world.ego import HARDEST_BRAKING
 from drivegen.world.observation import Action
 from drivegen.world.scenes import Scenes
 from drivegen.world.world import World
-from tests.scenes import drive, scenario, stack, straight_road
+from tests.scenes import crossing, drive, joined, scenario, stack, straight_road
 
 ROAD = straight_road(600)
 LINE = ROAD.centreline[0].astype(np.float64)
@@ -76,3 +77,18 @@ def test_what_it_sees_of_others_and_of_itself_is_in_the_frame_of_its_path():
     assert float(seen.offset) == pytest.approx(y, abs=0.02)
     assert float(seen.course) == pytest.approx(float(free.ego.heading), abs=1e-5)
     assert float(seen.ahead[0, 0]) == pytest.approx(590 - x, abs=0.05)
+
+
+def test_in_a_bend_it_gets_no_farther_along_its_path_than_the_bend_allows():
+    roads = crossing()
+    log = stack([drive(joined(roads, 0, 9, 5), 60, 6, 101), drive(LINE, 290, 0, 101)])
+    free = World(Scenes.of([scenario(roads, log)], [log]), 1, free=True)
+    random = np.random.default_rng(0)
+    for _ in range(100):
+        before = free.ego
+        go(free, random.uniform(-2, 2), random.uniform(-1, 1), 1)
+        distance = (free.ego.position - before.position).norm()
+        assert abs(float(free.ego.along - before.along)) <= 4 * float(distance) + 1.0
+        near = free.paths.position(torch.arange(0, 200, 0.25)[None])[0] - free.ego.position
+        window = (torch.arange(0, 200, 0.25) - before.along).abs() < 8
+        assert float(free.ego.offset.abs()) <= float(near.norm(dim=-1)[window].min()) + 0.3

@@ -23,7 +23,7 @@ from drivegen.world.bicycle import SHARPEST
 from drivegen.world.contact import touched
 from drivegen.world.ends import Surface, exits
 from drivegen.world.neighbours import Boxes, Replayed
-from drivegen.world.observation import Action, Observation
+from drivegen.world.observation import PATH_SPACING, Action, Observation
 from drivegen.world.outcome import CollisionKind
 from drivegen.world.paths import route_paths
 from drivegen.world.reactive import Reactive
@@ -70,6 +70,8 @@ class Environment:
     """
 
     def __init__(self, traffic: Sequence[Traffic], rows: int, settings: Settings, device: str = "cpu") -> None:
+        if not traffic:
+            raise UnusableInput("an environment needs at least one scenario to drive in")
         torch.set_num_threads(1)  # tensors are small, and sums depend on the thread count
         self.traffic, self.settings, self._free = list(traffic), settings, settings.motion == "free"
         scenarios, motions = [s for s, _ in traffic], [m for _, m in traffic]
@@ -77,7 +79,8 @@ class Environment:
         self._scenes = Scenes.of(scenarios, motions, paths, device=device)
         self._lookout = Lookout.of(self._scenes, scenarios, motions) if settings.rules else None
         self._surface = Surface.of(scenarios, device) if self._free else None
-        self._exit = exits(self._scenes, scenarios)
+        exit_known_to = PATH_SPACING if self._free else 0.0  # the road ends there: who leaves freely would be off it before
+        self._exit = exits(self._scenes, scenarios) - exit_known_to
         self._weights = torch.tensor([getattr(settings.rewards, name) for name in TERMS], device=device)
         with torch.no_grad():
             begin = self._world(len(traffic))
@@ -112,18 +115,30 @@ class Environment:
 
     @torch.no_grad()
     def step(self, action: Tensor) -> Step:
-        """One step of all rows by actions (R, A) in [-1, 1]."""
+        """One step of all rows by actions (R, A) in [-1, 1]. Raises UnusableInput for another shape and for what is no number."""
+        self._check(action)
         world, along, speed = self.world, self.world.ego.along, self.world.ego.speed
         world.advance(self._decoded(action.clamp(-1.0, 1.0)))
         view, boxes = world.observe(), world.neighbours.boxes(world)
         kind = self._collisions(boxes)
         self._last = world.ego, boxes
-        collided, off_road = kind > 0, self._off_road(world)
+        collided = kind > 0
         left_map = (world.ego.along >= self._exit[world.scene]) & ~collided
+        off_road = self._off_road(world) & ~left_map
         terms = self._terms(view, world.ego.along - along, speed, kind, off_road) * self._weights
         terminated = collided | off_road
         truncated = (world.over | left_map) & ~terminated
         return Step(features(view), terms.sum(1), terminated, truncated, terms, kind, off_road, left_map)
+
+    def _check(self, action: Tensor) -> None:
+        rows, numbers = len(self.world.scene), MOTIONS[self.settings.motion]
+        if action.shape != (rows, numbers):
+            raise UnusableInput(
+                f"actions of motion {self.settings.motion!r} have the shape {(rows, numbers)}, not {tuple(action.shape)}"
+            )
+        if not action.isfinite().all():
+            row = int(torch.nonzero(~action.isfinite().all(1))[0])
+            raise UnusableInput(f"the action of row {row} is {action[row].tolist()}: give finite numbers from -1 to 1")
 
     def _world(self, rows: int) -> World:
         neighbours = (

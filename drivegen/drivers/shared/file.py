@@ -3,8 +3,10 @@
 The file is run as it is, with the rights of whoever runs DriveGen.
 """
 
+import copy
 import importlib.util
 import sys
+import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar
@@ -29,27 +31,29 @@ class FileDriver:
     def act(self, observation: Observation) -> Action:
         """See `drivers.base.Driver`."""
         try:
-            answer = self._act(observation)
+            answer = self._act(copy.deepcopy(observation))  # some of it is the world's own state
         except (Exception, SystemExit) as error:  # an exit would count as a finished command
-            raise UnusableInput(f"{self._path}: act(observation) fails: {_what(error)}") from error
-        return self._checked(answer, len(observation.speed))
+            raise UnusableInput(f"{self._path}: act(observation) fails{_where(error, self._path)}: {_what(error)}") from error
+        return self._checked(answer, observation.speed)
 
-    def _checked(self, action: Any, targets: int) -> Action:
+    def _checked(self, action: Any, speed: torch.Tensor) -> Action:
+        """The answer as numbers of the kind that `speed` (S,) has."""
         if not isinstance(action, Action):
             kind = type(action).__name__
             raise UnusableInput(f"{self._path}: act(observation) must return drivegen.world.observation.Action, not {kind}")
-        for name in ("acceleration", "offset"):
-            value = getattr(action, name)
-            if name == "offset" and value is None:
-                continue
-            if not isinstance(value, torch.Tensor) or value.shape != (targets,):
-                raise UnusableInput(
-                    f"{self._path}: act(observation) must return as {name} a PyTorch tensor with one number for each of the"
-                    f" {targets} targets"
-                )
-            if not bool(value.isfinite().all()):
-                raise UnusableInput(f"{self._path}: act(observation) returns an {name} that is no number")
-        return action
+        acceleration = self._numbers("acceleration", action.acceleration, speed)
+        return Action(acceleration, None if action.offset is None else self._numbers("offset", action.offset, speed))
+
+    def _numbers(self, name: str, value: Any, speed: torch.Tensor) -> torch.Tensor:
+        if not isinstance(value, torch.Tensor) or value.shape != speed.shape or value.is_complex():
+            raise UnusableInput(
+                f"{self._path}: act(observation) must return as {name} a PyTorch tensor with one real number for each of the"
+                f" {len(speed)} targets"
+            )
+        numbers = value.detach().to(speed)
+        if not bool(numbers.isfinite().all()):
+            raise UnusableInput(f"{self._path}: act(observation) returns an {name} that is no number")
+        return numbers
 
 
 def _function(path: Path) -> Callable[[Observation], Any]:
@@ -71,3 +75,9 @@ def _function(path: Path) -> Callable[[Observation], Any]:
 
 def _what(error: BaseException) -> str:
     return f"{type(error).__name__}, {(str(error) or 'without a word').splitlines()[0]}"
+
+
+def _where(error: BaseException, path: Path) -> str:
+    """The last line of the file itself that was on the way to the error."""
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == path]
+    return f" in line {lines[-1]}" if lines else ""
