@@ -67,7 +67,7 @@ class Avoidance:
         """Its class."""
         if not self.budget >= 0:
             return Avoidable.NO
-        return Avoidable.WARNED if self.budget >= RESPONSE * DT else Avoidable.SUDDEN
+        return Avoidable.WARNED if round(self.budget / DT) >= RESPONSE else Avoidable.SUDDEN
 
 
 def judge(cases: Sequence[Case], reaction: Reaction | None = None) -> list[Avoidance]:

@@ -1,6 +1,7 @@
 """Corner cases driven again from any step on: the target as it was driven until then, and by an evasion from there.
 
-Everybody else does what it did; where neighbours react, all but the attacker do, from the beginning of the evasion on.
+Everybody else does what it did, and beyond the scenario's end keeps its velocity: an evasion that only puts a collision off until
+then avoids nothing. Where neighbours react, all but the attacker do, from the beginning of the evasion on.
 """
 
 from collections.abc import Sequence
@@ -12,7 +13,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from drivegen.core.scenario import DT, Trajectories
+from drivegen.core.scenario import DT, Scenario, Trajectories
 from drivegen.corner_cases.case import Case
 from drivegen.world.bicycle import placed
 from drivegen.world.contact import touched
@@ -21,6 +22,7 @@ from drivegen.world.ends import Surface
 from drivegen.world.neighbours import Neighbours, Replayed
 from drivegen.world.observation import Action
 from drivegen.world.outcome import ARTEFACTS
+from drivegen.world.paths import target_paths
 from drivegen.world.reactive import Reaction, Reactive
 from drivegen.world.scenes import Scenes
 from drivegen.world.touch import kinds
@@ -74,15 +76,18 @@ class Reenactment:
     @classmethod
     def of(cls, cases: Sequence[Case]) -> Self:
         """Pack cases; about 150 kB each."""
-        scenarios, steps = [case.scenario for case in cases], max(case.traffic.steps for case in cases)
-        contact, last = (np.array(values) for values in ([c.step for c in cases], [c.traffic.steps - 1 for c in cases]))
+        scenarios, traffic = [case.scenario for case in cases], [case.traffic for case in cases]
+        steps, contact = max(motion.steps for motion in traffic), np.array([case.step for case in cases])
+        paths, lasts = target_paths(scenarios, traffic), contact + WATCH + 1
+        going_on = [_with_people_going_on(scenario, last) for scenario, last in zip(scenarios, lasts.tolist(), strict=True)]
+        traffic = [_going_on(motion, last) for motion, last in zip(traffic, lasts.tolist(), strict=True)]
         return cls(
-            Scenes.of(scenarios, [case.traffic for case in cases]),
+            Scenes.of(going_on, traffic, paths),
             Surface.of(scenarios),
             torch.tensor([case.deaf for case in cases]),
             np.array([case.partner - 1 for case in cases]),
             contact,
-            np.minimum(contact + WATCH, last),
+            contact + WATCH,
             _stacked([case.driven for case in cases], steps),
             _stacked([case.other[0].until(case.traffic.steps) for case in cases], steps),
             np.stack([case.other[1][:2] for case in cases]),
@@ -106,7 +111,8 @@ class Reenactment:
         """(R,) whether `case` (R,) is avoided where its target evades by `evasion` (R,) from `step` (R,) on.
 
         A case is avoided where the target stays on the road and hits nobody until the end, and nobody hits it. One exception:
-        where neighbours are replayed, others than the partner may hit it from behind, or while it stands.
+        where neighbours are replayed, others than the partner may hit it from behind, or while it stands; who has done so is
+        passed through from then on.
         """
         rows = np.resize(np.arange(len(case)), -(-len(case) // ROWS) * ROWS)
         whole, begin = case[rows], step[rows]
@@ -127,17 +133,19 @@ class Reenactment:
         watched, good = np.ones(len(case), np.bool_), np.ones(len(case), np.bool_)
         offset, was_off = world.ego.offset, self._off_road(world)
         moment, none_begun = (world.ego, world.neighbours.boxes(world)), np.zeros(len(case), np.bool_)
+        passed = np.zeros((len(case), self.scenes.present.shape[1]), np.bool_)
         for k in range(int(steps.max(initial=0))):
             world.advance(plan.action(k, offset))
             now = (world.ego, world.neighbours.boxes(world))
             watched &= k < steps
-            partner = np.where(watched, touched(world, now[1]), -1)
-            hit = partner >= 0
-            mine = hit & (strict | (partner == self.partner[case]))
+            partner = np.where(watched, touched(world, now[1].without(passed) if passed.any() else now[1]), -1)
+            mine = (partner >= 0) & (strict | (partner == self.partner[case]))
             kind = kinds(world, np.where(mine, -1, partner), moment, now, none_begun)
-            good &= ~mine & ~((kind > 0) & ~np.isin(kind, ARTEFACTS))
+            tolerated = np.isin(kind, ARTEFACTS)
+            passed[tolerated, partner[tolerated]] = True
+            good &= ~mine & ~((kind > 0) & ~tolerated)
             good &= ~(watched & plan.swerves & self._off_road(world) & ~was_off)
-            watched &= ~hit & good
+            watched &= good
             moment = now
         return good
 
@@ -171,6 +179,23 @@ class _Plan:
         left = (2 * half - now).clamp_min(0.0)
         moved = torch.where(half > now, 0.5 * SWERVE * now**2, size - 0.5 * SWERVE * left**2)
         return Action(-self.braking * share, start + self.offset.sign() * moved)
+
+
+def _going_on(motion: Trajectories, steps: int) -> Trajectories:
+    """`motion` (..., T) for `steps` steps, if it has fewer: who is there at its end keeps its velocity."""
+    first = motion.steps
+    if steps <= first:
+        return motion
+    whole, ended = motion.padded(steps), motion.between(first - 1, first)
+    seconds = (DT * np.arange(1, steps - first + 1, dtype=np.float32))[:, None]
+    whole.position[..., first:, :] = ended.position + seconds * ended.velocity
+    whole.velocity[..., first:, :], whole.heading[..., first:] = ended.velocity, ended.heading
+    whole.valid[..., first:] = ended.valid
+    return whole
+
+
+def _with_people_going_on(scenario: Scenario, steps: int) -> Scenario:
+    return replace(scenario, context=replace(scenario.context, motion=_going_on(scenario.context.motion, steps)))
 
 
 def _stacked(motions: Sequence[Trajectories], steps: int) -> Trajectories:

@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from drivegen.world.scenes import Scenes
@@ -24,6 +26,11 @@ class Boxes:
     position: Tensor
     heading: Tensor
     valid: Tensor
+
+    def without(self, gone: NDArray[np.bool_]) -> "Boxes":
+        """The same, a row of the arrays for each of R rows, in which those of `gone` (R, M) are not there."""
+        position, heading, valid = (array[self.at] for array in (self.position, self.heading, self.valid))
+        return Boxes(torch.arange(len(gone)), position, heading, valid & ~torch.from_numpy(gone).to(valid.device))
 
 
 class Neighbours(Protocol):

@@ -1,10 +1,12 @@
 """Until when collisions could have been avoided, and how long they could be seen coming: handmade cases with known answers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from drivegen.core.scenario import DT
-from drivegen.corner_cases.avoidance import Avoidable, judge
+from drivegen.corner_cases.avoidance import RESPONSE, Avoidable, Avoidance, judge
 from drivegen.world.reactive import Reaction
 from tests.corner_cases.handmade import LINE, NEXT, collision
 from tests.scenes import drive, stack, straight_road
@@ -96,3 +98,25 @@ def test_on_a_path_that_comes_back_who_stands_on_the_second_visit_is_seen_at_the
     case = collision(stack([drive(spiral, 0, 10, 101), stands]))
     assert case.step < 25
     assert judge([case])[0].cue > 1.0
+
+
+def test_a_follower_who_runs_into_it_does_not_hide_that_it_hits_whom_it_should_avoid():
+    ahead = [drive(LINE, 20, 15, 101), drive(LINE, 100, 0, 101)]
+    alone, *followed = judge(
+        [collision(stack(ahead), roads=ONE_LANE)]
+        + [collision(stack([*ahead, drive(LINE, 20 - 4.6 - gap, 15, 101)]), roads=ONE_LANE) for gap in (0.2, 2.0, 8.0)]
+    )
+    assert [case.latest for case in followed] == [alone.latest] * 3
+
+
+def test_putting_it_off_until_the_scenario_ends_avoids_nothing():
+    long, short = (collision(stack([drive(LINE, 20, 15, n), drive(LINE, 100, 0, n)]), roads=ONE_LANE) for n in (101, 53))
+    assert short.step == long.step == 51
+    assert repr(judge([short])) == repr(judge([long]))
+
+
+def test_as_long_as_a_careful_driver_takes_is_with_warning():
+    for latest in range(1, 39):
+        found = Avoidance((latest + RESPONSE) * DT, latest * DT, float("nan"))
+        assert found.verdict == Avoidable.WARNED
+        assert replace(found, cue=(latest + RESPONSE - 1) * DT).verdict == Avoidable.SUDDEN
