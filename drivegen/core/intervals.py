@@ -28,7 +28,8 @@ _MADE = re.compile(r"(-s\d{2,}|-new)$")
 class Interval:
     """A statistic with its percentile bootstrap interval; all NaN where there is nothing to average.
 
-    Low and high are NaN, too, where all is from one recording: it says nothing about others.
+    Low and high are NaN, too, where all is from one recording: it says nothing about others. Where both are the value itself no
+    recording differs from the others, as with a share of 0, and resampling says nothing either: tables then print no ends.
     """
 
     value: float
@@ -154,5 +155,6 @@ def bootstrap_means(
         known = finite[:, column]
         of_column = means[:, column]
         value = float(np.where(known, values[:, column], 0.0).astype(np.float64).sum() / known.sum()) if known.any() else np.nan
-        out.append(Interval(value, *percentiles(of_column[np.isfinite(of_column)])))
+        several = len(np.unique(drawn.number[known])) > 1
+        out.append(Interval(value, *percentiles(of_column[np.isfinite(of_column) & several])))
     return out

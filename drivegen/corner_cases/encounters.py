@@ -120,8 +120,8 @@ def encounters(target: Trajectories, target_size: Floats, social: Trajectories, 
 def box_gap(a: Trajectories, size_a: Floats, b: Trajectories, size_b: Floats) -> Floats:
     """Distance (..., T) [m] between boxes covered by three discs each; never below 0.
 
-    Discs of half the box's width bulge by at most 0.2 of it beyond the corners, which is enough to rank approaches;
-    collisions themselves are judged by exact boxes in the simulator.
+    Discs as wide as the box leave out its corners and, of boxes longer than three times their width, stretches between them: good
+    enough to rank approaches. Collisions themselves are judged by exact boxes in the simulator.
     """
     radius = (size_a[..., 1] + size_b[..., 1])[..., None] / 2
     nearest = np.inf

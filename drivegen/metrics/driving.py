@@ -86,7 +86,8 @@ def driving_summary(
     resampled = np.concatenate([np.ones((1, count)), resamplings(recordings, draws, rng)])
     for name, part, whole in RATIOS:
         if part in metrics and whole in metrics:
-            out |= _ratio(name, resampled @ metrics[part], resampled @ metrics[whole])
+            known = np.isfinite(metrics[part]) & np.isfinite(metrics[whole])
+            out |= _ratio(name, *(resampled[:, known] @ metrics[each][known] for each in (part, whole)))
     weights = resampled[:, scene]
     spread, *spreads = spread_over_runs(motion, weights)
     low, high = percentiles(np.array(spreads))

@@ -1,7 +1,7 @@
 """Speeds, accelerations and turning of tracks, by central differences of positions and headings as in Waymo's Sim Agents metrics.
 
 A difference at a step needs the steps before and after it, one of second order four neighbours: `within` says where it is
-known. Velocities that a method reports are not used: every method is judged by where its vehicles are.
+known. Velocities that a method reports are not used here: every method is judged by where its vehicles are.
 """
 
 from dataclasses import dataclass

@@ -1,17 +1,18 @@
 """Whether two kinds of traffic put the same drivers in the same order: Kendall's tau-b, beside what two halves of one kind reach.
 
 A driver's rate in a kind of traffic is the mean over its scenes. Intervals resample recordings of both kinds and the drivers at
-once; kinds that are compared with one reference meet the same draws of it and of the drivers, so their differences are paired.
+once. Kinds that are compared with one reference meet the same draws of it, of the drivers and, where they are of the same
+recordings, of these, so their differences are paired.
 A bootstrap adds ties and noise of its own: its draws lie a little nearer to zero than the value.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.intervals import Interval, counts, percentiles, resamplings
+from drivegen.core.intervals import Interval, counts, percentiles
 
 _DIGITS = 9
 """Rates that agree to so many digits are ties: sums of the same terms in another order are not quite equal."""
@@ -33,12 +34,26 @@ class Rates:
         means: NDArray[np.float64] = np.round(times @ self.values.T / times.sum(axis=1, keepdims=True), _DIGITS)
         return means
 
-    def drawn(self, draws: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    def drawn(self, draws: "Draws") -> NDArray[np.float64]:
         """(1 + draws, D) rates, first as they are, then with recordings resampled (of one recording the same again)."""
-        times = (
-            resamplings(self.recordings, draws, rng) if len(set(self.recordings)) > 1 else np.ones((draws, len(self.recordings)))
-        )
-        return self.means(np.concatenate([np.ones((1, len(self.recordings))), times]))
+        return self.means(np.concatenate([np.ones((1, len(self.recordings))), draws.of(self.recordings)]))
+
+
+@dataclass
+class Draws:
+    """`count` resamplings of recordings, the same for whoever asks for the same recordings."""
+
+    count: int
+    rng: np.random.Generator
+    _times: dict[tuple[str, ...], NDArray[np.float64]] = field(default_factory=dict)
+
+    def of(self, recordings: Sequence[str]) -> NDArray[np.float64]:
+        """(count, S) how often each of S scenes comes, one recording a scene."""
+        names, number = np.unique(np.asarray(recordings), return_inverse=True)
+        key = tuple(names.tolist())
+        if key not in self._times:
+            self._times[key] = counts(len(names), self.count, self.rng)
+        return self._times[key][:, number]
 
 
 def kendall(first: NDArray[np.floating], second: NDArray[np.floating], times: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -54,8 +69,9 @@ def kendall(first: NDArray[np.floating], second: NDArray[np.floating], times: ND
 
 def agreements(real: Rates, kinds: Sequence[Rates], draws: int, rng: np.random.Generator) -> NDArray[np.float64]:
     """Tau (kinds, 1 + draws) of each kind of traffic with the real one: first the value, then the bootstrap draws."""
-    reference, times = real.drawn(draws, rng), _drivers(len(real.values), draws, rng)
-    return np.stack([kendall(reference, kind.drawn(draws, rng), times) for kind in kinds])
+    shared, times = Draws(draws, rng), _drivers(len(real.values), draws, rng)
+    reference = real.drawn(shared)
+    return np.stack([kendall(reference, kind.drawn(shared), times) for kind in kinds])
 
 
 def ceiling(real: Rates, draws: int, rng: np.random.Generator) -> NDArray[np.float64]:

@@ -54,3 +54,15 @@ def test_a_scene_in_which_nobody_fails_changes_no_order():
     real = traffic(np.linspace(0.1, 0.6, 8), 40, 1)
     longer = Rates(np.concatenate([real.values, np.zeros((8, 40))], axis=1), [*real.recordings, *(f"s{i}" for i in range(40))])
     assert agreements(real, [longer], 5, np.random.default_rng(7))[0, 0] == 1
+
+
+def test_traffic_of_the_same_recordings_is_compared_draw_by_draw():
+    skill = np.linspace(0.02, 0.6, 20)
+    real, kind = traffic(skill, 400, 1), traffic(skill, 200, 2)
+    alike, same, shorter = agreements(
+        real, [kind, kind, Rates(kind.values[:, ::2], kind.recordings[::2])], 50, np.random.default_rng(7)
+    )
+    assert np.array_equal(alike, same)
+    own = agreements(real, [real], 50, np.random.default_rng(7))[0]
+    np.testing.assert_allclose(own, 1.0)
+    assert np.std(alike - shorter) < np.std(alike - np.roll(shorter, 1))

@@ -29,10 +29,7 @@ def test_a_lead_is_the_mean_difference_in_the_same_scenes_under_the_same_rule():
     assert {name: counted[name] for name in about} == about
     assert counted["low"] == counted["high"] == 0.5  # each recording has a lead of one in two
     assert (avoidable["value"], avoidable["low"], avoidable["high"]) == (0.0, 0.0, 0.0)
-    assert (
-        "| idm | CAT | legal | 10 | 0.500 (0.500 to 0.500) | 0.000 (0.000 to 0.000) |"
-        in lead_table([counted, avoidable]).markdown()
-    )
+    assert "| idm | CAT | legal | 10 | 0.500 | 0.000 |" in lead_table([counted, avoidable]).markdown()
 
 
 def test_the_published_table_is_made_of_the_results_of_the_first_run(tmp_path):

@@ -1,14 +1,15 @@
-"""Testers of mutated drivers: traffic as it is, and adversaries that search against each of them; sound drivers drive the same.
+"""Testers of mutated drivers: traffic as it is, which the sound drivers drive through, too, and adversaries that search.
 
-An adversary searches against the driver that is tested, as somebody would who does not know whether it is faulty; what the sound
-one does in the scenes so found is seen by nobody before all is over. All runs of a search are kept, those that only look, too;
-none is chosen afterwards: so a search favours neither of two drivers that differ by chance alone.
+An adversary searches against the mutant, and as long against the sound driver, from the same scenes and by the same seed: which
+of the two fails more often under attack? Scenes found against one of them and then driven by the other would not tell: they are
+the first one's, and any two drivers that differ at all would each look worse in its own. All runs of a search are kept, those
+that only look, too; none is chosen afterwards.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegen.adversaries.base import Adversary
 from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
@@ -43,19 +44,38 @@ def by_traffic(
 def by_search(
     mutants: Mapping[str, Mutant], adversary: Adversary, ground: Ground, bounds: Bounds, seed: int
 ) -> Iterator[tuple[str, Pairs]]:
-    """The runs that an adversary makes of each mutant, and those of its sound driver through the same scenes.
+    """The runs that an adversary makes of each mutant, beside as many that it makes of its sound driver in the same scenario.
 
     What does not depend on who drives is made once for all of them.
     """
-    first: Arena | None = None
+    one, *others = {id(mutant.sound): mutant.sound for mutant in mutants.values()}.values()
+    arena = Arena(one, ground, bounds, seed)
+    sound = {id(one): _attacked(adversary, arena)}  # after it the arena has what the others share
+    sound |= {id(driver): _attacked(adversary, arena.again(driver)) for driver in others}
     for name, mutant in mutants.items():
-        arena = Arena(mutant, ground, bounds, seed) if first is None else first.again(mutant)
-        first = first or arena
-        adversary.attack(arena)
-        runs = arena.runs()
-        other = replace(runs, outcome=arena.trials.by(mutant.sound).run(runs.variants))
-        sound = failures(other.outcome, lambda run, other=other: other.case(run, "sound", ""))  # type: ignore[misc]
-        failed = failures(runs.outcome, lambda run, runs=runs: runs.case(run, "mutant", ""), (other.outcome, sound))  # type: ignore[misc]
-        order = np.lexsort((runs.query, runs.scenario))
-        ids = np.array([choice.scenario.scenario_id for choice in ground.choices])[runs.scenario[order]]
-        yield name, Pairs(ids, np.zeros(len(order), np.int64), failed[order], sound[order])
+        yield name, _beside(_attacked(adversary, arena.again(mutant)), sound[id(mutant.sound)])
+
+
+def _attacked(adversary: Adversary, arena: Arena) -> list[tuple[str, NDArray[np.object_]]]:
+    """Of each scenario that was driven in: its id, and by what kind of failure each run ended, in the order of the search."""
+    adversary.attack(arena)
+    runs = arena.runs()
+    failed = failures(runs.outcome, lambda run: runs.case(run, "", ""))
+    order = np.lexsort((runs.query, runs.scenario))
+    scenario, first = np.unique(runs.scenario[order], return_index=True)
+    ids = [arena.ground.choices[number].scenario.scenario_id for number in scenario.tolist()]
+    return list(zip(ids, np.split(failed[order], first[1:]), strict=True))
+
+
+def _beside(mutant: list[tuple[str, NDArray[np.object_]]], sound: list[tuple[str, NDArray[np.object_]]]) -> Pairs:
+    """Run by run in each scenario; what only one of the two had of a scenario's runs is left out."""
+    other = dict(sound)
+    both = [(name, *_as_many(failed, other[name])) for name, failed in mutant if name in other]
+    ids = np.repeat([name for name, _, _ in both], [len(failed) for _, failed, _ in both])
+    own, its = (np.concatenate([each[side] for each in both]) for side in (1, 2))
+    return Pairs(ids, np.zeros(len(ids), np.int64), own, its)
+
+
+def _as_many(one: NDArray[np.object_], other: NDArray[np.object_]) -> tuple[NDArray[np.object_], NDArray[np.object_]]:
+    count = min(len(one), len(other))
+    return one[:count], other[:count]
