@@ -2,7 +2,7 @@
 
 With L the length of the Bezier curve and u the part of it, a path is B(u) + R(h0) r(u) reach(L): r is a spline in the
 frame of the start whose value and slope vanish at both ends, so every path has the poses asked for. Speed along the path
-is the same base and residual as along a route (`_motion`), so goals are exact and nobody drives backward.
+is the same base and residual as along a route (`shared.motion`), so goals are exact and nobody drives backward.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from drivegen.planners.shared.paths import Doubles, Frames, bezier_paths, laid, 
 from drivegen.planners.shared.profile import base_speed
 
 SIDEWAYS = 20.0
-"""Full size [m] of the path's residual, see `_motion.reach`."""
+"""Full size [m] of the path's residual, see `shared.motion.reach`."""
 
 FARTHEST = 40.0
 """A log that strays farther from its Bezier curve is none to learn from [m]."""

@@ -1,4 +1,4 @@
-"""From motion to numbers: the residuals of logged tracks about the base of `_motion`, as spline coefficients."""
+"""From motion to numbers: the residuals of logged tracks about the base of `motion`, as spline coefficients."""
 
 from dataclasses import dataclass
 

@@ -1,8 +1,8 @@
 """From numbers to motion: a trajectory in its path's frame is a base that meets both ends, plus two residuals.
 
-Along the path, speed is `_profile.base_speed` plus the slope of a spline over time; across it, the offset is a function
+Along the path, speed is `profile.base_speed` plus the slope of a spline over time; across it, the offset is a function
 of the distance gone, not of time, so a vehicle that stands neither slides sideways nor turns. `decode` turns residuals into
-x, y, heading and velocity that start and end as asked; `_fitting` finds those of logs.
+x, y, heading and velocity that start and end as asked; `fitting` finds those of logs.
 """
 
 from dataclasses import dataclass
