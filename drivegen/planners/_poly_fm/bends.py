@@ -100,7 +100,7 @@ def _rest(
     duration: Doubles,
     position: Doubles,
     scored: NDArray[np.bool_],
-) -> tuple[Doubles, Doubles]:  # pragma: no cover - compiled
+) -> tuple[Doubles, Doubles]:
     """(B, T, 6) per seen frame: part of the time, of the way, rest along, rest in x and y, weight; and ways gone (B,)."""
     out, gone = np.zeros((*scored.shape, 6)), np.zeros(len(length))
     for b in range(len(length)):
@@ -136,7 +136,7 @@ def _rest(
 @njit(cache=True)
 def _bent(
     path: Doubles, length: Doubles, start: Doubles, bend_x: NDArray[np.float32], bend_y: NDArray[np.float32]
-) -> tuple[Doubles, Doubles]:  # pragma: no cover - compiled
+) -> tuple[Doubles, Doubles]:
     """Paths (B, ROUTE_POINTS, 2), points 1 m apart, straight on behind the goal; lengths (B,) up to the goal."""
     paths, lengths = np.empty((len(length), ROUTE_POINTS, 2)), np.empty(len(length))
     count = (GRID - 1) * PARTS
