@@ -29,7 +29,7 @@ SOURCE = "DriveGen (map from words)"
 
 @dataclass(frozen=True)
 class Params:
-    """Section `place`: `per_map` scenarios on each map; `initial`: see `initialise.Settings`; `compared` held-out logs."""
+    """Section `place`: `per_map` scenarios on each map; `initial`: see `placement.scenes.Settings`; `compared` held-out logs."""
 
     seed: int
     per_map: Count

@@ -41,7 +41,7 @@ class Adversary(Protocol):
         """See `settings_type`."""
 
     def attack(self, arena: Arena) -> None:
-        """Spend the arena's budget: every run of the driver goes through `arena.drive`, which keeps it.
+        """Spend the arena's budget: every run of the driver goes through `Arena.drive`, which keeps it.
 
         What it does in one scenario depends on that scenario, the seed and what the arena's other scenarios taught it.
         """

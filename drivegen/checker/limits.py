@@ -22,7 +22,7 @@ class Limits:
     Attributes:
         overlap: depth by which boxes of two vehicles may overlap, because measured boxes do [m].
         overlap_context: the same for a vehicle and a pedestrian, cyclist or motorcyclist [m].
-        off_road: distance by which a corner may stay outside the drivable area for OFF_ROAD_STEPS [m].
+        off_road: distance by which a corner may stay outside the drivable area for three looks in a row (`road.STRIDE`) [m].
         wrong_way: time for which a vehicle may drive against every lane under it, outside junctions [s].
         speed: absolute speed [m/s].
         over_limit: speed above the lane's limit, where it has one [m/s].

@@ -10,9 +10,6 @@ from drivegen.roads.drivable import CELL, LIMIT_UNIT, MARGIN, SECTORS
 STRIDE = 2
 """Every second step is looked at [steps]."""
 
-OFF_ROAD_STEPS = 5
-"""A vehicle is off the road only if a corner is for this many steps, three looks, in a row."""
-
 START_TOLERANCE = 0.3
 """Who starts with a corner farther out than this [m] (parked on a drive, a cropped map) is judged once it is on the road."""
 
@@ -97,7 +94,7 @@ def _judge_edges(outside, around, origin, position, direction, valid, length, wi
     """(farthest out for three looks in a row [m], first step beyond `limit` or -1)."""
     worst, first, arrived = _NEVER, -1, False
     last_x = last_y = last_cos = last_sin = np.float32(np.inf)  # what `now` was found for: most vehicles at rest stay so
-    now = before = earlier = LEAST  # how far out the last three looks were
+    now = before = earlier = LEAST  # how far out: three looks in a row, so five steps with STRIDE 2
     for t in range(0, valid.shape[0], STRIDE):
         if not valid[t]:
             now = before = earlier = LEAST

@@ -42,7 +42,7 @@ class Samples:
         used: (K, N) float32 the probability with which it was drawn (differs from `natural` in corner cases).
         attempts: (K, N) uint8 trajectories planned until this one was taken.
         dropped: (K, N) bool left out because nothing legal was found (shipped scenarios only).
-        left_map: (K, N) bool drove out by an exit of the map before the end (`lanes.leaving`).
+        left_map: (K, N) bool drove out by an exit of the map before the end (`roads.leaving`).
     """
 
     scenario_id: str

@@ -30,7 +30,7 @@ class Settings:
     Attributes:
         planner: name of the planner that fills in motion.
         candidates: how candidate goals are made.
-        temperature: below 1 the likely goals gain, above 1 the unlikely ones (`generate.tempered`).
+        temperature: below 1 the likely goals gain, above 1 the unlikely ones (`rollout.batch.tempered`).
         rollout: how often the illegal is planned again, and what becomes of what stays illegal.
     """
 

@@ -91,7 +91,7 @@ class _Scene:
 
 
 class Plugin(Learned):
-    """See `generators._learned.Learned`."""
+    """See `generators.shared.learned.Learned`."""
 
     name = "bits"
     about = ABOUT

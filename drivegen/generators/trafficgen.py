@@ -94,7 +94,7 @@ class TrafficGenNet(nn.Module):
 
 
 class Plugin(Learned):
-    """See `generators._learned.Learned`."""
+    """See `generators.shared.learned.Learned`."""
 
     name = "trafficgen"
     about = ABOUT

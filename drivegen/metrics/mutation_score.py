@@ -104,7 +104,8 @@ def scored(
 ) -> dict[str, Any]:
     """One tester's score, of M mutated drivers by name; those for which `fails` has no kind are equivalent ones.
 
-    * `killed`: share of the faulty, `false_kills`: of the equivalent; the same with `_apart`: if runs were independent.
+    * `killed`: share of the faulty, `false_kills`: of the equivalent; `killed_apart` and `false_kills_apart`: the same if runs
+      were independent.
     * `named`: share of the killed faulty ones whose kind is named (`names`); `named_by_guess`: had the one kind been named for
       all of them that most fail by.
     * `first_kill`: the fewest of `looks` by which half of the orders have killed a faulty driver; `runs_to_kill`: the same for

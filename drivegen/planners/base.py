@@ -119,7 +119,7 @@ class Examples:
     """What a planner learns from: logged tracks as requests for their own end state, and how they really drove.
 
     Attributes:
-        scenarios: the scenarios that `requests.scenario` counts through.
+        scenarios: the scenarios that `PlanRequests.scenario` counts through.
         requests: PlanRequests of B tracks.
         motion: Trajectories (B, T), with gaps where the log has them.
     """

@@ -11,7 +11,7 @@ What it leaves open, and what each setting here chooses:
   * how it samples: `sampler` ddpm, ddim or dpm_solver (DPM-Solver++ 2M), `sampling_steps`;
   * what is predicted when not noise: `target`;
   * whether 32 counts trajectories or scenarios: `batch_of`;
-  * widths of the CNN, positions, head: see `_paper_net`; optimiser (AdamW, constant rate) and the moving average of weights:
+  * widths of the CNN, positions, head: see `_paper.net`; optimiser (AdamW, constant rate) and the moving average of weights:
     `training`. It says nothing of a moving average, so the default is none.
 States are in the vehicle's frame at step 0. Tokens run from step 1 to the goal's step, so shorter tracks are stretched
 to the same number of tokens. The goal is a condition, not a guarantee; the first frame is the initial state itself.
@@ -56,9 +56,9 @@ class PaperSettings:
     Attributes:
         state: "pose" or "position". tokens: T, states between start and goal, the goal's own step included.
         width, heads, layers: of the transformer. noise_steps: diffusion steps.
-        schedule: "cosine" or "linear". target: "noise" or "clean". sampler: see `_diffusion.SAMPLERS`.
+        schedule: "cosine" or "linear". target: "noise" or "clean". sampler: see `_paper.diffusion.SAMPLERS`.
         sampling_steps: of the noise steps, those that sampling visits. batch_of: "trajectories" or "scenarios".
-        channels: see `render.raster.CHANNELS`. extent: [m] side of the raster. bf16: sample in bfloat16, too.
+        channels: see `roads.raster.CHANNELS`. extent: [m] side of the raster. bf16: sample in bfloat16, too.
         training: see `training.loop.Settings`; 90 epochs are 90 * examples / batch steps.
     """
 

@@ -2,9 +2,9 @@
 
 Where no route fits (a U-turn, a parking place, a drive off the map) there is no frame in which motion is simple. The path
 then begins as a Bezier curve from pose to pose, and a residual of it in the plane is learnt together with that of the
-speed along it (`_bends`): initial state and goal stay exact. The network is told the pieces of lane nearest to the way
-(`_polylines`) through attention (`_poly_net`); the flow is route_fm's (`_flow`). It learns from all logged tracks, those
-with a route included, as if they had none.
+speed along it (`_poly_fm.bends`): initial state and goal stay exact. The network is told the pieces of lane nearest to the
+way (`_poly_fm.polylines`) through attention (`_poly_fm.net`); the flow is route_fm's (`shared.flow`). It learns from all
+logged tracks, those with a route included, as if they had none.
 """
 
 from collections.abc import Sequence

@@ -1,10 +1,11 @@
 """Planner `route_fm`: flow matching of low-rank residuals in the frame of the retrieved route (default).
 
 The paper retrieves a route for every goal and then generates all of the motion by diffusion. Here the route does most of
-the work: a base meets the initial state and the goal exactly (`_profile`, `_motion`), and what is left of a logged track,
-when and how it brakes, accelerates and moves across its lane, is a short vector: principal components of the residuals'
-spline coefficients. A small network learns to draw it (`_flow`), so thousands of trajectories cost a CPU-second, and a
-goal is met by construction, not by hope. Without a route the path is a Bezier curve from pose to pose (`_paths`).
+the work: a base meets the initial state and the goal exactly (`shared.profile`, `shared.motion`), and what is left of a
+logged track, when and how it brakes, accelerates and moves across its lane, is a short vector: principal components of the
+residuals' spline coefficients. A small network learns to draw it (`shared.flow`), so thousands of trajectories cost a
+CPU-second, and a goal is met by construction, not by hope. Without a route the path is a Bezier curve from pose to pose
+(`shared.paths`).
 """
 
 from collections.abc import Sequence

@@ -46,7 +46,7 @@ def over_recordings(count: int) -> str:
 
 
 def _narrow(recordings: int) -> str:
-    """A word of caution on percentile intervals of few recordings; how narrow they are is measured in `metrics.intervals`."""
+    """A word of caution on percentile intervals of few recordings; how narrow they are is measured in `core.intervals`."""
     return ", which are few: they hold less than 95 % (about 90 % with ten)" if recordings < FEW else ""
 
 

@@ -1,8 +1,8 @@
 """A vision-language model ranks each vehicle's goals (paper, section III-B); the learned selector stands in where it doesn't.
 
 It is shown what a person would be: a picture from above with numbered places, a table of them, a few words. Its ranking becomes
-odds by a declared mixture (`_vlm_account.odds`). Nothing that it says is trusted: an answer with unknown or doubled numbers is
-asked for again, and then the learned selector's odds count; both are told in the account.
+odds by a declared mixture (`questions.account.odds`). Nothing that it says is trusted: an answer with unknown or doubled numbers
+is asked for again, and then the learned selector's odds count; both are told in the account.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The vehicle asset table as one Parquet file; its columns are those of `assets.table.Table.to_arrow`."""
+"""The vehicle asset table as one Parquet file; its columns are those of `placement.table.Table.to_arrow`."""
 
 from pathlib import Path
 

@@ -21,7 +21,7 @@ class Node:
 
     Attributes:
         x, y: position [m]. type: SUMO's word, e.g. "priority", "traffic_light", "allway_stop".
-        shape: outline given by hand; edges then keep their full length up to it. See `POINT_SHAPE`.
+        shape: outline given by hand; edges then keep their full length up to it. See `point_shape`.
         radius: of the corners [m], None for netconvert's own choice. z: height [m], of bridges.
     """
 

@@ -1,7 +1,7 @@
 """What BITS's networks see of a vehicle: a raster of the lanes and of the boxes around it, heading up.
 
 The lanes of a scene are painted once; a vehicle's raster is cut out of that and the boxes are drawn into it. That is a
-hundred times cheaper than drawing polygons for each vehicle of each sample at each replanning (`render.raster`).
+hundred times cheaper than drawing polygons for each vehicle of each sample at each replanning (`roads.raster`).
 """
 
 from collections.abc import Sequence

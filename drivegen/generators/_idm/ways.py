@@ -32,7 +32,7 @@ class Ways:
         start: (N + 1,) first way of each vehicle, and W; each has one at least.
         point: (W, P, 2) float32 [m], the vehicle's own offset faded out. limit: (W, P) float32 [m/s], NaN unknown.
         lane: (W, P) int32 lane under each point, -1 where there is none.
-        parked: (N,) bool vehicles that never move, by `lanes.parked`.
+        parked: (N,) bool vehicles that never move, by `roads.parked`.
     """
 
     start: NDArray[np.intp]

@@ -131,7 +131,7 @@ class Learned(ABC):
         return {}
 
     def placements(self, logs: Sequence[Scenario], seed: int) -> dict[str, Placement]:
-        """Its ways to place vehicles, a bound's among them, by their titles in tables; none unless `about.places`.
+        """Its ways to place vehicles, a bound's among them, by their titles in tables; none unless `Method.places`.
 
         `logs` of the train split may be drawn from.
         """

@@ -47,7 +47,7 @@ class Scenes:
         frame: (S, 3) float32 the target's x, y [m] and heading [rad] at step 0 in the map's frame.
         position: (S, A, 2) [m]. heading: (S, A) [rad]. speed: (S, A) [m/s]. agent: (S, A, AGENT_FEATURES).
         present: (S, A) bool which vehicles there are, in the scenario's order.
-        points: (S, M, POINTS, 2) [m] pieces of centrelines. piece: (S, M, FEATURES), see `_pieces`. drawn: (S, M) bool.
+        points: (S, M, POINTS, 2) [m] pieces of centrelines. piece: (S, M, FEATURES), see `pieces.Pieces`. drawn: (S, M) bool.
         actor_position: (S, C, 2) [m]. actor_velocity: (S, C, 2) [m/s]. actor: (S, C, 2 + kinds) length and width [5 m],
             kind. seen: (S, C) bool.
         future: (S, A, T, 2) [m] logged positions at steps 1..T. future_heading: (S, A, T) [rad].

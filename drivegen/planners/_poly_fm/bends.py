@@ -2,7 +2,7 @@
 
 With L the length of the Bezier curve and u the part of it, a path is B(u) + R(h0) r(u) reach(L): r is a spline in the
 frame of the start whose value and slope vanish at both ends, so every path has the poses asked for. Speed along the path
-is the same base and residual as along a route (`_motion`), so goals are exact and nobody drives backward.
+is the same base and residual as along a route (`shared.motion`), so goals are exact and nobody drives backward.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from drivegen.planners.shared.paths import Doubles, Frames, bezier_paths, laid, 
 from drivegen.planners.shared.profile import base_speed
 
 SIDEWAYS = 20.0
-"""Full size [m] of the path's residual, see `_motion.reach`."""
+"""Full size [m] of the path's residual, see `shared.motion.reach`."""
 
 FARTHEST = 40.0
 """A log that strays farther from its Bezier curve is none to learn from [m]."""
@@ -100,7 +100,7 @@ def _rest(
     duration: Doubles,
     position: Doubles,
     scored: NDArray[np.bool_],
-) -> tuple[Doubles, Doubles]:  # pragma: no cover - compiled
+) -> tuple[Doubles, Doubles]:
     """(B, T, 6) per seen frame: part of the time, of the way, rest along, rest in x and y, weight; and ways gone (B,)."""
     out, gone = np.zeros((*scored.shape, 6)), np.zeros(len(length))
     for b in range(len(length)):
@@ -136,7 +136,7 @@ def _rest(
 @njit(cache=True)
 def _bent(
     path: Doubles, length: Doubles, start: Doubles, bend_x: NDArray[np.float32], bend_y: NDArray[np.float32]
-) -> tuple[Doubles, Doubles]:  # pragma: no cover - compiled
+) -> tuple[Doubles, Doubles]:
     """Paths (B, ROUTE_POINTS, 2), points 1 m apart, straight on behind the goal; lengths (B,) up to the goal."""
     paths, lengths = np.empty((len(length), ROUTE_POINTS, 2)), np.empty(len(length))
     count = (GRID - 1) * PARTS

@@ -65,7 +65,7 @@ def _pieces(map_: RoadMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 @njit(cache=True)
 def _numbers(
     line: NDArray[np.float64], about: NDArray[np.float64], start: NDArray[np.float64], goal: NDArray[np.float64]
-) -> NDArray[np.float32]:  # pragma: no cover - compiled
+) -> NDArray[np.float32]:
     """(B, MOST, PIECE) for requests from `start` (B, 3) to `goal` (B, 3), poses."""
     out = np.zeros((len(start), MOST, PIECE), np.float32)
     for b in range(len(start)):

@@ -65,7 +65,7 @@ def _nearness(distance: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 @njit(cache=True)
-def _curvature(table: Doubles, row: NDArray[np.int64], start: Doubles, distance: Doubles) -> Doubles:  # pragma: no cover
+def _curvature(table: Doubles, row: NDArray[np.int64], start: Doubles, distance: Doubles) -> Doubles:
     """(B, STATIONS) [1/m]."""
     out = np.empty((len(row), STATIONS))
     for b in range(len(row)):

@@ -1,4 +1,4 @@
-"""From motion to numbers: the residuals of logged tracks about the base of `_motion`, as spline coefficients."""
+"""From motion to numbers: the residuals of logged tracks about the base of `motion`, as spline coefficients."""
 
 from dataclasses import dataclass
 
@@ -79,7 +79,7 @@ def _rest(
     ends: Doubles,
     position: Doubles,
     scored: NDArray[np.bool_],
-) -> Doubles:  # pragma: no cover - compiled
+) -> Doubles:
     """(B, T, 6) per seen frame: part of the time, of the distance, rest along, across, weight across, offset; else 0."""
     out = np.zeros((*scored.shape, 6))
     for b in range(len(row)):

@@ -1,8 +1,8 @@
 """From numbers to motion: a trajectory in its path's frame is a base that meets both ends, plus two residuals.
 
-Along the path, speed is `_profile.base_speed` plus the slope of a spline over time; across it, the offset is a function
+Along the path, speed is `profile.base_speed` plus the slope of a spline over time; across it, the offset is a function
 of the distance gone, not of time, so a vehicle that stands neither slides sideways nor turns. `decode` turns residuals into
-x, y, heading and velocity that start and end as asked; `_fitting` finds those of logs.
+x, y, heading and velocity that start and end as asked; `fitting` finds those of logs.
 """
 
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ def lateral_ends(frames: Frames) -> Doubles:
 
 
 @njit(cache=True)
-def base_offset(gone: float, distance: float, ends: Doubles) -> tuple[float, float]:  # pragma: no cover - compiled
+def base_offset(gone: float, distance: float, ends: Doubles) -> tuple[float, float]:
     """Lateral base d [m] and dd/ds after `gone` of `distance` [m]: smoothstep plus the heading errors' decay."""
     d0, d1, slope0, slope1 = ends
     part, left = gone / distance, distance - gone
@@ -96,9 +96,7 @@ def decode(frames: Frames, requests: PlanRequests, residuals: Residuals, steps: 
 
 
 @njit(cache=True)
-def _paced(
-    distance: float, duration: float, speed: Doubles, pace: NDArray[np.float32], v: Doubles, gone: Doubles
-) -> None:  # pragma: no cover - compiled
+def _paced(distance: float, duration: float, speed: Doubles, pace: NDArray[np.float32], v: Doubles, gone: Doubles) -> None:
     """Fill speeds `v` and distances `gone` (steps + 1,) from base and residual: never backward, `distance` in the end.
 
     Where base plus residual would drive backward the vehicle stands, and what this adds to the distance is taken off the
@@ -147,7 +145,7 @@ def _decoded(
     offset: NDArray[np.float32],
     slope: NDArray[np.float32],
     steps: int,
-) -> Doubles:  # pragma: no cover - compiled
+) -> Doubles:
     """x, y, heading, speed (B, steps, 4)."""
     state = np.empty((len(row), steps, 4))
     for b in range(len(row)):
@@ -181,7 +179,7 @@ def _decoded(
 
 
 @njit(cache=True)
-def _pin_ends(state: Doubles, part: Doubles, poses: Doubles, last: int) -> None:  # pragma: no cover - compiled
+def _pin_ends(state: Doubles, part: Doubles, poses: Doubles, last: int) -> None:
     """Spread what is left between the curve's ends and the poses asked for over the way, so that both are exact."""
     gap = np.zeros((2, 3))
     for end in range(2):

@@ -94,7 +94,7 @@ def _goal_window(requests: PlanRequests, bezier_length: Doubles) -> Doubles:
 
 
 @njit(cache=True)
-def _smoothed(lines: NDArray[np.float32]) -> Doubles:  # pragma: no cover - compiled
+def _smoothed(lines: NDArray[np.float32]) -> Doubles:
     """Binomially filtered lines (R, P, 2), continued straight at both ends so that these stay where they are."""
     count = lines.shape[1]
     smooth, padded = np.empty(lines.shape), np.empty(count + 4)
@@ -111,16 +111,14 @@ def _smoothed(lines: NDArray[np.float32]) -> Doubles:  # pragma: no cover - comp
 
 
 @njit(cache=True)
-def _continue(line: Doubles) -> None:  # pragma: no cover - compiled
+def _continue(line: Doubles) -> None:
     """Continue numbers (P + 4,) straight on by two at either end."""
     line[0], line[1] = 3 * line[2] - 2 * line[3], 2 * line[2] - line[3]
     line[-2], line[-1] = 2 * line[-3] - line[-4], 3 * line[-3] - 2 * line[-4]
 
 
 @njit(cache=True)
-def laid(
-    path: Doubles, filled: int, gone: float, px: float, py: float, x: float, y: float
-) -> tuple[int, float]:  # pragma: no cover - compiled
+def laid(path: Doubles, filled: int, gone: float, px: float, py: float, x: float, y: float) -> tuple[int, float]:
     """Lay the points of `path` (P, 2), 1 m apart along a finer line, that lie on its stretch from (px, py) to (x, y).
 
     `filled` points are there before the stretch, which begins `gone` metres along the line; returns both for after it.
@@ -134,7 +132,7 @@ def laid(
 
 
 @njit(cache=True)
-def bezier_paths(start: Doubles, goal: Doubles) -> tuple[Doubles, Doubles]:  # pragma: no cover - compiled
+def bezier_paths(start: Doubles, goal: Doubles) -> tuple[Doubles, Doubles]:
     """Paths (B, P, 2) from pose to pose (B, 3) and their lengths; pulled wider the more they turn, straight on behind."""
     paths, length = np.empty((len(start), ROUTE_POINTS, 2)), np.empty(len(start))
     for b in range(len(start)):
@@ -159,7 +157,7 @@ def bezier_paths(start: Doubles, goal: Doubles) -> tuple[Doubles, Doubles]:  # p
 
 
 @njit(cache=True)
-def point_on(line: Doubles, s: float) -> tuple[float, float, float, float, float]:  # pragma: no cover - compiled
+def point_on(line: Doubles, s: float) -> tuple[float, float, float, float, float]:
     """x, y, unit tangent, curvature of the path `line` (P, 2) at distance s [m], held inside the line."""
     last = len(line) - 1
     s = min(max(s, 0.0), last - 1e-6)
@@ -180,7 +178,7 @@ def point_on(line: Doubles, s: float) -> tuple[float, float, float, float, float
 
 
 @njit(cache=True)
-def locate(line: Doubles, x: float, y: float, low: float, high: float) -> tuple[float, float]:  # pragma: no cover - compiled
+def locate(line: Doubles, x: float, y: float, low: float, high: float) -> tuple[float, float]:
     """s and d [m] of the point (x, y), searched for between s = low and s = high."""
     first, last = max(int(low), 0), min(int(high) + 1, len(line) - 1)
     best, squared = first, np.inf
@@ -199,9 +197,7 @@ def locate(line: Doubles, x: float, y: float, low: float, high: float) -> tuple[
 
 
 @njit(cache=True)
-def _ends(
-    table: Doubles, row: NDArray[np.int64], start: Doubles, goal: Doubles, window: Doubles
-) -> Doubles:  # pragma: no cover - compiled
+def _ends(table: Doubles, row: NDArray[np.int64], start: Doubles, goal: Doubles, window: Doubles) -> Doubles:
     """(B, 2, 4): s, d, heading and curvature of the path, at the start and at the goal of each request."""
     out = np.empty((len(row), 2, 4))
     for b in range(len(row)):

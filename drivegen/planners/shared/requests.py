@@ -232,9 +232,7 @@ def _boxes(scenario: Scenario) -> tuple[NDArray[np.float32], NDArray[np.float32]
 
 
 @njit(cache=True)
-def _leader(
-    state: NDArray[np.float32], size: NDArray[np.float32], me: int, line: NDArray[np.float32]
-) -> tuple[float, float]:  # pragma: no cover - compiled
+def _leader(state: NDArray[np.float32], size: NDArray[np.float32], me: int, line: NDArray[np.float32]) -> tuple[float, float]:
     """Gap [m] and speed [m/s] along the route of the nearest box ahead on it; (inf, 0) if there is none."""
     best, speed = np.inf, 0.0
     for other in range(len(state)):
