@@ -88,8 +88,7 @@ class Plugin:
             order = np.flatnonzero(arena.allows(scene, vehicle, motion))
             rows = arena.first_allowed(scene, vehicle, motion, order, most)
             outcome = arena.drive(Variants.one_each(scene[rows], vehicle[rows], motion[rows]), odds[rows])
-            for name in ("position", "heading", "velocity", "valid"):
-                getattr(driven, name)[scene[rows]] = getattr(outcome.motion, name)
+            driven.put(scene[rows], outcome.motion)
 
     def _denoised(
         self, arena: Arena, scene: NDArray[np.int64], vehicle: NDArray[np.int64], driven: Trajectories, turn: int

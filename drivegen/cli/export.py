@@ -4,10 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from typer import Argument, Option
 
@@ -125,11 +124,6 @@ def _collided(scenario: Scenario, traffic: Trajectories, own: Samples, k: int) -
 
 def _with_target(motion: Trajectories, target: Trajectories) -> Trajectories:
     """`motion` (N, T) with the target moving as `target` (T,) does."""
-
-    def put(all_of: NDArray[Any], one: NDArray[Any]) -> NDArray[Any]:
-        changed = all_of.copy()
-        changed[TARGET] = one
-        return changed
-
-    names = ("position", "heading", "velocity", "valid")
-    return Trajectories(*(put(getattr(motion, name), getattr(target, name)) for name in names))
+    changed = motion.copy()
+    changed.put(TARGET, target)
+    return changed

@@ -73,6 +73,15 @@ class Trajectories:
         """Index the leading dimensions (never time), as in `samples[k]` or `log[keep]`."""
         return Trajectories(self.position[index], self.heading[index], self.velocity[index], self.valid[index])
 
+    def put(self, index: Any, motion: "Trajectories") -> None:
+        """Overwrite what `index` chooses of the leading dimensions, in place."""
+        for f in fields(self):
+            getattr(self, f.name)[index] = getattr(motion, f.name)
+
+    def copy(self) -> "Trajectories":
+        """The same in arrays of its own."""
+        return Trajectories(*(getattr(self, f.name).copy() for f in fields(self)))
+
     def until(self, steps: int) -> "Trajectories":
         """The first `steps` steps."""
         return self.between(0, steps)

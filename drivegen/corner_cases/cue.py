@@ -59,7 +59,7 @@ def _views(cases: Reenactment) -> tuple[Reals, Reals, Reals, NDArray[np.bool_]]:
     """
     count, steps = cases.driven.valid.shape
     rows, step = (torch.from_numpy(index.ravel()) for index in np.indices((count, steps)))
-    ego, paths = cases.ego(rows, step), cases.scenes.paths.of(rows)
+    ego, paths = cases.ego(rows, step), cases.scenes.paths[rows]
     place = torch.arange(-BEFORE, AHEAD, PATH_SPACING)
     points = paths.position(ego.along[:, None] + place).numpy()
     other, half = cases.other, 0.5 * cases.other_size[:, None]

@@ -98,8 +98,8 @@ class Reenactment:
         position, heading = torch.from_numpy(self.driven.position), torch.from_numpy(self.driven.heading)
         moved = (position[:, 1:] - position[:, :-1]).norm(dim=-1)
         along = torch.nn.functional.pad(moved.cumsum(1), (1, 0))[case, step]
-        start = Ego.at_start(torch.from_numpy(self.driven.speed)[case, step], self.scenes.paths.of(case))
-        return placed(replace(start, along=along), position[case, step], heading[case, step], self.scenes.paths.of(case))
+        start = Ego.at_start(torch.from_numpy(self.driven.speed)[case, step], self.scenes.paths[case])
+        return placed(replace(start, along=along), position[case, step], heading[case, step], self.scenes.paths[case])
 
     def avoids(
         self,
@@ -200,9 +200,4 @@ def _with_people_going_on(scenario: Scenario, steps: int) -> Scenario:
 
 def _stacked(motions: Sequence[Trajectories], steps: int) -> Trajectories:
     """Motions (T_i,) as one (C, T), standing where they end."""
-    packed = Trajectories.empty(len(motions), steps)
-    for c, motion in enumerate(motions):
-        ended = motion.standing_after_end()
-        for name in ("position", "heading", "velocity", "valid"):
-            getattr(packed, name)[c, : motion.steps] = getattr(ended, name)
-    return packed
+    return Trajectories.joined([motion.standing_after_end().padded(steps)[np.newaxis] for motion in motions])

@@ -7,7 +7,7 @@ planned. Nothing is trained.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -105,7 +105,7 @@ def _drive(choices: Sequence[Choices], traffic: Sequence[Samples], driver: Drive
     scenarios = [choice.scenario for choice in choices for _ in range(samples)]
     outcome = simulator.run(driver, scenarios, [futures.motion[k] for futures in traffic for k in range(samples)])
     return [
-        Drive(futures, outcome.motion[rows].until(choice.scenario.steps), _rows(outcome, rows))
+        Drive(futures, outcome.motion[rows].until(choice.scenario.steps), outcome[rows])
         for choice, futures, rows in zip(choices, traffic, _blocks(len(choices), samples), strict=True)
     ]
 
@@ -119,8 +119,8 @@ def _to_the_end(drive: Drive) -> Trajectories:
 def _with_planned_target(around: Samples, planned: Samples) -> Samples:
     """Traffic around the rehearsed target, with the target's own plan: it gives the path that the driver follows."""
     rows: dict[str, Any] = {name: _target_from(getattr(planned, name), getattr(around, name)) for name in _OF_VEHICLES}
-    arrays = (f.name for f in fields(Trajectories))
-    motion = Trajectories(*(_target_from(getattr(planned.motion, name), getattr(around.motion, name)) for name in arrays))
+    motion = around.motion.copy()
+    motion.put((slice(None), TARGET), planned.motion[:, TARGET])
     return replace(around, motion=motion, **rows)
 
 
@@ -153,7 +153,3 @@ def encounters_of(drive: Drive, choice: Choices) -> Encounters:
 
 def _blocks(count: int, size: int) -> list[NDArray[np.intp]]:
     return list(np.arange(count * size).reshape(count, size))
-
-
-def _rows(outcome: DrivingOutcome, rows: NDArray[np.intp]) -> DrivingOutcome:
-    return DrivingOutcome(*(getattr(outcome, f.name)[rows] for f in fields(DrivingOutcome)))

@@ -113,7 +113,7 @@ class Trials:
     def run_each(self, drivers: Sequence[Driver], variants: Variants) -> list[DrivingOutcome]:
         """As `run` for each of several drivers; variants are made once for all."""
         if not len(variants):
-            return [_nothing(self.steps)] * len(drivers)
+            return [DrivingOutcome.none(self.steps)] * len(drivers)
         self._look_out(drivers)
         parts = [self._chunk(drivers, variants.between(low, low + CHUNK)) for low in range(0, len(variants), CHUNK)]
         return [DrivingOutcome.joined(column) for column in zip(*parts, strict=True)]
@@ -130,11 +130,3 @@ class Trials:
         lookout = seen.exchanged(scenes, chosen, some.row, some.vehicle) if seen else None
         scenarios = [self.scenarios[s] for s in some.scene.tolist()]
         return [self._simulator.drive(driver, scenes, scenarios, self.steps, some.attacker, lookout) for driver in drivers]
-
-
-def _nothing(steps: int) -> DrivingOutcome:
-    whole, real, yes = np.zeros(0, np.int32), np.zeros(0, np.float32), np.zeros(0, np.bool_)
-    return DrivingOutcome(
-        whole.astype(np.uint8), whole.astype(np.int16), whole, yes, Trajectories.empty(0, steps), whole.astype(np.uint8),
-        yes, real, real, real, real, real, real,
-    )  # fmt: skip

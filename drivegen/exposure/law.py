@@ -83,8 +83,6 @@ class NaturalLaw:
     def scenes(self, rows: NDArray[np.int64]) -> Trajectories:
         """Everybody's motion (K, N, T) by goals (K, M)."""
         whole = Trajectories.empty(len(rows), *self.traffic.valid.shape)
-        for name in ("position", "heading", "velocity", "valid"):
-            array = getattr(whole, name)
-            array[:, TARGET] = getattr(self.traffic, name)[TARGET]
-            array[:, self.vehicle] = getattr(self.motion, name)[rows]
+        whole.put((slice(None), TARGET), self.traffic[TARGET])
+        whole.put((slice(None), self.vehicle), self.motion[rows])
         return whole

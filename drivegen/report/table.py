@@ -106,12 +106,12 @@ def estimate(line: Mapping[str, Any] | None, digits: int = 3, names: tuple[str, 
     value, low, high = (line[name] for name in names) if line is not None else (None,) * 3
     if value is None:
         return Cell("")
-    return Cell(f"{value:.{digits}f}", f"{low:.{digits}f} to {high:.{digits}f}" if _says_something(low, high) else "")
+    return Cell(f"{value:.{digits}f}", _interval(low, high, digits, " to "))
 
 
-def _says_something(low: float | None, high: float | None) -> bool:
-    """Whether there is an interval: where no recording differed from the others both ends are the value (`Interval`)."""
-    return low is not None and high is not None and low < high
+def _interval(low: float | None, high: float | None, digits: int, between: str) -> str:
+    """Both ends, "" where there are none; both are the value where no recording differs from the others (`core.intervals`)."""
+    return "" if low is None or high is None or low == high else f"{low:.{digits}f}{between}{high:.{digits}f}"
 
 
 def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:
@@ -120,7 +120,4 @@ def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:
     if value is None or not isfinite(value):
         return Cell(NOT_MEASURED)
     text = f"{value:.{digits}f}" if abs(value) >= 10**-digits or value == 0 else f"{value:.2g}"
-    if not _says_something(low, high):
-        return Cell(text)
-    between = " to " if low < 0 else "\u2013"
-    return Cell(text, f"{low:.{digits}f}{between}{high:.{digits}f}")
+    return Cell(text, _interval(low, high, digits, " to " if low is not None and low < 0 else "\u2013"))

@@ -23,6 +23,7 @@ from drivegen.core import seeds
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.goals.joint import tempos
+from drivegen.rollout.scene import badness_of
 
 CHECKER, TEMPO = "checker", "tempo"
 VARIANTS: tuple[tuple[str, ...], ...] = ((), (TEMPO,), (CHECKER,), (CHECKER, TEMPO))
@@ -76,8 +77,6 @@ def _legal(checker: SceneChecker, motion: Trajectories, rank: NDArray[np.intp], 
                 break
         else:
             violation, first = checker.check(n, motion[order, n], committed, checker.size)
-            rules = np.array([int(v).bit_count() for v in violation])
-            chosen[n] = order[(rules - first / motion.steps).argmin()]
-        for name in ("position", "heading", "velocity", "valid"):
-            getattr(committed, name)[n] = getattr(motion, name)[chosen[n], n]
+            chosen[n] = order[badness_of(violation, first, motion.steps).argmin()]
+        committed.put(n, motion[chosen[n], n])
     return chosen

@@ -114,7 +114,7 @@ class Rollout:
         self.attempts = np.zeros((samples, count), np.int64)
         self.evictions = np.zeros((samples, count), np.int64)
         if target is not None:
-            _put(self.motion, (slice(None), TARGET), target)
+            self.motion.put((slice(None), TARGET), target)
             self.pending[:, TARGET] = False
             self.evictions[:, TARGET] = settings.evictions
         self.target_steps = steps_to_avoid_target(scenario, settings.target_steps)
@@ -205,11 +205,11 @@ class Rollout:
         if first_legal is not None:
             self._settle(k, n, int(candidate[first_legal]), motion[first_legal])
             return
-        badness = _badness(violation, first, motion.steps)
+        badness = badness_of(violation, first, motion.steps)
         chosen = int(badness.argmin())
         if badness[chosen] < self.badness[k, n]:
             self.badness[k, n], self.goal[k, n] = badness[chosen], candidate[chosen]
-            _put(self.spare, (k, n), motion[chosen])
+            self.spare.put((k, n), motion[chosen])
 
     def _turn_down(self, k: int, judged: int, n: int, violation: int, position: NDArray[np.float32]) -> None:
         """Remember a trajectory (T, 2) of vehicle n in sample k that fell when vehicle `judged` was judged."""
@@ -238,7 +238,7 @@ class Rollout:
 
     def _settle(self, k: int, n: int, candidate: int, motion: Trajectories) -> None:
         self.pending[k, n], self.goal[k, n] = False, candidate
-        _put(self.motion, (k, n), motion)
+        self.motion.put((k, n), motion)
 
     def _evict(self, k: int, n: int, motion: Trajectories) -> bool:
         """Make way for a trajectory that only collides: whether all in its way could be sent to the next round."""
@@ -251,7 +251,7 @@ class Rollout:
         self.pending[k, others] = True
         for other in others.tolist():
             self._turn_down(k, n, other, Violation.COLLISION, self.motion.position[k, other])
-            _put(self.spare, (k, other), self.motion[k, other])
+            self.spare.put((k, other), self.motion[k, other])
             self.badness[k, other] = 1.0  # it was legal: nothing illegal is as good
         self.motion.valid[k, others] = False
         return True
@@ -264,7 +264,7 @@ class Rollout:
         left = self.pending
         if not self.settings.drop_illegal:
             for k, n in np.argwhere(left):
-                _put(self.motion, (k, n), self.spare[k, n])
+                self.motion.put((k, n), self.spare[k, n])
         violation, first = self.checker.check_samples(self.motion, self.settings.target_steps is not None)
         natural, used = (self._probability(p) for p in (self.choice.natural, self.choice.used))
         return Samples(
@@ -296,12 +296,7 @@ def steps_to_avoid_target(scenario: Scenario, limit: int | None) -> NDArray[np.i
     return np.where((ahead <= 0) & alike, scenario.steps, limit)
 
 
-def _badness(violation: NDArray[np.uint16], first: NDArray[np.int16], steps: int) -> NDArray[np.float64]:
+def badness_of(violation: NDArray[np.uint16], first: NDArray[np.int16], steps: int) -> NDArray[np.float64]:
     """Fewer broken rules are better; among equals, the later the first one breaks the better."""
     rules = np.array([int(v).bit_count() for v in violation], np.float64)
     return rules + 1.0 - first / steps
-
-
-def _put(into: Trajectories, index: tuple[int | slice, int], motion: Trajectories) -> None:
-    into.position[index], into.heading[index] = motion.position, motion.heading
-    into.velocity[index], into.valid[index] = motion.velocity, motion.valid

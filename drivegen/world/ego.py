@@ -42,7 +42,7 @@ class Ego:
         zero = torch.zeros_like(speed)
         return _posed(zero, zero, zero, speed, paths)
 
-    def of(self, chosen: Tensor) -> "Ego":
+    def __getitem__(self, chosen: Tensor) -> "Ego":
         """The targets `chosen` (R,), copied."""
         return Ego(*(getattr(self, field.name)[chosen] for field in fields(self)))
 

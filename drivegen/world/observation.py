@@ -27,9 +27,9 @@ class Paths:
     speed_limit: Tensor
     length: Tensor
 
-    def of(self, chosen: Tensor) -> "Paths":
+    def __getitem__(self, chosen: Tensor) -> "Paths":
         """The paths `chosen` (R,), copied."""
-        return Paths(self.point[chosen], self.heading[chosen], self.speed_limit[chosen], self.length[chosen])
+        return Paths(*(getattr(self, field.name)[chosen] for field in fields(self)))
 
     def put(self, rows: Tensor, paths: "Paths") -> None:
         """Overwrite `rows` by those of `paths`."""

@@ -78,6 +78,30 @@ class DrivingOutcome:
     red_run: NDArray[np.float32]
     off_road: NDArray[np.float32]
 
+    def __getitem__(self, index: Any) -> "DrivingOutcome":
+        """The outcomes that `index` chooses."""
+        return DrivingOutcome(*(getattr(self, f.name)[index] for f in fields(self)))
+
+    @classmethod
+    def none(cls, steps: int) -> "DrivingOutcome":
+        """Of no target, over `steps` steps."""
+        number = np.zeros(0, np.float32)
+        return cls(
+            kind=np.zeros(0, np.uint8),
+            step=np.zeros(0, np.int16),
+            partner=np.zeros(0, np.int32),
+            left_map=np.zeros(0, np.bool_),
+            motion=Trajectories.empty(0, steps),
+            contact=np.zeros(0, np.uint8),
+            at_fault=np.zeros(0, np.bool_),
+            impact_speed=number,
+            imposed_braking=number,
+            imposed_loss=number,
+            red_lights=number,
+            red_run=number,
+            off_road=number,
+        )
+
     @classmethod
     def joined(cls, parts: "Sequence[DrivingOutcome]") -> "DrivingOutcome":
         """The outcomes of several runs of equally many steps, one after the other."""

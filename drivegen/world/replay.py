@@ -53,7 +53,7 @@ class Replay:
     target_speed: NDArray[np.float32]
     target_along: NDArray[np.float32]
 
-    def of(self, chosen: NDArray[np.intp]) -> "Replay":
+    def __getitem__(self, chosen: NDArray[np.intp]) -> "Replay":
         """Scenarios `chosen` (R,), copied."""
         return Replay(*(getattr(self, field.name)[chosen] for field in fields(self)))
 

@@ -75,11 +75,11 @@ class Scenes:
         self, chosen: NDArray[np.intp], row: NDArray[np.integer], vehicle: NDArray[np.integer], motion: Trajectories
     ) -> "Scenes":
         """Scenes `chosen` (R,), copied, in which `vehicle` (E,) of copy `row` (E,) moves as `motion` (E, T)."""
-        others, device = self.replay.of(chosen), self.steps.device
+        others, device = self.replay[chosen], self.steps.device
         used = np.unique(chosen[row])
         line = {s: self.paths.point[s, : int(self.paths.length[s] / PATH_SPACING) + 1].cpu().numpy() for s in used.tolist()}
         others.exchange(row, vehicle, motion, [line[s] for s in chosen[row].tolist()])
-        return self.packed(others, self.paths.of(torch.from_numpy(chosen).to(device)), device)
+        return self.packed(others, self.paths[torch.from_numpy(chosen).to(device)], device)
 
     def __len__(self) -> int:
         return len(self.steps)

@@ -39,19 +39,19 @@ class World:
 
     def reset(self, scene: Tensor, rows: Tensor | None = None) -> None:
         """Begin `scene` in every row, or in `rows` alone."""
-        ego = self._begin.of(scene)
+        ego = self._begin[scene]
         if rows is None:
             self.resume(scene, torch.zeros_like(scene), ego)
             return
         self.scene[rows], self.step[rows], self.size[rows] = scene, 0, self.scenes.size[scene]
-        self.paths.put(rows, self.scenes.paths.of(scene))
+        self.paths.put(rows, self.scenes.paths[scene])
         self.ego.put(rows, ego)
         self._reset_others(rows)
 
     def resume(self, scene: Tensor, step: Tensor, ego: Ego) -> None:
         """Go on in `scene` (R,) from `step` (R,) with `ego` as the targets; everybody else is where the scene has them then."""
         self.scene, self.step, self.ego = scene.clone(), step.clone(), ego
-        self.size, self.paths = self.scenes.size[scene], self.scenes.paths.of(scene)
+        self.size, self.paths = self.scenes.size[scene], self.scenes.paths[scene]
         self._reset_others(None)
 
     def _reset_others(self, rows: Tensor | None) -> None:

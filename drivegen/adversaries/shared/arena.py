@@ -213,8 +213,7 @@ def share_out(of: NDArray[np.int64], room: NDArray[np.integer]) -> NDArray[np.in
 def everywhere(motion: Trajectories, scenes: NDArray[np.int64], count: int) -> Trajectories:
     """Motion (V, T) of `scenes` (V,) as that of all `count` scenes; nothing of those that were not driven."""
     whole = Trajectories.empty(count, motion.steps)
-    for name in ("position", "heading", "velocity", "valid"):
-        getattr(whole, name)[scenes] = getattr(motion, name)
+    whole.put(scenes, motion)
     return whole
 
 

@@ -53,17 +53,15 @@ class Judge:
         """(V,) flags of everybody but the target in whole variants (N, T), none of whom has duties towards the target."""
         if not variants:
             return np.zeros(0, np.uint16)
-        arrays = ("position", "heading", "velocity", "valid")
-        stacked = Trajectories(*(np.stack([getattr(motion, name) for motion in variants]) for name in arrays))
+        stacked = Trajectories.joined([motion[np.newaxis] for motion in variants])
         violation, _ = self.checker.check_samples(stacked, ignore_target=True)
         return np.asarray(np.bitwise_or.reduce(violation[:, TARGET + 1 :], axis=1), np.uint16)
 
     def exchanged(self, vehicle: NDArray[np.integer], motion: Trajectories) -> Trajectories:
         """The traffic (N, T) with other tracks (E, T) of the vehicles (E,)."""
-        arrays = {name: getattr(self.traffic, name).copy() for name in ("position", "heading", "velocity", "valid")}
-        for name, array in arrays.items():
-            array[vehicle] = getattr(motion.until(self.traffic.steps), name)
-        return Trajectories(**arrays)
+        changed = self.traffic.copy()
+        changed.put(vehicle, motion.until(changed.steps))
+        return changed
 
     def _others(self, vehicle: int) -> Trajectories:
         valid = self.traffic.valid.copy()

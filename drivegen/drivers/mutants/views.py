@@ -29,7 +29,7 @@ def of_rows(seen: Observation, index: Tensor) -> Observation:
     """The targets `index` (R,) in their order."""
     rules = seen.rules and Rules(*_taken(seen.rules, index))
     own = [name for name in _names(seen) if name not in ("paths", "rules")]
-    return replace(seen, paths=seen.paths.of(index), rules=rules, **{name: getattr(seen, name)[index] for name in own})
+    return replace(seen, paths=seen.paths[index], rules=rules, **{name: getattr(seen, name)[index] for name in own})
 
 
 def mirrored(seen: Observation) -> Observation:
