@@ -16,13 +16,6 @@ from flows import pipeline, workspace
 from tests.flows import toy
 
 
-@pytest.fixture
-def root(tmp_path, monkeypatch) -> Path:
-    """A pipeline of which nothing has run."""
-    monkeypatch.chdir(toy.build(tmp_path))
-    return tmp_path
-
-
 @pytest.fixture(scope="module")
 def built(tmp_path_factory) -> Path:
     folder = toy.build(tmp_path_factory.mktemp("built"))
