@@ -4,12 +4,12 @@ Which drivers is said in stages/params.yaml, section `gate`. The stage is one of
 that has not changed.
 """
 
-from prefect import State, flow, get_run_logger, task
+from prefect import State, flow, get_run_logger
 from prefect.artifacts import create_table_artifact
-from prefect.cache_policies import NO_CACHE
 from prefect.states import Completed, Failed
 
 from flows import pipeline
+from flows.bring_up import bring_up
 
 STAGE = f"{pipeline.MEASURES}:gate"
 WORSE = "worse"
@@ -22,17 +22,11 @@ def gate() -> State:
     plan = pipeline.read(measures=True)
     if STAGE not in plan.needs:
         raise pipeline.StageFailed(f"{pipeline.MEASURES} has no stage gate")
-    for stage in [*plan.upstream(STAGE), STAGE]:
+    for stage in plan.up_to(STAGE):
         if stage in plan.stale:
-            run_stage.with_options(task_run_name=stage)(stage)
+            bring_up(stage)
     record = pipeline.metrics(STAGE)
     create_table_artifact([record["collisions"]], key="gate", description=record["sentence"])
     get_run_logger().info(record["sentence"])
     state = Failed if record["finding"] == WORSE else Completed
     return state(message=record["sentence"])
-
-
-@task(cache_policy=NO_CACHE)
-def run_stage(stage: str) -> None:
-    """The gate, or a stage that it needs."""
-    pipeline.reproduce(stage, get_run_logger().info)

@@ -4,11 +4,11 @@ The rounds are stages of dvc.yaml (`corner@0`, `corner@1`, ...), each built on w
 are cached like any stage; only whether to go on is decided here.
 """
 
-from prefect import flow, get_run_logger, task
+from prefect import flow, get_run_logger
 from prefect.artifacts import create_table_artifact
-from prefect.cache_policies import NO_CACHE
 
 from flows import pipeline
+from flows.bring_up import bring_up
 
 ROUNDS = "corner@"
 GAIN = "collision"
@@ -25,9 +25,9 @@ def iterate(min_gain: float = 0.0) -> list[float]:
     rates: list[float] = []
     done: set[str] = set()
     for stage in rounds:
-        for name in [*plan.upstream(stage), stage]:
+        for name in plan.up_to(stage):
             if name in plan.stale and name not in done:
-                run_round.with_options(task_run_name=name)(name)
+                bring_up(name)
             done.add(name)
         rates.append(float(pipeline.metrics(stage)[GAIN]))
         get_run_logger().info("%s: %s %.3f", stage, GAIN, rates[-1])
@@ -36,12 +36,6 @@ def iterate(min_gain: float = 0.0) -> list[float]:
     rows = [{"round": stage, GAIN: f"{rate:.4f}"} for stage, rate in zip(rounds, rates, strict=False)]
     create_table_artifact(rows, key="rounds", description="Corner-case rounds until no gain")
     return rates
-
-
-@task(cache_policy=NO_CACHE)
-def run_round(stage: str) -> None:
-    """One round, or a stage that it needs."""
-    pipeline.reproduce(stage, get_run_logger().info)
 
 
 def gains(rates: list[float], min_gain: float) -> bool:

@@ -66,6 +66,10 @@ class Pipeline:
                     frontier.append(name)
         return [name for name in self.needs if name in reached]
 
+    def up_to(self, stage: str) -> list[str]:
+        """`stage` behind all stages that it depends on, in running order."""
+        return [*self.upstream(stage), stage]
+
 
 def read(root: Path = Path(), measures: bool = False) -> Pipeline:
     """Read dvc.yaml, and `MEASURES` if wanted, and compare them with the workspace: half a second when nothing changed.
@@ -111,12 +115,12 @@ def reproduce(stage: str, say: Callable[[str], None], root: Path = Path(), force
     raise AssertionError("the last try returns or raises")
 
 
-def run_door(stage: str, paths: list[Path], say: Callable[[str], None], root: Path = Path()) -> None:
+def run_door(stage: str, paths: list[Path], say: Callable[[str], None]) -> None:
     """Run a stage's door itself, for the one that is in no dvc.yaml: it pools the results of several workspaces.
 
     Raises StageFailed when it ends with an error.
     """
-    code, lines = _run(["stages/run", stage, *map(str, paths)], root, say)
+    code, lines = _run(["stages/run", stage, *map(str, paths)], Path(), say)
     if code:
         raise StageFailed(f"stage {stage} failed: {_reason(lines)}")
 
@@ -167,9 +171,9 @@ def inputs(stage: str, root: Path = Path()) -> list[str]:
         return [path for where, path in written.items() if any(_overlap(where, dep.fs_path) for dep in entry.deps)]
 
 
-def metrics(stage: str, root: Path = Path()) -> dict[str, Any]:
+def metrics(stage: str) -> dict[str, Any]:
     """What the JSON files hold that `stage` writes, merged. Raises StageFailed where it writes none or they are missing."""
-    with _repo(root) as repo:
+    with _repo(Path()) as repo:
         files = [Path(out.fs_path) for out in _find(repo, stage).outs if out.fs_path.endswith(".json")]
     merged: dict[str, Any] = {}
     for file in files:

@@ -12,11 +12,12 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from prefect import flow, get_run_logger, task
+from prefect import flow, task
 from prefect.artifacts import create_table_artifact
 from prefect.cache_policies import NO_CACHE
 
 from flows import pipeline, workspace
+from flows.bring_up import bring_up
 
 STAGES = ("maps", "place", "ship")
 """Those that make new scenarios, in running order."""
@@ -38,7 +39,7 @@ def regenerate(version: str | None = None, seed: int | None = None) -> str:
     workspace.duplicate(Path(), room, {"run.seed": seed})
     prepare(room)
     for stage in STAGES:
-        regenerate_stage.with_options(task_run_name=stage)(stage, room)
+        bring_up(stage, room)
     manifest = publish(room, target, version, seed)
     shutil.rmtree(room)
     files = [{"file": name, "sha256": digest} for name, digest in manifest["files"].items()]
@@ -52,12 +53,6 @@ def prepare(room: Path) -> None:
     outputs = {path for stage in STAGES for path in pipeline.outputs(stage, room)}
     needed = {path for stage in STAGES for path in pipeline.inputs(stage, room)} - outputs
     pipeline.checkout(sorted(needed), room)
-
-
-@task(cache_policy=NO_CACHE)
-def regenerate_stage(stage: str, room: Path) -> None:
-    """One stage in the workspace `room`."""
-    pipeline.reproduce(stage, get_run_logger().info, room)
 
 
 @task(cache_policy=NO_CACHE)

@@ -65,7 +65,7 @@ def _bring_up(room: Room, done: list[Room]) -> str:
     pipeline.restore(root)
     plan = pipeline.read(root, measures=True)
     measuring = [stage for stage in plan.needs if stage.rpartition(":")[2].partition("@")[0] in room.measured]
-    needed = {name for stage in measuring for name in (*plan.upstream(stage), stage)}
+    needed = {name for stage in measuring for name in plan.up_to(stage)}
     stale, idle = needed & plan.stale, set(plan.needs) - needed
     pipeline.discard((stale & set(measuring)) | idle, root)  # a run that is stopped must not be pooled with another's figures
     pipeline.forget_all_but(needed, root)

@@ -13,6 +13,7 @@ from typing import Any
 from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
 from drivegen.adversaries.shared.findings import Findings
 from drivegen.core import plugins
+from drivegen.core.cpu import cpu_seconds
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count, Index
 from drivegen.drivers.base import Driver
@@ -22,7 +23,7 @@ from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import shards
 from drivegen.world.reactive import Reaction
-from stages._door import COST_FOLDER, cpu_seconds, enter, require
+from stages._door import COST_FOLDER, enter, require
 from stages._ground import Made
 
 

@@ -11,12 +11,16 @@ from drivegen.core.settings import build
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.candidates import candidates
 from drivegen.goals.lists import Lists
+from drivegen.goals.packing import pack
 from drivegen.planners.base import Planner
 from drivegen.planners.shared.requests import examples_from_logs
 from drivegen.roads.graph import LaneGraph
+from drivegen.rollout.batch import choose
 from drivegen.selectors.learned import Plugin as Learned
 from drivegen.selectors.learned import Settings as LearnedSettings
+from drivegen.selectors.random import Plugin as Random
 from drivegen.store.columns import joined as end_to_end
+from drivegen.store.goals import write_goals
 from stages import train_selector
 from stages._door import read_params, read_section
 from tests.checking import LIMITS
@@ -61,6 +65,12 @@ def selector(scenes: list[Scenario]) -> Learned:
 def candidate_settings() -> CandidateSettings:
     """The pipeline's own."""
     return read_params("train_selector", train_selector.Params, ROOT / "params.yaml").candidates
+
+
+def write_random_goals(shard: Path, scenes: list[Scenario]) -> None:
+    """The goals of `scenes` as the stage `goals` leaves them, of a selector to whom all are equally likely."""
+    choices = choose(scenes, Random(), candidate_settings(), 1.0)
+    write_goals(shard, [pack(c.scenario, "random", c.candidates, c.natural) for c in choices])
 
 
 def two_lanes(speed: float = 8.0, scenario_id: str | None = None, steps: int = 101) -> Scenario:

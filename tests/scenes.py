@@ -70,6 +70,11 @@ def straight_road(length: float = 300.0, lanes: int = 2, whole: bool = False) ->
     return road_map(lines, neighbours=[(i + 1, i) for i in range(lanes - 1)], drivable=[outline], whole=whole)
 
 
+def across(x: float) -> NDArray[np.floating]:
+    """A line that crosses the straight road at `x`, from right to left."""
+    return np.stack([np.full(60, float(x)), np.linspace(-120, 120, 60)], axis=1)
+
+
 def crossing(arm: float = 80.0, half: float = 10.0, control: LaneControl = LaneControl.SIGNAL, whole: bool = False) -> RoadMap:
     """Four arms of one lane each way about the origin, with all turns; right-hand traffic.
 

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from drivegen.core.errors import UnusableInput
 from drivegen.lm.model import LanguageModel
-from drivegen.lm.prompt import NoAnswer, Prompt, fenced
+from drivegen.lm.prompt import NoAnswer, Prompt, fenced, is_quoted, one_line
 from drivegen.words.request import TrafficRequest
 
 VERSION = "traffic-1"
@@ -65,18 +65,10 @@ def read(text: str, model: LanguageModel, sample: int = 0) -> Reading:
         answer = model.ask(prompt(text), sample)
     except NoAnswer as failure:
         raise UnusableInput(f"the traffic could not be read by the {model.description}: {failure}", failure.reason) from None
-    understood = tuple((_line(p.phrase), _line(p.meaning)) for p in answer.understood if _in(p.phrase, text))
+    understood = tuple((one_line(p.phrase), one_line(p.meaning)) for p in answer.understood if is_quoted(p.phrase, text))
     return Reading(answer.request, understood, model.description)
 
 
 def prompt(text: str) -> Prompt[TrafficAnswer]:
     """The question for one description."""
     return Prompt(VERSION, _INSTRUCTIONS, (fenced("description", text),), TrafficAnswer)
-
-
-def _in(phrase: str, text: str) -> bool:
-    return bool(phrase.strip()) and phrase.lower() in text.lower()
-
-
-def _line(words: str) -> str:
-    return " ".join("".join(c if c.isprintable() else " " for c in words).split())

@@ -1,10 +1,10 @@
 """One measured row, and the clock: CPU seconds of this process and its ended children, the best of several turns."""
 
-import resource
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
+
+from drivegen.core.cpu import cpu_seconds
 
 
 @dataclass(frozen=True)
@@ -48,17 +48,12 @@ class Row:
         return {**{name: getattr(self, name) for name in names}, "pass": self.passed}
 
 
-def cpu_seconds(work: Callable[[], Any], turns: int = 5) -> float:
+def best_cpu_seconds(work: Callable[[], Any], turns: int = 5) -> float:
     """CPU seconds of one call of `work`: the best of `turns`, after one call that pays for compilation and caches."""
     work()
     best = float("inf")
     for _ in range(turns):
-        began = _spent()
+        began = cpu_seconds()
         work()
-        best = min(best, _spent() - began)
+        best = min(best, cpu_seconds() - began)
     return best
-
-
-def _spent() -> float:
-    children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.process_time() + children.ru_utime + children.ru_stime

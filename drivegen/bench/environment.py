@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from drivegen.bench import _scene
-from drivegen.bench._row import Row, cpu_seconds
+from drivegen.bench._row import Row, best_cpu_seconds
 from drivegen.drivers.shared.conditions import Rewards, Settings, Traffic
 from drivegen.gym.env import DriveEnv
 from drivegen.gym.sb3 import DriveVecEnv
@@ -51,7 +51,7 @@ def rows() -> Iterator[Row]:
 
 def _rate(step: Callable[[Floats], object], rows: int, steps: int = STEPS) -> float:
     actions = np.random.default_rng(0).uniform(-0.3, 0.4, (steps, rows, 1)).astype(np.float32)
-    return rows * steps / cpu_seconds(lambda: [step(action) for action in actions], turns=3)
+    return rows * steps / best_cpu_seconds(lambda: [step(action) for action in actions], turns=3)
 
 
 def _alone(traffic: list[Traffic], settings: Settings) -> float:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from drivegen.bench import _scene
-from drivegen.bench._row import Row, cpu_seconds
+from drivegen.bench._row import Row, best_cpu_seconds
 from drivegen.planners.base import Examples
 from drivegen.planners.paper import PaperSettings
 from drivegen.planners.paper import Plugin as Paper
@@ -52,4 +52,4 @@ def _per_second(
 ) -> float:
     planner.fit([examples], examples[:0], _scene.SEED, None, lambda _: None)
     requests = examples.requests[indices]
-    return len(indices) / cpu_seconds(lambda: planner.sample(examples.scenarios, requests), turns)
+    return len(indices) / best_cpu_seconds(lambda: planner.sample(examples.scenarios, requests), turns)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from drivegen.bench import _scene
-from drivegen.bench._row import Row, cpu_seconds
+from drivegen.bench._row import Row, best_cpu_seconds
 from drivegen.core.scenario import Scenario
 from drivegen.drivers.idm import Plugin as Idm
 from drivegen.drivers.idm import Settings
@@ -39,4 +39,4 @@ def _steps_per_second(simulator: Simulator, scenes: list[Scenario], paths_ready:
     """Everything from logs to outcomes is in the clock; the targets' paths only if they are not `paths_ready`."""
     logs = [scene.log for scene in scenes if scene.log is not None]
     paths = target_paths(scenes, logs) if paths_ready else None
-    return len(scenes) * _scene.STEPS / cpu_seconds(lambda: simulator.run(Idm(DRIVER), scenes, logs, paths), turns=2)
+    return len(scenes) * _scene.STEPS / best_cpu_seconds(lambda: simulator.run(Idm(DRIVER), scenes, logs, paths), turns=2)

@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 from uuid import uuid4
 
 from pydantic import BaseModel, Field
-from rich.console import Console
 from typer import Option
 
+from drivegen.cli._console import plain
 from drivegen.core.settings import read_params
 from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
@@ -57,7 +57,7 @@ def calling(command: str, name: str, words: str | None, max_usd: float | None) -
 def announce(client: LanguageModel, questions: Sequence[Prompt[Any]], answer_tokens: int) -> None:
     """One line on stderr before the first call: calls, tokens and dollars of the questions known, and where the run stops."""
     estimate = client.forecast(questions, answer_tokens)
-    Console(stderr=True, soft_wrap=True, highlight=False, markup=False).print(f"estimate    {estimate}")
+    plain(stderr=True).print(f"estimate    {estimate}")
 
 
 def calls_of(command: str) -> Path:

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 from typer import Option
 
 from drivegen.adversaries.shared.arena import Arena, Bounds
 from drivegen.cli import _project
+from drivegen.cli._console import plain
 from drivegen.cli._drivers import driver_of
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
@@ -63,7 +63,7 @@ def command(
         for group in kinds:
             write_kind(folder / _folder(group), judged[group.cases[0]])
         write_json(folder / CASES, [_row(one) for one in judged])
-    console = Console(soft_wrap=True, highlight=False, markup=False)
+    console = plain()
     searched = f"{tested.name}: {runs} runs in {len(where) if most is None else min(most, len(where))} scenarios"
     if not cases:
         console.print(f"{searched}, no case found")

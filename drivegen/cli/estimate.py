@@ -6,9 +6,9 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 
 from drivegen.asked import language_model
+from drivegen.cli._console import plain
 from drivegen.cli._lm import MaxUsd, Words, model, role
 from drivegen.core.scenario import TARGET, Scenario
 from drivegen.core.settings import build, read_section
@@ -49,7 +49,7 @@ _NOBODY = "no language model is configured for {}: nobody is asked, nothing is s
 
 def command(lm: Words = None, max_usd: MaxUsd = None) -> None:
     """Print calls, tokens and dollars of each role, for the descriptions and test scenes of this project; nobody is asked."""
-    console = Console(soft_wrap=True, highlight=False, markup=False)
+    console = plain()
     for name, lines_of in (("maps", _maps), ("goals", _goals), ("corner_cases", _corner_cases)):
         settings = role(name, lm, max_usd)
         if not settings.model:

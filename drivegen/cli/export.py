@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from rich.console import Console
 from typer import Argument, Option
 
 from drivegen.av2.export import export_scenario
+from drivegen.cli._console import plain
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap
 from drivegen.core.samples import Samples
@@ -55,7 +55,7 @@ def command(
             count += 1
         if not count:
             raise UnusableInput(f"{scenarios} holds no scenario" + (" that a collision ends" if collisions else ""))
-    Console(soft_wrap=True, highlight=False, markup=False).print(f"{out}: {count} scenarios of {scenarios}")
+    plain().print(f"{out}: {count} scenarios of {scenarios}")
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
-from rich.console import Console
 from rich.table import Table
 from typer import Argument, Exit, Option
 
+from drivegen.cli._console import plain
 from drivegen.cli._drivers import driver_of
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import build, read_section
@@ -54,7 +54,7 @@ def command(
         result = gate(*drivers, chosen, settings, read_section("run")["seed"])
         if folder:
             write_json(folder / RECORD, {"old": old, "new": new, "folder": str(scenarios), **result.record(old, new)})
-    console = Console(soft_wrap=True, highlight=False, markup=False)
+    console = plain()
     console.print(_table(result, old, new))
     console.print(result.sentence(old, new))
     if result.finding == Finding.WORSE:

@@ -14,6 +14,7 @@ from typer import BadParameter, Exit, Option
 from drivegen.asked import language_model
 from drivegen.av2.folder import read_folder
 from drivegen.cli import _project
+from drivegen.cli._console import plain
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
 from drivegen.cli._maps import name_of, network_of, sentences_of
 from drivegen.core import seeds
@@ -69,7 +70,7 @@ def command(
         raise BadParameter("--lm reads words: give --text")
     if beset and (map is None or text is not None):
         raise BadParameter("--beset places vehicles on a map: give --map, without --text")
-    console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
+    console = plain(stderr=True)
     model = calling("generate", "maps", lm, max_usd) if lm not in (None, OFFLINE) else nullcontext()
     with whole_folder(out) as folder, model as reader, _progress(console) as progress:
         task = progress.add_task("reading", total=None)

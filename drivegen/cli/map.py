@@ -4,10 +4,10 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
-from rich.console import Console
 from typer import Argument, BadParameter, Option, Typer
 from typer.core import TyperGroup
 
+from drivegen.cli._console import plain
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
 from drivegen.cli._maps import MapMode, Mode, network_of, sentences_of, writer_of
 from drivegen.core.errors import UnusableInput
@@ -191,6 +191,6 @@ def _tell_written(folder: Path) -> None:
 
 def _tell(word: str, *sentences: Any) -> None:
     """One line a sentence, none without."""
-    console = Console(soft_wrap=True, highlight=False, markup=False)
+    console = plain()
     for sentence in sentences:
         console.print(f"{word:10}  {sentence}")

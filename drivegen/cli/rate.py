@@ -10,6 +10,7 @@ from rich.table import Table
 from typer import Option
 
 from drivegen.cli import _project
+from drivegen.cli._console import plain
 from drivegen.cli._drivers import driver_of
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario
@@ -60,7 +61,7 @@ def command(
         strata = {"edges": EDGES.tolist(), "share": result.share.tolist(), "runs": result.runs.tolist()}
         strata |= {"failed": result.failed.tolist()}
         write_json(out, about | asdict(result.rate) | {"seconds": pool.seconds, "strata": strata})
-    console = Console(soft_wrap=True, highlight=False, markup=False)
+    console = plain()
     console.print(_table(result))
     console.print(_sentence(tested.name, result, pool, len(left_out)))
 

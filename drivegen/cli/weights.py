@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Annotated
 
-from rich.console import Console
 from typer import Argument, Option, Typer
 
+from drivegen.cli._console import plain
 from drivegen.cli._project import MODELS
 from drivegen.core.errors import UnusableInput
 from drivegen.store.bundle import pack, unpack
@@ -24,7 +24,7 @@ def about() -> None:
 @command.command()
 def save(bundle: Bundle, models: Models = MODELS) -> None:
     """Pack the trained models into FILE."""
-    _tell(f"{bundle}: {len(pack(models, bundle))} files of {models}")
+    plain().print(f"{bundle}: {len(pack(models, bundle))} files of {models}")
 
 
 @command.command()
@@ -35,8 +35,4 @@ def load(bundle: Bundle, models: Models = MODELS) -> None:
     """
     if models.is_dir() and any(models.iterdir()):
         raise UnusableInput(f"{models} holds models already: move that folder away first, nothing is replaced")
-    _tell(f"{models}: {len(unpack(bundle, models))} files of {bundle}")
-
-
-def _tell(sentence: str) -> None:
-    Console(soft_wrap=True, highlight=False, markup=False).print(sentence)
+    plain().print(f"{models}: {len(unpack(bundle, models))} files of {bundle}")

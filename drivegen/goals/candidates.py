@@ -109,30 +109,24 @@ class Candidates:
         return len(self.heading)
 
 
-def candidates(
-    graph: LaneGraph, scenario: Scenario, vehicle: int, settings: Settings, seconds: float | None = None
-) -> Candidates:
-    """Candidates of `vehicle` at the end of the scenario's horizon (or after `seconds`), by what is seen at step 0.
+def candidates(graph: LaneGraph, scenario: Scenario, vehicle: int, settings: Settings) -> Candidates:
+    """Candidates of `vehicle` at the end of the scenario's horizon, by what is seen at step 0.
 
     Deterministic; sorted by route, then by distance. Never empty: a vehicle that can go nowhere stays.
     """
-    return candidates_on(routes_of(graph, scenario, vehicle, settings, seconds), scenario, vehicle, settings, seconds)
+    return candidates_on(routes_of(graph, scenario, vehicle, settings), scenario, vehicle, settings)
 
 
-def routes_of(
-    graph: LaneGraph, scenario: Scenario, vehicle: int, settings: Settings, seconds: float | None = None
-) -> list[Route]:
+def routes_of(graph: LaneGraph, scenario: Scenario, vehicle: int, settings: Settings) -> list[Route]:
     """The routes on which `candidates` looks for places."""
     v, speed = scenario.vehicles, _speed(scenario, vehicle)
-    reach = _reach(speed, settings.dynamics, _time(scenario, seconds))
+    reach = _reach(speed, settings.dynamics, scenario.horizon * DT)
     return feasible_routes(graph, v.position[vehicle], float(v.heading[vehicle]), speed, reach, settings.most_routes)
 
 
-def candidates_on(
-    routes: list[Route], scenario: Scenario, vehicle: int, settings: Settings, seconds: float | None = None
-) -> Candidates:
+def candidates_on(routes: list[Route], scenario: Scenario, vehicle: int, settings: Settings) -> Candidates:
     """As `candidates`, on routes that were found before."""
-    seconds, v, speed = _time(scenario, seconds), scenario.vehicles, _speed(scenario, vehicle)
+    seconds, v, speed = scenario.horizon * DT, scenario.vehicles, _speed(scenario, vehicle)
     position, heading = v.position[vehicle], float(v.heading[vehicle])
     reach = _reach(speed, settings.dynamics, seconds)
     around = Neighbours.of(scenario, vehicle).near(position, reach + 20.0)
@@ -155,11 +149,7 @@ def candidates_on(
     for share in FINER:
         keep = cover(whole.position, whole.mass, keep, share * settings.spacing, settings.most)
     keep = keep[np.lexsort((whole.s[keep], whole.route[keep]))]
-    return whole.finished(keep, routes, ahead, offset, round(seconds / DT))
-
-
-def _time(scenario: Scenario, seconds: float | None) -> float:
-    return scenario.horizon * DT if seconds is None else seconds
+    return whole.finished(keep, routes, ahead, offset, scenario.horizon)
 
 
 def _speed(scenario: Scenario, vehicle: int) -> float:

@@ -72,6 +72,16 @@ def fenced(name: str, text: str) -> str:
     return f"<{name}>\n{text}\n</{name}>"
 
 
+def is_quoted(phrase: str, text: str) -> bool:
+    """Whether a phrase that a model says to quote stands in `text`, whatever the case; an empty one does not."""
+    return bool(phrase.strip()) and phrase.lower() in text.lower()
+
+
+def one_line(words: str) -> str:
+    """`words` in one line: blanks for line breaks and whatever else cannot be printed, and never two of them."""
+    return " ".join("".join(c if c.isprintable() else " " for c in words).split())
+
+
 def encodable(text: str) -> str:
     """`text` with "?" for halves of characters (lone surrogates), which no file and no request can hold."""
     return text.encode(errors="replace").decode()

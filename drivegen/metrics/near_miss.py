@@ -23,15 +23,13 @@ FIRST_SECOND = 10
 """Steps that are not judged: what the traffic begins with is not the driver's doing."""
 
 
-def near_misses(
-    motion: Trajectories, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories], within: float = NEAR
-) -> NDArray[np.bool_]:
-    """(S,) whether the time to collision of S driven targets (S, T) fell below `within` after the first second (`surroundings`).
+def near_misses(motion: Trajectories, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories]) -> NDArray[np.bool_]:
+    """(S,) whether the time to collision of S driven targets (S, T) fell below NEAR after the first second (`surroundings`).
 
     `traffic` are the motions (N, T) that were replayed around them. Steps after a run's end do not count. Who is
     hit from the side need not have been near anybody ahead: whoever wants collisions, too, adds them.
     """
-    return np.array([_near(motion[s], scenario, traffic[s], within) for s, scenario in enumerate(scenarios)], np.bool_)
+    return np.array([_near(motion[s], scenario, traffic[s], NEAR) for s, scenario in enumerate(scenarios)], np.bool_)
 
 
 def rich_in_encounters(scenarios: Sequence[Scenario], logs: Sequence[Trajectories]) -> NDArray[np.bool_]:

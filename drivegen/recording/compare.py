@@ -41,15 +41,14 @@ def record_comparison(
     methods: Mapping[str, Samples],
     goals: Mapping[str, NDArray[np.float32]],
     rejected: Mapping[str, Rejected],
-    sample: int = 0,
 ) -> None:
-    """Write `scenario` with the samples of `methods` by name, number `sample` of each moving; its log first, if it has one.
+    """Write `scenario` with the samples of `methods` by name, the first of each moving; its log first, if it has one.
 
     `goals` (C, 2) [m], by name, are the places that samples follow; methods without goals have none. `rejected`, by name, is
     what was turned down and replaced; methods that plan nothing again have none.
     """
     logs = {} if scenario.log is None else {LOG: scenario.log}
-    moving = {**logs, **{name: samples.motion[sample] for name, samples in methods.items()}}
+    moving = {**logs, **{name: samples.motion[0] for name, samples in methods.items()}}
     centre, extent = window(next(iter(moving.values())), NARROWEST, WIDEST)
     views = [
         from_above(centre, extent, name, ["/world/roads/**", "/world/signals", f"/world/methods/{name}/**"]) for name in moving

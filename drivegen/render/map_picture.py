@@ -35,6 +35,7 @@ _CONTROL_COLOURS: dict[int, Colour] = {
 _CONTROL_NAMES = {LaneControl.SIGNAL: "signal", LaneControl.STOP: "stop", LaneControl.YIELD: "yield"}
 
 _SHIFT = 4
+_WIDEST, _HIGHEST = 1500, 1100
 _MARGIN = 15.0
 _ARROW_SPACING = 40.0
 _CLOSE_UP = 55.0
@@ -62,12 +63,12 @@ class _View:
         return bool((line.max(0) >= self.low).all() and (line.min(0) <= high).all())
 
 
-def draw_map(road_map: RoadMap, caption: str, width: int = 1500) -> Picture:
-    """The picture (H, W, 3) uint8, blue-green-red, about `width` pixels wide, with `caption` below."""
+def draw_map(road_map: RoadMap, caption: str) -> Picture:
+    """The picture (H, W, 3) uint8, blue-green-red, at most `_WIDEST` pixels wide, with `caption` below."""
     points = road_map.centreline.points
     low, high = points.min(0) - _MARGIN, points.max(0) + _MARGIN
     extent = high - low
-    scale = float(min(width / extent[0], 1100 / extent[1], 10.0))
+    scale = float(min(_WIDEST / extent[0], _HIGHEST / extent[1], 10.0))
     size = np.maximum(np.ceil(extent * scale), [640.0, 300.0])
     centred = (low + high) / 2 - size / scale / 2
     overview = _View(centred, scale, int(size[0]), int(size[1]))

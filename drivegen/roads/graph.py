@@ -121,9 +121,9 @@ class LaneGraph:
             headings = np.zeros(len(positions))
         return self.grid.nearest(positions, headings, radius, max_angle)
 
-    def distance_to_lanes(self, points: NDArray[np.floating], radius: float = 10.0) -> NDArray[np.float32]:
-        """Distance (Q,) [m] of points (Q, 2) to the nearest centreline, inf beyond `radius`."""
-        return self.nearest(points, radius=radius)[1][:, 3]
+    def distance_to_lanes(self, points: NDArray[np.floating]) -> NDArray[np.float32]:
+        """Distance (Q,) [m] of points (Q, 2) to the nearest centreline, inf where `nearest` finds none."""
+        return self.nearest(points)[1][:, 3]
 
 
 def _densified(lines: Polylines) -> tuple[Polylines, NDArray[np.float32], NDArray[np.float32]]:

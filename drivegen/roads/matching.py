@@ -10,6 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats
+from drivegen.core.scenario import DT
 from drivegen.roads.frenet import to_frenet
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.grid import MOST_HITS, _near
@@ -51,14 +52,8 @@ SHORTEST_BLEND, LONGEST_BLEND = 8.0, 40.0
 """Bounds of the half blend of a lane change [m]."""
 
 
-def match_route(
-    graph: LaneGraph,
-    positions: Floats,
-    headings: Floats,
-    beyond: float = 30.0,
-    dt: float = 0.1,
-) -> Route | None:
-    """The route of a track: `positions` (T, 2) [m] and `headings` (T,) [rad] of its valid steps, `dt` [s] apart.
+def match_route(graph: LaneGraph, positions: Floats, headings: Floats, beyond: float = 30.0) -> Route | None:
+    """The route of a track: `positions` (T, 2) [m] and `headings` (T,) [rad] of its valid steps.
 
     It begins abreast of the first position and ends `beyond` [m] after the last one. None if the track followed no lanes:
     nothing near, or a line that it leaves by more than MOST_OFFSET, or USUAL_OFFSET on average.
@@ -70,7 +65,7 @@ def match_route(
     )  # fmt: skip
     if len(lane) == 0:
         return None
-    pieces = _pieces(graph, lane, s, positions[rows], rows * dt)
+    pieces = _pieces(graph, lane, s, positions[rows], rows * DT)
     if pieces is None:
         return None
     travelled = sum(max(piece.end - piece.begin, 0.0) for piece in pieces)

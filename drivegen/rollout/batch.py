@@ -23,6 +23,7 @@ from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.packing import unpack
 from drivegen.planners.base import Planner, PlanRequests
+from drivegen.planners.shared.noise import GOLDEN, mixed
 from drivegen.planners.shared.requests import Goals, plan_requests
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.line import Route
@@ -136,7 +137,7 @@ def goal_requests(
         routes.extend(route for cands in choice.candidates for route in cands.routes)
         pick = table.start[rows[:, 1]] + rows[:, 2]
         columns.append((np.full(len(rows), s), rows[:, 1], *(column[pick] for column in table.columns)))
-        noise.append(_mixed(base_seed(s), rows))
+        noise.append(_row_seeds(base_seed(s), rows))
     goals = Goals(*map(np.concatenate, zip(*columns, strict=True)))
     used, route = _in_use(goals.route)
     scenarios = [choice.scenario for choice in choices]
@@ -167,12 +168,9 @@ class _GoalTable:
         return cls(start, (position, heading, speed, step, np.concatenate(route), s, d))
 
 
-def _mixed(seed: int, rows: NDArray[np.int64]) -> NDArray[np.int64]:
-    """A 63-bit number per row: SplitMix64's finaliser over the seed and the row's digits."""
+def _row_seeds(seed: int, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """A 63-bit seed per row, from `seed` and the row's digits."""
     with np.errstate(over="ignore"):
         digits = rows.astype(np.uint64) @ np.array([1 << 40, 1 << 24, 1 << 8, 1], np.uint64)
-        z = np.uint64(seed) + digits * np.uint64(0x9E3779B97F4A7C15)
-        z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-        z = z ^ (z >> np.uint64(31))
-    return (z >> np.uint64(1)).astype(np.int64)
+        state = np.uint64(seed) + digits * GOLDEN
+    return (mixed(state) >> np.uint64(1)).astype(np.int64)

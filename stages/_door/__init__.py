@@ -26,6 +26,7 @@ from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any, TypeVar
 
+from drivegen.core.cpu import cpu_seconds
 from drivegen.core.errors import DriveGenError, MissingTool, UnusableInput
 from drivegen.core.settings import SHARED
 from drivegen.core.settings import build as build
@@ -34,7 +35,6 @@ from drivegen.core.settings import read_section as read_section
 from drivegen.store.columns import Columns, Table
 from drivegen.store.costs import write_cost
 from stages._door.cluster import USED, on_cluster
-from stages._door.cluster import cpu_seconds as cpu_seconds
 
 P = TypeVar("P")
 Task = TypeVar("Task")

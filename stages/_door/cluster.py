@@ -7,7 +7,6 @@ there as here, and have the same code and packages. Each task is checked for tha
 import hashlib
 import platform
 import re
-import resource
 import socket
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
@@ -19,6 +18,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 from uuid import uuid4
 
+from drivegen.core.cpu import cpu_seconds
 from drivegen.core.errors import MissingTool
 
 Task = TypeVar("Task")
@@ -145,9 +145,3 @@ def packages() -> dict[str, str]:
     requirements = [line for line in metadata.requires("drivegen") or [] if "extra ==" not in line]
     names = [name[0] for line in requirements if (name := re.match(r"[\w.-]+", line))]
     return {"Python": platform.python_version(), **{name: metadata.version(name) for name in names}}
-
-
-def cpu_seconds() -> float:
-    """Of this process and its children that ended."""
-    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(u.ru_utime + u.ru_stime for u in used)

@@ -32,7 +32,7 @@ def test_a_row_without_a_target_cannot_miss_it():
 
 def test_the_clock_counts_work_and_not_waiting():
     numbers = np.arange(200_000, dtype=np.float64)
-    assert _row.cpu_seconds(lambda: np.sin(numbers).sum(), turns=2) > 0
+    assert _row.best_cpu_seconds(lambda: np.sin(numbers).sum(), turns=2) > 0
 
 
 def test_every_part_is_found_and_an_unknown_one_is_named():

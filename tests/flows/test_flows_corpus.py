@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from drivegen.core.settings import build
-from drivegen.layouts.corpus import Networks
+from drivegen.layouts.corpus import SPLITS, Networks
 from flows.corpus import SIZES, overrides
 from flows.workspace import overridden
 
@@ -14,7 +14,12 @@ from flows.workspace import overridden
 @pytest.mark.parametrize("size", yaml.safe_load(SIZES.read_text()))
 def test_a_size_replaces_what_params_yaml_has_and_shares_no_network_between_splits(size: str, tmp_path: Path) -> None:
     corpus = overridden(yaml.safe_load(Path("params.yaml").read_text()), overrides(size, tmp_path))["corpus"]
-    build(Networks, yaml.safe_load(Path(corpus["networks"]).read_text()), size).check(corpus["scenarios"], corpus["density"])
+    networks = build(Networks, yaml.safe_load(Path(corpus["networks"]).read_text()), size)
+    networks.check(corpus["scenarios"], corpus["density"])
+    groups = vars(networks).values()
+    of = [{str(word) for group in groups for item in group.get(split, {}).items() for word in item} for split in SPLITS]
+    assert all(of)
+    assert len(set().union(*of)) == sum(map(len, of))  # neither a name nor what it stands for is in two of them
 
 
 def test_driving_is_tested_on_20_networks_8_of_them_not_ours_in_60_runs_or_more(tmp_path: Path) -> None:

@@ -12,23 +12,17 @@ from flows import server
 from tests.flows import toy
 
 
-@pytest.fixture(scope="module")
-def running(tmp_path_factory):
+@pytest.fixture(scope="module", autouse=True)
+def _running(tmp_path_factory):
     """A server of our own for this file, and no trace of it afterwards; said again for a Prefect that was imported before."""
     before = dict(os.environ)
     with server.local_server(tmp_path_factory.mktemp("prefect")) as url:
         from prefect.settings import PREFECT_API_URL, temporary_settings
 
         with temporary_settings({PREFECT_API_URL: url}):
-            yield url
+            yield
     os.environ.clear()
     os.environ.update(before)
-
-
-@pytest.fixture
-def root(running, tmp_path, monkeypatch) -> Path:
-    monkeypatch.chdir(toy.build(tmp_path))
-    return tmp_path
 
 
 def states(rows: list[dict[str, str]]) -> dict[str, str]:
@@ -122,7 +116,7 @@ def test_a_stage_killed_in_the_middle_is_never_taken_as_done(root):
 
 
 @pytest.fixture
-def runs(running, tmp_path, monkeypatch) -> Path:
+def runs(tmp_path, monkeypatch) -> Path:
     monkeypatch.chdir(toy.build_tables(tmp_path))
     return tmp_path
 
@@ -157,7 +151,7 @@ def test_a_run_that_fails_ends_the_tables_by_name_and_keeps_the_old_ones(runs):
     assert not (runs / "reports").exists()
 
 
-def test_the_deployments_schedule_makes_runs_for_the_sundays_to_come(running):
+def test_the_deployments_schedule_makes_runs_for_the_sundays_to_come():
     from prefect.client.orchestration import get_client
     from prefect.client.schemas.actions import DeploymentScheduleCreate
     from prefect.client.schemas.filters import DeploymentFilter, DeploymentFilterId

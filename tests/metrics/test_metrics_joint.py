@@ -18,13 +18,9 @@ def meeting(first: float, second: float, speeds: tuple[float, float] = (10, 10))
     return stack([drive(way, start, v, STEPS) for way, start, v in zip(ways, (first, second), speeds, strict=True)])
 
 
-def samples_of(*parts: Trajectories) -> Trajectories:
-    return Trajectories(*(np.stack([getattr(p, n) for p in parts]) for n in ("position", "heading", "velocity", "valid")))
-
-
 def polite(count: int = SAMPLES) -> Trajectories:
     """Samples in which now the one, now the other car is let through: never both at once."""
-    return samples_of(*(meeting(40, 10) if k % 2 else meeting(10, 40) for k in range(count)))
+    return stack([meeting(40, 10) if k % 2 else meeting(10, 40) for k in range(count)])
 
 
 def measured(samples: Trajectories, log: Trajectories, seed: int = 0) -> SceneJoint:
@@ -35,18 +31,18 @@ def measured(samples: Trajectories, log: Trajectories, seed: int = 0) -> SceneJo
 def test_the_order_at_a_crossing_is_the_log_s_or_the_other_one() -> None:
     log = meeting(40, 10)
     assert orders(log[np.newaxis], log) == (1, 1)
-    assert orders(samples_of(meeting(10, 40)), log) == (0, 1)
+    assert orders(stack([meeting(10, 40)]), log) == (0, 1)
     assert orders(polite(), log) == (SAMPLES // 2, SAMPLES)
 
 
 def test_one_who_still_waits_when_the_other_comes_is_the_later_one() -> None:
     waits = meeting(40, 10, (10, 1))
-    assert orders(samples_of(meeting(40, 10)), waits) == (1, 1)
-    assert orders(samples_of(meeting(40, 10, (7, 14))), waits) == (0, 1)
+    assert orders(stack([meeting(40, 10)]), waits) == (1, 1)
+    assert orders(stack([meeting(40, 10, (7, 14))]), waits) == (0, 1)
 
 
 def test_the_log_does_not_tell_the_order_where_nobody_comes_or_one_goes_elsewhere_or_is_lost() -> None:
-    crossed = samples_of(meeting(40, 10))
+    crossed = stack([meeting(40, 10)])
     assert orders(crossed, meeting(10, 10, (1, 1))) == (0, 0)
     roads = crossing()
     away = stack([drive(joined(roads, 0, 8, 4), 40, 10, STEPS), drive(joined(roads, 2, 14, 6), 40, 10, STEPS)])
@@ -87,7 +83,7 @@ def test_of_logs_that_are_as_polite_as_the_samples_the_joint_energy_score_prefer
 
 def test_a_set_s_order_is_the_share_over_all_its_pairs_with_an_interval_over_scenes() -> None:
     log = meeting(40, 10)
-    right, both = measured(samples_of(*[log] * 3), log), measured(polite(), log)
+    right, both = measured(stack([log] * 3), log), measured(polite(), log)
     found = joint_figures([right, both], ["a", "b"], 200, np.random.default_rng(0))["joint.order"]
     assert found.value == pytest.approx((3 + SAMPLES // 2) / (3 + SAMPLES))
     assert (found.low, found.high) == (0.5, 1.0)

@@ -11,22 +11,11 @@ from torch import Tensor
 from drivegen.planners.base import Examples, Planner
 from drivegen.planners.shared.flow import FlowNet
 from drivegen.training import loop
-from tests.planners.test_planners_contract import examples, tiny
 
 TOLERANCE = 0.01
 """Of positions [m], as docs/commands.md states it."""
 
-
-@pytest.fixture(scope="module")
-def logs() -> Examples:
-    return examples()
-
-
-@pytest.fixture(scope="module", params=["route_fm", "poly_fm"])
-def trained(request: pytest.FixtureRequest, logs: Examples) -> Planner:
-    planner = tiny(request.param)
-    planner.fit([logs], logs[:4], 7, None, lambda line: None)
-    return planner
+pytestmark = pytest.mark.parametrize("trained", ["route_fm", "poly_fm"], indirect=True, scope="module")
 
 
 def positions(planner: Planner, logs: Examples) -> np.ndarray:

@@ -9,7 +9,8 @@ from torch import Tensor
 from drivegen.core.errors import UnusableInput
 from drivegen.planners._paper.diffusion import SAMPLERS, alpha_bars, reverse_step, sampled, second_order_step
 from drivegen.planners.paper import Plugin
-from tests.planners.test_planners_contract import examples, same, tiny
+from tests.planners.test_planners_contract import same
+from tests.planners.tiny import examples, tiny
 
 MEAN, SPREAD = torch.tensor([1.5, -0.5]), torch.tensor([0.5, 0.2])
 SCHEDULE = alpha_bars("cosine", 100)

@@ -17,8 +17,9 @@ from drivegen.planners.poly_fm import GROUPS
 from drivegen.planners.shared.latent import expanded, principal
 from drivegen.planners.shared.motion import GRID, decode
 from drivegen.planners.shared.profile import spline
-from tests.planners.test_planners_contract import examples, tiny, without_routes
+from tests.planners.test_planners_contract import without_routes
 from tests.planners.test_planners_route_fm import assert_meets_goals, backward
+from tests.planners.tiny import examples, tiny
 
 LOGS = examples()
 MOVING = LOGS[~LOGS.requests.parked]

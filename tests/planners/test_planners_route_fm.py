@@ -16,7 +16,8 @@ from drivegen.planners.shared.motion import GRID, Residuals, decode
 from drivegen.planners.shared.noise import normals
 from drivegen.planners.shared.paths import Frames
 from drivegen.planners.shared.profile import COEFFICIENTS, base_speed, spline
-from tests.planners.test_planners_contract import examples, tiny, without_routes
+from tests.planners.test_planners_contract import without_routes
+from tests.planners.tiny import examples, tiny
 
 LOGS = examples()
 

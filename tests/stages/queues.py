@@ -5,13 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from drivegen.goals.packing import pack
-from drivegen.rollout.batch import choose
-from drivegen.selectors.random import Plugin as Random
-from drivegen.store.goals import write_goals
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
-from tests.models import candidate_settings, two_lanes, write_models
+from tests.models import two_lanes, write_models, write_random_goals
 from tests.scenes import noisy_samples
 
 
@@ -21,6 +17,5 @@ def write_queues(root: Path) -> None:
         scenes = [two_lanes(speed, f"queue{speed:.0f}-0") for speed in speeds]
         write_shard(root / "test" / shard, scenes)
         write_samples(root / "round" / shard, [replace(noisy_samples(s, 1), motion=s.log[np.newaxis]) for s in scenes])
-        choices = choose(scenes, Random(), candidate_settings(), 1.0)
-        write_goals(root / "goals" / shard, [pack(c.scenario, "random", c.candidates, c.natural) for c in choices])
+        write_random_goals(root / "goals" / shard, scenes)
     write_models(root / "models")

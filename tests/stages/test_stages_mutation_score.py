@@ -11,19 +11,15 @@ import pytest
 
 from drivegen.core.errors import UnusableInput
 from drivegen.drivers.mutants.table import MUTATIONS
-from drivegen.goals.packing import pack
 from drivegen.metrics.mutation_score import Settings
-from drivegen.rollout.batch import choose
-from drivegen.selectors.random import Plugin as Random
 from drivegen.store.files import write_json
-from drivegen.store.goals import write_goals
 from drivegen.store.lookup import evenly, in_turn, shared
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
 from stages import mutation_score, publish_corner
 from stages._door import read_params, read_section
 from tests.drivers.taught import PARAMS
-from tests.models import candidate_settings, write_models
+from tests.models import write_models, write_random_goals
 from tests.scenes import busy_crossing, drive, noisy_samples, scenario, stack, straight_road
 
 LINE = straight_road().centreline[0].astype(np.float64)
@@ -41,8 +37,7 @@ def made(tmp_path_factory) -> Path:
     samples = [noisy_samples(scene, 2) for scene in scenes]
     for folder in ("generated/drivegen", "round"):
         write_samples(root / folder / SHARD, samples)
-    choices = choose(scenes, Random(), candidate_settings(), 1.0)
-    write_goals(root / "goals" / SHARD, [pack(c.scenario, "random", c.candidates, c.natural) for c in choices])
+    write_random_goals(root / "goals" / SHARD, scenes)
     write_models(root / "models")
     return root
 

@@ -15,18 +15,16 @@ from drivegen.core.intervals import recording
 from drivegen.core.scenario import TARGET
 from drivegen.drivers import idm
 from drivegen.drivers.shared.tuning import exemplary, mixed
-from drivegen.goals.packing import pack
 from drivegen.rollout.batch import choose
 from drivegen.selectors.random import Plugin as Random
 from drivegen.store.files import write_json
-from drivegen.store.goals import write_goals
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import read_shard, write_shard
 from stages import publish_corner, repair
 from stages._door import read_params, read_section
 from tests.checking import IDM
 from tests.drivers.taught import PARAMS, straight_lessons
-from tests.models import candidate_settings, write_models
+from tests.models import candidate_settings, write_models, write_random_goals
 from tests.scenes import busy_crossing, drive, noisy_samples, scenario, stack, straight_road
 
 LINE = straight_road().centreline[0].astype(np.float64)
@@ -49,8 +47,7 @@ def made(tmp_path_factory) -> Path:
     scenes = [*(standing(f"parked{n}-0") for n in range(4)), busy_crossing(41, "crossing-0"), busy_crossing(41, "other-0")]
     write_shard(root / "scenarios/test" / SHARD, scenes)
     write_samples(root / "round" / SHARD, [noisy_samples(scene, 2) for scene in scenes])
-    choices = choose(scenes, Random(), candidate_settings(), 1.0)
-    write_goals(root / "goals" / SHARD, [pack(c.scenario, "random", c.candidates, c.natural) for c in choices])
+    write_random_goals(root / "goals" / SHARD, scenes)
     write_models(root / "models")
     return root
 

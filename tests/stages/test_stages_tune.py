@@ -16,20 +16,16 @@ from drivegen.core.first_frame import first_frame
 from drivegen.core.samples import Samples
 from drivegen.drivers import gail
 from drivegen.drivers.shared.tuning import Continued, How, stand_at
-from drivegen.goals.packing import pack
 from drivegen.report import published_tuned
 from drivegen.report.published_amounts import amount_tables
 from drivegen.report.published_tuned import driver_rows, read_tests
-from drivegen.rollout.batch import choose
-from drivegen.selectors.random import Plugin as Random
-from drivegen.store.goals import write_goals
 from drivegen.store.lookup import logs_below
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import read_shard, write_shard
 from stages import _lessons, drive_tuned, publish_drivers, tune, tune_amounts, tune_traffic
 from stages._door import read_params, read_section
 from tests.drivers.taught import PARAMS, straight_lessons, teaching
-from tests.models import candidate_settings, two_lanes, write_models
+from tests.models import two_lanes, write_models, write_random_goals
 from tests.scenes import busy_crossing, noisy_samples
 
 PPO = {"rows": 16, "epochs": 1, "batch": 512, "learning_rate": 0.001, "clip": 0.2, "discount": 0.98, "smoothing": 0.95}
@@ -109,8 +105,7 @@ def tuned(tmp_path_factory) -> Path:
         folders = root / "scenarios", root / "generated"
         tune_traffic.main(params, *folders, *[root / "nothing"] * 3, root / "models", root / "scenes" / method)
     write_models(root / "models")
-    choices = choose(scenes, Random(), candidate_settings(), 1.0)
-    write_goals(root / "goals/shard-00000.parquet", [pack(c.scenario, "random", c.candidates, c.natural) for c in choices])
+    write_random_goals(root / "goals/shard-00000.parquet", scenes)
     for seed in (7, 8):
         tune.main(settings(), root / "scenarios", *sources(root), root / f"data/gail/{seed}", root / f"tune-{seed}.json")
     tests = replace(read_params("drive_tuned", drive_tuned.Params, PARAMS), workers=1, draws=20)

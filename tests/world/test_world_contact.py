@@ -5,26 +5,13 @@ import pytest
 
 from drivegen.core.scenario import Actors, Trajectories
 from drivegen.simulators.batch import Plugin
-from drivegen.world.observation import Action
 from drivegen.world.outcome import AT_FAULT, FIRST_SECOND, CollisionKind, with_off_road
-from tests.scenes import LANE_WIDTH, beside, drive, scenario, stack, straight_road
+from tests.scenes import LANE_WIDTH, across, beside, drive, scenario, stack, straight_road
+from tests.world.steady import Steady
 
 ROAD = straight_road(600)
 LINE = ROAD.centreline[0].astype(np.float64)
 NEXT = ROAD.centreline[1].astype(np.float64)
-
-
-class Steady:
-    """Keeps its speed whatever happens; moves to `offset`."""
-
-    name = "steady"
-
-    def __init__(self, offset=None, acceleration=0.0):
-        self.offset, self.acceleration = offset, acceleration
-
-    def act(self, observation):
-        offset = None if self.offset is None else self.offset + 0 * observation.speed
-        return Action(self.acceleration + 0 * observation.speed, offset)
 
 
 def meet(other, target=None, driver=None, **changes):
@@ -35,10 +22,6 @@ def meet(other, target=None, driver=None, **changes):
     return CollisionKind(outcome.kind[0]), int(outcome.step[0]), outcome
 
 
-def crossing_line(x):
-    return np.stack([np.full(60, float(x)), np.linspace(-120, 120, 60)], axis=1)
-
-
 @pytest.mark.parametrize(
     ("kind", "other", "target"),
     [
@@ -46,8 +29,8 @@ def crossing_line(x):
         (CollisionKind.FRONT, drive(LINE[::-1].copy(), 480, 8, 101), None),  # head-on: the target's front is in it
         (CollisionKind.HIT_FROM_BEHIND, drive(LINE, 20, 16, 101), None),
         (CollisionKind.HIT_STANDING, drive(LINE, 20, 16, 101), drive(LINE, 50, 0, 101)),
-        (CollisionKind.FRONT, drive(crossing_line(80), 120, 0, 101), None),  # into the side of one that stands across
-        (CollisionKind.HIT_IN_SIDE, drive(crossing_line(80), 88, 10, 101), None),  # it comes with its front into ours
+        (CollisionKind.FRONT, drive(across(80), 120, 0, 101), None),  # into the side of one that stands across
+        (CollisionKind.HIT_IN_SIDE, drive(across(80), 88, 10, 101), None),  # it comes with its front into ours
         (CollisionKind.FRONT, drive(beside(LINE, 1.5), 80, 0, 101), drive(LINE, 50, 30, 101)),  # fast, hardly overlapping
         (CollisionKind.HIT_FROM_BEHIND, drive(beside(LINE, -1.5), 20, 39, 101), None),
         (CollisionKind.AT_SPAWN, drive(LINE, 53, 10, 101), None),

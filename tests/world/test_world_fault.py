@@ -2,32 +2,15 @@
 
 import numpy as np
 import pytest
-import torch
 
 from drivegen.simulators.batch import Plugin
 from drivegen.world.fault import Contact, within_lane
-from drivegen.world.observation import Action
-from tests.scenes import LANE_WIDTH, drive, scenario, stack, straight_road
+from tests.scenes import LANE_WIDTH, across, drive, scenario, stack, straight_road
+from tests.world.steady import Steady
 
 ROAD = straight_road(600)
 LINE = ROAD.centreline[0].astype(np.float64)
 NEXT = ROAD.centreline[1].astype(np.float64)
-
-
-class Steady:
-    """Keeps its speed; moves to `offset` where it is given."""
-
-    name = "steady"
-
-    def __init__(self, offset=None):
-        self.offset = offset
-
-    def act(self, seen):
-        return Action(0 * seen.speed, None if self.offset is None else self.offset + torch.zeros_like(seen.speed))
-
-
-def across(x):
-    return np.stack([np.full(60, float(x)), np.linspace(-120, 120, 60)], axis=1)
 
 
 @pytest.mark.parametrize(

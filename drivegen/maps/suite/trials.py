@@ -1,10 +1,9 @@
 """A writer's way with every description of the suites: drawn as asked, declined, drawn as its offered sentence says, or wrong."""
 
-import resource
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from drivegen.core.cpu import cpu_seconds
 from drivegen.core.errors import UnusableInput
 from drivegen.maps.checks import failures
 from drivegen.maps.examine import examine
@@ -66,13 +65,13 @@ def tried(cases: Iterable[Case], writer: MapWriter, seed: int, judge: Judge | No
 
 
 def _tried(case: Case, writer: MapWriter, seed: int, judge: Judge | None) -> Trial:
-    began = _spent()
+    began = cpu_seconds()
     trial = _written(case, case.text, writer, seed, judge)
     offer = trial.refused.rpartition(TRY)[2].strip() if TRY in trial.refused else ""
     if offer and case.expect is not None:
         second = _written(case, offer, writer, seed, judge)
         trial = replace(trial, offer=offer, offer_wrong=second.wrong if second.drawn else (second.refused,))
-    return replace(trial, seconds=_spent() - began)
+    return replace(trial, seconds=cpu_seconds() - began)
 
 
 def _written(case: Case, text: str, writer: MapWriter, seed: int, judge: Judge | None) -> Trial:
@@ -90,8 +89,3 @@ def _written(case: Case, text: str, writer: MapWriter, seed: int, judge: Judge |
         wrong = (*failures(findings.checks), *case.wrong(findings.network, findings.structure))
         wrong += tuple(judge(text, case.traffic)) if judge is not None and case.traffic else ()
     return Trial(case, drawn=True, wrong=wrong, repairs=understanding.repairs, network=findings.network)
-
-
-def _spent() -> float:
-    children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.process_time() + children.ru_utime + children.ru_stime

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from drivegen.core.errors import UnusableInput
 from drivegen.layouts.spec import MapSpec
 from drivegen.lm.model import LanguageModel
-from drivegen.lm.prompt import NoAnswer, Prompt, fenced
+from drivegen.lm.prompt import NoAnswer, Prompt, fenced, is_quoted, one_line
 from drivegen.maps.checks import failures
 from drivegen.maps.examine import WrittenNetwork, examine
 from drivegen.maps.plain_xml import UnusableXml
@@ -104,13 +104,13 @@ class AskingWriter(ABC, Generic[A]):
             raise UnusableInput(f"no map by the {self.description}: {failure}", failure.reason) from None
         if spec is None:
             raise UnusableInput(
-                f"the {self.description} finds no road to draw: {_one_line(answer.cannot)}", reason="not-understood"
+                f"the {self.description} finds no road to draw: {one_line(answer.cannot)}", reason="not-understood"
             )
         return Understanding(
             spec=spec,
-            understood=tuple((_one_line(u.phrase), _one_line(u.meaning)) for u in answer.understood if _is_said(u.phrase, text)),
-            assumed=tuple(map(_one_line, answer.assumed)),
-            ignored=tuple(_one_line(word) for word in answer.ignored if _is_said(word, text)),
+            understood=tuple((one_line(u.phrase), one_line(u.meaning)) for u in answer.understood if is_quoted(u.phrase, text)),
+            assumed=tuple(map(one_line, answer.assumed)),
+            ignored=tuple(one_line(word) for word in answer.ignored if is_quoted(word, text)),
             writer=self.description,
             repairs=repairs,
             contradictions=tuple(contradicted),
@@ -144,7 +144,7 @@ class AskingWriter(ABC, Generic[A]):
         """What of the text a specification contradicts; a network that a model drew itself is held to its own numbers alone."""
         if self._contradictions is None or not isinstance(spec, MapSpec):
             return []
-        return [_one_line(line)[:_LONGEST_LINE] for line in self._contradictions(text, spec)[:LINES]]
+        return [one_line(line)[:_LONGEST_LINE] for line in self._contradictions(text, spec)[:LINES]]
 
     def _judged(self, answer: A) -> tuple[MapSpec | WrittenNetwork | None, list[str]]:
         """The map of an answer, and what is wrong with it: `LINES` lines at most."""
@@ -158,7 +158,7 @@ class AskingWriter(ABC, Generic[A]):
             wrong = [str(error), *error.messages[1:]]
         except UnusableInput as error:
             wrong = [str(error)]
-        return spec, [_one_line(line)[:_LONGEST_LINE] for line in wrong[:LINES]]
+        return spec, [one_line(line)[:_LONGEST_LINE] for line in wrong[:LINES]]
 
 
 def _again(answer: Said, wrong: str) -> tuple[str, str]:
@@ -169,11 +169,3 @@ def _or_fail(sound: T | None, why: str) -> T:
     if sound is None:
         raise NoAnswer(why, "invalid-answer")
     return sound
-
-
-def _is_said(phrase: str, text: str) -> bool:
-    return bool(phrase.strip()) and phrase.lower() in text.lower()
-
-
-def _one_line(words: str) -> str:
-    return " ".join("".join(c if c.isprintable() else " " for c in words).split())
