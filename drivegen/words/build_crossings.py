@@ -41,7 +41,7 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     if any((road.value("count") or 1) > 1 for road in side):
         raise Unfit("several side roads cross a road at several places")
     shape, count = _shape_and_count(scene, whole, joins, roads)
-    whole.values("evenly")
+    whole.accept("evenly")
     angles = _angles(count, shape, whole, side)
     first, second = _two_roads(count, shape, main, side, streets, joins)
     if not (first or second):
@@ -164,7 +164,7 @@ def _two_roads(
 def _group(shared: Thing, roads: list[Thing], arms: int) -> dict[str, Any]:
     """Lanes and limit that are said of one of two roads, or of both, and the length of each of its arms."""
     own = merged(roads)
-    own.values("count")
+    own.accept("count")
     one_way = own.has("one_way") or shared.has("one_way")
     lanes = lanes_of(own, one_way=own.has("one_way"), arms=True)
     lanes = lanes or lanes_of(shared, one_way=one_way, arms=True)

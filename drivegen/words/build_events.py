@@ -120,7 +120,7 @@ def _absorb(things: list[Thing]) -> None:
             raise Unfit("it is not clear which ramps the weaving section lies between")
         weaving.facts += [Fact("length", f.value, f.text, f.scope) for f in thing.facts if f.name in ("gap", "spacing")]
         weaving.facts += [f for f in thing.facts if f.name not in ("gap", "spacing", "side")]
-        thing.values("gap"), thing.values("spacing"), thing.values("side")
+        thing.accept("gap", "spacing", "side")
         things.remove(thing)
 
 
@@ -144,8 +144,7 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
     for event in events:
         facts = merged(event["thing"])
         ramp = event["kind"] in _AUXILIARY
-        for nothing in ("count", "setting", "merges", "leaves", "one_side", "has_auxiliary", "has_ramps", "row"):
-            facts.values(nothing)
+        facts.accept("count", "setting", "merges", "leaves", "one_side", "has_auxiliary", "has_ramps", "row")
         exact, given = given, facts.value("auxiliary") or facts.value("length")
         everywhere = everywhere and (facts.has("position") or (facts.has("gap") and not placed))
         length = given or _AUXILIARY.get(event["kind"], 0.0) * share

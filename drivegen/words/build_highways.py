@@ -30,7 +30,7 @@ def highway(scene: Scene, choices: Choices) -> Road:
     if carriageway and any(thing.text.endswith("carriageways") for thing in scene.things):
         raise Unfit("say 'one carriageway', or 'dual carriageway'")
     one_way = is_one_way(road) or carriageway
-    road.values("no_junctions"), road.values("signals")
+    road.accept("no_junctions", "signals")
     divided = bool(road.value("divided"))
     median = road.value("median")
     _no_ramps(road, scene)
@@ -74,7 +74,7 @@ def _no_ramps(road: Thing, scene: Scene) -> None:
     for name, kinds in ruled_out.items():
         if road.values(name) and scene.there(*kinds):
             raise Unfit("ramps are asked for and ruled out")
-    road.values("nothing_else")
+    road.accept("nothing_else")
 
 
 def _common(scene: Scene, road: Thing, *names: str) -> float | None:
@@ -101,9 +101,10 @@ def fork(scene: Scene, choices: Choices) -> Road:
         raise Unfit("each lane of a fork is of a branch")
     if any(count not in (1, 2) for count in whole.values("count")):
         raise Unfit("a fork has two branches")
-    whole.values("splits"), is_one_way(whole), whole.values("signals")
+    whole.accept("splits", "signals")
+    is_one_way(whole)  # whatever says so counts as used
     shared = merged(branch)
-    shared.values("count")
+    shared.accept("count")
     own = [lanes_of(merged(things), one_way=True) for things in both]
     pairs = [*whole.values("branch_lanes"), *((n, n) for n in (*whole.values("branch_each"), *shared.values("branch_each")))]
     pairs += [(n[0], n[0]) for n in [lanes_of(shared, one_way=True)] if n]

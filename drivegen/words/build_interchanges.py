@@ -26,7 +26,7 @@ def interchange(scene: Scene, _: Choices) -> Road:
     """A highway and a road over it, joined by ramps that end at crossings."""
     whole, main, upper, ramp = _parts(scene, "interchange")
     forms = set(whole.values("form")) or {"diamond"}
-    whole.values("has_roads")
+    whole.accept("has_roads")
     forms -= {"terminal"} if "diamond" in forms else set()
     forms -= {"diamond"} if len(forms) > 1 else set()
     if len(forms) > 1:
@@ -54,7 +54,7 @@ def _parts(scene: Scene, name: str) -> tuple[Thing, Thing, Thing, Thing]:
     upper = scene.named("upper", "street", "main", "cross", "arm")
     ramps = scene.named("ramp", "on_ramp", "off_ramp", "crossing")
     for thing in (*ramps, *highways, *upper):
-        thing.values("count")
+        thing.accept("count")
     whole = scene.merged(name)
     crossings = [fact for thing in ramps if thing.name == "crossing" for fact in thing.facts]
     ramp = merged([thing for thing in ramps if thing.name != "crossing"])
@@ -94,7 +94,9 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     if controlled:
         fields["control"] = control_of(Thing("", facts=[*whole.facts, *upper.facts]), False)
     else:
-        whole.values("signals"), main.values("signals"), upper.values("signals")
+        whole.accept("signals")
+        main.accept("signals")
+        upper.accept("signals")
     return fields
 
 

@@ -42,7 +42,7 @@ def roundabout(scene: Scene, choices: Choices) -> Road:
     speed = usual_speed([whole]) if speed is None else speed
     t_shaped = whole.value("shape") == "t"
     angles = [180.0, 0.0, 270.0] if t_shaped else [i * 360.0 / count for i in range(count)]
-    whole.values("evenly")
+    whole.accept("evenly")
     if whole.value("signals") is not True and set(whole.values("control")) - {"yield"}:
         raise Unfit("who enters a roundabout gives way")
     built = [{"angle": a, "lanes_in": lanes[0], "lanes_out": lanes[0], "length": length, "speed": speed} for a in angles]

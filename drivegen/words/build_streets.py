@@ -30,17 +30,17 @@ def street(scene: Scene, choices: Choices) -> Road:
     speed = speed_of(road)
     speed = usual_speed([road]) if speed is None else speed
     for thing in (road, *scene.things):
-        thing.values("row"), thing.values("evenly")
+        thing.accept("row", "evenly")
         if thing.name not in ("roundabout", ""):
-            thing.values("size")
+            thing.accept("size")
     base = {"kind": "corridor", "lanes": lanes[0], "lanes_back": 0 if one_way else lanes[1], "speed": speed}
-    road.values("no_junctions"), road.values("no_events")
+    road.accept("no_junctions", "no_events")
     junctions, gaps, first = _junctions(scene, road, base, choices, bool(mains and lanes))
     if not junctions:
-        road.values("nothing_else")
+        road.accept("nothing_else")
         if road.value("signals") is True or road.has("control", "turn_bans", *TURN_LANES):
             raise Unfit("there is no crossing that could be controlled or have turn lanes")
-        road.values("signals")
+        road.accept("signals")
         line = alignment(road, choices, (120, 180) if dead_end else (400, 600))
         return {**base, "alignment": line, "dead_end": dead_end}
     line = _line(road, choices, gaps, first)
@@ -57,7 +57,7 @@ def _line(road: Thing, choices: Choices, gaps: list[float], first: float | None)
         if first is None:
             raise Unfit("say where along a road with bends its junctions lie")
         return {**alignment(road, choices, (400, 600)), "start": first}
-    road.values("straight")
+    road.accept("straight")
     length = road.value("length")
     ends = choices.length("road before the first and after the last junction", 120, 160)
     if length is not None:
@@ -101,10 +101,11 @@ def _side_streets(
     residential = "residential" in {fact.value for fact in road.facts if fact.name == "setting"}
     spacing = spacing_of(road, sides) or choices.length("spacing", 70, 110)
     control = said_control([side, road]) or ("uncontrolled" if residential else "yield")
-    road.values("signals"), side.values("signals")
+    road.accept("signals")
+    side.accept("signals")
     junction = _joining(side, base) | {"control": control} | turns_at(merged([road, side]))
     both = any(thing.name == "cross" or thing.value("both_sides") for thing in sides)
-    side.values("alternate")
+    side.accept("alternate")
     all_on = road.value("side") or ("right" if side.value("same_side") else None)
     words = [thing for thing in sides for _ in range(counted(thing))]
     if len(words) > MOST:
@@ -130,7 +131,9 @@ def _staggered(
         raise Unfit("a staggered junction stands alone along its road")
     offset = spacing_of(road, [whole, side]) or whole.value("gap") or choices.length("offset", 40, 60)
     control = said_control([whole, side, road]) or "yield"
-    side.values("count"), whole.values("signals"), road.values("signals"), side.values("both_sides"), whole.values("setting")
+    side.accept("count", "both_sides")
+    whole.accept("signals", "setting")
+    road.accept("signals")
     if (speed := speed_of(whole)) is not None:
         base["speed"] = speed
     common = _joining(side, base) | {"control": control} | turns_at(merged([whole, side, road]))

@@ -43,9 +43,9 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
     if (width := merged(holders).value("lane_width")) is not None:
         fields["lane_width"] = width
     for thing in (scene.whole, *scene.things):
-        thing.values("setting"), thing.values("arterial")
+        thing.accept("setting", "arterial")
         if thing.name != "roundabout":
-            thing.values("size")
+            thing.accept("size")
     if left := scene.unused():
         raise Unfit(f"{left[0]!r} does not fit a road of the kind {fields['kind'].replace('_', ' ')} here")
     try:

@@ -46,6 +46,11 @@ class Thing:
             fact.used = True
         return [fact.value for fact in facts]
 
+    def accept(self, *names: str) -> None:
+        """Count these fields as used: what they say holds in what is drawn anyway, or is drawn elsewhere."""
+        for name in names:
+            self.values(name)
+
     def value(self, name: str) -> Any:
         """The only value of a field, None where nothing is said. Raises Unfit where two differ."""
         values = self.values(name)

@@ -115,7 +115,7 @@ def _group(thing: Thing, groups: list[_Group]) -> None:
 
 def _asks(thing: Thing) -> dict[str, Any]:
     asks: dict[str, Any] = {}
-    thing.values("around")
+    thing.accept("around")
     if thing.has("setting", "left_hand"):
         raise Unfit(f"it is not clear what {thing.text!r} has")
     for fact in thing.facts:
