@@ -40,6 +40,7 @@ _SPELLING = (
     (r"\bt(junction|intersection)(s?)\b", r"t \1\2"),
     (r"\bstop-?light(s?)\b", r"stop light\1"),
     (r"\bjct\b", "junction"),
+    (r"\bdia\b\.?", "diameter"),
     (r"\bpls\b", "please"),
     (r"\bgimme\b", "give me"),
     (r"\bgrey\b", "gray"),

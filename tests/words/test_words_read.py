@@ -353,3 +353,18 @@ def test_streets_that_cross_a_road_cross_it_one_after_another(text):
 def test_blocks_lie_between_streets():
     road = read("a grid of 2 by 3 city blocks", 7).road.road
     assert (road.rows, road.columns) == (3, 4)
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("the minor road cuts the major at 55 degrees", "the minor road crosses the major road at 55 degrees"),
+        ("a roundabout, inscribed circle dia 32 m", "a roundabout with a diameter of 32 m"),
+        ("a crossroads with right before left rule", "a crossroads with right before left"),
+        ("a freeway of 2 lanes each way, barrier down the middle", "a freeway of 2 lanes each way with a barrier"),
+        ("the road I drive home on is simply straight", "a straight road"),
+    ],
+)
+def test_other_words_for_the_same_draw_the_same(text, plain):
+    assert read(text, 7, "same").sentences() == read(plain, 7, "same").sentences()
+    assert read(text, 7, "same").road == read(plain, 7, "same").road
