@@ -29,17 +29,23 @@ def command(
     """Answer SQL over the results; nothing is changed, and no other file is read. `docs/store.md` has the tables."""
     answer = query(warehouse, sql)
     if csv:
-        pyarrow.csv.write_csv(answer, sys.stdout.buffer)
+        pyarrow.csv.write_csv(_flat(answer), sys.stdout.buffer)
     else:
         _show(answer)
+
+
+def _flat(answer: pa.Table) -> pa.Table:
+    """With lists and structs as text, for CSV has no such thing."""
+    columns = [pa.array(map(str, c.to_pylist())) if pa.types.is_nested(c.type) else c for c in answer.columns]
+    return pa.table(columns, names=answer.column_names)
 
 
 def _show(answer: pa.Table) -> None:
     """The first rows; where no screen is each in one line, for ids must not be cut."""
     console = Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else _WIDEST)
     table = Table(*answer.column_names, box=None, pad_edge=False, header_style="bold")
-    for row in answer.slice(0, _SHOWN).to_pylist():
-        table.add_row(*map(_cell, row.values()))
+    for row in zip(*(column.to_pylist() for column in answer.slice(0, _SHOWN).columns), strict=True):  # names may repeat
+        table.add_row(*map(_cell, row))
     for column in table.columns:
         column.overflow = "fold"
     console.print(table)

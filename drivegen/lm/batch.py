@@ -62,6 +62,8 @@ async def _call(model: Callable[[Line], "Model"], requests: Sequence[Request], k
             reason = "timeout"
         except AgentRunError as error:
             reason = "too-large" if line.too_large else reason_of(error)
+        except Exception:  # noqa: BLE001 as in `client`
+            reason = "invalid-answer"
         else:
             return [
                 _failure(request, url, reason_of(one)) if isinstance(one, Exception) else as_reply(one, key, retries=0)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 MOST_BYTES = 1_000_000
 """Of one HTTP body; an answer of ours has some thousands."""
 
+_MOST_TOKENS = 2**31
 _LONGEST_WAIT = 60.0  # [s] between two attempts, whatever Retry-After says
 _TOOL = "answer"
 
@@ -111,6 +112,8 @@ async def _call(model: Callable[[Line], "Model"], request: Request, settings: Ro
             reason = "timeout"
         except AgentRunError as error:
             reason = "too-large" if line.too_large else reason_of(error)
+        except Exception:  # noqa: BLE001 whatever the clients' readers make of a reply that is none
+            reason = "invalid-answer"
         else:
             return as_reply(response, key, max(0, line.attempts - 1))
     raise NoAnswer(
@@ -174,5 +177,6 @@ def _text(response: "ModelResponse") -> str:
 
 
 def _tokens(response: "ModelResponse") -> tuple[int | None, int | None]:
-    used = response.usage
-    return (used.input_tokens, used.output_tokens) if used.input_tokens or used.output_tokens else (None, None)
+    """In and out; None where the server says nothing or no number that can be."""
+    counts = response.usage.input_tokens, response.usage.output_tokens
+    return counts if any(counts) and all(0 <= count < _MOST_TOKENS for count in counts) else (None, None)

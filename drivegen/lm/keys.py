@@ -72,9 +72,12 @@ def _plain(text: str) -> str:
 
 
 def _readings(text: str) -> Iterator[str]:
-    """`text` as it is and decoded in every way, `LAYERS` deep."""
-    layer = {text}
-    yield text
+    r"""`text` as it is and decoded in every way of `_DECODERS`, `LAYERS` deep.
+
+    Line ends and tabs that are written out, as in JSON (`\n`), part no run. What is compressed is not looked into.
+    """
+    layer = {text, re.sub(r"(?<!\\)\\+[nrt]", "", text)}
+    yield from layer
     for _ in range(LAYERS):
         layer = {decode(one) for one in layer for decode in _DECODERS} - layer
         yield from layer
@@ -82,7 +85,7 @@ def _readings(text: str) -> Iterator[str]:
 
 def _escapes(text: str) -> str:
     r"""`\u0073`, `\x73`, `\163` and `\U00000073` as they stand in JSON and in source, with any number of backslashes."""
-    pattern = r"\\+(?:u\{([0-9a-fA-F]{1,6})\}|u([0-9a-fA-F]{4})|U([0-9a-fA-F]{8})|x([0-9a-fA-F]{2})|([0-7]{3}))"
+    pattern = r"(?<!\\)\\+(?:u\{([0-9a-fA-F]{1,6})\}|u([0-9a-fA-F]{4})|U([0-9a-fA-F]{8})|x([0-9a-fA-F]{2})|([0-7]{3}))"
     return re.sub(pattern, lambda m: _character(int(m[5], 8) if m[5] else int(m[1] or m[2] or m[3] or m[4], 16)), text)
 
 

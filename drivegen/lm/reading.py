@@ -1,12 +1,10 @@
 """From a reply's text to a validated answer, or to words that tell the model what to mend."""
 
-import re
-
 from pydantic import ValidationError
 
 from drivegen.lm.prompt import A, Prompt
 
-_FENCE = re.compile(r"\A\s*```[a-zA-Z]*\s*\n(.*?)\n?\s*```\s*\Z", re.DOTALL)
+_FENCE = "```"
 _MOST_LINES = 10
 _LONGEST_LINE = 200
 _LONGEST_REPLY = 1_000_000
@@ -21,9 +19,8 @@ def read(text: str, prompt: Prompt[A]) -> A:
     """The answer in `text`, bare JSON or JSON in a code fence. Raises InvalidReply."""
     if len(text) > _LONGEST_REPLY:
         raise InvalidReply(f"the reply has {len(text)} characters: answer in fewer")
-    fence = _FENCE.match(text)
     try:
-        answer = prompt.answer.model_validate_json(fence[1] if fence else text)
+        answer = prompt.answer.model_validate_json(_unfenced(text))
     except ValidationError as error:
         raise InvalidReply(_complaint(error)) from None
     if prompt.check is not None:
@@ -32,6 +29,13 @@ def read(text: str, prompt: Prompt[A]) -> A:
         except ValueError as error:
             raise InvalidReply(_short(str(error).splitlines())) from None
     return answer
+
+
+def _unfenced(text: str) -> str:
+    """What stands in a code fence that is all of the text, with or without the name of a language; else the text."""
+    name, line_end, inner = text.strip().removeprefix(_FENCE).partition("\n")
+    fenced = text.lstrip().startswith(_FENCE) and inner.endswith(_FENCE) and bool(line_end)
+    return inner.removesuffix(_FENCE) if fenced and (not name.strip() or name.strip().isalpha()) else text
 
 
 def _complaint(error: ValidationError) -> str:

@@ -130,27 +130,23 @@ def _done(work: Callable[[Task], Result], tasks: Sequence[Task], workers: int, w
     if workers <= 1 or len(tasks) <= 1:
         yield from enumerate(map(work, tasks))
     elif cluster := read_section(SHARED).get("cluster"):
-        yield from on_cluster(cluster, work, tasks, what)
+        yield from on_cluster(cluster, work, tasks, what, AHEAD)
     else:
         context = multiprocessing.get_context("spawn")  # fork is unsafe with torch, rerun and threads
         with ProcessPoolExecutor(min(workers, len(tasks)), mp_context=context) as pool:
             waiting: deque[Future[Result]] = deque()
-            for number, task in enumerate(tasks):
-                waiting.append(pool.submit(work, task))
-                if len(waiting) == AHEAD * workers:
-                    yield number + 1 - len(waiting), _result(waiting.popleft(), what)
-            while waiting:
-                yield len(tasks) - len(waiting), _result(waiting.popleft(), what)
-
-
-def _result(future: "Future[Result]", what: str) -> Result:
-    """What a process returns; raises MissingTool where one of them was killed."""
-    try:
-        return future.result()
-    except BrokenProcessPool:
-        raise MissingTool(
-            f"{what}: a process was killed, most likely because memory ran out: lower run.workers in params.yaml, or make room"
-        ) from None
+            try:
+                for number, task in enumerate(tasks):
+                    waiting.append(pool.submit(work, task))
+                    if len(waiting) == AHEAD * workers:
+                        yield number + 1 - len(waiting), waiting.popleft().result()
+                while waiting:
+                    yield len(tasks) - len(waiting), waiting.popleft().result()
+            except BrokenProcessPool:
+                raise MissingTool(
+                    f"{what}: a process was killed, most likely because memory ran out: lower run.workers in params.yaml, or "
+                    "make room"
+                ) from None
 
 
 def spread_splits(

@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
+from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
 from uuid import uuid4
@@ -43,8 +44,12 @@ class Run:
     packages: dict[str, str]
 
 
-def on_cluster(address: str, work: Callable[[Task], Result], tasks: Sequence[Task], what: str) -> Iterator[tuple[int, Result]]:
+def on_cluster(
+    address: str, work: Callable[[Task], Result], tasks: Sequence[Task], what: str, ahead: int
+) -> Iterator[tuple[int, Result]]:
     """The number and the result of each task, in the order in which they are done. Tasks of a worker that dies go to another.
+
+    So many tasks a thread are begun `ahead` of the first that is not done: results that wait for it must not fill the memory.
 
     Raises MissingTool where no cluster is at `address`, where it goes away, where a worker has not what this run has, or where
     several died of one task; and what `work` raises.
@@ -52,12 +57,22 @@ def on_cluster(address: str, work: Callable[[Task], Result], tasks: Sequence[Tas
     with _marked() as mark, _connected(address, what) as client:
         from distributed import as_completed
 
-        run = Run(mark, code(), packages())
-        numbers = {client.submit(_checked, work, task, run, pure=False): i for i, task in enumerate(tasks)}
-        for future in as_completed(list(numbers)):
+        run, most = Run(mark, code(), packages()), ahead * max(1, sum(client.nthreads().values()))
+        futures, numbers, done, due = as_completed(), dict[Any, int](), set[int](), 0
+        upcoming = iter(enumerate(tasks))
+        while due < len(tasks):
+            for number, task in islice(upcoming, most - len(numbers) - len(done)):
+                future = client.submit(_checked, work, task, run, pure=False)
+                numbers[future] = number
+                futures.add(future)
+            future = next(futures)
             result, seconds = _result(future, address, what)
             USED["cpu_seconds"] += seconds
-            yield numbers.pop(future), result
+            done.add(number := numbers.pop(future))
+            while due in done:
+                done.remove(due)
+                due += 1
+            yield number, result
 
 
 @contextmanager

@@ -388,6 +388,10 @@ def test_query_prints_a_table_as_wide_as_its_ids_or_csv(tmp_path):
     assert done.stdout.split() == ["scenario", "value", long, "0.25"]
     csv = run("query", "from results select value, sample", "--csv", cwd=tmp_path)
     assert csv.stdout.splitlines() == ['"value","sample"', "0.25,-1"]
+    done = run("query", "select a.sample, b.value as sample, a.stage from results a, results b", cwd=tmp_path)
+    assert done.stdout.split() == ["sample", "sample", "stage", "-1", "0.25", "drive"]
+    csv = run("query", "select [sample, 2] as both from results", "--csv", cwd=tmp_path)
+    assert csv.stdout.splitlines() == ['"both"', '"[-1, 2]"']
 
 
 def test_query_without_results_or_with_no_sql_is_one_sentence(tmp_path):

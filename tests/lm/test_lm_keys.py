@@ -3,6 +3,7 @@
 import base64
 import codecs
 import json
+import re
 from urllib.parse import quote
 
 import pytest
@@ -97,6 +98,8 @@ ENCODINGS = {
     "base64 for URLs": lambda text: base64.urlsafe_b64encode(text.encode()).decode().rstrip("="),
     "base64 after other words": lambda text: base64.b64encode(b"the key: " + text.encode()).decode(),
     "base64 in lines": lambda text: base64.encodebytes((text * 4).encode()).decode(),
+    "base64 in lines of JSON": lambda text: json.dumps({"why": base64.encodebytes((text * 4).encode()).decode()}),
+    "hex in lines of JSON": lambda text: json.dumps("\n".join(re.findall("..?", (text * 4).encode().hex()))),
     "base64 twice": lambda text: base64.b64encode(base64.b64encode(text.encode())).decode(),
     "base32": lambda text: base64.b32encode(text.encode()).decode(),
     "hex": lambda text: text.encode().hex(),

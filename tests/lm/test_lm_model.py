@@ -1,11 +1,13 @@
 """The seam against a server that answers well, badly, late, too much or not at all."""
 
+import json
 import socket
 
 import pytest
 
 from drivegen.core.errors import MissingTool
 from drivegen.lm.prompt import NoAnswer, OverBudget, fenced
+from drivegen.lm.reading import InvalidReply, read
 from drivegen.lm.records import Mode
 from tests.lm.asking import GOOD, model, question
 from tests.lm.chat_server import Says, serving
@@ -23,6 +25,23 @@ def test_a_good_answer_takes_one_request_and_holds_the_picture_and_the_schema(tm
     assert "place" in str(request.get("response_format") or request.get("tools") or request["messages"][0])
     [call] = asked.ledger.calls
     assert (call.outcome, call.input_tokens, call.output_tokens, call.cost) == ("answered", 120, 30, "unknown")
+
+
+def test_a_number_of_tokens_that_cannot_be_is_none(tmp_path):
+    usage = {"prompt_tokens": 10**30, "completion_tokens": 1, "total_tokens": 1}
+    message = {"index": 0, "finish_reason": "stop", "message": {"role": "assistant", "content": GOOD}}
+    body = {"id": "1", "object": "chat.completion", "created": 1, "model": "m", "choices": [message], "usage": usage}
+    with serving([Says(body=json.dumps(body).encode())]) as server:
+        asked = model(tmp_path, server.url)
+        assert asked.ask(question()).place == 2
+    assert asked.ledger.table()["input_tokens"].to_pylist() == [None]
+
+
+def test_a_fence_without_end_takes_no_time(tmp_path):
+    prompt = question()
+    for text in ("```" + "\n" * 500_000, "```json\n" + "`" * 500_000):
+        with pytest.raises(InvalidReply):
+            read(text, prompt)
 
 
 def test_json_in_a_code_fence_is_read(tmp_path):
@@ -103,9 +122,25 @@ def test_the_client_tries_again_where_the_server_asks_for_patience_or_fails(tmp_
         (Says(body=b"{" + b" " * 10_000_000 + b"}"), "too-large"),
         (Says(body=b"\x1f\x8b", headers={"Content-Encoding": "gzip"}), "too-large"),
         (Says(body=b"<html>busy</html>"), "server-error"),
+        *((Says(body=json.dumps({"object": "chat.completion", "choices": c}).encode()), "invalid-answer") for c in ([], 5, [5])),
+        (Says(body=b"[" * 200_000), "invalid-answer"),
         (Says(status=307, headers={"Location": "https://203.0.113.9/v1"}), "server-error"),
     ],
-    ids=["429", "500", "404", "401", "hang", "10 MB", "compressed", "no JSON", "redirect"],
+    ids=[
+        "429",
+        "500",
+        "404",
+        "401",
+        "hang",
+        "10 MB",
+        "compressed",
+        "no JSON",
+        "no choice",
+        "no list",
+        "no message",
+        "deep",
+        "redirect",
+    ],
 )
 def test_what_goes_wrong_on_the_way_is_a_typed_failure_without_the_servers_words(tmp_path, says, reason):
     with serving([says]) as server:

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -67,6 +68,19 @@ def test_tasks_run_in_the_workers_and_come_in_order(capsys):
     assert os.getpid() not in {pid for _, (_, pid) in done}
     assert capsys.readouterr().out.splitlines()[-1] == "squares 8/8"
     assert not any(on_dask.MARKS.iterdir())
+
+
+def slow_first(number: int) -> int:
+    if number == 0:
+        time.sleep(1.5)
+    return number
+
+
+def test_few_tasks_are_begun_before_the_first_is_done():
+    run = on_dask.on_cluster(str(_door.read_section("run")["cluster"]), slow_first, list(range(100)), "numbers", 4)
+    order = [number for number, _ in run]
+    assert sorted(order) == list(range(100))
+    assert max(order[: order.index(0)], default=0) < 4 * 2  # of two workers
 
 
 def test_a_stage_gives_the_same_bytes_there_as_here_and_its_seconds_are_counted(project):
@@ -137,4 +151,4 @@ def test_a_cluster_without_workers_is_one_sentence(tmp_path, monkeypatch):
         distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as cluster,
         pytest.raises(MissingTool, match=r"has no worker after 0\.2 s: start some \(docs/cluster\.md\)"),
     ):
-        list(on_dask.on_cluster(cluster.scheduler_address, process, [1], "squares"))
+        list(on_dask.on_cluster(cluster.scheduler_address, process, [1], "squares", 8))

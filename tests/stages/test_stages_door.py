@@ -16,6 +16,7 @@ import yaml
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.settings import read_tree
 from drivegen.store.files import whole
+from drivegen.sumo.netconvert import NetconvertRefused
 from stages import _door, asked, corner, evaluate, goals, ingest, place, rollout, train_planner
 
 
@@ -100,9 +101,28 @@ def killed(number: int) -> int:
     return number
 
 
+def killed_later(number: int) -> int:
+    return killed(number) if number == 18 else number
+
+
 def test_a_process_that_is_killed_is_one_sentence():
     with pytest.raises(MissingTool, match=r"^squares: a process was killed, .*: lower run\.workers in params\.yaml"):
         list(_door.spread(killed, [1, 2], 2, "squares"))
+
+
+def test_a_process_that_is_killed_while_others_wait_is_one_sentence():
+    with pytest.raises(MissingTool, match=r"^squares: a process was killed"):
+        list(_door.spread(killed_later, list(range(40)), 2, "squares"))
+
+
+def refused(number: int) -> int:
+    raise NetconvertRefused(f"network {number} is none", ["no nodes"])
+
+
+def test_what_a_process_refuses_is_refused_here():
+    with pytest.raises(NetconvertRefused, match=r"^network 1 is none$") as refusal:
+        list(_door.spread(refused, [1, 1], 2, "networks"))
+    assert (refusal.value.reason, refusal.value.messages) == ("netconvert", ("no nodes",))
 
 
 def test_no_tasks_are_no_results():
