@@ -116,8 +116,7 @@ def manoeuvres(start: AskedStart, samples: Samples, k: int) -> list[Item]:
             items.append(Item(order.manoeuvre.value, wording, False, 0.0))
             continue
         duty, natural = done[vehicle]
-        own = routes[vehicle][0] if routes[vehicle] else None
-        got = not samples.dropped[k, vehicle] and does(duty, samples.motion[k], target, own)
+        got = not samples.dropped[k, vehicle] and does(duty, samples.motion[k], target, routes[vehicle])
         items.append(Item(order.manoeuvre.value, wording, bool(got), natural))
     return items
 

@@ -13,7 +13,7 @@ from drivegen.asked.goals import Duty
 from drivegen.core.geometry import to_vehicle_frame, wrap_angle
 from drivegen.core.scenario import DT, TARGET, Trajectories, Vehicles
 from drivegen.placement.where import ALIKE, BESIDE, FARTHEST, NEAREST, TOLERANCE, TOLERANCE_SHARE, Relation
-from drivegen.roads.frenet import to_frenet
+from drivegen.roads.frenet import from_frenet, to_frenet
 from drivegen.roads.line import Route
 from drivegen.words.request import Manoeuvre
 
@@ -33,8 +33,14 @@ INTO = 1.2
 
 OUT = 1.9
 
-CHANGED = 2.5
-"""Who has changed lanes is this far from its own lane's middle [m]."""
+CHANGED, FARTHER = 2.5, 7.0
+"""Who has changed lanes is between these [m] beside its own lane's middle; who is farther away is on another road."""
+
+ALONG = np.deg2rad(30)
+"""Who is in a lane heads along it, within this [rad]; who crosses it or turns off does not."""
+
+LASTING = 5
+"""Steps running for which somebody is in a lane that it has changed or cut into."""
 
 SLACK = 1.0
 """[m] and [s] by which a place or a time may be missed."""
@@ -51,7 +57,9 @@ def stands(
         return abs(turn) > np.pi - ALIKE - 0.1 and x > 0 and _near(x, NEAREST - SLACK, FARTHEST + SLACK, distance)
     if relation in (Relation.FROM_LEFT, Relation.FROM_RIGHT):
         side = 1.0 if relation is Relation.FROM_LEFT else -1.0
-        return side * turn < 0 and abs(abs(turn) - np.pi / 2) < ALIKE + 0.1 and side * y > 0 and x > 0
+        across = side * turn < 0 and abs(abs(turn) - np.pi / 2) < ALIKE + 0.1
+        beside = _near(side * y, NEAREST - SLACK, FARTHEST + SLACK, None)
+        return across and beside and x > 0 and _near(x, 0.0, FARTHEST + SLACK, distance)
     if relation in (Relation.AHEAD, Relation.BEHIND):
         follower, leader = (TARGET, vehicle) if relation is Relation.AHEAD else (vehicle, TARGET)
         places = [to_frenet(route, vehicles.position[leader][None])[0] for route in routes[follower]]
@@ -87,10 +95,10 @@ def _in_line(routes: Sequence[Sequence[Route]], vehicles: Vehicles, members: lis
     return True
 
 
-def does(duty: Duty, motion: Trajectories, target_routes: Sequence[Route], own_route: Route | None) -> bool:
+def does(duty: Duty, motion: Trajectories, target_routes: Sequence[Route], own_routes: Sequence[Route]) -> bool:
     """Whether the vehicle does its duty in the motion (N, T) of one sample, in time.
 
-    `target_routes`, the one that the target follows first, and `own_route` keep their lanes: what "in its lane" means for the
+    `target_routes`, the one that the target follows first, and `own_routes` keep their lanes: what "in its lane" means for the
     target and for the vehicle. Who leaves the map is looked at until then.
     """
     track, target = (_there(motion[n]) for n in (duty.vehicle, TARGET))
@@ -108,7 +116,7 @@ def does(duty: Duty, motion: Trajectories, target_routes: Sequence[Route], own_r
         return bool((turned[:last] < -TURNED).any())
     if duty.manoeuvre in (Manoeuvre.CHANGE_LEFT, Manoeuvre.CHANGE_RIGHT):
         side = 1.0 if duty.manoeuvre is Manoeuvre.CHANGE_LEFT else -1.0
-        return own_route is not None and bool((side * to_frenet(own_route, track.position)[:last, 1] > CHANGED).any())
+        return bool(own_routes) and _lasts(_changed(own_routes, track, side)[:last])
     if duty.manoeuvre is Manoeuvre.TURN_LEFT_ACROSS:
         across = any(_crosses(route, track, last) for route in target_routes)
         return bool((turned[:last] > TURNED).any() and across)
@@ -118,6 +126,28 @@ def does(duty: Duty, motion: Trajectories, target_routes: Sequence[Route], own_r
 def _there(track: Trajectories) -> Trajectories:
     """A vehicle's track until it leaves the map; of no steps if it is not there from the beginning."""
     return track.until(int(np.argmin(np.append(track.valid, False))))
+
+
+def _lasts(holds: NDArray[np.bool_]) -> bool:
+    """Whether something (T,) holds for LASTING steps running."""
+    return bool((np.convolve(holds.astype(int), np.ones(LASTING, int)) == LASTING).any())
+
+
+def _heads_along(route: Route, s: NDArray[np.float32], heading: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """(T,) whether a vehicle at `s` (T,) heads as the route does there."""
+    return np.asarray(np.abs(wrap_angle(heading - from_frenet(route, s, np.zeros_like(s))[1])) < ALONG)
+
+
+def _changed(routes: Sequence[Route], track: Trajectories, side: float) -> NDArray[np.bool_]:
+    """(T,) whether a vehicle is in the lane to a `side` of its own, and on none of the ways that its own leads on."""
+    beside, on = np.zeros((2, track.steps), np.bool_)
+    for route in routes:
+        if route.lanes[0] == routes[0].lanes[0]:
+            s, d = to_frenet(route, track.position).T
+            along = _heads_along(route, s, track.heading)
+            beside |= along & (side * d > CHANGED) & (side * d < FARTHER)
+            on |= along & (np.abs(d) <= CHANGED)
+    return beside & ~on
 
 
 def _crosses(route: Route, track: Trajectories, last: int) -> bool:
@@ -132,7 +162,8 @@ def _before_target(duty: Duty, track: Trajectories, target: Trajectories, route:
     s, d = to_frenet(route, track.position[:both]).T
     own, _ = to_frenet(route, target.position[:both]).T
     if duty.manoeuvre is Manoeuvre.CUT_IN:
-        return bool(abs(d[0]) > OUT and ((np.abs(d) < INTO) & (s > own))[:last].any())
+        before = (np.abs(d) < INTO) & (s > own) & _heads_along(route, s, track.heading[:both])
+        return bool(abs(d[0]) > OUT) and _lasts(before[:last])
     return bool(s[0] < own[0] and (s > own + 2.0)[:last].any())
 
 

@@ -15,7 +15,10 @@ ROUTE_SPACING = 1.0
 """Distance between points of a route line [m]."""
 
 ROUTE_POINTS = 448
-"""P, points of every padded route line: 40 m/s for 11 s; fixed, so that a result does not depend on its batch."""
+"""P, points of every padded route line: 40 m/s for 11 s; fixed, so that a result does not depend on its batch.
+
+A path goes straight on beyond them.
+"""
 
 PARKED_SPEED = 0.3
 """[m/s] A vehicle slower than this, with a goal nearer than PARKED_GOAL, stays exactly where it is."""

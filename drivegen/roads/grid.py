@@ -139,6 +139,8 @@ def _near(x, y, radius, piece, lane, s, origin, cell, columns, rows, start):  # 
                     count += 1
                 else:
                     k = int(np.argmax(numbers[:, 3]))
+                    if distance >= numbers[k, 3]:
+                        continue
                 numbers[k, 3] = np.inf
                 lanes[k] = lane[i]
             if distance < numbers[k, 3]:

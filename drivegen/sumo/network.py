@@ -2,7 +2,8 @@
 
 SUMO's internal lanes, the ways across a junction, become lanes `in_junction`; a connection `from -> to via x` becomes
 the links `from -> x -> to`, and its right of way or traffic light guards the entry into x. Networks without internal
-lanes link directly. Rail, water and foot lanes are left out, bicycle lanes are BIKE.
+lanes link directly; with signals they are refused, because one lane would have the lights of all ways into it. Rail,
+water and foot lanes are left out, bicycle lanes are BIKE.
 """
 
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.errors import naming
+from drivegen.core.errors import UnusableInput, naming
 from drivegen.core.geometry import Floats, Polylines
 from drivegen.core.roadmap import LaneControl, LaneKind, RoadMap
 from drivegen.core.safe_xml import parse
@@ -57,7 +58,8 @@ class Network:
     def read(cls, raw: bytes, place: str) -> "Network":
         """A network from the bytes of a file; `place` names it in errors.
 
-        Raises UnusableInput for anything that is no SUMO network with at least one lane for vehicles or bicycles.
+        Raises UnusableInput for anything that is no SUMO network with at least one lane for vehicles or bicycles, and for one
+        whose signals stand where there are no internal lanes.
         """
         return cls.of(parse(raw, place, root="net"), place)
 
@@ -182,8 +184,19 @@ def _read_connections(root: Element, lanes: NetLanes, place: str) -> _Connection
             signals.append((light, net_lanes.whole_number(element, "linkIndex", place), entered))
     onward = {source for source, _ in links}
     links += [(via, target) for via, target in through if via not in onward]  # old files leave the second half out
+    _each_light_has_its_lane(signals, lanes, place)
     table = np.unique(np.array(links, np.int32).reshape(-1, 2), axis=0)
     return _Connections(table, control, sorted(set(signals)), dangling)
+
+
+def _each_light_has_its_lane(signals: list[tuple[str, int, int]], lanes: NetLanes, place: str) -> None:
+    """Raise UnusableInput where a light guards the entry into a lane outside junctions, which all ways into it share."""
+    if not all(lanes.internal[lane] for _, _, lane in signals):
+        raise UnusableInput(
+            f"{place} has signals but no lanes within its junctions, so no light can be told from the others: add them with "
+            "netconvert -s IN.net.xml --no-internal-links false -o OUT.net.xml",
+            reason="no-internal-lanes",
+        )
 
 
 def _control(state: str, light: str | None) -> LaneControl:

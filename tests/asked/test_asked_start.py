@@ -148,29 +148,29 @@ def changing(start, speed, at, steps=101):
 
 def test_cut_ins_are_told_from_driving_beside_and_in_time():
     log, routes = two_lanes(right_lane(20, 10), changing(35, 10, 60))
-    assert does(Duty(1, Manoeuvre.CUT_IN, None), log, routes[:1], routes[1])
-    assert does(Duty(1, Manoeuvre.CHANGE_RIGHT, None), log, routes[:1], routes[1])
-    assert not does(Duty(1, Manoeuvre.CUT_IN, 1.0), log, routes[:1], routes[1])
+    assert does(Duty(1, Manoeuvre.CUT_IN, None), log, routes[:1], routes[1:2])
+    assert does(Duty(1, Manoeuvre.CHANGE_RIGHT, None), log, routes[:1], routes[1:2])
+    assert not does(Duty(1, Manoeuvre.CUT_IN, 1.0), log, routes[:1], routes[1:2])
     late = log.until(20)
-    assert not does(Duty(1, Manoeuvre.CUT_IN, None), late, routes[:1], routes[1])
+    assert not does(Duty(1, Manoeuvre.CUT_IN, None), late, routes[:1], routes[1:2])
     behind, lines = two_lanes(right_lane(90, 10), changing(35, 10, 60))
-    assert not does(Duty(1, Manoeuvre.CUT_IN, None), behind, lines[:1], lines[1])
+    assert not does(Duty(1, Manoeuvre.CUT_IN, None), behind, lines[:1], lines[1:2])
 
 
 def test_braking_overtaking_and_standing_are_measured():
     log, routes = two_lanes(right_lane(50, 8), right_lane(90, 12, -BRAKING - 1), right_lane(130, 12, -1.0), right_lane(10, 0))
-    assert does(Duty(1, Manoeuvre.HARD_BRAKING, None), log, routes[:1], routes[1])
-    assert not does(Duty(2, Manoeuvre.HARD_BRAKING, None), log, routes[:1], routes[2])
-    assert does(Duty(3, Manoeuvre.STOPPED, None), log, routes[:1], routes[3])
-    assert not does(Duty(1, Manoeuvre.STOPPED, None), log, routes[:1], routes[1])
+    assert does(Duty(1, Manoeuvre.HARD_BRAKING, None), log, routes[:1], routes[1:2])
+    assert not does(Duty(2, Manoeuvre.HARD_BRAKING, None), log, routes[:1], routes[2:3])
+    assert does(Duty(3, Manoeuvre.STOPPED, None), log, routes[:1], routes[3:4])
+    assert not does(Duty(1, Manoeuvre.STOPPED, None), log, routes[:1], routes[1:2])
     fast, lines = two_lanes(right_lane(50, 5), changing(20, 15, 900))
-    assert does(Duty(1, Manoeuvre.OVERTAKE, None), fast, lines[:1], lines[1])
-    assert not does(Duty(1, Manoeuvre.OVERTAKE, 1.0), fast, lines[:1], lines[1])
+    assert does(Duty(1, Manoeuvre.OVERTAKE, None), fast, lines[:1], lines[1:2])
+    assert not does(Duty(1, Manoeuvre.OVERTAKE, 1.0), fast, lines[:1], lines[1:2])
     gone = replace(fast, valid=fast.valid & (np.arange(2)[:, None] != 1))
-    assert not does(Duty(1, Manoeuvre.OVERTAKE, None), gone, lines[:1], lines[1])
+    assert not does(Duty(1, Manoeuvre.OVERTAKE, None), gone, lines[:1], lines[1:2])
     for until, overtakes in ((60, True), (20, False)):  # it leaves the map then
         left = replace(fast, valid=fast.valid & ((np.arange(2)[:, None] != 1) | (np.arange(101) < until)))
-        assert does(Duty(1, Manoeuvre.OVERTAKE, None), left, lines[:1], lines[1]) == overtakes
+        assert does(Duty(1, Manoeuvre.OVERTAKE, None), left, lines[:1], lines[1:2]) == overtakes
 
 
 def test_the_bench_gives_a_row_with_a_price_and_rates_by_kind(initialiser, tools):

@@ -9,6 +9,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.maps.build import build_map
 from drivegen.maps.imports import Window, import_map
 from drivegen.maps.opendrive import export_opendrive
+from drivegen.sumo.netconvert import convert
 from drivegen.words.writer import Writer
 
 OSM = b"""<?xml version="1.0"?><osm version="0.6">
@@ -61,6 +62,21 @@ def test_a_map_goes_out_as_opendrive_and_comes_back(grid: bytes) -> None:
 def test_an_imported_map_is_saved_with_its_picture(grid: bytes, tmp_path: Path) -> None:
     import_map(grid, "grid.net.xml", Window(120.0)).save(tmp_path)
     assert {file.name for file in tmp_path.iterdir()} == {"map.net.xml", "map.json", "map.png"}
+
+
+def test_signals_without_lanes_within_junctions_are_refused_until_these_are_added() -> None:
+    whole = build_map("a crossing with traffic lights", 7, Writer()).network
+
+    def again(network: bytes, value: str) -> bytes:
+        arguments = ["-s", "in.net.xml", "--no-internal-links", value, "-o", "out.net.xml"]
+        return convert({"in.net.xml": network}, arguments, "out.net.xml", 60.0)
+
+    bare = again(whole, "true")
+    for window in (None, Window(150.0)):
+        with pytest.raises(UnusableInput, match=r"bare.*netconvert.*--no-internal-links false") as caught:
+            import_map(bare, "bare", window)
+        assert caught.value.reason == "no-internal-lanes"
+    assert len(import_map(again(bare, "false"), "mended").road_map) == len(import_map(whole, "whole").road_map)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,9 @@ import pytest
 from drivegen.core.scenario import Scenario
 from drivegen.core.signals import Signals, SignalState
 from drivegen.planners.base import ROUTE_POINTS, Examples, PlanRequests
-from drivegen.planners.shared.requests import Goals, examples_from_logs, plan_requests
+from drivegen.planners.shared.motion import GRID, Residuals, decode
+from drivegen.planners.shared.paths import Frames
+from drivegen.planners.shared.requests import Goals, examples_from_logs, moved, plan_requests
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.routes import feasible_routes
 from tests.scenes import crossing, drive, joined, scenario, stack, straight_road
@@ -79,6 +81,21 @@ def test_route_lines_are_padded_straight_on() -> None:
     assert requests.route_line.shape == (1, ROUTE_POINTS, 2)
     np.testing.assert_allclose(requests.route_line[0, :, 1], 0, atol=1e-3)
     np.testing.assert_allclose(np.diff(requests.route_line[0, :, 0]), 1, atol=1e-2)
+
+
+@pytest.mark.parametrize("metres", [448.0, 520.0, 560.0])
+def test_a_goal_beyond_the_table_of_its_route_is_reached_without_braking(metres: float) -> None:
+    scene = scenario(straight_road(1500.0), stack([drive(np.array([[0.0, 0.0], [1400.0, 0.0]]), 50, 45, 101)]))
+    route = feasible_routes(LaneGraph.of(scene.map), scene.vehicles.position[0], 0.0, 45.0, 700.0)[0]
+    zero, far = np.zeros(1, np.int32), np.array([metres])
+    goals = Goals(zero, zero, np.array([[50.0 + metres, 0.0]]), zero, 2 * far / 10 - 45, zero + 100, zero, far, np.zeros(1))
+    requests = plan_requests([scene], [route], goals, np.zeros(1, np.int64))
+    nothing = np.zeros((1, GRID), np.float32)
+    x, y = decode(Frames.of(requests), requests, Residuals(nothing, nothing, nothing), 101).position[0].T
+    assert np.diff(x).min() > 4.4
+    assert x[-1] == pytest.approx(50 + metres, abs=1e-3)
+    assert np.abs(y).max() < 1e-3
+    assert moved(requests, -far, np.ones(1), -far).goal_position.tolist() == requests.goal_position.tolist()
 
 
 def logged(number: int) -> Examples:

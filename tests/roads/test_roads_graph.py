@@ -1,12 +1,14 @@
 """The lane graph against brute force and against what the hand-made maps are known to hold."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.core.geometry import project
 from drivegen.core.roadmap import NO_LANE, LaneKind
 from drivegen.roads.graph import BEYOND, LaneGraph
+from drivegen.roads.grid import MOST_HITS, SegmentGrid
 from tests import scenes
 
 CROSSING = scenes.crossing()
@@ -45,6 +47,14 @@ def test_near_finds_what_a_search_over_all_lanes_finds(x, y, radius):
         if abs(d) < radius - 1e-2 and 0 < s < GRAPH.length[lane]:
             assert np.isclose(found[lane], abs(d), atol=1e-2)
     assert (np.diff(hits.distance) >= 0).all()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_of_more_lanes_than_a_query_reports_the_nearest_are_kept(seed):
+    away = np.random.default_rng(seed).uniform(0, 14.9, 60)
+    pieces = np.stack([np.zeros(60), away, np.ones(60), away], axis=1)
+    hits = SegmentGrid.of(pieces, np.arange(60, dtype=np.int32), np.zeros(60, np.float32)).near(np.array([0.5, 0.0]), 15.0)
+    assert np.allclose(hits.distance, np.sort(away)[:MOST_HITS])
 
 
 def test_a_lane_that_nothing_leads_to_is_found_before_its_start():

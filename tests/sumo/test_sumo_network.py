@@ -139,6 +139,7 @@ def test_a_lane_of_no_length_points_where_the_lane_before_it_ends():
         (RAW.replace(b'shape="110,98.4 200,98.4"', b'shape="110,98.4"'), "bad-map"),
         (RAW.replace(b'speed="13.89"', b'speed="-1"'), "bad-map"),
         (RAW.replace(b'linkIndex="0"', b'linkIndex="x"'), "bad-map"),
+        (RAW.replace(b'via=":c_0_0" tl', b"tl"), "no-internal-lanes"),
         (RAW.replace(b'duration="30"', b'duration="inf"'), "bad-map"),
         (b"<!DOCTYPE net [<!ENTITY e SYSTEM 'file:///etc/hostname'>]>" + RAW, "xml-dtd"),
     ],

@@ -158,8 +158,9 @@ def bezier_paths(start: Doubles, goal: Doubles) -> tuple[Doubles, Doubles]:
 
 @njit(cache=True)
 def point_on(line: Doubles, s: float) -> tuple[float, float, float, float, float]:
-    """x, y, unit tangent, curvature of the path `line` (P, 2) at distance s [m], held inside the line."""
+    """x, y, unit tangent, curvature of the path `line` (P, 2) at s [m]: its first point before it, straight on beyond it."""
     last = len(line) - 1
+    beyond = max(s - last, 0.0)
     s = min(max(s, 0.0), last - 1e-6)
     i = int(s)
     f = s - i
@@ -173,17 +174,19 @@ def point_on(line: Doubles, s: float) -> tuple[float, float, float, float, float
     tx = ax + f * (2 * (3 * dx - 2 * ax - bx) + 3 * f * (ax + bx - 2 * dx))
     ty = ay + f * (2 * (3 * dy - 2 * ay - by) + 3 * f * (ay + by - 2 * dy))
     norm = max(np.hypot(tx, ty), 1e-9)
-    curvature = (ax * by - ay * bx) / max(np.hypot(ax, ay) * np.hypot(bx, by), 1e-9)
-    return x, y, tx / norm, ty / norm, curvature
+    tx, ty = tx / norm, ty / norm
+    curvature = (ax * by - ay * bx) / max(np.hypot(ax, ay) * np.hypot(bx, by), 1e-9) if beyond == 0 else 0.0
+    return x + beyond * tx, y + beyond * ty, tx, ty, curvature
 
 
 @njit(cache=True)
 def locate(line: Doubles, x: float, y: float, low: float, high: float) -> tuple[float, float]:
     """s and d [m] of the point (x, y), searched for between s = low and s = high."""
-    first, last = max(int(low), 0), min(int(high) + 1, len(line) - 1)
+    first, last = max(int(low), 0), int(high) + 1
     best, squared = first, np.inf
     for p in range(first, last + 1):
-        away = (line[p, 0] - x) ** 2 + (line[p, 1] - y) ** 2
+        px, py = (line[p, 0], line[p, 1]) if p < len(line) else point_on(line, float(p))[:2]
+        away = (px - x) ** 2 + (py - y) ** 2
         if away < squared:
             best, squared = p, away
     s, d = float(best), 0.0

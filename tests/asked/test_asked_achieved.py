@@ -1,0 +1,88 @@
+"""Was it done? Motion that is something else does not count, and real lane changes do."""
+
+import numpy as np
+import pytest
+
+from drivegen.asked.achieved import does, stands
+from drivegen.asked.goals import Duty
+from drivegen.core.roadmap import RoadMap
+from drivegen.core.scenario import Trajectories
+from drivegen.placement.where import Relation
+from drivegen.roads.graph import LaneGraph
+from drivegen.roads.line import Route
+from drivegen.roads.routes import feasible_routes
+from drivegen.words.request import Manoeuvre
+from tests.scenes import beside, crossing, drive, joined, road_map, scenario, stack
+
+CROSSING = crossing()
+STRAIGHT, FROM_LEFT, FROM_RIGHT = ((0, 8, 4), (3, 17, 7), (1, 11, 5))
+
+
+def way(lanes: tuple[int, ...], start: float, speed: float) -> Trajectories:
+    """A car on the lanes of the crossing."""
+    return drive(joined(CROSSING, *lanes), start, speed, 101)
+
+
+def done(roads: RoadMap, target: Trajectories, other: Trajectories) -> set[Manoeuvre]:
+    """Lane changes and cut-ins that the other vehicle is said to have made."""
+    lines = [keeping(roads, track) for track in (target, other)]
+    asked = (Manoeuvre.CHANGE_LEFT, Manoeuvre.CHANGE_RIGHT, Manoeuvre.CUT_IN)
+    return {m for m in asked if does(Duty(1, m, None), stack([target, other]), lines[0][:1], lines[1])}
+
+
+def keeping(roads: RoadMap, track: Trajectories) -> list[Route]:
+    graph, speed = LaneGraph.of(roads), float(track.speed[0])
+    routes = feasible_routes(graph, track.position[0], float(track.heading[0]), speed, 150.0)
+    return [route for route in routes if route.lane_changes == 0]
+
+
+def arc(radius: float, side: float = 1.0, length: float = 250.0) -> np.ndarray:
+    """A line from the origin along +x that bends to its left (`side` 1) or right (-1)."""
+    angle = np.arange(0.0, length / radius, 2.0 / radius)
+    return np.stack([radius * np.sin(angle), side * radius * (1 - np.cos(angle))], axis=1)
+
+
+@pytest.mark.parametrize("lanes", [(0, 9, 5), (0, 10, 7)])
+def test_a_turn_at_a_junction_is_no_lane_change(lanes):
+    assert done(CROSSING, way(STRAIGHT, 20, 8), way(lanes, 40, 9)) == set()
+
+
+@pytest.mark.parametrize("speed", [4.0, 9.0])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_nor_is_the_wide_branch_of_a_fork(side, speed):
+    ahead = np.stack([np.linspace(0, 250, 51), np.zeros(51)], axis=1)
+    into = ahead - [250.0, 0.0]
+    fork = road_map([into, ahead, arc(60.0, side)], links=[(0, 1), (0, 2)])
+    turning = drive(np.concatenate([into, arc(60.0, side)[1:]]), 240, speed, 101)
+    assert done(fork, drive(np.concatenate([into, ahead[1:]]), 200, 4, 101), turning) == set()
+
+
+@pytest.mark.parametrize("across", [FROM_LEFT, FROM_RIGHT])
+@pytest.mark.parametrize("start", [5, 20])
+def test_crossing_traffic_does_not_cut_in(across, start):
+    assert done(CROSSING, way(STRAIGHT, 20, 8), way(across, start, 11)) == set()
+
+
+@pytest.mark.parametrize("seconds", [2.0, 4.0, 8.0])
+@pytest.mark.parametrize("speed", [8.0, 15.0])
+@pytest.mark.parametrize("bend", [1.0, -1.0])
+def test_lane_changes_slow_and_quick_count_on_bends_too(bend, speed, seconds):
+    right = arc(120.0, bend)
+    left = beside(right, 3.5)
+    roads = road_map([right, left], neighbours=[(1, 0)])
+    share = np.clip((np.arange(len(right)) * 2.0 - 25) / (seconds * speed), 0, 1)[:, None]
+    share = share * share * (3 - 2 * share)
+    target = drive(right, 0, speed, 101)
+    assert done(roads, target, drive(left + (right - left) * share, 20, speed, 101)) == {Manoeuvre.CHANGE_RIGHT, Manoeuvre.CUT_IN}
+    assert done(roads, target, drive(right + (left - right) * share, 20, speed, 101)) == {Manoeuvre.CHANGE_LEFT}
+    assert done(roads, target, drive(left, 20, speed, 101)) == set()
+
+
+@pytest.mark.parametrize(("lanes", "relation"), [(FROM_LEFT, Relation.FROM_LEFT), (FROM_RIGHT, Relation.FROM_RIGHT)])
+def test_who_comes_from_the_side_is_as_far_away_as_asked(lanes, relation):
+    vehicles = scenario(CROSSING, stack([way(STRAIGHT, 40, 6), way(lanes, 20, 8)])).vehicles
+    x = float(vehicles.position[1, 0] - vehicles.position[0, 0])
+    assert 45 < x < 55
+    assert stands([[], []], vehicles, 1, relation, None)
+    got = [metres for metres in (10.0, 30.0, 50.0, 200.0) if stands([[], []], vehicles, 1, relation, metres)]
+    assert got == [50.0]
