@@ -1,7 +1,7 @@
 """What kind of scene it is: road, the vehicles' manoeuvres, the target's conflict with the others, density.
 
-Labels are read off geometry with the thresholds below; they sort scenes in tables, and of metrics
-`distance.manoeuvres` alone counts them, by the speeds that a method reports.
+Labels are read off geometry with the thresholds below; they sort scenes in tables, and of
+metrics the distance of manoeuvres alone counts them, by the speeds that a method reports.
 """
 
 from collections import Counter

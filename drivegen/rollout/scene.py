@@ -34,7 +34,7 @@ FAILED = 3.0
 """Each failed trajectory makes its goal exp(3), 20 times, less likely to be tried again."""
 
 MOST = 16
-"""Rounds, and attempts in each, at most: an attempt's number has eight bits of its request's seed (`batch._mixed`)."""
+"""Rounds, and attempts in each, at most: an attempt's number has eight bits of its request's seed (`batch._row_seeds`)."""
 
 ALIKE = np.pi / 3
 """Headings that differ by less [rad] are one direction of travel."""

@@ -22,11 +22,8 @@ from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder
 from drivegen.cli import doctor
 from drivegen.core.scenario import Actors, Trajectories, VehicleKind
-from drivegen.lm.ledger import CALLS
-from drivegen.store.results import Run, result_rows
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import read_shard, write_shard
-from drivegen.warehouse import database as warehouse
 from tests import scenes
 from tests.small_datasets import sensor_log
 
@@ -376,29 +373,3 @@ def test_help_lists_every_command(tmp_path):
 def test_the_version_is_that_of_the_package(tmp_path):
     done = run("--version", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, f"drivegen {importlib.metadata.version('drivegen')}\n")
-
-
-def test_query_prints_a_table_as_wide_as_its_ids_or_csv(tmp_path):
-    long = "a-recording-with-a-name-that-is-longer-than-a-line-of-a-terminal-of-eighty-characters-00000-12"
-    tables = {"results": result_rows(Run("x", "drive", "log", "idm", 7, "batch"), [long], {"collision": np.array([0.25])})}
-    warehouse.build(tmp_path / "reports/drivegen.duckdb", {**tables, "calls": CALLS.empty_table()})
-    listed = run("query", cwd=tmp_path)
-    assert re.search(r"^parameters +stage, name, value *$", listed.stdout, re.MULTILINE), listed.stderr
-    done = run("query", "select scenario, value from results", cwd=tmp_path)
-    assert done.stdout.split() == ["scenario", "value", long, "0.25"]
-    csv = run("query", "from results select value, sample", "--csv", cwd=tmp_path)
-    assert csv.stdout.splitlines() == ['"value","sample"', "0.25,-1"]
-    done = run("query", "select a.sample, b.value as sample, a.stage from results a, results b", cwd=tmp_path)
-    assert done.stdout.split() == ["sample", "sample", "stage", "-1", "0.25", "drive"]
-    csv = run("query", "select [sample, 2] as both from results", "--csv", cwd=tmp_path)
-    assert csv.stdout.splitlines() == ['"both"', '"[-1, 2]"']
-
-
-def test_query_without_results_or_with_no_sql_is_one_sentence(tmp_path):
-    done = run("query", "from results", cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (1, "")
-    assert "reports/drivegen.duckdb is not here: `make run` makes it" in done.stderr
-    warehouse.build(tmp_path / "reports/drivegen.duckdb", {"calls": CALLS.empty_table()})
-    done = run("query", "selct 1", cwd=tmp_path)
-    assert done.returncode == 2
-    assert len(done.stderr.splitlines()) == 1

@@ -1,0 +1,36 @@
+"""`drivegen query`: what it prints of an answer, and what it says where there is none."""
+
+import re
+
+import numpy as np
+
+from drivegen.lm.ledger import CALLS
+from drivegen.store.results import Run, result_rows
+from drivegen.warehouse import database as warehouse
+from tests.cli.test_cli_commands import run
+
+
+def test_query_prints_a_table_as_wide_as_its_ids_or_csv(tmp_path):
+    long = "a-recording-with-a-name-that-is-longer-than-a-line-of-a-terminal-of-eighty-characters-00000-12"
+    tables = {"results": result_rows(Run("x", "drive", "log", "idm", 7, "batch"), [long], {"collision": np.array([0.25])})}
+    warehouse.build(tmp_path / "reports/drivegen.duckdb", {**tables, "calls": CALLS.empty_table()})
+    listed = run("query", cwd=tmp_path)
+    assert re.search(r"^parameters +stage, name, value *$", listed.stdout, re.MULTILINE), listed.stderr
+    done = run("query", "select scenario, value from results", cwd=tmp_path)
+    assert done.stdout.split() == ["scenario", "value", long, "0.25"]
+    csv = run("query", "from results select value, sample", "--csv", cwd=tmp_path)
+    assert csv.stdout.splitlines() == ['"value","sample"', "0.25,-1"]
+    done = run("query", "select a.sample, b.value as sample, a.stage from results a, results b", cwd=tmp_path)
+    assert done.stdout.split() == ["sample", "sample", "stage", "-1", "0.25", "drive"]
+    csv = run("query", "select [sample, 2] as both from results", "--csv", cwd=tmp_path)
+    assert csv.stdout.splitlines() == ['"both"', '"[-1, 2]"']
+
+
+def test_query_without_results_or_with_no_sql_is_one_sentence(tmp_path):
+    done = run("query", "from results", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "reports/drivegen.duckdb is not here: `make run` makes it" in done.stderr
+    warehouse.build(tmp_path / "reports/drivegen.duckdb", {"calls": CALLS.empty_table()})
+    done = run("query", "selct 1", cwd=tmp_path)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
