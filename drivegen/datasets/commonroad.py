@@ -18,6 +18,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
 from drivegen.core.signals import Signals
 from drivegen.datasets._targets import spread_targets
+from drivegen.datasets.base import id_of
 
 SPLITS = ("train", "val", "test")
 
@@ -83,7 +84,7 @@ def _cut(log: RecordedLog, scene: str, first: int, target: int) -> RecordedLog:
     present = np.asarray(motion.valid.any(-1))
     return replace(
         log,
-        scenario_id=scene.replace(":", "-"),  # it will name a folder when exported
+        scenario_id=id_of(scene),
         track_id=log.track_id[present],
         kind=log.kind[present],
         size=log.size[present],
