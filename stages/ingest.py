@@ -83,10 +83,11 @@ def _make_shards(params: Params, sources: Sources, plan: Plan, out: Path) -> dic
     chosen, again = once({split: items(plan, sources.open, split) for split in SPLITS})
     tasks = {split: list(plan_shards(chosen[split], sources, settings, params.shard_size, out, split)) for split in SPLITS}
     admissions = {split: Admission() for split in SPLITS}
-    for split, item in [(split, item) for split in SPLITS for item in again[split]]:
-        data, _, scene = sources.scene(item)
-        twice = UnusableInput(f"{item}: another scene has this name, which is the scenario's id", reason="duplicate-id")
-        admissions[split].reject(data, scene, twice)
+    for split in SPLITS:
+        for item in again[split]:
+            data, _, scene = sources.scene(item)
+            twice = UnusableInput(f"{item}: another scene has this name, which is the scenario's id", reason="duplicate-id")
+            admissions[split].reject(data, scene, twice)
     of_task = {task.note: admissions[split] for split in SPLITS for task in tasks[split]}
     for task, admission in spread(make_shard, [task for split in SPLITS for task in tasks[split]], params.workers, "ingest"):
         of_task[task.note].add(admission)
