@@ -15,7 +15,7 @@ from drivegen.ingest.admission import Admission, accounts, count_reasons, requir
 from drivegen.ingest.selection import Settings
 from drivegen.ingest.shards import make_shard, note_if_empty, plan_shards
 from drivegen.ingest.sources import Sources
-from drivegen.ingest.splits import CORPUS, SPLITS, Plan, items, trained_on
+from drivegen.ingest.splits import CORPUS, SPLITS, Plan, items, once, trained_on
 from drivegen.store.files import write_json, write_table
 from stages._door import enter, spread
 
@@ -80,11 +80,14 @@ def _sources(params: Params, corpus: Path) -> Sources:
 def _make_shards(params: Params, sources: Sources, plan: Plan, out: Path) -> dict[str, Admission]:
     """What became of all recordings, by split."""
     settings = sources.digest()
-    tasks = {
-        split: list(plan_shards(items(plan, sources.open, split), sources, settings, params.shard_size, out, split))
-        for split in SPLITS
-    }
+    chosen, again = once({split: items(plan, sources.open, split) for split in SPLITS})
+    tasks = {split: list(plan_shards(chosen[split], sources, settings, params.shard_size, out, split)) for split in SPLITS}
     admissions = {split: Admission() for split in SPLITS}
+    for split in SPLITS:
+        for item in again[split]:
+            data, _, scene = sources.scene(item)
+            twice = UnusableInput(f"{item}: another scene has this name, which is the scenario's id", reason="duplicate-id")
+            admissions[split].reject(data, scene, twice)
     of_task = {task.note: admissions[split] for split in SPLITS for task in tasks[split]}
     for task, admission in spread(make_shard, [task for split in SPLITS for task in tasks[split]], params.workers, "ingest"):
         of_task[task.note].add(admission)

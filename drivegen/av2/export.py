@@ -4,17 +4,14 @@
 Beyond the official columns and keys: box sizes, lane speed limits and control, stop lines (`schema`, `maps`).
 """
 
-import re
 from pathlib import Path
 
 from drivegen.av2.maps import write_map
 from drivegen.av2.signals import write_signals
 from drivegen.av2.tracks import track_table
 from drivegen.core.errors import UnusableInput
-from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.core.scenario import SAFE_ID, Scenario, Trajectories
 from drivegen.store.files import whole, write_table
-
-_SAFE = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,199}")
 
 
 def export_scenario(scenario: Scenario, motion: Trajectories, folder: Path, scenario_id: str) -> Path:
@@ -23,7 +20,7 @@ def export_scenario(scenario: Scenario, motion: Trajectories, folder: Path, scen
     Context actors and signals go with it as logged; vehicles or steps that are not valid have no rows. Same scenario,
     same bytes. Raises UnusableInput where `scenario_id` cannot name a folder or `motion` has another shape.
     """
-    if not _SAFE.fullmatch(scenario_id):
+    if not SAFE_ID.fullmatch(scenario_id):
         raise UnusableInput(f"{scenario_id!r} cannot name a folder: use letters, digits, dots, dashes and underscores")
     if motion.valid.shape != (len(scenario.vehicles), scenario.steps):
         raise UnusableInput(f"scenario {scenario_id}: motion and vehicles differ in shape", reason="bad-trajectories")

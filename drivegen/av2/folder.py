@@ -13,8 +13,10 @@ from drivegen.av2.signals import read_signals
 from drivegen.av2.tracks import read_log
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
-from drivegen.core.safe_parquet import open_parquet
+from drivegen.core.safe_parquet import expect_flat, open_parquet
+from drivegen.store.files import content_of
 
+_READ = [*REQUIRED, *SIZE_COLUMNS]
 _TEXT = [*WORDS, *CONSTANTS]
 
 
@@ -38,8 +40,8 @@ def read_folder(folder: Path, source: str) -> RecordedLog:
     Raises UnusableInput with a countable reason (see `read_map`, `read_table`, `read_log`), naming the file.
     """
     tracks, archive, *signals = scenario_files(folder)
-    road_map = read_map(archive.read_bytes(), str(archive))
-    states = read_signals(signals[0].read_bytes(), road_map, str(signals[0])) if signals else None
+    road_map = read_map(content_of(archive), str(archive))
+    states = read_signals(content_of(signals[0]), road_map, str(signals[0])) if signals else None
     return read_log(read_table(tracks), road_map, source, str(tracks), states)
 
 
@@ -50,8 +52,11 @@ def read_table(path: Path) -> pa.Table:
     """
     try:
         with open_parquet(pa.BufferReader(path.read_bytes()), path, read_dictionary=_TEXT) as file:
-            table = file.read(columns=[*REQUIRED, *SIZE_COLUMNS], use_threads=False)
-            table.select([name for name in _TEXT if name in table.column_names]).validate(full=True)  # UTF-8, indices in range
+            expect_flat(file.schema_arrow, _READ, path)
+            table = file.read(columns=_READ, use_threads=False)
+            for name, column in zip(table.column_names, table.columns, strict=True):
+                if name in _TEXT:
+                    column.validate(full=True)  # UTF-8, indices in range
             return table
     except KeyError as error:  # pyarrow's for a dictionary column that is not there
         name = error.args[0].decode() if isinstance(error.args[0], bytes) else error.args[0]

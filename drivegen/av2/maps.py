@@ -67,6 +67,9 @@ def _build(tree: Mapping[str, Any]) -> RoadMap:
         raise ValueError("its origin is not a finite point")
     kind = np.array([_KINDS[lane["lane_type"]] for lane in lanes], np.uint8)
     links, dangling = _links(lanes, index)
+    dangling += (unseen := int(tree.get("dangling_links", 0)))
+    if not 0 <= unseen <= dangling < 2**31:
+        raise ValueError(f"it cannot have {unseen} `dangling_links`")
     neighbour, same_direction, may_change = _neighbours(lanes, index, centre, kind)
     stops = list(tree.get("stop_lines", {}).values())
     ends = _lines(map(itemgetter("line"), stops))[0].reshape(-1, 2, 2)
@@ -89,7 +92,7 @@ def _build(tree: Mapping[str, Any]) -> RoadMap:
         crossings=_local(_crossings(tree.get("pedestrian_crossings", {}).values()), origin),
         stop_lines=(ends - origin).astype(np.float32),
         stop_lane=np.array([index[stop["lane"]] for stop in stops], np.int32),
-        dangling=dangling + int(tree.get("dangling_links", 0)),
+        dangling=dangling,
     )
 
 

@@ -12,9 +12,6 @@ from drivegen.core.scenario import VehicleKind
 OBSERVED_STEPS = 50
 """Steps that the official challenge shows to a predictor; the flag `observed` marks them."""
 
-MOST_CELLS = 20_000_000
-"""More tracks times steps than this is a broken file, not a long recording (2 000 tracks for a quarter of an hour)."""
-
 SIZE_COLUMNS = ("length", "width", "height")
 """Our columns beside the official ones [m]; NaN where unknown."""
 

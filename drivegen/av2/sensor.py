@@ -12,11 +12,15 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from drivegen.av2.columns import checked, encoded
 from drivegen.av2.maps import read_map
+from drivegen.av2.tracks import FARTHEST
 from drivegen.core.errors import UnusableInput, naming
+from drivegen.core.recorded_log import LONGEST, expect_few_cells
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.safe_parquet import read_feather
 from drivegen.core.scenario import DT, Trajectories, VehicleKind
+from drivegen.store.files import content_of
 
 EGO_TRACK = "AV"
 
@@ -63,8 +67,12 @@ CITY_OF_CODE = {
 """City names as in Motion Forecasting, by the code in the map's file name."""
 
 _EGO_CATEGORY = "EGO_VEHICLE"
-_POSE = ("timestamp_ns", "qw", "qx", "qy", "qz", "tx_m", "ty_m", "tz_m")
-_BOX = (*_POSE, "track_uuid", "category", "length_m", "width_m", "height_m")
+_TIME = pa.schema([("timestamp_ns", pa.int64())])
+_POSE = pa.schema([*_TIME, *((name, pa.float64()) for name in ("qw", "qx", "qy", "qz", "tx_m", "ty_m", "tz_m"))])
+_SIZE = ("length_m", "width_m", "height_m")
+_BOX = pa.schema(
+    [*_POSE, *((name, pa.string()) for name in ("track_uuid", "category")), *((name, pa.float64()) for name in _SIZE)]
+)
 _PERIOD = round(DT * 1e9)
 _POSE_TOLERANCE = 10_000_000
 """A pose farther than this [ns] from an annotation's timestamp is not its pose; poses come every 5 to 10 ms."""
@@ -105,40 +113,47 @@ def log_files(folder: Path) -> tuple[Path, Path, Path]:
 def count_frames(folder: Path) -> int:
     """Annotated frames of one log, read from one column."""
     annotations = log_files(folder)[0]
-    return len(_read(annotations, ("timestamp_ns",))["timestamp_ns"].unique())
+    return len(_read(annotations, _TIME)["timestamp_ns"].unique())
 
 
 def read_sensor_log(folder: Path) -> SensorLog:
     """The whole log. Raises UnusableInput with a countable reason, naming the file."""
     annotations, poses, archive = log_files(folder)
-    road_map = read_map(archive.read_bytes(), str(archive))
+    road_map = read_map(content_of(archive), str(archive))
     boxes = _read(annotations, _BOX)
-    category, uuid = (np.array(boxes[name].to_pylist(), np.str_) for name in ("category", "track_uuid"))
-    keep = np.isin(category, list(KIND_OF_CATEGORY))
-    left_out = ~keep & (category != _EGO_CATEGORY)
-    skipped = {str(word): len(np.unique(uuid[category == word])) for word in np.unique(category[left_out])}
+    (categories, category), (ids, uuid) = (_sorted(boxes[name]) for name in ("category", "track_uuid"))
+    keep = np.isin(categories, list(KIND_OF_CATEGORY))[category]
+    left_out = ~keep & (categories != _EGO_CATEGORY)[category]
+    of_track = np.unique(category[left_out] * len(ids) + uuid[left_out]) // len(ids)
+    skipped = {str(categories[i]): int(count) for i, count in zip(*np.unique(of_track, return_counts=True), strict=True)}
     time, frame = np.unique(boxes["timestamp_ns"].to_numpy(), return_inverse=True)
     step = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(np.diff(time) / _PERIOD)))]).astype(np.int64)
     if len(time) == 0 or step[-1] > 100 * len(time):
         raise UnusableInput(f"{annotations} has no frames at 10 Hz", reason="no-rows")
     rotation, translation = _pose_at(_read(poses, _POSE), time, str(poses))
     tracks, first_row, track = np.unique(uuid[keep], return_index=True, return_inverse=True)
+    size = np.stack([boxes[name].to_numpy()[keep][first_row] for name in _SIZE], axis=-1)
+    if not ((size > 0) & (size <= LONGEST)).all():
+        raise UnusableInput(f"{annotations} has boxes that do not measure 0 to {LONGEST:g} m", reason="out-of-range")
+    expect_few_cells(len(tracks) + 1, int(step[-1]) + 1, annotations)
     centre, forward = _in_city(boxes.filter(pa.array(keep)), rotation[frame[keep]], translation[frame[keep]])
     motion = Trajectories.empty(len(tracks) + 1, int(step[-1]) + 1)
-    _place(motion, track, step[frame[keep]], centre - road_map.origin, forward)
+    _place(motion, track, step[frame[keep]], centre - road_map.origin, forward, annotations)
+    if np.count_nonzero(motion.valid) != len(track):
+        raise UnusableInput(f"{annotations} gives a track two boxes at one time", reason="duplicate-rows")
     ego = translation[:, :2] + EGO_CENTRE * rotation[:, :2, 0]
-    _place(motion, np.full(len(time), len(tracks)), step, ego - road_map.origin, rotation[:, :2, 0])
-    velocity = fitted_velocity(motion.position, motion.valid)
-    motion.valid[np.isnan(velocity[..., 0])] = False  # a track begins once its velocity is known
-    motion.velocity[:] = np.nan_to_num(velocity)
+    _place(motion, np.full(len(time), len(tracks)), step, ego - road_map.origin, rotation[:, :2, 0], poses)
+    for one in range(len(motion.valid)):  # all at once would take ten times the memory of what they are
+        velocity = fitted_velocity(motion.position[one], motion.valid[one])
+        motion.valid[one, np.isnan(velocity[:, 0])] = False  # a track begins once its velocity is known
+        motion.velocity[one] = np.nan_to_num(velocity)
     _check(motion, annotations)
-    size = np.stack([boxes[f"{word}_m"].to_numpy()[keep][first_row] for word in ("length", "width", "height")], axis=-1)
-    kind = [KIND_OF_CATEGORY[word] for word in category[keep][first_row].tolist()]
+    kind = [KIND_OF_CATEGORY[word] for word in categories[category[keep][first_row]].tolist()]
     code = archive.stem.partition("____")[2].partition("_")[0]
     return SensorLog(
         road_map=road_map,
         city=CITY_OF_CODE.get(code, code or "unknown"),
-        track_id=np.append(tracks, EGO_TRACK),
+        track_id=np.append(ids[tracks], EGO_TRACK),
         kind=np.array([*kind, VehicleKind.CAR], np.uint8),
         size=np.concatenate([size, [EGO_SIZE]]).astype(np.float32),
         motion=motion,
@@ -171,20 +186,20 @@ def fitted_velocity(position: NDArray[np.float32], valid: NDArray[np.bool_]) -> 
     return np.where((spread > 0)[..., None] & valid[..., None], slope / DT, np.nan).astype(np.float32)
 
 
-def _read(path: Path, columns: tuple[str, ...]) -> pa.Table:
+def _read(path: Path, columns: pa.Schema) -> pa.Table:
     try:
-        table = read_feather(path)
+        table = read_feather(path, columns.names)
     except (pa.ArrowException, OSError) as error:
         what = str(error).splitlines()[0]
         raise UnusableInput(f"{path} is no whole Feather file ({what}): copy it again", reason="truncated") from None
-    if missing := [name for name in columns if name not in table.column_names]:
-        raise UnusableInput(f"{path} lacks the column {', '.join(missing)}", reason="missing-columns")
-    table = table.select(columns)
-    if table.num_rows == 0:
-        raise UnusableInput(f"{path} has no rows", reason="no-rows")
-    if empty := [name for name in columns if table[name].null_count]:
-        raise UnusableInput(f"{path}: column {empty[0]} has empty cells", reason="not-a-number")
-    return table.combine_chunks()
+    return checked(table, columns, path).combine_chunks()
+
+
+def _sorted(column: pa.ChunkedArray) -> tuple[NDArray[np.str_], NDArray[np.int64]]:
+    """Different words in the order of the alphabet, and each row's number of them."""
+    words, code = encoded(column)
+    words, number = np.unique(words, return_inverse=True)
+    return words, number[code]
 
 
 def _rotation(table: pa.Table) -> NDArray[np.float64]:
@@ -231,7 +246,10 @@ def _place(
     step: NDArray[np.int64],
     position: NDArray[np.float64],
     forward: NDArray[np.float64],
+    place: Path,
 ) -> None:
+    if not np.abs(position).max(initial=0) <= FARTHEST:
+        raise UnusableInput(f"{place} has positions more than {FARTHEST / 1000:g} km off its map", reason="out-of-range")
     motion.position[track, step] = position
     motion.heading[track, step] = np.arctan2(forward[:, 1], forward[:, 0])
     motion.valid[track, step] = True

@@ -11,12 +11,12 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
+from drivegen.av2.columns import checked, encoded, is_number
 from drivegen.av2.schema import (
     COLUMNS,
     CONSTANTS,
     EGO_TRACK,
     KIND_OF_TYPE,
-    MOST_CELLS,
     NUMBERS,
     OBSERVED_STEPS,
     REQUIRED,
@@ -27,7 +27,7 @@ from drivegen.av2.schema import (
 )
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import wrap_angle
-from drivegen.core.recorded_log import NO_TRACK, RecordedLog
+from drivegen.core.recorded_log import LONGEST, MOST_CELLS, NO_TRACK, RecordedLog, expect_few_cells
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.scenario import DT, TARGET, Scenario, Trajectories, VehicleKind
 from drivegen.core.signals import Signals
@@ -50,18 +50,16 @@ def read_log(tracks: pa.Table, road_map: RoadMap, source: str, place: str, signa
         signals: states over at least as many steps as the tracks have; none if absent.
 
     T is one more than the last time step found: `num_timestamps` is wrong in files whose future is withheld.
-    Raises UnusableInput with reason `missing-columns`, `no-rows`, `not-a-number`, `out-of-range`, `duplicate-rows`
-    or `no-tracks`, naming `place`.
+    Raises UnusableInput with a reason of `columns.checked`, `duplicate-rows` or `no-tracks`, naming `place`.
     """
     tracks = _checked(tracks, place)
     step = tracks["timestep"].to_numpy()
-    track_id, track = _encoded(tracks["track_id"])
+    track_id, track = encoded(tracks["track_id"])
     steps = int(step.max()) + 1
-    if len(track_id) * steps > MOST_CELLS:
-        raise UnusableInput(f"{place} names {len(track_id)} tracks over {steps} steps", reason="out-of-range")
+    expect_few_cells(len(track_id), steps, place)
     first_row = np.zeros(len(track_id), np.int64)
     first_row[track[::-1]] = np.arange(len(track))[::-1]
-    type_word, type_code = _encoded(tracks["object_type"])
+    type_word, type_code = encoded(tracks["object_type"])
     object_type = type_word[type_code[first_row]]
     kind = np.array([KIND_OF_TYPE.get(word, -1) for word in object_type.tolist()], np.int16)
     keep = kind >= 0
@@ -89,38 +87,12 @@ def read_log(tracks: pa.Table, road_map: RoadMap, source: str, place: str, signa
 
 
 def _checked(tracks: pa.Table, place: str) -> pa.Table:
-    """The columns we read, proved to be there, of the right type, without nulls and not absurd."""
-    if missing := [name for name in REQUIRED if name not in tracks.column_names]:
-        raise UnusableInput(f"{place} lacks the column {', '.join(missing)}", reason="missing-columns")
-    if tracks.num_rows == 0:
-        raise UnusableInput(f"{place} has no rows", reason="no-rows")
-    tracks = tracks.select([*REQUIRED, *(name for name in SIZE_COLUMNS if name in tracks.column_names)])
-    for name in REQUIRED:
-        if tracks[name].null_count:
-            raise UnusableInput(f"{place}: column {name} has empty cells", reason="not-a-number")
-        there = tracks.schema.field(name).type
-        there = there.value_type if pa.types.is_dictionary(there) else there
-        expected = COLUMNS.field(name).type
-        if not (_is_word(there) if _is_word(expected) else pa.types.is_integer(there) or pa.types.is_floating(there)):
-            raise UnusableInput(f"{place}: column {name} holds {there}, not {expected}", reason="missing-columns")
-    if not pa.types.is_integer(tracks.schema.field("timestep").type):
-        raise UnusableInput(f"{place}: column timestep holds no whole numbers", reason="missing-columns")
+    """The columns we read, proved to be sound, and steps that are not absurd."""
+    tracks = checked(tracks, pa.schema([COLUMNS.field(name) for name in REQUIRED]), place, SIZE_COLUMNS)
     low, high = pc.min_max(tracks["timestep"]).as_py().values()
     if low < 0 or high >= MOST_CELLS:
         raise UnusableInput(f"{place}: time steps run from {low} to {high}", reason="out-of-range")
     return tracks
-
-
-def _is_word(kind: pa.DataType) -> bool:
-    return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
-
-
-def _encoded(column: pa.ChunkedArray) -> tuple[NDArray[np.str_], NDArray[np.int64]]:
-    """Different words in order of appearance, and each row's number of them."""
-    array = column.combine_chunks() if column.num_chunks != 1 else column.chunk(0)
-    if not pa.types.is_dictionary(array.type):
-        array = array.dictionary_encode()
-    return np.array(array.dictionary.to_pylist(), np.str_), array.indices.to_numpy().astype(np.int64)
 
 
 def _dense(
@@ -132,11 +104,6 @@ def _dense(
     place: str,
 ) -> Trajectories:
     columns = {name: tracks[name].to_numpy() for name in NUMBERS}
-    for name, values in columns.items():
-        if len(bad := np.flatnonzero(~np.isfinite(values))):
-            others = f", nor are {len(bad) - 1} others" if len(bad) > 1 else ""
-            where = f"column {name}, row {bad[0]}: {values[bad[0]]} is no number{others}"
-            raise UnusableInput(f"{place}, {where}", reason="not-a-number")
     motion = Trajectories.empty(*shape)
     cell = track * shape[1] + step
     valid, heading = motion.valid.reshape(-1), motion.heading.reshape(-1)
@@ -160,14 +127,10 @@ def _sizes(tracks: pa.Table, first_row: NDArray[np.int64]) -> NDArray[np.float32
     """Length, width, height (M, 3) [m] from each track's first row; NaN where there is no usable number."""
     size = np.full((len(first_row), 3), np.nan, np.float32)
     for axis, name in enumerate(SIZE_COLUMNS):
-        if name in tracks.column_names and _is_number(tracks.schema.field(name).type):
+        if name in tracks.column_names and is_number(tracks.schema.field(name).type):
             size[:, axis] = tracks[name].to_numpy()[first_row]
-    size[~(size > 0).all(-1) | ~np.isfinite(size).all(-1)] = np.nan
+    size[~((size > 0) & (size <= LONGEST)).all(-1)] = np.nan
     return size
-
-
-def _is_number(kind: pa.DataType) -> bool:
-    return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind))
 
 
 def _row(track_id: NDArray[np.str_], name: str) -> int:

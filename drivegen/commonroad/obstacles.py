@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from drivegen.commonroad.values import Points, centre, identity, pair, points, refuse, required, value
 from drivegen.core.geometry import rotate, unit, wrap_angle
+from drivegen.core.recorded_log import LONGEST, expect_few_cells
 from drivegen.core.scenario import DT, Trajectories, VehicleKind
 
 KINDS = {
@@ -37,9 +38,8 @@ FARTHEST = 50_000.0
 FASTEST = 500.0
 """Greater velocities [m/s] are no measurements at all; what is merely too fast for a car is judged later."""
 
-
-LONGEST = 100.0
-"""Nothing on a road is longer or wider [m]."""
+MOST_OBSTACLES = 5000
+"""A file with more is refused: all pairs of them are compared."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +98,8 @@ def read_tracks(root: Element, origin: Points, stride: int, place: str) -> Track
     obstacles = [one for one in obstacles if len(one.step)]
     if not obstacles:
         refuse(f"{place} has no vehicle", "no-vehicles")
+    if len(obstacles) > MOST_OBSTACLES:
+        refuse(f"{place} has {len(obstacles)} obstacles, more than {MOST_OBSTACLES}", "too-large")
     if len({one.name for one in obstacles}) < len(obstacles):
         refuse(f"{place} has two obstacles of one id", "duplicate-rows")
     size = np.array([(*one.size, np.nan) for one in obstacles], np.float32)
@@ -208,6 +210,7 @@ def _dense(obstacles: list[_Obstacle], origin: Points, place: str) -> Trajectori
     steps = max([int(one.step[-1]) + 1 for one in obstacles if not one.fixed], default=1)
     if steps > MOST_STEPS:
         refuse(f"{place} goes on for {steps} time steps, more than {MOST_STEPS}", "out-of-range")
+    expect_few_cells(len(obstacles), steps, place)
     motion = Trajectories.empty(len(obstacles), steps)
     for row, one in enumerate(obstacles):
         at = np.arange(steps) if one.fixed else one.step

@@ -14,6 +14,9 @@ from drivegen.core.signals import Signals
 
 VERSIONS = ("2018b", "2020a")
 
+MOST_IN_A_STEP = 1000
+"""So many of a file's time steps make 0.1 s at most."""
+
 
 def read_recording(raw: bytes, place: str, source: str) -> RecordedLog:
     """The recording in a file's bytes, without focal track; `place` names the file in errors.
@@ -48,7 +51,7 @@ def read_recording(raw: bytes, place: str, source: str) -> RecordedLog:
 def _stride(text: str | None, place: str) -> int:
     """How many of the file's time steps make 0.1 s."""
     size = number(text, "timeStepSize", place)
-    stride = round(DT / size) if size > 0 else 0
+    stride = round(DT / size) if size >= DT / MOST_IN_A_STEP else 0
     if stride < 1 or abs(stride * size - DT) > 1e-6:
         refuse(f"{place} has time steps of {size:g} s, which do not make up {DT:g} s", "time-step")
     return stride

@@ -8,11 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.scenario import Trajectories
 from drivegen.core.signals import Signals
 
 NO_TRACK = -1
+
+MOST_CELLS = 20_000_000
+"""More tracks times steps than this is a broken file, not a long recording (2 000 tracks for a quarter of an hour)."""
+
+LONGEST = 100.0
+"""Nothing on a road is longer or wider [m]."""
+
+
+def expect_few_cells(tracks: int, steps: int, place: object) -> None:
+    """Raise UnusableInput, reason `out-of-range`, naming `place`, for more than MOST_CELLS states."""
+    if tracks * steps > MOST_CELLS:
+        raise UnusableInput(f"{place} names {tracks} tracks over {steps} steps: cut it into shorter ones", reason="out-of-range")
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Every XML file that enters goes through here: bounds on bytes, elements, attributes and depth, no DTD, no entities, no network.
 
-netconvert 1.28 includes local files through external entities and spends minutes on entity bombs, and libsumo dies on
-malformed networks, so nothing that was not written by this program reaches either of them unread. gzip is unpacked
+netconvert 1.28 includes other files through external entities and `<include>` and spends minutes on entity bombs, and libsumo
+dies on malformed networks, so nothing that was not written by this program reaches either of them unread. gzip is unpacked
 under the same cap. Bytes alone bound little: an element takes four of them in a file and two hundred in memory.
 """
 
@@ -9,13 +9,13 @@ import zlib
 from gzip import GzipFile
 from io import BytesIO
 from typing import Any
-from xml.etree.ElementTree import Element, ParseError  # the types only: parsing is defusedxml's
+from xml.etree.ElementTree import Element, ParseError, TreeBuilder  # no parser: that is defusedxml's
 from xml.parsers.expat import errors
 
 from defusedxml import ElementTree
 from defusedxml.common import DefusedXmlException
 
-from drivegen.core.errors import UnusableInput
+from drivegen.core.errors import UnusableInput, naming
 
 MAX_BYTES = 400 * 1024 * 1024
 """Largest file that is parsed, unpacked [bytes]: above the largest city network that SUMO's examples hold."""
@@ -25,6 +25,9 @@ MAX_ELEMENTS, MAX_ATTRIBUTES = 5_000_000, 20_000_000
 
 MAX_DEPTH = 100
 """Elements within elements; no format that is read here has more than about ten."""
+
+MAX_NAMESPACE = 200
+"""Letters of a namespace: every name in it repeats them in memory."""
 
 MAX_RATIO = 100
 """How many times its size a gzipped file may unpack to; networks do to about ten times."""
@@ -41,16 +44,26 @@ _CUT_OFF = tuple(
 """What expat calls a file that ends too early."""
 
 
+class _Tree(TreeBuilder):
+    """Elements of short names. Raises UnusableInput for a long namespace, before any name repeats it."""
+
+    def start_ns(self, prefix: str, uri: str) -> None:
+        """Called by the parser where a namespace begins."""
+        if len(uri) > MAX_NAMESPACE:
+            raise UnusableInput(f"the namespace {prefix!r} has more than {MAX_NAMESPACE} letters", reason="too-large")
+
+
 def parse(raw: bytes, place: str, root: str | None = None, max_bytes: int = MAX_BYTES) -> Element:
     """The root element of `raw`, plain or gzipped.
 
-    Raises UnusableInput, naming `place`, for anything that is not well-formed XML, holds a DTD or an entity, is larger
-    than `max_bytes` unpacked or than the other bounds, or has another root element than `root`.
+    Raises UnusableInput, naming `place`, for anything that is not well-formed XML, holds a DTD, an entity or an `<include>`, is
+    larger than `max_bytes` unpacked or than the other bounds, or has another root element than `root`.
     """
     data = unpack(raw, place, max_bytes)
     _expect_few(data, place)
     try:
-        element: Any = ElementTree.fromstring(data, forbid_dtd=True)
+        with naming(place):
+            element = _tree(data)
     except DefusedXmlException as error:
         raise UnusableInput(f"{place}: the XML holds a DTD or an entity, which is refused", reason="xml-dtd") from error
     except ParseError as error:
@@ -60,9 +73,18 @@ def parse(raw: bytes, place: str, root: str | None = None, max_bytes: int = MAX_
         raise UnusableInput(f"{place} is not XML: {error}", reason="not-xml") from error
     if _depth(element) > MAX_DEPTH:
         raise UnusableInput(f"{place} has elements nested more than {MAX_DEPTH} deep", reason="too-large")
+    if any(one.tag.rpartition("}")[2] == "include" for one in element.iter()):
+        raise UnusableInput(f"{place} includes another file: copy its content to where <include> stands", reason="xml-include")
     if root is not None and element.tag != root:
         raise UnusableInput(f"{place}: the root element is <{element.tag}>, not <{root}>", reason="wrong-root")
-    return element  # type: ignore[no-any-return]
+    return element
+
+
+def _tree(data: bytes) -> Element:
+    parser: Any = ElementTree.DefusedXMLParser(target=_Tree(), forbid_dtd=True)
+    parser.feed(data)
+    root: Element = parser.close()
+    return root
 
 
 def unpack(raw: bytes, place: str, max_bytes: int = MAX_BYTES) -> bytes:

@@ -5,6 +5,7 @@ with it. Vehicle 0 is the target, the others are social vehicles in asset order.
 frame, metres, seconds, radians, at 10 Hz; step 0 is the first frame.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from enum import IntEnum
@@ -22,6 +23,9 @@ DT = 0.1
 
 TARGET = 0
 """Index of the target vehicle in every scenario."""
+
+SAFE_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,199}")
+"""Ids of scenarios name files and folders."""
 
 
 class VehicleKind(IntEnum):

@@ -36,7 +36,11 @@ class Plugin:
 
     def read(self, split: str, scene: str) -> RecordedLog:
         """One scene; raises UnusableInput with a countable reason."""
-        return read_folder(self.root / split / scene, self.description)
+        folder = self.root / split / scene
+        log = read_folder(folder, self.description)
+        if log.scenario_id != scene:
+            raise UnusableInput(f"{folder} holds the scenario {log.scenario_id[:50]!r}: name the folder so", reason="bad-id")
+        return log
 
     def files(self, split: str, scene: str) -> tuple[Path, ...]:
         """Tracks, map and, if there, signals."""

@@ -14,6 +14,7 @@ from drivegen.av2.sensor import EGO_TRACK, FITTED, SensorLog, count_frames, log_
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
 from drivegen.core.signals import Signals
+from drivegen.datasets.base import id_of
 
 SPLITS = ("train", "val", "test")
 
@@ -77,7 +78,7 @@ def _cut(log: SensorLog, scene: str, first: int, end: int) -> RecordedLog:
     present = motion.valid.any(-1)
     ego = np.flatnonzero(log.track_id[present] == EGO_TRACK)
     return RecordedLog(
-        scenario_id=scene.replace(":", "-"),  # it will name a folder when exported
+        scenario_id=id_of(scene),
         source=Plugin.description,
         city=log.city,
         map=log.road_map,

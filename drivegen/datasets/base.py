@@ -6,6 +6,11 @@ from typing import Protocol
 from drivegen.core.recorded_log import RecordedLog
 
 
+def id_of(scene: str) -> str:
+    """The scenario's id of a scene, which is its name without the colons: it names folders."""
+    return scene.replace(":", "-")
+
+
 class Dataset(Protocol):
     """Recordings below one folder.
 
@@ -22,7 +27,7 @@ class Dataset(Protocol):
         """Names of the scenes of "train", "val" or "test", sorted; empty if the split is absent."""
 
     def read(self, split: str, scene: str) -> RecordedLog:
-        """One recording. Raises UnusableInput with a countable reason where the file cannot be used."""
+        """One recording, its id `id_of(scene)`. Raises UnusableInput with a countable reason where the file cannot be used."""
 
     def files(self, split: str, scene: str) -> tuple[Path, ...]:
         """The files that a scene is read from: when their bytes change, what was made from it is made again."""

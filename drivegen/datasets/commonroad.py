@@ -18,6 +18,8 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
 from drivegen.core.signals import Signals
 from drivegen.datasets._targets import spread_targets
+from drivegen.datasets.base import id_of
+from drivegen.store.files import content_of
 
 SPLITS = ("train", "val", "test")
 
@@ -67,11 +69,7 @@ class Plugin:
 
 def _read(path: Path) -> tuple[RecordedLog, list[tuple[int, int]]]:
     """A recording, and first step and target of each of its scenes."""
-    try:
-        raw = path.read_bytes()
-    except OSError as error:
-        raise UnusableInput(f"{path} cannot be read: {error}", reason="truncated") from None
-    log = read_recording(raw, str(path), Plugin.description)
+    log = read_recording(content_of(path), str(path), Plugin.description)
     scenes = []
     for first in range(0, max(1, log.motion.steps // WINDOW) * WINDOW, WINDOW):
         scenes += [(first, target) for target in spread_targets(log.kind, log.motion.between(first, first + WINDOW))]
@@ -83,7 +81,7 @@ def _cut(log: RecordedLog, scene: str, first: int, target: int) -> RecordedLog:
     present = np.asarray(motion.valid.any(-1))
     return replace(
         log,
-        scenario_id=scene.replace(":", "-"),  # it will name a folder when exported
+        scenario_id=id_of(scene),
         track_id=log.track_id[present],
         kind=log.kind[present],
         size=log.size[present],

@@ -6,9 +6,11 @@
 Row group k of the tracks belongs to row k of the maps. Everything is named "SUMO corpus (simulated)".
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -19,8 +21,10 @@ from drivegen.av2.signals import read_signals, write_signals
 from drivegen.av2.tracks import read_log, track_table
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
+from drivegen.core.safe_parquet import open_parquet
 from drivegen.core.scenario import Scenario
-from drivegen.store.files import whole, write_table
+from drivegen.core.seal import BLANK, expect_seal, seal_file
+from drivegen.store.files import whole
 
 _MAPS = pa.schema(
     [
@@ -34,6 +38,7 @@ _MAPS = pa.schema(
 
 _READ = [*REQUIRED, *SIZE_COLUMNS]
 _REPEATED = [*WORDS, *CONSTANTS]
+_AGAIN = "run the stage `corpus` again"
 
 
 class Plugin:
@@ -67,6 +72,8 @@ class Plugin:
             raise UnusableInput(f"{place} cannot be read: {error}", reason="truncated") from None
         road_map = read_map(record["log_map_archive"], place)
         log = read_log(table, road_map, self.description, place, read_signals(record["signals"], road_map, place))
+        if log.scenario_id != scene:
+            raise UnusableInput(f"{place} holds the tracks of another scenario: {_AGAIN}", reason="damaged")
         return replace(log, per_hour=record["per_hour"])
 
     def files(self, split: str, scene: str) -> tuple[Path, ...]:
@@ -79,7 +86,7 @@ class Plugin:
             index: dict[str, tuple[Path, int]] = {}
             for maps in sorted((self._root / split).glob("maps-*.parquet")):
                 tracks = maps.with_name(maps.name.replace("maps-", "tracks-", 1))
-                index.update({name: (tracks, row) for row, name in enumerate(_column(maps, "scenario_id"))})
+                index.update({name: (tracks, row) for row, name in enumerate(_ids(maps))})
             self._index[split] = index
         return self._index[split]
 
@@ -87,17 +94,29 @@ class Plugin:
         if self._open is None or self._open[0] != path:
             maps = _maps_of(path)
             try:
-                self._open = (path, pq.ParquetFile(path, read_dictionary=_REPEATED), pq.read_table(maps, schema=_MAPS))
-            except (pa.ArrowException, OSError) as error:
-                raise UnusableInput(f"{path} or {maps.name} cannot be read: {error}", reason="truncated") from None
+                self._open = (path, _opened(path, by_groups=True, read_dictionary=_REPEATED), _table(maps))
+            except (pa.ArrowException, OSError, ValueError) as error:
+                raise UnusableInput(f"{path} or {maps.name} cannot be read ({error}): {_AGAIN}", reason="truncated") from None
         return self._open[1], self._open[2]
 
 
-def _column(path: Path, name: str) -> list[str]:
+def _opened(path: Path, **options: Any) -> pq.ParquetFile:
+    """The file, proved to be what was written. Raises as `open_parquet` and `expect_seal`."""
+    raw = path.read_bytes()
+    file = open_parquet(pa.BufferReader(raw), path, **options)
+    expect_seal(raw, path, _AGAIN)
+    return file
+
+
+def _table(maps: Path) -> pa.Table:
+    return _opened(maps).read(use_threads=False).cast(_MAPS)
+
+
+def _ids(maps: Path) -> list[str]:
     try:
-        return [str(value) for value in pq.read_table(path, columns=[name])[name].to_pylist()]
+        return [str(name) for name in _opened(maps).read(["scenario_id"], use_threads=False)["scenario_id"].to_pylist()]
     except (pa.ArrowException, OSError, KeyError) as error:
-        raise UnusableInput(f"{path} cannot be read: {error}", reason="truncated") from None
+        raise UnusableInput(f"{maps} cannot be read ({error}): {_AGAIN}", reason="truncated") from None
 
 
 def _maps_of(tracks: Path) -> Path:
@@ -107,16 +126,15 @@ def _maps_of(tracks: Path) -> Path:
 def write_part(folder: Path, part: str, scenarios: Sequence[Scenario]) -> None:
     """Write scenarios with a log as `tracks-<part>.parquet` and `maps-<part>.parquet`; same scenarios, same bytes.
 
-    The maps are written last: without them a part does not exist.
+    The maps are written last: without them a part does not exist, so old ones are removed first.
     """
-    with (
-        whole(folder / f"tracks-{part}.parquet") as temporary,
-        pq.ParquetWriter(temporary, COLUMNS, compression="zstd", compression_level=3) as writer,
-    ):
+    maps = folder / f"maps-{part}.parquet"
+    with _sealed(folder / f"tracks-{part}.parquet", COLUMNS) as write:
+        maps.unlink(missing_ok=True)
         for scenario in scenarios:
             if scenario.log is None:
                 raise UnusableInput(f"scenario {scenario.scenario_id} has no log to write", reason="no-rows")
-            writer.write_table(track_table(scenario, scenario.log, scenario.scenario_id))
+            write(track_table(scenario, scenario.log, scenario.scenario_id))
     rows = [
         {
             "scenario_id": scenario.scenario_id,
@@ -127,4 +145,15 @@ def write_part(folder: Path, part: str, scenarios: Sequence[Scenario]) -> None:
         }
         for scenario in scenarios
     ]
-    write_table(folder / f"maps-{part}.parquet", pa.Table.from_pylist(rows, _MAPS))
+    with _sealed(maps, _MAPS) as write:
+        write(pa.Table.from_pylist(rows, _MAPS))
+
+
+@contextmanager
+def _sealed(path: Path, schema: pa.Schema) -> Iterator[Callable[[pa.Table], None]]:
+    """What writes tables, a row group each, into a file that appears whole and with a checksum in it."""
+    with whole(path) as temporary:
+        with pq.ParquetWriter(temporary, schema, compression="zstd", compression_level=3) as writer:
+            yield writer.write_table
+            writer.add_key_value_metadata({"drivegen.checksum": BLANK})
+        seal_file(temporary)

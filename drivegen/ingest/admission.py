@@ -34,11 +34,15 @@ class Admission:
             log = data.read(split, scene)
             scenario = select(log, settings)
         except UnusableInput as error:
-            counts.update(["rejected", f"rejected.{error.reason}"])
-            self.rejected.append((data.description, scene, error.reason, str(error)))
+            self.reject(data, scene, error)
             return None
         counts.update(_numbers(log, scenario, settings))
         return scenario
+
+    def reject(self, data: Dataset, scene: str, why: UnusableInput) -> None:
+        """Count a recording that cannot be used."""
+        self.counts.setdefault(data.description, Counter()).update(["rejected", f"rejected.{why.reason}"])
+        self.rejected.append((data.description, scene, why.reason, str(why)))
 
     def add(self, other: "Admission") -> None:
         """Count another one's recordings too."""

@@ -17,7 +17,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap, wrap_angle
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
 from drivegen.core.roadmap import NO_LANE
-from drivegen.core.scenario import DT, Actors, Scenario, Trajectories, Vehicles
+from drivegen.core.scenario import DT, SAFE_ID, Actors, Scenario, Trajectories, Vehicles
 from drivegen.core.settings import Count, Index, Positive, Share
 from drivegen.core.signals import Signals
 from drivegen.ingest.vehicles import PLANNED_KINDS, boxes_of, choose
@@ -54,9 +54,12 @@ class Settings:
 def select(log: RecordedLog, settings: Settings) -> Scenario:
     """The scenario of one recording, in a frame whose origin is the target's first position, rounded to metres.
 
-    Raises UnusableInput with reason `too-short`, `no-vehicles`, `no-target`, `implausible-target`, `no-lanes` or what
+    Raises UnusableInput with reason `bad-id`, `too-short`, `no-vehicles`, `no-target`, `implausible-target`, `no-lanes` or what
     `Scenario.validate` finds.
     """
+    if not SAFE_ID.fullmatch(log.scenario_id):
+        said = f"{log.source}: {log.scenario_id[:50]!r} cannot be a scenario's id, for ids name files"
+        raise UnusableInput(f"{said}: use letters, digits, dots, dashes and underscores", reason="bad-id")
     log = _cut_time(log, settings)
     notes: dict[str, str] = {}
     target = _target(log, settings.target, notes)

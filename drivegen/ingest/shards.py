@@ -67,8 +67,7 @@ def _write(task: Task, inputs: str) -> ShardNote:
     admitted = [admission.admit(*sources.scene(item), sources.settings(item.partition("/")[0])) for item in task.items]
     if scenarios := [scenario for scenario in admitted if scenario is not None]:
         write_shard(task.shard, scenarios)
-    size = task.shard.stat().st_size if scenarios else 0
-    note = ShardNote(task.items, task.settings, inputs, size, admission.as_tree())
+    note = ShardNote(task.items, task.settings, inputs, digest([task.shard]), admission.as_tree())
     write_note(task.note, note)
     return note
 

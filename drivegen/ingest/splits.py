@@ -4,12 +4,12 @@ Models learn from `train` and are chosen on `val`; `test` is regenerated and mea
 is test data as a whole; of one that is trained on, only its held-out split is.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.seeds import derive
-from drivegen.datasets.base import Dataset
+from drivegen.datasets.base import Dataset, id_of
 from drivegen.ingest.admission import usable_tracks
 from drivegen.ingest.selection import Settings
 
@@ -74,6 +74,18 @@ def items(plan: Plan, opened: Opened, split: str) -> list[str]:
         chosen = [item for name in plan.train_on for item in _training_items(plan, opened(name), name, split)]
     limit = plan.limits.get(split)
     return chosen if limit is None else sorted(sorted(chosen, key=lambda item: derive(0, "limit", item))[:limit])
+
+
+def once(chosen: Mapping[str, Sequence[str]]) -> tuple[dict[str, list[str]], dict[str, list[str]]]:
+    """By split: the items whose scenario has an id of its own or has it first, and the others."""
+    first, again = ({split: list[str]() for split in chosen} for _ in range(2))
+    seen: set[str] = set()
+    for split, names in chosen.items():
+        for item in names:
+            name = id_of(item.split("/", 2)[2])
+            (again if name in seen else first)[split].append(item)
+            seen.add(name)
+    return first, again
 
 
 def _training_items(plan: Plan, data: Dataset, name: str, split: str) -> list[str]:

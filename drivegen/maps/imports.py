@@ -105,7 +105,13 @@ def _centre(root: Element, place: str, window: Window) -> tuple[float, float]:
     name = window.junction if window.junction is not None else _busiest(root, nodes)
     if name not in nodes:
         raise UnusableInput(f"{place} has no junction {name!r}", reason="bad-window")
-    return float(nodes[name].get("x", "nan")), float(nodes[name].get("y", "nan"))
+    try:
+        x, y = float(nodes[name].get("x", "")), float(nodes[name].get("y", ""))
+    except ValueError:
+        x = y = math.nan
+    if not math.isfinite(x + y):
+        raise UnusableInput(f"{place}: junction {name!r} has no place (x and y): repair the file", reason="bad-map")
+    return x, y
 
 
 def _busiest(root: Element, nodes: dict[str, Element]) -> str:

@@ -52,7 +52,7 @@ def unpack(bundle: Path, models: Path) -> list[str]:
                         raise UnusableInput(f"{bundle}: {name} is not what was packed: copy the file again")
                     (folder / name).parent.mkdir(parents=True, exist_ok=True)
                     (folder / name).write_bytes(content)
-    except (zipfile.BadZipFile, KeyError, EOFError) as error:
+    except (zipfile.BadZipFile, NotImplementedError, KeyError, EOFError) as error:
         raise UnusableInput(f"{bundle} is no file of `drivegen weights save`, or was cut off ({error})") from None
     return list(digests)
 
@@ -64,6 +64,9 @@ def _manifest(archive: zipfile.ZipFile, bundle: Path) -> dict[str, str]:
     """
     if any(entry.compress_type != zipfile.ZIP_STORED or entry.flag_bits & 1 for entry in archive.infolist()):
         raise UnusableInput(f"{bundle} is compressed or encrypted: it is no file of `drivegen weights save`")
+    entries = archive.infolist()
+    if sum(entry.file_size for entry in entries) > bundle.stat().st_size or any(entry.header_offset < 0 for entry in entries):
+        raise UnusableInput(f"{bundle} has entries over one another or outside: it is no file of `drivegen weights save`")
     try:
         digests: dict[str, Any] = safe_json.parse(archive.read(MANIFEST), f"{bundle}: {MANIFEST}")["sha256"]
         names = [PurePosixPath(name) for name in digests]

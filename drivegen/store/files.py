@@ -41,6 +41,14 @@ def whole(path: Path) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
 
 
+def content_of(path: Path) -> bytes:
+    """The file's bytes. Raises UnusableInput, reason `truncated`, where it is no file or cannot be read."""
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise UnusableInput(f"{path} cannot be read ({error.strerror}): copy it again", reason="truncated") from None
+
+
 def part_of(path: Path) -> Path:
     """Where this process writes before `path` is replaced; machines that share a folder have processes of the same number."""
     return path.with_name(f".{path.name}.{HOST}.{os.getpid()}.part")

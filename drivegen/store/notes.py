@@ -1,7 +1,7 @@
 """What a shard was made from, as a small JSON file: so that a stage keeps the shards that still stand and makes the rest.
 
-A note names its items, the hash of the settings (and of the code) that made it, the hash of the input files' bytes, and
-the size of the shard. It is written after its shard: a shard without a note was never finished.
+A note names its items and the hashes of the settings (and of the code) that made it, of the input files' bytes and of
+the shard. It is written after its shard: a shard without a note was never finished.
 """
 
 import hashlib
@@ -24,14 +24,14 @@ class ShardNote:
         items: what it was asked to hold, in order.
         settings: hash of everything that decides how items become rows.
         inputs: hash of the files that the items were read from.
-        size: bytes of the shard; 0 where no item gave a row and there is no file.
+        shard: its SHA-256, as `digest` gives it; of no file where no item gave a row.
         outcome: what the stage wants to remember of the making, plain JSON.
     """
 
     items: tuple[str, ...]
     settings: str
     inputs: str
-    size: int
+    shard: str
     outcome: dict[str, Any]
 
 
@@ -39,7 +39,7 @@ def read_note(path: Path) -> ShardNote | None:
     """The note, or None where there is none or it cannot be read: then its shard is made again."""
     try:
         tree = orjson.loads(path.read_bytes())
-        return ShardNote(tuple(tree["items"]), tree["settings"], tree["inputs"], tree["size"], tree["outcome"])
+        return ShardNote(tuple(tree["items"]), tree["settings"], tree["inputs"], tree["shard"], tree["outcome"])
     except (OSError, orjson.JSONDecodeError, KeyError, TypeError):
         return None
 
@@ -50,10 +50,8 @@ def write_note(path: Path, note: ShardNote) -> None:
 
 
 def stands(note: ShardNote | None, settings: str, inputs: str, shard: Path) -> bool:
-    """Whether the shard that the note speaks of is there and would be made the same again."""
-    if note is None or note.settings != settings or note.inputs != inputs:
-        return False
-    return note.size == (shard.stat().st_size if shard.is_file() else 0)
+    """Whether the shard that the note speaks of is there as it was written and would be made the same again."""
+    return note is not None and (note.settings, note.inputs, note.shard) == (settings, inputs, digest([shard]))
 
 
 def arrange(items: Sequence[str], notes: dict[int, ShardNote], settings: str, size: int) -> dict[int, tuple[str, ...]]:

@@ -135,6 +135,8 @@ def broken() -> dict[str, bytes]:
         "two lanes of one id": orjson.dumps(official(id=2)),
         "id is a word": orjson.dumps(official(id="one")),
         "id beyond 64 bits": orjson.dumps(official()).replace(b'"id":1,', b'"id":18446744073709551615,'),
+        "less than no dangling links": orjson.dumps(official() | {"dangling_links": -1}),
+        "more dangling links than 32 bits": orjson.dumps(official() | {"dangling_links": 10**12}),
         "origin is far too large": orjson.dumps(official() | {"origin": [1e300]}),
     }
 

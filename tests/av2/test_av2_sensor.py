@@ -3,10 +3,14 @@
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.feather
 import pytest
 
 from drivegen.av2.sensor import EGO_CENTRE, EGO_SIZE, fitted_velocity, read_sensor_log
+from drivegen.core import recorded_log, safe_parquet
 from drivegen.core.errors import UnusableInput
+from drivegen.core.safe_parquet import read_feather
 from drivegen.core.scenario import VehicleKind
 from tests.small_datasets import EGO_SPEED, sensor_log
 
@@ -70,3 +74,72 @@ def test_a_velocity_does_not_know_where_its_track_goes_next() -> None:
     other[:, 12:] += 50
     there = np.ones((2, 30), np.bool_)
     np.testing.assert_array_equal(fitted_velocity(position, there)[:, :12], fitted_velocity(other, there)[:, :12])
+
+
+def changed(folder: Path, file: str, name: str, column: pa.Array | None) -> Path:
+    """A log whose file has another column in the place of one, or that one twice."""
+    sensor_log(folder, 40)
+    table = pa.feather.read_table(folder / file)
+    at = table.column_names.index(name)
+    table = table.append_column(name, table[name]) if column is None else table.set_column(at, name, column)
+    pa.feather.write_feather(table, folder / file)
+    return folder
+
+
+ROWS = {"annotations.feather": 160, "city_SE3_egovehicle.feather": 40}
+
+
+@pytest.mark.parametrize("file", ROWS)
+@pytest.mark.parametrize("name", ["timestamp_ns", "qw", "tx_m"])
+@pytest.mark.parametrize(
+    ("value", "kind"),
+    [
+        ("x", pa.string()),
+        ([1.0], pa.list_(pa.float64())),
+        (0, pa.timestamp("ns")),
+        (True, pa.bool_()),
+        (float("nan"), pa.float64()),
+        (float("inf"), pa.float64()),
+        (None, None),
+    ],
+)
+def test_columns_of_other_types_or_twice_are_refused_by_name(
+    tmp_path: Path, file: str, name: str, value: object, kind: pa.DataType | None
+) -> None:
+    column = None if kind is None else pa.array([value] * ROWS[file], kind)
+    with pytest.raises(UnusableInput, match=file):
+        read_sensor_log(changed(tmp_path / "log", file, name, column))
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("length_m", 1e6, "out-of-range"),
+        ("width_m", 0.0, "out-of-range"),
+        ("tx_m", 1e7, "out-of-range"),
+        ("timestamp_ns", 2**64 - 1, "out-of-range"),
+        ("track_uuid", "x" * 201, "bad-id"),
+        ("track_uuid", "x", "duplicate-rows"),
+    ],
+)
+def test_absurd_boxes_are_refused(tmp_path: Path, name: str, value: object, reason: str) -> None:
+    with pytest.raises(UnusableInput, match="annotations") as caught:
+        read_sensor_log(changed(tmp_path / "log", "annotations.feather", name, pa.array(np.full(160, value))))
+    assert caught.value.reason == reason
+
+
+def test_columns_that_nobody_asked_for_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sensor_log(tmp_path / "log", 40)
+    path = tmp_path / "log/annotations.feather"
+    table = pa.feather.read_table(path)
+    pa.feather.write_feather(table.append_column("more", pa.array([[0.0] * 9] * 160)), path)
+    monkeypatch.setattr(safe_parquet, "MOST_VALUES", 160 * 13)
+    assert read_feather(path, ["timestamp_ns"]).column_names == ["timestamp_ns"]
+    assert len(read_sensor_log(tmp_path / "log").track_id) == 4
+
+
+def test_many_states_are_refused_before_they_take_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sensor_log(tmp_path / "log", 40)
+    monkeypatch.setattr(recorded_log, "MOST_CELLS", 4 * 40 - 1)
+    with pytest.raises(UnusableInput, match="4 tracks over 40 steps"):
+        read_sensor_log(tmp_path / "log")

@@ -16,6 +16,7 @@ from drivegen.av2.folder import read_folder, read_table
 from drivegen.av2.schema import COLUMNS, OBSERVED_STEPS, TrackCategory
 from drivegen.av2.signals import read_signals
 from drivegen.av2.tracks import FARTHEST, read_log, track_table
+from drivegen.core import safe_parquet
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import NO_TRACK
 from drivegen.core.scenario import Scenario, VehicleKind
@@ -131,6 +132,9 @@ def changed(name: str, values: object) -> pa.Table:
         (changed("timestep", -1), "out-of-range"),
         (changed("timestep", 10**9), "out-of-range"),
         (changed("timestep", 0), "duplicate-rows"),
+        (changed("track_id", "x" * 201), "bad-id"),
+        (changed("scenario_id", "x" * 201), "bad-id"),
+        (table(busy_crossing(4)).append_column("heading", table(busy_crossing(4))["heading"]), "duplicate-columns"),
     ],
 )
 def test_unusable_tracks_are_refused_with_a_reason(tracks: pa.Table, reason: str) -> None:
@@ -189,6 +193,39 @@ def test_a_damaged_file_is_refused_by_its_name_or_is_a_log_within_bounds(
 def test_a_folder_without_its_files_says_what_is_missing(tmp_path: Path) -> None:
     with pytest.raises(UnusableInput, match=r"scenario_<id>\.parquet"):
         read_folder(tmp_path, "test")
+
+
+def test_a_column_that_is_there_twice_and_a_folder_in_a_file_s_place_are_named(tmp_path: Path) -> None:
+    scene = busy_crossing(4)
+    assert scene.log is not None
+    folder = export_scenario(scene, scene.log, tmp_path, "crossing-0")
+    tracks, archive = folder / "scenario_crossing-0.parquet", folder / "log_map_archive_crossing-0.json"
+    whole = pq.read_table(tracks)
+    pq.write_table(whole.append_column("track_id", whole["track_id"]), tracks)
+    with pytest.raises(UnusableInput, match="more than one column track_id"):
+        read_folder(folder, "test")
+    archive.unlink()
+    archive.mkdir()
+    with pytest.raises(UnusableInput, match="log_map_archive_crossing-0") as caught:
+        read_folder(folder, "test")
+    assert caught.value.reason == "truncated"
+
+
+def test_a_list_of_many_elements_is_refused_before_it_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = table(busy_crossing(4))
+    start = pa.array([0] + [1000] * whole.num_rows, pa.int32())
+    lists = pa.ListArray.from_arrays(start, pa.array(np.zeros(1000)))
+    pq.write_table(whole.set_column(whole.column_names.index("heading"), "heading", lists), tmp_path / "x.parquet")
+    monkeypatch.setattr(safe_parquet, "MOST_VALUES", whole.num_rows * whole.num_columns + 900)
+    with pytest.raises(UnusableInput, match=r"x\.parquet") as caught:
+        read_table(tmp_path / "x.parquet")
+    assert caught.value.reason == "too-large"
+
+
+def test_a_size_that_nothing_has_is_none() -> None:
+    whole = table(busy_crossing(4))
+    bad = whole.set_column(whole.column_names.index("length"), "length", pa.array([1e6] * whole.num_rows))
+    assert np.isnan(read_log(bad, busy_crossing(4).map, "test", "x").size).all()
 
 
 def test_an_id_that_cannot_name_a_folder_is_refused(tmp_path: Path) -> None:

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from drivegen.commonroad import obstacles
 from drivegen.commonroad.recording import read_recording
+from drivegen.core import recorded_log
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
 from drivegen.core.scenario import VehicleKind
@@ -106,7 +108,7 @@ def test_shorter_time_steps_are_thinned_out() -> None:
     np.testing.assert_allclose(read(unknown, step="0.02").motion.speed, 7.0, atol=1e-3)
 
 
-@pytest.mark.parametrize("step", ["0.2", "0.03", "0", "-0.1", "nan", "soon"])
+@pytest.mark.parametrize("step", ["0.2", "0.03", "0", "-0.1", "nan", "soon", "1e-30", "5e-324"])
 def test_other_time_steps_are_refused(step: str) -> None:
     with pytest.raises(UnusableInput) as caught:
         read(car(1, 20, 0), step=step)
@@ -141,6 +143,18 @@ def test_what_is_no_track_is_refused_with_file_and_reason(part: str, reason: str
         read(part)
     assert caught.value.reason == reason
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "reason"), [(recorded_log, "MOST_CELLS", "out-of-range"), (obstacles, "MOST_OBSTACLES", "too-large")]
+)
+def test_many_obstacles_or_states_are_refused_before_they_take_memory(
+    monkeypatch: pytest.MonkeyPatch, module: object, name: str, reason: str
+) -> None:
+    monkeypatch.setattr(module, name, 1)
+    with pytest.raises(UnusableInput, match=r"^file\.xml") as caught:
+        read(car(1, 20, 0), obstacle(2, [state(0, 50, 8)], "parkedVehicle", role="static"))
+    assert caught.value.reason == reason
 
 
 WHOLE = xml([*ROAD, car(1, 0, 0)])

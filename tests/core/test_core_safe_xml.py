@@ -40,7 +40,7 @@ def test_gzipped_files_are_read() -> None:
 def test_few_bytes_that_would_become_much_are_refused_before_they_do(monkeypatch: pytest.MonkeyPatch) -> None:
     bomb = gzip.compress(b"<net>" + b"<a/>" * 1_000_000 + b"</net>", mtime=0)
     assert len(bomb) < 6_000
-    monkeypatch.setattr(safe_xml.ElementTree, "fromstring", None)  # nobody gets as far as parsing
+    monkeypatch.setattr(safe_xml, "_tree", None)  # nobody gets as far as parsing
     with pytest.raises(UnusableInput, match=r"city\.net\.xml is larger than 1024 kB") as refusal:
         safe_xml.parse(bomb, "city.net.xml")
     assert refusal.value.reason == "too-large"
@@ -68,3 +68,22 @@ def test_elements_attributes_and_depth_are_bounded(
 def test_as_deep_as_is_welcome_is_read() -> None:
     levels = safe_xml.MAX_DEPTH - 1
     assert safe_xml.parse(b"<net>" + b"<a>" * levels + b"</a>" * levels + b"</net>", "x").tag == "net"
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ('<net><edge/><include href="/etc/hostname"/></net>', "xml-include"),
+        ('<net><include xmlns="other" href="more.xml"/></net>', "xml-include"),
+        (f'<net xmlns:n="{"u" * 201}"><n:a/><n:b/></net>', "too-large"),
+    ],
+)
+def test_other_files_and_long_namespaces_are_refused(encoding: str, text: str, reason: str) -> None:
+    with pytest.raises(UnusableInput, match=r"^city\.net\.xml") as refusal:
+        safe_xml.parse(text.encode(encoding), "city.net.xml")
+    assert refusal.value.reason == reason
+
+
+def test_a_namespace_of_usual_length_is_read() -> None:
+    assert safe_xml.parse(b'<n:net xmlns:n="urn:roads"/>', "x").tag == "{urn:roads}net"

@@ -8,7 +8,7 @@ import pytest
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import NO_TRACK
-from drivegen.datasets.base import Dataset
+from drivegen.datasets.base import Dataset, id_of
 from drivegen.ingest.selection import Settings, select
 from drivegen.ingest.vehicles import PLANNED_KINDS
 from tests.small_datasets import BUILDERS
@@ -52,6 +52,7 @@ def test_a_recording_is_sound_and_in_a_local_frame(name: str, opened: Dataset) -
     for track in (log.focal, log.ego):
         assert track == NO_TRACK or 0 <= track < count
     assert log.source == opened.description
+    assert log.scenario_id == id_of(opened.scenes("train")[0])
 
 
 @pytest.mark.parametrize("name", NAMES)

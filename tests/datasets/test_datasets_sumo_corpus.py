@@ -192,6 +192,33 @@ def test_damaged_and_missing_files_are_refused_by_name(tmp_path):
     assert caught.value.reason == "truncated"
 
 
+@pytest.mark.parametrize("name", ["tracks-x-000.parquet", "maps-x-000.parquet"])
+def test_a_changed_bit_is_seen(tmp_path, name):
+    write_part(tmp_path / "val", "x-000", [busy_crossing(20)])
+    raw = bytearray((tmp_path / "val" / name).read_bytes())
+    raw[len(raw) // 3] ^= 1
+    (tmp_path / "val" / name).write_bytes(raw)
+    with pytest.raises(UnusableInput, match=rf"{name} .*run the stage `corpus` again") as caught:
+        Plugin(tmp_path).read("val", "crossing-0")
+    assert caught.value.reason == "damaged"
+
+
+def test_tracks_of_another_run_than_the_maps_are_refused(tmp_path):
+    for folder, names in (("one", ("a", "b")), ("two", ("b", "a"))):
+        write_part(tmp_path / folder / "val", "x-000", [busy_crossing(20, name) for name in names])
+    (tmp_path / "one/val/tracks-x-000.parquet").write_bytes((tmp_path / "two/val/tracks-x-000.parquet").read_bytes())
+    with pytest.raises(UnusableInput, match="tracks of another scenario") as caught:
+        Plugin(tmp_path / "one").read("val", "a")
+    assert caught.value.reason == "damaged"
+
+
+def test_a_part_that_is_not_written_to_its_end_does_not_exist(tmp_path):
+    write_part(tmp_path / "val", "x-000", [busy_crossing(20)])
+    with pytest.raises(UnusableInput, match="has no log"):
+        write_part(tmp_path / "val", "x-000", [replace(busy_crossing(20), log=None)])
+    assert Plugin(tmp_path).scenes("val") == []
+
+
 def row_of_cars(steps: int = 20):
     """The target looks along a lane at two cars one behind the other; a third one drives in the next lane."""
     roads = straight_road(400)

@@ -252,3 +252,10 @@ def test_what_was_not_recorded_is_zero_in_every_array() -> None:
 def test_an_unknown_target_is_refused() -> None:
     with pytest.raises(UnusableInput, match="focal"):
         select(recording(row()), replace(SETTINGS, target="nearest"))
+
+
+@pytest.mark.parametrize("name", ["", "/tmp/outside", "../outside", ".hidden", "a b", "x" * 201])
+def test_an_id_that_cannot_name_a_file_is_refused(name: str) -> None:
+    with pytest.raises(UnusableInput, match="cannot be a scenario's id") as refusal:
+        select(recording(row(), scenario_id=name), SETTINGS)
+    assert refusal.value.reason == "bad-id"

@@ -1,6 +1,7 @@
 """Maps from files: what they are is seen by their content, windows are cut out, damage is said."""
 
 import gzip
+import re
 from pathlib import Path
 
 import pytest
@@ -45,6 +46,19 @@ def test_a_window_holds_the_busiest_junction_the_one_named_or_the_place_asked_fo
 def test_a_window_on_nothing_is_refused(grid: bytes, window: Window) -> None:
     with pytest.raises(UnusableInput):
         import_map(grid, "grid.net.xml", window)
+
+
+@pytest.mark.parametrize("x", [b"abc", b"nan", b""])
+def test_a_junction_without_a_place_is_refused(grid: bytes, x: bytes) -> None:
+    broken = re.sub(rb'(<junction id="[^":]+" type="[^"]+" x=")[^"]*', rb"\g<1>" + x, grid)
+    with pytest.raises(UnusableInput, match=r"grid\.net\.xml: junction '[^']+' has no place") as caught:
+        import_map(broken, "grid.net.xml", Window(150.0))
+    assert caught.value.reason == "bad-map"
+
+
+def test_a_network_that_includes_a_file_is_refused(grid: bytes) -> None:
+    with pytest.raises(UnusableInput, match=r"grid\.net\.xml includes another file"):
+        import_map(grid.replace(b"</net>", b'<include href="more.xml"/></net>'), "grid.net.xml")
 
 
 def test_openstreetmap_streets_are_kept_and_paths_and_rails_left_out() -> None:

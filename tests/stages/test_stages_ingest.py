@@ -120,6 +120,16 @@ def test_every_rejected_scene_is_counted_with_its_reason(world: Path, capsys: py
     assert told in capsys.readouterr().out
 
 
+def test_an_id_is_one_scenario_s_in_all_splits_and_its_folder_s_name(world: Path) -> None:
+    shutil.copytree(world / "av2/train/real-a", world / "av2/val/real-a")
+    shutil.copytree(world / "av2/train/real-a", world / "av2/val/copy")
+    run(world, source="argoverse2", train_on=("argoverse2",), fewest_tracks=10)
+    assert sorted(ids(world, "train") + ids(world, "val") + ids(world, "test")) == ["real-a", "real-c", "real-e"]
+    rows = pq.read_table(world / "out/rejected.parquet").to_pylist()
+    found = [(row["split"], row["scene"], row["reason"]) for row in rows]
+    assert found == [("test", "real-a", "duplicate-id"), ("test", "copy", "bad-id")]
+
+
 def test_limits_take_at_most_so_many_scenes(world: Path) -> None:
     run(world, limits={"train": 2, "val": None, "test": 1})
     assert len(ids(world, "train")) == 2
@@ -145,10 +155,13 @@ def test_more_scenes_touch_new_shards_only(world: Path) -> None:
     assert ids(world, "test") == ["real-a", "real-c", "real-e", "real-b"]
 
 
-def test_changed_input_settings_and_lost_files_are_made_again(world: Path) -> None:
+def test_changed_input_settings_lost_and_damaged_files_are_made_again(world: Path) -> None:
     run(world)
     first = contents(world)
     (world / "out/train/shard-00000.parquet").unlink()
+    damaged = bytearray(first["train/shard-00001.parquet"])
+    damaged[len(damaged) // 2] ^= 1
+    (world / "out/train/shard-00001.parquet").write_bytes(damaged)
     (world / "out/notes/val/shard-00000.json").write_text("{")
     (world / "out/test/.shard-00000.parquet.77.part").write_bytes(b"half")
     run(world)

@@ -55,6 +55,18 @@ def test_what_is_compressed_is_refused_before_it_is_unpacked(tmp_path):
     assert not (tmp_path / "there").exists()
 
 
+def test_what_lies_twice_in_a_bundle_or_asks_for_a_later_format_is_refused(models, tmp_path):
+    pack(models, tmp_path / "a.zip")
+    raw = (tmp_path / "a.zip").read_bytes()
+    larger, later = raw.replace((256).to_bytes(4, "little"), (5000).to_bytes(4, "little")), bytearray(raw)
+    later[raw.index(b"PK\x01\x02") + 6] = 99  # the version that is needed to unpack the first entry
+    for content in (larger, bytes(later)):
+        (tmp_path / "a.zip").write_bytes(content)
+        with pytest.raises(UnusableInput, match=r"a\.zip .*is no file of `drivegen weights save`"):
+            unpack(tmp_path / "a.zip", tmp_path / "there")
+    assert not (tmp_path / "there").exists()
+
+
 def test_models_that_are_there_are_not_replaced(models, tmp_path):
     pack(models, tmp_path / "a.zip")
     with pytest.raises(UnusableInput, match="not empty"):

@@ -1,5 +1,6 @@
 """Which shards still stand."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from hypothesis import given
@@ -7,11 +8,11 @@ from hypothesis import strategies as st
 
 from drivegen.store.notes import ShardNote, arrange, digest, read_note, stands, write_note
 
-NOTE = ShardNote(items=("a", "b"), settings="s", inputs="i", size=3, outcome={"counts": {"x": 1}})
+NOTE = ShardNote(items=("a", "b"), settings="s", inputs="i", shard="h", outcome={"counts": {"x": 1}})
 
 
 def noted(arranged: dict[int, tuple[str, ...]], settings: str = "s") -> dict[int, ShardNote]:
-    return {number: ShardNote(items, settings, "i", 0, {}) for number, items in arranged.items()}
+    return {number: ShardNote(items, settings, "i", "h", {}) for number, items in arranged.items()}
 
 
 def test_a_note_comes_back_and_a_damaged_one_is_none(tmp_path: Path) -> None:
@@ -23,16 +24,19 @@ def test_a_note_comes_back_and_a_damaged_one_is_none(tmp_path: Path) -> None:
     assert read_note(tmp_path / "nowhere.json") is None
 
 
-def test_a_shard_stands_only_with_the_same_settings_inputs_and_size(tmp_path: Path) -> None:
+def test_a_shard_stands_only_with_the_same_settings_inputs_and_bytes(tmp_path: Path) -> None:
     shard = tmp_path / "shard.parquet"
-    assert not stands(NOTE, "s", "i", shard)
+    nothing = replace(NOTE, shard=digest([shard]))
+    assert stands(nothing, "s", "i", shard)
     shard.write_bytes(b"abc")
-    assert stands(NOTE, "s", "i", shard)
-    assert not stands(NOTE, "other", "i", shard)
-    assert not stands(NOTE, "s", "other", shard)
+    note = replace(NOTE, shard=digest([shard]))
+    assert stands(note, "s", "i", shard)
+    assert not stands(nothing, "s", "i", shard)
+    assert not stands(note, "other", "i", shard)
+    assert not stands(note, "s", "other", shard)
     assert not stands(None, "s", "i", shard)
-    shard.write_bytes(b"ab")
-    assert not stands(NOTE, "s", "i", shard)
+    shard.write_bytes(b"abd")
+    assert not stands(note, "s", "i", shard)
 
 
 @given(st.sets(st.text("abc", max_size=3)), st.sets(st.text("abc", max_size=3)), st.integers(1, 5))
