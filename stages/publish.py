@@ -1,7 +1,7 @@
 """Door `publish`: the published tables from the runs that `python -m flows tables` made; a stage of no dvc.yaml.
 
 argv: folder of runs (<data set>/<training seed>-<sampling seed>, and <data set>/t<temperature>, each a workspace whose
-reports/metrics hold what was measured), folder to write: scenario_quality.json (see `published.rows`); every table as Markdown,
+reports/metrics hold what was measured), folder to write: scenario_quality.json (see `results.rows`); every table as Markdown,
 its picture as SVG; README.md; provenance.json.
 """
 
@@ -14,11 +14,11 @@ from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.methods import Method, read_methods
 from drivegen.core.seeds import rng
-from drivegen.report import published
-from drivegen.report.published import DataSet, Pooled
-from drivegen.report.published_all import PooledSets, models_and_costs, tables_of, trainings, transfers
-from drivegen.report.published_files import write_published
-from drivegen.report.published_runs import read_data_set
+from drivegen.report.published import results
+from drivegen.report.published.all_tables import PooledSets, models_and_costs, tables_of, trainings, transfers
+from drivegen.report.published.files import write_published
+from drivegen.report.published.results import DataSet, Pooled
+from drivegen.report.published.runs import read_data_set
 from drivegen.report.table import Table
 from drivegen.warehouse.provenance import describe_runs
 from stages._door import enter, require
@@ -75,7 +75,7 @@ class Params:
     @property
     def runs(self) -> Iterator[str]:
         """The folder of every run that tables are made from."""
-        pairs = published.pairs(self.seeds, self.sampling_seeds)
+        pairs = results.pairs(self.seeds, self.sampling_seeds)
         yield from (f"{name}/{pair.folder}" for name in self.data for pair in pairs)
         yield from (f"{name}/t{t}" for name, about in self.data.items() if about.front for t in self.temperatures)
 
@@ -84,7 +84,7 @@ def main(params: Params, runs: Path, out: Path) -> None:
     """Read every run, pool, write."""
     require(runs, "run `make tables`, which makes the runs and then calls this")
     pooled_sets = _pool(params, runs)
-    rows = [row for data, pooled in pooled_sets.values() for row in published.rows(data, pooled)]
+    rows = [row for data, pooled in pooled_sets.values() for row in results.rows(data, pooled)]
     if not rows:
         raise UnusableInput(f"{runs} holds no run that was evaluated: run `make tables`", reason="no-runs")
     tables = _tables(params, runs, pooled_sets)
@@ -97,11 +97,11 @@ def main(params: Params, runs: Path, out: Path) -> None:
 
 def _pool(params: Params, runs: Path) -> PooledSets:
     """Every data set that was run, pooled."""
-    pooled_sets, pairs = dict[str, tuple[DataSet, Pooled]](), published.pairs(params.seeds, params.sampling_seeds)
+    pooled_sets, pairs = dict[str, tuple[DataSet, Pooled]](), results.pairs(params.seeds, params.sampling_seeds)
     for name, about in params.data.items():
         data = read_data_set(runs / name, about.title, pairs, params.methods, by_scene=about.by_scene)
         if data is not None:
-            pooled_sets[name] = (data, published.pool(data, params.draws, rng(params.seed, "publish", "pool", name)))
+            pooled_sets[name] = (data, results.pool(data, params.draws, rng(params.seed, "publish", "pool", name)))
     return pooled_sets
 
 

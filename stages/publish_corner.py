@@ -15,17 +15,17 @@ import pyarrow.parquet as pq
 
 from drivegen.core.errors import MissingTool
 from drivegen.core.settings import Count
-from drivegen.report.published_beset import beset_table
-from drivegen.report.published_corner import Attacks, Costs, corner_rows, over_seeds
-from drivegen.report.published_files import write_part
-from drivegen.report.published_lead import METRICS as LED
-from drivegen.report.published_lead import lead_rows, lead_table
-from drivegen.report.published_mutation import mutation_rows, mutation_table
-from drivegen.report.published_naturalness import naturalness_table
-from drivegen.report.published_recall import ablation_table, recall_table
-from drivegen.report.published_repair import repair_tables
-from drivegen.report.published_survival import survival_table
-from drivegen.report.published_transfer import transfer_table
+from drivegen.report.published.beset import beset_table
+from drivegen.report.published.corner import Attacks, Costs, corner_rows, over_seeds
+from drivegen.report.published.files import write_part
+from drivegen.report.published.lead import METRICS as LED
+from drivegen.report.published.lead import lead_rows, lead_table
+from drivegen.report.published.mutation import mutation_rows, mutation_table
+from drivegen.report.published.naturalness import naturalness_table
+from drivegen.report.published.recall import ablation_table, recall_table
+from drivegen.report.published.repair import repair_tables
+from drivegen.report.published.survival import survival_table
+from drivegen.report.published.transfer import transfer_table
 from drivegen.report.sections.attack import cost_table, outcome_table, proposer_tables
 from drivegen.report.table import Table
 from drivegen.store.files import write_json

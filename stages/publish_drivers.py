@@ -12,11 +12,11 @@ import orjson
 
 from drivegen.core.methods import read_methods
 from drivegen.core.settings import Count
-from drivegen.report.published_amounts import amount_tables
-from drivegen.report.published_drivers import driver_tables
-from drivegen.report.published_files import write_part
-from drivegen.report.published_ranking import kinds_of, ranking_rows, ranking_table
-from drivegen.report.published_tuned import Tests, driver_rows, read_tests
+from drivegen.report.published.amounts import amount_tables
+from drivegen.report.published.drivers import driver_tables
+from drivegen.report.published.files import write_part
+from drivegen.report.published.ranking import kinds_of, ranking_rows, ranking_table
+from drivegen.report.published.tuned import Tests, driver_rows, read_tests
 from drivegen.store.files import write_json
 from drivegen.store.results import RESULT
 from drivegen.warehouse.database import read_parts

@@ -10,8 +10,8 @@ from typing import Any
 
 import orjson
 
-from drivegen.report.published_files import write_part
-from drivegen.report.published_rates import rate_rows, rate_table
+from drivegen.report.published.files import write_part
+from drivegen.report.published.rates import rate_rows, rate_table
 from drivegen.store.files import write_json
 from drivegen.warehouse.provenance import describe_runs
 from stages._door import enter, require

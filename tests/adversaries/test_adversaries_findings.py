@@ -11,7 +11,7 @@ from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
 from drivegen.adversaries.shared.findings import Findings
 from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers import idm
-from drivegen.report.published_corner import corner_rows
+from drivegen.report.published.corner import corner_rows
 from drivegen.report.sections.attack import cost_table, outcome_table, proposer_tables
 from drivegen.rollout.batch import choose
 from drivegen.selectors.random import Plugin as Random

@@ -9,8 +9,8 @@ from drivegen.core.methods import read_methods
 from drivegen.core.seeds import rng
 from drivegen.report.averaged import scenes_and_recordings, taken_over, vehicles_over
 from drivegen.report.columns import mark
-from drivegen.report.published import DataSet, Results, Run, pool, rows, split
-from drivegen.report.published_tables import tables, transfer
+from drivegen.report.published.quality import tables, transfer
+from drivegen.report.published.results import DataSet, Results, Run, pool, rows, split
 
 ABOUT = read_methods()
 SCENES = ("USA_Lanker-2_10_T-1-000", "USA_Lanker-2_10_T-1-001", "USA_US101-12_1_T-1-000", "USA_US101-12_1_T-1-001")

@@ -4,8 +4,8 @@ import numpy as np
 
 from drivegen.core.intervals import Interval
 from drivegen.core.methods import read_methods
-from drivegen.report.published import DataSet, Results, Run
-from drivegen.report.published_front import front
+from drivegen.report.published.front import front
+from drivegen.report.published.results import DataSet, Results, Run
 
 ABOUT = read_methods()
 

@@ -4,7 +4,7 @@ import numpy as np
 import orjson
 import pytest
 
-from drivegen.report.published_lead import lead_rows, lead_table
+from drivegen.report.published.lead import lead_rows, lead_table
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, read_values, result_rows, write_results
 from stages import publish_corner

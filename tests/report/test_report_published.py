@@ -8,14 +8,14 @@ import pytest
 from drivegen.core.intervals import Interval
 from drivegen.core.methods import read_methods
 from drivegen.core.seeds import rng
-from drivegen.report.published import DataSet, Results, Run, pool, rows, set_numbers
-from drivegen.report.published_additions import added
-from drivegen.report.published_best import best
-from drivegen.report.published_costs import costs
-from drivegen.report.published_goals import goals
-from drivegen.report.published_index import index
-from drivegen.report.published_tables import few, tables
-from drivegen.report.published_training import Trained, models
+from drivegen.report.published.additions import added
+from drivegen.report.published.best import best
+from drivegen.report.published.costs import costs
+from drivegen.report.published.goals import goals
+from drivegen.report.published.index import index
+from drivegen.report.published.quality import few, tables
+from drivegen.report.published.results import DataSet, Results, Run, pool, rows, set_numbers
+from drivegen.report.published.training import Trained, models
 from drivegen.warehouse.runs import Model
 
 ABOUT = read_methods()

@@ -8,7 +8,7 @@ import orjson
 import pytest
 
 from drivegen.core.errors import MissingTool, UnusableInput
-from drivegen.report.published import pairs
+from drivegen.report.published.results import pairs
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, write_results
 from stages import publish

@@ -10,7 +10,7 @@ import pytest
 
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.exposure.rates import Trial
-from drivegen.report.published_rates import METRICS, rate_rows, rate_table
+from drivegen.report.published.rates import METRICS, rate_rows, rate_table
 from stages import publish_rates, rates
 from stages._door import read_params, read_section
 from tests.drivers.taught import PARAMS

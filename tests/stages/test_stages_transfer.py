@@ -9,7 +9,7 @@ import pytest
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Samples
-from drivegen.report.published_transfer import transfer_table
+from drivegen.report.published.transfer import transfer_table
 from drivegen.store.files import write_json
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard

@@ -16,9 +16,8 @@ from drivegen.core.first_frame import first_frame
 from drivegen.core.samples import Samples
 from drivegen.drivers import gail
 from drivegen.drivers.shared.tuning import Continued, How, stand_at
-from drivegen.report import published_tuned
-from drivegen.report.published_amounts import amount_tables
-from drivegen.report.published_tuned import driver_rows, read_tests
+from drivegen.report.published.amounts import amount_tables
+from drivegen.report.published.tuned import METRICS, PRIMARY, driver_rows, read_tests
 from drivegen.store.lookup import logs_below
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import read_shard, write_shard
@@ -232,7 +231,7 @@ def counted(*runs: tuple[str, int, str]) -> pa.Table:
 
 def figures(results: pa.Table, monkeypatch) -> dict[tuple[str, str], dict]:
     """Replayed neighbours' rows of the primary endpoint by method and metric."""
-    monkeypatch.setattr(published_tuned, "METRICS", {published_tuned.PRIMARY: published_tuned.METRICS[published_tuned.PRIMARY]})
+    monkeypatch.setattr("drivegen.report.published.tuned.METRICS", {PRIMARY: METRICS[PRIMARY]})
     methods = set(results["method"].to_pylist())
     nothing = {"value": None, "low": None, "high": None}
     diversity = {f"gail/{method}/7/{kind}": nothing for method in methods for kind in ("replayed", "reactive")}

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from drivegen.core.methods import Method
-from drivegen.report.published import DataSet
+from drivegen.report.published.results import DataSet
 from drivegen.report.table import RESTORED, Row, Table, number, row
 
 COSTS_NOTE = (

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from drivegen.report.published_index import index, part_index
+from drivegen.report.published.index import index, part_index
 from drivegen.report.table import Table
 from drivegen.store.files import whole, write_json
 

@@ -5,8 +5,8 @@ import numpy as np
 from drivegen.core.intervals import Interval
 from drivegen.core.methods import BOUND
 from drivegen.metrics.pooled import pooled_mean
-from drivegen.report.published import OURS, DataSet, Pooled, resampling_of
-from drivegen.report.published_tables import cell
+from drivegen.report.published.quality import cell
+from drivegen.report.published.results import OURS, DataSet, Pooled, resampling_of
 from drivegen.report.table import Cell, Row, Table, row
 
 _COLUMNS = {

@@ -8,7 +8,7 @@ import numpy as np
 from drivegen.core.intervals import Interval
 from drivegen.metrics.pooled import Resampling, pooled_mean
 from drivegen.report.columns import AIMS, SAFETY, badness
-from drivegen.report.published import OURS, DataSet, Pooled, resampling_of
+from drivegen.report.published.results import OURS, DataSet, Pooled, resampling_of
 from drivegen.report.sections.trust import DISTANCES, JOINT, REALISM, SCORES, horizon_words, is_likelihood
 from drivegen.report.table import Cell, Row, Table, row
 

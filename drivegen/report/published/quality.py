@@ -13,7 +13,7 @@ from drivegen.metrics.realism import WEIGHTS
 from drivegen.report import paper
 from drivegen.report.averaged import seconds
 from drivegen.report.columns import EDGES, EDGES_MEAN, FIVE, FLOOR, MARKS, SAFETY, badness, mark
-from drivegen.report.published import OURS, DataSet, Pooled, resampling_of
+from drivegen.report.published.results import OURS, DataSet, Pooled, resampling_of
 from drivegen.report.sections.trust import REALISM, has, readings
 from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, row
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from drivegen.report import paper
-from drivegen.report.published_tuned import BY_SEED, CASES, LOGS, OURS, PRIMARY, REFERENCE
+from drivegen.report.published.tuned import BY_SEED, CASES, LOGS, OURS, PRIMARY, REFERENCE
 from drivegen.report.table import Cell, Row, Table, estimate, row
 
 Figures = Mapping[tuple[str, str], Mapping[str, Any]]

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from drivegen.report import plots
-from drivegen.report.published_drivers import HEADS, PRIMARY_WORDS, PROTOCOLS, Figures, by_test, primary
-from drivegen.report.published_tuned import AMOUNT, LOGS, PRIMARY
+from drivegen.report.published.drivers import HEADS, PRIMARY_WORDS, PROTOCOLS, Figures, by_test, primary
+from drivegen.report.published.tuned import AMOUNT, LOGS, PRIMARY
 from drivegen.report.table import Row, Table, estimate, row
 
 NEIGHBOURS = "replayed"

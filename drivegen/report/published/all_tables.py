@@ -1,19 +1,19 @@
-"""All published tables: of each data set alone, of pairs of them, and over all of them."""
+"""All tables of scenario quality: of each data set alone, of pairs of them, and over all of them."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from drivegen.core.methods import Method
 from drivegen.core.seeds import rng
-from drivegen.report import published_tables
-from drivegen.report.published import DataSet, Pooled
-from drivegen.report.published_additions import added
-from drivegen.report.published_best import best
-from drivegen.report.published_costs import costs
-from drivegen.report.published_front import front
-from drivegen.report.published_goals import goals
-from drivegen.report.published_runs import read_goal_metrics, read_temperatures, read_took, read_trained
-from drivegen.report.published_training import models
+from drivegen.report.published import quality
+from drivegen.report.published.additions import added
+from drivegen.report.published.best import best
+from drivegen.report.published.costs import costs
+from drivegen.report.published.front import front
+from drivegen.report.published.goals import goals
+from drivegen.report.published.results import DataSet, Pooled
+from drivegen.report.published.runs import read_goal_metrics, read_temperatures, read_took, read_trained
+from drivegen.report.published.training import models
 from drivegen.report.table import Table
 from drivegen.warehouse.runs import read_param
 
@@ -30,20 +30,20 @@ def tables_of(
     order of rows where goals are compared. `draws` bootstrap draws by `seed`.
     """
     streams = {what: rng(seed, "publish", what, data.name) for what in ("paired", "best")}
-    first, paired, *others = published_tables.tables(data, pooled, draws, streams["paired"])
+    first, paired, *others = quality.tables(data, pooled, draws, streams["paired"])
     tables = [first, paired, *best(data, pooled, draws, streams["best"]), *others]
     if at := read_temperatures(folder, temperatures):
         tables.append(front(data, at, pooled, read_param(folder / data.runs[0].folder, "rollout.generation.temperature")))
     tables += added(data, pooled, draws, rng(seed, "publish", "additions", data.name))
     if goal_metrics := read_goal_metrics(folder, data.runs):
         tables.append(goals(data.name, data.title, selectors, goal_metrics))
-    return published_tables.few(data, tables)
+    return quality.few(data, tables)
 
 
 def transfers(pooled_sets: PooledSets, pairs: Iterable[Sequence[str]]) -> list[Table]:
     """The order of the methods on pairs of data sets; pairs of which one was not run are left out."""
     return [
-        published_tables.transfer(*pooled_sets[one], *pooled_sets[other])
+        quality.transfer(*pooled_sets[one], *pooled_sets[other])
         for one, other in pairs
         if one in pooled_sets and other in pooled_sets
     ]
@@ -55,8 +55,8 @@ def trainings(pooled_sets: PooledSets, pairs: Iterable[Sequence[str]], draws: in
     for less, more in pairs:
         if less in pooled_sets and more in pooled_sets:
             stream = rng(seed, "publish", "training", more)
-            table = published_tables.training(pooled_sets[less][0], pooled_sets[more][0], draws, stream)
-            tables += published_tables.few(pooled_sets[more][0], [table])
+            table = quality.training(pooled_sets[less][0], pooled_sets[more][0], draws, stream)
+            tables += quality.few(pooled_sets[more][0], [table])
     return tables
 
 

@@ -9,8 +9,8 @@ from drivegen.core.methods import ABLATION
 from drivegen.metrics.front import on_front
 from drivegen.report import plots
 from drivegen.report.columns import FIVE
-from drivegen.report.published import OURS, DataSet, Pooled, Results
-from drivegen.report.published_tables import HEADS, cell, label
+from drivegen.report.published.quality import HEADS, cell, label
+from drivegen.report.published.results import OURS, DataSet, Pooled, Results
 from drivegen.report.table import Cell, Table, row
 
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from drivegen.metrics.pooled import envelope
 from drivegen.report.averaged import vehicles_over
-from drivegen.report.published import interval_of
-from drivegen.report.published_tables import cell
+from drivegen.report.published.quality import cell
+from drivegen.report.published.results import interval_of
 from drivegen.report.sections.models import NOTES, SCORES
 from drivegen.report.table import NOT_MEASURED, Table, number, row
 

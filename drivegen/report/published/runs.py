@@ -9,9 +9,9 @@ import orjson
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.methods import Method
-from drivegen.report.published import OURS, DataSet, Results, Run, set_numbers, split, tracks
-from drivegen.report.published_costs import Took
-from drivegen.report.published_training import Trained
+from drivegen.report.published.costs import Took
+from drivegen.report.published.results import OURS, DataSet, Results, Run, set_numbers, split, tracks
+from drivegen.report.published.training import Trained
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.warehouse.runs import COSTS, METRICS, read_costs, read_models, read_scores
 
