@@ -22,23 +22,27 @@ HOST = socket.gethostname()
 def whole(path: Path) -> Iterator[Path]:
     """A temporary path beside `path` that takes its place when the block ends well, and is removed when it does not.
 
-    What runs that were killed have left of it is removed, too. Raises UnusableInput where something else than a plain file
-    is there, or `path` would lie in a file. An OSError, as from a full disk, names `path`.
+    What runs that were killed have left of it is removed, too. Raises UnusableInput as `expect_file_fits`. An OSError, as from a
+    full disk, names `path`.
     """
-    if path.exists() and not path.is_file():  # never replace a device
-        raise UnusableInput(f"{path} is there and no plain file: name another one", reason="not-a-file")
+    expect_file_fits(path)
     temporary = part_of(path)
     with naming(path, temporary):
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-        except (FileExistsError, NotADirectoryError):
-            raise UnusableInput(f"{path.parent} is there and no folder: name another one", reason="not-a-folder") from None
+        path.parent.mkdir(parents=True, exist_ok=True)
         sweep(path)
         try:
             yield temporary
             temporary.replace(path)
         finally:
             temporary.unlink(missing_ok=True)
+
+
+def expect_file_fits(path: Path) -> None:
+    """Raises UnusableInput where something else than a plain file is at `path`, be it a link to one, or it would lie in a file."""
+    if path.is_symlink() or (path.exists() and not path.is_file()):  # never replace a device, or what leads to it
+        raise UnusableInput(f"{path} is there and no plain file: name another one", reason="not-a-file")
+    if wrong := [parent for parent in path.parents if parent.exists() and not parent.is_dir()]:
+        raise UnusableInput(f"{wrong[0]} is there and no folder: name another one", reason="not-a-folder")
 
 
 def part_of(path: Path) -> Path:
