@@ -94,9 +94,20 @@ def write_together(folder: Path, contents: Mapping[str, bytes]) -> None:
 
 
 def as_json(value: Any) -> bytes:
-    """Sorted, indented JSON; NumPy scalars and arrays are welcome, NaN becomes null."""
+    """Sorted, indented JSON; NumPy scalars and arrays are welcome, NaN becomes null, `?` what is no UTF-8 in a file's name."""
     options = orjson.OPT_SORT_KEYS | orjson.OPT_INDENT_2 | orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_APPEND_NEWLINE
-    return orjson.dumps(value, option=options)
+    try:
+        return orjson.dumps(value, option=options)
+    except orjson.JSONEncodeError:
+        return orjson.dumps(_in_utf8(value), option=options)
+
+
+def _in_utf8(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {_in_utf8(name): _in_utf8(one) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_in_utf8(one) for one in value]
+    return value.encode("utf-8", "replace").decode() if isinstance(value, str) else value
 
 
 def write_json(path: Path, value: Any) -> None:
