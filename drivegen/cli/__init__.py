@@ -7,16 +7,21 @@ when one of them is broken.
 import errno
 import importlib
 import importlib.metadata
+import io
 import os
 import signal
 import sys
+import tempfile
+import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Annotated
+from contextlib import contextmanager, suppress
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
-from drivegen.core.errors import DriveGenError
+from drivegen.core.errors import DriveGenError, MissingTool, UnusableInput
 
 COMMANDS = {
     "map": "Roads from words or files, edits, other formats.",
@@ -46,8 +51,13 @@ _REMEDIES = {
 def main() -> None:
     """The console script: whatever goes wrong is one sentence on stderr and an exit code, never a traceback."""
     os.environ.setdefault("RUST_LOG", "off")  # what fails in Rerun is told below, once
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # names that the terminal cannot show
     try:
-        with _stoppable():
+        with _stoppable(), warnings.catch_warnings():
+            warnings.showwarning = _told
+            _keep_compiled()
+            _expect_no_empty_place(sys.argv[1:])
             build(sys.argv[1:])()
     except DriveGenError as error:
         _leave(str(error), error.exit_code)
@@ -99,24 +109,60 @@ def drivegen(
     """
 
 
+def _told(message: Warning | str, *_: Any) -> None:
+    """A warning is one line, too, without the place in our code."""
+    sys.stderr.write(f"drivegen: {' '.join(str(message).split())}\n")
+
+
+def _keep_compiled() -> None:
+    """Compiled loops are kept beside the code or at home; where neither can be written, among temporary files of this user."""
+    if "NUMBA_CACHE_DIR" in os.environ or os.access(Path(__file__).parents[1], os.W_OK):
+        return
+    with suppress(OSError, RuntimeError):  # nobody may have no home at all
+        home = Path(os.environ.get("XDG_CACHE_HOME", "~/.cache"), "numba").expanduser()
+        home.mkdir(parents=True, exist_ok=True)
+        if os.access(home, os.W_OK):
+            return
+    ours = Path(tempfile.gettempdir(), f"drivegen-{os.getuid()}")
+    ours.mkdir(mode=0o700, exist_ok=True)
+    if ours.lstat().st_uid != os.getuid():  # what is compiled there would be run
+        raise MissingTool(f"{ours} is somebody else's: name a folder for compiled code, NUMBA_CACHE_DIR=FOLDER")
+    os.environ["NUMBA_CACHE_DIR"] = str(ours)
+
+
+def _expect_no_empty_place(words: list[str]) -> None:
+    """An empty path would be the current folder."""
+    if "--out=" in words or ("--out", "") in pairwise(words):
+        raise UnusableInput("--out is empty: name a file or a folder")
+
+
 @contextmanager
 def _stoppable() -> Iterator[None]:
-    """Ctrl-C, SIGTERM and SIGHUP end the block as an error would; who ignores one, as nohup does, goes on ignoring it."""
+    """Ctrl-C, SIGTERM and SIGHUP end the block as an error would; who ignores one, as nohup does, goes on ignoring it.
+
+    Whatever a library makes of that, the exit code is the signal's.
+    """
+    stops: list[int] = []
+
+    def stopped(number: int, _: object) -> None:
+        """Leave, so that what is half-written is removed."""
+        stops.append(number)
+        _leave("stopped; nothing half-written was kept", 128 + number)
+
     ending = (signal.SIG_DFL, signal.default_int_handler)
     before = {stop: signal.getsignal(stop) for stop in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     before = {stop: handler for stop, handler in before.items() if handler in ending}
     for stop in before:
-        signal.signal(stop, _stopped)
+        signal.signal(stop, stopped)
     try:
         yield
+    except BaseException:
+        if stops:
+            sys.exit(128 + stops[0])
+        raise
     finally:
         for stop, handler in before.items():
             signal.signal(stop, handler)
-
-
-def _stopped(number: int, _: object) -> None:
-    """Leave, so that what is half-written is removed."""
-    _leave("stopped; nothing half-written was kept", 128 + number)
 
 
 def _leave(sentence: str, code: int) -> None:

@@ -17,7 +17,7 @@ from drivegen.maps.suite.cases import Case, outside_cases, own_cases
 from drivegen.maps.suite.table import COUNTS, not_measured, published, seconds
 from drivegen.maps.suite.trials import tried
 from drivegen.maps.writers.base import MapWriter
-from drivegen.store.files import write_json
+from drivegen.store.files import expect_file_fits, write_json
 from drivegen.words.judge import traffic_lacking
 from drivegen.words.writer import Writer, asking_writer
 
@@ -36,6 +36,8 @@ def speed(
     """Print rows {name, value, unit, reference, ratio, target, pass}; exits 1 if a row misses its target."""
     if context.invoked_subcommand is not None:
         return
+    if json is not None:
+        expect_file_fits(json)
     with Console(stderr=True).status("measuring ..."):
         rows = list(measure(only))
     table = Table("name", "value", "unit", "reference", "ratio", "target", "", box=None, pad_edge=False)
@@ -67,6 +69,8 @@ def maps(
     every: Annotated[int, Option(min=1, help="Only every n-th description.")] = 1,
 ) -> None:
     """How often words become what they ask for, at once and after the offered sentence, by the phrase table and by --lm."""
+    if json is not None:
+        expect_file_fits(json)
     folder = outside or _beside_the_real_data()
     cases = [*own_cases(), *(outside_cases(folder) if folder else [])][::every]
     results = [_tried(Writer(), cases, seed)]

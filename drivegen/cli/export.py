@@ -1,5 +1,6 @@
 """`drivegen export`: scenarios out of the pipeline's shards, each as a folder in the official layout."""
 
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -37,7 +38,7 @@ Driven = Annotated[bool, Option("--driven", help="Of a round: the target as the 
 def command(
     scenarios: Shards,
     out: Annotated[Path, Option(help="New folder for <id>/ (official Motion Forecasting layout).")],
-    most: Annotated[int | None, Option(min=1, help="Only the first so many.")] = None,
+    most: Annotated[int | None, Option(min=1, max=sys.maxsize, help="Only the first so many.")] = None,
     of: Of = Path("data/scenarios/test"),
     collisions: Collisions = False,
     driven: Driven = False,

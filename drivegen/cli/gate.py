@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from math import isnan
 from pathlib import Path
 from typing import Annotated
 
@@ -12,6 +13,7 @@ from typer import Argument, Exit, Option
 from drivegen.cli._console import plain
 from drivegen.cli._drivers import driver_of
 from drivegen.core.errors import UnusableInput
+from drivegen.core.intervals import Interval
 from drivegen.core.settings import build, read_section
 from drivegen.corner_cases.gate import Gate, Settings, gate
 from drivegen.gym.folders import SCENES, read_futures
@@ -56,6 +58,8 @@ def command(
             write_json(folder / RECORD, {"old": old, "new": new, "folder": str(scenarios), **result.record(old, new)})
     console = plain()
     console.print(_table(result, old, new))
+    if isnan(result.shares[0].low):
+        console.print("too few recordings for an interval")
     console.print(result.sentence(old, new))
     if result.finding == Finding.WORSE:
         raise Exit(WORSE)
@@ -74,9 +78,13 @@ def _folder(out: Path | None) -> Iterator[Path | None]:
 
 
 def _table(result: Gate, old: str, new: str) -> Table:
-    paired, shares = result.paired, [f"{one.value:.2%} ({one.low:.2%} to {one.high:.2%})" for one in result.shares]
+    paired, shares = result.paired, [_share(one) for one in result.shares]
     table = Table("driver", result.counted, "share of runs (95 %)", "it alone", box=None, pad_edge=False)
     table.add_row(f"old: {old}", str(paired.old), shares[0], str(paired.only_old))
     table.add_row(f"new: {new}", str(paired.new), shares[1], str(paired.only_new))
     table.add_row("new less old", f"{paired.new - paired.old:+d}", shares[2], f"{paired.only_new - paired.only_old:+d}")
     return table
+
+
+def _share(share: Interval) -> str:
+    return f"{share.value:.2%}" + ("" if isnan(share.low) else f" ({share.low:.2%} to {share.high:.2%})")

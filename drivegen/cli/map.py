@@ -127,6 +127,8 @@ def export(
     out: Annotated[Path, Option(help="The file to write.")],
 ) -> None:
     """Write a map for other programs. OpenDRIVE is read back, and what was written and what came back stand beside each other."""
+    if out.resolve().is_relative_to(folder.resolve()):
+        raise UnusableInput(f"{out} would lie in the map that is read: name a place beside {folder}")
     source = network_of(folder)
     network = source.read_bytes()
     there = Extent.of(read_network(network, str(source)))

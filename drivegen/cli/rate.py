@@ -19,7 +19,7 @@ from drivegen.core.settings import Count, read_section
 from drivegen.exposure.pool import Drawn, Pool, draw_scenes, with_enough
 from drivegen.exposure.rates import EDGES, Estimate, estimate
 from drivegen.gym.folders import read_traffic
-from drivegen.store.files import write_json
+from drivegen.store.files import expect_file_fits, write_json
 from drivegen.world.reactive import Reaction
 
 HOUR = 3600.0
@@ -46,8 +46,9 @@ def command(
     out: Annotated[Path | None, Option(help="A JSON file for what was found.")] = None,
 ) -> None:
     """Say how often DRIVER fails in law-abiding generated traffic, with an interval, running it where others come near."""
-    defaults = _project.some_of(_Settings, "rates")
-    settings, tested, seed = replace(defaults, draws=draws or defaults.draws), driver_of(driver), read_section("run")["seed"]
+    if out:
+        expect_file_fits(out)
+    settings, tested, seed = _settings(draws), driver_of(driver), read_section("run")["seed"]
     where = {scenario.scenario_id: scenario for scenario, _ in read_traffic(scenarios)}
     scenes, left_out = _draw(list(where.values())[:most], settings, seed)
     if not scenes:
@@ -56,14 +57,22 @@ def command(
         )
     pool = Pool(scenes, tested, settings.reaction)
     result = estimate(pool.near(tested), lambda picks: pool.failed(tested, picks), runs, rng(seed, "rate"))
+    console = plain()
+    console.print(_table(result))
+    console.print(_sentence(tested.name, result, pool, len(left_out)))
     if out:
         about = {"driver": driver, "folder": str(scenarios), "scenes": len(scenes), "left_out": left_out, "draws": settings.draws}
         strata = {"edges": EDGES.tolist(), "share": result.share.tolist(), "runs": result.runs.tolist()}
         strata |= {"failed": result.failed.tolist()}
         write_json(out, about | asdict(result.rate) | {"seconds": pool.seconds, "strata": strata})
-    console = plain()
-    console.print(_table(result))
-    console.print(_sentence(tested.name, result, pool, len(left_out)))
+
+
+def _settings(draws: int | None) -> _Settings:
+    settings = _project.some_of(_Settings, "rates")
+    settings = replace(settings, draws=draws or settings.draws)
+    if settings.draws > settings.tries:
+        raise UnusableInput(f"--draws {settings.draws} are more than are tried: at most {settings.tries} (rates.tries)")
+    return settings
 
 
 def _draw(scenarios: list[Scenario], settings: _Settings, seed: int) -> tuple[list[Drawn], list[str]]:

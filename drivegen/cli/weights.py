@@ -24,6 +24,8 @@ def about() -> None:
 @command.command()
 def save(bundle: Bundle, models: Models = MODELS) -> None:
     """Pack the trained models into FILE."""
+    if bundle.resolve().is_relative_to(models.resolve()):
+        raise UnusableInput(f"{bundle} would lie among the models that are packed: name a place outside {models}")
     plain().print(f"{bundle}: {len(pack(models, bundle))} files of {models}")
 
 

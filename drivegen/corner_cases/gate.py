@@ -69,9 +69,10 @@ class Gate:
     def sentence(self, old: str, new: str) -> str:
         """The verdict on two drivers of these names."""
         paired, more = self.paired, self.paired.new - self.paired.old
-        where = f"in {paired.runs} runs of {len(paired.differences)} recordings"
+        where = f"in {_many(paired.runs, 'run')} of {_many(len(paired.differences), 'recording')}"
         if self.finding == Finding.UNDECIDED:
-            return f"{self.finding}: {where} {old} has {paired.old} {self.counted}, {new} {paired.new}; {self._why_not()}"
+            collided = _many(paired.old, self.counted.removesuffix("s"))
+            return f"{self.finding}: {where} {old} has {collided}, {new} {paired.new}; {self._why_not()}"
         sign = 1 if self.finding == Finding.WORSE else -1
         share = f" ({more / paired.old:+.0%})" if paired.old else ""
         alike, likelier = chance(sign * paired.differences), odds(sign * paired.differences)
@@ -87,7 +88,7 @@ class Gate:
             return "each recording has as many of both"
         least = paired.noticed(self.settings.alarms)
         if np.isnan(least):
-            return f"only {np.count_nonzero(paired.differences)} recordings differ, too few to tell: give more recordings"
+            return f"recordings that differ: {np.count_nonzero(paired.differences)}, too few to tell: give more recordings"
         share = f" ({least / paired.old:.0%})" if paired.old else ""
         worse, better = (_to_one(odds(sign * paired.differences)) for sign in (1, -1))
         said = f"odds {worse} that it is worse rather than alike, {better} that it is better"
@@ -149,6 +150,10 @@ def _collided(drivers: Sequence[Driver], traffic: Sequence[tuple[Scenario, Traje
 
         failed.append(failures(outcome, case, known))
     return np.not_equal(np.stack(failed), NONE).astype(np.bool_)
+
+
+def _many(count: int, noun: str) -> str:
+    return f"{count} {noun}{'s' * (count != 1)}"
 
 
 def _to_one(value: float) -> str:

@@ -10,13 +10,13 @@ right of way whom it would make brake, if it can still stop comfortably; a stop 
 """
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import torch
 from torch import Tensor
 
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.settings import NotNegative, Positive
+from drivegen.core.settings import Within
 from drivegen.core.signals import SignalState
 from drivegen.world.observation import Action, Observation, Rules
 
@@ -25,6 +25,10 @@ _CREEPS = 3.0  # [m/s] who is slower is taken to reach a line at this speed: it 
 _CLEARS = 1.0  # [s] who is gone so long before it is in nobody's way
 _COMFORTABLE = 2.0  # times the comfortable braking: harder than that it does not stop for yellow or for others
 _LIMIT_DISTANCES = torch.arange(2.0, 120.0, 6.0)
+
+_Positive = Annotated[float, Within(0.001, 1000)]
+_NotNegative = Annotated[float, Within(0, 1000)]
+"""Of settings: a driver of others would ask for what is no number."""
 
 
 @dataclass(frozen=True)
@@ -41,18 +45,18 @@ class Settings:
         accepted_gap: [s] to whoever has right of way.
     """
 
-    desired_speed: Positive
-    headway: NotNegative
-    min_gap: NotNegative
-    acceleration: Positive
-    braking: Positive
-    emergency_braking: Positive
-    exponent: Positive
-    side_margin: NotNegative
-    look_ahead: NotNegative
+    desired_speed: _Positive
+    headway: _NotNegative
+    min_gap: _NotNegative
+    acceleration: _Positive
+    braking: _Positive
+    emergency_braking: _Positive
+    exponent: _Positive
+    side_margin: _NotNegative
+    look_ahead: _NotNegative
     heeds_rules: bool
     gives_way: bool
-    accepted_gap: NotNegative
+    accepted_gap: _NotNegative
 
 
 class Plugin:

@@ -22,17 +22,13 @@ HOST = socket.gethostname()
 def whole(path: Path) -> Iterator[Path]:
     """A temporary path beside `path` that takes its place when the block ends well, and is removed when it does not.
 
-    What runs that were killed have left of it is removed, too. Raises UnusableInput where something else than a plain file
-    is there, or `path` would lie in a file. An OSError, as from a full disk, names `path`.
+    What runs that were killed have left of it is removed, too. Raises UnusableInput as `expect_file_fits`. An OSError, as from a
+    full disk, names `path`.
     """
-    if path.exists() and not path.is_file():  # never replace a device
-        raise UnusableInput(f"{path} is there and no plain file: name another one", reason="not-a-file")
+    expect_file_fits(path)
     temporary = part_of(path)
     with naming(path, temporary):
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-        except (FileExistsError, NotADirectoryError):
-            raise UnusableInput(f"{path.parent} is there and no folder: name another one", reason="not-a-folder") from None
+        path.parent.mkdir(parents=True, exist_ok=True)
         sweep(path)
         try:
             yield temporary
@@ -47,6 +43,14 @@ def content_of(path: Path) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise UnusableInput(f"{path} cannot be read ({error.strerror}): copy it again", reason="truncated") from None
+
+
+def expect_file_fits(path: Path) -> None:
+    """Raises UnusableInput where something else than a plain file is at `path`, a link included, or it would lie in a file."""
+    if path.is_symlink() or (path.exists() and not path.is_file()):  # never replace a device, or what leads to it
+        raise UnusableInput(f"{path} is there and no plain file: name another one", reason="not-a-file")
+    if wrong := [parent for parent in path.parents if parent.exists() and not parent.is_dir()]:
+        raise UnusableInput(f"{wrong[0]} is there and no folder: name another one", reason="not-a-folder")
 
 
 def part_of(path: Path) -> Path:
@@ -98,9 +102,20 @@ def write_together(folder: Path, contents: Mapping[str, bytes]) -> None:
 
 
 def as_json(value: Any) -> bytes:
-    """Sorted, indented JSON; NumPy scalars and arrays are welcome, NaN becomes null."""
+    """Sorted, indented JSON; NumPy scalars and arrays are welcome, NaN becomes null, `?` what is no UTF-8 in a file's name."""
     options = orjson.OPT_SORT_KEYS | orjson.OPT_INDENT_2 | orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_APPEND_NEWLINE
-    return orjson.dumps(value, option=options)
+    try:
+        return orjson.dumps(value, option=options)
+    except orjson.JSONEncodeError:
+        return orjson.dumps(_in_utf8(value), option=options)
+
+
+def _in_utf8(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {_in_utf8(name): _in_utf8(one) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_in_utf8(one) for one in value]
+    return value.encode("utf-8", "replace").decode() if isinstance(value, str) else value
 
 
 def write_json(path: Path, value: Any) -> None:

@@ -71,6 +71,16 @@ def test_what_is_not_told_apart_passes_unless_one_is_strict(project, monkeypatch
     assert call(monkeypatch, *words, "--strict") == 4
 
 
+def test_one_recording_is_too_few_for_an_interval(project, monkeypatch, capsys):
+    assert call(monkeypatch, "idm", "blind.py", "--scenarios", "scenes", "--most", "1") == 0
+    said = capsys.readouterr().out
+    assert "too few recordings for an interval" in said
+    assert "nan" not in said
+    assert "in 1 run of 1 recording idm has 0 counted collisions, blind.py 1; recordings that differ: 1, too few to tell" in said
+    assert call(monkeypatch, "blind.py", "blind.py", "--scenarios", "scenes", "--most", "1") == 0
+    assert "has 1 counted collision, blind.py 1" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("new", "scenarios", "why"),
     [
@@ -80,6 +90,8 @@ def test_what_is_not_told_apart_passes_unless_one_is_strict(project, monkeypatch
         ("two.yaml", "scenes", "two.yaml must be a driver's name"),
         ("wrong.yaml", "scenes", "wrong.yaml: idm: unknown name 'head'"),
         ("text.yaml", "scenes", "text.yaml: idm.headway must be float"),
+        ("huge.yaml", "scenes", "huge.yaml: idm.headway must be between 0 and 1000, not 1e+300"),
+        ("tiny.yaml", "scenes", "tiny.yaml: idm.acceleration must be between 0.001 and 1000, not 1e-300"),
         ("idm", "nowhere", "nowhere is no folder"),
         ("idm", "futures", "name their folder"),
     ],
@@ -88,6 +100,8 @@ def test_what_cannot_be_compared_is_one_sentence_and_leaves_nothing(project, mon
     (project / "two.yaml").write_text("idm: {}\ngail: {}\n")
     (project / "wrong.yaml").write_text("idm: {head: 1.0}\n")
     (project / "text.yaml").write_text("idm: {headway: soon}\n")
+    (project / "huge.yaml").write_text("idm: {headway: 1.0e+300}\n")
+    (project / "tiny.yaml").write_text("idm: {acceleration: 1.0e-300}\n")
     assert call(monkeypatch, "idm", new, "--scenarios", scenarios, "--out", "out") == 2
     said = capsys.readouterr().err
     assert why in said

@@ -114,6 +114,8 @@ def test_opendrive_is_written_and_read(folder, tmp_path):
         (["import", "FOLDER/map.net.xml", "--out", "FOLDER"], "holds a map already: name another folder"),
         (["refine", "FOLDER", "limit 9999 km/h"], "must be less than or equal to"),
         (["import", "FOLDER", "--out", "o"], "holds 0 files log_map_archive_<id>.json"),
+        (["export", "FOLDER", "--to", "opendrive", "--out", "FOLDER/map.net.xml"], "would lie in the map that is read"),
+        (["export", "FOLDER/map.net.xml", "--to", "sumo", "--out", "FOLDER/map.net.xml"], "would lie in the map that is read"),
         (["export", "FOLDER", "--to", "lanelet", "--out", "x"], "'lanelet'"),
     ],
 )

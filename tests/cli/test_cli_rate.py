@@ -7,6 +7,7 @@ import pytest
 
 from drivegen import cli
 from drivegen.av2.export import export_scenario
+from drivegen.cli import rate
 from tests.models import two_lanes
 from tests.projects import make_project
 
@@ -50,10 +51,25 @@ def test_a_driver_that_is_blind_fails_more_often_than_one_that_sees(project, mon
 def test_what_cannot_be_done_is_one_sentence_and_writes_nothing(project, monkeypatch, capsys):
     for words, why in (
         (("--driver", "nobody"), "no drivers plugin is called"),
-        (("--driver", "idm", "--draws", "9000"), "in none of 2 scenes are 9000 of 8192 draws legal"),
+        (("--driver", "idm", "--draws", "9000"), "--draws 9000 are more than are tried: at most 8192"),
     ):
         assert call(project, monkeypatch, *words, "--out", "rate.json") == 2
         said = capsys.readouterr().err
         assert why in said
         assert said.count("\n") == 1
         assert not (project / "rate.json").exists()
+
+
+def test_an_output_that_cannot_be_is_refused_before_anything_is_driven(project, monkeypatch, capsys):
+    monkeypatch.setattr(rate, "read_traffic", None)
+    (project / "there").mkdir()
+    for out, why in (("there", "there is there and no plain file"), ("blind.py/out", "blind.py is there and no folder")):
+        assert call(project, monkeypatch, "--driver", "idm", "--out", out) == 2
+        assert why in capsys.readouterr().err
+
+
+def test_what_was_found_is_told_before_it_is_written(project, monkeypatch, capsys):
+    monkeypatch.setattr(rate, "write_json", None)
+    with pytest.raises(TypeError):
+        call(project, monkeypatch, "--driver", "idm", "--runs", "10", "--draws", "8", "--out", "rate.json")
+    assert "counted collisions a scene" in capsys.readouterr().out

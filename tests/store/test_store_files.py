@@ -116,6 +116,13 @@ def test_what_is_no_plain_file_is_never_replaced(tmp_path):
     with pytest.raises(UnusableInput, match="no plain file"):
         write_json(tmp_path / "pipe", 1)
     assert (tmp_path / "pipe").is_fifo()
+    (tmp_path / "link").symlink_to("mine.json")
+    for mine in (None, "mine"):  # a link that leads nowhere, and one to a plain file
+        with pytest.raises(UnusableInput, match="link is there and no plain file"):
+            write_json(tmp_path / "link", mine)
+        (tmp_path / "mine.json").write_text("mine")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "mine.json").read_text() == "mine"
 
 
 def test_a_path_through_a_file_is_told_as_such(tmp_path):
