@@ -55,7 +55,7 @@ def main() -> None:
         sys.stdout.reconfigure(errors="backslashreplace")  # names that the terminal cannot show
     try:
         with _stoppable(), warnings.catch_warnings():
-            warnings.showwarning = _told
+            warnings.showwarning = _told  # type: ignore[assignment]  # it needs the message alone
             _keep_compiled()
             _expect_no_empty_place(sys.argv[1:])
             build(sys.argv[1:])()
