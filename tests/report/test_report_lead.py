@@ -32,6 +32,13 @@ def test_a_lead_is_the_mean_difference_in_the_same_scenes_under_the_same_rule():
     assert "| idm | CAT | legal | 10 | 0.500 | 0.000 |" in lead_table([counted, avoidable]).markdown()
 
 
+def test_a_lead_in_one_recording_has_no_interval():
+    here = {key: {metric: {"a-0": of["a-0"], "a-1": of["a-1"]} for metric, of in own.items()} for key, own in ATTACKS.items()}
+    rows = list(lead_rows("idm", here, 200, 7))
+    assert [(row["low"], row["high"]) for row in rows] == [(None, None)] * 2
+    assert "| idm | CAT | legal | 10 | 0.500 | 0.000 |" in lead_table(rows).markdown()
+
+
 def test_the_published_table_is_made_of_the_results_of_the_first_run(tmp_path):
     place, parts = tmp_path / "runs/7/reports/metrics/attack", []
     for key, of_metric in ATTACKS.items():

@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from drivegen.core import plugins
-from drivegen.report.sections.attack import OURS
+from drivegen.report.published.figures import grouped, origin_of, title_of
 from drivegen.report.table import Table, estimate, row
 
 NAME = "beset"
@@ -13,13 +12,10 @@ COLUMNS = {"counted": "counted", "avoidable": "avoidable", "survives_reaction": 
 
 def beset_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     """A line for each driver, adversary and way of placing; `rows` are means over seeds."""
-    of = {(line["driver"], line["method"], line["placed"], line["metric"]): line for line in rows}
     lines = []
-    for key in sorted({key[:3] for key in of}):
-        driver, method, placed = key
-        cells = [estimate(of.get((*key, metric)), 0 if metric == "kinds" else 3) for metric in COLUMNS]
-        origin = "ours" if method == OURS else "rival"
-        lines.append(row(driver, plugins.about("adversaries", method)["title"], placed, *cells, origin=origin))
+    for (driver, method, placed), of in sorted(grouped(rows, ("driver", "method", "placed"), ("metric",)).items()):
+        cells = (estimate(of.get(metric), 0 if metric == "kinds" else 3) for metric in COLUMNS)
+        lines.append(row(driver, title_of(method), placed, *cells, origin=origin_of(method)))
     counts = {line["placed"]: line["n"] for line in rows}
     return Table(
         NAME,

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from drivegen.report import paper
+from drivegen.report.published.figures import grouped
 from drivegen.report.published.tuned import BY_SEED, CASES, LOGS, OURS, PRIMARY, REFERENCE
 from drivegen.report.table import Cell, Row, Table, estimate, row
 
@@ -79,11 +80,7 @@ def driver_tables(rows: Sequence[Mapping[str, Any]], about: Mapping[str, tuple[s
 
 def by_test(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str, str, str], Figures]:
     """Rows by (data set, protocol, driver, neighbours)."""
-    figures: dict[tuple[str, str, str, str], dict[tuple[str, str], Mapping[str, Any]]] = {}
-    for each in rows:
-        test = each["data"], each["protocol"], each["driver"], each["neighbours"]
-        figures.setdefault(test, {})[each["method"], each["metric"]] = each
-    return dict(figures)
+    return dict(grouped(rows, ("data", "protocol", "driver", "neighbours"), ("method", "metric")))
 
 
 def primary(figures: Figures, method: str) -> Cell:

@@ -1,14 +1,13 @@
 """By how much DriveGen-CS leads each other adversary, scene by scene: one published table for each driver."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
-from drivegen.core import plugins
 from drivegen.core.intervals import bootstrap_means, recording
 from drivegen.core.seeds import rng
+from drivegen.report.published.figures import as_columns, grouped, title_of
 from drivegen.report.sections.attack import OURS
 from drivegen.report.table import Table, estimate, row
 
@@ -35,17 +34,16 @@ def lead_rows(driver: str, attacks: Mapping[str, Values], draws: int, seed: int)
         intervals = bootstrap_means(less, [recording(scene) for scene in scenes], draws, random)
         about = {"driver": driver, "method": method, "allowed": allowed, "queries": int(queries)}
         for metric, interval in zip(METRICS, intervals, strict=True):
-            yield {**about, "metric": metric, **asdict(interval), "n": len(scenes)}
+            yield {**about, "metric": metric, **as_columns(interval), "n": len(scenes)}
 
 
 def lead_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     """A line for each driver, adversary and rule."""
-    of = {(line["driver"], line["method"], line["allowed"], line["queries"], line["metric"]): line for line in rows}
-    lines = []
-    for key in dict.fromkeys(key[:4] for key in of):
-        driver, method, allowed, queries = key
-        cells = (estimate(of[*key, metric], 3) for metric in METRICS)
-        lines.append(row(driver, plugins.about("adversaries", method)["title"], allowed, str(queries), *cells, origin="rival"))
+    groups = grouped(rows, ("driver", "method", "allowed", "queries"), ("metric",))
+    lines = [
+        row(driver, title_of(method), allowed, str(queries), *(estimate(of[metric]) for metric in METRICS), origin="rival")
+        for (driver, method, allowed, queries), of in groups.items()
+    ]
     return Table(
         "lead",
         "DriveGen-CS less each other adversary: share of scenes with a counted, and with an avoidable collision",

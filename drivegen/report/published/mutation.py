@@ -7,6 +7,7 @@ from drivegen.core import plugins
 from drivegen.core.methods import read_methods
 from drivegen.report import plots
 from drivegen.report.published.corner import mean_of_all
+from drivegen.report.published.figures import title_of
 from drivegen.report.table import Cell, Row, Table, number, row
 
 SHARES = ("killed", "killed_apart", "false_kills", "false_kills_apart", "named", "named_by_guess")
@@ -50,7 +51,7 @@ def mutation_table(scores: Scores) -> Table:
     def title(tester: str) -> str:
         if tester == LOG:
             return "logs"
-        return str(plugins.about("adversaries", tester)["title"]) if tester in adversaries else methods[tester].title
+        return title_of(tester) if tester in adversaries else methods[tester].title
 
     first = scores[order[0]]
     still, searching = ({title(t): scores[t]["curve"] for t in order if (t in adversaries) == search} for search in (False, True))

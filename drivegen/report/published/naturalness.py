@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from drivegen.core import plugins
-from drivegen.report.sections.attack import OURS
+from drivegen.report.published.figures import grouped, origin_of, title_of
 from drivegen.report.table import Table, estimate, row
 
 NAME = "naturalness"
@@ -12,14 +11,11 @@ NAME = "naturalness"
 
 def naturalness_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     """A line for each attack and driver; `rows` are means over seeds."""
-    of = {(line["method"], line["allowed"], line["found_for"], line["metric"]): line for line in rows}
     lines = []
-    for key in dict.fromkeys(key[:3] for key in of):
-        method, allowed, driver = key
-        title = plugins.about("adversaries", method)["title"]
-        cells = [estimate(of[*key, metric], 2) for metric in ("attack", "before", "less")]
-        origin = "ours" if method == OURS else "rival"
-        lines.append(row(title, allowed, driver, str(of[*key, "attack"]["n"]), *cells, origin=origin))
+    for (method, allowed, driver), of in grouped(rows, ("method", "allowed", "found_for"), ("metric",)).items():
+        cells = (estimate(of[metric], 2) for metric in ("attack", "before", "less"))
+        count = str(of["attack"]["n"])
+        lines.append(row(title_of(method), allowed, driver, count, *cells, origin=origin_of(method)))
     return Table(
         NAME,
         "How natural is what attackers do: log likelihood under SMART, a generator that made none of it [nat per half second]",

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from drivegen.core.intervals import Interval, recording
 from drivegen.core.seeds import rng
 from drivegen.metrics.ranking import Rates, agreements, ceiling, interval
+from drivegen.report.published.figures import as_columns
 from drivegen.report.table import Row, Table, estimate, row
 
 LOG, OURS, HALVES = "log", "drivegen", "half_of_log"
@@ -19,6 +20,8 @@ MEASURES = {"counted": "counted collisions", "near_miss": "time to collision bel
 
 REAL = ("ngsim", "argoverse2_sensor")
 """Data sets whose logs are recordings of real roads, which say what order is right."""
+
+_NOTHING = Interval(np.nan, np.nan, np.nan)
 
 
 @dataclass(frozen=True)
@@ -61,36 +64,28 @@ def ranking_rows(kinds: Sequence[Traffic], draws: int, seed: int) -> Iterator[di
             random = rng(seed, "ranking", real.made_from, measure)
             taus = agreements(real.rates[measure], [kind.rates[measure] for kind in others], draws, random)
             halves = interval(ceiling(real.rates[measure], draws, random))
-            yield _row(real, real, measure, halves, None)
+            yield _row(real, real, measure, halves, _NOTHING)
             ours = {kind.made_from: tau for kind, tau in zip(others, taus, strict=True) if kind.method == OURS}
             for kind, tau in zip(others, taus, strict=True):
                 rival = kind.made_from in ours and kind.method != OURS
-                ahead = interval(ours[kind.made_from] - tau) if rival else None
+                ahead = interval(ours[kind.made_from] - tau) if rival else _NOTHING
                 yield _row(real, kind, measure, interval(tau), ahead)
 
 
-def _row(real: Traffic, kind: Traffic, measure: str, tau: Interval, ahead: Interval | None) -> dict[str, Any]:
-    rates, none = real.rates[measure], Interval(np.nan, np.nan, np.nan)
+def _row(real: Traffic, kind: Traffic, measure: str, tau: Interval, ahead: Interval) -> dict[str, Any]:
+    rates = real.rates[measure]
     return {
         "real": real.made_from,
         "made_from": kind.made_from,
         "method": kind.method if kind is not real else HALVES,
         "measure": measure,
-        "value": _finite(tau.value),
-        "low": _finite(tau.low),
-        "high": _finite(tau.high),
-        "drivegen_ahead": _finite((ahead or none).value),
-        "drivegen_ahead_low": _finite((ahead or none).low),
-        "drivegen_ahead_high": _finite((ahead or none).high),
+        **as_columns(tau),
+        **as_columns(ahead, AHEAD),
         "drivers": len(rates.values),
         "real_scenes": len(rates.recordings),
         "real_recordings": len(set(rates.recordings)),
         "scenes": len(kind.rates[measure].recordings),
     }
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
 
 
 def ranking_table(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str]) -> Table:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from drivegen.adversaries.shared.recall import EVERY, VARIED
-from drivegen.core import plugins
+from drivegen.report.published.figures import grouped, origin_of, title_of
 from drivegen.report.table import Table, estimate, row
 
 METRICS = ("counted", "avoidable", "recall")
@@ -22,15 +22,12 @@ VARIANTS = {
 
 def recall_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     """A line for each driver, adversary and number of runs, behind what there is; `rows` are means over seeds."""
-    of = {(line["driver"], line["method"], line["queries"], line["metric"]): line for line in rows}
     lines = []
-    for key in dict.fromkeys(key[:3] for key in of):
-        driver, method, queries = key
+    for (driver, method, queries), of in grouped(rows, ("driver", "method", "queries"), ("metric",)).items():
         if _variant(method):
             continue
-        title = "every goal driven" if method == EVERY else plugins.about("adversaries", method)["title"]
-        origin = "" if method == EVERY else "ours" if method == VARIED else "rival"
-        cells = (estimate(of.get((*key, metric)), 3) for metric in METRICS)
+        title, origin = ("every goal driven", "") if method == EVERY else (title_of(method), origin_of(method))
+        cells = (estimate(of.get(metric)) for metric in METRICS)
         lines.append(row(driver, title, "all" if queries is None else str(queries), *cells, origin=origin))
     every = next(line for line in rows if line["method"] == EVERY)
     return Table(
@@ -49,14 +46,14 @@ def recall_table(rows: Sequence[Mapping[str, Any]]) -> Table:
 
 def ablation_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     """A line for each driver and variant of DriveGen-CS, a column for each number of runs."""
-    of = {(line["driver"], line["method"], line["queries"]): line for line in rows if line["metric"] == "counted"}
-    queries = sorted({key[2] for key in of} - {None})
-    own = list(dict.fromkeys(key[:2] for key in of if key[1].partition(".")[0] == VARIED))
+    counted = [line for line in rows if line["metric"] == "counted"]
+    queries = sorted({line["queries"] for line in counted} - {None})
+    own = grouped((line for line in counted if line["method"].partition(".")[0] == VARIED), ("driver", "method"), ("queries",))
     return Table(
         "ablation",
         "What each part of DriveGen-CS is worth: scenes with a counted collision, by runs of the driver",
         ("driver", "DriveGen-CS", *map(str, queries)),
-        tuple(row(*_names(*key), *(estimate(of.get((*key, q)), 3) for q in queries), origin="ours") for key in own),
+        tuple(row(*_names(*key), *(estimate(of.get(q)) for q in queries), origin="ours") for key, of in own.items()),
         (
             "Shares of the scenes of the table of what is there to be found. The first run shows how a driver drives when nobody "
             "is exchanged, the second is the candidate that ranks best: what comes later is rehearsal.",

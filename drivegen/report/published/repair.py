@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from drivegen.core import plugins
+from drivegen.report.published.figures import grouped, title_of
 from drivegen.report.table import Table, estimate, row
 
 VERSIONS = {
@@ -27,19 +27,17 @@ Rows = Sequence[Mapping[str, Any]]
 
 def repair_tables(driver: str, rows: Rows) -> Iterator[Table]:
     """A table for each tester of the driver; `rows` are means over seeds."""
-    for tester in dict.fromkeys(line["tester"] for line in rows):
-        mine = {(line["version"], line["metric"]): line for line in rows if line["tester"] == tester}
+    for tester, mine in grouped(rows, ("tester",), ("version", "metric")).items():
         kinds = [metric for _, metric in mine if metric.startswith("kind.") and not metric.endswith(LESS)]
         met = [kind for kind in dict.fromkeys(kinds) if any(mine[version, kind]["value"] for version in VERSIONS)]
         columns = [metric for metric in (*SHARES, *met) if ("before", metric) in mine]
         names = {title: [(version, metric) for metric in columns] for version, title in VERSIONS.items()}
         names["the last less the one before"] = [("repaired", f"{metric}{LESS}") for metric in columns]
         taught = [line["value"] for version, line in mine.items() if version == ("repaired", TAUGHT)]
-        title = plugins.about("adversaries", tester)["title"]
         first = mine["before", "counted"]
         yield Table(
             f"repair-{driver}-{tester}",
-            f"Repair: {driver}, tested by {title}",
+            f"Repair: {driver}, tested by {title_of(tester)}",
             ("", *(SHARES.get(metric, metric.removeprefix("kind.")) for metric in columns)),
             tuple(row(title, *(estimate(mine.get(name)) for name in of), origin="ours") for title, of in names.items()),
             (

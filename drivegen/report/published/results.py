@@ -14,6 +14,7 @@ from drivegen.core.methods import BOUND, Method
 from drivegen.core.scenario import Scenario
 from drivegen.metrics.pooled import Resampling, envelope, pooled_mean
 from drivegen.report.averaged import scenes_and_recordings
+from drivegen.report.published.figures import as_columns
 
 Floats = NDArray[np.float64]
 
@@ -196,8 +197,8 @@ def rows(data: DataSet, pooled: Pooled) -> list[dict[str, Any]]:
     every = {**data.methods, **data.added}
     return [
         {
-            "data": data.name, "method": name.partition("/")[0], "metric": metric, "value": mean.value,
-            "low": _finite(mean.low), "high": _finite(mean.high), "n": len(every[name].scenarios), "seeds": len(data.seeds),
+            "data": data.name, "method": name.partition("/")[0], "metric": metric, **as_columns(mean),
+            "n": len(every[name].scenarios), "seeds": len(data.seeds),
             "sampling_seeds": len(data.sampling_seeds), "plateau": data.methods[name.partition("/")[0]].plateau,
             "additions": list(_additions(data, name)), "selector": every[name].chosen_by,
         }
@@ -226,7 +227,3 @@ def resampling_of(data: DataSet, draws: int, rng: np.random.Generator) -> Resamp
 def is_distance(key: str) -> bool:
     """Whether a name in the details is a distance of distributions, and not an end of its interval."""
     return key.startswith("distance.") and not key.endswith((".low", ".high"))
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None

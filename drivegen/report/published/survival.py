@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from drivegen.core import plugins
 from drivegen.corner_cases.survival import ATTENTION, Reacting
-from drivegen.report.sections.attack import OURS
+from drivegen.report.published.figures import grouped, origin_of, title_of
 from drivegen.report.table import Cell, Table, estimate, row
 
 ORDINARY = "ordinary"
@@ -17,13 +16,11 @@ WHO = tuple(str(who) for who in Reacting if who != Reacting.NOBODY)
 
 def survival_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     """A line for each driver and adversary, a column for each who reacts; `rows` are means over seeds."""
-    of = {(line["driver"], line["method"], line["reacting"], line["attention"]): line for line in rows}
     lines = []
-    for driver, method in dict.fromkeys(key[:2] for key in of):
-        cells = [_cell({name: of[driver, method, who, name] for name in ATTENTION}) for who in WHO]
-        count = str(of[driver, method, WHO[0], ORDINARY]["n"])
-        origin = "ours" if method == OURS else "rival"
-        lines.append(row(driver, plugins.about("adversaries", method)["title"], count, *cells, origin=origin))
+    for (driver, method), of in grouped(rows, ("driver", "method"), ("reacting", "attention")).items():
+        cells = (_cell({name: of[who, name] for name in ATTENTION}) for who in WHO)
+        count = str(of[WHO[0], ORDINARY]["n"])
+        lines.append(row(driver, title_of(method), count, *cells, origin=origin_of(method)))
     others = ", ".join(f"{name} {delay:g} s, {braking:g} m/s2" for name, (delay, braking) in ATTENTION.items())
     return Table(
         "survival",

@@ -4,29 +4,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from drivegen.core import plugins
-from drivegen.report.sections.attack import OURS
+from drivegen.report.published.figures import grouped, origin_of, title_of
 from drivegen.report.table import Cell, Table, estimate, row
 
 NAME = "transfer"
 
 
-def _key(line: Mapping[str, Any]) -> tuple[str, str, str, str]:
-    return line["method"], line["found_for"], line["driver"], line["metric"]
-
-
 def transfer_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     """A line for each method and driver that it searched against, a column for each who drives; `rows` are means over seeds."""
-    of = {_key(line): line for line in rows}
     drivers = list(dict.fromkeys(line["driver"] for line in rows))
     lines = []
-    for method, found_for in dict.fromkeys(_key(line)[:2] for line in rows):
-        title = plugins.about("adversaries", method)["title"]
-        cells = [
-            _cell(of[method, found_for, driver, "counted"], of[method, found_for, driver, "untouched"]) for driver in drivers
-        ]
-        count = str(of[method, found_for, drivers[0], "counted"]["n"])
-        lines.append(row(title, found_for, count, *cells, origin="ours" if method == OURS else "rival"))
+    for (method, found_for), of in grouped(rows, ("method", "found_for"), ("driver", "metric")).items():
+        cells = (_cell(of[driver, "counted"], of[driver, "untouched"]) for driver in drivers)
+        count = str(of[drivers[0], "counted"]["n"])
+        lines.append(row(title_of(method), found_for, count, *cells, origin=origin_of(method)))
     return Table(
         NAME,
         "Cases found for one driver, driven by others: share with a counted collision",

@@ -12,8 +12,10 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from drivegen.core.intervals import percentiles, recording, resamplings
+from drivegen.core.intervals import Interval, recording, resamplings
 from drivegen.core.seeds import rng
+from drivegen.metrics.ranking import interval
+from drivegen.report.published.figures import as_columns
 
 PRIMARY = "counted_rich"
 """The primary endpoint, declared before anything was measured: counted collisions among replayed neighbours, on test scenes that
@@ -119,18 +121,18 @@ def driver_rows(tests: Tests, draws: int, seed: int) -> Iterator[dict[str, Any]]
             for metric in METRICS:
                 if metric == "imposed_braking" and not prefix:
                     continue
-                yield about | {"metric": metric} | _interval(_figure(seeds.values(), metric, prefix, times))
+                yield about | {"metric": metric} | as_columns(interval(_figure(seeds.values(), metric, prefix, times)))
                 for other in _compared(method, metric):
                     theirs = tests.values.get((driver, other), {})
                     if both := [one for one in seeds if one in theirs]:
                         mine, its = (_figure([of[one] for one in both], metric, prefix, times) for of in (seeds, theirs))
-                        yield about | {"metric": f"{metric}.minus_{other}", "seeds": len(both)} | _interval(mine - its)
+                        less = as_columns(interval(mine - its))
+                        yield about | {"metric": f"{metric}.minus_{other}", "seeds": len(both)} | less
             for one, columns in ({} if prefix else seeds).items():
                 (value,) = _figure([columns], PRIMARY, prefix, times[:1]).tolist()
                 if np.isfinite(value):  # some scene is rich
                     yield about | {"metric": f"{BY_SEED}{one}", "value": value, "low": None, "high": None, "seeds": 1}
-            numbers = zip(("value", "low", "high"), tests.diversity[driver, method, neighbours], strict=True)
-            yield about | {"metric": "div"} | {name: number if np.isfinite(number) else None for name, number in numbers}
+            yield about | {"metric": "div"} | as_columns(Interval(*tests.diversity[driver, method, neighbours]))
 
 
 def _compared(method: str, metric: str) -> list[str]:
@@ -156,9 +158,3 @@ def _means(of_seeds: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
     means = np.full(len(count), np.nan)
     means[count > 0] = np.where(there, of_seeds, 0.0).sum(axis=0)[count > 0] / count[count > 0]
     return means
-
-
-def _interval(figure: NDArray[np.float64]) -> dict[str, float | None]:
-    low, high = percentiles(figure[1:][np.isfinite(figure[1:])])
-    numbers = {"value": float(figure[0]), "low": low, "high": high}
-    return {name: number if np.isfinite(number) else None for name, number in numbers.items()}
