@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 from drivegen.core.errors import MissingTool
 from drivegen.core.settings import Count
 from drivegen.report.published.beset import beset_table
-from drivegen.report.published.corner import Attacks, Costs, corner_rows, over_seeds
+from drivegen.report.published.corner import Attacks, Costs, corner_rows
 from drivegen.report.published.files import write_part
 from drivegen.report.published.lead import METRICS as LED
 from drivegen.report.published.lead import lead_rows, lead_table
@@ -24,6 +24,7 @@ from drivegen.report.published.mutation import mutation_rows, mutation_table
 from drivegen.report.published.naturalness import naturalness_table
 from drivegen.report.published.recall import ablation_table, recall_table
 from drivegen.report.published.repair import repair_tables
+from drivegen.report.published.seeds import over_seeds
 from drivegen.report.published.survival import survival_table
 from drivegen.report.published.transfer import transfer_table
 from drivegen.report.sections.attack import cost_table, outcome_table, proposer_tables

@@ -6,8 +6,8 @@ from typing import Any
 from drivegen.core import plugins
 from drivegen.core.methods import read_methods
 from drivegen.report import plots
-from drivegen.report.published.corner import mean_of_all
 from drivegen.report.published.figures import title_of
+from drivegen.report.published.seeds import mean_of_all
 from drivegen.report.table import Cell, Row, Table, number, row
 
 SHARES = ("killed", "killed_apart", "false_kills", "false_kills_apart", "named", "named_by_guess")

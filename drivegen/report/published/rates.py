@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from drivegen.report.published.corner import mean_of_all
+from drivegen.report.published.seeds import mean_of_all
 from drivegen.report.table import Cell, Row, Table, number, row
 
 NAME = "failure-rates"
