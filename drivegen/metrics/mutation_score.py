@@ -119,9 +119,8 @@ def scored(
     most = max(each["runs"] for each in drivers.values())
     looks = [*(look for look in settings.looks if look < most), most]
     by_then = _killed_by(list(pairs.values()), looks, settings, random)
-    runs = [_first(looks, column) for column in (by_then.mean(axis=0) >= 0.5).T]
-    for each, needed in zip(drivers.values(), runs, strict=True):
-        each["runs_to_kill"] = _finite(needed)
+    for each, enough in zip(drivers.values(), (by_then.mean(axis=0) >= 0.5).T, strict=True):
+        each["runs_to_kill"] = _first(looks, enough)
     bad, good = (
         [each for each, is_bad in zip(drivers.values(), faulty, strict=True) if is_bad == which] for which in (True, False)
     )
@@ -137,8 +136,8 @@ def scored(
         "false_kills_apart": _share([each["killed_apart"] for each in good]),
         "named": _share([each["named"] for each in dead]),
         "named_by_guess": _by_guess([each["fails"] for each in dead]),
-        "first_kill": _finite(_first(looks, by_then[:, :, faulty].any(axis=2).mean(axis=0) >= 0.5)),
-        "runs_to_kill": _finite(float(np.sort(np.array(runs)[faulty])[(len(bad) - 1) // 2])) if bad else None,
+        "first_kill": _first(looks, by_then[:, :, faulty].any(axis=2).mean(axis=0) >= 0.5),
+        "runs_to_kill": _middle([each["runs_to_kill"] for each in bad]),
         "curve": [looks, by_then[:, :, faulty].mean(axis=(0, 2)).tolist() if bad else []],
         "drivers": drivers,
     }
@@ -188,8 +187,13 @@ def _killed_by(
     return killed
 
 
-def _first(looks: Sequence[int], enough: NDArray[np.bool_]) -> float:
-    return float(looks[int(np.argmax(enough))]) if enough.any() else np.inf
+def _first(looks: Sequence[int], enough: NDArray[np.bool_]) -> float | None:
+    return float(looks[int(np.argmax(enough))]) if enough.any() else None
+
+
+def _middle(runs: Sequence[float | None]) -> float | None:
+    """The lower median, where None is more than any number; None of nothing."""
+    return sorted(runs, key=lambda each: np.inf if each is None else each)[(len(runs) - 1) // 2] if runs else None
 
 
 def _by_guess(fails: Sequence[Sequence[str]]) -> float | None:
@@ -199,7 +203,3 @@ def _by_guess(fails: Sequence[Sequence[str]]) -> float | None:
 
 def _share(which: Sequence[bool]) -> float | None:
     return float(np.mean(which)) if which else None
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
