@@ -38,7 +38,7 @@ def whole(path: Path) -> Iterator[Path]:
 
 
 def expect_file_fits(path: Path) -> None:
-    """Raises UnusableInput where something else than a plain file is at `path`, be it a link to one, or it would lie in a file."""
+    """Raises UnusableInput where something else than a plain file is at `path`, as a link to one, or it would lie in a file."""
     if path.is_symlink() or (path.exists() and not path.is_file()):  # never replace a device, or what leads to it
         raise UnusableInput(f"{path} is there and no plain file: name another one", reason="not-a-file")
     if wrong := [parent for parent in path.parents if parent.exists() and not parent.is_dir()]:

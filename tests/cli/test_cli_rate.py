@@ -6,8 +6,8 @@ import sys
 import pytest
 
 from drivegen import cli
-from drivegen.cli import rate
 from drivegen.av2.export import export_scenario
+from drivegen.cli import rate
 from tests.models import two_lanes
 from tests.projects import make_project
 
