@@ -40,7 +40,7 @@ def command(
         Option(help="A driver of params.yaml, a YAML file with one and its settings, or a Python file, run with your rights."),
     ],
     scenarios: Annotated[Path, Option(help="A folder of scenarios: data/scenarios/test, data/shipped, Argoverse 2's layout.")],
-    runs: Annotated[int, Option(min=10, help="Of the driver, beside one in each scene.")] = 2000,
+    runs: Annotated[int, Option(min=10, max=10**9, help="Of the driver, beside one in each scene.")] = 2000,
     draws: Annotated[int | None, Option(min=1, help="Of the traffic of each scene, from which runs are chosen.")] = None,
     most: Annotated[int | None, Option(min=1, help="Only the first so many scenarios.")] = None,
     out: Annotated[Path | None, Option(help="A JSON file for what was found.")] = None,

@@ -29,6 +29,9 @@ SHARDS = tuple(Path("data") / name for name in ("shipped", "scenarios/test", "sc
 GENERATED = Path("data/generated/drivegen")
 """Futures of test scenarios, where no other folder is named: `<id>-s03` is number 3."""
 
+RECORDING = "recording.rrd"
+"""What `drivegen corner` writes beside the scenario of each kind."""
+
 _LISTED = 20
 
 LOCAL = ("--bind", "127.0.0.1")
@@ -54,7 +57,7 @@ def command(
     elif not folder.is_dir():
         path = _record_id(scenario, out, futures)
     else:
-        folder = _chosen(folder)
+        folder = _chosen(folder, out)
         path = _recorded(folder, out) or _record(folder, out)
     if show and _has_screen():
         _open(path)
@@ -63,13 +66,15 @@ def command(
         console.print(f"{path}: look at it with `{line}`", soft_wrap=True, highlight=False, markup=False)
 
 
-def _chosen(folder: Path) -> Path:
-    """The folder itself, or the only scenario in it; raises UnusableInput that lists them where there are several."""
-    scenes = sorted(file.parent for file in folder.glob("*/scenario_*.parquet"))
-    if any(folder.glob("scenario_*.parquet")) or not scenes:
+def _chosen(folder: Path, out: Path | None) -> Path:
+    """The folder itself, or the only scenario or kind of corner cases in it; raises UnusableInput that lists them where there
+    are several.
+    """
+    scenes = sorted({file.parent for name in ("scenario_*.parquet", RECORDING) for file in folder.glob(f"*/{name}")})
+    if any(folder.glob("scenario_*.parquet")) or not scenes or (out is None and (folder / RECORDING).is_file()):
         return folder
     if len(scenes) == 1:
-        return scenes[0]
+        return _chosen(scenes[0], out)
     names = "".join(f"\n  drivegen view {shlex.quote(str(scene))}" for scene in scenes[:_LISTED])
     more = f"\n  and {len(scenes) - _LISTED} more" if len(scenes) > _LISTED else ""
     raise UnusableInput(f"{folder} holds {len(scenes)} scenarios, view one of them:{names}{more}")
@@ -84,7 +89,9 @@ def _record_id(scenario_id: str, out: Path | None, futures: Path) -> Path:
         record_scenario(path, *future)
     else:
         places = ", ".join(str(folder) for folder in (*SHARDS, futures))
-        raise UnusableInput(f"{scenario_id} is no folder, and no scenario in {places}: give a scenario's folder or its id")
+        raise UnusableInput(
+            f"{scenario_id} is no folder, and no scenario in {places}: give a scenario's folder or, in the project's, its id"
+        )
     return path
 
 

@@ -170,11 +170,18 @@ def read_yaml(path: Path) -> dict[str, Any]:
     try:
         tree = yaml.load(path.read_text(), _Loader)  # noqa: S506 - a safe one
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise UnusableInput(f"{path} is not YAML: {str(error).splitlines()[0]}") from None
+        raise UnusableInput(f"{path} is not YAML: {_fault(error)}") from None
     if not isinstance(tree, dict):
         raise UnusableInput(f"{path} has no sections")
     values: dict[str, Any] = tree
     return values
+
+
+def _fault(error: Exception) -> str:
+    """What is wrong in a file, with the line where that is known."""
+    if isinstance(error, yaml.MarkedYAMLError) and error.problem_mark:
+        return f"{error.problem} in line {error.problem_mark.line + 1}"
+    return str(error).splitlines()[0]
 
 
 def _sections(path: Path) -> dict[str, Any]:

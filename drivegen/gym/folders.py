@@ -1,7 +1,7 @@
 """Scenarios with traffic from a folder: shards or samples that drivegen wrote, or Argoverse 2 scenarios."""
 
 import warnings
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -30,18 +30,24 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
     """Every scenario of a folder with 0 and its log, or with number and motion of each of its futures.
 
     `folder` holds shards of scenarios or of samples (`of` has their scenarios), is a round of corner cases, one Argoverse 2
-    scenario, or a folder of those. What nobody can drive in is left out with a warning that counts the reasons. Raises
-    UnusableInput where nothing remains.
+    scenario, or a folder of those. What nobody can drive in is left out with a warning that counts the reasons, with the first
+    of each in words. Raises UnusableInput where nothing remains.
     """
     place = folder / "samples" if (folder / "samples").is_dir() else folder
     if not place.is_dir():
-        raise UnusableInput(f"{folder} is no folder: give one with shards, as data/shipped, or with Argoverse 2 scenarios")
+        remedy = "give one with shards, as data/shipped, or with Argoverse 2 scenarios"
+        made = "run `make run` first, in the project's folder, or " if folder.parts[:1] == SCENES.parts[:1] else ""
+        raise UnusableInput(f"{folder} is no folder: {made}{remedy}")
     files = shards(place)
-    left_out: Counter[str] = Counter()
+    left_out: dict[str, list[str]] = defaultdict(list)
     every = [one for file in files for one in _of_shard(file, of)] if files else list(_argoverse2(place, left_out))
-    usable = [one for one in every if one[2].valid[TARGET, :2].all()]
-    left_out["no-target"] += len(every) - len(usable)
-    reasons = ", ".join(f"{count} {reason}" for reason, count in sorted(left_out.items()) if count)
+    usable = []
+    for scenario, number, motion in every:
+        if motion.valid[TARGET, :2].all():
+            usable.append((scenario, number, motion))
+        else:
+            left_out["no-target"].append(scenario.scenario_id)
+    reasons = ", ".join(f"{len(which)} {reason} ({which[0]})" for reason, which in sorted(left_out.items()))
     if not usable:
         raise UnusableInput(f"{folder} holds no scenario with traffic and a target to drive ({reasons or 'it is empty'})")
     if reasons:
@@ -57,14 +63,14 @@ def _of_shard(shard: Path, of: Path) -> Iterator[tuple[Scenario, int, Trajectori
         yield from ((scenario, k, samples.motion[k]) for k in range(len(samples.dropped)))
 
 
-def _argoverse2(folder: Path, left_out: Counter[str]) -> Iterator[tuple[Scenario, int, Trajectories]]:
-    """One scenario, or those of all folders in a folder, those of its splits included; counts what is not usable."""
+def _argoverse2(folder: Path, left_out: dict[str, list[str]]) -> Iterator[tuple[Scenario, int, Trajectories]]:
+    """One scenario, or those of all folders in a folder, also of its splits; what is not usable by reason, in words."""
     single = any(folder.glob("scenario_*.parquet"))
     for place in [folder] if single else sorted({file.parent for file in folder.glob("**/scenario_*.parquet")}):
         try:
             scenario = select(read_folder(place, "Argoverse 2 Motion Forecasting"), SELECTION)
         except UnusableInput as error:
-            left_out[error.reason] += 1
+            left_out[error.reason].append(str(error))
             continue
         assert scenario.log is not None
         yield scenario, 0, scenario.log

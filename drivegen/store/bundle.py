@@ -26,7 +26,7 @@ def pack(models: Path, bundle: Path) -> list[str]:
     """
     files = {path.relative_to(models).as_posix(): path for path in sorted(models.rglob("*")) if path.is_file()}
     if not files:
-        raise MissingTool(f"{models} holds no trained models: `make run` trains them")
+        raise MissingTool(f"{models} holds no trained models: `make run` trains them, in the project's folder: change into it")
     if strange := [name for name in files if not name.endswith(ALLOWED)]:
         raise UnusableInput(f"{models / strange[0]} is no model (JSON or safetensors): remove it first")
     digests = {name: _sha256(path.read_bytes()) for name, path in files.items()}
@@ -42,6 +42,8 @@ def unpack(bundle: Path, models: Path) -> list[str]:
 
     Raises UnusableInput where the file is no bundle, was cut off or changed, or where the folder is not empty.
     """
+    if not bundle.is_file():
+        raise UnusableInput(f"{bundle} is no file: name one that `drivegen weights save` wrote")
     try:
         with zipfile.ZipFile(bundle) as archive:
             digests = _manifest(archive, bundle)

@@ -90,7 +90,7 @@ def query(path: Path, sql: str) -> pa.Table:
     Raises MissingTool where there is no such file, UnusableInput where it is no warehouse or DuckDB refuses the statement.
     """
     if not path.is_file():
-        raise MissingTool(f"{path} is not here: `make run` makes it, or `dvc repro collect` of results that are there")
+        raise MissingTool(f"{path} is not here: `make run` makes it, in the project's folder: change into it")
     try:
         with duckdb.connect(str(path), read_only=True, config=_CLOSED) as connection:
             if len(statements := duckdb.extract_statements(sql)) != 1:

@@ -182,15 +182,16 @@ def test_what_never_drove_is_not_exported(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_a_recording_lies_in_the_current_folder_whatever_the_log_calls_itself(folder, tmp_path):
+def test_a_log_that_calls_itself_by_a_path_is_not_recorded(folder, tmp_path):
     tracks = folder / "scenario_scene-0.parquet"
     table = pq.read_table(tracks)
     names = pa.array(["../elsewhere/scene"] * len(table))
     pq.write_table(table.set_column(table.column_names.index("scenario_id"), "scenario_id", names), tracks)
     (tmp_path / "here").mkdir()
     done = run("view", str(folder), "--no-show", cwd=tmp_path / "here")
-    assert done.returncode == 0, done.stderr
-    assert [p.name for p in (tmp_path / "here").iterdir()] == ["scene-0.rrd"]
+    assert done.returncode == 2
+    assert "'../elsewhere/scene' cannot be a scenario's id" in done.stderr
+    assert not list((tmp_path / "here").iterdir())
     assert not (tmp_path / "elsewhere").exists()
 
 

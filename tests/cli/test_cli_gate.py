@@ -87,6 +87,8 @@ def test_one_recording_is_too_few_for_an_interval(project, monkeypatch, capsys):
         ("broken.py", "scenes", "act(observation) fails"),
         ("nobody", "scenes", "no drivers plugin is called"),
         ("lost.py", "scenes", "lost.py is no Python file"),
+        ("lost.yaml", "scenes", "lost.yaml is no file: give one with a driver's name and settings"),
+        ("idm", "data/scenarios/test", "data/scenarios/test is no folder: run `make run` first"),
         ("two.yaml", "scenes", "two.yaml must be a driver's name"),
         ("wrong.yaml", "scenes", "wrong.yaml: idm: unknown name 'head'"),
         ("text.yaml", "scenes", "text.yaml: idm.headway must be float"),

@@ -53,7 +53,7 @@ def test_a_name_that_is_not_utf_8_can_be_read_and_told(tmp_path):
 
 def call(monkeypatch, command, *words):
     """Exit code of a command in place of `map`."""
-    monkeypatch.setattr(cli, "build", lambda _: command)
+    monkeypatch.setattr(cli, "build", lambda _: lambda: sys.exit(command()))
     monkeypatch.setattr(sys, "argv", ["drivegen", "map", *words])
     try:
         cli.main()

@@ -29,7 +29,7 @@ def test_query_prints_a_table_as_wide_as_its_ids_or_csv(tmp_path):
 def test_query_without_results_or_with_no_sql_is_one_sentence(tmp_path):
     done = run("query", "from results", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (1, "")
-    assert "reports/drivegen.duckdb is not here: `make run` makes it" in done.stderr
+    assert "reports/drivegen.duckdb is not here: `make run` makes it, in the project's folder: change into it" in done.stderr
     warehouse.build(tmp_path / "reports/drivegen.duckdb", {"calls": CALLS.empty_table()})
     done = run("query", "selct 1", cwd=tmp_path)
     assert done.returncode == 2

@@ -24,3 +24,17 @@ def test_models_are_not_packed_into_their_own_folder(tmp_path, monkeypatch, caps
         assert "name a place outside data/models" in capsys.readouterr().err
     assert [file.read_text() for file in weights.parent.iterdir()] == ["{}"]
     assert call(monkeypatch, tmp_path, "save", "models.zip") == 0
+
+
+def test_what_is_not_there_is_told_with_what_to_do(tmp_path, monkeypatch, capsys):
+    for words, code, why in (
+        (("load", "nosuch"), 2, "nosuch is no file: name one that `drivegen weights save` wrote"),
+        (
+            ("save", "models.zip"),
+            1,
+            "data/models holds no trained models: `make run` trains them, in the project's folder: change",
+        ),
+    ):
+        assert call(monkeypatch, tmp_path, *words) == code
+        assert why in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

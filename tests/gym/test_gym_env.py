@@ -2,6 +2,7 @@
 
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -86,10 +87,19 @@ def test_folders_of_samples_and_of_argoverse_scenarios_are_read_too(folder):
     broken = folder / "argoverse2" / "three"
     shutil.copytree(folder / "argoverse2" / "one", broken)
     next(broken.glob("*.parquet")).write_bytes(b"PAR1")
-    with pytest.warns(UserWarning, match="scenarios left out: 1 "):
+    with pytest.warns(
+        UserWarning, match=r"scenarios left out: 1 truncated \(.*/three/scenario_.*\.parquet is no whole Parquet file"
+    ):
         assert len(read_traffic(folder / "argoverse2")) == 2
-    with pytest.raises(UnusableInput, match="no scenario with traffic and a target to drive"):
+    with pytest.raises(UnusableInput, match=r"no scenario with traffic and a target to drive \(1 truncated \(.*/three/"):
         read_traffic(broken)
+    gone = busy_crossing(110, "gone")
+    gone.log.valid[0] = False
+    write_shard(folder / "empty" / "shard-00000.parquet", [gone])
+    with pytest.raises(UnusableInput, match=r"target to drive \(1 no-target \(gone\)\)"):
+        read_traffic(folder / "empty")
+    with pytest.raises(UnusableInput, match="data/scenarios/none is no folder: run `make run` first"):
+        read_traffic(Path("data/scenarios/none"))
 
 
 def test_episodes_end_by_a_crash_or_at_the_end_of_the_scenario_or_of_the_map():
