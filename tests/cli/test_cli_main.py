@@ -58,7 +58,7 @@ def call(monkeypatch, command, *words):
     try:
         cli.main()
     except SystemExit as left:
-        return left.code
+        return left.code or 0
     return 0
 
 

@@ -57,7 +57,7 @@ def test_the_table_has_a_line_for_whom_it_was_found_and_a_column_for_who_drives(
     publish_corner.main(publish_corner.Params(7, [7], {}, 20), tmp_path / "runs", tmp_path / "out")
     text = (tmp_path / "out/transfer.md").read_text()
     assert "|  | found for | cases | driven by idm | driven by gail |" in text
-    assert "| random goals | idm | 2 | 1.00 (1.00 to 1.00; without 0.00) | 1.00 (1.00 to 1.00; without 0.00) |" in text
+    assert "| random goals | idm | 2 | 1.00 (without 0.00) | 1.00 (without 0.00) |" in text
     published = orjson.loads((tmp_path / "out/transfer.json").read_bytes())
     assert {row["seeds"] for row in published} == {1}
     assert {row["data"] for row in published} == {"sumo_corpus"}
