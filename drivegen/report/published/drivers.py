@@ -87,7 +87,7 @@ def primary(figures: Figures, method: str) -> Cell:
     """A row's primary endpoint with its interval, and seed by seed where there are several."""
     cell = estimate(figures.get((method, PRIMARY)))
     seeds = [f"{each['value']:.3f}" for (who, metric), each in figures.items() if who == method and metric.startswith(BY_SEED)]
-    return replace(cell, note=f"{cell.note}; seeds {', '.join(seeds)}") if len(seeds) > 1 else cell
+    return replace(cell, note="; ".join(filter(None, (cell.note, f"seeds {', '.join(seeds)}")))) if len(seeds) > 1 else cell
 
 
 def _row(method: str, shown: Sequence[str], figures: Figures) -> Row:
@@ -99,7 +99,8 @@ def _row(method: str, shown: Sequence[str], figures: Figures) -> Row:
 def _with_cases(figures: Figures) -> list[str]:
     """How far the row with corner cases is from the same scenes without them, in a sentence."""
     apart = estimate(figures.get((CASES, f"{PRIMARY}.minus_{OURS}")))
-    return [f"Counted in rich scenes, {METHODS[CASES]} less {METHODS[OURS]}: {apart.text} ({apart.note})."] if apart.text else []
+    ends = f" ({apart.note})" if apart.note else ""
+    return [f"Counted in rich scenes, {METHODS[CASES]} less {METHODS[OURS]}: {apart.text}{ends}."] if apart.text else []
 
 
 def _theirs(driver: str, columns: int) -> list[Row]:
