@@ -328,7 +328,7 @@ def test_turn_lanes_bans_lane_widths_and_sizes_are_held_against_a_specification(
     ],
 )
 def test_long_ambiguous_texts_are_read_soon(text):
-    assert cpu_seconds(lambda: declined(text)) < 15 * yardstick()  # about 3, tables included
+    assert cpu_seconds(lambda: declined(text), times=2) < 15 * yardstick()  # about 4; one may collect garbage
 
 
 def test_covers_that_differ_in_silent_words_are_one():
