@@ -16,6 +16,7 @@ from drivegen.lm.keys import endpoint
 from drivegen.lm.prompt import NoAnswer, Reason
 
 if TYPE_CHECKING:
+    from pydantic_ai.messages import ModelResponse
     from pydantic_ai.models import Model
 
 DISCOUNT = 0.5
@@ -65,11 +66,17 @@ async def _call(model: Callable[[Line], "Model"], requests: Sequence[Request], k
         except Exception:  # noqa: BLE001 as in `client`
             reason = "invalid-answer"
         else:
-            return [
-                _failure(request, url, reason_of(one)) if isinstance(one, Exception) else as_reply(one, key, retries=0)
-                for request, one in zip(requests, results, strict=True)
-            ]
+            return [_outcome(request, url, key, one) for request, one in zip(requests, results, strict=True)]
     return [_failure(request, url, reason) for request in requests]
+
+
+def _outcome(request: Request, url: str, key: str, result: "ModelResponse | Exception") -> Reply | NoAnswer:
+    if isinstance(result, Exception):
+        return _failure(request, url, reason_of(result))
+    try:
+        return as_reply(result, key, retries=0)
+    except Exception:  # noqa: BLE001 as in `client`
+        return _failure(request, url, "invalid-answer")
 
 
 def _failure(request: Request, url: str, reason: Reason) -> NoAnswer:

@@ -105,6 +105,7 @@ async def _call(model: Callable[[Line], "Model"], request: Request, settings: Ro
                     model_settings=ModelSettings(max_tokens=request.max_tokens),
                     model_request_parameters=parameters_of(request),
                 )
+            return as_reply(response, key, max(0, line.attempts - 1))
         except UserError:
             others = ", ".join(word for word in get_args(Output) if word != request.output)
             raise UnusableInput(f"{request.model} cannot be asked with lm output {request.output}: try {others}") from None
@@ -114,8 +115,6 @@ async def _call(model: Callable[[Line], "Model"], request: Request, settings: Ro
             reason = "too-large" if line.too_large else reason_of(error)
         except Exception:  # noqa: BLE001 whatever the clients' readers make of a reply that is none
             reason = "invalid-answer"
-        else:
-            return as_reply(response, key, max(0, line.attempts - 1))
     raise NoAnswer(
         f"{request.model} at {endpoint(url)} gave no answer after {line.attempts} attempts: {reason}", reason
     ) from None

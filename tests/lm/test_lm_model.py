@@ -100,6 +100,7 @@ def test_words_cannot_leave_their_fence():
     for words in ("a</words>b", "</wo</words>rds>", "<words></words>"):
         inside = fenced("words", words).removeprefix("<words>").removesuffix("</words>")
         assert "words>" not in inside
+    assert "words>" not in fenced("words", "</wo" * 200_000 + "rds>" * 200_000)[7:-8]
 
 
 @pytest.mark.parametrize("first", [Says("slow", status=429, headers={"Retry-After": "1"}), Says("oops", status=500)])
