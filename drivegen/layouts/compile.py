@@ -14,7 +14,7 @@ from drivegen.layouts.compilers.roundabouts import compile_roundabout
 from drivegen.layouts.spec import MapSpec
 from drivegen.layouts.values import STREET_LANE
 from drivegen.sumo.netconvert import plain_to_net
-from drivegen.sumo.plain import PlainNetwork, Point
+from drivegen.sumo.plain import PlainNetwork
 
 _COMPILERS: dict[str, Any] = {
     "crossing": compile_crossing,
@@ -49,7 +49,7 @@ def draw(spec: MapSpec) -> PlainNetwork:
     _COMPILERS[road.kind](road, plain)
     if (width := getattr(road, "lane_width", STREET_LANE)) != STREET_LANE:
         plain.edges = [replace(edge, width=edge.width or width) for edge in plain.edges]
-    return _mirrored(plain) if spec.left_hand else plain
+    return plain.mapped(lambda point: (point[0], -point[1])) if spec.left_hand else plain
 
 
 def _reflected(value: Any) -> Any:
@@ -73,14 +73,3 @@ def _reflected(value: Any) -> Any:
 def _swapped_name(name: str) -> str:
     first, _, rest = name.partition("_")
     return f"{_OTHER_PART[first]}_{rest}" if first in _OTHER_PART and rest else name
-
-
-def _mirrored(plain: PlainNetwork) -> PlainNetwork:
-    """The network seen in a mirror that lies along the x axis."""
-
-    def flip(points: tuple[Point, ...]) -> tuple[Point, ...]:
-        return tuple((x, -y) for x, y in points)
-
-    nodes = [replace(n, y=-n.y, shape=None if n.shape is None else flip(n.shape)) for n in plain.nodes]
-    edges = [replace(e, shape=flip(e.shape)) for e in plain.edges]
-    return replace(plain, nodes=nodes, edges=edges)

@@ -24,12 +24,15 @@ from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.packing import unpack
 from drivegen.planners.base import Planner, PlanRequests
 from drivegen.planners.shared.noise import GOLDEN, mixed
-from drivegen.planners.shared.requests import Goals, plan_requests
+from drivegen.planners.shared.requests import Goals, moved, plan_requests
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.line import Route
 from drivegen.rollout.scene import Choices, Probabilities, Rollout, RolloutSettings
 from drivegen.selectors.base import Selector
 from drivegen.store.goals import GoalColumns
+
+BRAKING = 4.0
+"""[m/s2] Who varies a goal, or is to stay while it rolls, brakes by this at most, in the mean over the way to a standstill."""
 
 
 def choose(scenarios: Sequence[Scenario], selector: Selector, settings: CandidateSettings, temperature: float) -> list[Choices]:
@@ -141,7 +144,14 @@ def goal_requests(
     goals = Goals(*map(np.concatenate, zip(*columns, strict=True)))
     used, route = _in_use(goals.route)
     scenarios = [choice.scenario for choice in choices]
-    return plan_requests(scenarios, [routes[r] for r in used], replace(goals, route=route), np.concatenate(noise))
+    requests = plan_requests(scenarios, [routes[r] for r in used], replace(goals, route=route), np.concatenate(noise))
+    return _with_room_to_stop(requests)
+
+
+def _with_room_to_stop(requests: PlanRequests) -> PlanRequests:
+    """Who is to stay but still rolls stops as soon as a body on wheels can, a little farther on: nobody stands at once."""
+    rolls_on = requests.speed**2 / (2 * BRAKING) * (requests.goal_s <= 0)
+    return moved(requests, rolls_on, np.zeros_like(rolls_on), np.zeros_like(rolls_on))
 
 
 def _in_use(route: NDArray[np.integer]) -> tuple[list[int], NDArray[np.int64]]:

@@ -14,14 +14,11 @@ from drivegen.planners.base import Planner, PlanRequests
 from drivegen.planners.shared.noise import normals
 from drivegen.planners.shared.requests import moved
 from drivegen.roads.leaving import Exits
-from drivegen.rollout.batch import goal_requests
+from drivegen.rollout.batch import BRAKING, goal_requests
 from drivegen.rollout.scene import Choices
 
 NEAR = 1 << 20
 """The stream of noise that places near a goal are drawn from, apart from that of the motion towards them."""
-
-BRAKING = 4.0
-"""[m/s2] Who varies a goal brakes by this at most, in the mean over all the way to a standstill."""
 
 
 def plan_all_goals(choices: Sequence[Choices], planner: Planner, seed: int) -> list[Trajectories]:

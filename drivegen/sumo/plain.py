@@ -5,7 +5,8 @@ written, so whatever a model or a file says, netconvert sees our own serialisati
 """
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from itertools import accumulate, pairwise
 from xml.etree.ElementTree import Element, SubElement, tostring
 
@@ -73,12 +74,17 @@ class Edge:
 
 @dataclass(frozen=True)
 class Connection:
-    """A way from a lane of one edge to a lane of another; naming any for an edge replaces netconvert's guesses for it."""
+    """A way from a lane of one edge to a lane of another; naming any for an edge replaces netconvert's guesses for it.
+
+    `shape` is the centreline inside the node [m], ends included, with `heights` as an edge's; without it netconvert draws one.
+    """
 
     source: str
     target: str
     source_lane: int
     target_lane: int
+    shape: tuple[Point, ...] = ()
+    heights: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -98,6 +104,23 @@ class PlainNetwork:
     connections: list[Connection] = field(default_factory=list)
     roundabouts: list[Roundabout] = field(default_factory=list)
     lefthand: bool = False
+
+    def mapped(self, place: Callable[[Point], Point]) -> "PlainNetwork":
+        """The network with every point of it taken elsewhere by `place`."""
+
+        def each(points: tuple[Point, ...]) -> tuple[Point, ...]:
+            return tuple(map(place, points))
+
+        def moved(node: Node) -> Node:
+            x, y = place((node.x, node.y))
+            return replace(node, x=x, y=y, shape=node.shape and each(node.shape))
+
+        def drawn(edge: Edge) -> Edge:
+            lanes = tuple(replace(lane, shape=each(lane.shape)) for lane in edge.per_lane)
+            return replace(edge, shape=each(edge.shape), per_lane=lanes)
+
+        connections = [replace(link, shape=each(link.shape)) for link in self.connections]
+        return replace(self, nodes=[*map(moved, self.nodes)], edges=[*map(drawn, self.edges)], connections=connections)
 
     def files(self) -> dict[str, bytes]:
         """The plain XML files by name, byte-identical for equal networks."""
@@ -139,6 +162,8 @@ class PlainNetwork:
             element = SubElement(root, "connection", {"from": link.source, "to": link.target})
             element.set("fromLane", str(link.source_lane))
             element.set("toLane", str(link.target_lane))
+            if link.shape:
+                element.set("shape", _points(link.shape, link.heights))
         return _bytes(root)
 
 

@@ -143,6 +143,16 @@ def test_a_red_line_that_is_crossed_is_paid_for_once():
     assert 15 < int(np.argmin(paid)) < 22  # the front reaches the line after 17.7 m
 
 
+def test_a_red_line_that_is_crossed_in_the_first_step_is_paid_for_as_well():
+    roads = crossing()
+    log = stack([drive(joined(roads, 0, 8, 4), 77.2, 10, 61)])
+    red = Signals(np.array([8], np.int32), np.full((1, 61), SignalState.RED, np.uint8))
+    env = gymnasium.make(drivegen.gym.ID, scenarios=[(scenario(roads, log, signals=red), log)], settings=SETTINGS)
+    for _ in range(2):
+        env.reset(seed=0)
+        assert env.step(np.zeros(1, np.float32))[4]["reward/red"] == SETTINGS.rewards.red
+
+
 def test_rows_are_reset_in_the_step_in_which_they_end_and_the_last_observation_is_kept():
     pairs = [behind_a_parked_car(20.0), alone(steps=21)]
     vector = gymnasium.make_vec(drivegen.gym.ID, num_envs=8, scenarios=pairs, settings=SETTINGS)

@@ -10,6 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from drivegen.checker.limits import LATERAL_ACCELERATION, OFF_ROAD
+from drivegen.checker.scene import SceneChecker
 from drivegen.core import seeds
 from drivegen.layouts.compile import compile_map, draw
 from drivegen.layouts.spec import MapSpec
@@ -19,6 +21,8 @@ from drivegen.maps.checks import failures
 from drivegen.sumo.demand import Demand, draw_demand
 from drivegen.sumo.network import Network
 from drivegen.sumo.traffic import Run, simulate
+from tests.checking import LIMITS
+from tests.scenes import drive, joined, scenario, stack
 
 FOUR = [{"angle": angle} for angle in (0, 90, 180, 270)]
 ROADS: dict[str, dict[str, Any]] = {
@@ -159,6 +163,36 @@ def test_the_road_of_a_fork_is_as_long_as_its_stem(stem: float | None, lengths: 
     edges = [edge for edge in network.iter("edge") if not edge.get("function")]
     found = sorted(float(edge[0].get("length", "0")) for edge in edges)
     assert found == pytest.approx(lengths, abs=15)  # less what the node takes of each
+
+
+@pytest.mark.parametrize("left_hand", [False, True], ids=["right-hand", "left-hand"])
+@pytest.mark.parametrize(
+    ("event", "alignment"),
+    [
+        ({"kind": "off_ramp", "position": 400}, {"length": 1100}),
+        ({"kind": "off_ramp", "position": 400}, {"length": 1100, "shape": "curve", "angle": -20, "radius": 2000}),
+        ({"kind": "lane_gain", "position": 300}, {"length": 900}),
+        ({"kind": "lane_gain", "position": 300, "side": "left"}, {"length": 900}),
+    ],
+    ids=["exit", "exit-in-a-bend", "lane-gain", "lane-gain-left"],
+)
+def test_one_can_drive_into_a_lane_that_opens_at_the_limit(
+    event: dict[str, Any], alignment: dict[str, Any], left_hand: bool
+) -> None:
+    road = {"kind": "highway", "carriageways": 1, "lanes": 2, "speed": 30, "alignment": alignment, "events": [event]}
+    roads = build_spec(MapSpec.model_validate({"road": road, "left_hand": left_hand}), {}).road_map
+    forks = [lane for lane in range(len(roads)) if np.count_nonzero(roads.links[:, 0] == lane) > 1]
+    ways = [
+        (lane, inside, on)
+        for lane in forks
+        for inside in roads.links[roads.links[:, 0] == lane, 1]
+        for on in roads.links[roads.links[:, 0] == inside, 1]
+    ]
+    assert len(ways) == 2
+    tracks = stack([drive(joined(roads, *way), 150.0, 30.0, 101) for way in ways])
+    judged = SceneChecker(scenario(roads, tracks), LIMITS).alone(np.arange(2), tracks)
+    assert judged.worst[:, LATERAL_ACCELERATION].max() < LIMITS.lateral_acceleration
+    assert judged.worst[:, OFF_ROAD].max() < LIMITS.off_road
 
 
 def test_turn_lanes_in_a_row_open_ahead_of_each_crossing_and_lead_only_into_side_roads() -> None:

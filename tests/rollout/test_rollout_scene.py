@@ -9,18 +9,18 @@ import pytest
 from drivegen.checker.scene import check_samples
 from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Samples, Violation
-from drivegen.core.scenario import TARGET
+from drivegen.core.scenario import DT, TARGET
 from drivegen.goals.candidates import candidates
 from drivegen.goals.joint import draw_together
 from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.packing import pack
 from drivegen.roads.graph import LaneGraph
-from drivegen.rollout.batch import choose, recorded_choices, roll_out, tempered
+from drivegen.rollout.batch import BRAKING, choose, goal_requests, recorded_choices, roll_out, tempered
 from drivegen.rollout.models import Equipment
 from drivegen.rollout.scene import Choices, Rollout, RolloutSettings, steps_to_avoid_target
 from tests.checking import LIMITS
 from tests.models import candidate_settings, two_lanes
-from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
+from tests.scenes import busy_crossing, drive, joined, scenario, stack, straight_road
 
 SETTINGS = RolloutSettings(attempts=3, rounds=4, evictions=1, drop_illegal=False, target_steps=None, exclusion=True, tempo=0.8)
 SAMPLES = 4
@@ -119,6 +119,20 @@ def test_motion_ends_at_the_goal(equipment, choices):
         for n, found in enumerate(choice.candidates):
             away = np.hypot(*(samples.motion.position[:, n, -1] - found.position[samples.goal[:, n]]).T)
             assert away.max() < 1.0
+
+
+def test_who_is_to_stay_while_it_rolls_brakes_first(equipment):
+    roads = straight_road(whole=True)
+    rolling = scenario(roads, stack([drive(joined(roads, 0), 20, speed, 101) for speed in (1.8, 0.0)]))
+    (choice,) = choose([rolling], equipment.selector, candidate_settings(), 1.0)
+    rows = [(0, n, int(np.flatnonzero(c.manoeuvre == Manoeuvre.STAY)[0]), 0) for n, c in enumerate(choice.candidates)]
+    requests = goal_requests([choice], [np.array(rows)], lambda _: 7)
+    speed = equipment.planner.sample([rolling], requests).speed
+    assert speed[0, 0] == pytest.approx(1.8, abs=1e-3)
+    assert np.diff(speed[0]).min() > -1.5 * BRAKING * DT - 1e-3
+    assert (speed[0, 12:] == 0).all()
+    assert requests.goal_s.tolist() == pytest.approx([1.8**2 / (2 * BRAKING), 0.0], abs=1e-3)
+    assert (speed[1] == 0).all()
 
 
 def test_of_what_is_illegal_the_least_is_kept_whenever_it_came():

@@ -84,7 +84,8 @@ class Environment:
         self._weights = torch.tensor([getattr(settings.rewards, name) for name in TERMS], device=device)
         with torch.no_grad():
             begin = self._world(len(traffic))
-            self._first = features(begin.observe())
+            view = begin.observe()
+            self._first, self._first_line = features(view), view.red_line
             overlaps = torch.from_numpy(touched(begin, begin.neighbours.boxes(begin))).to(device)
             self.playable = torch.nonzero((overlaps < 0) & ~self._off_road(begin))[:, 0]
             if not len(self.playable):
@@ -107,10 +108,10 @@ class Environment:
         """Begin `scene` in every row, or in `rows` alone; the first observations."""
         self.world.reset(scene, rows)
         if rows is None:
-            self._line = torch.full((len(scene),), torch.inf, device=scene.device)
+            self._line = self._first_line[scene]
             self._last: Moment = self.world.ego, self.world.neighbours.boxes(self.world)
         else:
-            self._line[rows] = torch.inf
+            self._line[rows] = self._first_line[scene]
         return self._first[scene]
 
     @torch.no_grad()

@@ -17,6 +17,10 @@ _SHORTEST_RAMP = 60.0
 _RAMP_AWAY = 32.0
 _PRIORITY, _RAMP_PRIORITY = 9, 6
 _HALF_CUT = 2.0
+_HALF_TAPER = 1.1
+"""Lanes open over twice this time [s] at the speed of the road: one changes lanes in it with about 4 m/s2 sideways."""
+
+_POINTS = 12
 _FORK_RADIUS = 150.0
 
 
@@ -28,8 +32,8 @@ RampEnds = dict[str, tuple[str, Point]]
 class _Carriageway:
     """A carriageway while it is drawn: its line, how far it is drawn, lanes there, and how far its left edge has moved.
 
-    `width` is that of its lanes, `room` how long its next ramp may be, so that it does not cross another one [m]. `ends` takes
-    where ramps begin and end, by their names, where somebody else draws them.
+    `width` is that of its lanes, `room` how long its next ramp may be, so that it does not cross another one, `taper` half the
+    length over which lanes open next [m]. `ends` takes where ramps begin and end, by their names, where somebody else draws them.
     """
 
     name: str
@@ -41,6 +45,7 @@ class _Carriageway:
     left: float = 0.0
     cuts: int = 0
     room: float = np.inf
+    taper: float = _HALF_CUT
     ends: RampEnds | None = None
 
     @property
@@ -72,15 +77,12 @@ def compile_fork(spec: Fork, plain: PlainNetwork) -> None:
 
 def add_backwards(split: PlainNetwork, plain: PlainNetwork) -> None:
     """Add a network driven backwards and seen in a mirror across its way, so that lanes stay on the right."""
-
-    def flip(points: tuple[Point, ...]) -> tuple[Point, ...]:
-        return tuple((-x, y) for x, y in points)
-
-    plain.nodes += [replace(n, x=-n.x, shape=None if n.shape is None else flip(n.shape)) for n in split.nodes]
+    seen = split.mapped(lambda point: (-point[0], point[1]))
+    plain.nodes += seen.nodes
     plain.edges += [
-        replace(e, source=e.target, target=e.source, shape=flip(e.shape[::-1]), heights=e.heights[::-1]) for e in split.edges
+        replace(e, source=e.target, target=e.source, shape=e.shape[::-1], heights=e.heights[::-1]) for e in seen.edges
     ]
-    plain.connections += [Connection(c.target, c.source, c.target_lane, c.source_lane) for c in split.connections]
+    plain.connections += [Connection(c.target, c.source, c.target_lane, c.source_lane, c.shape[::-1]) for c in seen.connections]
 
 
 def _draw_split(spec: Fork, plain: PlainNetwork) -> None:
@@ -120,8 +122,10 @@ def add_carriageway(
     way = _Carriageway(name, line, spec.speed, spec.lanes, spec.lane_width, ends=ends)
     _begin(plain, way)
     for i, event in enumerate(events):
-        way.room = _room(events, i)
-        _event(plain, way, event, f"{name}ramp{i}", event.position * stretch)
+        way.room, start = _room(events, i), event.position * stretch
+        following = events[i + 1].position * stretch if i + 1 < len(events) else lines.length(line)
+        way.taper = _taper(way, event, start, following)
+        _event(plain, way, event, f"{name}ramp{i}", start)
     _draw_to(plain, way, lines.length(line), 0)
 
 
@@ -136,25 +140,33 @@ def _room(events: tuple[HighwayEvent, ...], i: int) -> float:
     return max(20.0, gap / 2 - 10.0)
 
 
+def _taper(way: _Carriageway, event: HighwayEvent, start: float, following: float) -> float:
+    """Half the length [m] over which the event's lanes open: as the speed wants it, if there is room on both sides."""
+    opens = event.kind == "lane_gain" or (event.kind == "off_ramp" and not event.change)
+    behind = event.length if event.kind == "off_ramp" else following - start
+    room = 0.45 * min(start - way.drawn, behind)
+    return max(_HALF_CUT, min(_HALF_TAPER * way.speed, room)) if opens else _HALF_CUT
+
+
 def _event(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent, ramp: str, start: float) -> None:
     if event.kind in ("lane_drop", "lane_gain"):
         widest = way.lanes + (event.lanes if event.kind == "lane_gain" else 0)
-        _draw_to(plain, way, start, widest, left_too=event.side == "left")
+        _draw_to(plain, way, start, widest, left_too=event.side == "left", half=way.taper)
         _change_lanes(plain, way, event)
         return
     if event.change:
         _change_at_ramp(plain, way, event, ramp, start)
         return
     main, extra = way.lanes, event.lanes
-    _draw_to(plain, way, start, main + extra)
+    _draw_to(plain, way, start, main + extra, half=way.taper)
     entered, way.lanes = way.last_edge, main + extra
     auxiliary = f"{way.name}{way.cuts + 1}"
-    plain.connections += [Connection(entered, auxiliary, lane, lane + extra) for lane in range(main)]
+    _connect(plain, way, (entered, auxiliary), [(lane, lane + extra) for lane in range(main)], main, way.left)
     if event.kind in ("on_ramp", "weaving"):
         _add_ramp(plain, way, f"{ramp}_in", event, start, main, joins=True)
         plain.connections += [Connection(f"{ramp}_in", auxiliary, lane, lane) for lane in range(extra)]
     else:
-        plain.connections += [Connection(entered, auxiliary, 0, lane) for lane in range(extra)]
+        _connect(plain, way, (entered, auxiliary), [(0, lane) for lane in range(extra)], main, way.left)
     _draw_to(plain, way, start + event.length, main + extra)
     way.lanes = main
     after = f"{way.name}{way.cuts + 1}"
@@ -180,18 +192,33 @@ def _change_at_ramp(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent,
 
 def _change_lanes(plain: PlainNetwork, way: _Carriageway, event: HighwayEvent) -> None:
     """Lanes end or begin on one side; on the left that moves the carriageway's left edge."""
-    before, entered = way.lanes, way.last_edge
+    before, left, entered = way.lanes, way.left, way.last_edge
     way.lanes += event.lanes if event.kind == "lane_gain" else -event.lanes
     change = way.lanes - before
     shift = change if event.side == "right" else 0
+    way.left += change * way.width if event.side == "left" else 0.0
     going_on = range(max(0, -shift), min(before, before if change > 0 else way.lanes - shift))
-    after = f"{way.name}{way.cuts + 1}"
-    plain.connections += [Connection(entered, after, lane, lane + shift) for lane in going_on]
+    edges = entered, f"{way.name}{way.cuts + 1}"
+    _connect(plain, way, edges, [(lane, lane + shift) for lane in going_on], before, left)
     if change > 0:  # the outermost lane on that side also leads into the new ones
         source, new = (0, range(change)) if event.side == "right" else (before - 1, range(before, way.lanes))
-        plain.connections += [Connection(entered, after, source, lane) for lane in new]
-    if event.side == "left":
-        way.left += change * way.width
+        _connect(plain, way, edges, [(source, lane) for lane in new], before, left)
+
+
+def _connect(
+    plain: PlainNetwork, way: _Carriageway, edges: tuple[str, str], pairs: list[tuple[int, int]], lanes: int, left: float
+) -> None:
+    """Connect pairs of lanes over the cut just made: before it there are `lanes` beside the left edge `left` [m].
+
+    Over a long cut each lane is drawn, else netconvert would draw straight lines from end to end, in bends as well.
+    """
+    share = np.linspace(0.0, 1.0, _POINTS)
+    along = way.drawn + way.taper * (2 * share - 1)
+    for source, target in pairs:
+        begin = left - (lanes - source - 0.5) * way.width
+        end = way.left - (way.lanes - target - 0.5) * way.width
+        drawn = lines.beside(way.line, along, begin + (end - begin) * share**2 * (3 - 2 * share))
+        plain.connections.append(Connection(*edges, source, target, lines.points(drawn) if way.taper > _HALF_CUT else ()))
 
 
 def _begin(plain: PlainNetwork, way: _Carriageway) -> None:
@@ -199,8 +226,10 @@ def _begin(plain: PlainNetwork, way: _Carriageway) -> None:
     plain.nodes.append(Node(way.node, float(x), float(y)))
 
 
-def _draw_to(plain: PlainNetwork, way: _Carriageway, end: float, widest: int, left_too: bool = False) -> None:
-    """Draw the carriageway on to `end` [m] and put a node there, `widest` lanes wide; 0 for the end of the road.
+def _draw_to(
+    plain: PlainNetwork, way: _Carriageway, end: float, widest: int, left_too: bool = False, half: float = _HALF_CUT
+) -> None:
+    """Draw the carriageway on to `end` [m] and put a node there, `widest` lanes wide, `half` long; 0 for the end of the road.
 
     What is wider than the carriageway lies to its right, or on both sides where `left_too`.
     """
@@ -209,17 +238,18 @@ def _draw_to(plain: PlainNetwork, way: _Carriageway, end: float, widest: int, le
     way.cuts += 1
     way.drawn = end
     x, y = shape[-1]
-    cut = _across(way, end, widest, left_too) if widest else None
+    cut = _across(way, end, half, widest, left_too) if widest else None
     plain.nodes.append(Node(way.node, float(x), float(y), shape=cut))
     edge = Edge(way.last_edge, source, way.node, way.lanes, way.speed, _PRIORITY, lines.points(shape), width=way.width)
     plain.edges.append(edge)
 
 
-def _across(way: _Carriageway, at: float, lanes: int, left_too: bool) -> tuple[Point, ...]:
-    """The outline of a cut: a thin rectangle across the carriageway, so that netconvert cuts nothing else off."""
+def _across(way: _Carriageway, at: float, half: float, lanes: int, left_too: bool) -> tuple[Point, ...]:
+    """The outline of a cut: a strip across the carriageway, 2 `half` long, so that netconvert cuts nothing else off."""
     left, right = way.left + (lanes - way.lanes) * way.width * left_too, way.left - lanes * way.width
-    along = np.array([at - _HALF_CUT, at + _HALF_CUT, at + _HALF_CUT, at - _HALF_CUT])
-    return lines.points(lines.beside(way.line, along, np.array([left, left, right, right])))
+    there = np.linspace(at - half, at + half, 2 if half == _HALF_CUT else _POINTS)  # a long one follows bends
+    along, across = np.concatenate([there, there[::-1]]), np.repeat([left, right], len(there))
+    return lines.points(lines.beside(way.line, along, across))
 
 
 def _add_ramp(plain: PlainNetwork, way: _Carriageway, name: str, event: HighwayEvent, at: float, main: int, joins: bool) -> None:

@@ -22,7 +22,7 @@ from drivegen.layouts.compilers.interchanges import HEIGHT
 from drivegen.layouts.highways import Highway, HighwayEvent
 from drivegen.layouts.quadrants import QUADRANTS, QuadrantInterchange
 from drivegen.layouts.values import HIGHWAY_LANE, Control
-from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
+from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork
 
 _DECELERATION = 150.0
 """Length of the lane from which a direct ramp leaves [m]."""
@@ -46,7 +46,9 @@ def compile_quadrants(spec: QuadrantInterchange, plain: PlainNetwork) -> None:
     elif not spec.south_leg:
         turned = PlainNetwork()
         compile_quadrants(_exchanged(spec, "north", "south", "east", "west"), turned)
-        _add_turned(turned, plain)
+        turned = turned.mapped(lambda point: (-point[0], -point[1]))
+        plain.nodes, plain.edges = plain.nodes + turned.nodes, plain.edges + turned.edges
+        plain.connections += turned.connections
     elif not spec.north_leg and spec.north_east == "both":
         backwards = PlainNetwork()
         compile_quadrants(_exchanged(spec, "east", "west"), backwards)
@@ -62,17 +64,6 @@ def _exchanged(spec: QuadrantInterchange, *directions: str) -> QuadrantInterchan
         return "_".join(_OPPOSITE[part] if part in directions else part for part in name.split("_"))
 
     return spec.model_copy(update={renamed(name): getattr(spec, name) for name in (*QUADRANTS, "north_leg", "south_leg")})
-
-
-def _add_turned(turned: PlainNetwork, plain: PlainNetwork) -> None:
-    """Add a network after half a turn around (0, 0)."""
-
-    def turn(points: tuple[Point, ...]) -> tuple[Point, ...]:
-        return tuple((-x, -y) for x, y in points)
-
-    plain.nodes += [replace(n, x=-n.x, y=-n.y, shape=None if n.shape is None else turn(n.shape)) for n in turned.nodes]
-    plain.edges += [replace(e, shape=turn(e.shape)) for e in turned.edges]
-    plain.connections += turned.connections
 
 
 class _Happens(NamedTuple):
@@ -98,7 +89,7 @@ def _draw(plan: Plan, plain: PlainNetwork) -> None:
         _draw_carriageway(plan, plain if i % 2 == 0 else upper, ramps, i)
     plain.nodes += [replace(node, z=HEIGHT) for node in upper.nodes]
     plain.edges += [replace(edge, heights=(HEIGHT, HEIGHT)) for edge in upper.edges]
-    plain.connections += upper.connections
+    plain.connections += [replace(link, heights=(HEIGHT, HEIGHT)) for link in upper.connections]
     for name in ramps.begin:
         _draw_ramp(plan, plain, ramps, name)
 

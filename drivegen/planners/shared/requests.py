@@ -97,10 +97,11 @@ def moved(
 ) -> PlanRequests:
     """Requests whose goals lie `along` (B,) [m] farther on their routes and `across` [m] more to the left, `speed` [m/s] faster.
 
-    They stay on the route, never behind their vehicle, and no slower than standing. A goal without a route, or beyond the
-    table of its route, stays what it is.
+    They stay on the route, never behind their vehicle, and no slower than standing. A goal that is not moved, without a route,
+    or beyond the table of its route, stays what it is.
     """
-    on = (requests.route >= 0) & (requests.goal_s <= ROUTE_SPACING * (ROUTE_POINTS - 1))
+    elsewhere = (along != 0) | (across != 0) | (speed != 0)
+    on = elsewhere & (requests.route >= 0) & (requests.goal_s <= ROUTE_SPACING * (ROUTE_POINTS - 1))
     if not on.any():
         return requests
     last = np.minimum(requests.route_length[requests.route], ROUTE_SPACING * (ROUTE_POINTS - 1))
