@@ -96,18 +96,28 @@ class Again:
         arena.drive(Variants.unchanged(np.repeat(weak, arena.left[of[weak]]), steps))
 
 
-@pytest.mark.parametrize(("tested", "beside"), [("blind_left", "blind_right"), ("blind_right", "blind_left")])
-def test_who_fails_as_often_as_the_sound_one_but_elsewhere_is_not_killed(tested, beside):
+def left_and_right():
     """Six recordings, each with a scene in which somebody stands on the left and one in which somebody does on the right."""
     both = [SCENES["blind_left"], SCENES["blind_right"]]
     choices = choose([replace(both[0], scenario_id=f"run{n}-0") for n in range(6)], Random(), candidate_settings(), 1.0)
-    place = Ground(choices, np.repeat(np.arange(6), 2), [scene.log for scene in both] * 6, None, LIMITS)
+    return Ground(choices, np.repeat(np.arange(6), 2), [scene.log for scene in both] * 6, None, LIMITS)
+
+
+@pytest.mark.parametrize(("tested", "beside"), [("blind_left", "blind_right"), ("blind_right", "blind_left")])
+def test_who_fails_as_often_as_the_sound_one_but_elsewhere_is_not_killed(tested, beside):
     driver, sound = (Mutant(f"sac.{name}", SOUND) for name in (tested, beside))
     other = SimpleNamespace(name=tested, sees_rules=driver.sees_rules, act=driver.act, sound=sound)
-    pairs = dict(by_search({tested: other}, Again(), place, Bounds("physical", 10, 20), 7))
+    pairs = dict(by_search({tested: other}, Again(), left_and_right(), Bounds("physical", 10, 20), 7))
     assert [int((side != "").sum()) for side in (pairs[tested].mutant, pairs[tested].sound)] == [6 * 9, 6 * 9]
     score = scored(pairs, {tested: ()}, Settings(0.05, (20,), 2), np.random.default_rng(7))
     assert (score["equivalent"], score["false_kills"], score["drivers"][tested]["p"]) == (1, 0.0, 1.0)
+
+
+def test_the_last_runs_of_a_scenario_are_left_out_where_one_of_the_two_has_more_of_them():
+    mutants = {"sac.blind_left": Mutant("sac.blind_left", SOUND)}  # ten runs of it, two of the sound one, who never collides
+    pairs = dict(by_search(mutants, Again(), left_and_right(), Bounds("physical", 10, 20), 7))["sac.blind_left"]
+    assert pairs.scenario.tolist() == [f"run{n}-0" for n in range(6) for _ in range(2)]
+    assert pairs.excess.tolist() == [1, 0] * 6
 
 
 def test_an_arena_for_another_driver_has_made_no_run_and_finds_the_same(ground):  # noqa: F811
