@@ -86,8 +86,8 @@ def _make_shards(params: Params, sources: Sources, plan: Plan, out: Path) -> dic
     for split in SPLITS:
         for item in again[split]:
             data, _, scene = sources.scene(item)
-            twice = UnusableInput(f"{item}: another scene has this name, which is the scenario's id", reason="duplicate-id")
-            admissions[split].reject(data, scene, twice)
+            said = f"{item}: another scene has this name, which is the scenario's id: remove or rename one of them"
+            admissions[split].reject(data, scene, UnusableInput(said, reason="duplicate-id"))
     of_task = {task.note: admissions[split] for split in SPLITS for task in tasks[split]}
     for task, admission in spread(make_shard, [task for split in SPLITS for task in tasks[split]], params.workers, "ingest"):
         of_task[task.note].add(admission)

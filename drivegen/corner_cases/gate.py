@@ -64,14 +64,18 @@ class Gate:
     @property
     def counted(self) -> str:
         """What is counted, in words."""
-        return "avoidable collisions" if self.settings.avoidable else "counted collisions"
+        return f"{self._kind}s"
+
+    @property
+    def _kind(self) -> str:
+        return "avoidable collision" if self.settings.avoidable else "counted collision"
 
     def sentence(self, old: str, new: str) -> str:
         """The verdict on two drivers of these names."""
         paired, more = self.paired, self.paired.new - self.paired.old
         where = f"in {_many(paired.runs, 'run')} of {_many(len(paired.differences), 'recording')}"
         if self.finding == Finding.UNDECIDED:
-            collided = _many(paired.old, self.counted.removesuffix("s"))
+            collided = _many(paired.old, self._kind)
             return f"{self.finding}: {where} {old} has {collided}, {new} {paired.new}; {self._why_not()}"
         sign = 1 if self.finding == Finding.WORSE else -1
         share = f" ({more / paired.old:+.0%})" if paired.old else ""

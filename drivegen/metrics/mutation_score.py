@@ -1,8 +1,9 @@
 """Mutation score: which faulty drivers a tester tells from the sound ones that they were made of, and after how many runs.
 
-Every run of a mutated driver stands beside one of the sound driver in the same scene. A driver is *killed* where it fails in more
-of them than the sound one, by McNemar's exact test with recordings as clusters, and by Holm over all drivers of the tester,
-equivalent ones included: whoever tests does not know which these are.
+Every run of a mutated driver stands beside one of the sound driver: in the same scene where traffic is driven as it is, in the
+same scenario where somebody searches, against each of the two by itself. A driver is *killed* where it fails in more runs than
+the sound one, by McNemar's exact test with recordings as clusters, and by Holm over all drivers of the tester, equivalent ones
+included: whoever tests does not know which these are.
 
 The test is of the excess of each recording: under the null hypothesis its sign could as well be the other one. Where no
 recording has more than one run in which only one of the two fails, this is McNemar's exact test, one-sided.
@@ -23,7 +24,8 @@ from drivegen.metrics.paired import chance
 
 @dataclass(frozen=True)
 class Pairs:
-    """R runs of a mutated driver, each beside one of its sound driver in the same scene.
+    """R runs of a mutated driver, each beside one of its sound driver: in the same scene, or as late in a search of its own
+    in the same scenario.
 
     Attributes:
         scenario: (R,) str ids. turn: (R,) int64, runs of a lower turn come first; those of one scenario and turn stay together

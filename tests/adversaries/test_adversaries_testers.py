@@ -1,22 +1,28 @@
 """Testers of mutated drivers: who fails in traffic as it is, and what a search spends and finds."""
 
+from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from drivegen.adversaries.shared.arena import Arena, Bounds
+from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
 from drivegen.adversaries.shared.testers import by_search, by_traffic
 from drivegen.core import plugins
 from drivegen.core.settings import read_section
 from drivegen.corner_cases.failures import alike, failures
-from drivegen.drivers.mutants.table import mutated
+from drivegen.corner_cases.trials import Variants
+from drivegen.drivers.mutants.table import Mutant, mutated
+from drivegen.metrics.mutation_score import Settings, scored
 from drivegen.metrics.paired import chance
+from drivegen.rollout.batch import choose
+from drivegen.selectors.random import Plugin as Random
 from drivegen.simulators.batch import Plugin as Batch
 from tests.adversaries.test_adversaries_contract import attack, ground  # noqa: F401  # a fixture
+from tests.checking import LIMITS
 from tests.drivers.test_drivers_mutants import SCENES, SOUND, STANDS, behind
-from tests.models import ROOT
+from tests.models import ROOT, candidate_settings
 from tests.scenes import busy_crossing
 
 MUTANTS = mutated({"idm": SOUND})
@@ -79,6 +85,39 @@ def test_who_of_two_is_the_tested_one_makes_no_difference(ground):  # noqa: F811
     one, back = (dict(by_search({"a": driver}, adversary, ground, bounds, 7))["a"] for driver in (mutant, swapped))
     assert one.excess.any()
     assert back.excess.tolist() == (-one.excess).tolist()
+
+
+class Again:
+    """An adversary that drives every scene once, and from then on that of each scenario in which the driver collided."""
+
+    def attack(self, arena):
+        of, steps = arena.ground.of, arena.trials.steps
+        weak = np.flatnonzero(arena.drive(Variants.unchanged(np.arange(len(of)), steps)).collided)
+        arena.drive(Variants.unchanged(np.repeat(weak, arena.left[of[weak]]), steps))
+
+
+def left_and_right():
+    """Six recordings, each with a scene in which somebody stands on the left and one in which somebody does on the right."""
+    both = [SCENES["blind_left"], SCENES["blind_right"]]
+    choices = choose([replace(both[0], scenario_id=f"run{n}-0") for n in range(6)], Random(), candidate_settings(), 1.0)
+    return Ground(choices, np.repeat(np.arange(6), 2), [scene.log for scene in both] * 6, None, LIMITS)
+
+
+@pytest.mark.parametrize(("tested", "beside"), [("blind_left", "blind_right"), ("blind_right", "blind_left")])
+def test_who_fails_as_often_as_the_sound_one_but_elsewhere_is_not_killed(tested, beside):
+    driver, sound = (Mutant(f"sac.{name}", SOUND) for name in (tested, beside))
+    other = SimpleNamespace(name=tested, sees_rules=driver.sees_rules, act=driver.act, sound=sound)
+    pairs = dict(by_search({tested: other}, Again(), left_and_right(), Bounds("physical", 10, 20), 7))
+    assert [int((side != "").sum()) for side in (pairs[tested].mutant, pairs[tested].sound)] == [6 * 9, 6 * 9]
+    score = scored(pairs, {tested: ()}, Settings(0.05, (20,), 2), np.random.default_rng(7))
+    assert (score["equivalent"], score["false_kills"], score["drivers"][tested]["p"]) == (1, 0.0, 1.0)
+
+
+def test_the_last_runs_of_a_scenario_are_left_out_where_one_of_the_two_has_more_of_them():
+    mutants = {"sac.blind_left": Mutant("sac.blind_left", SOUND)}  # ten runs of it, two of the sound one, who never collides
+    pairs = dict(by_search(mutants, Again(), left_and_right(), Bounds("physical", 10, 20), 7))["sac.blind_left"]
+    assert pairs.scenario.tolist() == [f"run{n}-0" for n in range(6) for _ in range(2)]
+    assert pairs.excess.tolist() == [1, 0] * 6
 
 
 def test_an_arena_for_another_driver_has_made_no_run_and_finds_the_same(ground):  # noqa: F811

@@ -63,9 +63,10 @@ def test_what_nobody_could_avoid_counts_only_where_all_counts():
     traffic = [appears("sudden"), parked("seen")]
     both = gate(SOUND, BLIND, traffic, SETTINGS, 7)
     assert both.collided.tolist() == [[True, False], [True, True]]
+    assert "a has 1 counted collision, b 2;" in both.sentence("a", "b")
     seen = gate(SOUND, BLIND, traffic, replace(SETTINGS, avoidable=True), 7)
     assert seen.collided.tolist() == [[False, False], [False, True]]
-    assert "avoidable collisions" in seen.sentence("a", "b")
+    assert "a has 0 avoidable collisions, b 1;" in seen.sentence("a", "b")
 
 
 def test_the_record_names_the_runs_in_which_only_one_collided():

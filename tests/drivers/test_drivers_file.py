@@ -1,5 +1,7 @@
 """A driver that is a file of somebody's own: it drives, or one sentence says why it cannot."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -93,6 +95,16 @@ def test_one_that_cannot_be_run_gives_one_sentence(name, tmp_path):
         outcome(tmp_path, text)
     assert str(tmp_path / "mine.py") in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+def test_the_line_is_named_whatever_leads_to_the_file(tmp_path, monkeypatch):
+    file = tmp_path / "mine.py"
+    file.write_text(BAD["raises"][0])
+    (tmp_path / "link.py").symlink_to(file)
+    monkeypatch.chdir(tmp_path)
+    for path in ("mine.py", "link.py", f"../{tmp_path.name}/mine.py"):
+        with pytest.raises(UnusableInput, match=f"^{path}: .* fails in line 2: AttributeError"):
+            Batch().run(FileDriver(Path(path)), [scenario(ROAD, LOG)], [LOG])
 
 
 def test_a_file_that_is_not_there_or_no_python_is_named(tmp_path):

@@ -128,6 +128,7 @@ def test_an_id_is_one_scenario_s_in_all_splits_and_its_folder_s_name(world: Path
     rows = pq.read_table(world / "out/rejected.parquet").to_pylist()
     found = [(row["split"], row["scene"], row["reason"]) for row in rows]
     assert found == [("test", "real-a", "duplicate-id"), ("test", "copy", "bad-id")]
+    assert rows[0]["sentence"].endswith(": remove or rename one of them")
 
 
 def test_limits_take_at_most_so_many_scenes(world: Path) -> None:

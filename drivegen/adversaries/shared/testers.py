@@ -2,8 +2,9 @@
 
 An adversary searches against the mutant, and as long against the sound driver, from the same scenes and by the same seed: which
 of the two fails more often under attack? Scenes found against one of them and then driven by the other would not tell: they are
-the first one's, and any two drivers that differ at all would each look worse in its own. All runs of a search are kept, those
-that only look, too; none is chosen afterwards.
+the first one's, and any two drivers that differ at all would each look worse in its own. All runs of a search count, those that
+only look, too, and none is chosen by how it ended; where one of the two has more of them in a scenario, its last ones are left
+out.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -26,6 +26,7 @@ class FileDriver:
     def __init__(self, path: Path) -> None:
         """Runs the file. Raises UnusableInput where it cannot be run or has no `act`."""
         self.name, self._path = path.stem, path
+        self._file = path.resolve()  # while a relative path still leads there
         self._act: Callable[[Observation], Any] = _function(path)
 
     def act(self, observation: Observation) -> Action:
@@ -33,7 +34,7 @@ class FileDriver:
         try:
             answer = self._act(copy.deepcopy(observation))  # some of it is the world's own state
         except (Exception, SystemExit) as error:  # an exit would count as a finished command
-            raise UnusableInput(f"{self._path}: act(observation) fails{_where(error, self._path)}: {_what(error)}") from error
+            raise UnusableInput(f"{self._path}: act(observation) fails{_where(error, self._file)}: {_what(error)}") from error
         return self._checked(answer, observation.speed)
 
     def _checked(self, action: Any, speed: torch.Tensor) -> Action:
@@ -77,7 +78,7 @@ def _what(error: BaseException) -> str:
     return f"{type(error).__name__}, {(str(error) or 'without a word').splitlines()[0]}"
 
 
-def _where(error: BaseException, path: Path) -> str:
-    """The last line of the file itself that was on the way to the error."""
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == path]
+def _where(error: BaseException, file: Path) -> str:
+    """The last line of the file itself, a resolved path, that was on the way to the error."""
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).resolve() == file]
     return f" in line {lines[-1]}" if lines else ""
