@@ -80,6 +80,13 @@ def part(line: Line, start: float, end: float, left: float = 0.0) -> Line:
     return beside(line, along, np.full(len(along), left))
 
 
+def strip(line: Line, at: float, half: float, left: float, right: float) -> tuple[Point, ...]:
+    """The outline of a strip across the polyline, from `half` [m] before `at` to `half` behind it, between two offsets."""
+    there = np.linspace(at - half, at + half, 12)
+    outline = beside(line, np.concatenate([there, there[::-1]]), np.repeat([left, right], len(there)))
+    return points(outline)
+
+
 def points(line: Floats) -> tuple[Point, ...]:
     """The polyline as SUMO takes it."""
     return tuple((float(x), float(y)) for x, y in line)

@@ -238,18 +238,11 @@ def _draw_to(
     way.cuts += 1
     way.drawn = end
     x, y = shape[-1]
-    cut = _across(way, end, half, widest, left_too) if widest else None
+    left, right = way.left + (widest - way.lanes) * way.width * left_too, way.left - widest * way.width
+    cut = lines.strip(way.line, end, half, left, right) if widest else None
     plain.nodes.append(Node(way.node, float(x), float(y), shape=cut))
     edge = Edge(way.last_edge, source, way.node, way.lanes, way.speed, _PRIORITY, lines.points(shape), width=way.width)
     plain.edges.append(edge)
-
-
-def _across(way: _Carriageway, at: float, half: float, lanes: int, left_too: bool) -> tuple[Point, ...]:
-    """The outline of a cut: a strip across the carriageway, 2 `half` long, so that netconvert cuts nothing else off."""
-    left, right = way.left + (lanes - way.lanes) * way.width * left_too, way.left - lanes * way.width
-    there = np.linspace(at - half, at + half, 2 if half == _HALF_CUT else _POINTS)  # a long one follows bends
-    along, across = np.concatenate([there, there[::-1]]), np.repeat([left, right], len(there))
-    return lines.points(lines.beside(way.line, along, across))
 
 
 def _add_ramp(plain: PlainNetwork, way: _Carriageway, name: str, event: HighwayEvent, at: float, main: int, joins: bool) -> None:
