@@ -11,7 +11,6 @@ from drivegen.adversaries.shared.repair import attacked, found_cases, lessons_of
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count, Index, Within, file_of
-from drivegen.corner_cases.case import Case
 from drivegen.drivers.base import Driver
 from drivegen.drivers.shared.conditions import Traffic
 from drivegen.drivers.shared.tuning import mixed
@@ -24,8 +23,9 @@ from stages._ground import Made
 LOGS, OURS = "log", "drivegen"
 """To whose scenes futures are added, and among whose the cases are."""
 
-AMOUNT, CASES = "amount_", "corner_cases"
-"""Rows beside those of methods; of amounts with the number behind it."""
+AMOUNT, CASES, SHOWN = "amount_", "corner_cases", "careful_teacher"
+"""Rows beside those of methods; of amounts with the number behind it. In the last one the teacher of the corner cases shows how
+to drive in as many scenes without an attack: what of the cases' worth is the teacher's."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class Sources:
     def cases(self, how: CornerCases, driver: Driver, seed: int) -> list[Traffic]:
         """What adversaries find against `driver`, as far as it shows how to drive."""
         made = Made.open(self.models, how.planner, self.goals, self.traffic)
-        who, cases = how.searching("tune.corner_cases"), list[Case]()
+        who, cases = how.searching("tune.corner_cases"), list[Traffic]()
         for shard in shards(self.test):
             ground = whole(made.choices(shard), made.samples(shard), how.samples, made.planner, made.limits)
             cases += found_cases(attacked(driver, ground, who, how.bounds, seed, how.reaction))
@@ -110,3 +110,5 @@ class Sources:
             cases = self.cases(how, driver, seed)
             print(f"tune {driver.name} {seed} {CASES}: {len(cases)} cases to learn from", flush=True)
             yield CASES, mixed(self.tuning(OURS), cases, how.share)
+            shown = lessons_of(self.tuning(OURS), how.shown_by("tune.corner_cases"))
+            yield SHOWN, mixed(self.tuning(OURS), shown, how.share)

@@ -172,7 +172,7 @@ def test_a_case_is_shown_as_the_teacher_drives_in_it_if_it_gets_through():
         standing("bad-0"),
         scenario(straight_road(), stack([drive(LINE, 10, 20, 41), drive(LINE, 16, 0, 41)]), "bad-1"),
     )
-    [(scene, motion)] = lessons_of([SimpleNamespace(scenario=s, traffic=s.log) for s in (case, hopeless)], idm.Plugin(IDM))
+    [(scene, motion)] = lessons_of([(s, s.log) for s in (case, hopeless)], idm.Plugin(IDM))
     assert scene is case
     assert motion.steps == case.log.steps
     assert motion.position[TARGET, -1, 0] < 36.0  # its own plan goes on through who stands at 40 m

@@ -125,7 +125,7 @@ def test_scenes_are_any_future_of_the_method_or_the_best_of_several(tuned: Path)
 
 def test_every_row_has_weights_and_grades_and_seeds_after_so_many_have_only_those_that_are_named(tuned: Path):
     always = {"dataset", "dataset_longer", "bits"}
-    for seed, rows in ((7, always | {"drivegen", "log", "amount_1", "amount_3", "corner_cases"}), (8, always)):
+    for seed, rows in ((7, always | {"drivegen", "log", "amount_1", "amount_3", "corner_cases", "careful_teacher"}), (8, always)):
         assert {folder.name for folder in (tuned / f"data/gail/{seed}").iterdir()} == rows
         assert set(orjson.loads((tuned / f"tune-{seed}.json").read_bytes())) == rows
 
@@ -160,18 +160,21 @@ def test_a_quarter_of_the_lessons_are_cases_and_the_rest_are_drivegens(tuned: Pa
         return {}
 
     monkeypatch.setattr(_lessons, "attacked", attack)
-    monkeypatch.setattr(
-        _lessons, "found_cases", lambda _: [SimpleNamespace(scenario=scenario, traffic=motion) for scenario, motion in cases]
-    )
+    monkeypatch.setattr(_lessons, "found_cases", lambda _: cases)
     of = _lessons.Sources(tuned / "scenarios/test", *sources(tuned))
     rows = _lessons.Rows((), (), settings().corner_cases)
-    ((name, lessons),) = of.of(rows, SimpleNamespace(name="gail"), 8)
-    assert name == "corner_cases"
+    (name, lessons), (shown, others) = of.of(rows, SimpleNamespace(name="gail"), 8)
+    assert (name, shown) == ("corner_cases", "careful_teacher")
     assert attacked == [("gail", [f"test{n}-00000-1" for n in range(4)], 2, 8)]
     ours = logs_below(tuned / "scenes/drivegen")
     assert [scene.scenario_id for scene, _ in lessons[:4]] == [scene.scenario_id for scene, _ in ours]
     assert len(lessons) == 5  # one of five: a third of four is nearest to one
     assert lessons[4][0] is cases[0][0]  # as the teacher drives in it
+    assert len(others) == 5
+    again, (scene, motion) = ours[[s.scenario_id for s, _ in ours].index(others[4][0].scenario_id)], others[4]
+    assert scene.scenario_id == again[0].scenario_id  # one of the same scenes, without an attack,
+    assert np.array_equal(motion.position[1:], again[1].position[1:])
+    assert not np.array_equal(motion.position[0], again[1].position[0])  # as the teacher drives in it
 
 
 def test_more_futures_are_made_from_the_first_frame_alone(tmp_path: Path):
@@ -261,7 +264,9 @@ def test_rows_with_unequal_seeds_are_compared_by_those_that_both_have(monkeypatc
 
 def test_amounts_are_compared_with_the_logs_and_cases_with_the_same_scenes_without(monkeypatch):
     runs = [("log", 7, "ab"), ("amount_4", 7, "a"), ("amount_16", 7, ""), ("drivegen", 7, "a"), ("corner_cases", 7, "ab")]
-    found = figures(counted(*runs), monkeypatch)
+    found = figures(counted(*runs, ("careful_teacher", 7, "")), monkeypatch)
+    assert found["corner_cases", "counted_rich.minus_careful_teacher"]["value"] == 1.0
+    assert found["careful_teacher", "counted_rich.minus_drivegen"]["value"] == -0.5
     assert found["amount_4", "counted_rich.minus_log"]["value"] == -0.5
     assert found["corner_cases", "counted_rich.minus_drivegen"]["value"] == 0.5
     assert ("drivegen", "counted_rich.minus_log") not in found

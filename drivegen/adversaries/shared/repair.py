@@ -22,7 +22,6 @@ from drivegen.core.intervals import bootstrap_means, recording
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import TARGET, Trajectories
 from drivegen.core.seeds import rng
-from drivegen.corner_cases.case import Case
 from drivegen.corner_cases.kinds import Kind
 from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers.base import Driver
@@ -82,24 +81,24 @@ def attacked(
     return found
 
 
-def found_cases(found: Mapping[str, Findings]) -> list[Case]:
-    """What the adversaries that search have found; not what happens in logs, or in traffic as it is."""
+def found_cases(found: Mapping[str, Findings]) -> list[Traffic]:
+    """The cases that the adversaries which search have found; not what happens in logs, or in traffic as it is."""
     searches = [findings for name, findings in found.items() if plugins.about("adversaries", name)["varies"] != "nothing"]
-    return [case for findings in searches for case in findings.cases]
+    return [(case.scenario, case.traffic) for findings in searches for case in findings.cases]
 
 
-def lessons_of(cases: Sequence[Case], teacher: Driver) -> list[Traffic]:
-    """Each case with its target driving as `teacher` does in it, of those that this gets through without a collision.
+def lessons_of(traffic: Sequence[Traffic], teacher: Driver) -> list[Traffic]:
+    """Scenes with their target driving as `teacher` does in them, of those that this gets through without a collision.
 
-    The target's own plan shows less: in half of the cases it runs into somebody itself, as the driver did that followed it.
+    The target's own plan shows less: in half of all corner cases it runs into somebody, as the driver did that followed it.
     """
-    if not cases:
+    if not traffic:
         return []
-    trials = Trials(teacher, [case.scenario for case in cases], [case.traffic for case in cases])
-    outcome = trials.run(Variants.unchanged(np.arange(len(cases)), trials.steps))
+    trials = Trials(teacher, [scenario for scenario, _ in traffic], [motion for _, motion in traffic])
+    outcome = trials.run(Variants.unchanged(np.arange(len(traffic)), trials.steps))
     shown = [
-        (case.scenario, Trajectories.joined([outcome.motion[n : n + 1].until(case.traffic.steps), case.traffic[TARGET + 1 :]]))
-        for n, case in enumerate(cases)
+        (scenario, Trajectories.joined([outcome.motion[n : n + 1].until(motion.steps), motion[TARGET + 1 :]]))
+        for n, (scenario, motion) in enumerate(traffic)
         if not outcome.collided[n]
     ]
     return exemplary(shown)

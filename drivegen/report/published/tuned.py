@@ -30,8 +30,9 @@ REFERENCE = "dataset_longer"
 LOGS, AMOUNT = "log", "amount_"
 """The row of the tuning scenes' logs, and those of logs with so many futures of each (`amount_4`), compared with it, too."""
 
-OURS, CASES = "drivegen", "corner_cases"
-"""DriveGen's row, and that of the same scenes with corner cases among them, which is compared with it, too."""
+OURS, CASES, SHOWN = "drivegen", "corner_cases", "careful_teacher"
+"""DriveGen's row; those of the same scenes with corner cases among them, and with as many of its own in which the teacher of the
+corner cases shows how to drive. The second is compared with both others, too."""
 
 ONE = "one"
 METRICS = {
@@ -137,8 +138,8 @@ def driver_rows(tests: Tests, draws: int, seed: int) -> Iterator[dict[str, Any]]
 
 def _compared(method: str, metric: str) -> list[str]:
     """The rows from which a row's distance is published."""
-    own = {CASES: OURS}.get(method, LOGS if method.startswith(AMOUNT) else "")
-    return [*([REFERENCE] if method != REFERENCE else []), *([own] if own and metric == PRIMARY else [])]
+    own = {CASES: [OURS, SHOWN], SHOWN: [OURS]}.get(method, [LOGS] if method.startswith(AMOUNT) else [])
+    return [*([REFERENCE] if method != REFERENCE else []), *(own if metric == PRIMARY else [])]
 
 
 def _figure(seeds: Iterable[Columns], metric: str, prefix: str, times: NDArray[np.floating]) -> NDArray[np.float64]:
