@@ -4,6 +4,9 @@ Derivatives are least-squares slopes of the velocity over windows of 11 steps (a
 so the noise of tracked logs passes while a planner's jumps do not. Acceleration is split along and across the direction
 of travel: a_long = a . v/|v|, a_lat = v/|v| x a, curvature = a_lat / |v|^2. A velocity that the positions do not share is
 an error of its own, else a generator could state whatever is legal.
+
+Only whole windows are looked at, so a jump within the first or last five steps counts for less than one in the middle: shorter
+windows there would be as noisy as tracked logs are, and limits are read off those.
 """
 
 import numpy as np

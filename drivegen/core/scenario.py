@@ -234,6 +234,25 @@ class Actors:
 
 
 @dataclass(frozen=True)
+class Present:
+    """M vehicles and context actors at one moment, the vehicles first.
+
+    Attributes:
+        kind: (M,) uint8 VehicleKind. size: (M, 3) float32 [m].
+        position: (M, 2) float32 [m]. heading: (M,) float32 [rad]. speed: (M,) float32 [m/s].
+    """
+
+    kind: NDArray[np.uint8]
+    size: NDArray[np.float32]
+    position: NDArray[np.float32]
+    heading: NDArray[np.float32]
+    speed: NDArray[np.float32]
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+
+@dataclass(frozen=True)
 class Scenario:
     """One scenario: where (map), who (vehicles), what happened (log, if it was recorded).
 
@@ -267,6 +286,19 @@ class Scenario:
     def steps(self) -> int:
         """T = horizon + 1."""
         return self.horizon + 1
+
+    def present(self) -> Present:
+        """Everybody at step 0: the vehicles, then the context actors that are there."""
+        v, actors = self.vehicles, self.context
+        here = np.flatnonzero(actors.motion.valid[:, 0])
+        now = actors.motion[here, 0]
+        return Present(
+            np.concatenate([v.kind, actors.kind[here]]),
+            np.concatenate([v.size, actors.size[here]]),
+            np.concatenate([v.position, now.position]),
+            np.concatenate([v.heading, now.heading]),
+            np.concatenate([v.speed, now.speed]),
+        )
 
     def validate(self) -> None:
         """Raise UnusableInput, naming the scenario, unless all parts are sound and agree with one another."""

@@ -59,15 +59,9 @@ class Neighbours:
     @classmethod
     def of(cls, scenario: Scenario, vehicle: int) -> "Neighbours":
         """All but `vehicle`."""
-        v, a = scenario.vehicles, scenario.context
-        others = np.arange(len(v)) != vehicle
-        here = a.motion.valid[:, 0]
-        return cls(
-            np.concatenate([v.position[others], a.motion.position[here, 0]]),
-            np.concatenate([v.heading[others], a.motion.heading[here, 0]]),
-            np.concatenate([v.speed[others], a.motion.speed[here, 0]]),
-            np.concatenate([v.size[others, 0], a.size[here, 0]]),
-        )
+        everybody = scenario.present()
+        others = np.arange(len(everybody)) != vehicle
+        return cls(everybody.position[others], everybody.heading[others], everybody.speed[others], everybody.size[others, 0])
 
     def near(self, position: Floats, radius: float) -> "Neighbours":
         """Those within `radius` [m]."""

@@ -51,21 +51,15 @@ class Others:
     @classmethod
     def of(cls, scenario: Scenario, vehicle: int, reach: Reach) -> "Others":
         """As seen by `vehicle` in a picture that goes as far as `reach`."""
-        v, a = scenario.vehicles, scenario.context
-        here = np.flatnonzero(a.motion.valid[:, 0])
-        position = np.concatenate([v.position, a.motion.position[here, 0]])
-        heading = np.concatenate([v.heading, a.motion.heading[here, 0]])
-        speed = np.concatenate([v.speed, a.motion.speed[here, 0]])
-        length = np.concatenate([v.size[:, 0], a.size[here, 0]])
-        local = to_vehicle_frame(position, v.position[vehicle], v.heading[vehicle])
+        now = scenario.present()
+        local = to_vehicle_frame(now.position, now.position[vehicle], now.heading[vehicle])
         order = np.argsort(np.hypot(*local.T), kind="stable")
         order = order[order != vehicle]
         inside = reach.holds(local[order])
         letters = dict(zip(order[inside][:MOST_TOLD].tolist(), ascii_uppercase, strict=False))
-        turned = wrap_angle(heading[order] - float(v.heading[vehicle]))
-        kind = np.concatenate([v.kind, a.kind[here]])[order]
-        columns = (local[order], position[order], heading[order], turned, speed[order], length[order])
-        return cls(order, kind, *columns, inside, letters)
+        turned = wrap_angle(now.heading[order] - float(now.heading[vehicle]))
+        seen = (local[order], now.position[order], now.heading[order], turned, now.speed[order], now.size[order, 0])
+        return cls(order, now.kind[order], *seen, inside, letters)
 
     def table(self, routes: Sequence[Route]) -> str:
         """A row for each that has a letter; lanes are told against the one that `routes` begin on, the likeliest first."""

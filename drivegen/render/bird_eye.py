@@ -123,14 +123,10 @@ class _Boxes:
 
 def _boxes(scenario: Scenario, view: View) -> _Boxes:
     """Vehicles, then the context actors that are there."""
-    v, a = scenario.vehicles, scenario.context
-    here = np.flatnonzero(a.motion.valid[:, 0])
-    position = np.concatenate([v.position, a.motion.position[here, 0]])
-    heading = np.concatenate([v.heading, a.motion.heading[here, 0]])
-    speed = np.concatenate([v.speed, a.motion.speed[here, 0]])
-    size = np.concatenate([v.size, np.maximum(a.size[here], _SMALLEST)])
-    corners = box_corners(position, heading, size[:, 0], size[:, 1])
-    return _Boxes(view.pixels(corners), view.pixels(position + speed[:, None] * unit(heading)))
+    now, count = scenario.present(), len(scenario.vehicles)
+    size = np.concatenate([now.size[:count], np.maximum(now.size[count:], _SMALLEST)])
+    corners = box_corners(now.position, now.heading, size[:, 0], size[:, 1])
+    return _Boxes(view.pixels(corners), view.pixels(now.position + now.speed[:, None] * unit(now.heading)))
 
 
 def fixed(points: Floats) -> NDArray[np.int32]:

@@ -75,15 +75,11 @@ class Boxes:
     @classmethod
     def of(cls, scenario: Scenario, view: View) -> "Boxes":
         """Vehicles, then the context actors that are there."""
-        v, a = scenario.vehicles, scenario.context
-        here = np.flatnonzero(a.motion.valid[:, 0])
-        position = np.concatenate([v.position, a.motion.position[here, 0]])
-        heading = np.concatenate([v.heading, a.motion.heading[here, 0]])
-        speed = np.concatenate([v.speed, a.motion.speed[here, 0]])
-        size = np.concatenate([v.size, a.size[here]])[:, :2]
-        size = np.maximum(size, np.array(SMALLEST) / view.scale)
-        corners = box_corners(position, heading, size[:, 0], size[:, 1])
-        return cls(view.pixels(corners), view.pixels(position + (size[:, :1] / 2 + speed[:, None]) * unit(heading)))
+        now = scenario.present()
+        size = np.maximum(now.size[:, :2], np.array(SMALLEST) / view.scale)
+        corners = box_corners(now.position, now.heading, size[:, 0], size[:, 1])
+        ahead = (size[:, :1] / 2 + now.speed[:, None]) * unit(now.heading)
+        return cls(view.pixels(corners), view.pixels(now.position + ahead))
 
     @property
     def front(self) -> NDArray[np.float64]:

@@ -226,11 +226,9 @@ def _traffic_ahead(
 
 def _boxes(scenario: Scenario) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """States (M, 4) x, y, heading, speed and sizes (M, 2) at step 0: vehicles, then context actors that are there."""
-    v, a = scenario.vehicles, scenario.context
-    here = a.motion.valid[:, 0]
-    vehicles = np.column_stack([v.position, v.heading, v.speed])
-    actors = np.column_stack([a.motion.position[here, 0], a.motion.heading[here, 0], a.motion.speed[here, 0]])
-    return np.concatenate([vehicles, actors]).astype(np.float32), np.concatenate([v.size[:, :2], a.size[here, :2]])
+    everybody = scenario.present()
+    states = np.column_stack([everybody.position, everybody.heading, everybody.speed])
+    return states.astype(np.float32), everybody.size[:, :2]
 
 
 @njit(cache=True)
