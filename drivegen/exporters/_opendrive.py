@@ -2,7 +2,8 @@
 
 The reference line is the lane's middle, a straight piece between every two points, and the lane is offset by half its width. Ways
 across a junction are connecting roads. A road is linked to the one after it where it has one successor that has one predecessor;
-where lanes part or join outside a junction OpenDRIVE has no link for roads, and none is written.
+where lanes part or join outside a junction OpenDRIVE has no link for roads, and none is written. A connecting road has one link
+at each end, so a way across with several lanes before or after it is linked to the first of them.
 """
 
 from collections import Counter
@@ -15,7 +16,7 @@ from scenariogeneration import xodr
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from drivegen.core.geometry import Floats
+from drivegen.core.geometry import Floats, project
 from drivegen.core.roadmap import LaneKind, RoadMap
 
 _TYPES = {LaneKind.VEHICLE: xodr.LaneType.driving, LaneKind.BUS: xodr.LaneType.bus, LaneKind.BIKE: xodr.LaneType.biking}
@@ -33,7 +34,8 @@ def opendrive(roads: RoadMap, name: str) -> bytes:
     for number in range(int(junction.max()) + 1):
         document.add_junction(links.junction(number, len(roads) + number))
     root = document.get_element()
-    root.find("header").attrib.pop("date", None)
+    for unknown in ("date", "north", "south", "east", "west"):
+        root.find("header").attrib.pop(unknown, None)
     return serialised(root)
 
 
@@ -51,18 +53,22 @@ class _Links:
         self._pairs = [(int(a), int(b)) for a, b in roads.links]
         self._after, self._before = (Counter(pair[end] for pair in self._pairs) for end in (0, 1))
 
-    def link(self, road: xodr.Road, lane: int) -> None:
-        """Say what comes before and after the road of a lane."""
+    def link(self, road: xodr.Road, own: xodr.Lane, lane: int) -> None:
+        """Say what comes before and after the road of a lane, and its lane `own` where that is a road."""
         for a, b in self._pairs:
             inside = (int(self._junction[a]), int(self._junction[b]))
-            if lane == a and (self._single(a, b) or inside[0] >= 0):
-                road.add_successor(xodr.ElementType.road, b, xodr.ContactPoint.start)
-            elif lane == b and (self._single(a, b) or inside[1] >= 0):
-                road.add_predecessor(xodr.ElementType.road, a, xodr.ContactPoint.end)
-            elif lane == a and inside[1] >= 0 and road.successor is None:
-                road.add_successor(xodr.ElementType.junction, self._count + inside[1])
-            elif lane == b and inside[0] >= 0 and road.predecessor is None:
-                road.add_predecessor(xodr.ElementType.junction, self._count + inside[0])
+            if lane == a and road.successor is None:
+                if self._single(a, b) or inside[0] >= 0:
+                    road.add_successor(xodr.ElementType.road, b, xodr.ContactPoint.start)
+                    own.add_link("successor", _LANE)
+                elif inside[1] >= 0:
+                    road.add_successor(xodr.ElementType.junction, self._count + inside[1])
+            elif lane == b and road.predecessor is None:
+                if self._single(a, b) or inside[1] >= 0:
+                    road.add_predecessor(xodr.ElementType.road, a, xodr.ContactPoint.end)
+                    own.add_link("predecessor", _LANE)
+                elif inside[0] >= 0:
+                    road.add_predecessor(xodr.ElementType.junction, self._count + inside[0])
 
     def junction(self, number: int, road_id: int) -> xodr.Junction:
         """A junction with the ways that lead into it."""
@@ -82,29 +88,31 @@ def _junctions(roads: RoadMap) -> NDArray[np.int64]:
     """(L,) the number of each lane's junction, -1 for none: ways across that begin or end at the same place are one junction's.
 
     A lane is two nodes, its beginning n and its end L + n; only ways across join theirs, so a lane between two junctions keeps
-    them apart.
+    them apart. OpenDRIVE has no junction without a road that leads in: ways that begin where the map is cut are roads.
     """
     inside, count = roads.in_junction, len(roads)
     ways, touches = np.flatnonzero(inside), roads.links[inside[roads.links].any(1)]
     end, beginning = np.concatenate([touches[:, 0] + count, ways + count]), np.concatenate([touches[:, 1], ways])
     near = coo_matrix((np.ones(len(end)), (end, beginning)), (2 * count, 2 * count))
     label = connected_components(near, directed=False)[1][:count]
-    numbers = np.unique(label[inside])
-    return np.where(inside, np.searchsorted(numbers, label), -1)
+    numbers = np.unique([label[b] for a, b in touches if not inside[a]])
+    return np.where(inside & np.isin(label, numbers), np.searchsorted(numbers, label), -1)
 
 
 def _road(roads: RoadMap, lane: int, junction: int, links: _Links) -> xodr.Road:
     width = _width(roads, lane)
     section = xodr.LaneSection(0, xodr.Lane(xodr.LaneType.none))
-    section.add_right_lane(xodr.Lane(_TYPES[LaneKind(roads.kind[lane])], a=width))
+    own = xodr.Lane(_TYPES[LaneKind(roads.kind[lane])], a=width)
+    section.add_right_lane(own)
     lanes = xodr.Lanes()
     lanes.add_lanesection(section)
     lanes.add_laneoffset(xodr.LaneOffset(a=width / 2))
     road_type = len(roads) + junction if junction >= 0 else -1
     road = xodr.Road(lane, _plan(roads.centreline[lane].astype(np.float64)), lanes, road_type, f"lane {roads.lane_id[lane]}")
     limit = float(roads.speed_limit[lane])
-    road.add_type(xodr.RoadType.town, speed=None if np.isnan(limit) else round(limit, 3))
-    links.link(road, lane)
+    road.add_type(xodr.RoadType.unknown, speed=None if np.isnan(limit) else round(limit, 3))
+    road.add_elevation(0, 0, 0, 0, 0)
+    links.link(road, own, lane)
     return road
 
 
@@ -123,7 +131,7 @@ def _pieces(line: Floats) -> Iterator[tuple[Floats, float, float]]:
 
 
 def _width(roads: RoadMap, lane: int) -> float:
-    """[m] the median of how far the points of its left edge are from the right one's nearest."""
+    """[m] the median of how far the points of each edge are from the other edge."""
     left, right = (lines[lane].astype(np.float64) for lines in (roads.left, roads.right))
-    apart = np.hypot(*np.moveaxis(left[:, None] - right[None], -1, 0)).min(1)
+    apart = [abs(project(edge, point)[1]) for edge, points in ((right, left), (left, right)) for point in points]
     return round(float(np.median(apart)), 3)

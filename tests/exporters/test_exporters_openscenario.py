@@ -7,7 +7,7 @@ import pytest
 from scenariogeneration import xosc
 
 from drivegen.core import plugins
-from drivegen.core.geometry import unit
+from drivegen.core.geometry import Polylines, unit
 from drivegen.core.safe_xml import parse
 from drivegen.core.scenario import DT
 from drivegen.maps.opendrive import read_back
@@ -77,3 +77,51 @@ def test_two_crossings_in_a_row_are_two_junctions(tmp_path):
     between = root.find("road[@id='2']/link")
     ends = [between.find(name).get("elementId") for name in ("predecessor", "successor")]
     assert ends == [j.get("id") for j in root.findall("junction")]
+
+
+def exported(roads, folder):
+    """The OpenDRIVE of a car's scene on these roads."""
+    scene = scenario(roads, stack([drive(joined(roads, 0, 1), 20, 12, 20)]))
+    plugins.load("exporters", "openscenario")().write(scene, scene.log, folder, "one")
+    return parse((folder / "one.xodr").read_bytes(), "xodr", root="OpenDRIVE")
+
+
+def test_lanes_are_linked_where_their_roads_are(tmp_path):
+    lines = [np.array([[x, 0.0], [x + 50, 0.0]]) for x in range(0, 200, 50)]
+    root = exported(road_map(lines, [(n, n + 1) for n in range(3)], in_junction=[2]), tmp_path)
+    found = {}
+    for road in root.iter("road"):
+        at_road = [e.tag for e in road.find("link") if e.get("elementType") == "road"]
+        own = road.find(".//lane[@id='-1']/link")
+        assert [(e.tag, e.get("id")) for e in own] == [(tag, "-1") for tag in at_road]
+        found[road.get("id")] = at_road
+    assert found == {"0": ["successor"], "1": ["predecessor"], "2": ["predecessor", "successor"], "3": []}
+
+
+def test_a_way_across_with_two_lanes_before_and_two_after_it_is_linked_to_the_first(tmp_path):
+    ends = [[(0, 0), (50, 0)], [(50, 0), (80, 0)], [(0, 20), (50, 0)], [(80, 0), (120, 0)], [(80, 0), (120, 20)]]
+    root = exported(road_map(np.array(ends, float), [(0, 1), (2, 1), (1, 3), (1, 4)], in_junction=[1]), tmp_path)
+    assert [e.get("elementId") for e in root.find("road[@id='1']/link")] == ["0", "3"]
+    assert [c.get("incomingRoad") for c in root.iter("connection")] == ["0", "2"]
+
+
+def test_a_way_across_that_begins_where_the_map_is_cut_is_a_road(tmp_path):
+    lines = [np.array([[x, 0.0], [x + 50, 0.0]]) for x in range(0, 200, 50)]
+    root = exported(road_map(lines, [(n, n + 1) for n in range(3)], in_junction=[0, 2]), tmp_path)
+    assert [road.get("junction") for road in root.iter("road")] == ["-1", "-1", "4", "-1"]
+    assert [len(junction) for junction in root.iter("junction")] == [1]
+    assert root.find("road[@id='0']/link/successor").get("elementId") == "1"
+
+
+def test_a_lane_is_as_wide_as_its_edges_are_apart_however_few_points_these_have(tmp_path):
+    roads = road_map([np.array([[0.0, 0.0], [80.0, 0.0]]), np.array([[80.0, 0.0], [99.0, 0.0]])], [(0, 1)])
+    left = [np.stack([np.linspace(0, 80, 41), np.full(41, 1.75)], -1), np.array([[80, 1.75], [99, 1.75]])]
+    root = exported(replace(roads, left=Polylines.of(left)), tmp_path)
+    assert [float(width.get("a")) for width in root.iter("width")] == [3.5, 3.5]
+
+
+def test_nothing_is_said_that_no_map_knows(tmp_path):
+    root = exported(road_map([np.array([[0.0, 0.0], [80.0, 0.0]]), np.array([[80.0, 0.0], [99.0, 0.0]])], [(0, 1)]), tmp_path)
+    assert set(root.find("header").attrib) == {"name", "revMajor", "revMinor"}
+    assert {kind.get("type") for kind in root.findall("road/type")} == {"unknown"}
+    assert all(len(profile) == 1 for profile in root.iter("elevationProfile"))  # the standard's schema wants one
