@@ -87,4 +87,4 @@ def _table(result: Gate, old: str, new: str) -> Table:
 
 
 def _share(share: Interval) -> str:
-    return f"{share.value:.2%}" + ("" if isnan(share.low) else f" ({share.low:.2%} to {share.high:.2%})")
+    return f"{share.value:.2%}" + (f" ({share.low:.2%} to {share.high:.2%})" if share.low < share.high else "")

@@ -53,7 +53,10 @@ class Estimate:
 
 
 def estimate(near: NDArray[np.floating], run: Run, runs: int, random: np.random.Generator) -> Estimate:
-    """The rate in N draws from at most `runs` of them; `near` (N,) [m] is how near the others come in each."""
+    """The rate in N draws from at most `runs` of them, or a few more where these are fewer than twelve: one of each stratum.
+
+    `near` (N,) [m] is how near the others come in each.
+    """
     at = np.searchsorted(EDGES, near, side="right")
     size = np.bincount(at, minlength=len(EDGES) + 1)
     order = random.permutation(len(at))

@@ -42,15 +42,20 @@ class Resampling:
 
 
 def pooled_mean(values: Floats, resampling: Resampling) -> Interval:
-    """Mean of `values` (S, N) over runs and scenes with its interval; NaN cells don't count."""
+    """Mean of `values` (S, N) over runs and scenes with its interval; NaN cells don't count.
+
+    Where all that is known is of one recording there is no interval, however many seeds there are.
+    """
     known = np.isfinite(values)
     count = known.sum()
     if count == 0:
         return Interval(np.nan, np.nan, np.nan)
     drawn = _drawn(np.where(known, values, 0.0), resampling)
     weight = _drawn(known.astype(np.float64), resampling)
+    times = resampling.scenes[:, known.any(axis=0)]
+    several = bool((times != times[:, :1]).any())  # recordings: scenes of one come equally often
     means = drawn[weight > 0] / weight[weight > 0]
-    return Interval(float(values[known].mean()), *percentiles(means))
+    return Interval(float(values[known].mean()), *percentiles(means if several else means[:0]))
 
 
 def envelope(intervals: list[Interval]) -> Interval:

@@ -65,6 +65,14 @@ def test_one_recording_has_a_mean_and_no_interval():
     assert np.isnan([found.low, found.high]).all()
 
 
+def test_a_measure_of_one_recording_among_several_has_no_interval():
+    """Seeds alone would give one, and tables would call it an interval over recordings."""
+    values = np.array([[1.0, 2.0, np.nan, np.nan], [3.0, 6.0, np.nan, np.nan]])
+    found = pooled_mean(values, resampling(2, ["a", "a", "b", "c"]))
+    assert found.value == 3.0
+    assert np.isnan([found.low, found.high]).all()
+
+
 def test_an_envelope_holds_every_seed():
     found = envelope([Interval(1.0, 0.5, 1.2), Interval(3.0, 2.0, 4.0), Interval(np.nan, np.nan, np.nan)])
     assert (found.value, found.low, found.high) == (2.0, 0.5, 4.0)

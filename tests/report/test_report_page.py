@@ -241,6 +241,17 @@ def test_limits_are_listed_by_rule():
     assert [[cell.text for cell in row.cells] for row in TABLES["checker-verdicts"].rows] == [["legal", "0.960"]]
 
 
+def test_round_ten_comes_after_round_nine_and_the_last_one_stands_beside_the_paper():
+    rounds = {f"corner/{number}": {"collision": number / 100} for number in (0, 9, 10)}
+    costs = {f"corner/{number}": {"cpu_seconds": 36.0 * number, "runs": 10.0} for number in (9, 10)}
+    evidence = Evidence(rounds, methods=FULL.methods, costs=costs)
+    tables = {table.name: table for section in all_sections(evidence) for table in section.tables}
+    assert [row.cells[0].text for row in tables["corner-rounds"].rows] == ["0", "9", "10"]
+    ours = next(row for row in tables["corner-cases"].rows if row.cells[0].text == "DriveGen-CS, ours")
+    assert ours.cells[2].text == "0.10"
+    assert tables["gpu-hours"].rows[0].cells[-1].text == "10"
+
+
 def test_a_round_says_in_words_what_made_the_driver_fail():
     cell = {"feature": "behaviour", "value": "turning_left", "encounters": 9, "collisions": 2}
     rounds = {"corner/1": {"collision": 0.1, "knowledge": [cell | {"probability": 0.2, "low": 0.05, "high": 0.5}]}}

@@ -13,9 +13,10 @@ from drivegen.report.published.best import best
 from drivegen.report.published.costs import costs
 from drivegen.report.published.goals import goals
 from drivegen.report.published.index import index
-from drivegen.report.published.quality import few, tables
+from drivegen.report.published.quality import cell, few, tables
 from drivegen.report.published.results import DataSet, Results, Run, pool, rows, set_numbers
 from drivegen.report.published.training import Trained, models
+from drivegen.report.table import Cell
 from drivegen.warehouse.runs import Model
 
 ABOUT = read_methods()
@@ -125,6 +126,27 @@ def test_an_interval_that_is_null_is_none():
     table = goals("x", "some scenes", SELECTORS, {"learned": [run]})
     [line] = [row for row in table.rows if row.cells[0].text == "learned"]
     assert (line.cells[table.columns.index("NLL [nat]")].text, line.cells[table.columns.index("NLL [nat]")].note) == ("2.00", "")
+
+
+def test_a_figure_in_which_no_recording_differs_has_no_ends():
+    """A share of 0 in all recordings says nothing of how small it is: "0.000 (0.000 to 0.000)" would."""
+    assert cell(Interval(0.0, 0.0, 0.0), 3) == Cell("0.000")
+    assert cell(Interval(0.5, 0.25, 0.75)) == Cell("0.50", "0.25 to 0.75")
+    assert cell(Interval(0.5, np.nan, np.nan)) == Cell("0.50")
+
+
+def test_additions_in_one_recording_have_a_difference_without_ends():
+    one = tuple(f"rec-00{n}" for n in range(8))
+    plain, safer = (replace(results(0.5, min_sade=error), scenarios=one) for error in (2.0, 2.5))
+    shares = np.array([[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8]])
+    plain, safer = (
+        replace(each, values={**each.values, "collision_per_vehicle": shares * of, "illegal_per_vehicle": shares * of})
+        for each, of in ((plain, 1.0), (safer, 0.5))
+    )
+    data = data_set(methods={"bits": plain}, added={"bits/none": plain, "bits/checker": safer})
+    [table] = added(data, pooled_of(data), 50, rng(7, "added"))
+    assert "nan" not in table.markdown()
+    assert table.rows[-1].cells[5] == Cell("0.225", "-0.225")
 
 
 def test_few_scenes_are_said_to_be_few_under_every_table():
@@ -247,7 +269,7 @@ def test_what_an_addition_is_worth_stands_beside_what_it_changes():
         "BITS, + checker",
         "Log (recorded futures)",
     ]
-    assert (lines["BITS, + checker"][5].text, lines["BITS, + checker"][5].note) == ("0.100", "-0.300, -0.300 to -0.300")
+    assert (lines["BITS, + checker"][5].text, lines["BITS, + checker"][5].note) == ("0.100", "-0.300")
     told = {(row["method"], tuple(row["additions"]), row["metric"]): row["value"] for row in rows(data, pooled)}
     assert (told["bits", (), "min_sade"], told["bits", ("checker",), "min_sade"]) == (2.0, 2.5)
     assert added(data_set(), pooled, 50, rng(7, "added")) == []

@@ -74,7 +74,9 @@ def test_orders_are_compared_with_that_of_real_roads(published: Path):
     }
     rival = rows["sumo_corpus", "bits"]
     assert (rival["drivegen_ahead"], rival["drivers"], rival["real_recordings"]) == (2.0, 4, 10)
-    assert "| ngsim | BITS | sumo_corpus | counted collisions | -1.00" in (published / "drivers-ranking.md").read_text()
+    table = (published / "drivers-ranking.md").read_text()
+    assert "| ngsim | BITS | sumo_corpus | counted collisions | -1.00" in table
+    assert "Real roads of ngsim: 20 scenes. Intervals (95 %) are over 10 recordings, which are few" in table
 
 
 def test_the_index_links_the_tables_and_says_what_is_missing(published: Path):

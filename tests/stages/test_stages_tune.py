@@ -17,6 +17,7 @@ from drivegen.core.samples import Samples
 from drivegen.drivers import gail
 from drivegen.drivers.shared.tuning import Continued, How, stand_at
 from drivegen.report.published.amounts import amount_tables
+from drivegen.report.published.drivers import primary, scenes
 from drivegen.report.published.tuned import METRICS, PRIMARY, driver_rows, read_tests
 from drivegen.store.lookup import logs_below
 from drivegen.store.samples import read_samples, write_samples
@@ -247,6 +248,18 @@ def test_the_primary_endpoint_also_stands_by_policy_seed(monkeypatch):
     assert found["bits", "counted_rich.seed_7"]["value"] == 0.0
     assert found["bits", "counted_rich.seed_8"]["value"] == 0.5
     assert found["bits", "counted_rich"]["value"] == 0.25
+
+
+def test_policy_seeds_are_named_in_order_since_rows_differ_in_which_they_have(monkeypatch):
+    found = figures(counted(("bits", 10, "c"), ("bits", 7, "a"), ("bits", 8, "ab")), monkeypatch)
+    assert [metric for _, metric in found if ".seed_" in metric] == [f"counted_rich.seed_{seed}" for seed in (7, 8, 10)]
+    assert primary(found, "bits").note.endswith("; seeds 7: 0.500, 8: 1.000, 10: 0.000")
+
+
+def test_a_figure_says_of_how_many_scenes_it_is(monkeypatch):
+    found = figures(counted(("bits", 7, "c"), ("bits", 8, "a")), monkeypatch)
+    assert (found["bits", "counted_rich"]["n"], found["bits", "counted_rich.seed_7"]["n"]) == (2, 2)
+    assert scenes({**found, ("bits", "cr"): {"n": 3}}, "bits") == "3 scenes, 2 of them rich,"
 
 
 def test_rows_with_unequal_seeds_are_compared_by_those_that_both_have(monkeypatch):

@@ -59,4 +59,7 @@ def _whole(data: DataSet, pooled: Pooled, name: str) -> Row:
 
 def _cell(interval: Interval, less: Interval | None) -> Cell:
     text = f"{interval.value:.3f}" if abs(interval.value) < 1 else f"{interval.value:.2f}"
-    return Cell(text) if less is None else Cell(text, f"{less.value:+.3f}, {less.low:+.3f} to {less.high:+.3f}")
+    if less is None:
+        return Cell(text)
+    ends = f", {less.low:+.3f} to {less.high:+.3f}" if less.low < less.high else ""
+    return Cell(text, f"{less.value:+.3f}{ends}")

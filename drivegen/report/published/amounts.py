@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from drivegen.report import plots
-from drivegen.report.published.drivers import HEADS, PRIMARY_WORDS, PROTOCOLS, Figures, by_test, primary
+from drivegen.report.published.drivers import HEADS, PRIMARY_WORDS, PROTOCOLS, Figures, by_test, primary, scenes
 from drivegen.report.published.tuned import AMOUNT, LOGS, PRIMARY
 from drivegen.report.table import Row, Table, estimate, row
 
@@ -28,7 +28,7 @@ def amount_tables(rows: Sequence[Mapping[str, Any]], about: Mapping[str, tuple[s
         heads = [f"{name.upper()}: {head}" for name in drivers for head in COLUMNS.values()]
         notes = (
             f"{PRIMARY_WORDS} Tuned on the logs of the tuning scenes with so many of DriveGen's futures of each among them, for "
-            f"as many steps in every row. {next(iter(figures.values()))['n']} scenes of {recordings} recordings; 95 % intervals "
+            f"as many steps in every row. {scenes(figures, next(iter(figures))[0])} of {recordings} recordings; 95 % intervals "
             "over recordings for the policies as they are, differences paired by scene and policy seed.",
             PROTOCOLS[protocol],
         )

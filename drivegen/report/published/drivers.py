@@ -66,9 +66,9 @@ def driver_tables(rows: Sequence[Mapping[str, Any]], about: Mapping[str, tuple[s
             lines += _theirs(driver, len(shown) + 1)
         title, recordings = about[data]
         notes = (
-            f"{PRIMARY_WORDS} {figures[there[0], 'cr']['n']} scenes of {recordings} recordings; 95 % intervals over recordings "
-            "for the policies as they are, differences paired by scene and of policies of the same seeds; the primary endpoint "
-            "also by policy seed. Comfort is the reciprocal of the mean absolute acceleration.",
+            f"{PRIMARY_WORDS} {scenes(figures, there[0])} of {recordings} recordings; 95 % intervals over recordings for the "
+            "policies as they are, differences paired by scene and of policies of the seeds that both rows have; the primary "
+            "endpoint also by policy seed. Comfort is the reciprocal of the mean absolute acceleration.",
             PROTOCOLS[protocol],
             *_with_cases(figures),
         )
@@ -79,15 +79,24 @@ def driver_tables(rows: Sequence[Mapping[str, Any]], about: Mapping[str, tuple[s
         )  # fmt: skip
 
 
+def scenes(figures: Figures, method: str) -> str:
+    """How many scenes a row was tested in, and how many of these its primary endpoint is a share of."""
+    return f"{figures[method, 'cr']['n']} scenes, {figures[method, PRIMARY]['n']} of them rich,"
+
+
 def by_test(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str, str, str], Figures]:
     """Rows by (data set, protocol, driver, neighbours)."""
     return dict(grouped(rows, ("data", "protocol", "driver", "neighbours"), ("method", "metric")))
 
 
 def primary(figures: Figures, method: str) -> Cell:
-    """A row's primary endpoint with its interval, and seed by seed where there are several."""
+    """A row's primary endpoint with its interval, and by policy seed where there are several: rows differ in which they have."""
     cell = estimate(figures.get((method, PRIMARY)))
-    seeds = [f"{each['value']:.3f}" for (who, metric), each in figures.items() if who == method and metric.startswith(BY_SEED)]
+    seeds = [
+        f"{metric.removeprefix(BY_SEED)}: {each['value']:.3f}"
+        for (who, metric), each in figures.items()
+        if who == method and metric.startswith(BY_SEED)
+    ]
     return replace(cell, note="; ".join(filter(None, (cell.note, f"seeds {', '.join(seeds)}")))) if len(seeds) > 1 else cell
 
 

@@ -13,9 +13,10 @@ from drivegen.metrics.realism import WEIGHTS
 from drivegen.report import paper
 from drivegen.report.averaged import seconds
 from drivegen.report.columns import EDGES, EDGES_MEAN, FIVE, FLOOR, MARKS, SAFETY, badness, mark
+from drivegen.report.published.figures import as_columns
 from drivegen.report.published.results import OURS, DataSet, Pooled, resampling_of
 from drivegen.report.sections.trust import REALISM, has, readings
-from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, row
+from drivegen.report.table import NOT_MEASURED, Cell, Row, Table, estimate, row
 
 HEADS = ("min-sADE [m] \u2193", "min-sFDE \u2193", "mean-sADE \u2193", "mean-sFDE \u2193", "diversity \u2192 1")
 
@@ -208,5 +209,4 @@ def cell(interval: Interval | None, digits: int = 2) -> Cell:
     """A figure with its interval, if it has one."""
     if interval is None or not np.isfinite(interval.value):
         return Cell(NOT_MEASURED)
-    text = f"{interval.value:.{digits}f}"
-    return Cell(text, f"{interval.low:.{digits}f} to {interval.high:.{digits}f}") if np.isfinite(interval.low) else Cell(text)
+    return estimate(as_columns(interval), digits)

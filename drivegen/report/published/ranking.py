@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from drivegen.core.intervals import Interval, recording
 from drivegen.core.seeds import rng
 from drivegen.metrics.ranking import Rates, agreements, ceiling, interval
+from drivegen.report.averaged import over_recordings
 from drivegen.report.published.figures import as_columns
 from drivegen.report.table import Row, Table, estimate, row
 
@@ -91,6 +92,9 @@ def _row(real: Traffic, kind: Traffic, measure: str, tau: Interval, ahead: Inter
 def ranking_table(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str]) -> Table:
     """All rows as one table; `titles` of methods in words."""
     lines = [_line(each, titles) for each in rows]
+    of_roads = dict.fromkeys(
+        f"Real roads of {one['real']}: {one['real_scenes']} scenes. {over_recordings(one['real_recordings'])}" for one in rows
+    )
     return Table(
         "drivers-ranking",
         "Does traffic rank drivers as real roads do?",
@@ -100,6 +104,7 @@ def ranking_table(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str]) 
             "Kendall's tau-b between both orders of the same sound and mutated drivers, neighbours replayed; 95 % intervals over "
             "recordings and drivers. *Half of the recordings*: what one half of the real recordings says of the other; two real "
             "data sets of full size would agree better.",
+            *of_roads,
         ),
     )
 

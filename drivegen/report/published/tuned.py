@@ -112,16 +112,20 @@ def _number(value: float | None) -> float:
 
 
 def driver_rows(tests: Tests, draws: int, seed: int) -> Iterator[dict[str, Any]]:
-    """Every figure, and how far it is from other rows' (`_compared`), `<metric>.minus_<row>`, by the seeds that both have."""
+    """Every figure, and how far it is from other rows' (`_compared`), `<metric>.minus_<row>`, by the seeds that both have.
+
+    n is the number of scenes that are summed up: of the primary endpoint the rich ones, of red lights those that met some.
+    """
     resampled = resamplings(tests.recordings, draws, rng(seed, "drivers", tests.data))
     times = np.concatenate([np.ones((1, len(tests.recordings))), resampled])
     for (driver, method), seeds in tests.values.items():
         for neighbours, prefix in NEIGHBOURS.items():
             about: dict[str, Any] = {"data": tests.data, "protocol": tests.protocol, "driver": driver, "method": method}
-            about |= {"neighbours": neighbours, "n": len(tests.recordings), "seeds": len(seeds)}
+            about |= {"neighbours": neighbours, "n": 0, "seeds": len(seeds)}
             for metric in METRICS:
                 if metric == "imposed_braking" and not prefix:
                     continue
+                about["n"] = int(np.count_nonzero(_sides(seeds.values(), metric, prefix)[1]))
                 yield about | {"metric": metric} | as_columns(interval(_figure(seeds.values(), metric, prefix, times)))
                 for other in _compared(method, metric):
                     theirs = tests.values.get((driver, other), {})
@@ -129,10 +133,12 @@ def driver_rows(tests: Tests, draws: int, seed: int) -> Iterator[dict[str, Any]]
                         mine, its = (_figure([of[one] for one in both], metric, prefix, times) for of in (seeds, theirs))
                         less = as_columns(interval(mine - its))
                         yield about | {"metric": f"{metric}.minus_{other}", "seeds": len(both)} | less
-            for one, columns in ({} if prefix else seeds).items():
+            about["n"] = len(tests.recordings)
+            for one, columns in sorted(({} if prefix else seeds).items()):
                 (value,) = _figure([columns], PRIMARY, prefix, times[:1]).tolist()
                 if np.isfinite(value):  # some scene is rich
-                    yield about | {"metric": f"{BY_SEED}{one}", "value": value, "low": None, "high": None, "seeds": 1}
+                    by_seed = {"metric": f"{BY_SEED}{one}", "value": value, "low": None, "high": None, "seeds": 1}
+                    yield about | by_seed | {"n": int(columns["rich"].sum())}
             yield about | {"metric": "div"} | as_columns(Interval(*tests.diversity[driver, method, neighbours]))
 
 
@@ -144,12 +150,20 @@ def _compared(method: str, metric: str) -> list[str]:
 
 def _figure(seeds: Iterable[Columns], metric: str, prefix: str, times: NDArray[np.floating]) -> NDArray[np.float64]:
     """(1 + draws,) the metric, first as it is, of the mean over seeds scene by scene."""
-    names = [name if name in (ONE, *_SHARED) else f"{prefix}{name}" for name in METRICS[metric]]
-    above, below = (_means([columns[name] for columns in seeds]) for name in names)
-    finite = np.isfinite(above) & np.isfinite(below)
-    sums = times @ np.where(finite, above, 0.0), times @ np.where(finite, below, 0.0)
+    above, below = _sides(seeds, metric, prefix)
+    sums = times @ above, times @ below
     figure: NDArray[np.float64] = np.abs(np.divide(*sums, out=np.full(len(times), np.nan), where=sums[1] != 0))
     return figure
+
+
+def _sides(seeds: Iterable[Columns], metric: str, prefix: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """What is summed above and below, (S,) each, 0 where one of both is not known."""
+    names, columns = METRICS[metric], list(seeds)
+    above, below = (
+        _means([of_seed[name if name in (ONE, *_SHARED) else f"{prefix}{name}"] for of_seed in columns]) for name in names
+    )
+    finite = np.isfinite(above) & np.isfinite(below)
+    return np.where(finite, above, 0.0), np.where(finite, below, 0.0)
 
 
 def _means(of_seeds: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:

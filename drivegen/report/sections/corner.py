@@ -17,7 +17,8 @@ _PAPER_DRIVERS = ("idm", "gail", "sac")
 
 def section(evidence: Evidence) -> Section:
     """Rounds, what was learned, and the paper's tables."""
-    rounds = {name: value for name, value in evidence.below("corner").items() if isinstance(value, Mapping)}
+    found = evidence.below("corner")
+    rounds = {name: found[name] for name in sorted(found, key=int) if isinstance(found[name], Mapping)}
     lead = (
         "Rounds of generation steered by what made the driver fail. Nothing is trained: goals of social vehicles are drawn "
         "with other odds. Neighbours are replayed. "
@@ -36,7 +37,7 @@ def section(evidence: Evidence) -> Section:
 def _against_paper(evidence: Evidence, rounds: Mapping[str, Mapping[str, Any]]) -> Table:
     driving = {name: by_traffic(values) for name, values in evidence.below("driving").items() if isinstance(values, Mapping)}
     logs = {driver: traffic.get("log", {}) for driver, traffic in driving.items()}
-    last = {"idm": dict(rounds[max(rounds)])} if rounds else {}
+    last = {"idm": dict(rounds[max(rounds, key=int)])} if rounds else {}
     source = evidence.source or NOT_MEASURED
     shown = [driver for driver in _PAPER_DRIVERS if logs.get(driver) or last.get(driver)]
     ours = [_our_row("Dataset, ours", source, logs, shown), _our_row("DriveGen-CS, ours", source, last, shown)] if shown else []
@@ -71,7 +72,7 @@ def _odds(cell: dict[str, Any]) -> Cell:
 
 def _gpu_hours(rounds: Mapping[str, Any], costs: Mapping[str, Mapping[str, float]]) -> Table:
     """Times differ from run to run: this table stands in the page only."""
-    took = costs.get(f"corner/{max(rounds)}", {}) if rounds else {}
+    took = costs.get(f"corner/{max(rounds, key=int)}", {}) if rounds else {}
     hours = number(1000 * took["cpu_seconds"] / took["runs"] / 3600) if took.get("runs") else RESTORED
     ours = [row("DriveGen-CS, ours", "0", "none", hours, origin="ours")] if rounds else []
     theirs = [row(name, *values, "\u2013", origin="paper") for name, values in paper.GPU_HOURS.items()]
