@@ -2,7 +2,17 @@
 
 from rich.console import Console
 
+TABLE = 120
+"""Characters in a line of a table of cases or drivers, whatever the terminal: names must not be cut."""
 
-def plain(stderr: bool = False) -> Console:
-    """Prints lines as they are: paths and brackets are neither wrapped nor read as markup."""
-    return Console(stderr=stderr, soft_wrap=True, highlight=False, markup=False)
+
+def plain(stderr: bool = False, least: int = 0) -> Console:
+    """Prints lines as they are: paths and brackets are neither wrapped nor read as markup; tables have `least` characters."""
+    console = Console(stderr=stderr, soft_wrap=True, highlight=False, markup=False)
+    console.width = max(console.width, least)
+    return console
+
+
+def many(count: int, what: str) -> str:
+    """A number of things in words, also of one."""
+    return f"{count} {what}{'s' * (count != 1)}"

@@ -13,9 +13,11 @@ SECTION = "attack.drivers"
 
 def driver_of(word: str) -> Driver:
     """The driver of a Python file; or the one that a YAML file describes, with what differs in its settings; or of that name."""
-    if word.endswith(".py"):
-        return FileDriver(Path(word))
-    if word.endswith(".yaml") and not Path(word).is_file():
+    file = Path(word)
+    if file.suffix == ".py":
+        return FileDriver(file)
+    described = file.suffix in (".yaml", ".yml")
+    if described and not file.is_file():
         raise UnusableInput(f"{word} is no file: give one with a driver's name and settings, or a driver of params.yaml")
-    drivers = read_yaml(Path(word)) if word.endswith(".yaml") else {word: {}}
+    drivers = read_yaml(file) if described else {word: {}}
     return version(drivers, read_section(SECTION), SECTION, word)

@@ -1,5 +1,7 @@
 """Maps as the command line names them: by their folder or file, and how a language model writes them."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -36,6 +38,17 @@ def network_of(place: Path) -> Path:
     if not file.is_file():
         raise UnusableInput(f"{file} is not there: `drivegen map` makes maps, give the folder of one or a SUMO network")
     return file
+
+
+@contextmanager
+def with_way_in() -> Iterator[None]:
+    """What is no SUMO network is refused with the way to make one of it."""
+    try:
+        yield
+    except UnusableInput as error:
+        if error.reason != "wrong-root":
+            raise
+        raise UnusableInput(f"{error}: bring other formats in with `drivegen map import`", error.reason) from None
 
 
 def name_of(network: Path) -> str:

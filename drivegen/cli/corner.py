@@ -11,7 +11,7 @@ from typer import Option
 
 from drivegen.adversaries.shared.arena import Arena, Bounds
 from drivegen.cli import _project
-from drivegen.cli._console import plain
+from drivegen.cli._console import TABLE, many, plain
 from drivegen.cli._drivers import driver_of
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
@@ -63,8 +63,8 @@ def command(
         for group in kinds:
             write_kind(folder / _folder(group), judged[group.cases[0]])
         write_json(folder / CASES, [_row(one) for one in judged])
-    console = plain()
-    searched = f"{tested.name}: {runs} runs in {len(where) if most is None else min(most, len(where))} scenarios"
+    console = plain(least=TABLE)
+    searched = f"{tested.name}: {many(runs, 'run')} in {many(min(most or len(where), len(where)), 'scenario')}"
     if not cases:
         console.print(f"{searched}, no case found")
         return
@@ -75,7 +75,7 @@ def command(
         written = ", ".join(sorted(file.name for file in place.iterdir()))
         console.print(f"{group.kind}, in {likeliest.case.scenario_id}: {likeliest.sentence}\n  {place}: {written}")
     found = sum(len(group.cases) for group in kinds)
-    console.print(f"{searched}, {found} case{'s' * (found > 1)} of {len(kinds)} kind{'s' * (len(kinds) > 1)} in {out}")
+    console.print(f"{searched}, {many(found, 'case')} of {many(len(kinds), 'kind')} in {out}")
 
 
 def _settings() -> _Settings:

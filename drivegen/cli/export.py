@@ -11,7 +11,7 @@ import numpy as np
 from typer import Argument, Option
 
 from drivegen.av2.export import export_scenario
-from drivegen.cli._console import plain
+from drivegen.cli._console import many, plain
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap
 from drivegen.core.samples import Samples
@@ -56,7 +56,7 @@ def command(
             count += 1
         if not count:
             raise UnusableInput(f"{scenarios} holds no scenario" + (" that a collision ends" if collisions else ""))
-    plain().print(f"{out}: {count} scenarios of {scenarios}")
+    plain().print(f"{out}: {many(count, 'scenario')} of {scenarios}")
 
 
 @dataclass(frozen=True)

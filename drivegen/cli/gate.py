@@ -10,7 +10,7 @@ from typing import Annotated
 from rich.table import Table
 from typer import Argument, Exit, Option
 
-from drivegen.cli._console import plain
+from drivegen.cli._console import TABLE, plain
 from drivegen.cli._drivers import driver_of
 from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import Interval
@@ -44,7 +44,7 @@ def command(
     settings = build(Settings, read_section("gate.settings"), "stages/params.yaml: gate.settings")
     drivers = driver_of(old), driver_of(new)
     with _folder(out) as folder:  # refused before anything is driven
-        if (scenarios / "samples").is_dir():
+        if any(_is_round(place) for place in (scenarios, scenarios.resolve().parent)):
             raise UnusableInput(
                 f"{scenarios} is a round of corner cases, made for what a driver did: a gate wants scenes that nobody chose,"
                 " as data/generated/drivegen"
@@ -56,7 +56,7 @@ def command(
         result = gate(*drivers, chosen, settings, read_section("run")["seed"])
         if folder:
             write_json(folder / RECORD, {"old": old, "new": new, "folder": str(scenarios), **result.record(old, new)})
-    console = plain()
+    console = plain(least=TABLE)
     console.print(_table(result, old, new))
     if isnan(result.shares[0].low):
         console.print("too few recordings for an interval")
@@ -65,6 +65,10 @@ def command(
         raise Exit(WORSE)
     if strict and result.finding == Finding.UNDECIDED:
         raise Exit(UNDECIDED)
+
+
+def _is_round(folder: Path) -> bool:
+    return all((folder / part).is_dir() for part in ("samples", "driven"))
 
 
 @contextmanager

@@ -14,9 +14,9 @@ from typer import BadParameter, Exit, Option
 from drivegen.asked import language_model
 from drivegen.av2.folder import read_folder
 from drivegen.cli import _project
-from drivegen.cli._console import plain
+from drivegen.cli._console import many, plain
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
-from drivegen.cli._maps import name_of, network_of, sentences_of
+from drivegen.cli._maps import name_of, network_of, sentences_of, with_way_in
 from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
 from drivegen.generators.base import Settings
@@ -53,7 +53,7 @@ def command(
     samples: Annotated[int, Option(min=1, max=1000, help="Futures of the scenario.")] = 10,
     vehicles: Annotated[int, Option(min=1, max=LARGEST, help="Target and social vehicles together.")] = 16,
     beset: Annotated[
-        bool, Option("--beset", help="With --map: lanes beside, before and across the target's way are taken.")
+        bool, Option("--beset", help="With --map: lanes beside, before, behind and across the target's way are taken.")
     ] = False,
     seed: Annotated[int, Option(min=0, max=seeds.LARGEST, help="Same seed, same bytes.")] = 7,
     lm: Words = None,
@@ -136,7 +136,7 @@ def _new(
         write_json(folder / TRAFFIC, _account(wishes, start))
     if start.left_out:
         reasons = ", ".join(f"{count} {reason}" for reason, count in start.left_out.items())
-        console.print(f"not placed: {sum(start.left_out.values())} vehicles ({reasons})")
+        console.print(f"not placed: {many(sum(start.left_out.values()), 'vehicle')} ({reasons})")
     return start
 
 
@@ -184,7 +184,8 @@ def _road(order: _Order, wishes: _Wishes, folder: Path, console: Console) -> tup
     """The network, its name and where it is from; a road that was drawn from words is kept in `folder`."""
     if order.net is not None:
         net = network_of(order.net)
-        return _read(net), name_of(net), f"DriveGen ({name_of(net)})"
+        with with_way_in():
+            return Network.read(net.read_bytes(), str(net)), name_of(net), f"DriveGen ({name_of(net)})"
     built = _build_road(order, wishes)
     built.save(folder / MAP)
     if order.reader is not None:
@@ -202,16 +203,6 @@ def _build_road(order: _Order, wishes: _Wishes) -> BuiltMap:
         account: dict[str, Any] = {"text": order.text, "seed": order.seed, "backend": Writer.description, "ignored": []}
         return build_spec(wishes.words.road, {**account, "sentences": wishes.words.sentences()})
     return build_map(str(order.text), order.seed, asking_writer(_WRITER, order.reader))
-
-
-def _read(net: Path) -> Network:
-    """The network in a file. Raises UnusableInput, with the way to bring other formats in where it is one of them."""
-    try:
-        return Network.read(net.read_bytes(), str(net))
-    except UnusableInput as error:
-        if error.reason != "wrong-root":
-            raise
-        raise UnusableInput(f"{error}: bring other formats in with `drivegen map import`", error.reason) from None
 
 
 def _account(wishes: _Wishes, start: Start) -> dict[str, Any]:
@@ -246,7 +237,8 @@ def _summary(rows: list[dict[str, Any]]) -> str:
     """What was made, in one line."""
     written = [r for r in rows if not r["rejected"]]
     legal = sum(r["illegal"] == 0 for r in written)
-    parts = [f"{len(written)} scenarios of {rows[0]['vehicles']} vehicles ({rows[0]['source']})", f"{legal} legal throughout"]
+    made = f"{many(len(written), 'scenario')} of {many(rows[0]['vehicles'], 'vehicle')}"
+    parts = [f"{made} ({rows[0]['source']})", f"{legal} legal throughout"]
     if len(written) < len(rows):
         parts.append(f"not written for want of a legal target: {len(rows) - len(written)}")
     if dropped := sum(r["dropped"] for r in written):

@@ -7,9 +7,9 @@ from typing import Annotated, Any
 from typer import Argument, BadParameter, Option, Typer
 from typer.core import TyperGroup
 
-from drivegen.cli._console import plain
+from drivegen.cli._console import many, plain
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
-from drivegen.cli._maps import MapMode, Mode, network_of, sentences_of, writer_of
+from drivegen.cli._maps import MapMode, Mode, network_of, sentences_of, with_way_in, writer_of
 from drivegen.core.errors import UnusableInput
 from drivegen.core.seeds import LARGEST
 from drivegen.lm.prices import MAP_TOKENS
@@ -88,7 +88,10 @@ def bring(
     around: Annotated[str | None, Option(metavar="X,Y", help="Cut a window around this place [m, the network's frame].")] = None,
     radius: Annotated[
         float | None,
-        Option(help=f"Metres to each side ({WINDOW_RADIUS:g} if only a place is given); alone: around the largest junction."),
+        Option(
+            help=f"Metres to each side ({WINDOW_RADIUS:g} if only a place is given); alone: around the largest junction."
+            " Roads that reach into the window stay whole."
+        ),
     ] = None,
     junction: Annotated[str | None, Option(metavar="ID", help="Cut a window around this junction.")] = None,
     force: Force = False,
@@ -131,7 +134,8 @@ def export(
         raise UnusableInput(f"{out} would lie in the map that is read: name a place beside {folder}")
     source = network_of(folder)
     network = source.read_bytes()
-    there = Extent.of(read_network(network, str(source)))
+    with with_way_in():
+        there = Extent.of(read_network(network, str(source)))
     written = network if to is Form.SUMO else export_opendrive(network)
     with whole(out) as temporary:
         temporary.write_bytes(written)
@@ -184,7 +188,8 @@ def _place(around: str) -> tuple[float, float]:
 
 def _counts(built: BuiltMap) -> str:
     road = built.structure
-    return f"{road.edges} edges, {road.junctions} junctions ({road.signals} with signals), {road.size:.0f} m across"
+    places = f"{many(road.edges, 'edge')}, {many(road.junctions, 'junction')} ({road.signals} with signals)"
+    return f"{places}, {road.size:.0f} m across"
 
 
 def _tell_written(folder: Path) -> None:

@@ -22,7 +22,9 @@ _SHOWN, _WIDEST = 40, 10_000
 
 
 def command(
-    sql: Annotated[str, Argument(help="One statement of SQL, as DuckDB has it; without one the tables are listed.")] = _CONTENTS,
+    sql: Annotated[
+        str, Argument(help="One statement of SQL, as DuckDB has it; without one the tables are listed.", show_default=False)
+    ] = _CONTENTS,
     warehouse: Annotated[Path, Option(help="The file that the stage collect writes.")] = WAREHOUSE,
     csv: Annotated[bool, Option("--csv", help="Print all rows as CSV.")] = False,
 ) -> None:
@@ -35,8 +37,9 @@ def command(
 
 
 def _flat(answer: pa.Table) -> pa.Table:
-    """With lists and structs as text, for CSV has no such thing."""
-    columns = [pa.array(map(str, c.to_pylist())) if pa.types.is_nested(c.type) else c for c in answer.columns]
+    """With lists, structs and intervals as text, for CSV has no such thing."""
+    strange = [pa.types.is_nested(kind) or pa.types.is_interval(kind) for kind in answer.schema.types]
+    columns = [pa.array(map(str, c.to_pylist())) if odd else c for odd, c in zip(strange, answer.columns, strict=True)]
     return pa.table(columns, names=answer.column_names)
 
 

@@ -10,7 +10,7 @@ from rich.table import Table
 from typer import Option
 
 from drivegen.cli import _project
-from drivegen.cli._console import plain
+from drivegen.cli._console import many, plain
 from drivegen.cli._drivers import driver_of
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario
@@ -40,7 +40,7 @@ def command(
         Option(help="A driver of params.yaml, a YAML file with one and its settings, or a Python file, run with your rights."),
     ],
     scenarios: Annotated[Path, Option(help="A folder of scenarios: data/scenarios/test, data/shipped, Argoverse 2's layout.")],
-    runs: Annotated[int, Option(min=10, max=10**9, help="Of the driver, beside one in each scene.")] = 2000,
+    runs: Annotated[int, Option(min=10, max=10**9, help="Of the driver at most, beside one in each scene.")] = 2000,
     draws: Annotated[int | None, Option(min=1, help="Of the traffic of each scene, from which runs are chosen.")] = None,
     most: Annotated[int | None, Option(min=1, help="Only the first so many scenarios.")] = None,
     out: Annotated[Path | None, Option(help="A JSON file for what was found.")] = None,
@@ -93,7 +93,7 @@ def _table(result: Estimate) -> Table:
 
 def _sentence(name: str, result: Estimate, pool: Pool, left_out: int) -> str:
     rate, hourly = result.rate, HOUR / pool.seconds
-    scenes = f"{len(pool.scenes)} scenes" + (f" ({left_out} more have too little that is legal)" if left_out else "")
+    scenes = many(len(pool.scenes), "scene") + (f" ({left_out} more have too little that is legal)" if left_out else "")
     return (
         f"{name}: {rate.value:.2g} counted collisions a scene (95 %: {rate.low:.2g} to {rate.high:.2g}), "
         f"{hourly * rate.value:.2g} an hour ({hourly * rate.low:.2g} to {hourly * rate.high:.2g}), by "

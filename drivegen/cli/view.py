@@ -13,11 +13,14 @@ from rich.console import Console
 from typer import Argument, Option
 
 from drivegen.av2.folder import read_folder
+from drivegen.cli._console import many
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.datasets.argoverse2_sensor import read_whole_log
 from drivegen.ingest.selection import Settings, select
 from drivegen.recording.record import record_scenario
-from drivegen.store.lookup import find_sample, find_scenario
+from drivegen.store.lookup import find_sample, find_scenario, ids_in
+from drivegen.store.samples import holds_samples
+from drivegen.store.scenarios import shards
 
 EVERYTHING = Settings(target="focal", max_vehicles=128, first_step=0, horizon=10_000, map_radius=None, smallest_shrink=0.7)
 """All vehicles over the whole recording, on the whole map."""
@@ -53,6 +56,8 @@ def command(
     console = Console()
     folder = Path(scenario)
     if folder.is_file() and folder.suffix == ".rrd":
+        if out is not None:
+            raise UnusableInput(f"{folder} is a recording already, and --out is for new ones: leave that out")
         path = folder
     elif not folder.is_dir():
         path = _record_id(scenario, out, futures)
@@ -68,16 +73,32 @@ def command(
 
 def _chosen(folder: Path, out: Path | None) -> Path:
     """The folder itself, or the only scenario or kind of corner cases in it; raises UnusableInput that lists them where there
-    are several.
+    are several, or shards of them.
     """
     scenes = sorted({file.parent for name in ("scenario_*.parquet", RECORDING) for file in folder.glob(f"*/{name}")})
-    if any(folder.glob("scenario_*.parquet")) or not scenes or (out is None and (folder / RECORDING).is_file()):
+    if any(folder.glob("scenario_*.parquet")) or (out is None and (folder / RECORDING).is_file()):
         return folder
     if len(scenes) == 1:
         return _chosen(scenes[0], out)
-    names = "".join(f"\n  drivegen view {shlex.quote(str(scene))}" for scene in scenes[:_LISTED])
-    more = f"\n  and {len(scenes) - _LISTED} more" if len(scenes) > _LISTED else ""
-    raise UnusableInput(f"{folder} holds {len(scenes)} scenarios, view one of them:{names}{more}")
+    words = [shlex.quote(str(scene)) for scene in scenes] or _words_for_shards(folder)
+    if not words:
+        return folder
+    names = "".join(f"\n  drivegen view {one}" for one in words[:_LISTED])
+    more = f"\n  and {len(words) - _LISTED} more" if len(words) > _LISTED else ""
+    raise UnusableInput(f"{folder} holds {many(len(words), 'scenario')}, view one of them:{names}{more}")
+
+
+def _words_for_shards(folder: Path) -> list[str]:
+    """What views each scenario of a folder of shards or round of corner cases, or its first future; raises UnusableInput where no
+    id leads into it.
+    """
+    place = folder / "samples" if (folder / "samples").is_dir() else folder
+    files = shards(place)
+    futures = bool(files) and holds_samples(files[0])
+    if files and not futures and place.resolve() not in [known.resolve() for known in SHARDS]:
+        raise UnusableInput(f"{folder} holds shards: `drivegen export` makes folders of them, which can be viewed")
+    number = f"-s00 --futures {shlex.quote(str(place))}" if futures else ""
+    return [shlex.quote(name) + number for file in files for name in ids_in(file)]
 
 
 def _record_id(scenario_id: str, out: Path | None, futures: Path) -> Path:
@@ -103,6 +124,8 @@ def _recorded(scenario: Path, out: Path | None) -> Path | None:
 
 def _record(scenario: Path, out: Path | None) -> Path:
     sensor = any(scenario.glob("annotations*.feather"))
+    if not sensor and not any(scenario.glob("scenario_*.parquet")):
+        raise UnusableInput(f"{scenario} holds neither a scenario nor a sensor log nor a recording: give the folder of one")
     log = read_whole_log(scenario) if sensor else read_folder(scenario, f"log in {scenario.name}")
     path = out or Path(f"{scenario.resolve().name}.rrd")  # not the id in the file, which may be anything
     begun = replace(EVERYTHING, first_step=1) if sensor else EVERYTHING  # velocities of a sensor log come from the frames before

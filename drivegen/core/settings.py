@@ -143,6 +143,8 @@ class _Loader(yaml.CSafeLoader):
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         names: set[str] = set()
         for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                raise yaml.YAMLError(f"the name in line {key.start_mark.line + 1} is a list or has names and values")
             if key.value in names:
                 raise yaml.YAMLError(f"{key.value!r} is there twice, again in line {key.start_mark.line + 1}")
             names.add(key.value)
@@ -169,7 +171,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
         raise MissingTool(f"{path} is not here: change into the project's folder, the one with the Makefile")
     try:
         tree = yaml.load(path.read_text(), _Loader)  # noqa: S506 - a safe one
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+    except (yaml.YAMLError, ValueError) as error:  # a date or a text that cannot be is a ValueError
         raise UnusableInput(f"{path} is not YAML: {_fault(error)}") from None
     if not isinstance(tree, dict):
         raise UnusableInput(f"{path} has no sections")

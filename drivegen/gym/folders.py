@@ -20,6 +20,8 @@ SELECTION = Settings(target="focal", max_vehicles=32, first_step=0, horizon=100,
 SCENES = Path("data/scenarios/test")
 """What samples hold futures of, where nothing else is said."""
 
+_REMEDY = "give one with shards, as data/shipped, or with Argoverse 2 scenarios"
+
 
 def read_traffic(folder: Path, of: Path = SCENES) -> list[Traffic]:
     """As `read_futures`, without their numbers."""
@@ -35,9 +37,8 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
     """
     place = folder / "samples" if (folder / "samples").is_dir() else folder
     if not place.is_dir():
-        remedy = "give one with shards, as data/shipped, or with Argoverse 2 scenarios"
         made = "run `make run` first, in the project's folder, or " if folder.parts[:1] == SCENES.parts[:1] else ""
-        raise UnusableInput(f"{folder} is no folder: {made}{remedy}")
+        raise UnusableInput(f"{folder} is no folder: {made}{_REMEDY}")
     files = shards(place)
     left_out: dict[str, list[str]] = defaultdict(list)
     every = [one for file in files for one in _of_shard(file, of)] if files else list(_argoverse2(place, left_out))
@@ -49,7 +50,8 @@ def read_futures(folder: Path, of: Path = SCENES) -> list[tuple[Scenario, int, T
             left_out["no-target"].append(scenario.scenario_id)
     reasons = ", ".join(f"{len(which)} {reason} ({which[0]})" for reason, which in sorted(left_out.items()))
     if not usable:
-        raise UnusableInput(f"{folder} holds no scenario with traffic and a target to drive ({reasons or 'it is empty'})")
+        why = reasons or ("its scenarios have no motion" if files else "neither shard-*.parquet nor scenario_*.parquet is there")
+        raise UnusableInput(f"{folder} holds no scenario with traffic and a target to drive ({why}): {_REMEDY}")
     if reasons:
         warnings.warn(f"{folder}: scenarios left out: {reasons}", stacklevel=2)
     return usable

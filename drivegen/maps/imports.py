@@ -32,7 +32,7 @@ _TIMEOUT = 300.0
 
 @dataclass(frozen=True)
 class Window:
-    """A square cut out of a network, `radius` [m] to each side of a place.
+    """A square cut out of a network, `radius` [m] to each side of a place; roads that reach into it stay whole.
 
     The place is `around` (x, y) [m, network frame], or junction `junction`, or, with neither, the junction with most
     incoming car lanes.

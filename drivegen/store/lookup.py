@@ -23,7 +23,7 @@ _SAMPLE = re.compile(r"(.+)-s(\d{2,})")
 def find_scenario(name: str, folders: Sequence[Path]) -> tuple[Path, Scenario] | None:
     """The first scenario of that id (folders' names have dashes for colons: both forms count) and its shard; None without one."""
     for shard in (shard for folder in folders for shard in shards(folder)):
-        ids = _ids(shard)
+        ids = ids_in(shard)
         for row, scenario_id in enumerate(ids):
             if name in (scenario_id, scenario_id.replace(":", "-")):
                 return shard, read_shard(shard)[row]
@@ -40,6 +40,18 @@ def find_sample(name: str, folders: Sequence[Path], generated: Path) -> tuple[Sc
     samples = samples_in(generated / shard.name, scenario.scenario_id)
     number = int(parts[2])
     return (scenario, samples, number) if number < len(samples.dropped) else None
+
+
+def ids_in(shard: Path) -> list[str]:
+    """Ids of a shard's scenarios, in order.
+
+    None where the file is not whole: reading it as scenarios would say so, and another shard may have what is wanted.
+    """
+    try:
+        ids: list[str] = pq.read_table(shard, columns=["scenario_id"])["scenario_id"].to_pylist()
+    except (pa.ArrowException, OSError):
+        return []
+    return ids
 
 
 def scenario_in(shard: Path, scenario_id: str) -> Scenario:
@@ -122,12 +134,3 @@ def _only(shard: Path, rows: "Sequence[_Row]", scenario_id: str) -> "_Row":
         if row.scenario_id == scenario_id:
             return row
     raise UnusableInput(f"{shard} lacks scenario {scenario_id}: make it again (`dvc repro`)")
-
-
-def _ids(shard: Path) -> list[str]:
-    """None where the file is not whole: reading it as scenarios would say so, and another shard may have what is wanted."""
-    try:
-        ids: list[str] = pq.read_table(shard, columns=["scenario_id"])["scenario_id"].to_pylist()
-    except (pa.ArrowException, OSError):
-        return []
-    return ids

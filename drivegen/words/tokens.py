@@ -24,7 +24,7 @@ _UNITS = (
     (r"\bm ?/ ?s\b|\bmet(?:re|er)s? (?:per|a) second\b|\bmps\b", "mps"),
     (r"\bkilomet(?:re|er)s?\b|\bkms?\b", "km"),
     (r"\bmet(?:re|er)s?\b|\bmtrs?\b", "m"),
-    (r"\bfeet\b|\bfoot\b|\bft\b", "ft"),
+    (r"\bfeet\b|(?<!\bon )\bfoot\b|\bft\b", "ft"),
     (r"\byards?\b|\byds?\b", "yd"),
     (r"\bmiles?\b|\bmi\b", "mile"),
     (r"\bdegrees?\b|\bdegs?\b", "degrees"),

@@ -92,7 +92,8 @@ def test_what_the_pipeline_ships_is_exported_in_the_official_layout(tmp_path):
     there = scene.log.valid[0]
     at = made.motion.position[made.focal][there] + made.map.origin
     assert np.allclose(at, scene.log.position[0][there] + scene.map.origin, atol=0.01)
-    assert run("export", "shipped/shard-00000.parquet", "--out", "one", "--most", "1", cwd=tmp_path).returncode == 0
+    done = run("export", "shipped/shard-00000.parquet", "--out", "one", "--most", "1", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "one: 1 scenario of shipped/shard-00000.parquet\n"), done.stderr
     assert len(list((tmp_path / "one").iterdir())) == 1
 
 
@@ -242,7 +243,7 @@ def test_without_models_generate_says_who_makes_them(tmp_path):
     ("words", "code", "sentence"),
     [
         (["view", "nowhere"], 2, "drivegen: nowhere is no folder"),
-        (["view", "."], 2, "holds 0 files scenario_<id>.parquet"),
+        (["view", "."], 2, "holds neither a scenario nor a sensor log nor a recording"),
         (["map", "sing me a song", "--out", "m"], 2, "drivegen: I do not read 'sing'"),
         (["map", "--out", "m"], 2, "Missing argument"),
         (["generate", "--out", "o"], 2, "give exactly one of --scenario, --map and --text"),

@@ -1,7 +1,9 @@
 """`drivegen gate`, from the words of the command line to the exit code and the record."""
 
 import json
+import shutil
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,6 +80,11 @@ def test_one_recording_is_too_few_for_an_interval(project, monkeypatch, capsys):
     assert "too few recordings for an interval" in said
     assert "nan" not in said
     assert "in 1 run of 1 recording idm has 0 counted collisions, blind.py 1; recordings that differ: 1, too few to tell" in said
+    long = "a-folder-of-drivers-with-a-long-name/a-driver-that-sees-nobody-and-has-a-long-name.py"
+    (project / long).parent.mkdir()
+    shutil.copy("blind.py", long)
+    assert call(monkeypatch, "idm", long, "--scenarios", "scenes", "--most", "1") == 0
+    assert f"new: {long}  1" in capsys.readouterr().out
     assert call(monkeypatch, "blind.py", "blind.py", "--scenarios", "scenes", "--most", "1") == 0
     assert "has 1 counted collision, blind.py 1" in capsys.readouterr().out
 
@@ -89,6 +96,7 @@ def test_one_recording_is_too_few_for_an_interval(project, monkeypatch, capsys):
         ("nobody", "scenes", "no drivers plugin is called"),
         ("lost.py", "scenes", "lost.py is no Python file"),
         ("lost.yaml", "scenes", "lost.yaml is no file: give one with a driver's name and settings"),
+        ("lost.yml", "scenes", "lost.yml is no file: give one with a driver's name and settings"),
         ("idm", "data/scenarios/test", "data/scenarios/test is no folder: run `make run` first"),
         ("two.yaml", "scenes", "two.yaml must be a driver's name"),
         ("wrong.yaml", "scenes", "wrong.yaml: idm: unknown name 'head'"),
@@ -96,10 +104,18 @@ def test_one_recording_is_too_few_for_an_interval(project, monkeypatch, capsys):
         ("huge.yaml", "scenes", "huge.yaml: idm.headway must be between 0 and 1000, not 1e+300"),
         ("tiny.yaml", "scenes", "tiny.yaml: idm.acceleration must be between 0.001 and 1000, not 1e-300"),
         ("idm", "nowhere", "nowhere is no folder"),
+        ("idm", "empty", "(neither shard-*.parquet nor scenario_*.parquet is there): give one with shards"),
+        ("idm", "stands", "(its scenarios have no motion): give one with shards"),
+        ("idm", "round", "round is a round of corner cases"),
+        ("idm", "round/samples", "round/samples is a round of corner cases"),
         ("idm", "futures", "name their folder"),
     ],
 )
 def test_what_cannot_be_compared_is_one_sentence_and_leaves_nothing(project, monkeypatch, capsys, new, scenarios, why):
+    (project / "empty").mkdir()
+    write_shard(project / "stands/shard-00000.parquet", [replace(scenario(straight_road(), parked(80.0)), log=None)])
+    for part in ("samples", "driven"):
+        shutil.copytree(project / "futures", project / "round" / part)
     (project / "two.yaml").write_text("idm: {}\ngail: {}\n")
     (project / "wrong.yaml").write_text("idm: {head: 1.0}\n")
     (project / "text.yaml").write_text("idm: {headway: soon}\n")

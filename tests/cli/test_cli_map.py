@@ -140,6 +140,12 @@ def refused(monkeypatch, capsys, *words: str) -> str:
     return " ".join(capsys.readouterr().err.split())
 
 
+def test_what_is_no_network_is_refused_with_the_way_in(tmp_path, monkeypatch, capsys):
+    (tmp_path / "a.xodr").write_text("<OpenDRIVE/>")
+    said = refused(monkeypatch, capsys, "export", str(tmp_path / "a.xodr"), "--to", "sumo", "--out", str(tmp_path / "b.net.xml"))
+    assert "not <net>: bring other formats in with `drivegen map import`" in said
+
+
 def test_what_netconvert_refuses_names_the_file(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "empty.osm").write_text("<osm></osm>")

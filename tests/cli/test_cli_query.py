@@ -24,6 +24,9 @@ def test_query_prints_a_table_as_wide_as_its_ids_or_csv(tmp_path):
     assert done.stdout.split() == ["sample", "sample", "stage", "-1", "0.25", "drive"]
     csv = run("query", "select [sample, 2] as both from results", "--csv", cwd=tmp_path)
     assert csv.stdout.splitlines() == ['"both"', '"[-1, 2]"']
+    csv = run("query", "select interval 1 day as time", "--csv", cwd=tmp_path)
+    assert (csv.returncode, csv.stdout.splitlines()[0]) == (0, '"time"'), csv.stderr
+    assert "select" not in run("query", "--help", cwd=tmp_path).stdout
 
 
 def test_query_without_results_or_with_no_sql_is_one_sentence(tmp_path):

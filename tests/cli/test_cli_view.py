@@ -1,5 +1,6 @@
 """`drivegen view` of what `drivegen corner` wrote: a folder a kind, with a recording beside the scenario."""
 
+import shlex
 import sys
 from pathlib import Path
 
@@ -8,6 +9,8 @@ import pytest
 from drivegen import cli
 from drivegen.av2.export import export_scenario
 from drivegen.cli import view
+from drivegen.store.samples import write_samples
+from drivegen.store.scenarios import write_shard
 from tests import scenes
 
 
@@ -44,6 +47,32 @@ def test_kinds_are_listed_and_the_only_one_is_taken(kinds, monkeypatch, capsys):
     (kinds / "standing").rename(kinds.parent / "standing")
     assert call(monkeypatch, "out") == 0
     assert capsys.readouterr().out.startswith("out/cut-in/recording.rrd: look at it with")
+
+
+def test_scenarios_of_shards_are_listed_by_what_views_them(kinds, monkeypatch, capsys):
+    road = scenes.straight_road()
+    log = scenes.stack([scenes.drive(road.centreline[0], 20.0, 8.0, 101)])
+    scene = scenes.scenario(road, log, "town:7")
+    for place in ("data/shipped", "data/beset"):
+        write_shard(kinds.parent / place / "shard-00000.parquet", [scene])
+    write_samples(kinds.parent / "data/my futures/shard-00000.parquet", [scenes.noisy_samples(scene, 2)])
+    for folder, words in {"data/shipped": "town:7", "data/my futures": "town:7-s00 --futures 'data/my futures'"}.items():
+        assert call(monkeypatch, folder) == 2
+        assert capsys.readouterr().err.endswith(f"{folder} holds 1 scenario, view one of them:\n  drivegen view {words}\n")
+        assert call(monkeypatch, *shlex.split(words), "--out", "made.rrd") == 0
+        capsys.readouterr()
+    (kinds.parent / "data/my futures").rename(kinds.parent / "samples")
+    assert call(monkeypatch, ".") == 2
+    assert capsys.readouterr().err.endswith("\n  drivegen view town:7-s00 --futures samples\n")
+    assert call(monkeypatch, "data/beset") == 2
+    assert "data/beset holds shards: `drivegen export` makes folders of them" in capsys.readouterr().err
+    assert call(monkeypatch, "data") == 2
+    assert "data holds neither a scenario nor a sensor log nor a recording: give" in capsys.readouterr().err
+
+
+def test_a_recording_is_not_written_again(kinds, monkeypatch, capsys):
+    assert call(monkeypatch, "out/cut-in/recording.rrd", "--out", "other.rrd") == 2
+    assert "is a recording already" in capsys.readouterr().err
 
 
 def test_what_is_no_scenario_here_may_be_one_in_the_project_s_folder(kinds, monkeypatch, capsys):

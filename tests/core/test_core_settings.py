@@ -26,6 +26,8 @@ def test_a_dotted_section_is_what_stands_there(tmp_path: Path):
     [(b"a: [", "is not YAML"), (b"\xff\xfe\x00", "is not YAML"), (b"", "has no sections"), (b"- a", "has no sections"),
      (b"a:\n  b: 1\n  c: 2\n  b: 3", "'b' is there twice, again in line 4"),
      (b"\na: {b: c\nd: e}\n", "is not YAML: did not find expected ',' or '}' in line 3"),
+     (b"a: 1\n? [b]\n: c\n", "is not YAML: the name in line 2 is a list"),
+     (b"a: 2026-13-45", "is not YAML: month must be in 1..12"),
      (b"b: 1", "has no section 'a.b'"), (b"a: 1", "has no section 'a.b'")],
 )  # fmt: skip
 def test_a_file_that_holds_no_such_section_is_refused(tmp_path: Path, content: bytes, sentence: str):

@@ -29,6 +29,7 @@ def declined(text: str) -> str:
         ("a cul-de-sac on Oak Street", "oak"),
         ("a car runs the red light", "running a red light"),
         ("a crossroads with pedestrians", "pedestrians"),
+        ("a crossroads with people on foot", "pedestrians"),
         ("five cars are queueing at the traffic light ahead of me", "no road with traffic lights"),
         ("a roundabout with a car waiting at the stop line", "no road with traffic lights"),
         ("a T-junction with dense traffic on the main road", "main road"),
