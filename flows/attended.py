@@ -71,7 +71,7 @@ def _end_work(reading: int) -> None:
 
 
 def attend(command: list[str]) -> int:
-    """Run `command` until it ends, or our standard input does; its exit code."""
+    """Run `command` until it ends, or our standard input does; its exit code. What it leaves of the session ends, too."""
     for number in STOPS:
         signal.signal(number, lambda *_: None)  # not SIG_IGN, which the command would inherit
     try:
@@ -81,6 +81,7 @@ def attend(command: list[str]) -> int:
         return 127
     threading.Thread(target=_end_session, daemon=True).start()
     code = process.wait()
+    os.killpg(0, signal.SIGTERM)  # workers of a stage that was killed would wait for it for ever
     return code if code >= 0 else 128 - code
 
 

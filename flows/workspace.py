@@ -40,7 +40,8 @@ def duplicate(source: Path, target: Path, params: Mapping[str, Any], cache: Path
 def share_compiled(source: Path, target: Path) -> None:
     """Copy what Python and Numba have compiled in `source` to the same folders of `target`.
 
-    Either compares it with the code before it is used. Compiling all anew takes a workspace about a minute.
+    Python compares each file with its code, and `import drivegen` all that Numba has compiled with all code, before it is used.
+    Compiling all anew takes a workspace about a minute.
     """
     for folder in sorted({file.parent.relative_to(target) for file in target.rglob("*.py")}):
         compiled = source / folder / "__pycache__"

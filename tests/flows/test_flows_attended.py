@@ -83,6 +83,13 @@ def test_what_is_attended_ends_with_its_own_exit_code(command, code):
         assert process.wait(10) == code
 
 
+def test_what_a_stage_that_was_killed_leaves_behind_ends_with_it():
+    with attended.start(["sh", "-c", "sleep 60 & echo $!; kill -9 $$"], stdout=subprocess.PIPE, text=True) as process:
+        left = psutil.Process(int(process.stdout.readline()))
+        assert process.wait(10) == 137
+    assert until(lambda: not left.is_running() or left.status() == "zombie")
+
+
 def test_a_program_that_is_not_there_is_named():
     with attended.start(["no-such-program"], stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr.read() == "no-such-program: No such file or directory\n"
