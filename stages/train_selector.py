@@ -9,6 +9,7 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from drivegen.core.first_frame import first_frame
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.candidates import candidates
 from drivegen.goals.list_files import read_lists
@@ -60,15 +61,15 @@ def _say(line: str) -> None:
 
 
 def _scores(split: Path, params: Params, selector: Plugin) -> dict[str, dict[str, dict[str, float]]]:
-    """Scores of the learned, the prior and the uniform choice."""
+    """Scores of the learned, the prior and the uniform choice, which all know the first frame alone."""
     compared: dict[str, Selector] = {"learned": selector, "prior": Prior(), "random": Random()}
     judged: dict[str, list[Judged]] = {name: [] for name in compared}
     for shard in shards(split):
         for scenario in read_shard(shard):
-            graph = LaneGraph.of(scenario.map)
-            offered = [candidates(graph, scenario, n, params.candidates) for n in range(len(scenario.vehicles))]
+            graph, shown = LaneGraph.of(scenario.map), first_frame(scenario)
+            offered = [candidates(graph, shown, n, params.candidates) for n in range(len(shown.vehicles))]
             for name, each in compared.items():
-                judged[name].append(judge(scenario, offered, each.rank(graph, scenario, offered)))
+                judged[name].append(judge(scenario, offered, each.rank(graph, shown, offered)))
     return {name: scores(Judged.joined(parts)) for name, parts in judged.items()}
 
 

@@ -30,6 +30,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.methods import Method
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario, Vehicles
+from drivegen.core.settings import Count, NotNegative, Positive
 from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, logged_code, state_code
 from drivegen.generators._lctgen.learning import LctgenObjective, Taught, Trainable
 from drivegen.generators._lctgen.net import LctgenNet
@@ -64,15 +65,15 @@ class LctgenSettings:
         training: see `training.loop.Settings`.
     """
 
-    width: int
-    heads: int
-    layers: int
-    blocks: int
-    modes: int
-    gaussians: int
-    pieces: int
-    placement: float
-    temperature: float
+    width: Count
+    heads: Count
+    layers: Count
+    blocks: Count
+    modes: Count
+    gaussians: Count
+    pieces: Count
+    placement: NotNegative
+    temperature: Positive
     training: loop.Settings
 
 

@@ -10,9 +10,10 @@ displacement by its length, not by a Laplace distribution with learnt scales; a 
 in each direction; no conditional or goal-directed tasks.
 Changed, to its advantage where scenes are few: roads and neighbours are seen in each agent's own frame and relations
 between agents are a bias of attention, where the paper has one frame for the scene. Of the road, each agent sees the
-nearest pieces.
+nearest pieces. A small share of the loss is the mean of all F futures, so that those that are never the best learn, too.
 
-K futures are drawn without repetition from the F by their probabilities; where K exceeds F, all of them, again and again.
+K futures are drawn without repetition from the F by their probabilities, which thus choose nothing where K is F; where K exceeds
+F, all of them, again and again.
 """
 
 from collections.abc import Sequence
@@ -56,7 +57,7 @@ class SceneTransformerSettings:
     Attributes:
         width, heads: of the transformer. layers: rounds of road, time and agents before the futures part, and
         decoder_layers: rounds of time and agents for each future. modes: F. stretches: tokens of the future, a divisor of
-        20. pieces: of road that each agent sees. relaxed: weight of the futures that are not the best, in all.
+        20. pieces: of road that each agent sees. relaxed: weight of the mean of all futures, the rest being that of the best.
         training: see `training.loop.Settings`.
     """
 

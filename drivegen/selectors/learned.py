@@ -25,6 +25,7 @@ from torch import Tensor
 from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario
+from drivegen.core.settings import Count, NotNegative, Positive, Share
 from drivegen.goals.candidates import Candidates
 from drivegen.goals.features import NAMES, features
 from drivegen.goals.lists import Lists, Padded, Padding, padded, padded_odds
@@ -72,11 +73,11 @@ class Settings:
         floor: share of the probability that is the candidates' prior. training: the loop's settings.
     """
 
-    width: int
-    dropout: float
-    sigma: float
-    farthest: float
-    floor: float
+    width: Count
+    dropout: Share
+    sigma: Positive
+    farthest: NotNegative
+    floor: Share
     training: Training
 
     def __post_init__(self) -> None:

@@ -1,17 +1,21 @@
 """Reading params.yaml; what is wrong inside a section is tried in tests/stages/test_stages_door.py."""
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, is_dataclass
 from pathlib import Path
+from typing import get_type_hints
 
 import pytest
 import yaml
 
+from drivegen.core import plugins
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.settings import Count, Index, NotNegative, Positive, Share, read_params, read_section, read_tree
 from drivegen.generators.base import Settings as GeneratorSettings
 from drivegen.ingest.selection import Settings as SelectionSettings
 from drivegen.placement.scenes import Settings as InitialSettings
 from drivegen.planners.route_fm import RouteFmSettings
+from drivegen.selectors.learned import Settings as SelectorSettings
 from drivegen.sumo.corpus import CorpusSettings
 
 
@@ -102,6 +106,26 @@ def test_the_numbers_of_this_project_keep_their_bounds():
     assert training.warmup < training.steps
     assert read_section("maps.prompts", params)["grid"].startswith("a 3 by 3 grid")
     assert read_params("corpus.settings", CorpusSettings, params).window.moving_share <= 1
+
+
+def numbers_without_bounds(settings: type, place: str) -> Iterator[str]:
+    """Fields that are any int or float at all, those of nested settings among them."""
+    for name, kind in get_type_hints(settings, include_extras=True).items():
+        if kind in (int, float):
+            yield f"{place}.{name}"
+        elif isinstance(kind, type) and is_dataclass(kind):
+            yield from numbers_without_bounds(kind, f"{place}.{name}")
+
+
+def test_every_number_of_a_model_that_learns_has_bounds():
+    """A temperature of 0 would be taken without a word, and all futures of a scene would be the same."""
+    models = {
+        f"{folder}.{name}": plugins.load(folder, name) for folder in ("generators", "planners") for name in plugins.names(folder)
+    }
+    settings = {name: plugin.Settings for name, plugin in models.items() if hasattr(plugin, "Settings")}
+    assert {"generators.lctgen", "planners.route_fm"} <= set(settings)
+    settings["selectors.learned"] = SelectorSettings
+    assert [field for name, each in settings.items() for field in numbers_without_bounds(each, name)] == []
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.signals import SignalState
 from drivegen.goals.candidates import candidates
 from drivegen.goals.packing import unpack
 from drivegen.roads.graph import LaneGraph
@@ -50,6 +51,21 @@ def test_training_leaves_scores_and_a_curve(trained):
     assert set(metrics["validation"]) == {"learned", "prior", "random"}
     assert metrics["train_lists"] == 2 * 16
     assert (trained / "curve.csv").read_text().splitlines()[0] == "step,train,validation,goal_distance"
+
+
+def test_scores_are_of_the_first_frame_alone(trained, tmp_path):
+    """What signals show later is not known to who chooses goals, on the validation split either."""
+    one = scenes.busy_crossing()
+    later = one.signals.state.copy()
+    later[:, 1:] = np.where(one.signals.state[:, 1:] == SignalState.RED, SignalState.GREEN, SignalState.RED)
+    for name, state in (("as-it-is", one.signals.state), ("turned", later)):
+        shown = replace(one, signals=replace(one.signals, state=state))
+        write_shard(tmp_path / name / "shard-00000.parquet", [shown])
+    params = train_selector.Params(7, SETTINGS, LEARNING)
+    found = [
+        train_selector._scores(tmp_path / name, params, Learned.load(trained / "selector")) for name in ("as-it-is", "turned")
+    ]
+    assert found[0] == found[1]
 
 
 @pytest.mark.parametrize("selector", ["random", "log", "learned", "prior"])

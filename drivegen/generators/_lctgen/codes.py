@@ -39,9 +39,6 @@ class Direction(IntEnum):
 PARTS = 4
 """Parts of the future, 2.5 s each."""
 
-STATE_FIELDS = 4
-"""Fields before the actions: quadrant, distance, direction, speed."""
-
 DISTANCE, DISTANCES = 5.0, 21
 """[m] of a bin and number of bins of the distance from the target; the last is open."""
 
@@ -65,7 +62,7 @@ FASTER, SLOWER = 0.5, -1.0
 
 
 def state_code(scenes: Scenes) -> NDArray[np.int64]:
-    """(S, A, STATE_FIELDS) of the first frame."""
+    """(S, A, 4) quadrant, distance, direction and speed in the first frame: the fields before the actions."""
     x, y = scenes.position[..., 0], scenes.position[..., 1]
     quadrant = np.where(x >= 0, np.where(y >= 0, 0, 3), np.where(y >= 0, 1, 2))
     distance = np.minimum(np.hypot(x, y) / DISTANCE, DISTANCES - 1)
