@@ -4,8 +4,6 @@ Start reading at `core/scenario.py` (what a scenario is), then `traffic.py` (how
 contents is `dvc.yaml` beside this package.
 """
 
-from pathlib import Path
-
 from drivegen.core.compiled import forget_compiled
 from drivegen.core.errors import DriveGenError, MissingTool, UnusableInput
 from drivegen.core.roadmap import LaneControl, LaneKind, RoadMap
@@ -28,4 +26,4 @@ __all__ = [
     "Vehicles",
 ]
 
-forget_compiled(Path(__file__).parent)
+forget_compiled()
