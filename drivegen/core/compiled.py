@@ -5,7 +5,6 @@ import hashlib
 import os
 from pathlib import Path
 
-
 PACKAGE = Path(__file__).parent.parent
 
 
