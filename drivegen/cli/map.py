@@ -15,7 +15,7 @@ from drivegen.core.seeds import LARGEST
 from drivegen.lm.prices import MAP_TOKENS
 from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
 from drivegen.maps.imports import Window, import_map
-from drivegen.maps.opendrive import Extent, export_opendrive, read_back
+from drivegen.maps.opendrive import Extent, export_opendrive, keeps_left, read_back
 from drivegen.maps.refine import refine_map
 from drivegen.store.files import whole
 from drivegen.sumo.network import read_network
@@ -143,6 +143,8 @@ def export(
         back = read_back(written, str(out))
         _tell("written", f"{out}: {there}")
         _tell("read back", f"{'the same lanes and ways' if back.holds(there) else 'not the same'}: {back}")
+        if keeps_left(network):
+            _tell("lost", "left-hand traffic: who reads the file takes its roads for right-hand ones")
     else:
         _tell("written", str(out))
 

@@ -2,7 +2,8 @@
 
 Everybody follows its trajectory by the clock. The target is the entity `Ego` and drives as it did; who puts a driver of its own
 in its place leaves out the manoeuvre group `Ego`. As the standard asks, positions are those of the rear axle, REAR_AXLE of the
-length behind the box's middle. Who comes later is added then, and who goes is deleted. Signals and stop lines are not written.
+length behind the box's middle. Who comes later is added then, and who goes is deleted a step after its last one; gaps in between
+are driven through. Signals and stop lines are not written.
 """
 
 from collections.abc import Iterator
@@ -12,8 +13,9 @@ from pathlib import Path
 import numpy as np
 from scenariogeneration import xosc
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import unit
-from drivegen.core.scenario import DT, Scenario, Trajectories, VehicleKind
+from drivegen.core.scenario import DT, SAFE_ID, Scenario, Trajectories, VehicleKind
 from drivegen.exporters._opendrive import opendrive, serialised
 from drivegen.exporters.base import About
 from drivegen.store.files import whole
@@ -40,6 +42,8 @@ class Plugin:
 
     def write(self, scenario: Scenario, motion: Trajectories, folder: Path, name: str) -> None:
         """See `base.Exporter`."""
+        if not SAFE_ID.fullmatch(name):
+            raise UnusableInput(f"{name!r} cannot name a file: use letters, digits, dots, dashes and underscores")
         for suffix, raw in ((".xodr", opendrive(scenario.map, name)), (".xosc", openscenario(scenario, motion, name))):
             with whole(folder / f"{name}{suffix}") as temporary:
                 temporary.write_bytes(raw)
@@ -104,7 +108,7 @@ def _places(track: Trajectories, kind: VehicleKind, size: np.ndarray) -> list[xo
 
 
 def _group(who: str, place: list[xosc.WorldPosition], times: np.ndarray, steps: int) -> xosc.ManeuverGroup:
-    """Who follows its trajectory: from its first step on, and gone after its last."""
+    """Who follows its trajectory: from its first step on, and gone at the one after its last, in which it may collide."""
     group, manoeuvre = xosc.ManeuverGroup(who), xosc.Maneuver(who)
     first, last = float(times[0]), float(times[-1])
     group.add_actor(who)
@@ -116,7 +120,7 @@ def _group(who: str, place: list[xosc.WorldPosition], times: np.ndarray, steps: 
         follow = xosc.FollowTrajectoryAction(trajectory, xosc.FollowingMode.position, xosc.ReferenceContext.absolute, 1, 0)
         manoeuvre.add_event(_event(f"{who} drives", follow, first))
     if last < (steps - 1) * DT - DT / 2:
-        manoeuvre.add_event(_event(f"{who} goes", xosc.DeleteEntityAction(who), last))
+        manoeuvre.add_event(_event(f"{who} goes", xosc.DeleteEntityAction(who), last + DT))
     group.add_maneuver(manoeuvre)
     return group
 

@@ -59,7 +59,7 @@ def import_map(raw: bytes, place: str, window: Window | None = None) -> BuiltMap
             raise UnusableInput(
                 f"{place} is no map: it holds <{root.tag}>; known are {formats} and Argoverse 2", reason="not-a-map"
             )
-        network = data if root.tag == "net" else _converted(data, root.tag, place)
+        network = data if root.tag == "net" else _converted(data, root, place)
     if window is not None:
         network = cut(network, place, window)
     root = parse(network, place, root="net")
@@ -87,9 +87,14 @@ def cut(network: bytes, place: str, window: Window) -> bytes:
     return made
 
 
-def _converted(data: bytes, root: str, place: str) -> bytes:
+def _converted(data: bytes, root: Element, place: str) -> bytes:
+    if any(road.get("rule") == "LHT" for road in root.iter("road")):
+        raise UnusableInput(
+            f'{place} has left-hand roads (rule="LHT"): netconvert lets every lane of theirs run the wrong way',
+            reason="left-hand",
+        )
     try:
-        if root == "OpenDRIVE":
+        if root.tag == "OpenDRIVE":
             return read_opendrive(data)
         return convert({"in.xml": data}, ["--osm-files", "in.xml", *_OSM, "-o", "out.net.xml"], "out.net.xml", _TIMEOUT)
     except NetconvertRefused as refusal:

@@ -2,7 +2,8 @@
 
 netconvert alone writes every lane that cars may not use as "restricted", whichever vehicles may, and skips such lanes and bicycle
 lanes when it reads. Here each lane is written as the kind that our maps give it ("driving", "bus", "biking": lane types of
-OpenDRIVE 1.4), and read as such. What a lane type cannot say is lost: which of lorries, taxis or trams share the lane.
+OpenDRIVE 1.4), and read as such. What a lane type cannot say is lost: which of lorries, taxis or trams share the lane. So is
+left-hand traffic: lanes lie where they did and run as they did, but netconvert has no word for the rule.
 """
 
 import re
@@ -77,6 +78,11 @@ def export_opendrive(network: bytes) -> bytes:
     made = convert({"in.net.xml": _with_plain_permissions(network)}, arguments, "out.xodr", TIMEOUT)
     made = made.replace(b'type="restricted"', b'type="bus"')  # nothing else is left that netconvert calls so
     return _DATE.sub(rb"\1\2", made)
+
+
+def keeps_left(network: bytes) -> bool:
+    """Whether a SUMO network has left-hand traffic."""
+    return parse(network, "network", root="net").get("lefthand") in ("true", "1")
 
 
 def read_opendrive(xodr: bytes) -> bytes:

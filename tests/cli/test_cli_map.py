@@ -95,6 +95,12 @@ def test_opendrive_is_written_and_read(folder, tmp_path):
     assert "OpenDRIVE" in run("import", tmp_path / "a.xodr", "--out", tmp_path / "back")
 
 
+def test_opendrive_loses_that_traffic_keeps_left_and_says_so(folder, tmp_path):
+    run("a straight road, left-hand traffic", "--out", tmp_path / "left")
+    said = [run("export", place, "--to", "opendrive", "--out", tmp_path / "a.xodr") for place in (tmp_path / "left", folder)]
+    assert ["left-hand traffic" in text for text in said] == [True, False]
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

@@ -7,6 +7,7 @@ import pytest
 from scenariogeneration import xosc
 
 from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import Polylines, unit
 from drivegen.core.safe_xml import parse
 from drivegen.core.scenario import DT
@@ -55,6 +56,31 @@ def test_everybody_is_where_it_was_when_it_is_read_back(tmp_path):
         assert np.allclose(time, steps * DT)
         assert np.hypot(*(position - log.position[n, steps]).T).max() < 0.1
         assert length == pytest.approx(scene.vehicles.size[n, 0])
+
+
+@pytest.mark.parametrize("steps", [slice(0, 1), slice(30, 31), slice(20, 61), slice(0, 100), slice(100, 101)])
+def test_who_comes_and_goes_is_there_at_its_own_steps_and_no_others(steps, tmp_path):
+    scene = busy_crossing()
+    log = replace(scene.log, valid=scene.log.valid.copy())
+    log.valid[0] = False
+    log.valid[0, steps] = True
+    plugins.load("exporters", "openscenario")().write(scene, log, tmp_path, "one")
+    root = parse((tmp_path / "one.xosc").read_bytes(), "one", root="OpenSCENARIO")
+    time = {"drives": None, "comes": -1.0 if root.find(".//Private[@entityRef='Ego']") is not None else None, "goes": np.inf}
+    for event in root.find(".//ManeuverGroup[@name='Ego']").iter("Event"):
+        time[event.get("name").split()[1]] = float(event.find(".//SimulationTimeCondition").get("value"))
+    now = np.round(np.arange(scene.steps) * DT, 1)
+    assert np.array_equal((now >= time["comes"]) & (now < time["goes"]), log.valid[0])
+
+
+@pytest.mark.parametrize("name", plugins.names("exporters"))
+@pytest.mark.parametrize("word", ["../one", "a/b", "", "x" * 240])
+def test_a_name_that_cannot_name_a_file_is_refused(name, word, tmp_path):
+    scene = busy_crossing()
+    (tmp_path / "in").mkdir()
+    with pytest.raises(UnusableInput, match="cannot name"):
+        plugins.load("exporters", name)().write(scene, scene.log, tmp_path / "in", word)
+    assert [file.name for file in tmp_path.rglob("*")] == ["in"]
 
 
 def test_netconvert_reads_the_road_with_all_its_ways(tmp_path):

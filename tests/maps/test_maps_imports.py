@@ -73,6 +73,13 @@ def test_a_map_goes_out_as_opendrive_and_comes_back(grid: bytes) -> None:
     assert import_map(first, "grid.xodr").structure.junctions == 9
 
 
+def test_opendrive_with_left_hand_roads_is_refused(grid: bytes) -> None:
+    left = export_opendrive(grid).replace(b"<road ", b'<road rule="LHT" ')
+    with pytest.raises(UnusableInput, match="has left-hand roads") as refused:
+        import_map(left, "grid.xodr")
+    assert refused.value.reason == "left-hand"
+
+
 def test_an_imported_map_is_saved_with_its_picture(grid: bytes, tmp_path: Path) -> None:
     import_map(grid, "grid.net.xml", Window(120.0)).save(tmp_path)
     assert {file.name for file in tmp_path.iterdir()} == {"map.net.xml", "map.json", "map.png"}
