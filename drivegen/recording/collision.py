@@ -22,9 +22,10 @@ from drivegen.recording.roads import log_roads, log_signals, surroundings, times
 from drivegen.store.collisions import Where
 
 _LEGEND = """**Orange**: the target as the driver drove it; its run ends at the impact. **Orange frame**: as it was planned.
-**Red**: the vehicle that it met. **Blue**: the others. **Ball**: where and when they met.
+{met} **Blue**: the others. **Ball**: where and when they met.
 
 {words}"""
+_VEHICLE, _PERSON = "**Red**: the vehicle that it met.", "**Green**: people and cyclists, one of whom it met."
 
 
 def record_collision(
@@ -45,7 +46,8 @@ def record_collision(
         whole_plan = Trajectories.joined([target_planned, traffic_planned[TARGET + 1 :]])
         traffic.log_speeds(recording, scenario, {"driven": motion, "planned": whole_plan})
         _log_impact(recording, Trajectories.joined([motion, scenario.context.motion]), where.partner, where.step)
-        recording.log("legend", rr.TextDocument(_LEGEND.format(words=words), media_type="text/markdown"), static=True)
+        met = _VEHICLE if where.partner < len(scenario.vehicles) else _PERSON
+        recording.log("legend", rr.TextDocument(_LEGEND.format(met=met, words=words), media_type="text/markdown"), static=True)
 
 
 def _log_vehicles(recording: rr.RecordingStream, scenario: Scenario, motion: Trajectories, partner: int) -> None:

@@ -22,6 +22,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from uuid import uuid4
 
 import numpy as np
 import rerun as rr
@@ -123,9 +124,10 @@ def _legend(motions: list[str]) -> str:
 def recording_of(path: Path, name: str, show: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
     """A stream called `name` and laid out as `show`, kept in memory, written to `path` in one piece when the block ends well.
 
+    Its identity is its own: the viewer makes one recording of all that share one, as files of the same name would.
     Rerun's own file sink is not used: its writer thread dies on a full disk, and flushing it may then wait for ever.
     """
-    recording = rr.RecordingStream("drivegen", recording_id=path.stem, send_properties=False)
+    recording = rr.RecordingStream("drivegen", recording_id=str(uuid4()), send_properties=False)
     memory = recording.memory_recording()
     recording.send_recording_name(name)
     recording.send_blueprint(show)

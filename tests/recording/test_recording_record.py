@@ -9,7 +9,7 @@ import rerun as rr
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Violation
-from drivegen.core.scenario import TARGET, Actors, Trajectories
+from drivegen.core.scenario import TARGET, Actors, Trajectories, VehicleKind
 from drivegen.core.signals import Signals, SignalState
 from drivegen.recording import GoalMarks, record_scenario
 from drivegen.recording.collision import record_collision
@@ -35,6 +35,8 @@ def read(path: Path) -> dict[str, dict[str, list]]:
                 rows.extend(batch.column("step").to_pylist())
         entity.setdefault("times", []).extend(chunk.timeline_names)
         entity.setdefault("static", []).append(chunk.is_static)
+    for entity in found.values():
+        entity["static"].sort()  # chunks come in any order
     return found
 
 
@@ -140,6 +142,20 @@ def test_a_collision_marks_the_impact_and_says_who_drove(tmp_path):
     assert len(boxes[30]) == len(boxes[31]) + 1  # the driven target is gone after the impact
 
 
+def test_a_collision_with_a_person_has_nobody_red(tmp_path):
+    scene = busy_crossing()
+    size = np.float32([[0.5, 0.5, 1.8]])
+    scene = replace(scene, context=Actors(np.array(["walker"]), np.uint8([VehicleKind.PEDESTRIAN]), size, scene.log[3:4]))
+    samples = noisy_samples(scene)
+    for name, partner in (("car", 3), ("person", len(scene.vehicles))):
+        where = Where(scene.scenario_id, "", 0, partner, 30)
+        record_collision(tmp_path / f"{name}.rrd", scene, samples, samples.motion[:, TARGET], where, "hit", "")
+    legends = {name: read(tmp_path / f"{name}.rrd")["/legend"]["TextDocument:text"][0][0] for name in ("car", "person")}
+    assert "**Red**" in legends["car"]
+    assert "**Red**" not in legends["person"]
+    assert "**Green**: people and cyclists, one of whom it met" in legends["person"]
+
+
 def test_drivers_share_a_scene_and_those_that_collide_are_marked(tmp_path):
     scene = busy_crossing()
     careful, hasty = noisy_samples(scene).motion[:2, TARGET]
@@ -165,6 +181,14 @@ def test_the_layout_is_inside_and_the_file_is_light(recorded):
     assert len(list(rr.chunk.RrdReader(path).blueprints())) == 1
     assert path.stat().st_size < 300_000
     assert [file.name for file in path.parent.iterdir()] == ["scene.rrd"]
+
+
+def test_the_viewer_keeps_files_of_one_name_apart(tmp_path):
+    paths = [tmp_path / kind / "recording.rrd" for kind in ("cut-in", "standing")]
+    for path in paths:
+        record_scenario(path, busy_crossing())
+    identities = {one.recording_id for path in paths for one in rr.chunk.RrdReader(path).recordings()}
+    assert len(identities) == 2
 
 
 def test_two_recordings_of_one_scene_have_the_same_content(recorded, tmp_path):
