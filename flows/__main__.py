@@ -32,7 +32,7 @@ def main(argv: list[str]) -> int:
         imports = partial(import_module, f"flows.{arguments.flow}")
         with _stoppable(), attended.stopping_work(), server.local_server(meanwhile=imports):
             state = _run(arguments)
-    except RuntimeError as error:
+    except (RuntimeError, OSError) as error:
         print(f"flows: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt as stop:
@@ -81,46 +81,27 @@ def _parser() -> argparse.ArgumentParser:
     corpus.add_argument("size", help="its name in flows/sizes.yaml")
     flows.add_parser("gate", help="whether the new driver of stages/params.yaml, `gate`, is worse than the old one: exit code 1")
     tables = flows.add_parser("tables", help="the published tables: all data sets, several training seeds")
-    real = Path(os.environ.get("DRIVEGEN_REAL_DATA", "../shared/data"))
-    about_real = "folder of real recordings (flows/tables.yaml says which of its folders); what is not there is left out"
-    corpus.add_argument(
-        "--real", type=Path, default=real, help="folder of real data, with networks; those not there are left out"
-    )
-    tables.add_argument("--real", type=Path, default=real, help=about_real)
-    tables.add_argument(
-        "--part",
-        choices=PARTS,
-        default=QUALITY,
-        help="quality: scenarios of all methods; maps: single pieces; drivers: tables of them; corner: corner cases",
-    )
+    real = os.environ.get("DRIVEGEN_REAL_DATA") or Path("../shared/data")  # a word is checked as one that was typed
+    for flow in (corpus, tables):
+        about_real = "folder of real data; what it lacks is left out (flows/tables.yaml and flows/sizes.yaml say which folders)"
+        flow.add_argument("--real", type=_folder, default=real, help=about_real)
+    about_parts = "quality: scenarios of all methods; maps: single pieces; drivers: tables of them; corner: corner cases; "
+    tables.add_argument("--part", choices=PARTS, default=QUALITY, help=about_parts + "rates: how often drivers fail")
     return parser
 
 
+def _folder(word: str) -> Path:
+    """An option's folder: one that was named and is not there must not look like one that was left out."""
+    if not Path(word).is_dir():
+        raise argparse.ArgumentTypeError(f"{word} is no folder")
+    return Path(word)
+
+
 def _run(arguments: argparse.Namespace) -> Any:
-    """The final state of the flow. Flows are imported here because Prefect reads its settings on import."""
-    if arguments.flow == "experiment":
-        from flows.experiment import experiment
-
-        return experiment(return_state=True)
-    if arguments.flow == "regenerate":
-        from flows.regenerate import regenerate
-
-        return regenerate(version=arguments.version, seed=arguments.seed, return_state=True)
-    if arguments.flow == "corpus":
-        from flows.corpus import corpus
-
-        return corpus(size=arguments.size, real=arguments.real, return_state=True)
-    if arguments.flow == "gate":
-        from flows.gate import gate
-
-        return gate(return_state=True)
-    if arguments.flow == "tables":
-        from flows.tables import tables
-
-        return tables(real=arguments.real, part=arguments.part, return_state=True)
-    from flows.iterate import iterate
-
-    return iterate(min_gain=arguments.min_gain, return_state=True)
+    """The final state of the flow. It is imported here because Prefect reads its settings on import."""
+    options = {name: value for name, value in vars(arguments).items() if name != "flow"}
+    flow = getattr(import_module(f"flows.{arguments.flow}"), arguments.flow)
+    return flow(**options, return_state=True)
 
 
 if __name__ == "__main__":

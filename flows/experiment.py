@@ -9,43 +9,26 @@ from pathlib import Path
 from typing import Any
 from uuid import UUID
 
-from prefect import flow, get_run_logger, task
+from prefect import flow, get_run_logger
 from prefect.artifacts import create_progress_artifact, create_table_artifact, update_progress_artifact
-from prefect.cache_policies import NO_CACHE
 from prefect.client.schemas.objects import State
 from prefect.futures import PrefectFuture, as_completed
 from prefect.states import Completed, Failed
 from prefect.task_runners import ThreadPoolTaskRunner
 
 from flows import pipeline
+from flows.bring_up import bring_up, by_a_sentence
 
 RUNNER: ThreadPoolTaskRunner[Any] = ThreadPoolTaskRunner(max_workers=2)
 """Two stages at once; each may itself use `run.workers` processes."""
 
 
-@task(cache_policy=NO_CACHE, task_run_name="{stage}")
-def run_stage(stage: str, root: Path = Path()) -> State[float]:
-    """One stage of the workspace `root`, its lines in the log; the state is called Cached if its inputs came out unchanged.
-
-    The result is seconds.
-    """
-    began = time.monotonic()
-    try:
-        ran = pipeline.reproduce(stage, get_run_logger().info, root)
-    except pipeline.StageFailed as error:
-        return Failed(message=str(error))
-    seconds = time.monotonic() - began
-    return Completed(data=seconds) if ran else Completed(name="Cached", data=seconds)
-
-
 @flow(name="experiment", task_runner=RUNNER)  # type: ignore[arg-type]  # Prefect's own generics disagree
+@by_a_sentence
 def experiment() -> State[list[dict[str, str]]]:
     """Bring every stage of dvc.yaml up to date; records one row a stage. Fails, naming them, if stages do."""
     began = time.monotonic()
-    try:
-        plan = pipeline.read()
-    except pipeline.StageFailed as error:
-        return Failed(message=str(error))
+    plan = pipeline.read()
     get_run_logger().info(
         "%d stages, %d to run (asked DVC in %.1f s)", len(plan.needs), len(plan.stale), time.monotonic() - began
     )
@@ -65,7 +48,7 @@ def submit(plan: pipeline.Pipeline, stages: Collection[str], root: Path = Path()
     for stage in plan.needs:
         if stage in stages:
             behind = [futures[name] for name in plan.needs[stage] if name in futures]
-            futures[stage] = run_stage.submit(stage, root, wait_for=behind, return_state=False)
+            futures[stage] = bring_up.submit(stage, root, wait_for=behind, return_state=False)
     return futures
 
 

@@ -8,8 +8,8 @@ from prefect import State, flow, get_run_logger
 from prefect.artifacts import create_table_artifact
 from prefect.states import Completed, Failed
 
-from flows import pipeline
-from flows.bring_up import bring_up
+from flows import FlowFailed, pipeline
+from flows.bring_up import bring_up, by_a_sentence
 
 STAGE = f"{pipeline.MEASURES}:gate"
 WORSE = "worse"
@@ -17,11 +17,12 @@ WORSE = "worse"
 
 
 @flow(name="gate")
+@by_a_sentence
 def gate() -> State:
-    """Completed or, where the new driver is worse, failed, with what is said of it. Raises StageFailed where a stage fails."""
+    """Completed or, where the new driver is worse, failed, with what is said of it."""
     plan = pipeline.read(measures=True)
     if STAGE not in plan.needs:
-        raise pipeline.StageFailed(f"{pipeline.MEASURES} has no stage gate")
+        raise FlowFailed(f"{pipeline.MEASURES} has no stage gate")
     for stage in plan.up_to(STAGE):
         if stage in plan.stale:
             bring_up(stage)

@@ -7,8 +7,8 @@ are cached like any stage; only whether to go on is decided here.
 from prefect import flow, get_run_logger
 from prefect.artifacts import create_table_artifact
 
-from flows import pipeline
-from flows.bring_up import bring_up
+from flows import FlowFailed, pipeline
+from flows.bring_up import bring_up, by_a_sentence
 
 ROUNDS = "corner@"
 GAIN = "collision"
@@ -16,12 +16,13 @@ GAIN = "collision"
 
 
 @flow(name="iterate")
+@by_a_sentence
 def iterate(min_gain: float = 0.0) -> list[float]:
     """The collision rate of each round that was run; a round follows only if the last raised it by more than `min_gain`."""
     plan = pipeline.read()
     rounds = [stage for stage in plan.needs if stage.startswith(ROUNDS)]
     if not rounds:
-        raise pipeline.StageFailed(f"dvc.yaml has no stage {ROUNDS}0: list rounds in params.yaml")
+        raise FlowFailed(f"dvc.yaml has no stage {ROUNDS}0: list rounds in params.yaml")
     rates: list[float] = []
     done: set[str] = set()
     for stage in rounds:

@@ -21,10 +21,12 @@ from typing import Any
 
 import networkx as nx
 import yaml
+from dvc.exceptions import DvcException
 from dvc.lock import LockError
 from dvc.repo import Repo
+from dvc.scm import SCMError
 
-from flows import attended
+from flows import FlowFailed, attended
 from flows.mending import is_whole, mend
 
 MEASURES = "stages/dvc.yaml"
@@ -32,6 +34,7 @@ MEASURES = "stages/dvc.yaml"
 
 _LOG = logging.getLogger("flows")
 _BUSY = ("is busy", "Unable to acquire lock")
+_IN_USE = "another run has files in use, wait for it or end it"
 _UNCHANGED = ("didn't change, skipping", "is cached - skipping run")
 _HINTS = ("To track the changes with git", "git add ", "To enable auto staging", "Use `dvc push`", "dvc config core.autostage")
 _TRIES = 60
@@ -39,7 +42,7 @@ _TRIES = 60
 before it was refused, and is then asked for what it has made."""
 
 
-class StageFailed(RuntimeError):
+class StageFailed(FlowFailed):
     """A stage ended with an error; its last lines say why."""
 
 
@@ -74,7 +77,7 @@ class Pipeline:
 def read(root: Path = Path(), measures: bool = False) -> Pipeline:
     """Read dvc.yaml, and `MEASURES` if wanted, and compare them with the workspace: half a second when nothing changed.
 
-    Raises StageFailed where another run has files in use and goes on having them.
+    Raises FlowFailed where another run has files in use and goes on having them, and where DVC can't read what it has to.
     """
     with _repo(root) as repo:
         graph = repo.index.graph  # an edge (a, b) means that a depends on b
@@ -95,24 +98,25 @@ def _status(repo: Repo) -> Any:
         except LockError as error:
             busy = " ".join(str(error).split("\n\n")[0].split())
             time.sleep(0.5)
-    raise StageFailed(f"another run has files in use, wait for it or end it: {busy}")
+    raise FlowFailed(f"{_IN_USE}: {busy}")
 
 
 def reproduce(stage: str, say: Callable[[str], None], root: Path = Path(), force: bool = False) -> bool:
     """Run `dvc repro --single-item STAGE`, hand each line of output to `say`; True if it ran, False if DVC skipped it.
 
-    Raises StageFailed when it ends with an error.
+    Raises StageFailed when it ends with an error, and where another run has its files in use and goes on having them.
     """
     command = [sys.executable, "-m", "dvc", "--wait-for-lock", "repro", "--single-item", *(["--force"] if force else []), stage]
-    for tried in range(_TRIES):
+    for _ in range(_TRIES):
         code, lines = _run(command, root, say)
         text = "\n".join(lines)
         if code == 0:
             return not any(words in text for words in _UNCHANGED)
-        if not any(words in text for words in _BUSY) or tried + 1 == _TRIES:
+        if not any(words in text for words in _BUSY):
             raise StageFailed(f"stage {stage} failed: {_reason(lines)}")
         time.sleep(0.5)
-    raise AssertionError("the last try returns or raises")
+    by = " ".join(line.strip() for line in lines if line.lstrip().startswith("(PID"))
+    raise StageFailed(f"stage {stage} did not run: {_IN_USE}: {by or _reason(lines)}")
 
 
 def run_door(stage: str, paths: list[Path], say: Callable[[str], None]) -> None:
@@ -196,12 +200,21 @@ def locked(root: Path) -> dict[str, Any]:
 
 @contextmanager
 def _repo(root: Path) -> Iterator[Repo]:
-    """The workspace as DVC sees it, mended, waiting for its lock: another run may be looking just now."""
-    with Repo(str(root), _wait_for_lock=True) as repo:
-        with repo.lock:
-            for sentence in mend(root, Path(repo.tmp_dir)):
-                _LOG.warning(sentence)
-        yield repo
+    """The workspace as DVC sees it, mended, waiting for its lock: another run may be looking just now.
+
+    Raises FlowFailed, with its words, for whatever DVC refuses.
+    """
+    try:
+        with Repo(str(root), _wait_for_lock=True) as repo:
+            with repo.lock:
+                for sentence in mend(root, Path(repo.tmp_dir)):
+                    _LOG.warning(sentence)
+            yield repo
+    except SCMError as error:
+        raise FlowFailed(f"{error}, which DVC needs: clone DriveGen, or `git init` what was downloaded") from None
+    except DvcException as error:
+        words = f"{error}: {error.__cause__}" if error.__cause__ else str(error)
+        raise FlowFailed(f"DVC: {' '.join(words.split())}") from None
 
 
 def _find(repo: Repo, stage: str) -> Any:

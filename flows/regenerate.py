@@ -12,12 +12,11 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from prefect import flow, task
+from prefect import flow
 from prefect.artifacts import create_table_artifact
-from prefect.cache_policies import NO_CACHE
 
-from flows import pipeline, workspace
-from flows.bring_up import bring_up
+from flows import FlowFailed, pipeline, workspace
+from flows.bring_up import bring_up, by_a_sentence
 
 STAGES = ("maps", "place", "ship")
 """Those that make new scenarios, in running order."""
@@ -27,27 +26,29 @@ _ROOM = Path(".drivegen/regenerate")
 
 
 @flow(name="regenerate")
+@by_a_sentence
 def regenerate(version: str | None = None, seed: int | None = None) -> str:
     """Generate and publish one version; returns its folder. By default it is named by the day and seeded by its name."""
     version = version or datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
     seed = seed if seed is not None else seed_of(version)
-    target = PUBLISHED / version
-    if target.exists():
-        raise FileExistsError(f"{target} exists and versions are never overwritten: give another name")
-    room = _ROOM / version
-    shutil.rmtree(room, ignore_errors=True)
-    workspace.duplicate(Path(), room, {"run.seed": seed})
-    prepare(room)
-    for stage in STAGES:
-        bring_up(stage, room)
-    manifest = publish(room, target, version, seed)
-    shutil.rmtree(room)
+    if Path(version).name != version or version == "..":  # its workspace, of the same name, is deleted first
+        raise FlowFailed(f"{version!r} is no name for a folder: give one without /")
+    target, room = PUBLISHED / version, _ROOM / version
+    with workspace.alone(f"regenerate-{version}"):
+        if target.exists():
+            raise FlowFailed(f"{target} exists and versions are never overwritten: give another name")
+        shutil.rmtree(room, ignore_errors=True)
+        workspace.duplicate(Path(), room, {"run.seed": seed})
+        prepare(room)
+        for stage in STAGES:
+            bring_up(stage, room)
+        manifest = publish(room, target, version, seed)
+        shutil.rmtree(room)
     files = [{"file": name, "sha256": digest} for name, digest in manifest["files"].items()]
     create_table_artifact(files, key="version", description=f"{target}, seed {seed}")
     return str(target)
 
 
-@task(cache_policy=NO_CACHE)
 def prepare(room: Path) -> None:
     """Fetch from the cache what the generation stages read and do not make themselves."""
     outputs = {path for stage in STAGES for path in pipeline.outputs(stage, room)}
@@ -55,7 +56,6 @@ def prepare(room: Path) -> None:
     pipeline.checkout(sorted(needed), room)
 
 
-@task(cache_policy=NO_CACHE)
 def publish(room: Path, target: Path, version: str, seed: int) -> dict[str, Any]:
     """Move the outputs out of `room` and put the version in place as a whole; returns its manifest."""
     waiting = room / "published"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
+from flows.workspace import read_yaml
 
 ROOMS = Path(".drivegen/tables")
 
@@ -92,7 +92,7 @@ def _data_sets(publish: dict[str, Any], real: Path) -> Iterator[tuple[str, dict[
 
 def _opened(section: Any) -> dict[str, Any]:
     """The values of a section of params.yaml, for which the name of a file may stand."""
-    values: dict[str, Any] = yaml.safe_load(Path(section).read_text()) if isinstance(section, str) else section
+    values: dict[str, Any] = read_yaml(Path(section)) if isinstance(section, str) else section
     return values
 
 

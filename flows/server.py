@@ -43,6 +43,8 @@ def local_server(home: Path = HOME, meanwhile: Callable[[], object] = lambda: No
         meanwhile()
         yield url
         return
+    others = os.environ.get("no_proxy") or os.environ.get("NO_PROXY")
+    os.environ["no_proxy"] = f"{others},127.0.0.1" if others else "127.0.0.1"  # a proxy does not reach our own server
     home.mkdir(parents=True, exist_ok=True)
     port = _free_port()
     url = f"http://127.0.0.1:{port}/api"

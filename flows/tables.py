@@ -9,12 +9,12 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-import yaml
 from prefect import flow, get_run_logger
 from prefect.artifacts import create_table_artifact
 from prefect.states import Completed, Failed
 
 from flows import pipeline, workspace
+from flows.bring_up import by_a_sentence
 from flows.experiment import RUNNER, submit
 from flows.provenance import Times, note_code
 from flows.rooms import DOORS, MEASURED, QUALITY, ROOMS, Room, rooms
@@ -23,20 +23,22 @@ PUBLISHED = Path("reports/published")
 
 
 @flow(name="tables", task_runner=RUNNER)  # type: ignore[arg-type]  # Prefect's own generics disagree
+@by_a_sentence
 def tables(real: Path, part: str = QUALITY) -> Any:
     """Run every room of a part and pool them into reports/published; `real` is the folder of real recordings."""
     rows: list[dict[str, str]] = []
     done: list[Room] = []
-    for room in rooms(part, yaml.safe_load(Path("params.yaml").read_text()), real.resolve()):
-        rows.append({"run": room.name, "why": _bring_up(room, done)})
-        done.append(room)
-        if rows[-1]["why"]:
-            break
-    create_table_artifact(rows, key="tables", description="Runs behind the published tables")
-    if failed := [f"{row['run']}: {row['why']}" for row in rows if row["why"]]:
-        return Failed(message="; ".join(failed))
-    door, finished = DOORS[part]
-    pipeline.run_door(door, [finished, PUBLISHED], get_run_logger().info)
+    with workspace.alone(f"tables-{part}"):
+        for room in rooms(part, workspace.read_yaml(Path("params.yaml")), real.resolve()):
+            rows.append({"run": room.name, "why": _bring_up(room, done)})
+            done.append(room)
+            if rows[-1]["why"]:
+                break
+        create_table_artifact(rows, key="tables", description="Runs behind the published tables")
+        if failed := [f"{row['run']}: {row['why']}" for row in rows if row["why"]]:
+            return Failed(message="; ".join(failed))
+        door, finished = DOORS[part]
+        pipeline.run_door(door, [finished, PUBLISHED], get_run_logger().info)
     return Completed(message=f"{PUBLISHED} from {len(rows)} runs")
 
 
@@ -71,8 +73,10 @@ def _bring_up(room: Room, done: list[Room]) -> str:
     pipeline.forget_all_but(needed, root)
     get_run_logger().info("%s: %d stages, %d to run", room.name, len(needed), len(stale))
     futures = submit(plan, stale, root)
-    for future in futures.values():
-        future.wait()
-    times.put_back(root)
+    try:
+        for future in futures.values():
+            future.wait()
+    finally:  # also of a run that is stopped: what it has made is not timed again either
+        times.put_back(root)
     ended = [future.state for future in futures.values() if not future.state.is_completed()]
     return "; ".join(str(state.message) for state in ended if not state.is_pending())  # those behind a failed one wait for ever

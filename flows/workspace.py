@@ -4,13 +4,17 @@ What runs there cannot disturb this workspace or its dvc.lock, and nothing that 
 """
 
 import copy
+import fcntl
 import shutil
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import yaml
+
+from flows import FlowFailed
 
 PARAMS = ("params.yaml", "stages/params.yaml")
 """What one would change of the pipeline, and of the stages that only measure us."""
@@ -19,12 +23,30 @@ LIKE = "like"
 """Beside this name stands the section whose values hold where no others are said: one more may be said."""
 
 
+_LOCKS = Path(".drivegen/locks")
+
+
+@contextmanager
+def alone(what: str) -> Iterator[None]:
+    """Nobody else does `what` in this folder meanwhile: workspaces are deleted first. Raises FlowFailed where somebody does.
+
+    The lock is the system's, so who is killed holds it no more.
+    """
+    _LOCKS.mkdir(parents=True, exist_ok=True)
+    with (_LOCKS / what).open("w") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise FlowFailed(f"another run is at work on {what} in this folder: wait for it or end it") from None
+        yield
+
+
 def duplicate(source: Path, target: Path, params: Mapping[str, Any], cache: Path | None = None) -> None:
     """Copy the files that git knows or does not ignore to the new folder `target`, with `params` over those of `PARAMS`,
     and what has been compiled of them.
 
-    DVC keeps its files in `cache`, by default that of `source`. Raises FileExistsError if `target` exists, KeyError for a
-    parameter that there is not.
+    DVC keeps its files in `cache`, by default that of `source`. Raises FileExistsError if `target` exists, FlowFailed for a
+    parameter that there is not and where git knows no files.
     """
     target.mkdir(parents=True)
     for name in _files(source):
@@ -53,11 +75,20 @@ def override(root: Path, params: Mapping[str, Any]) -> None:
     """Write `params` over those of the workspace `root`, each into the file that has its section."""
     left = dict(params)
     for file in [root / name for name in PARAMS if (root / name).exists()]:
-        values = yaml.safe_load(file.read_text())
+        values = read_yaml(file)
         own = {name: left.pop(name) for name in params if name.split(".")[0] in values}
         file.write_text(yaml.safe_dump(overridden(values, own), sort_keys=False))
     if left:
-        raise KeyError(f"{' and '.join(PARAMS)} have no section for {min(left)!r}")
+        raise FlowFailed(f"{' and '.join(PARAMS)} have no section for {min(left)!r}")
+
+
+def read_yaml(file: Path) -> dict[str, Any]:
+    """The names and values of a YAML file. Raises FlowFailed where it is none."""
+    try:
+        values: dict[str, Any] = yaml.safe_load(file.read_text())
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise FlowFailed(f"{file} is not YAML: {' '.join(str(error).split())}") from None
+    return values
 
 
 def overridden(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
@@ -66,7 +97,7 @@ def overridden(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, 
     >>> overridden({"run": {"seed": 7, "workers": 2}}, {"run.seed": 8})
     {'run': {'seed': 8, 'workers': 2}}
 
-    Raises KeyError for a name that `values` does not have.
+    Raises FlowFailed for a name that `values` does not have.
     """
     result = copy.deepcopy(dict(values))
     for name, value in over.items():
@@ -77,7 +108,7 @@ def overridden(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, 
             place = place.setdefault(word, {}) if free else place[word]
             free |= LIKE in place
         if last not in place and not free:
-            raise KeyError(f"the parameters have no {name!r} to replace")
+            raise FlowFailed(f"the parameters have no {name!r} to replace")
         place[last] = value
     return result
 
@@ -86,6 +117,8 @@ def _files(source: Path) -> list[str]:
     """Tracked files, and new ones that nothing ignores; those deleted but still tracked are left out."""
     listed = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        cwd=source, capture_output=True, text=True, timeout=60, check=True,
-    ).stdout  # fmt: skip
-    return [name for name in sorted(set(listed.split("\0"))) if name and (source / name).is_file()]
+        cwd=source, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    if listed.returncode:
+        raise FlowFailed(f"git does not know the files of {source.resolve()}: {' '.join(listed.stderr.split())}")
+    return [name for name in sorted(set(listed.stdout.split("\0"))) if name and (source / name).is_file()]

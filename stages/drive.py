@@ -50,12 +50,13 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
     *generated, runs, results, summary = paths
     name = results.stem
     driver: Driver = plugins.make("drivers", name, params.drivers, "drive.drivers")
+    settings = {**asdict(params), "drivers": {name: params.drivers[name]}}  # what others drive by does not change its runs
     tables, through_logs = [], list[Samples]()
     numbers: dict[str, float] = {}
     for folder in (None, *generated):
         method = folder.name if folder else LOG
         inputs = [scenarios, folder] if folder else [scenarios]
-        run = Run.of("drive", name, asdict(params), inputs, method=method, driver=name, backend=SIMULATOR)
+        run = Run.of("drive", name, settings, inputs, method=method, driver=name, backend=SIMULATOR)
         for kind, drives in _drive_all(driver, scenarios, folder, params, f"drive {name} {method}").items():
             metrics = drives.per_scenario()
             ids, sample, each = drives.per_run()

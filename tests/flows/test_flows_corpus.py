@@ -7,6 +7,7 @@ import yaml
 
 from drivegen.core.settings import build
 from drivegen.layouts.corpus import SPLITS, Networks
+from flows import FlowFailed
 from flows.corpus import SIZES, overrides
 from flows.workspace import overridden
 
@@ -53,5 +54,5 @@ def test_tuned_drivers_are_tested_on_seven_networks_of_our_own_that_the_default_
 
 
 def test_a_size_that_is_not_there_is_told_of(tmp_path: Path) -> None:
-    with pytest.raises(KeyError, match="driving"):
+    with pytest.raises(FlowFailed, match="driving"):
         overrides("huge", tmp_path)

@@ -12,7 +12,7 @@ import pytest
 import yaml
 from dvc.repo import Repo
 
-from flows import pipeline, workspace
+from flows import FlowFailed, pipeline, workspace
 from tests.flows import toy
 
 
@@ -139,7 +139,7 @@ def test_overrides_replace_values_and_refuse_unknown_names():
     over = {"run.seed": 8, "rounds": [3]}
     assert workspace.overridden(values, over) == {"run": {"seed": 8, "workers": 2}, "rounds": [3]}
     assert values["run"]["seed"] == 7
-    with pytest.raises(KeyError, match=r"run\.speed"):
+    with pytest.raises(FlowFailed, match=r"run\.speed"):
         workspace.overridden(values, {"run.speed": 1})
 
 
@@ -160,7 +160,7 @@ def test_an_override_is_written_into_the_file_that_has_its_section(tmp_path: Pat
         {"run": {"seed": 8}},
         {"rank": {"samples": 2}},
     ]
-    with pytest.raises(KeyError, match=r"no section for 'tune\.seeds'"):
+    with pytest.raises(FlowFailed, match=r"no section for 'tune\.seeds'"):
         workspace.override(tmp_path, {"tune.seeds": [1]})
 
 
@@ -232,7 +232,7 @@ def test_files_in_use_by_a_run_that_goes_on_are_waited_for_and_then_named(done, 
     monkeypatch.setattr(pipeline, "_TRIES", 2)
     with subprocess.Popen([sys.executable, "-c", "input()", "repro", "maps"], stdin=subprocess.PIPE) as other:
         in_use(done, other.pid, "dvc repro maps")
-        with pytest.raises(pipeline.StageFailed, match=rf"another run has files in use.*PID {other.pid}\): dvc repro maps$"):
+        with pytest.raises(FlowFailed, match=rf"another run has files in use.*PID {other.pid}\): dvc repro maps$"):
             pipeline.read()
         threading.Timer(0.7, other.communicate, [b"\n"]).start()
         monkeypatch.setattr(pipeline, "_TRIES", 40)

@@ -1,12 +1,17 @@
 """Of which code a run is, and which times survive when its workspace is made anew."""
 
 import json
+import logging
 import subprocess
 from pathlib import Path
+from unittest.mock import Mock
 
+import pytest
 import yaml
 
+from flows import pipeline, tables
 from flows.provenance import CODE, COSTS, Times, note_code
+from flows.rooms import ROOMS, Room
 from tests.flows import toy
 
 
@@ -42,6 +47,24 @@ def test_times_stay_of_stages_that_are_as_they_were(tmp_path: Path) -> None:
 def test_where_there_was_no_workspace_nothing_is_put_back(tmp_path: Path) -> None:
     Times.of(tmp_path / "nowhere").put_back(tmp_path)
     assert not (tmp_path / COSTS).exists()
+
+
+def test_times_stay_of_a_run_that_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(toy.build_tables(tmp_path))
+    room = Room("toy/7-7", {}, ("evaluate",))
+
+    def stopped(_plan: object, _stages: object, root: Path) -> dict[str, Mock]:
+        pipeline.reproduce("ingest", lambda _: None, root)
+        return {"evaluate@log": Mock(wait=Mock(side_effect=KeyboardInterrupt))}
+
+    monkeypatch.setattr(tables, "submit", stopped)
+    monkeypatch.setattr(tables, "get_run_logger", logging.getLogger)
+    with pytest.raises(KeyboardInterrupt):
+        tables._bring_up(room, [])
+    file = cost(ROOMS / room.name, "ingest", "an hour")  # as the stage itself would leave it
+    with pytest.raises(KeyboardInterrupt):
+        tables._bring_up(room, [])
+    assert file.read_text() == "an hour"
 
 
 def test_a_run_knows_its_commit_and_whether_what_makes_runs_differs_from_it(tmp_path: Path) -> None:

@@ -71,7 +71,7 @@ def test_what_the_runs_of_a_part_replace_is_there(part: str, real: bool, tmp_pat
     assert len({room.name for room in runs}) == len(runs) > 0
     every = {name: value for file in PARAMS for name, value in yaml.safe_load((ROOT / file).read_text()).items()}
     for room in runs:
-        replaced = overridden(every, room.params)  # raises KeyError for a name that is not there
+        replaced = overridden(every, room.params)  # raises FlowFailed for a name that is not there
         assert {name: valued(replaced, name) for name in room.params} == room.params
 
 

@@ -156,3 +156,10 @@ def test_calibrate_needs_train_logs(tmp_path):
     with pytest.raises(UnusableInput, match="no scenario to calibrate"):
         calibrate.main(calibrate.Params(1, 0.99, LIMITS), tmp_path, tmp_path / "limits.json", tmp_path / "rates.json")
     assert not (tmp_path / "limits.json").exists()
+
+
+def test_what_other_drivers_are_told_changes_no_byte_of_a_driver_s_results(made, params):
+    others = {**params.drivers, "gail": {**params.drivers["gail"], "sees_rules": False}}
+    before, _ = driven(made, "as-it-is", params)
+    after, _ = driven(made, "others", replace(params, drivers=others))
+    assert after.read_bytes() == before.read_bytes()
