@@ -105,6 +105,7 @@ def bring(
     built = import_map(file.read_bytes(), str(file), window)
     built.save(out)
     _tell("read", f"{built.account['source']}: {_counts(built)}; {Extent.of(built.road_map)}")
+    _tell("assumed", *built.account["assumed"])
     _tell_written(out)
 
 

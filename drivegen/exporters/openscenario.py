@@ -2,8 +2,8 @@
 
 Everybody follows its trajectory by the clock. The target is the entity `Ego` and drives as it did; who puts a driver of its own
 in its place leaves out the manoeuvre group `Ego`. As the standard asks, positions are those of the rear axle, REAR_AXLE of the
-length behind the box's middle. Who comes later is added then, and who goes is deleted a step after its last one; gaps in between
-are driven through. Signals and stop lines are not written.
+length behind the box's middle. Who comes later is added then, and who goes is deleted a step after its last one; gaps, in which
+nobody saw it, are driven through. Signals and stop lines are not written.
 """
 
 from collections.abc import Iterator

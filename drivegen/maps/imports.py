@@ -27,6 +27,11 @@ _OSM = (
     *_CAR,
 )
 _SOURCES = {"net": "SUMO network", "osm": "OpenStreetMap", "OpenDRIVE": "OpenDRIVE"}
+_ASSUMED = {
+    "OpenStreetMap": "right-hand traffic; limits and lanes by the kind of road where no tag gives them",
+    "OpenDRIVE": "50 km/h where the file gives no limit",
+    "Argoverse 2": "50 km/h where the file gives no limit; nobody has the right of way",
+}
 _TIMEOUT = 300.0
 
 
@@ -65,7 +70,8 @@ def import_map(raw: bytes, place: str, window: Window | None = None) -> BuiltMap
     root = parse(network, place, root="net")
     road_map, structure = Network.of(root, place).map, measure(root, place)
     account: dict[str, Any] = {"text": f"{source}: {place}", "backend": "import", "source": source, "structure": structure}
-    account |= {"window": window, "understood": [], "ignored": [], "assumed": [], "failed": [], "checks": []}
+    assumed = [_ASSUMED[source]] if source in _ASSUMED else []
+    account |= {"window": window, "understood": [], "ignored": [], "assumed": assumed, "failed": [], "checks": []}
     return BuiltMap(network, road_map, structure, (), account)
 
 

@@ -89,7 +89,7 @@ def read_opendrive(xodr: bytes) -> bytes:
     """The SUMO network of an OpenDRIVE file: its lanes for cars, buses and bicycles. Raises NetconvertRefused."""
     flags = ["--type-files", "lanes.typ.xml", "--keep-edges.by-vclass", _KEPT, "--no-turnarounds", "true"]
     arguments = ["--opendrive-files", "in.xodr", *flags, "-o", "out.net.xml"]
-    return convert({"in.xodr": xodr, "lanes.typ.xml": _types()}, arguments, "out.net.xml", TIMEOUT)
+    return convert({"in.xodr": _with_limits(xodr), "lanes.typ.xml": _types()}, arguments, "out.net.xml", TIMEOUT)
 
 
 def read_back(xodr: bytes, place: str) -> Extent:
@@ -133,6 +133,28 @@ def _of_others(lane: Element) -> tuple[str, str]:
     """Of a lane that is for none of our vehicles: its first user that OpenDRIVE has a lane type for, or nobody."""
     allowed = lane.get("allow", "").split()
     return next((("allow", name) for name in _OTHERS if name in allowed), ("disallow", "all"))
+
+
+def _with_limits(xodr: bytes) -> bytes:
+    """The file with each road's limit given to its lanes that have none of their own: netconvert reads limits of lanes alone."""
+    root = parse(xodr, "OpenDRIVE", root="OpenDRIVE")
+    for road in root.iter("road"):
+        types = [(_number(kind.get("s")), kind.find("speed")) for kind in road.iterfind("type")]
+        for section in road.iterfind("lanes/laneSection"):
+            begun = [speed for start, speed in types if start <= _number(section.get("s")) + 1e-3]
+            if begun and begun[-1] is not None and 0 < _number(begun[-1].get("max")) < 1000:
+                for lane in section.iter("lane"):
+                    if lane.find("speed") is None:
+                        lane.append(Element("speed", {"sOffset": "0", **begun[-1].attrib}))
+    return bytes(tostring(root))
+
+
+def _number(text: str | None) -> float:
+    """A number; 0 for what is none, as the limit "no limit"."""
+    try:
+        return float(text or 0)
+    except ValueError:
+        return 0.0
 
 
 def _types() -> bytes:

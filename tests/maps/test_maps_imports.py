@@ -6,12 +6,14 @@ from pathlib import Path
 
 import pytest
 
+from drivegen.av2.maps import write_map
 from drivegen.core.errors import UnusableInput
 from drivegen.maps.build import build_map
 from drivegen.maps.imports import Window, import_map
 from drivegen.maps.opendrive import export_opendrive
 from drivegen.sumo.netconvert import convert
 from drivegen.words.writer import Writer
+from tests.scenes import any_scenario
 
 OSM = b"""<?xml version="1.0"?><osm version="0.6">
 <node id="1" lat="52.0000" lon="13.0000"/><node id="2" lat="52.0000" lon="13.0030"/>
@@ -65,6 +67,14 @@ def test_openstreetmap_streets_are_kept_and_paths_and_rails_left_out() -> None:
     built = import_map(OSM, "town.osm")
     assert built.structure.arms == (4,)
     assert built.account["source"] == "OpenStreetMap"
+
+
+def test_what_a_file_does_not_say_is_told_as_assumed(grid: bytes) -> None:
+    log = write_map(any_scenario(3).map)
+    assumed = [import_map(raw, "file").account["assumed"] for raw in (grid, export_opendrive(grid), OSM, log)]
+    assert [len(lines) for lines in assumed] == [0, 1, 1, 1]
+    assert all("50 km/h" in lines[0] for lines in (assumed[1], assumed[3]))
+    assert "right-hand traffic" in assumed[2][0]
 
 
 def test_a_map_goes_out_as_opendrive_and_comes_back(grid: bytes) -> None:

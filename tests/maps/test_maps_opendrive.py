@@ -53,3 +53,28 @@ def test_lanes_that_a_foreign_file_restricts_are_nobodys(shared: bytes) -> None:
 def test_the_same_network_gives_the_same_bytes(shared: bytes) -> None:
     assert export_opendrive(shared) == export_opendrive(shared)
     assert read_opendrive(export_opendrive(shared)) == read_opendrive(export_opendrive(shared))
+
+
+ROAD = """<OpenDRIVE><header revMajor="1" revMinor="5"/><road name="" length="200" id="1" junction="-1">{types}
+<planView><geometry s="0" x="0" y="0" hdg="0" length="200"><line/></geometry></planView><lanes>
+<laneSection s="0"><center><lane id="0" type="none"/></center><right><lane id="-1" type="driving">
+<width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane><lane id="-2" type="driving">
+<width sOffset="0" a="3.5" b="0" c="0" d="0"/><speed sOffset="0" max="9"/></lane></right>
+</laneSection></lanes></road></OpenDRIVE>"""
+KIND = '<type s="{}" type="town"><speed max="{}" unit="{}"/></type>'
+
+
+@pytest.mark.parametrize(
+    ("types", "limit"),
+    [
+        (KIND.format(0, 36, "km/h"), 10),
+        (KIND.format(0, 10, "m/s"), 10),
+        (KIND.format(0, 30, "mph"), 13.41),
+        (KIND.format(0, 36, "km/h") + KIND.format(100, 72, "km/h"), 10),
+        (KIND.format(0, "no limit", "km/h"), 13.89),
+        ("", 13.89),
+    ],
+)
+def test_a_roads_limit_is_that_of_its_lanes_that_have_none_of_their_own(types: str, limit: float) -> None:
+    road_map = read_network(read_opendrive(ROAD.format(types=types).encode()), "net")
+    assert sorted(road_map.speed_limit.tolist()) == pytest.approx(sorted([9, limit]), abs=0.01)
