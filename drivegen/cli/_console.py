@@ -2,8 +2,8 @@
 
 from rich.console import Console
 
-TABLE = 120
-"""Characters in a line of a table of cases or drivers, whatever the terminal: names must not be cut."""
+TABLE = 240
+"""Characters that a line of a table of cases or drivers may have, whatever the terminal: names must not be cut."""
 
 
 def plain(stderr: bool = False, least: int = 0) -> Console:
