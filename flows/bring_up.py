@@ -9,7 +9,6 @@ from typing import Any, ParamSpec
 from prefect import get_run_logger, task
 from prefect.cache_policies import NO_CACHE
 from prefect.client.schemas.objects import State
-from prefect.exceptions import FailedRun
 from prefect.states import Completed, Failed
 
 from flows import FlowFailed, pipeline
@@ -24,17 +23,24 @@ def by_a_sentence(flow: Callable[P, Any]) -> Callable[P, Any]:
     def run(*arguments: P.args, **named: P.kwargs) -> Any:
         try:
             return flow(*arguments, **named)
-        except (FlowFailed, FailedRun, OSError) as error:
+        except (FlowFailed, OSError) as error:
             return Failed(message=str(error))
 
     return run
 
 
+def bring_up(stage: str, root: Path = Path()) -> None:
+    """Run one stage of the workspace `root` now. Raises StageFailed where it ends with an error."""
+    state = run_stage(stage, root, return_state=True)
+    if not state.is_completed():
+        raise pipeline.StageFailed(str(state.message))
+
+
 @task(cache_policy=NO_CACHE, task_run_name="{stage}")
-def bring_up(stage: str, root: Path = Path()) -> State[float]:
+def run_stage(stage: str, root: Path = Path()) -> State[float]:
     """One stage of the workspace `root`, its lines in the log; the state is called Cached if its inputs came out unchanged.
 
-    The result is seconds. Called where it is not submitted, it raises FailedRun for a stage that ends with an error.
+    The result is seconds. It fails by a state, for Prefect logs the traceback of whatever a task raises.
     """
     began = time.monotonic()
     try:

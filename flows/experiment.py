@@ -17,7 +17,7 @@ from prefect.states import Completed, Failed
 from prefect.task_runners import ThreadPoolTaskRunner
 
 from flows import pipeline
-from flows.bring_up import bring_up, by_a_sentence
+from flows.bring_up import by_a_sentence, run_stage
 
 RUNNER: ThreadPoolTaskRunner[Any] = ThreadPoolTaskRunner(max_workers=2)
 """Two stages at once; each may itself use `run.workers` processes."""
@@ -48,7 +48,7 @@ def submit(plan: pipeline.Pipeline, stages: Collection[str], root: Path = Path()
     for stage in plan.needs:
         if stage in stages:
             behind = [futures[name] for name in plan.needs[stage] if name in futures]
-            futures[stage] = bring_up.submit(stage, root, wait_for=behind, return_state=False)
+            futures[stage] = run_stage.submit(stage, root, wait_for=behind, return_state=False)
     return futures
 
 

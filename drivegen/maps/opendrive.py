@@ -24,7 +24,8 @@ TIMEOUT = 300.0
 _DATE = re.compile(rb'(<header[^>]*?\sdate=")[^"]*(")')
 _ALLOW = {LaneKind.VEHICLE: ("disallow", "pedestrian"), LaneKind.BUS: ("allow", "bus"), LaneKind.BIKE: ("allow", "bicycle")}
 _OTHERS = ("pedestrian", "tram", "rail")
-_CAR = ("driving", "stop", "parking", "entry", "exit", "offRamp", "onRamp", "mwyEntry", "mwyExit", "bidirectional")
+_RAMP = ("entry", "exit", "offRamp", "onRamp", "connectingRamp", "slipLane", "mwyEntry", "mwyExit")
+_CAR = ("driving", *_RAMP, "bidirectional")
 _NOT_ROAD = (
     "pedestrian rail rail_urban rail_electric rail_fast tram drone aircraft scooter container wheelchair subway cable_car ship"
 )
@@ -36,7 +37,8 @@ _OF_FOREIGN = {
     "roadWorks": "authority",
     "tram": "tram",
 }
-_NOTHING = ("restricted", "none", "shoulder", "border", "median", "curb", "sidewalk", "special1", "special2", "special3", "rail")
+_BESIDE = ("stop", "parking", "shoulder", "border", "median", "curb", "sidewalk")  # "stop" is a hard shoulder
+_NOTHING = ("restricted", "none", *_BESIDE, "special1", "special2", "special3", "rail")
 _KEPT = "passenger,bus,truck,delivery,taxi,hov,bicycle"
 
 

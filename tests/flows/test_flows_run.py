@@ -90,6 +90,23 @@ def test_a_version_has_its_own_seed_and_a_manifest_and_is_never_overwritten(root
     assert "never overwritten" in str(state.message)
 
 
+def test_where_a_stage_fails_nothing_is_published_and_no_round_follows(root):
+    from flows.experiment import experiment
+    from flows.iterate import iterate
+    from flows.regenerate import regenerate
+
+    experiment()
+    broken = toy.DVC.replace("cat data/maps", "echo no map here; cat data/map").replace("cp ${item.before}", "cp no/${item.k}")
+    (root / "dvc.yaml").write_text(broken)
+    state = regenerate(version="broken", return_state=True)
+    assert state.is_failed()
+    assert str(state.message).startswith("stage place failed: cat: ")
+    assert not (root / "data" / "versions").exists()
+    state = iterate(return_state=True)
+    assert state.is_failed()
+    assert str(state.message).startswith("stage corner@0 failed: cp: ")
+
+
 def test_without_models_nothing_is_published(root):
     from flows.regenerate import regenerate
 

@@ -78,3 +78,12 @@ KIND = '<type s="{}" type="town"><speed max="{}" unit="{}"/></type>'
 def test_a_roads_limit_is_that_of_its_lanes_that_have_none_of_their_own(types: str, limit: float) -> None:
     road_map = read_network(read_opendrive(ROAD.format(types=types).encode()), "net")
     assert sorted(road_map.speed_limit.tolist()) == pytest.approx(sorted([9, limit]), abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("kind", "lanes"),
+    [("driving", (2, 0, 0)), ("stop", (1, 0, 0)), ("parking", (1, 0, 0)), ("connectingRamp", (2, 0, 0)), ("slipLane", (2, 0, 0))],
+)
+def test_one_drives_on_ramps_and_on_no_hard_shoulder(kind: str, lanes: tuple[int, int, int]) -> None:
+    road = ROAD.format(types="").replace('id="-2" type="driving"', f'id="-2" type="{kind}"')
+    assert read_back(road.encode(), "a.xodr").lanes == lanes
