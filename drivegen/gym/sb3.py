@@ -6,6 +6,7 @@ from typing import Any
 
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.torch_layers import FlattenExtractor
 from torch import nn
 
 from drivegen.core.errors import UnusableInput
@@ -19,8 +20,9 @@ from drivegen.gym.opening import opened
 def save_policy(model: BaseAlgorithm, folder: str | Path, name: str) -> None:
     """Write the network of a SAC's or PPO's policy as the weights of the driver `name` (`drivers.shared.network`).
 
-    Raises UnusableInput for other algorithms, for networks that are more than linear layers with one kind of activation, and for
-    policies that a driver could not repeat: those that steer freely, and those that see numbers which `VecNormalize` has changed.
+    Raises UnusableInput for other algorithms, for networks that are more than linear layers with one kind of activation, tanh or
+    ReLU, and for policies that a driver could not repeat: those that steer freely, and those that see numbers which
+    `VecNormalize` or a features extractor has changed.
     """
     _refuse_unrepeatable(model)
     policy: Any = model.policy
@@ -30,9 +32,13 @@ def save_policy(model: BaseAlgorithm, folder: str | Path, name: str) -> None:
     parts = [*policy.actor.latent_pi, policy.actor.mu] if sac else [*policy.mlp_extractor.policy_net, policy.action_net]
     linear = [part for part in parts if isinstance(part, nn.Linear)]
     activation = policy.activation_fn.__name__.lower()
-    if len(parts) != 2 * len(linear) - 1:
+    extractor = (policy.actor if sac else policy).features_extractor
+    if len(parts) != 2 * len(linear) - 1 or type(extractor) is not FlattenExtractor:  # a subclass may change what is seen
         raise UnusableInput("the policy has layers that are neither linear nor activations between them")
-    write_network(Path(folder), name, linear, activation, squashed=sac)
+    try:
+        write_network(Path(folder), name, linear, activation, squashed=sac)
+    except ValueError as error:
+        raise UnusableInput(f"the policy's network is no driver's ({error}): train one with tanh or ReLU") from None
 
 
 def _refuse_unrepeatable(model: BaseAlgorithm) -> None:

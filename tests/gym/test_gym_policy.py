@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 from stable_baselines3 import DDPG, PPO, SAC
+from stable_baselines3.common.torch_layers import FlattenExtractor
 from stable_baselines3.common.vec_env import VecNormalize
 from torch import nn
 
@@ -37,6 +38,13 @@ SETTINGS = replace(read_params("environment", Settings), neighbours="replayed", 
 
 class Mine(Network):
     name = "mine"
+
+
+class Scaled(FlattenExtractor):
+    """Shows a policy other numbers than drivers see."""
+
+    def forward(self, observations):
+        return 3 * super().forward(observations)
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +79,10 @@ def test_what_is_no_policy_of_ours_is_refused(env, tmp_path):
     free = DriveVecEnv([(scene, scene.log)], 4, replace(SETTINGS, motion="free"))
     with pytest.raises(UnusableInput, match="steers freely"):
         save_policy(PPO("MlpPolicy", free), tmp_path, "mine")
+    with pytest.raises(UnusableInput, match="neither linear nor activations"):
+        save_policy(PPO("MlpPolicy", env, policy_kwargs={"features_extractor_class": Scaled}), tmp_path, "mine")
+    with pytest.raises(UnusableInput, match=r"no driver's .activation 'elu'.*: train one with tanh or ReLU"):
+        save_policy(SAC("MlpPolicy", env, policy_kwargs={"activation_fn": nn.ELU}), tmp_path, "mine")
     with pytest.raises(UnusableInput, match="does not see what drivers see"):
         save_policy(PPO("MlpPolicy", "Pendulum-v1"), tmp_path, "mine")
     assert not list(tmp_path.iterdir())
