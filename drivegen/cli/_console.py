@@ -11,8 +11,3 @@ def plain(stderr: bool = False, least: int = 0) -> Console:
     console = Console(stderr=stderr, soft_wrap=True, highlight=False, markup=False)
     console.width = max(console.width, least)
     return console
-
-
-def many(count: int, what: str) -> str:
-    """A number of things in words, also of one."""
-    return f"{count} {what}{'s' * (count != 1)}"

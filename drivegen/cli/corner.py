@@ -11,12 +11,13 @@ from typer import Option
 
 from drivegen.adversaries.shared.arena import Arena, Bounds
 from drivegen.cli import _project
-from drivegen.cli._console import TABLE, many, plain
+from drivegen.cli._console import TABLE, plain
 from drivegen.cli._drivers import driver_of
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario
 from drivegen.core.settings import Count, Index, read_section
+from drivegen.core.wording import many
 from drivegen.corner_cases.avoidance import Avoidable
 from drivegen.corner_cases.case import Case
 from drivegen.corner_cases.judgement import Judgement, judgements

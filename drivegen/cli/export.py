@@ -11,11 +11,12 @@ import numpy as np
 from typer import Argument, Option
 
 from drivegen.av2.export import export_scenario
-from drivegen.cli._console import many, plain
+from drivegen.cli._console import plain
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
+from drivegen.core.wording import many
 from drivegen.rollout.shipping import sample_id
 from drivegen.store.folders import whole_folder
 from drivegen.store.lookup import futures_in

@@ -14,11 +14,12 @@ from typer import BadParameter, Exit, Option
 from drivegen.asked import language_model
 from drivegen.av2.folder import read_folder
 from drivegen.cli import _project
-from drivegen.cli._console import many, plain
+from drivegen.cli._console import plain
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
 from drivegen.cli._maps import name_of, network_of, sentences_of, with_way_in
 from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
+from drivegen.core.wording import many
 from drivegen.generators.base import Settings
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prices import MAP_TOKENS, TRAFFIC_TOKENS

@@ -7,11 +7,12 @@ from typing import Annotated, Any
 from typer import Argument, BadParameter, Option, Typer
 from typer.core import TyperGroup
 
-from drivegen.cli._console import many, plain
+from drivegen.cli._console import plain
 from drivegen.cli._lm import MaxUsd, Words, announce, calling
 from drivegen.cli._maps import MapMode, Mode, network_of, sentences_of, with_way_in, writer_of
 from drivegen.core.errors import UnusableInput
 from drivegen.core.seeds import LARGEST
+from drivegen.core.wording import many
 from drivegen.lm.prices import MAP_TOKENS
 from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
 from drivegen.maps.imports import Window, import_map

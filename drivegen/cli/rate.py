@@ -10,12 +10,13 @@ from rich.table import Table
 from typer import Option
 
 from drivegen.cli import _project
-from drivegen.cli._console import many, plain
+from drivegen.cli._console import plain
 from drivegen.cli._drivers import driver_of
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count, read_section
+from drivegen.core.wording import many
 from drivegen.exposure.pool import Drawn, Pool, draw_scenes, with_enough
 from drivegen.exposure.rates import EDGES, Estimate, estimate
 from drivegen.gym.folders import read_traffic

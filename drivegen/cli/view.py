@@ -13,8 +13,8 @@ from rich.console import Console
 from typer import Argument, Option
 
 from drivegen.av2.folder import read_folder
-from drivegen.cli._console import many
 from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.wording import many
 from drivegen.datasets.argoverse2_sensor import read_whole_log
 from drivegen.ingest.selection import Settings, select
 from drivegen.recording.record import record_scenario

@@ -16,6 +16,7 @@ from drivegen.core.intervals import Interval, bootstrap_means, recording
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count, Within
+from drivegen.core.wording import many
 from drivegen.corner_cases.case import Case
 from drivegen.corner_cases.failures import NONE, Failures, failures, replayed_case
 from drivegen.drivers.base import Driver
@@ -73,9 +74,9 @@ class Gate:
     def sentence(self, old: str, new: str) -> str:
         """The verdict on two drivers of these names."""
         paired, more = self.paired, self.paired.new - self.paired.old
-        where = f"in {_many(paired.runs, 'run')} of {_many(len(paired.differences), 'recording')}"
+        where = f"in {many(paired.runs, 'run')} of {many(len(paired.differences), 'recording')}"
         if self.finding == Finding.UNDECIDED:
-            collided = _many(paired.old, self._kind)
+            collided = many(paired.old, self._kind)
             return f"{self.finding}: {where} {old} has {collided}, {new} {paired.new}; {self._why_not()}"
         sign = 1 if self.finding == Finding.WORSE else -1
         share = f" ({more / paired.old:+.0%})" if paired.old else ""
@@ -154,10 +155,6 @@ def _collided(drivers: Sequence[Driver], traffic: Sequence[tuple[Scenario, Traje
 
         failed.append(failures(outcome, case, known))
     return np.not_equal(np.stack(failed), NONE).astype(np.bool_)
-
-
-def _many(count: int, noun: str) -> str:
-    return f"{count} {noun}{'s' * (count != 1)}"
 
 
 def _to_one(value: float) -> str:

@@ -43,9 +43,9 @@ def find_sample(name: str, folders: Sequence[Path], generated: Path) -> tuple[Sc
 
 
 def ids_in(shard: Path) -> list[str]:
-    """Ids of a shard's scenarios, in order.
+    """Ids of a shard's scenarios, in order; an empty list where the file is not whole.
 
-    None where the file is not whole: reading it as scenarios would say so, and another shard may have what is wanted.
+    Reading it as scenarios would say so, and another shard may have what is wanted.
     """
     try:
         ids: list[str] = pq.read_table(shard, columns=["scenario_id"])["scenario_id"].to_pylist()
