@@ -7,6 +7,7 @@ from pathlib import Path
 from drivegen.core.first_frame import first_frame
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.settings import Count
+from drivegen.core.twins import twin
 from drivegen.generators.shared.learned import Learned
 from drivegen.metrics.displacement import mean_errors
 from drivegen.store.draw import draw_places
@@ -18,7 +19,10 @@ WATCHED_SEED = 0
 
 @dataclass(frozen=True)
 class Watched:
-    """`scenes` validation scenarios with a log, and `samples` futures of each."""
+    """`scenes` validation scenarios with a log, every second one as its twin, and `samples` futures of each.
+
+    So weights are kept that do with all layers and without, as the goal selector's are, whose lists hold both.
+    """
 
     scenes: Count
     samples: Count
@@ -27,7 +31,7 @@ class Watched:
         """The scenes, the same for every generator; none where there is no split."""
         places = draw_places(WATCHED_SEED, split, self.scenes) if split.is_dir() else []
         scenes = [read_shard(shard)[row] for shard, row in places]
-        return [scene for scene in scenes if scene.log is not None]
+        return [twin(scene) if n % 2 else scene for n, scene in enumerate(scenes) if scene.log is not None]
 
 
 def rolled_out(

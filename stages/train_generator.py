@@ -1,6 +1,6 @@
 """Stage train_generator@<rival>: train a generator to compare with on the train split's logs, then score it on the val split.
 
-While it trains it is rolled out on a few validation scenes, the same for all: the weights of the least error are
+It learns from every log and its twin (`core.twins`), as DriveGen's goal selector does. While it trains it is rolled out on a few validation scenes, the same for all: the weights of the least error are
 kept. `plateau` of the metrics says whether the last third of the training gained nothing there; `watched` names the scenes.
 
 argv: scenarios (folder with train and val), model (folder; its name is the generator's), metrics (JSON), loss curve (CSV).
@@ -17,6 +17,7 @@ from typing import Any
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count
+from drivegen.core.twins import twin
 from drivegen.generators.shared.learned import Learned
 from drivegen.metrics.displacement import mean_errors
 from drivegen.store.files import write_json
@@ -98,7 +99,7 @@ def _examples(plugin: type[Learned], settings: Any, scenarios: Path, workers: in
 
 def _shard_examples(task: tuple[type[Learned], Any, Path]) -> Any:
     plugin, settings, shard = task
-    return plugin.examples(settings, read_shard(shard))
+    return plugin.examples(settings, [seen for log in read_shard(shard) for seen in (log, twin(log))])
 
 
 if __name__ == "__main__":

@@ -58,7 +58,7 @@ class Rules:
 
     Attributes:
         control: (L,) uint8 LaneControl of entering each lane.
-        speed_limit: (L,) float32 [m/s] by signs, NaN where there is none.
+        speed_limit: (L,) float32 [m/s] by signs, the least of several, NaN where there is none.
         stop_lines: (S, 2, 2) float64 [m, source frame]. stop_lane: (S,) int32 the lane entered behind each.
     """
 
@@ -83,7 +83,7 @@ def read(root: Element, lanes: list[Element], links: NDArray[np.int32], index: d
         for name in references(lane, "trafficSignRef", place):
             guard, speed = _sign(signs.get(name), place)
             control[behind] = np.maximum(control[behind], guard)
-            limit[i] = limit[i] if speed is None else speed
+            limit[i] = np.fmin(limit[i], speed)
         for name in references(lane, "trafficLightRef", place):
             if name in lights:
                 meant = [j for j in behind if _means(lights[name], turns.get(j))]
@@ -102,14 +102,14 @@ def read(root: Element, lanes: list[Element], links: NDArray[np.int32], index: d
     )
 
 
-def _sign(sign: Element | None, place: str) -> tuple[LaneControl, float | None]:
-    """What a sign asks for, and its speed limit [m/s]."""
-    guard, speed = LaneControl.UNKNOWN, None
+def _sign(sign: Element | None, place: str) -> tuple[LaneControl, float]:
+    """What a sign asks for, and its speed limit [m/s], the least of several, NaN where it has none."""
+    guard, speed = LaneControl.UNKNOWN, np.nan
     for part in sign.iterfind("trafficSignElement") if sign is not None else ():
         code = part.findtext("trafficSignID", "").strip()
         guard = max(guard, SIGNS.get(code, LaneControl.UNKNOWN))
         if code in SPEED_SIGNS:
-            speed = number(part.findtext("additionalValue"), "a speed limit", place)
+            speed = np.fmin(speed, number(part.findtext("additionalValue"), "a speed limit", place))
     return guard, speed
 
 

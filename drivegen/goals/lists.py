@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from drivegen.core.errors import UnusableInput
 from drivegen.core.first_frame import first_frame
 from drivegen.core.scenario import Scenario
+from drivegen.core.twins import twin
 from drivegen.goals.candidates import MOST, Candidates, candidates_on, routes_of
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.goals.features import NAMES, features
 from drivegen.goals.labels import ends
-from drivegen.goals.twins import twin
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.line import with_limits
 from drivegen.store.columns import Starts, joined

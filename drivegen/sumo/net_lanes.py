@@ -99,7 +99,7 @@ def read_lanes(root: Element, place: str) -> NetLanes:
             j.get("id", ""): lane_shape(j, place) for j in root.iterfind("junction") if j.get("shape", "").count(" ") >= 2
         },
         crossings=crossings,
-        lefthand=root.get("lefthand") == "true",
+        lefthand=root.get("lefthand") in ("true", "1"),
     )
 
 

@@ -143,6 +143,14 @@ def test_signs_stop_and_limit() -> None:
     np.testing.assert_allclose(log.map.stop_lines[0] + log.map.origin, [(50, -2), (50, 2)])  # at the lane's end
 
 
+@pytest.mark.parametrize("order", [(81, 82), (82, 81)])
+def test_of_several_limits_the_least_holds(order: tuple[int, int]) -> None:
+    slower = SIGNS.replace("81", "82").replace("80", "83").replace("8.33", "5.5")
+    references = "".join(f'<trafficSignRef ref="{sign}"/>' for sign in (80, *order))
+    log = read(*approach(references), SIGNS, slower, version="2020a")
+    assert log.map.speed_limit[0] == pytest.approx(5.5)
+
+
 @pytest.mark.parametrize(
     ("part", "reason"),
     [

@@ -17,7 +17,7 @@ from drivegen.goals.features import NAMES, features
 from drivegen.goals.list_files import list_writer, read_lists
 from drivegen.goals.lists import Lists
 from drivegen.goals.manoeuvres import Manoeuvre
-from drivegen.goals.twins import twin
+from drivegen.core.twins import twin
 from drivegen.roads.graph import LaneGraph
 from drivegen.selectors._ranker import Ranker
 from drivegen.selectors.learned import Plugin, Settings

@@ -53,7 +53,7 @@ def test_it_writes_model_metrics_and_curve_with_the_same_bytes(
     for file in FILES:
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
     metrics = json.loads((tmp_path / "a" / "metrics.json").read_text())
-    assert (metrics["train_examples"], metrics["validation_examples"], metrics["steps"]) == (4, 2, 4)
+    assert (metrics["train_examples"], metrics["validation_examples"], metrics["steps"]) == (8, 4, 4)  # every log and its twin
     assert metrics["parameters"] > 1000
     assert 0 < metrics["validation_min_sade"] <= metrics["validation_mean_sade"]
     assert "lctgen_log_code.validation_min_sade" in metrics

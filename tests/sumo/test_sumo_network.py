@@ -80,8 +80,9 @@ def test_neighbours_know_direction_and_whether_one_may_change(net):
     assert net.map.neighbour[lane(net, "w_out_0"), 0] == left
 
 
-def test_left_hand_traffic_has_its_lane_zero_on_the_left():
-    net = Network.read(RAW.replace(b'version="1.20"', b'version="1.20" lefthand="true"'), "cross")
+@pytest.mark.parametrize("yes", [b"true", b"1"])
+def test_left_hand_traffic_has_its_lane_zero_on_the_left(yes):
+    net = Network.read(RAW.replace(b'version="1.20"', b'version="1.20" lefthand="' + yes + b'"'), "cross")
     assert net.map.neighbour[lane(net, "w_in_1"), 1] == lane(net, "w_in_2")
     assert net.map.neighbour[lane(net, "w_in_2"), 0] == lane(net, "w_in_1")
 
