@@ -1,7 +1,8 @@
 """Stage train_generator@<rival>: train a generator to compare with on the train split's logs, then score it on the val split.
 
-It learns from every log and its twin (`core.twins`), as DriveGen's goal selector does. While it trains it is rolled out on a few validation scenes, the same for all: the weights of the least error are
-kept. `plateau` of the metrics says whether the last third of the training gained nothing there; `watched` names the scenes.
+It learns from every log and its twin (`core.twins`), as DriveGen's goal selector does. While it trains it is rolled out on
+a few validation scenes, the same for all, half of them as twins: the weights of the least error are kept. `plateau` of the
+metrics says whether the last third of the training gained nothing there; `watched` names the scenes.
 
 argv: scenarios (folder with train and val), model (folder; its name is the generator's), metrics (JSON), loss curve (CSV).
 An interrupted training goes on from `.drivegen/checkpoints/`, in a folder named after everything that it depends on.

@@ -5,8 +5,8 @@ exp(-d^2 / 2 sigma^2), d the distance from the logged end, sigma wider for vehic
 of the lowest validation loss are kept; then one temperature is set on the validation split so that
 its probabilities mean what they say. A share `floor` of them follows the hand-made prior: on roads and drivers unlike those
 learnt from no ranker should be surer than that. Every log is learnt from twice, the second time without signals, rules of
-way and, half of the times, limits, as data sets without these layers have it (`core.twins`), and so do all generators that it is compared with. The ranker may also be taught by
-another selector's recorded odds; its description then says whose.
+way and, half of the times, limits, as data sets without these layers have it (`core.twins`); so do all learned generators that
+DriveGen is compared with. The ranker may also be taught by another selector's recorded odds; its description then says whose.
 
 In the simulated corpus whoever is parked stays for good, and few are: who is parked (`roads.parked`) is taken to stay by rule, as
 the rival `idm` takes it.

@@ -11,13 +11,13 @@ import torch
 from drivegen.core import plugins
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.roadmap import LaneControl
+from drivegen.core.twins import twin
 from drivegen.goals import list_files
 from drivegen.goals.candidates import candidates
 from drivegen.goals.features import NAMES, features
 from drivegen.goals.list_files import list_writer, read_lists
 from drivegen.goals.lists import Lists
 from drivegen.goals.manoeuvres import Manoeuvre
-from drivegen.core.twins import twin
 from drivegen.roads.graph import LaneGraph
 from drivegen.selectors._ranker import Ranker
 from drivegen.selectors.learned import Plugin, Settings
