@@ -6,7 +6,7 @@ from drivegen.adversaries.shared.legal import legal
 from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.store.lookup import futures_in
+from drivegen.store.lookup import CASES, futures_in
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import shards
 from stages._door import require
@@ -26,7 +26,7 @@ def read_traffic(scenarios: Path, traffic: Path) -> Traffic:
 
 def read_cases(folder: Path, as_it_is: Traffic) -> list[Samples]:
     """The cases in the folder of an attack. Raises UnusableInput where one is of no scenario that is there."""
-    cases = read_samples(require(folder / "samples.parquet", "run the attack stages"))
+    cases = read_samples(require(folder / CASES, "run the attack stages"))
     if unknown := {case.scenario_id for case in cases} - as_it_is.keys():
         raise UnusableInput(
             f"cases are of scenario {min(unknown)}, which is not among the scenarios: run the attack stages again"

@@ -19,6 +19,7 @@ from drivegen.core.settings import Count, Index
 from drivegen.drivers.base import Driver
 from drivegen.store.costs import write_cost
 from drivegen.store.files import write_json
+from drivegen.store.lookup import CASES, DRIVEN_CASES
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import shards
@@ -75,8 +76,8 @@ def main(
                 "attack", key, asdict(params), [scenarios, traffic], method=name, driver=driver.name, backend=bounds.allowed
             )
             tables.append(result_rows(run, findings.scenarios, findings.metrics))
-            write_samples(cases / key / "samples.parquet", findings.samples)
-            write_samples(cases / key / "driven.parquet", findings.driven)
+            write_samples(cases / key / CASES, findings.samples)
+            write_samples(cases / key / DRIVEN_CASES, findings.driven)
             head = {"method": name, "title": about["title"], "varies": about["varies"]}
             head |= {key: about.get(key, "") for key in ("proposer", "stand_in")}
             numbers[key] = {**head, **asdict(bounds), **findings.summary(params.draws, params.seed)}
