@@ -25,6 +25,7 @@ from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import shards
 from drivegen.world.reactive import Reaction
 from stages._door import COST_FOLDER, enter, require
+from stages._driven_by import weights_of
 from stages._ground import Made
 
 
@@ -64,6 +65,7 @@ def main(
     """Attack by every adversary, judge what it found, report."""
     driver, tables, numbers = plugins.make("drivers", results.stem, params.drivers, "attack.drivers"), [], {}
     made = Made.open(models, params.planner, goals, traffic)
+    read = [scenarios, goals, traffic, models / "planners" / params.planner, *weights_of(params.drivers[results.stem])]
     for name in params.methods:
         about = plugins.about("adversaries", name)
         grounds = list(_grounds(about["traffic"], params, scenarios, made))
@@ -72,9 +74,7 @@ def main(
             findings = Findings.joined([_attack(name, driver, ground, bounds, params) for ground in grounds])
             costs = {"cases": float(findings.metrics["cases"].sum()), "cpu_seconds": cpu_seconds() - began}
             write_cost(COST_FOLDER, "attack", f"{driver.name}-{key}", costs)
-            run = Run.of(
-                "attack", key, asdict(params), [scenarios, traffic], method=name, driver=driver.name, backend=bounds.allowed
-            )
+            run = Run.of("attack", key, asdict(params), read, method=name, driver=driver.name, backend=bounds.allowed)
             tables.append(result_rows(run, findings.scenarios, findings.metrics))
             write_samples(cases / key / CASES, findings.samples)
             write_samples(cases / key / DRIVEN_CASES, findings.driven)

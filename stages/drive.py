@@ -27,6 +27,7 @@ from drivegen.store.scenarios import shards
 from drivegen.world.paths import target_paths
 from drivegen.world.reactive import Reaction
 from stages._door import enter, require, spread
+from stages._driven_by import weights_of
 
 LOG = "log"
 SIMULATOR = "batch"
@@ -55,7 +56,7 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
     numbers: dict[str, float] = {}
     for folder in (None, *generated):
         method = folder.name if folder else LOG
-        inputs = [scenarios, folder] if folder else [scenarios]
+        inputs = [scenarios, *([folder] if folder else []), *weights_of(params.drivers[name])]
         run = Run.of("drive", name, settings, inputs, method=method, driver=name, backend=SIMULATOR)
         for kind, drives in _drive_all(driver, scenarios, folder, params, f"drive {name} {method}").items():
             metrics = drives.per_scenario()
