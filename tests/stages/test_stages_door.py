@@ -243,6 +243,8 @@ def test_what_is_required_and_absent_is_told_with_its_remedy(tmp_path):
     [
         (asked.Params, "asked.settings.placements", 0),
         (corner.Params, "corner.samples", 0),
+        (corner.Params, "corner.pressure.max_ratio", 0.5),
+        (corner.Params, "corner.pressure.strength", 200.0),
         (evaluate.Params, "evaluate.draws", -1),
         (ingest.Params, "ingest.shard_size", 0),
         (place.Params, "place.per_shard", 0),
@@ -258,6 +260,6 @@ def test_a_number_with_which_a_stage_could_do_nothing_is_refused_by_name(tmp_pat
     section[name] = value
     with pytest.raises(
         UnusableInput,
-        match=rf"{where.partition('.')[2]} must be (at least 1|between 0 and 1|between 1 and (16|40)|between 0.1 and 100)",
+        match=rf"{where.partition('.')[2]} must be (at least 1|between 0 and (1|20)|between 1 and (16|40)|between 0.1 and 100)",
     ):
         _door.read_params(where.partition(".")[0], params, write(tmp_path, yaml.safe_dump(values)))
