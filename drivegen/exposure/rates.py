@@ -68,7 +68,7 @@ def estimate(near: NDArray[np.floating], run: Run, runs: int, random: np.random.
         if turn == 0:
             more = begin.astype(np.int64)
         else:
-            more = allocate(share, failed, made, max(runs - int(made.sum()), 0) // (ROUNDS + 1 - turn), made < size)
+            more = allocate(share, failed, made, max(runs - int(made.sum()), 0) // (ROUNDS + 1 - turn), size - made)
         more = np.minimum(more, size - made)
         picks = [order[low : low + some] for low, some in zip(start + made, more, strict=True)]
         bad = run(np.concatenate(picks))
@@ -78,19 +78,25 @@ def estimate(near: NDArray[np.floating], run: Run, runs: int, random: np.random.
 
 
 def allocate(
-    share: NDArray[np.floating], failed: NDArray[np.integer], made: NDArray[np.integer], more: int, left: NDArray[np.bool_]
+    share: NDArray[np.floating], failed: NDArray[np.integer], made: NDArray[np.integer], more: int, room: NDArray[np.integer]
 ) -> NDArray[np.int64]:
     """(H,) where to make `more` runs: towards Neyman's shares of all, by what is known after `failed` of those `made` (H,).
 
-    Only in strata in which draws are `left` (H,); nowhere where there are none.
+    No stratum gets more than it has `room` (H,) for; what one has none for goes to the others.
     """
     expected = (failed + 0.5) / (made + 1)
-    wish = np.where(left, share * np.sqrt(expected * (1 - expected)), 0.0)
-    if not wish.any():
-        return np.zeros(len(wish), np.int64)
-    lacking = np.where(left, np.maximum(wish / wish.sum() * (made[left].sum() + more) - made, 0.0), 0.0)
-    total = lacking.sum()
-    return np.asarray(lacking * (more / total) if total > 0 else lacking, np.int64)
+    wish, given = share * np.sqrt(expected * (1 - expected)), np.zeros(len(share), np.int64)
+    while (left := given < room).any():
+        done, still = np.where(left, made + given, 0), more - int(given.sum())
+        wished = np.where(left, wish, 0.0)
+        lacking = np.maximum(wished / wished.sum() * (done.sum() + still) - done, 0.0)
+        total = lacking.sum()
+        added = np.asarray(lacking * (still / total) if total > 0 else lacking, np.int64)
+        within = np.minimum(added, room - given)
+        given += within
+        if (within == added).all():
+            break
+    return given
 
 
 def rate_of(share: NDArray[np.floating], failed: NDArray[np.integer], runs: NDArray[np.integer]) -> Interval:
