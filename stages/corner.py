@@ -67,8 +67,7 @@ class Params(RoundSettings):
             raise UnusableInput(f"corner: goals is one of {', '.join(GOALS)}, not {self.goals!r}")
         if any(folder != Path(self.drives_by) for folder in weights_of(self.driver_settings)):
             raise UnusableInput(
-                f"params.yaml: corner.drives_by is {self.drives_by}, and corner.driver_settings.weights another folder: name it"
-                " in both, or rounds would stand when the driver is trained again"
+                "params.yaml: corner.drives_by must be corner.driver_settings.weights: rounds are made anew with what it names"
             )
 
 

@@ -193,7 +193,7 @@ def test_rounds_depend_on_what_their_driver_drives_by():
     assert all(file in {dep.def_path for dep in stage.deps} for stage in STAGES["corner"])
     learned = {"driver_settings": {"weights": "data/models/drivers/gail", "sees_rules": True}}
     params = _door.read_params("corner", importlib.import_module("stages.corner").Params, ROOT / "params.yaml")
-    with pytest.raises(UnusableInput, match=r"corner\.drives_by is drivegen/drivers/idm\.py"):
+    with pytest.raises(UnusableInput, match=r"corner\.drives_by must be corner\.driver_settings\.weights"):
         dataclasses.replace(params, **learned)
     assert dataclasses.replace(params, **learned, drives_by="data/models/drivers/gail")
 
