@@ -46,7 +46,7 @@ class Params:
     scenarios: Count
     samples: Count
     allowed: list[str]
-    queries: list[int]
+    queries: list[Count]
     reaction_steps: Index
     reaction: Reaction
     drivers: dict[str, dict[str, Any]]

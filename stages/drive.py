@@ -16,6 +16,7 @@ from drivegen.core.intervals import recording
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.seeds import rng
+from drivegen.core.settings import Count
 from drivegen.drivers.base import Driver
 from drivegen.metrics.driving import driving_summary
 from drivegen.simulators.shared.drives import Drives
@@ -40,8 +41,8 @@ class Params:
     """`draws` bootstrap draws for intervals; `drivers`: settings of each driver by its name; `reaction` of neighbours."""
 
     seed: int
-    workers: int
-    draws: int
+    workers: Count
+    draws: Count
     drivers: dict[str, dict[str, Any]]
     reaction: Reaction
 
