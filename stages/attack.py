@@ -19,11 +19,13 @@ from drivegen.core.settings import Count, Index
 from drivegen.drivers.base import Driver
 from drivegen.store.costs import write_cost
 from drivegen.store.files import write_json
+from drivegen.store.lookup import CASES, DRIVEN_CASES
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import shards
 from drivegen.world.reactive import Reaction
 from stages._door import COST_FOLDER, enter, require
+from stages._driven_by import weights_of
 from stages._ground import Made
 
 
@@ -44,7 +46,7 @@ class Params:
     scenarios: Count
     samples: Count
     allowed: list[str]
-    queries: list[int]
+    queries: list[Count]
     reaction_steps: Index
     reaction: Reaction
     drivers: dict[str, dict[str, Any]]
@@ -63,6 +65,7 @@ def main(
     """Attack by every adversary, judge what it found, report."""
     driver, tables, numbers = plugins.make("drivers", results.stem, params.drivers, "attack.drivers"), [], {}
     made = Made.open(models, params.planner, goals, traffic)
+    read = [scenarios, goals, traffic, models / "planners" / params.planner, *weights_of(params.drivers[results.stem])]
     for name in params.methods:
         about = plugins.about("adversaries", name)
         grounds = list(_grounds(about["traffic"], params, scenarios, made))
@@ -71,12 +74,10 @@ def main(
             findings = Findings.joined([_attack(name, driver, ground, bounds, params) for ground in grounds])
             costs = {"cases": float(findings.metrics["cases"].sum()), "cpu_seconds": cpu_seconds() - began}
             write_cost(COST_FOLDER, "attack", f"{driver.name}-{key}", costs)
-            run = Run.of(
-                "attack", key, asdict(params), [scenarios, traffic], method=name, driver=driver.name, backend=bounds.allowed
-            )
+            run = Run.of("attack", key, asdict(params), read, method=name, driver=driver.name, backend=bounds.allowed)
             tables.append(result_rows(run, findings.scenarios, findings.metrics))
-            write_samples(cases / key / "samples.parquet", findings.samples)
-            write_samples(cases / key / "driven.parquet", findings.driven)
+            write_samples(cases / key / CASES, findings.samples)
+            write_samples(cases / key / DRIVEN_CASES, findings.driven)
             head = {"method": name, "title": about["title"], "varies": about["varies"]}
             head |= {key: about.get(key, "") for key in ("proposer", "stand_in")}
             numbers[key] = {**head, **asdict(bounds), **findings.summary(params.draws, params.seed)}

@@ -33,6 +33,7 @@ from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.scenarios import count, shards
 from stages._door import build, enter, read_params, require, spread
+from stages._driven_by import weights_of
 
 GOALS = ("reweighting", "vlm")
 
@@ -43,6 +44,7 @@ class Params(RoundSettings):
 
     Attributes:
         driver: plugin under test, with `driver_settings` as its own. simulator: plugin that runs it.
+        drives_by: the driver's file or its weights, on which the stage depends.
         prior_strength: see `Knowledge`. draws: bootstrap draws behind intervals.
         goals: who leans on the goals of social vehicles: "reweighting", by what is known, or "vlm", a language model that
             is told what is known; where it gives no answer the re-weighting counts. vlm: how it is asked.
@@ -52,6 +54,7 @@ class Params(RoundSettings):
     workers: Count
     driver: str
     driver_settings: dict[str, Any]
+    drives_by: str
     simulator: str
     prior_strength: Positive
     draws: Count
@@ -62,6 +65,10 @@ class Params(RoundSettings):
     def __post_init__(self) -> None:
         if self.goals not in GOALS:
             raise UnusableInput(f"corner: goals is one of {', '.join(GOALS)}, not {self.goals!r}")
+        if any(folder != Path(self.drives_by) for folder in weights_of(self.driver_settings)):
+            raise UnusableInput(
+                "params.yaml: corner.drives_by must be corner.driver_settings.weights: rounds are made anew with what it names"
+            )
 
 
 def main(params: Params, scenarios: Path, models: Path, goals: Path, out: Path, results: Path, metrics: Path) -> dict[str, float]:
@@ -82,7 +89,8 @@ def main(params: Params, scenarios: Path, models: Path, goals: Path, out: Path, 
     folder.write_knowledge(pooled)
     folder.write_pictures([(file, hit) for file, shard in played for hit in shard.collisions], pooled, params.pictures)
     summary = RoundSummary.joined([shard.summary for _, shard in played])
-    read = [scenarios, goals, models / "planners" / params.generation.planner, *([folder.before.path] if folder.number else [])]
+    before = [folder.before.path] if folder.number else []
+    read = [scenarios, goals, models / "planners" / params.generation.planner, *before, *weights_of(params.driver_settings)]
     run = Run.of("corner", out.name, asdict(params), read, method=METHOD, driver=params.driver, backend=params.simulator)
     ids, sample, each = summary.per_run()
     write_results(results, [result_rows(run, summary.scenarios, summary.metrics), result_rows(run, ids, each, sample)])

@@ -16,6 +16,7 @@ from drivegen.core.intervals import recording
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.seeds import rng
+from drivegen.core.settings import Count
 from drivegen.drivers.base import Driver
 from drivegen.metrics.driving import driving_summary
 from drivegen.simulators.shared.drives import Drives
@@ -27,6 +28,7 @@ from drivegen.store.scenarios import shards
 from drivegen.world.paths import target_paths
 from drivegen.world.reactive import Reaction
 from stages._door import enter, require, spread
+from stages._driven_by import weights_of
 
 LOG = "log"
 SIMULATOR = "batch"
@@ -39,8 +41,8 @@ class Params:
     """`draws` bootstrap draws for intervals; `drivers`: settings of each driver by its name; `reaction` of neighbours."""
 
     seed: int
-    workers: int
-    draws: int
+    workers: Count
+    draws: Count
     drivers: dict[str, dict[str, Any]]
     reaction: Reaction
 
@@ -55,7 +57,7 @@ def main(params: Params, scenarios: Path, *paths: Path) -> None:
     numbers: dict[str, float] = {}
     for folder in (None, *generated):
         method = folder.name if folder else LOG
-        inputs = [scenarios, folder] if folder else [scenarios]
+        inputs = [scenarios, *([folder] if folder else []), *weights_of(params.drivers[name])]
         run = Run.of("drive", name, settings, inputs, method=method, driver=name, backend=SIMULATOR)
         for kind, drives in _drive_all(driver, scenarios, folder, params, f"drive {name} {method}").items():
             metrics = drives.per_scenario()

@@ -19,7 +19,7 @@ from drivegen.core.samples import Samples
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count
 from drivegen.store.files import write_json
-from stages._cases import Traffic, read_cases, read_traffic
+from stages._cases import Traffic, attacked_scenes, read_cases, read_traffic
 from stages._door import enter
 
 METRICS = ("attack", "before", "less")
@@ -61,7 +61,7 @@ def _judged(judge: LikelihoodModel, cases: list[Samples], as_it_is: Traffic, par
     """Means over the cases in which somebody was attacked, with 95 % over recordings."""
     if not cases:
         return
-    scenarios, before = zip(*[as_it_is[case.scenario_id] for case in cases], strict=True)
+    scenarios, before = attacked_scenes(cases, as_it_is)
     both = naturalness(judge, scenarios, before, [case.motion[0] for case in cases])
     there = np.flatnonzero(np.isfinite(both).all(1))
     recordings, random = [recording(cases[c].scenario_id) for c in there.tolist()], rng(params.seed, "naturalness", "bootstrap")

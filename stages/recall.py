@@ -42,7 +42,7 @@ class Params:
     scenes: Count
     motions: Count
     allowed: str
-    queries: list[int]
+    queries: list[Count]
     reaction_steps: Index
     drivers: dict[str, dict[str, Any]]
     adversaries: dict[str, dict[str, Any]]

@@ -21,7 +21,7 @@ from drivegen.corner_cases.survival import attentions, survival
 from drivegen.drivers.base import Driver
 from drivegen.store.files import write_json
 from drivegen.world.reactive import Reaction
-from stages._cases import Traffic, read_cases, read_traffic
+from stages._cases import Traffic, attacked_scenes, read_cases, read_traffic
 from stages._door import enter
 
 
@@ -59,7 +59,7 @@ def _held(cases: list[Samples], as_it_is: Traffic, driver: Driver, params: Param
     """Of every way of reacting the share of the cases that hold, with 95 % over recordings."""
     if not cases:
         return
-    scenarios, before = zip(*[as_it_is[case.scenario_id] for case in cases], strict=True)
+    scenarios, before = attacked_scenes(cases, as_it_is)
     again = replays(scenarios, before, [case.motion[0] for case in cases], driver, params.reaction)
     held = survival(again, driver, attentions(params.reaction))
     columns = np.column_stack(list(held.values())).astype(np.float64)

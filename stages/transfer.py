@@ -17,7 +17,7 @@ from drivegen.core.samples import Samples
 from drivegen.core.seeds import rng
 from drivegen.core.settings import Count
 from drivegen.store.files import write_json
-from stages._cases import Traffic, read_cases, read_traffic
+from stages._cases import Traffic, attacked_scenes, read_cases, read_traffic
 from stages._door import enter
 
 SIMULATOR = "batch"
@@ -47,7 +47,7 @@ def _driven(cases: list[Samples], as_it_is: Traffic, params: Params) -> Iterator
     """Of each driver the share of the cases in which it has a counted collision, and of their scenes without the attack."""
     if not cases:
         return
-    scenarios, untouched = zip(*[as_it_is[case.scenario_id] for case in cases], strict=True)
+    scenarios, untouched = attacked_scenes(cases, as_it_is)
     drivers = [plugins.make("drivers", name, params.drivers, "transfer.drivers") for name in params.drivers]
     recordings = [recording(case.scenario_id) for case in cases]
     for metric, traffic in (("counted", [case.motion[0] for case in cases]), ("untouched", untouched)):

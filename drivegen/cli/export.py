@@ -19,21 +19,23 @@ from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.core.wording import many
 from drivegen.rollout.shipping import sample_id
 from drivegen.store.folders import whole_folder
-from drivegen.store.lookup import futures_in
+from drivegen.store.lookup import CASES, DRIVEN_CASES, cases_in, futures_in
 from drivegen.store.samples import holds_samples, read_samples
 from drivegen.store.scenarios import read_shard, shards
 
 SAMPLES, DRIVEN = "samples", "driven"
 """Of a round of corner cases: the traffic, and the target as the driver drove it."""
 
-
 Shards = Annotated[
     Path,
-    Argument(help="A folder of shards, or one: data/shipped, data/scenarios/test, data/generated/METHOD, data/corner/ROUND."),
+    Argument(
+        help="A folder of shards, or one: data/shipped, data/scenarios/test, data/generated/METHOD, data/corner/ROUND; "
+        "or of an attack's cases: data/attack/DRIVER/ATTACK."
+    ),
 ]
-Of = Annotated[Path, Option(help="The scenarios that data/generated and data/corner hold futures of.")]
+Of = Annotated[Path, Option(help="The scenarios that data/generated, data/corner and data/attack hold futures of.")]
 Collisions = Annotated[bool, Option("--collisions", help="Of a round: only futures that end with the driver's collision.")]
-Driven = Annotated[bool, Option("--driven", help="Of a round: the target as the driver drove it, not as it was planned.")]
+Driven = Annotated[bool, Option("--driven", help="Of a round or attack: the target as the driver drove it, not as planned.")]
 
 
 def command(
@@ -71,15 +73,20 @@ class _Choice:
 
 def _scenarios(place: Path, choice: _Choice) -> Iterator[Scenario]:
     """What a folder or a shard holds, scenario by scenario."""
+    if (place / CASES).is_file():
+        yield from _futures(cases_in(place / CASES, choice.of), read_samples(place / DRIVEN_CASES), choice)
+        return
     is_round = (place / SAMPLES).is_dir() and (place / DRIVEN).is_dir()
     if (choice.collisions or choice.driven) and not is_round:
-        raise UnusableInput(f"{place} is no round of corner cases: --collisions and --driven are for those, as data/corner/0")
+        raise UnusableInput(
+            f"{place} is no round of corner cases, nor an attack: --collisions and --driven are for those, as data/corner/0"
+        )
     for shard in _shards(place / SAMPLES if is_round else place):
         if not holds_samples(shard):
             yield from read_shard(shard)
             continue
         driven = read_samples(place / DRIVEN / shard.name) if is_round else None
-        yield from _futures(shard, driven, choice)
+        yield from _futures(futures_in(shard, choice.of), driven, choice)
 
 
 def _shards(place: Path) -> list[Path]:
@@ -90,9 +97,11 @@ def _shards(place: Path) -> list[Path]:
     raise UnusableInput(f"{place} holds no shard-*.parquet: `make run` writes them, e.g. to data/shipped")
 
 
-def _futures(shard: Path, driven: list[Samples] | None, choice: _Choice) -> Iterator[Scenario]:
+def _futures(
+    of_scenarios: Iterator[tuple[Scenario, Samples]], driven: list[Samples] | None, choice: _Choice
+) -> Iterator[Scenario]:
     """Each future of each scenario as a scenario of its own, without the vehicles that it leaves out."""
-    for row, (scenario, futures) in enumerate(futures_in(shard, choice.of)):
+    for row, (scenario, futures) in enumerate(of_scenarios):
         own = None if driven is None else driven[row]
         for k in range(len(futures.dropped)):
             if choice.collisions and own is not None and not _collided(scenario, futures.motion[k], own, k):

@@ -18,7 +18,7 @@ from drivegen.core.wording import many
 from drivegen.datasets.argoverse2_sensor import read_whole_log
 from drivegen.ingest.selection import Settings, select
 from drivegen.recording.record import record_scenario
-from drivegen.store.lookup import find_sample, find_scenario, ids_in
+from drivegen.store.lookup import CASES, find_sample, find_scenario, ids_in
 from drivegen.store.samples import holds_samples
 from drivegen.store.scenarios import shards
 
@@ -46,7 +46,9 @@ def command(
         str, Argument(help="A scenario folder in Argoverse 2's layout, a sensor log's folder, an id of data/, or a recording.")
     ],
     out: Annotated[Path | None, Option(help="Write the recording here; else <folder>.rrd in the current folder.")] = None,
-    futures: Annotated[Path, Option(help="Folder of the futures that `ID-s03` is one of, as data/corner/2/samples.")] = GENERATED,
+    futures: Annotated[
+        Path, Option(help="Folder of the futures that `ID-s03` is one of, as data/corner/2/samples or data/attack/DRIVER/ATTACK.")
+    ] = GENERATED,
     show: Annotated[bool, Option(help="Open the viewer; without a screen only the file is written.")] = True,
 ) -> None:
     """Open the recording of SCENARIO: the one that lies in its folder, else one made of its log.
@@ -89,11 +91,11 @@ def _chosen(folder: Path, out: Path | None) -> Path:
 
 
 def _words_for_shards(folder: Path) -> list[str]:
-    """What views each scenario of a folder of shards or round of corner cases, or its first future; raises UnusableInput where no
-    id leads into it.
+    """What views each scenario of a folder of shards, a round of corner cases or an attack, or its first future; raises
+    UnusableInput where no id leads into it.
     """
     place = folder / "samples" if (folder / "samples").is_dir() else folder
-    files = shards(place)
+    files = shards(place) or [file for file in (place / CASES,) if file.is_file()]
     futures = bool(files) and holds_samples(files[0])
     if files and not futures and place.resolve() not in [known.resolve() for known in SHARDS]:
         raise UnusableInput(f"{folder} holds shards: `drivegen export` makes folders of them, which can be viewed")

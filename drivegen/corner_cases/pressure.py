@@ -6,12 +6,13 @@ carries its importance ratio.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.scenario import DT
-from drivegen.core.settings import NotNegative, Positive
+from drivegen.core.settings import NotNegative, Positive, Within
 from drivegen.corner_cases.encounters import Encounters
 from drivegen.corner_cases.knowledge import Knowledge
 
@@ -27,15 +28,15 @@ class PressureSettings:
     """How hard to lean.
 
     Attributes:
-        strength: exponent of the risk ratio; 0 leaves the selector alone.
+        strength: exponent of the risk ratio; 0 leaves the selector alone. Large ones would make zeros of small ratios.
         reach: closest approaches beyond this gap [m] are no encounters.
         max_ratio: bound of the ratio of a goal's probability to that without pressure, and of its inverse.
         reaction_time: encounters earlier than this [s] gain nothing: the driver could not react.
     """
 
-    strength: NotNegative
+    strength: Annotated[float, Within(0, 20)]
     reach: Positive
-    max_ratio: Positive
+    max_ratio: Annotated[float, Within(1)]
     reaction_time: NotNegative
 
 

@@ -68,7 +68,7 @@ def estimate(near: NDArray[np.floating], run: Run, runs: int, random: np.random.
         if turn == 0:
             more = begin.astype(np.int64)
         else:
-            more = allocate(share, failed, made, max(runs - int(made.sum()), 0) // (ROUNDS + 1 - turn))
+            more = allocate(share, failed, made, max(runs - int(made.sum()), 0) // (ROUNDS + 1 - turn), size - made)
         more = np.minimum(more, size - made)
         picks = [order[low : low + some] for low, some in zip(start + made, more, strict=True)]
         bad = run(np.concatenate(picks))
@@ -77,22 +77,35 @@ def estimate(near: NDArray[np.floating], run: Run, runs: int, random: np.random.
     return Estimate(rate_of(share, failed, made), share, made, failed)
 
 
-def allocate(share: NDArray[np.floating], failed: NDArray[np.integer], made: NDArray[np.integer], more: int) -> NDArray[np.int64]:
-    """(H,) where to make `more` runs: towards Neyman's shares of all, by what is known after `failed` of those `made` (H,)."""
+def allocate(
+    share: NDArray[np.floating], failed: NDArray[np.integer], made: NDArray[np.integer], more: int, room: NDArray[np.integer]
+) -> NDArray[np.int64]:
+    """(H,) where to make `more` runs: towards Neyman's shares of all, by what is known after `failed` of those `made` (H,).
+
+    No stratum gets more than it has `room` (H,) for; what one has none for goes to the others.
+    """
     expected = (failed + 0.5) / (made + 1)
-    wish = share * np.sqrt(expected * (1 - expected))
-    lacking = np.maximum(wish / wish.sum() * (made.sum() + more) - made, 0.0)
-    total = lacking.sum()
-    return np.asarray(lacking * (more / total) if total > 0 else lacking, np.int64)
+    wish, given = share * np.sqrt(expected * (1 - expected)), np.zeros(len(share), np.int64)
+    while (left := given < room).any():
+        done, still = np.where(left, made + given, 0), more - int(given.sum())
+        wished = np.where(left, wish, 0.0)
+        lacking = np.maximum(wished / wished.sum() * (done.sum() + still) - done, 0.0)
+        total = lacking.sum()
+        added = np.asarray(lacking * (still / total) if total > 0 else lacking, np.int64)
+        within = np.minimum(added, room - given)
+        given += within
+        if (within == added).all():
+            break
+    return given
 
 
 def rate_of(share: NDArray[np.floating], failed: NDArray[np.integer], runs: NDArray[np.integer]) -> Interval:
-    """The rate with its interval from `failed` of `runs` in each stratum (H,); one without runs has no share."""
+    """The rate with its interval, in 0 to 1, from `failed` of `runs` in each stratum (H,); one without runs has no share."""
     weight = np.divide(share, runs, out=np.zeros(len(runs)), where=runs > 0)
     value, variance, most = (weight * failed).sum(), (weight**2 * failed).sum(), weight.max()
     tail = (1 - LEVEL) / 2
     low = _quantile(tail, value, variance) if value > 0 else 0.0
-    return Interval(float(value), low, _quantile(1 - tail, value + most, variance + most**2))
+    return Interval(float(value), low, min(_quantile(1 - tail, value + most, variance + most**2), 1.0))
 
 
 def _quantile(level: float, mean: float, variance: float) -> float:

@@ -17,6 +17,9 @@ from drivegen.store.scenarios import read_shard, shards
 
 _Row = TypeVar("_Row", Scenario, Samples)
 
+CASES, DRIVEN_CASES = "samples.parquet", "driven.parquet"
+"""Of the folder of an attack: its cases, of some scenarios only, one future each; the targets alone, as they were driven."""
+
 _SAMPLE = re.compile(r"(.+)-s(\d{2,})")
 
 
@@ -31,13 +34,16 @@ def find_scenario(name: str, folders: Sequence[Path]) -> tuple[Path, Scenario] |
 
 
 def find_sample(name: str, folders: Sequence[Path], generated: Path) -> tuple[Scenario, Samples, int] | None:
-    """A future `<id>-s<number>`: its scenario, the samples of it in shards of `generated`, its number; None without one."""
+    """A future `<id>-s<number>`: its scenario, its samples in shards or CASES of `generated`, its number; None without one."""
     parts = _SAMPLE.fullmatch(name)
     place = find_scenario(parts[1], folders) if parts else None
-    if parts is None or place is None or not (generated / place[0].name).exists():
+    if parts is None or place is None:
         return None
     shard, scenario = place
-    samples = samples_in(generated / shard.name, scenario.scenario_id)
+    files = [file for file in (generated / shard.name, generated / CASES) if scenario.scenario_id in ids_in(file)]
+    if not files:
+        return None
+    samples = samples_in(files[0], scenario.scenario_id)
     number = int(parts[2])
     return (scenario, samples, number) if number < len(samples.dropped) else None
 
@@ -89,6 +95,20 @@ def futures_in(shard: Path, scenarios: Path) -> Iterator[tuple[Scenario, Samples
     if [row.scenario_id for row in rows] != [samples.scenario_id for samples in futures]:
         raise UnusableInput(f"{shard} holds futures of other scenarios than {base}: name their folder, or make them again")
     yield from zip(rows, futures, strict=True)
+
+
+def cases_in(file: Path, scenarios: Path) -> Iterator[tuple[Scenario, Samples]]:
+    """Each case of a file CASES with its scenario, in order; `scenarios` is the folder of all scenarios' shards.
+
+    Raises UnusableInput where that folder lacks one.
+    """
+    cases = read_samples(file)
+    wanted = {case.scenario_id for case in cases}
+    holding = [shard for shard in shards(scenarios) if wanted.intersection(ids_in(shard))]
+    found = {scenario.scenario_id: scenario for shard in holding for scenario in read_shard(shard)}
+    if unknown := wanted - found.keys():
+        raise UnusableInput(f"{file} holds a case of scenario {min(unknown)}, which is not in {scenarios}: name their folder")
+    yield from ((found[case.scenario_id], case) for case in cases)
 
 
 def first_futures(folder: Path, scenarios: Path, count: int) -> list[tuple[Scenario, Trajectories]]:

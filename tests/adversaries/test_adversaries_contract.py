@@ -11,6 +11,7 @@ from drivegen.adversaries.shared.legal import legal
 from drivegen.adversaries.shared.rules import RULES
 from drivegen.checker.scene import check_samples
 from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import TARGET
 from drivegen.core.settings import build, read_section
@@ -53,6 +54,11 @@ def test_it_says_what_it_is(name):
     assert about.title
     assert about.traffic in TRAFFIC
     assert about.varies in VARIES
+
+
+def test_a_rule_that_is_none_is_refused():
+    with pytest.raises(UnusableInput, match="allowed is physical or legal, not 'lawful'"):
+        Bounds("lawful", BUDGET, 20)
 
 
 @pytest.mark.parametrize("allowed", RULES)

@@ -141,6 +141,27 @@ def test_futures_are_exported_one_by_one_and_of_a_round_what_collided_as_it_was_
     assert exported(corner_round, "round", "--collisions", "--driven") == {"recording-3-s01": (vehicles, 8, x)}
 
 
+def test_cases_of_an_attack_are_exported_and_viewed(corner_round):
+    test, attack = corner_round / "data/scenarios/test", corner_round / "attack/idm/cat.legal.10"
+    write_shard(test / "shard-00001.parquet", [scenes.busy_crossing(20, "recording:4")])
+    [made], [drove] = (read_samples(corner_round / "round" / part / "shard-00000.parquet") for part in ("samples", "driven"))
+    case, own = (replace(one, scenario_id="recording:4") for one in (made, drove))
+    write_samples(attack / "samples.parquet", [case])
+    write_samples(attack / "driven.parquet", [own])
+    planned = exported(corner_round, "attack/idm/cat.legal.10")
+    assert sorted(planned) == ["recording-4-s00", "recording-4-s01", "recording-4-s02"]
+    [driven] = exported(corner_round, "attack/idm/cat.legal.10", "--collisions", "--driven").items()
+    assert driven == ("recording-4-s01", (planned["recording-4-s01"][0], 8, round(planned["recording-4-s01"][2] + 1.0, 1)))
+    listed = run("view", "attack/idm/cat.legal.10", cwd=corner_round)
+    assert listed.stderr.endswith("\n  drivegen view recording:4-s00 --futures attack/idm/cat.legal.10\n")
+    for name, code in {"recording:4-s00": 0, "recording:3-s00": 2}.items():  # in the other scene nothing was found
+        done = run("view", name, "--futures", "attack/idm/cat.legal.10", "--no-show", cwd=corner_round)
+        assert done.returncode == code, done.stderr
+    assert (corner_round / "recording-4-s00.rrd").exists()
+    elsewhere = run("export", str(attack), "--of", "elsewhere", "--out", "o", cwd=corner_round)
+    assert "recording:4, which is not in elsewhere: name" in elsewhere.stderr
+
+
 @pytest.mark.parametrize("hit", ["a vehicle", "a pedestrian", "one that is not there"])
 def test_a_collision_in_the_last_frame_is_one_too(corner_round, hit):
     path, shard = (corner_round / place / "shard-00000.parquet" for place in ("round/driven", "data/scenarios/test"))

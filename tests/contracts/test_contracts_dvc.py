@@ -15,6 +15,7 @@ import pytest
 from dvc.dependency.param import ParamsDependency
 from dvc.repo import Repo
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import read_yaml
 from stages import _door
 
@@ -184,6 +185,17 @@ def test_sections_that_those_of_a_stage_are_like_are_listed(word):
         listed = {name for dep in stage.deps if isinstance(dep, ParamsDependency) for name in dep.params}
         wanted = set().union(*(likes(raw(name)) for name in listed))
         assert [s for s in sorted(wanted) if not any(f"{s}.".startswith(f"{name}.") for name in listed)] == [], stage.addressing
+
+
+def test_rounds_depend_on_what_their_driver_drives_by():
+    """Of a driver that learned, its weights: the stage refuses others."""
+    file = raw("corner.drives_by")
+    assert all(file in {dep.def_path for dep in stage.deps} for stage in STAGES["corner"])
+    learned = {"driver_settings": {"weights": "data/models/drivers/gail", "sees_rules": True}}
+    params = _door.read_params("corner", importlib.import_module("stages.corner").Params, ROOT / "params.yaml")
+    with pytest.raises(UnusableInput, match=r"corner\.drives_by must be corner\.driver_settings\.weights"):
+        dataclasses.replace(params, **learned)
+    assert dataclasses.replace(params, **learned, drives_by="data/models/drivers/gail")
 
 
 def test_a_section_stands_beside_the_pipeline_that_has_its_stage():

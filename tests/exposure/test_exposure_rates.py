@@ -47,15 +47,30 @@ def test_interval_is_that_of_fay_and_feuer(counts):
     more, wider = value + most, variance + most**2
     assert interval.value == pytest.approx(value)
     assert interval.low == pytest.approx(variance / (2 * value) * chi2.ppf(0.025, 2 * value**2 / variance) if value else 0.0)
-    assert interval.high == pytest.approx(wider / (2 * more) * chi2.ppf(0.975, 2 * more**2 / wider))
+    assert interval.high == pytest.approx(min(wider / (2 * more) * chi2.ppf(0.975, 2 * more**2 / wider), 1.0))
 
 
 def test_more_runs_go_where_it_has_failed_and_some_where_little_is_known():
     share, made = np.array([0.01, 0.09, 0.9]), np.array([10, 90, 900])
-    more = allocate(share, np.array([5, 0, 0]), made, 1000)
+    room = np.full(3, 10_000)
+    more = allocate(share, np.array([5, 0, 0]), made, 1000, room)
     assert 990 <= more.sum() <= 1000
     assert more[0] > 10 * made[0]
-    np.testing.assert_array_equal(allocate(share, np.array([0, 0, 0]), np.array([0, 0, 0]), 100), [1, 9, 90])
+    np.testing.assert_array_equal(allocate(share, np.array([0, 0, 0]), np.array([0, 0, 0]), 100, room), [1, 9, 90])
+    np.testing.assert_array_equal(allocate(share, np.array([9, 0, 0]), made, 100, np.array([3, 0, 0])), [3, 0, 0])
+
+
+def test_runs_for_which_a_stratum_has_no_draws_left_are_made_in_others():
+    failed, near = law(1.0)
+    few = rng(7, "few").permutation(DRAWS)[:2500]  # of which some fifty are as near as those that fail
+    found = estimate(near[few], lambda picks: failed[few][picks], 2000, rng(7, "test"))
+    assert 1990 < found.runs.sum() <= 2000
+
+
+def test_who_always_fails_has_no_rate_above_1():
+    interval = rate_of(np.ones(1), np.array([1000]), np.array([1000]))
+    assert (interval.value, interval.high) == (1.0, 1.0)
+    assert interval.low < 0.95
 
 
 @given(st.lists(st.floats(0, 20), min_size=1, max_size=300), st.integers(1, 400), st.integers(0, 5))

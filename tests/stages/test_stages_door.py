@@ -17,7 +17,7 @@ from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.settings import read_tree
 from drivegen.store.files import whole
 from drivegen.sumo.netconvert import NetconvertRefused
-from stages import _door, asked, corner, evaluate, goals, ingest, place, rollout, train_planner
+from stages import _door, asked, attack, corner, drive, evaluate, goals, ingest, place, rollout, train_planner
 
 
 @dataclass(frozen=True)
@@ -242,7 +242,11 @@ def test_what_is_required_and_absent_is_told_with_its_remedy(tmp_path):
     ("params", "where", "value"),
     [
         (asked.Params, "asked.settings.placements", 0),
+        (attack.Params, "attack.queries", [0]),
         (corner.Params, "corner.samples", 0),
+        (corner.Params, "corner.pressure.max_ratio", 0.5),
+        (corner.Params, "corner.pressure.strength", 200.0),
+        (drive.Params, "drive.draws", -1),
         (evaluate.Params, "evaluate.draws", -1),
         (ingest.Params, "ingest.shard_size", 0),
         (place.Params, "place.per_shard", 0),
@@ -256,8 +260,6 @@ def test_a_number_with_which_a_stage_could_do_nothing_is_refused_by_name(tmp_pat
     values = read_tree()
     section, name = nested(values, where)
     section[name] = value
-    with pytest.raises(
-        UnusableInput,
-        match=rf"{where.partition('.')[2]} must be (at least 1|between 0 and 1|between 1 and (16|40)|between 0.1 and 100)",
-    ):
+    bounds = r"(at least 1|between 0 and (1|20)|between 1 and (16|40)|between 0.1 and 100)"
+    with pytest.raises(UnusableInput, match=rf"{where.partition('.')[2]}(\[0\])? must be {bounds}"):
         _door.read_params(where.partition(".")[0], params, write(tmp_path, yaml.safe_dump(values)))

@@ -4,10 +4,13 @@ from dataclasses import replace
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from torch import nn
 
 from drivegen.checker.limits import RULES
 from drivegen.checker.verdicts import read_limits_file
 from drivegen.core.errors import UnusableInput
+from drivegen.drivers.shared.features import COUNT
+from drivegen.drivers.shared.network import write_network
 from drivegen.store.results import RESULT, WHOLE_SCENE
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import write_shard
@@ -163,3 +166,15 @@ def test_what_other_drivers_are_told_changes_no_byte_of_a_driver_s_results(made,
     before, _ = driven(made, "as-it-is", params)
     after, _ = driven(made, "others", replace(params, drivers=others))
     assert after.read_bytes() == before.read_bytes()
+
+
+def test_a_run_is_of_the_driver_s_weights(made, params, tmp_path):
+    weights, runs = tmp_path / "weights", []
+    learned = replace(params, drivers={"gail": {"weights": str(weights), "sees_rules": True}})
+    out = [tmp_path / name for name in ("runs.parquet", "gail.parquet", "gail.json")]
+    for _ in range(2):  # other weights each time
+        write_network(weights, "gail", [nn.Linear(COUNT, 1)], "tanh", squashed=False)
+        drive.main(learned, made / "scenarios/test", *out)
+        runs.append(set(pq.read_table(out[1])["run"].to_pylist()))
+    assert len(set.union(*runs)) == 2
+    assert set(pq.read_table(out[1])["inputs"].to_pylist()) == {f"{made / 'scenarios/test'} {weights}"}

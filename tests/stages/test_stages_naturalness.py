@@ -59,7 +59,7 @@ def test_who_was_left_out_as_illegal_is_not_among_who_was_exchanged(tmp_path):
     sample = Samples.without_goals("run0-0", "drivegen", scene(0).log[np.newaxis])
     sample.violation[0, 1] = 1
     write_samples(tmp_path / "round" / SHARD, [sample])
-    [(_, before)] = read_traffic(tmp_path / "test", tmp_path / "round").values()
+    [(_, [before])] = read_traffic(tmp_path / "test", tmp_path / "round").values()
     after = legal(sample, 0)  # what attacks start from
     assert exchanged(scene(0).log, after).tolist() == [1]
     assert exchanged(before, after).tolist() == []

@@ -9,6 +9,7 @@ import pytest
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Samples
+from drivegen.core.scenario import Trajectories
 from drivegen.report.published.transfer import transfer_table
 from drivegen.store.files import write_json
 from drivegen.store.samples import write_samples
@@ -16,7 +17,8 @@ from drivegen.store.scenarios import write_shard
 from stages import publish_corner, transfer
 from stages._door import read_params, read_section
 from tests.drivers.taught import PARAMS
-from tests.stages.crossing_cases import SHARD, scene, write_cases
+from tests.scenes import drive, stack
+from tests.stages.crossing_cases import ACROSS, LINE, SHARD, scene, write_cases
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +41,16 @@ def test_who_was_searched_against_fails_in_its_cases_and_not_without_the_attack(
     failed, untouched = run(made, tmp_path)
     assert failed == {**about, "metric": "counted", "value": 1.0, "low": 1.0, "high": 1.0}
     assert untouched == {**about, "metric": "untouched", "value": 0.0, "low": 0.0, "high": 0.0}
+
+
+def test_of_several_scenes_the_one_that_was_attacked_is_driven_without_the_attack(made, tmp_path):
+    hit = stack([drive(LINE, 10, 9, 61), drive(ACROSS, 0, 10.2, 61)])  # another future, in which IDM fails as it is
+    both = [Trajectories.joined([hit[np.newaxis], scene(n).log[np.newaxis]]) for n in range(3)]
+    futures = [Samples.without_goals(f"run{n}-0", "drivegen", motion) for n, motion in enumerate(both)]
+    write_samples(tmp_path / "round" / SHARD, futures)
+    for part in ("test", "attack"):
+        (tmp_path / part).symlink_to(made / part)
+    assert [row["value"] for row in run(tmp_path, tmp_path)] == [1.0, 0.0]
 
 
 def test_cases_of_other_scenarios_are_refused(made, tmp_path):

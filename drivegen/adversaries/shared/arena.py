@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from drivegen.adversaries.shared.rules import RULES, Judge
 from drivegen.checker.limits import Limits
+from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.corner_cases.case import Case
 from drivegen.corner_cases.trials import Trials, Variants
@@ -55,6 +56,10 @@ class Bounds:
     allowed: str
     budget: int
     reaction_steps: int
+
+    def __post_init__(self) -> None:
+        if self.allowed not in RULES:
+            raise UnusableInput(f"allowed is {' or '.join(RULES)}, not {self.allowed!r}: set it so where adversaries are told")
 
 
 class Arena:
