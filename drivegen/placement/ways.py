@@ -56,7 +56,7 @@ class Ways:
         far = self._between(self._before, self.back, lane)[lanes] + (self.length[lanes] - alongs) + along
         return np.where((lanes == lane) & (alongs <= along), along - alongs, far)
 
-    def _between(self, known: "dict[int, _Reached]", following: Mapping[int, list[int]], lane: int) -> Floats:
+    def _between(self, known: dict[int, _Reached], following: Mapping[int, list[int]], lane: int) -> Floats:
         """(L,) [m] of the lanes between `lane` and every other one, both left out, within REACH; inf beyond."""
         if lane not in known:
             known[lane] = self._search(following, lane)
@@ -65,7 +65,7 @@ class Ways:
         distance[reached] = metres
         return distance
 
-    def _search(self, following: Mapping[int, list[int]], lane: int) -> "_Reached":
+    def _search(self, following: Mapping[int, list[int]], lane: int) -> _Reached:
         """Those that are within REACH."""
         distance: dict[int, float] = {}
         heap = [(0.0, after) for after in following.get(lane, [])]
