@@ -48,7 +48,7 @@ def _passes(position, heading, valid, length, gate, direction):  # type: ignore[
         if along >= LINE_MARGIN:
             return t if behind and aside < HALF_WIDTH and cosine > _ALIGNED else -1
         behind = True
-        t += 1 + int((LINE_MARGIN - along) / _FARTHEST_STEP)  # it can't be there earlier
+        t += 1 + int(min((LINE_MARGIN - along) / _FARTHEST_STEP, valid.shape[0]))  # it can't be there earlier
     return -1
 
 

@@ -48,9 +48,9 @@ def _cell(place, origin):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy", inline="always")
 def _outside(field, around, x, y):  # type: ignore[no-untyped-def]
     """Signed distance to the road [m] at column x, row y, between four cells; `around` beyond the raster."""
-    j, i = int(x), int(y)
-    if x < 0 or y < 0 or i >= field.shape[0] - 1 or j >= field.shape[1] - 1:
+    if x < 0 or y < 0 or y >= field.shape[0] - 1 or x >= field.shape[1] - 1:  # before it is a whole number: those overflow
         return around
+    j, i = int(x), int(y)
     u, v = x - j, y - i
     upper = field[i, j] + u * (field[i, j + 1] - field[i, j])
     lower = field[i + 1, j] + u * (field[i + 1, j + 1] - field[i + 1, j])

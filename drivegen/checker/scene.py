@@ -147,8 +147,8 @@ class SceneChecker:
         """Judge K samples of all N vehicles at once; both partners of a collision are charged.
 
         Args:
-            motion: (K, N, T). ignore_target: leave the target out as a partner, because its driver has yet to react; the
-                target itself is still judged by all rules that need no partner.
+            motion: (K, N, T). ignore_target: leave the target out of collisions, and as one to give way to, because its driver
+                has yet to react; the target itself is still judged by all other rules, giving way among them.
 
         Returns violation (K, N) and first (K, N).
         """

@@ -105,10 +105,10 @@ class Rejections:
 
 
 def _stand(rejected: Rejected, motion: Trajectories) -> NDArray[np.bool_]:
-    """(R,) which of them are what the samples (K, N, T) hold."""
+    """(R,) which of them are what the samples (K, N, T) hold; of who has left the map the last pose is repeated."""
     place = (rejected.sample, rejected.vehicle)
     same = np.equal(rejected.position, motion.position[place]).all(axis=(1, 2))
-    return np.asarray(same & motion.valid[place].all(axis=1))
+    return np.asarray(same & motion.valid[place].any(axis=1))
 
 
 def _words(kind: Violation) -> str:

@@ -2,7 +2,7 @@
 
 One type for Argoverse 2 and SUMO. A junction is not a thing of its own: as in Argoverse 2, the ways across it are
 lanes (`in_junction`), in SUMO terms the internal lanes. What a driver must do before entering a lane is that lane's
-`control`; a signalised lane is named by `Signals` in `scenario.py`.
+`control`; a signalised lane is named by `Signals` in `signals.py`.
 """
 
 from dataclasses import dataclass, replace
@@ -130,6 +130,8 @@ class RoadMap:
             raise UnusableInput("a lane of the map has fewer than two points", reason="bad-map")
         if not all(line.whole for line in (*lines, self.drivable, self.crossings)):
             raise UnusableInput("the map has a line that does not hold its points", reason="bad-map")
+        if any((np.diff(outline.start) == 0).any() for outline in (self.drivable, self.crossings)):
+            raise UnusableInput("the drivable area or a crossing of the map has an outline without points", reason="bad-map")
         if (self.kind > max(LaneKind)).any() or (self.control > max(LaneControl)).any() or (self.speed_limit < 0).any():
             raise UnusableInput("a lane of the map has a kind, a control or a speed limit that is none", reason="bad-map")
         points = (line.points for line in (*lines, self.drivable, self.crossings))

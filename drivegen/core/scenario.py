@@ -111,6 +111,11 @@ class Trajectories:
         """(...) index of the last valid step; 0 where none is."""
         return np.where(self.valid.any(-1), self.steps - 1 - np.argmax(self.valid[..., ::-1], axis=-1), 0)
 
+    def stretches(self) -> list[NDArray[np.float32]]:
+        """Positions (P, 2) [m] of one track (T,), apart for each run of valid steps: nobody saw what lies between two."""
+        edges = np.flatnonzero(np.diff(self.valid, prepend=False, append=False)).reshape(-1, 2)
+        return [self.position[first:last] for first, last in edges.tolist()]
+
     def standing_after_end(self, seen: NDArray[np.bool_] | None = None) -> "Trajectories":
         """A copy in which every track stands still after its last step in `seen` (..., T), by default its last valid one.
 

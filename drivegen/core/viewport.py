@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import TARGET, Trajectories
 
 _MARGIN = 10.0
@@ -13,13 +14,16 @@ def window(motion: Trajectories, narrowest: float, widest: float) -> tuple[NDArr
     """Centre (2,) and width [m] of a window around all valid motion (..., N, T).
 
     Of motion that takes more than `widest` metres it holds those where most vehicles are longest, and always the target's
-    beginning.
+    beginning, if it is ever there. Raises UnusableInput where nobody is.
     """
-    target = motion.position[..., TARGET, :, :][motion.valid[..., TARGET, :]]
     points = motion.position[motion.valid]
+    if not len(points):
+        raise UnusableInput("no vehicle is there at any step: there is nothing to be looked at", reason="no-motion")
+    target = motion.position[..., TARGET, :, :][motion.valid[..., TARGET, :]]
+    start = (target if len(target) else points)[0]
     extent = float(np.ptp(points, axis=0).max()) + 2 * _MARGIN
     width = float(np.clip(extent, narrowest, widest))
-    centre = [_busiest(points[:, axis], float(target[0, axis]), width - 2 * _MARGIN) for axis in (0, 1)]
+    centre = [_busiest(points[:, axis], float(start[axis]), width - 2 * _MARGIN) for axis in (0, 1)]
     return np.array(centre), width
 
 

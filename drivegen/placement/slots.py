@@ -47,7 +47,7 @@ class Slots:
         to_junction: (Q,) [m] along the lanes to where a junction begins; inf where none does near.
         to_turn: (Q, 2) [m] to the junction at which the lane leads into a turn to the left, right; inf where it does not.
         lane_limit: (Q,) [m/s] the lane's speed limit.
-        ways: driving distances between lanes. length: (L,) [m] of each lane. width: (L,) [m] the narrowest of each lane.
+        ways: driving distances between lanes. length: (L,) [m] of each lane. width: (L,) [m] the narrower end of each lane.
     """
 
     def __init__(self, road_map: RoadMap) -> None:

@@ -25,6 +25,10 @@ TURN = (np.deg2rad(50), np.deg2rad(130))
 """A way across a junction that changes direction by as much is a turn [rad]; more is a U-turn."""
 
 
+_Reached = tuple[NDArray[np.intp], NDArray[np.float64]]
+"""Lanes (R,) and the [m] to each: those within REACH are few, so what is kept grows with the map and not with its square."""
+
+
 class Ways:
     """Driving distances on one map, without lane changes.
 
@@ -39,35 +43,40 @@ class Ways:
         for before, after in road_map.links.tolist():
             self.onward[before].append(after)
             self.back[after].append(before)
-        self._after: dict[int, Floats] = {}
-        self._before: dict[int, Floats] = {}
+        self._after: dict[int, _Reached] = {}
+        self._before: dict[int, _Reached] = {}
 
     def ahead(self, lane: int, along: float, lanes: NDArray[np.int32], alongs: NDArray[np.floating]) -> NDArray[np.float64]:
         """Driving distance (K,) [m] from one place to others ahead of it; inf where there is none within REACH or so."""
-        if lane not in self._after:
-            self._after[lane] = self._search(self.onward, lane)
-        far = self._after[lane][lanes] + (self.length[lane] - along) + alongs
+        far = self._between(self._after, self.onward, lane)[lanes] + (self.length[lane] - along) + alongs
         return np.where((lanes == lane) & (alongs >= along), alongs - along, far)
 
     def behind(self, lane: int, along: float, lanes: NDArray[np.int32], alongs: NDArray[np.floating]) -> NDArray[np.float64]:
         """Driving distance (K,) [m] from other places to this one ahead of them; inf where there is none within REACH or so."""
-        if lane not in self._before:
-            self._before[lane] = self._search(self.back, lane)
-        far = self._before[lane][lanes] + (self.length[lanes] - alongs) + along
+        far = self._between(self._before, self.back, lane)[lanes] + (self.length[lanes] - alongs) + along
         return np.where((lanes == lane) & (alongs <= along), along - alongs, far)
 
-    def _search(self, following: Mapping[int, list[int]], lane: int) -> Floats:
+    def _between(self, known: dict[int, _Reached], following: Mapping[int, list[int]], lane: int) -> Floats:
         """(L,) [m] of the lanes between `lane` and every other one, both left out, within REACH; inf beyond."""
+        if lane not in known:
+            known[lane] = self._search(following, lane)
+        reached, metres = known[lane]
         distance = np.full(len(self.length), np.inf)
+        distance[reached] = metres
+        return distance
+
+    def _search(self, following: Mapping[int, list[int]], lane: int) -> _Reached:
+        """Those that are within REACH."""
+        distance: dict[int, float] = {}
         heap = [(0.0, after) for after in following.get(lane, [])]
         while heap:
             so_far, here = heapq.heappop(heap)
-            if np.isfinite(distance[here]) or so_far > REACH:
+            if here in distance or so_far > REACH:
                 continue
             distance[here] = so_far
             for after in following.get(here, []):
                 heapq.heappush(heap, (so_far + float(self.length[here]), after))
-        return distance
+        return np.array(list(distance), np.intp), np.array(list(distance.values()), np.float64)
 
 
 def limits(road_map: RoadMap) -> NDArray[np.float64]:

@@ -81,12 +81,11 @@ def _log_samples(recording: rr.RecordingStream, path: str, samples: Samples) -> 
     """Lines of all samples of all vehicles, as exact as a faint line needs."""
     lines, shades = [], []
     for k, i in np.ndindex(*samples.violation.shape):
-        motion = samples.motion[k, i]
-        line = motion.position[motion.valid]
-        if len(line) > 1:
-            legal = colours.TARGET if i == TARGET else colours.SOCIAL
-            lines.append(flat(thinned(line, _NEAR_ENOUGH), 0.02))
-            shades.append((*(legal if samples.legal[k, i] else colours.ILLEGAL)[:3], _FAINT))
+        legal = colours.TARGET if i == TARGET else colours.SOCIAL
+        for line in samples.motion[k, i].stretches():
+            if len(line) > 1:
+                lines.append(flat(thinned(line, _NEAR_ENOUGH), 0.02))
+                shades.append((*(legal if samples.legal[k, i] else colours.ILLEGAL)[:3], _FAINT))
     recording.log(path, rr.LineStrips3D(lines, colors=shades, radii=0.1), static=True)
 
 

@@ -78,7 +78,7 @@ def record_scenario(
     """Write the recording of `scenario`: its log, or sample number `sample` of `samples` with the log as ghosts.
 
     `log_name` says what the scenario's own motion is. `bird_eye` is an (H, W, 3) RGB image; of `rejected`, what belongs to this
-    sample is shown. Raises UnusableInput where there is neither a log nor a sample to show.
+    sample is shown. Raises UnusableInput where there is neither a log nor a sample to show, or nobody in it.
     """
     motion = scenario.log if samples is None else samples.motion[sample]
     if motion is None:

@@ -28,10 +28,9 @@ def log_vehicles(
     ids = scenario.vehicles.track_id
     for path, rows in (("target", slice(0, 1)), ("social", slice(1, None))):
         log_boxes(recording, f"world/traffic/{path}", motion[rows], scenario.vehicles.size[rows], shades[rows], ids[rows])
-    lines = [motion.position[i][motion.valid[i]] for i in range(count)]
-    long = [i for i in range(count) if len(lines[i]) > 1]
-    shown = [(*(colours.ILLEGAL if first[i] >= 0 else base[i].tolist())[:3], 110) for i in long]
-    paths = rr.LineStrips3D([flat(thinned(lines[i]), 0.05) for i in long], colors=shown, radii=0.12)
+    lines = [(i, line) for i in range(count) for line in motion[i].stretches() if len(line) > 1]
+    shown = [(*(colours.ILLEGAL if first[i] >= 0 else base[i].tolist())[:3], 110) for i, _ in lines]
+    paths = rr.LineStrips3D([flat(thinned(line), 0.05) for _, line in lines], colors=shown, radii=0.12)
     recording.log("world/paths", paths, static=True)
 
 
@@ -116,7 +115,7 @@ def log_verdicts(
     for i, track in enumerate(scenario.vehicles.track_id):
         flags, first = Violation(int(samples.violation[sample, i])), int(samples.first_violation[sample, i])
         who = "target" if i == TARGET else f"vehicle {track}"
-        left = int(samples.motion.valid[sample, i].sum()) * DT
+        left = (int(samples.motion[sample, i].last_valid()) + 1) * DT
         gone = f", leaves the map after {left:.1f} s" if samples.left_map[sample, i] else ""
         tries = f"{gone}, {int(samples.attempts[sample, i])} planned" if samples.attempts[sample, i] > 1 else gone
         if rejected is not None and (own := rejected.only(rejected.vehicle == i)):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from drivegen.core.geometry import Floats, arc_length, interpolate
 from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap
@@ -211,9 +212,9 @@ def _busiest_place(road_map: RoadMap) -> Floats | None:
     if not len(ways):
         return None
     middles = np.stack([road_map.centreline[int(i)].mean(0) for i in ways])
-    near = np.hypot(*(middles[:, None] - middles[None]).T) < _CLOSE_UP
-    best = int(np.argmax(near.sum(0)))
-    place: Floats = middles[near[best]].mean(0)
+    tree = cKDTree(middles)
+    best = int(np.argmax(tree.query_ball_point(middles, _CLOSE_UP, return_length=True)))
+    place: Floats = middles[sorted(tree.query_ball_point(middles[best], _CLOSE_UP))].mean(0)
     return place
 
 

@@ -97,7 +97,8 @@ def scene_picture(
         _draw_rejected(image, view, rejected)
     if scenario.log is not None:
         for i in range(len(scenario.vehicles)):
-            _draw_dashed(image, view, scenario.log.position[i][scenario.log.valid[i]], LOG_COLOUR)
+            for path in scenario.log[i].stretches():
+                _draw_dashed(image, view, path, LOG_COLOUR)
     for goal in () if goals is None else goals:
         _draw_diamond(image, view, goal)
     _draw_boxes(image, view, scenario)
@@ -139,10 +140,10 @@ def _draw_samples(image: Image, view: View, samples: Trajectories, illegal: NDAr
             for i in np.flatnonzero(bad[world] == red):
                 base = TARGET_COLOUR if i == TARGET else SOCIAL_COLOUR
                 colour = ILLEGAL_COLOUR if red else base
-                path = samples.position[world, i][samples.valid[world, i]]
-                cv2.polylines(layer, [view.fixed(path)], False, colour, 2, cv2.LINE_AA, _SHIFT)
-                if len(path):
-                    cv2.circle(layer, view.fixed(path[-1]).tolist(), 3 << _SHIFT, colour, -1, cv2.LINE_AA, _SHIFT)
+                paths = samples[world, i].stretches()
+                cv2.polylines(layer, [view.fixed(path) for path in paths], False, colour, 2, cv2.LINE_AA, _SHIFT)
+                if paths:
+                    cv2.circle(layer, view.fixed(paths[-1][-1]).tolist(), 3 << _SHIFT, colour, -1, cv2.LINE_AA, _SHIFT)
             image = cv2.addWeighted(layer, strength, image, 1 - strength, 0)
     return image
 

@@ -282,8 +282,9 @@ class Rollout:
         )
 
     def _probability(self, probabilities: Probabilities) -> NDArray[np.float32]:
+        """(K, N) of the goals that are followed, NaN where none is."""
         columns = [p[self.goal[:, n]] for n, p in enumerate(probabilities)]
-        return np.stack(columns, axis=1).astype(np.float32)
+        return np.where(self.goal == NO_GOAL, np.nan, np.stack(columns, axis=1)).astype(np.float32)
 
 
 def steps_to_avoid_target(scenario: Scenario, limit: int | None) -> NDArray[np.int64]:

@@ -138,6 +138,7 @@ def broken() -> dict[str, bytes]:
         "less than no dangling links": orjson.dumps(official() | {"dangling_links": -1}),
         "more dangling links than 32 bits": orjson.dumps(official() | {"dangling_links": 10**12}),
         "origin is far too large": orjson.dumps(official() | {"origin": [1e300]}),
+        "area without points": orjson.dumps(official() | {"drivable_areas": {"1": {"area_boundary": []}}}),
     }
 
 

@@ -383,3 +383,16 @@ def test_candidates_of_many_samples_are_judged_as_each_sample_alone():
     assert np.array_equal(together.worst, np.concatenate([one.worst for one in apart]))
     assert np.array_equal(together.first, np.concatenate([one.first for one in apart]))
     assert (together.worst[:, RULES.index("overlap")] > NEVER).any()
+
+
+@pytest.mark.parametrize("far", [1e20, -1e20, 3e38])
+def test_a_place_beyond_all_whole_numbers_is_illegal_and_nothing_else(far):
+    """A planner that diverges gives such places before it gives ones that are not finite."""
+    scene = busy_crossing()
+    for first in (50, 0):
+        motion = scene.log.copy()
+        motion.position[0, first:] = far
+        motion.position[0, 0] = scene.log.position[0, 0]
+        violation, _ = check_samples(scene, motion[np.newaxis], LIMITS)
+        assert Violation(int(violation[0, 0])) & Violation.ACCELERATION
+        assert violation[0, 6:].tolist() == [0, 0]

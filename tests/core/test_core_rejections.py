@@ -61,6 +61,16 @@ def test_the_illegal_one_that_stays_was_not_replaced_but_what_is_dropped_was_tur
         assert noted(rollout, notes).violation.tolist() == left
 
 
+def test_the_illegal_one_that_stays_and_leaves_the_map_was_not_replaced():
+    way_out = drive(LINE, 250, 20, 101)
+    rollout, notes = started(scenario(straight_road(whole=True), stack([drive(LINE, 250, 10, 101)])))
+    commit(rollout, 0, ASIDE, way_out)
+    samples = rollout.result("drivegen")
+    assert samples.left_map.all()
+    assert samples.violation.tolist() == [[Violation.SPEED]]
+    assert notes.replaced_in(samples).violation.tolist() == [BOTH]
+
+
 def test_who_makes_way_is_noted_as_that():
     """The target drives over the place of a parked car, which cannot get out of its way."""
     parked = drive(LINE, 60, 0, 101)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.viewport import window
 from tests.scenes import busy_crossing
 
@@ -35,3 +36,11 @@ def test_the_target_s_beginning_is_there_wherever_most_others_are():
     position[1:, :, 0] += 300.0
     centre, width = window(replace(log, position=position, valid=np.ones_like(log.valid)), 60.0, 200.0)
     assert np.abs(position[0, 0] - centre).max() <= width / 2
+
+
+def test_a_target_that_is_never_there_leaves_the_window_to_the_others_and_nobody_at_all_is_refused():
+    log = busy_crossing().log
+    log.valid[0] = False
+    assert window(log, 60.0, 1000.0)[0] == pytest.approx(window(log[1:], 60.0, 1000.0)[0])
+    with pytest.raises(UnusableInput, match="nothing to be looked at"):
+        window(replace(log, valid=np.zeros_like(log.valid)), 60.0, 200.0)

@@ -1,5 +1,6 @@
 """Placement in mode data: what it keeps whatever is drawn, where it puts whom, and around a target that is given."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -15,8 +16,9 @@ from drivegen.placement.gaps import Gaps
 from drivegen.placement.place import Placement, Placer, PlaceSettings
 from drivegen.placement.slots import Slots
 from drivegen.placement.table import Table, build_table
+from drivegen.placement.ways import Ways
 from tests.placement.rows import joined_rows, queue_rows
-from tests.scenes import busy_crossing, crossing, straight_road
+from tests.scenes import busy_crossing, crossing, road_map, straight_road
 
 SETTINGS = PlaceSettings("data", 60.0, 80.0, 0.15, 0.8, 2.0, 24)
 MAPS = {"crossing": Slots(crossing()), "road": Slots(straight_road(600, 3))}
@@ -136,3 +138,16 @@ def test_a_given_target_off_all_lanes_is_refused():
     with pytest.raises(UnusableInput, match="on no lane") as caught:
         Placer(MAPS["road"], TABLE, SETTINGS, DRAWS).place([0], np.random.default_rng(0), target=log_target(y=60.0))
     assert caught.value.reason == "no-place"
+
+
+def test_what_is_kept_of_driving_distances_does_not_grow_with_the_square_of_a_map():
+    """A road of 1500 lanes, asked from each of them: only the next lanes are within reach."""
+    lines = [np.array([[100.0 * i, 0.0], [100.0 * (i + 1), 0.0]]) for i in range(1500)]
+    ways = Ways(road_map(lines, [(i, i + 1) for i in range(1499)]))
+    lanes, alongs = np.arange(1500, dtype=np.int32), np.zeros(1500)
+    tracemalloc.start()
+    away = [ways.ahead(lane, 0.0, lanes, alongs)[lane : lane + 4].tolist() for lane in range(1490)]
+    kept, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert away[700] == [0.0, 100.0, 200.0, np.inf]
+    assert kept < 3e6  # a number for each pair of lanes takes 18 MB

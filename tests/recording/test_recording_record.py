@@ -13,6 +13,7 @@ from drivegen.core.scenario import TARGET, Actors, Trajectories, VehicleKind
 from drivegen.core.signals import Signals, SignalState
 from drivegen.recording import GoalMarks, record_scenario
 from drivegen.recording.collision import record_collision
+from drivegen.recording.compare import record_comparison
 from drivegen.recording.drivers import record_drivers
 from drivegen.recording.roads import surroundings
 from drivegen.recording.traffic import FREE, clearance
@@ -280,3 +281,19 @@ def test_a_scene_away_from_every_road_keeps_its_map():
     away = replace(scene.log, position=scene.log.position + np.float32(5000))
     roads, signals = surroundings(scene, [away])
     assert (roads, signals) == (scene.map, scene.signals)
+
+
+def test_no_line_joins_what_was_seen_before_a_gap_with_what_was_seen_after_it(tmp_path):
+    lane = straight_road().centreline[0].astype(np.float64)
+    log = stack([drive(lane, 20, 10, 101), drive(lane, 60, 10, 101)])
+    log.valid[1, 30:60] = False
+    scene = scenario(straight_road(), log)
+    samples = noisy_samples(scene, 1)
+    samples = replace(samples, motion=log[np.newaxis])
+    record_scenario(tmp_path / "gap.rrd", scene, samples)
+    record_comparison(tmp_path / "methods.rrd", scene, {"one": samples}, {}, {})
+    shown = (("gap", "/world/paths"), ("methods", "/world/methods/one/samples"))
+    for name, entity in shown:
+        (lines,) = read(tmp_path / f"{name}.rrd")[entity]["LineStrips3D:strips"]
+        ends = [(round(float(line[0][0])), round(float(line[-1][0]))) for line in lines]
+        assert ends == [(20, 120), (60, 89), (120, 160)]

@@ -1,5 +1,6 @@
 """Pictures of maps show what is there, and are the same for the same map."""
 
+import tracemalloc
 from dataclasses import replace
 
 import cv2
@@ -12,6 +13,7 @@ from drivegen.layouts.spec import MapSpec
 from drivegen.render.map_picture import draw_map, encode_png
 from drivegen.render.stop_lines import shown_stop_lines
 from drivegen.sumo.network import read_network
+from tests.scenes import road_map
 
 ARMS = [{"angle": angle, "length": 60} for angle in (0, 90, 180, 270)]
 
@@ -76,3 +78,16 @@ def test_the_same_map_gives_the_same_png() -> None:
     first = encode_png(picture("signals"))
     assert first == encode_png(picture("signals"))
     assert cv2.imdecode(np.frombuffer(first, np.uint8), cv2.IMREAD_COLOR).shape[2] == 3
+
+
+def test_the_close_up_of_a_large_map_takes_no_memory_for_each_pair_of_its_ways() -> None:
+    """2500 ways across junctions, most of them at one place."""
+    place = np.concatenate([np.zeros((1500, 2)), np.stack([np.linspace(100, 2000, 1000), np.zeros(1000)], axis=1)])
+    lines = [at + np.array([[0.0, 0.0], [6.0, 0.0]]) for at in place]
+    roads = road_map(lines, in_junction=range(2500))
+    tracemalloc.start()
+    shown = draw_map(roads, "many ways")
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert shown.shape[0] > 560
+    assert most < 60e6  # a number for each pair takes 100 MB

@@ -8,7 +8,7 @@ import pytest
 
 from drivegen.checker.scene import check_samples
 from drivegen.core.errors import UnusableInput
-from drivegen.core.samples import Samples, Violation
+from drivegen.core.samples import NO_GOAL, Samples, Violation
 from drivegen.core.scenario import DT, TARGET
 from drivegen.goals.candidates import candidates
 from drivegen.goals.joint import draw_together
@@ -150,6 +150,22 @@ def test_of_what_is_illegal_the_least_is_kept_whenever_it_came():
         rollout.commit(np.array([(0, 0, goal, 0) for goal in goals]), stack(tried))
         assert rollout.goal.tolist() == [[kept]]
     np.testing.assert_array_equal(rollout.result("drivegen").motion.position[0, 0], late.position)
+
+
+def test_a_target_whose_motion_is_known_beforehand_follows_no_goal_of_any_probability():
+    road = straight_road()
+    line = road.centreline[0].astype(np.float64)
+    log = stack([drive(line, 10, 10, 101), drive(line, 60, 10, 101)])
+    scene = scenario(road, log)
+    found = [candidates(LaneGraph.of(road), scene, n, candidate_settings()) for n in range(2)]
+    odds = [np.full(len(c), 1 / len(c), np.float32) for c in found]
+    rollout = Rollout(Choices(scene, found, odds, odds), LIMITS, SETTINGS, 1, 7, log[[0]])
+    rollout.commit(np.array([(0, 1, 3, 0)]), log[[1]])
+    samples = rollout.result("drivegen")
+    assert samples.goal.tolist() == [[NO_GOAL, 3]]
+    for values, given in ((samples.natural, odds), (samples.used, odds)):
+        assert np.isnan(values[0, TARGET])
+        assert values[0, 1] == given[1][3]
 
 
 def test_the_target_is_nobodys_partner_in_corner_cases(equipment, choices):
