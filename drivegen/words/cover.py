@@ -102,7 +102,7 @@ class Grammar:
         firsts = [tokens[i].key, *(f"{{{name}}}" for name, slot in SLOTS.items() if slot.read(tokens, i) is not None)]
         for phrase, pattern in chain.from_iterable(self._by_first.get(first, ()) for first in firsts):
             for values, end in match(pattern, tokens, i):
-                if end > i and _fits(phrase, tokens, end) and not (phrase.kind == "link" and _before_a_noun(tokens, i)):
+                if end > i and _fits(phrase, tokens, end) and not (phrase.kind == "link" and _names(tokens, i)):
                     matches[phrase, values, end] = None
         for phrase, values, end in matches:
             raw = " ".join(token.raw for token in tokens[i:end])
@@ -111,9 +111,13 @@ class Grammar:
             yield Item(phrase, values, i, end, tokens[end - 1].text, raw), cost
 
 
-def _before_a_noun(tokens: Sequence[Token], i: int) -> bool:
-    """Whether a noun must follow: "every crossing" names a thing, it does not say that something crosses."""
-    return i > 0 and (tokens[i - 1].text in words("determiners") or tokens[i - 1].text in _ORDINALS)
+def _names(tokens: Sequence[Token], i: int) -> bool:
+    """Whether a noun is meant: "every crossing", "crossings" name a thing, they do not say that something crosses."""
+    return (
+        tokens[i].raw.endswith("ings")
+        or i > 0
+        and (tokens[i - 1].text in words("determiners") or tokens[i - 1].text in _ORDINALS)
+    )
 
 
 def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
