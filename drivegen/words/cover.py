@@ -113,11 +113,8 @@ class Grammar:
 
 def _names(tokens: Sequence[Token], i: int) -> bool:
     """Whether a noun is meant: "every crossing", "crossings" name a thing, they do not say that something crosses."""
-    return (
-        tokens[i].raw.endswith("ings")
-        or i > 0
-        and (tokens[i - 1].text in words("determiners") or tokens[i - 1].text in _ORDINALS)
-    )
+    before = tokens[i - 1].text if i else ""
+    return tokens[i].raw.endswith("ings") or before in words("determiners") or before in _ORDINALS
 
 
 def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
@@ -126,12 +123,12 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
         return tokens[end - 1].plural
     if phrase.name == "member":
         return end == len(tokens) or tokens[end].text not in words("moved")
-    if phrase.place != "pre":
-        return True
     last, following = tokens[end - 1], tokens[end].text if end < len(tokens) else ""
+    if phrase.place != "pre":
+        return last.text not in ("minor", "major") or following in _STOPS or tokens[end].value is not None
     counted = end + 1 < len(tokens) and tokens[end].value is not None
     counts = counted and phrase.name in ("count", "lane_road") and tokens[end + 1].text in _COUNTED
-    before_noun = following not in _STOPS and (not counted or counts or phrase.name in ("queue", "size"))
+    before_noun = following not in _STOPS and (not counted or counts or phrase.name in ("queue", "size", "skew", "undivided", "arterial"))
     return not last.plural and (before_noun or (following == "," and phrase.name not in ("count", "nth")))
 
 
