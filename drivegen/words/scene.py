@@ -254,6 +254,9 @@ class Walk:
         moving = self.subject if self.subject is not None and self.subject.name in MOVING else None
         if moving is not None and not (self.comma or _can_hold(moving, fact) or _is_limit(fact)):
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
+        ramp = self.subject is not None and self.subject.name.endswith("ramp") and not self.subject.definite
+        if ramp and self.sticky and fact.name in ("lanes", "lanes_each", "speed"):  # "motorway on-ramp: 2 lanes, 100 km/h"
+            raise Unfit(f"it is not clear whether {fact.text!r} is said of the ramp or of the road")
         whole = "" in fact.scope
         before = self.segment[-1] if self.segment and self.mark == "and" else None
         if whole and before is not None and before[0].name == "control" and before[1] is self.scene.whole:

@@ -144,10 +144,12 @@ def test_a_road_that_is_named_again_is_the_one_of_that_name(text, lanes, left, b
         ("a crossroads with lights in one direction only", "clear what is 'in one direction'"),
         ("a crossroads with left-turn lanes in one direction", "clear what is 'in one direction'"),
         ("a motorway with an exit in one direction only", "'in one direction'"),
+        ("motorway on-ramp: two through lanes, 100 km/h", "of the ramp or of the road"),
+        ("rural highway, 100 km/h, T-junction with a left turn lane on the main road", "'highway' is the main road"),
         ("a road with 50 km/h in one direction only", "clear what is 'in one direction'"),
     ],
 )
-def test_what_may_be_said_of_several_roads_or_of_one_direction_is_declined(text, word):
+def test_what_may_be_said_of_another_road_or_direction_is_declined(text, word):
     assert word in declined(text)
 
 
@@ -175,3 +177,19 @@ def test_what_no_or_without_may_rule_out_too_is_declined(text, word):
 def test_with_and_without_are_told_apart(text):
     road = read(f"a crossroads {text}", 7).road.road
     assert (road.control, road.arms[0].left_turn_lanes) == ("yield", 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("a T-junction, major 2 lanes each way, yield on minor", "a T-junction, 2 lanes each way on the main road, give way"),
+        ("a dual carriageway, 2+2 lanes", "a dual carriageway, two lanes in each direction"),
+        (
+            "motorway split: 4 lanes into 2 left and 2 right",
+            "a motorway that splits, 4 lanes, 2 to the left and 2 to the right",
+        ),
+        ("skewed 4-way crossing, at 70 degrees", "a four-way crossing at 70 degrees"),
+    ],
+)
+def test_short_forms_draw_what_long_ones_do(text, plain):
+    assert read(text, 7, "same").road == read(plain, 7, "same").road
