@@ -9,6 +9,7 @@ from drivegen.words.things import Road, Thing, Unfit
 
 _RAMPS = ("on_ramp", "off_ramp", "weaving")
 _NO_TURN_LANES = {"left_turn_lanes": 0, "right_turn_lanes": 0}
+_LENGTHS = ("leg_length", "road_length", "side_length", "length")
 _SLOW = ("ring_speed", "ramp_speed", "loop_speed", "road_speed")
 
 
@@ -125,19 +126,18 @@ class Edit:
         return [(field, part[field]) for field in fields if field in part]
 
     def _speed(self, parts: list[Road], name: str) -> None:
-        speeds = [*self.thing.values("speed"), *self.thing.values("ramp_speed")]
-        if not speeds:
+        if (speed := self.thing.first("speed", "ramp_speed")) is None:
             return
         own = {"side": "side_speed", "cross": "side_speed", "ring": "ring_speed", "upper": "road_speed"}
         for part in parts:
             fields = [field for field in (own.get(name, ""), "speed", "ramp_speed") if field in part]
             if not fields:
                 raise Unfit("no limit can be set there")
-            part[fields[0]] = speeds[0]
+            part[fields[0]] = speed
         if name in ("", "street"):
             for junction in self.road.get("junctions", []):
-                junction["side_speed"] = speeds[0]
-            self.road |= {slow: min(self.road[slow], speeds[0]) for slow in _SLOW if slow in self.road}
+                junction["side_speed"] = speed
+            self.road |= {slow: min(self.road[slow], speed) for slow in _SLOW if slow in self.road}
 
     def _control(self) -> None:
         control, signals = self.thing.value("control"), self.thing.value("signals")
@@ -177,9 +177,8 @@ class Edit:
         step = (longer or 0.0) - (shorter or 0.0)
         for part in parts if length is not None or step else []:
             line = part.get("alignment", part)
-            name = "side_length" if "side_length" in line else "length"
-            name = "leg_length" if "leg_length" in line else "road_length" if "road_length" in line else name
-            if name not in line:
+            name = next((field for field in _LENGTHS if field in line), None)
+            if name is None:
                 raise Unfit("there is no length here that could be set")
             line[name] = length if length is not None else line[name] + step
         self._moved(parts)
