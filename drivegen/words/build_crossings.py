@@ -5,9 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
-from drivegen.words.things import Scene, Thing, Unfit, merged
-
-Road = dict[str, Any]
+from drivegen.words.things import Road, Scene, Thing, Unfit, merged
 
 TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes", "turn_pocket", "pocket")
 _LANES = ("lanes", "lanes_each", "lanes_total", "lanes_pair", "lane_road")
@@ -153,6 +151,8 @@ def _two_roads(
     single = [road for road in streets if road.which is None]
     if main or side:
         rest = single if single and (not main or not side) else []
+        if rest and not (joins or side) and main[0].definite:
+            raise Unfit(f"say whether {rest[0].text!r} is the main road")
         if len(rest) > 1 or (main and side and single):
             return main, side
         return main or rest, side or rest

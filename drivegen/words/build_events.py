@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from drivegen.words.slots import KMH
-from drivegen.words.things import Fact, Scene, Thing, Unfit, merged
+from drivegen.words.things import Fact, Road, Scene, Thing, Unfit, merged
 
-Road = dict[str, Any]
 Event = dict[str, Any]
 """Fields of an event, and the things that are said of it: `thing`."""
 

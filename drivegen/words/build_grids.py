@@ -1,9 +1,9 @@
 """From a scene to a grid of streets."""
 
-from drivegen.words.build_crossings import Road, control_of
+from drivegen.words.build_crossings import control_of
 from drivegen.words.build_rows import spacing_of
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
-from drivegen.words.things import Scene, Unfit
+from drivegen.words.things import Road, Scene, Unfit
 
 
 def grid(scene: Scene, choices: Choices) -> Road:

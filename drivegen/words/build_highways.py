@@ -1,13 +1,9 @@
 """From a scene to a highway with what happens along it, or a fork."""
 
-from typing import Any
-
 from drivegen.words.build_events import EVENTS, Event, events_of, fit
 from drivegen.words.build_lines import alignment
 from drivegen.words.choices import FAST, Choices, is_one_way, lanes_of, speed_of, usual_speed
-from drivegen.words.things import Scene, Thing, Unfit, merged
-
-Road = dict[str, Any]
+from drivegen.words.things import Road, Scene, Thing, Unfit, merged
 
 _PER_CARRIAGEWAY = frozenset({"motorway", "motorways", "freeway", "freeways", "autobahn", "mainline"})
 """Of these "a four-lane motorway" has four lanes in each direction; "a four-lane highway" may have two."""

@@ -5,9 +5,7 @@ from typing import Any
 from drivegen.words.build_crossings import control_of
 from drivegen.words.choices import FAST, Choices, lanes_of, speed_of
 from drivegen.words.slots import KMH
-from drivegen.words.things import Scene, Thing, Unfit, merged
-
-Road = dict[str, Any]
+from drivegen.words.things import Road, Scene, Thing, Unfit, merged
 
 _OFF, _ON = ("south_east", "north_west"), ("north_east", "south_west")
 """Quadrants whose loops leave the lower highway where traffic keeps right, and those whose loops join it."""
@@ -36,7 +34,7 @@ def interchange(scene: Scene, _: Choices) -> Road:
     speed = _one(speed_of(main), speed_of(whole), FAST)
     fields: Road = {"kind": "interchange", "form": forms.pop(), "lanes": lanes[0], "speed": speed, "road_lanes": above[0]}
     fields |= {"ramp_lanes": _ramp_lanes(whole, ramp), "road_speed": _one(speed_of(upper), 50 * KMH)}
-    fields |= {"ramp_speed": _one(speed_of(ramp), whole.value("ramps_limit"), whole.value("ramp_speed"), 50 * KMH)}
+    fields |= {"ramp_speed": _one(speed_of(ramp), whole.first("ramps_limit", "ramp_speed"), 50 * KMH)}
     if (length := upper.value("length")) is not None:
         fields["road_length"] = length
     both = Thing("", facts=[*whole.facts, *upper.facts])
@@ -85,8 +83,7 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     slower = min(speed, 50 * KMH if controlled else 80 * KMH)
     fields["road_speed"] = _one(speed_of(upper), speed if both else slower)
     fields |= _ramps_and_loops(whole, ramp, loop, speed)
-    medians = [*whole.values("median"), *main.values("median")]
-    fields |= {"median": medians[0]} if medians else {}
+    fields |= {"median": median} if (median := merged((whole, main)).first("median")) else {}
     fields |= {"leg_length": length} if (length := upper.value("length")) is not None else {}
     for quadrant in scene.named(*_OFF, *_ON):
         if (ramps := quadrant.value("ramps")) is not None:
@@ -111,19 +108,19 @@ def _form_and_loops(form: str, numbers: list[Any]) -> tuple[str, int]:
 
 def _ramps_and_loops(whole: Thing, ramp: Thing, loop: Thing, speed: float) -> Road:
     """Limits, lanes and radius of the ramps of a road with the limit `speed` [m/s]."""
-    limit = _one(speed_of(ramp), whole.value("ramps_limit"), whole.value("ramp_speed"), min(speed, 60 * KMH))
-    radius = [*whole.values("loop_radius"), *loop.values("radius"), *loop.values("loop_radius"), *whole.values("radius")]
+    limit = _one(speed_of(ramp), whole.first("ramps_limit", "ramp_speed"), min(speed, 60 * KMH))
+    own, usual = whole.first("radius"), min(speed, limit, 40 * KMH)
     return {
         "ramp_speed": limit,
-        "loop_speed": _one(speed_of(loop), whole.value("loop_speed"), min(speed, limit, 40 * KMH)),
-        "loop_radius": radius[0] if radius else 45.0,
+        "loop_speed": _one(speed_of(loop), whole.value("loop_speed"), usual),
+        "loop_radius": whole.first("loop_radius") or loop.first("radius", "loop_radius") or own or 45.0,
         "ramp_lanes": _ramp_lanes(whole, ramp),
     }
 
 
 def _ramp_lanes(whole: Thing, ramp: Thing) -> int:
-    lanes = [*(lanes_of(ramp, one_way=True) or ())[:1], *whole.values("ramp_lanes")]
-    return int(lanes[0]) if lanes else 1
+    own = lanes_of(ramp, one_way=True)
+    return int(own[0] if own else whole.first("ramp_lanes") or 1)
 
 
 def _ramps(form: str, name: str, loops: tuple[str, ...]) -> str:

@@ -1,12 +1,9 @@
 """From what is said of a road to its line: straights, bends, lengths."""
 
 import math
-from typing import Any
 
 from drivegen.words.choices import Choices
-from drivegen.words.things import Thing, Unfit
-
-Road = dict[str, Any]
+from drivegen.words.things import Road, Thing, Unfit
 
 _ANGLES = {"hairpin": 180.0, "s_curve": 60.0, "curve": 90.0}
 _LEAST_HAIRPIN = 135.0

@@ -2,10 +2,10 @@
 
 import math
 
-from drivegen.words.build_crossings import Road, count_of, own_of_arms
+from drivegen.words.build_crossings import count_of, own_of_arms
 from drivegen.words.choices import Choices, lanes_of, speed_of, usual_speed
 from drivegen.words.slots import KMH
-from drivegen.words.things import Scene, Thing, Undrawable, Unfit, merged
+from drivegen.words.things import Road, Scene, Thing, Undrawable, Unfit, merged
 
 ISLAND = 8.0
 """By how much the island of a roundabout is smaller than its outer edge, per lane of the ring [m]."""

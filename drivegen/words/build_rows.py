@@ -5,9 +5,7 @@ from typing import Any
 
 from drivegen.words.build_crossings import said_control, turning
 from drivegen.words.choices import Choices, lanes_of, speed_of
-from drivegen.words.things import Thing, Unfit, merged
-
-Road = dict[str, Any]
+from drivegen.words.things import Road, Thing, Unfit, merged
 
 MOST = 12
 _SMALLEST_RING, _BETWEEN_RINGS = 28.0, 25.0

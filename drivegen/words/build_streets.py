@@ -1,14 +1,10 @@
 """From a scene to a street with junctions along it, side streets, or a staggered junction."""
 
-from typing import Any
-
 from drivegen.words.build_crossings import TURN_LANES, said_control
 from drivegen.words.build_lines import BENT, alignment
 from drivegen.words.build_rows import MOST, counted, places, row, spacing_of, turns_at
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
-from drivegen.words.things import Scene, Thing, Unfit, merged
-
-Road = dict[str, Any]
+from drivegen.words.things import Road, Scene, Thing, Unfit, merged
 
 _SHORTEST_END = 60.0
 _ROADS = ("street", "dead_end")

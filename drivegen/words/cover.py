@@ -23,6 +23,7 @@ _MOST = 60
 _COUNTED = stems("way lane arm leg armed legged road street")
 """Words behind a number that is part of an adjective: "two one-way streets"."""
 
+_BEFORE_NUMBERS = ("queue", "size", "skew", "undivided", "arterial")
 _ORDINALS = stems(" ".join((*ORDINALS, "last", "final")))
 _STOPS = stems(", . ( : and with at on in of for to from that where which is are has per each") | {""}
 
@@ -102,7 +103,7 @@ class Grammar:
         firsts = [tokens[i].key, *(f"{{{name}}}" for name, slot in SLOTS.items() if slot.read(tokens, i) is not None)]
         for phrase, pattern in chain.from_iterable(self._by_first.get(first, ()) for first in firsts):
             for values, end in match(pattern, tokens, i):
-                if end > i and _fits(phrase, tokens, end) and not (phrase.kind == "link" and _before_a_noun(tokens, i)):
+                if end > i and _fits(phrase, tokens, end) and not (phrase.kind == "link" and _names(tokens, i)):
                     matches[phrase, values, end] = None
         for phrase, values, end in matches:
             raw = " ".join(token.raw for token in tokens[i:end])
@@ -111,9 +112,10 @@ class Grammar:
             yield Item(phrase, values, i, end, tokens[end - 1].text, raw), cost
 
 
-def _before_a_noun(tokens: Sequence[Token], i: int) -> bool:
-    """Whether a noun must follow: "every crossing" names a thing, it does not say that something crosses."""
-    return i > 0 and (tokens[i - 1].text in words("determiners") or tokens[i - 1].text in _ORDINALS)
+def _names(tokens: Sequence[Token], i: int) -> bool:
+    """Whether a noun is meant: "every crossing", "crossings" name a thing, they do not say that something crosses."""
+    before = tokens[i - 1].text if i else ""
+    return tokens[i].raw.endswith("ings") or before in words("determiners") or before in _ORDINALS
 
 
 def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
@@ -122,12 +124,12 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
         return tokens[end - 1].plural
     if phrase.name == "member":
         return end == len(tokens) or tokens[end].text not in words("moved")
-    if phrase.place != "pre":
-        return True
     last, following = tokens[end - 1], tokens[end].text if end < len(tokens) else ""
+    if phrase.place != "pre":
+        return last.text not in ("minor", "major") or following in _STOPS or tokens[end].value is not None
     counted = end + 1 < len(tokens) and tokens[end].value is not None
     counts = counted and phrase.name in ("count", "lane_road") and tokens[end + 1].text in _COUNTED
-    before_noun = following not in _STOPS and (not counted or counts or phrase.name in ("queue", "size"))
+    before_noun = following not in _STOPS and (not counted or counts or phrase.name in _BEFORE_NUMBERS)
     return not last.plural and (before_noun or (following == "," and phrase.name not in ("count", "nth")))
 
 

@@ -1,23 +1,22 @@
 """What an edit says of one thing, put into the fields of a specification that it means."""
 
 import math
-from typing import Any
 
 from drivegen.words.build_crossings import turning
 from drivegen.words.build_events import EVENTS
 from drivegen.words.choices import lanes_of
-from drivegen.words.things import Thing, Unfit
+from drivegen.words.things import Road, Thing, Unfit
 
-Part = dict[str, Any]
 _RAMPS = ("on_ramp", "off_ramp", "weaving")
 _NO_TURN_LANES = {"left_turn_lanes": 0, "right_turn_lanes": 0}
+_LENGTHS = ("leg_length", "road_length", "side_length", "length")
 _SLOW = ("ring_speed", "ramp_speed", "loop_speed", "road_speed")
 
 
 class Edit:
     """What is said of one thing, put into the fields that it means."""
 
-    def __init__(self, fields: Part, thing: Thing) -> None:
+    def __init__(self, fields: Road, thing: Thing) -> None:
         self.fields, self.road, self.thing = fields, fields["road"], thing
         self.kind = self.road["kind"]
 
@@ -37,10 +36,10 @@ class Edit:
         self._turn_lanes(parts, name)
         self._lengths(parts)
 
-    def _parts(self, name: str) -> list[Part]:
+    def _parts(self, name: str) -> list[Road]:
         """The fields that hold what is said of a thing of this name."""
         road = self.road
-        arms: list[Part] = road.get("arms", [])
+        arms: list[Road] = road.get("arms", [])
         if name in EVENTS:
             return self._named_events(name)
         if arms:
@@ -56,11 +55,11 @@ class Edit:
         fits = name in ("", "street", "main", self.kind) or (name == "highway" and self.kind != "corridor")
         return [road] if fits or name in ("upper", "left_branch", "right_branch") else []
 
-    def _named_events(self, name: str) -> list[Part]:
+    def _named_events(self, name: str) -> list[Road]:
         kinds = _RAMPS if name == "ramp" else (name,)
         return self._chosen([event for event in self.road.get("events", []) if event["kind"] in kinds])
 
-    def _chosen(self, parts: list[Part]) -> list[Part]:
+    def _chosen(self, parts: list[Road]) -> list[Road]:
         """The one that an ordinal tells, all where none does."""
         which = self.thing.which
         if not isinstance(which, int):
@@ -71,7 +70,7 @@ class Edit:
         """Remove ramps, or add one behind all that is there; whether they are gone."""
         if self.kind != "highway":
             raise Unfit("only motorways have ramps and lane changes along them")
-        events: list[Part] = self.road["events"]
+        events: list[Road] = self.road["events"]
         if self.thing.value("remove"):
             gone = self._named_events(name)
             if not gone:
@@ -104,7 +103,7 @@ class Edit:
         self.road = self.fields["road"]
         self.kind = self.road["kind"]
 
-    def _lanes(self, parts: list[Part]) -> None:
+    def _lanes(self, parts: list[Road]) -> None:
         more, fewer = self.thing.value("more_lanes"), self.thing.value("fewer_lanes")
         one_way = self.road.get("lanes_back") == 0 or self.kind in ("highway", "fork") or self.road.get("one_way", False)
         lanes = lanes_of(self.thing, one_way=one_way, arms=bool(self.road.get("arms")))
@@ -117,7 +116,7 @@ class Edit:
                 number = lanes[0] if lanes else value + (more or 0) - (fewer or 0)
                 part[name] = number if name not in ("lanes_back", "lanes_out") or not lanes else (lanes[1] or lanes[0])
 
-    def _lane_fields(self, part: Part) -> list[tuple[str, int]]:
+    def _lane_fields(self, part: Road) -> list[tuple[str, int]]:
         name = self.thing.name
         own = {"side": ("side_lanes", "lanes_in", "lanes_out"), "cross": ("side_lanes",), "ring": ("ring_lanes",),
                "upper": ("road_lanes",), "left_branch": ("left_lanes",), "right_branch": ("right_lanes",)}  # fmt: skip
@@ -126,20 +125,19 @@ class Edit:
             fields = ("side_lanes",)
         return [(field, part[field]) for field in fields if field in part]
 
-    def _speed(self, parts: list[Part], name: str) -> None:
-        speeds = [*self.thing.values("speed"), *self.thing.values("ramp_speed")]
-        if not speeds:
+    def _speed(self, parts: list[Road], name: str) -> None:
+        if (speed := self.thing.first("speed", "ramp_speed")) is None:
             return
         own = {"side": "side_speed", "cross": "side_speed", "ring": "ring_speed", "upper": "road_speed"}
         for part in parts:
             fields = [field for field in (own.get(name, ""), "speed", "ramp_speed") if field in part]
             if not fields:
                 raise Unfit("no limit can be set there")
-            part[fields[0]] = speeds[0]
+            part[fields[0]] = speed
         if name in ("", "street"):
             for junction in self.road.get("junctions", []):
-                junction["side_speed"] = speeds[0]
-            self.road |= {slow: min(self.road[slow], speeds[0]) for slow in _SLOW if slow in self.road}
+                junction["side_speed"] = speed
+            self.road |= {slow: min(self.road[slow], speed) for slow in _SLOW if slow in self.road}
 
     def _control(self) -> None:
         control, signals = self.thing.value("control"), self.thing.value("signals")
@@ -155,7 +153,7 @@ class Edit:
         for place in places:
             place["control"] = control or "yield"
 
-    def _turn_lanes(self, parts: list[Part], name: str) -> None:
+    def _turn_lanes(self, parts: list[Road], name: str) -> None:
         none = bool(self.thing.value("no_turn_lanes"))
         new = turning([self.thing], {"left_turn_lanes": 1}, "turn_bans") | (dict(_NO_TURN_LANES) if none else {})
         for which in ("main", "side"):
@@ -174,25 +172,24 @@ class Edit:
                 raise Unfit("there are no turn lanes whose length could be set")
             part |= new | ({"turn_bans": sorted({*part["turn_bans"], *new["turn_bans"]})} if "turn_bans" in new else {})
 
-    def _lengths(self, parts: list[Part]) -> None:
+    def _lengths(self, parts: list[Road]) -> None:
         length, longer, shorter = self.thing.value("length"), self.thing.value("longer"), self.thing.value("shorter")
         step = (longer or 0.0) - (shorter or 0.0)
         for part in parts if length is not None or step else []:
             line = part.get("alignment", part)
-            name = "side_length" if "side_length" in line else "length"
-            name = "leg_length" if "leg_length" in line else "road_length" if "road_length" in line else name
-            if name not in line:
+            name = next((field for field in _LENGTHS if field in line), None)
+            if name is None:
                 raise Unfit("there is no length here that could be set")
             line[name] = length if length is not None else line[name] + step
         self._moved(parts)
 
-    def _moved(self, parts: list[Part]) -> None:
+    def _moved(self, parts: list[Road]) -> None:
         if (straight := self.thing.value("straight")) and "alignment" in self.road:
             self.road["alignment"] = {"shape": "straight", "length": self.road["alignment"]["length"]}
         elif straight:
             raise Unfit("there is no bend here")
         moved = (self.thing.value("downstream") or 0.0) - (self.thing.value("upstream") or 0.0)
-        everything: list[Part] = self.road.get("events") or self.road.get("junctions") or []
+        everything: list[Road] = self.road.get("events") or self.road.get("junctions") or []
         first = min((everything.index(part) for part in parts if part in everything), default=None) if moved else None
         for part in everything[first:] if first is not None else []:
             part["position"] += moved
@@ -203,7 +200,7 @@ class Edit:
             raise Unfit("there is nothing along this road that could be moved")
         self._numbers(parts)
 
-    def _numbers(self, parts: list[Part]) -> None:
+    def _numbers(self, parts: list[Road]) -> None:
         fields = {"auxiliary": "length", "keeps": "keeps", "position": "position"}
         for name, field in {**fields, **{name: name for name in ("diameter", "spacing", "median", "lane_width")}}.items():
             holders = [part for part in (parts if name in fields else [self.road]) if field in part]

@@ -1,7 +1,7 @@
 """Forms of phrases: words, slots and alternatives, e.g. "({n} lane(s)|{n}) (on|for) each side".
 
-`(a|b)` are alternatives, an empty one leaves them out, `<name>` is one of the macros, `{slot}` a value of `slots.py`, "(s)" a
-plural that follows the number before it. The first alternative is spoken.
+`(a|b)` are alternatives, an empty one leaves them out, `<name>` is one of the macros, `{slot}` a value of `slots.py`. The first
+alternative is spoken; "(s)" is a plural there that follows the number before it. Plurals are read everywhere.
 """
 
 import re

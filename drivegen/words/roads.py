@@ -19,6 +19,7 @@ from drivegen.words.things import Fact, Scene, Undrawable, Unfit, merged
 _BENT = {"line", "arc", "turn", "turn_side", "turn_angle", "turn_to", "bends", "hairpins", "s_turn", "s_arc"}
 _SIZES = {"length", "speed", "spacing", "radius", "diameter", "island", "lane_width", "ring_speed"}
 _WIDE = ("crossing", "corridor", "grid", "highway", "fork")
+_UNNUMBERED = ("street", "main", "side", "cross", "highway", "grid", "fork")
 Builder = Callable[[Scene, Choices], dict[str, Any]]
 
 
@@ -30,6 +31,7 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
     hands = set(scene.everything.values("left_hand"))
     if len(hands) > 1:
         raise Unfit("traffic is said to keep left and right")
+    _none_by_number(scene)
     _lights(scene)
     _cross_streets(scene)
     for thing in scene.things:
@@ -52,6 +54,13 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
         return MapSpec.model_validate({"road": fields, "left_hand": bool(hands and hands.pop())})
     except ValidationError as error:
         raise Undrawable(f"this road cannot be drawn: {first_complaint(error)}") from None
+
+
+def _none_by_number(scene: Scene) -> None:
+    """Raises Unfit for "the first street": roads have no order, as what lies along a road has."""
+    for thing in scene.things:
+        if isinstance(thing.which, int) and thing.name in _UNNUMBERED:
+            raise Unfit(f"it is not clear which one {thing.text!r} is: say it by main and side road, or by directions")
 
 
 def _lights(scene: Scene) -> None:

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pydantic import BaseModel
+
 from drivegen.layouts.alignment import Alignment
 from drivegen.layouts.crossings import Arm, Crossing, Roundabout
 from drivegen.layouts.highways import Fork, Highway, HighwayEvent, Interchange
@@ -53,9 +55,9 @@ def noun(name: str, **facts: Any) -> str:
     return speak(next(p for p in table("roads") if p.kind == "thing" and p.name == name and p.facts == facts).forms[0], ())
 
 
-def counted(number: int, name: str) -> str:
+def counted(number: int, name: str, **facts: Any) -> str:
     """So many things of a name: "a crossing", "3 crossings"."""
-    word = noun(name)
+    word = noun(name, **facts)
     return f"{'an' if word[0] in 'aeio' else 'a'} {word}" if number == 1 else f"{number} {word}s"
 
 
@@ -75,6 +77,11 @@ def say(spec: MapSpec) -> list[Sentence]:
 def sentences(spec: MapSpec) -> list[str]:
     """The same as text."""
     return [str(sentence) for sentence in say(spec)]
+
+
+def _fields(part: BaseModel, *names: str) -> list[FieldValue]:
+    """Fields of a part of a specification that are said under their own names."""
+    return [(name, getattr(part, name)) for name in names]
 
 
 def _nth(i: int) -> str:
@@ -101,7 +108,7 @@ def _arms(arms: Sequence[Arm], angles: Sequence[float], main: Sequence[bool]) ->
         same = arm.lanes_in == arm.lanes_out
         facts: list[FieldValue] = [("angle", arm.angle)] if arm.angle != angle else []
         facts += [("lanes_each", arm.lanes_in)] if same else [("lanes_in", arm.lanes_in), ("lanes_out", arm.lanes_out)]
-        facts += [("speed", arm.speed), ("length", arm.length)]
+        facts += _fields(arm, "speed", "length")
         facts += [*_turn_lanes(arm), *(("turn_bans", side) for side in arm.turn_bans)]
         facts += [("priority", arm.main)] if arm.main != priority else []
         items.append(facts)
@@ -132,8 +139,8 @@ def _crossing(road: Crossing) -> list[Sentence]:
 def _roundabout(road: Roundabout) -> list[Sentence]:
     count = len(road.arms)
     even = [i * 360.0 / count for i in range(count)]
-    facts = [("arms", count), ("diameter", road.diameter), ("ring_lanes", road.ring_lanes), ("ring_speed", road.ring_speed)]
-    return [Sentence(f"A {noun('roundabout')} with", tuple(facts)), *_arms(road.arms, even, [True] * count)]
+    facts = (("arms", count), *_fields(road, "diameter", "ring_lanes", "ring_speed"))
+    return [Sentence("A roundabout with", facts), *_arms(road.arms, even, [True] * count)]
 
 
 def _line(line: Alignment) -> list[FieldValue]:
@@ -182,8 +189,8 @@ def _junction(junction: Junction) -> list[FieldValue]:
     if junction.form == "crossing":
         facts.append(("control", junction.control))
     else:
-        facts += [("ring_lanes", junction.ring_lanes), ("diameter", junction.diameter)]
-    facts += [("side_lanes", junction.side_lanes), ("side_speed", junction.side_speed), ("side_length", junction.side_length)]
+        facts += _fields(junction, "ring_lanes", "diameter")
+    facts += _fields(junction, "side_lanes", "side_speed", "side_length")
     facts += [*_turn_lanes(junction), *(("main_turn_bans", side) for side in junction.turn_bans)]
     facts += [("side_turn_bans", side) for side in junction.side_turn_bans]
     return facts + ([("side_dead_end", True)] if junction.dead_end else [])
@@ -221,34 +228,30 @@ def _event(event: HighwayEvent) -> list[FieldValue]:
 def _fork(road: Fork) -> list[Sentence]:
     facts: list[FieldValue] = [("joins", 2)] if road.joins else []
     facts += [("lanes", road.lanes), ("branch_lanes", (road.left_lanes, road.right_lanes)), ("angle", road.angle)]
-    facts += [("speed", road.speed), ("length", road.length), *([("stem", road.stem)] if road.stem is not None else [])]
+    facts += [*_fields(road, "speed", "length"), *([("stem", road.stem)] if road.stem is not None else [])]
     return [Sentence(f"A {noun('fork')} with", tuple(facts))]
 
 
 def _interchange(road: Interchange) -> list[Sentence]:
     facts = [("control", road.control), ("ramp_lanes", road.ramp_lanes), ("ramps_limit", road.ramp_speed)]
-    above = [("lanes_each", road.road_lanes), ("speed", road.road_speed), ("length", road.road_length)]
-    head = noun("interchange", form=road.form)
+    return _two_levels(counted(1, "interchange", form=road.form), facts, road, road.road_length)
+
+
+def _two_levels(name: str, facts: list[FieldValue], road: Interchange | QuadrantInterchange, length: float) -> list[Sentence]:
+    """Of an interchange, its highway and the road above it."""
+    above = (("lanes_each", road.road_lanes), ("speed", road.road_speed), ("length", length))
     return [
-        Sentence(f"{'An' if head[0] in 'aeio' else 'A'} {head} with", tuple(facts)),
+        Sentence(f"{name.capitalize()} with", tuple(facts)),
         Sentence(f"The {noun('highway')} has", (("lanes_each", road.lanes), ("speed", road.speed))),
-        Sentence(f"The {noun('upper')} has", tuple(above)),
+        Sentence(f"The {noun('upper')} has", above),
     ]
 
 
 def _quadrants(road: QuadrantInterchange) -> list[Sentence]:
-    facts: list[FieldValue] = [
-        ("ramp_lanes", road.ramp_lanes),
-        ("ramps_limit", road.ramp_speed),
-        ("loop_radius", road.loop_radius),
-    ]
-    facts += [("loop_speed", road.loop_speed), ("median", road.median)]
+    facts: list[FieldValue] = [("ramp_lanes", road.ramp_lanes), ("ramps_limit", road.ramp_speed)]
+    facts += _fields(road, "loop_radius", "loop_speed", "median")
     facts += [] if road.south_leg else [("leg", "north")]
     facts += [] if road.control is None else [("control", road.control)]
-    above = (("lanes_each", road.road_lanes), ("speed", road.road_speed), ("length", road.leg_length))
-    return [
-        Sentence(f"A {noun('cloverleaf', form='cloverleaf' if road.north_leg else 'trumpet')} with", tuple(facts)),
-        Sentence(f"The {noun('highway')} has", (("lanes_each", road.lanes), ("speed", road.speed))),
-        Sentence(f"The {noun('upper')} has", above),
-        *(Sentence(f"The {noun(name)} has", (("ramps", getattr(road, name)),)) for name in QUADRANTS),
-    ]
+    head = counted(1, "cloverleaf", form="cloverleaf" if road.north_leg else "trumpet")
+    ramps = [Sentence(f"The {noun(name)} has", (("ramps", getattr(road, name)),)) for name in QUADRANTS]
+    return [*_two_levels(head, facts, road, road.leg_length), *ramps]

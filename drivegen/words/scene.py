@@ -13,10 +13,11 @@ from drivegen.words.cover import Item
 from drivegen.words.phrase import WORD, Phrase
 from drivegen.words.table import traffic_names, words
 from drivegen.words.things import Fact, Scene, Thing, Unfit
-from drivegen.words.tokens import stems
+from drivegen.words.tokens import stem, stems
 
 ALL = frozenset({"every", "each", "all", "both"})
 _KNOWN = stems("the its this that these those")
+_NEAREST = _KNOWN - {"the"}
 WHOLES = ("crossing", "roundabout", "highway", "street", "grid", "fork", "interchange", "cloverleaf", "staggered", "dead_end")
 
 
@@ -26,6 +27,10 @@ _SEEN = ("does", *_PLACED)
 _DONE_TO_TARGET = ("cut_in", "overtake", "turn_left_across")
 _TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes")
 """A length right behind them is theirs: "with left and right turn lanes of 60 m"."""
+
+_RULED_OUT = ("no ", "without ")
+_BY_DIRECTION = (*_TURN_LANES, "control", "signals", "turn_bans", "speed")
+"""Said of one direction only, these leave open whether the road has another: "with lights in one direction only"."""
 
 _OTHERS = ("car", "truck", "bus", "vehicle", "member")
 _ROADS = ("street", "main", "east_west", "north_south")
@@ -57,6 +62,7 @@ class Walk:
             if item.phrase is WORD:
                 self._word(item)
             elif item.phrase.kind == "thing":
+                self._not_ruled_out(item)
                 self._thing(item, item.phrase)
             elif item.phrase.kind == "link":
                 self._nothing_pending()
@@ -64,9 +70,18 @@ class Walk:
                 (self.subject or self.scene.whole).links.extend(names)
                 self.mark, self.comma, self.det = "", False, ""
             elif item.phrase.kind == "fact":
+                self._not_ruled_out(item)
                 self._fact(i, item, item.phrase)
         self._sentence_ends()
         return self.scene
+
+    def _not_ruled_out(self, item: Item) -> None:
+        """Raises Unfit for things behind "and" that "no" or "without" may rule out, too: "without lights and crossings"."""
+        before = self.segment[-1][0].text if self.segment else ""
+        listed = self.mark == "and" or (self.mark == "" and before.endswith(" and"))
+        plain = item.raw.endswith("s") and not item.raw.startswith(_RULED_OUT) and set(item.values) <= {"left", "right"}
+        if listed and plain and before.startswith(_RULED_OUT) and not (self.det or self.pending):
+            raise Unfit(f"it is not clear whether {before!r} is said of {item.raw!r}, too")
 
     def _nothing_pending(self) -> None:
         if self.pending:
@@ -119,6 +134,11 @@ class Walk:
         if parts and self.mark in words("prepositions") and self.subject is not None and self.subject.name in traffic_names():
             raise Unfit(f"where {self.subject.text!r} is can be said as seen from the target only, not by {item.raw!r}")
         definite = self.det in _KNOWN or self.det in ALL or bool(which)
+        towards = [fact for fact, _ in self.segment if fact.name in ("turn_bans", *_TURN_LANES)]
+        if self.mark in ("onto", "to") and towards:
+            raise Unfit(f"say from which road {towards[0].text!r} is, not into which")
+        if item.text == "merge" and self.mark == "and" and self.subject is not None and self.subject.name == "highway":
+            raise Unfit(f"{item.raw!r} can be a ramp, or a road that merges")
         if self.mark in words("prepositions") and definite and self.segment:
             for fact, holder in self.segment:
                 if fact.value in ("stop", "stop_sign", "yield") and thing.name in _ROADS:
@@ -158,13 +178,20 @@ class Walk:
         if like and (self.det in _KNOWN or which is not None or bare):
             if name in MOVING and name != "target" and like[-1].text.split()[-1] != text.split()[-1]:
                 raise Unfit(f"it is not clear whether {text!r} is among {like[-1].text!r}")
-            return like[-1]
+            called = [thing for thing in like if stem(thing.text.split()[-1]) == stem(text.split()[-1])]
+            if len(like) > 1 and len(called) != 1 and self.det not in _NEAREST:
+                raise Unfit(f"it is not clear which one {text!r} is")
+            return called[0] if len(called) == 1 else like[-1]
         self.scene.things.append(Thing(name, text, which=which, definite=self.det in _KNOWN or which is not None))
         return self.scene.things[-1]
 
     def _fact(self, i: int, item: Item, phrase: Phrase) -> None:
         fact = Fact(phrase.name, item.value, item.raw, phrase.scope)
         before = self.items[i - 1].phrase if i else WORD
+        said = next((item.phrase for item in reversed(self.items[:i]) if item.phrase is not WORD), phrase)
+        apart = said.name in _BY_DIRECTION or (said.kind == "thing" and said.name not in (*fact.scope, "traffic"))
+        if fact.name == "one_way" and "direction" in fact.text and apart:
+            raise Unfit(f"it is not clear what is {fact.text!r}")
         if fact.name == "length" and before.name in _TURN_LANES:
             fact.name, fact.scope = "pocket", before.scope
         nothing = self.segment and self.segment[-1][0].name.startswith(("no_", "straight"))  # "no ramps for 2 km"
@@ -227,6 +254,9 @@ class Walk:
         moving = self.subject if self.subject is not None and self.subject.name in MOVING else None
         if moving is not None and not (self.comma or _can_hold(moving, fact) or _is_limit(fact)):
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
+        ramp = self.subject is not None and self.subject.name.endswith("ramp") and not self.subject.definite
+        if ramp and self.sticky and fact.name in ("lanes", "lanes_each", "speed"):  # "motorway on-ramp: 2 lanes, 100 km/h"
+            raise Unfit(f"it is not clear whether {fact.text!r} is said of the ramp or of the road")
         whole = "" in fact.scope
         before = self.segment[-1] if self.segment and self.mark == "and" else None
         if whole and before is not None and before[0].name == "control" and before[1] is self.scene.whole:

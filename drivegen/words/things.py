@@ -4,6 +4,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+Road = dict[str, Any]
+"""A part of a specification while it is put together, by the names of its fields."""
+
 
 class Unfit(Exception):
     """What is said cannot be put together; the message says why."""
@@ -58,6 +61,10 @@ class Thing:
             texts = " and ".join(repr(fact.text) for fact in self.facts if fact.name == name)
             raise Unfit(f"{texts} contradict one another")
         return values[0] if values else None
+
+    def first(self, *names: str) -> Any:
+        """The first value of the first of these fields of which something is said, None where nothing is; all count as used."""
+        return next(iter([value for name in names for value in self.values(name)]), None)
 
     def has(self, *names: str) -> bool:
         """Whether any of these fields is spoken of; they do not count as used."""

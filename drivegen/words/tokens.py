@@ -6,18 +6,13 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 _SIGNS = {
-    "–": " - ",
-    "—": " - ",
-    "−": "-",
-    "×": " x ",
-    "°": " degrees ",
-    "→": " to ",
-    "½": " 1/2 ",
-    "¼": " 1/4 ",
-    "’": "'",
+    "–": " - ", "—": " - ", "−": "-", "‑": "-", "×": " x ", "°": " degrees ", "→": " to ", "½": " 1/2 ", "¼": " 1/4 ", "’": "'",
     "‘": "'",
-    "‑": "-",
-}
+}  # fmt: skip
+_SHORT = {
+    "hwy": "highway", "jct": "junction", "pls": "please", "gimme": "give me", "grey": "gray", "cannot": "can not",
+    "m'way": "motorway", "aux": "auxiliary", "unsignaled": "unsignalised",
+}  # fmt: skip
 _UNITS = (
     (r"\bk\.?m\.? ?/ ?h(?:r|our)?\b|\bkm ?h\b|\bkm?ph\b|\bkmph\b|\bk/h\b|\bk(?:m|ilomet(?:re|er)s?) (?:per|an|a) hour\b", "kmh"),
     (r"\bm\.p\.h\b\.?|\bmi ?/ ?h\b|\bmph\b|\bmiles? (?:per|an) hour\b", "mph"),
@@ -35,17 +30,11 @@ _SPELLING = (
     (r"\bcentre", "center"),
     (r"\bw/o\b", "without"),
     (r"\bw/(?=\s)", "with"),
-    (r"\bhwy\b", "highway"),
     (r"\b(i|we|you)'d\b", r"\1 would"),
     (r"\bt(junction|intersection)(s?)\b", r"t \1\2"),
     (r"\bstop-?light(s?)\b", r"stop light\1"),
-    (r"\bjct\b", "junction"),
     (r"\bdia\b\.?", "diameter"),
-    (r"\bpls\b", "please"),
-    (r"\bgimme\b", "give me"),
-    (r"\bgrey\b", "gray"),
     (r"\b(can|do|does|is|are|was|has|have|should|must|need|would)n't\b", r"\1 not"),
-    (r"\bcannot\b", "can not"),
     (r"\b(\w+)'s?\b", r"\1"),
     (r"\b(cul)[- ]de[- ](sac)", r"\1 de \2"),
     (r"\bround about\b(?! \d)", "roundabout"),
@@ -57,11 +46,9 @@ _SPELLING = (
     (r"\b(?:an? |one )?(mile|km|kilomet(?:re|er)) and a half\b", r"1.5 \1"),
     (r"\ba (?=lane (?:(?:in|per|for) )?(?:each|either|both|every) (?:way|direction))", "1 "),
     (r"@", " at "),
-    (r"\bm'way\b", "motorway"),
     (r"\br(?:nd|d)?a?bt\b", "roundabout"),
     (r"\btempo (\d+)\b(?! ?k)", r"\1 km/h"),
     (r"\br ?= ?(?=\d)", "radius "),
-    (r"\baux\b", "auxiliary"),
     (r"\bt'?s\b", "t junctions"),
     (r"\b(i|e)\.(e|g)\.", r"\1\2"),
     (r"\ba (?:couple|pair) of\b|\b(?:couple|pair) of\b", "2"),
@@ -69,7 +56,6 @@ _SPELLING = (
     (r"\b(road|street|arm|leg|approach|direction)(s?) only\b(?= *(?:[,.;]|$))", r"\1\2"),
     (r"\b(?:passing|passes|running|runs|going|goes) through (?=\d|two|three|four|five|six|seven|eight)", "with "),
     (r"\bout (?=in\b|on\b)", ""),
-    (r"\bunsignaled\b", "unsignalised"),
     (r"\b(?:an? )?quarter (?:of )?(?:an? )?(?=mile|km|kilomet)", "0.25 "),
     (r"\ban? (?=hundred|thousand)", ""),
     (r"\ban? (?=(?:mile|km|kilomet(?:re|er))\b(?! ?/| per))", "1 "),
@@ -111,9 +97,7 @@ class Token:
 
 def tokenise(text: str) -> list[Token]:
     """The tokens of a text."""
-    text = text.lower()
-    for sign, plain in _SIGNS.items():
-        text = text.replace(sign, plain)
+    text = re.sub(r"[\w']+", lambda m: _SHORT.get(m[0], m[0]), text.lower().translate(str.maketrans(_SIGNS)))
     for pattern, spelt in _SPELLING:
         text = re.sub(pattern, spelt, text)
     text = re.sub(r"(?<![\w.,/-])(\d+(?:\.\d+)?)(?=(?:k\.?m|kph|m\.?p|m\b|ft\b|mi\b|yd|kmh|x\d))", r"\1 ", text)

@@ -116,3 +116,80 @@ def test_motorways_that_merge_have_a_motorways_limit():
 @pytest.mark.parametrize("text", ["a road that splits into three", "five roads that become one", "three motorways merge"])
 def test_a_fork_of_more_than_two_branches_is_declined(text):
     assert "a fork has two branches" in declined(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "lanes", "left", "bans"),
+    [
+        ("an avenue crosses a street; the avenue has 2 lanes in each direction", [2, 2, 2, 2], [0] * 4, [()] * 4),
+        ("a 4-lane avenue crosses a 2-lane street, left turn lanes on the avenue", [2, 1, 2, 1], [1, 0, 1, 0], [()] * 4),
+        ("a 4-lane avenue crosses a 2-lane street, no left turn from the avenue", [2, 1, 2, 1], [0] * 4, [("left",), ()] * 2),
+        ("a 4-lane avenue crosses a 2-lane street, no left turn from the street", [2, 1, 2, 1], [0] * 4, [(), ("left",)] * 2),
+    ],
+)
+def test_a_road_that_is_named_again_is_the_one_of_that_name(text, lanes, left, bans):
+    arms = read(text, 7).road.road.arms
+    assert [arm.lanes_in for arm in arms] == lanes
+    assert [arm.left_turn_lanes for arm in arms] == left
+    assert [arm.turn_bans for arm in arms] == bans
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("a road crosses a road; the road has two lanes in each direction", "which one 'road'"),
+        ("a crossing of two streets, the first street has two lanes each way", "which one 'street'"),
+        ("a crossing of an avenue and a street, no left turn onto the street", "from which road"),
+        ("a motorway and a freeway merge; the motorway has three lanes", "a road that merges"),
+        ("a crossroads with lights in one direction only", "clear what is 'in one direction'"),
+        ("a crossroads with left-turn lanes in one direction", "clear what is 'in one direction'"),
+        ("a motorway with an exit in one direction only", "'in one direction'"),
+        ("motorway on-ramp: two through lanes, 100 km/h", "of the ramp or of the road"),
+        ("rural highway, 100 km/h, T-junction with a left turn lane on the main road", "'highway' is the main road"),
+        ("a road with 50 km/h in one direction only", "clear what is 'in one direction'"),
+    ],
+)
+def test_what_may_be_said_of_another_road_or_direction_is_declined(text, word):
+    assert word in declined(text)
+
+
+def test_a_road_in_one_direction_only_is_one_way():
+    for text in ("a road with two lanes in one direction only", "a street with traffic in one direction only, two lanes"):
+        assert (read(text, 7).road.road.lanes, read(text, 7).road.road.lanes_back) == (2, 0)
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("a road without lights and crossings", "'crossings', too"),
+        ("a road without crossings and bends", "'bends', too"),
+        ("a crossroads without traffic lights and left-turn lanes", "'left turn lanes', too"),
+        ("a dual carriageway that becomes a single carriageway", "carriageways that begin or end"),
+    ],
+)
+def test_what_no_or_without_may_rule_out_too_is_declined(text, word):
+    assert word in declined(text)
+
+
+@pytest.mark.parametrize(
+    "text", ["with left-turn lanes and without traffic lights", "without traffic lights and with left-turn lanes"]
+)
+def test_with_and_without_are_told_apart(text):
+    road = read(f"a crossroads {text}", 7).road.road
+    assert (road.control, road.arms[0].left_turn_lanes) == ("yield", 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("a T-junction, major 2 lanes each way, yield on minor", "a T-junction, 2 lanes each way on the main road, give way"),
+        ("a dual carriageway, 2+2 lanes", "a dual carriageway, two lanes in each direction"),
+        (
+            "motorway split: 4 lanes into 2 left and 2 right",
+            "a motorway that splits, 4 lanes, 2 to the left and 2 to the right",
+        ),
+        ("skewed 4-way crossing, at 70 degrees", "a four-way crossing at 70 degrees"),
+    ],
+)
+def test_short_forms_draw_what_long_ones_do(text, plain):
+    assert read(text, 7, "same").road == read(plain, 7, "same").road
