@@ -69,8 +69,8 @@ class Plugin:
         scenes, who = scenes[who >= 0], who[who >= 0]
         searches = [_Search(arena, int(s), int(n), settings) for s, n in zip(scenes, who, strict=True)]
         for turn in range(settings.rounds):
-            most = -(-int(arena.left.max(initial=0)) // (settings.rounds - turn))
-            asked = [search.ask(min(most, int(arena.left[ground.of[search.scene]]))) for search in searches]
+            most = arena.share_of(settings.rounds - turn)
+            asked = [search.ask(int(most[ground.of[search.scene]])) for search in searches]
             variants = [Variants.one_each(np.full(len(m.valid), s.scene), np.full(len(m.valid), s.attacker), m)
                         for s, m in zip(searches, asked, strict=True)]  # fmt: skip
             if not variants:

@@ -1,12 +1,10 @@
 """CAT: the goal whose natural odds times its overlap with the driver's last motions are highest (Zhang and others, CoRL 2023).
 
-    argmax over goals g of  P(g) * sum over the last motions of DECAY ^ t(g, motion),
+    argmax over goals g of  P(g) * sum over the last motions of DECAY ^ (t(g, motion) / EVERY),
 
-t being the first step at which the boxes overlap; a goal that never does is worth P(g) * APART / (1 + its gap in metres) instead.
-In the paper a network (DenseTNT) gives 32 futures of one opponent with their odds; here these are the project's own candidates,
-odds and planner, for every vehicle. The authors' code looks at every fifth step, so DECAY is that of 0.5 s, here of 0.1 s; where
-none overlaps, it takes the nearest whatever its odds. Each run adds one of the driver's motions; what was driven is not driven
-again.
+t being the first step at which the boxes overlap; of goals that never do the nearest comes first, whatever its odds. In the
+paper a network (DenseTNT) gives 32 futures of one opponent with their odds; here these are the project's own candidates, odds and
+planner, for every vehicle. Each run adds one of the driver's motions; what was driven is not driven again.
 """
 
 from dataclasses import dataclass
@@ -32,11 +30,8 @@ ABOUT = About(
     stand_in="its choice among the project's goals, with their odds and planner, instead of DenseTNT's futures",
 )
 
-DECAY = 0.99
-"""An overlap a step later is worth so much less."""
-
-APART = 1e-6
-"""What never overlaps is worth this at most, times its odds."""
+DECAY, EVERY = 0.99, 5
+"""An overlap EVERY steps later is worth DECAY as much: the authors' code looks at every fifth step."""
 
 
 @dataclass(frozen=True)
@@ -71,16 +66,16 @@ class Chooser:
         scenes = share_out(ground.of, np.maximum(arena.left // self.settings.per_scene, 1))
         motion = arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion
         pool = self.source.candidates(arena, scenes)
-        worth = _overlap(arena, pool, everywhere(motion, scenes, len(ground.of))) * _odds(pool)
-        pool = self.source.varied(arena, pool, np.argsort(-worth, kind="stable"))
-        overlaps, odds = np.zeros((self.settings.last, len(pool))), _odds(pool)
+        overlap, gap = _nearness(arena, pool, everywhere(motion, scenes, len(ground.of)))
+        pool = self.source.varied(arena, pool, _ranked(_odds(pool) * overlap, gap))
+        overlaps, gaps = np.zeros((self.settings.last, len(pool))), np.full((self.settings.last, len(pool)), np.inf)
         turn, tried = 0, np.zeros(len(pool), np.bool_)
         while True:
             driven = np.isin(pool.scene, scenes)
-            overlaps[turn % len(overlaps), driven] = _overlap(arena, pool, everywhere(motion, scenes, len(ground.of)))[driven]
-            untried = np.flatnonzero(~tried)
-            order = untried[np.argsort(-(odds * overlaps.sum(0))[untried], kind="stable")]
-            rows, outcome = pool.drive(arena, order, 1)
+            overlap, gap = _nearness(arena, pool, everywhere(motion, scenes, len(ground.of)))
+            overlaps[turn % len(overlaps), driven], gaps[turn % len(gaps), driven] = overlap[driven], gap[driven]
+            order = _ranked(_odds(pool) * overlaps.sum(0), gaps.min(0))
+            rows, outcome = pool.drive(arena, order[~tried[order]], 1)
             if not len(rows):
                 return
             tried[rows], scenes, motion, turn = True, pool.scene[rows], outcome.motion, turn + 1
@@ -100,7 +95,12 @@ def _odds(pool: Candidates) -> NDArray[np.float32]:
     return np.where(np.isnan(pool.odds), np.float32(1.0), pool.odds)
 
 
-def _overlap(arena: Arena, pool: Candidates, driven: Trajectories) -> NDArray[np.float64]:
-    """(Q,) what a candidate is worth by the first step at which its box overlaps that of a target as it drove."""
+def _nearness(arena: Arena, pool: Candidates, driven: Trajectories) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
+    """(Q,) what a candidate's overlap with a target as it drove is worth, 0 where there is none, and (Q,) its gap to it [m]."""
     met = approaches(arena.trials, driven, pool.scene, pool.vehicle, pool.motion)
-    return np.where(met.contact >= 0, DECAY ** met.contact.astype(np.float64), APART / (1 + met.gap))
+    return np.where(met.contact >= 0, DECAY ** (met.contact // EVERY).astype(np.float64), 0.0), met.gap
+
+
+def _ranked(worth: NDArray[np.floating], gap: NDArray[np.floating]) -> NDArray[np.intp]:
+    """(Q,) candidates from the best on: by what they are worth, and those that are worth nothing by their gaps."""
+    return np.lexsort((np.where(worth > 0, 0.0, gap), -worth))

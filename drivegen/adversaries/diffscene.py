@@ -82,8 +82,8 @@ class Plugin:
         who = attackers(arena, scenes, driven)
         scenes, who = scenes[who >= 0], who[who >= 0]
         for turn in range(settings.rounds if len(scenes) else 0):
-            most = -(-int(arena.left.max(initial=0)) // (settings.rounds - turn))
-            scene, vehicle = (np.repeat(each, most * settings.tries) for each in (scenes, who))
+            most = arena.share_of(settings.rounds - turn)
+            scene, vehicle = (np.repeat(each, most[of[scenes]] * settings.tries) for each in (scenes, who))
             motion, odds = self._denoised(arena, scene, vehicle, driven, turn)
             order = np.flatnonzero(arena.allows(scene, vehicle, motion))
             rows = arena.first_allowed(scene, vehicle, motion, order, most)

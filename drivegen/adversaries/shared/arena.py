@@ -94,6 +94,10 @@ class Arena:
         """(C,) runs that are left in each scenario."""
         return self.bounds.budget - self.spent
 
+    def share_of(self, rounds: int) -> NDArray[np.int64]:
+        """(C,) runs of the next of `rounds` equal rounds in each scenario, rounded up."""
+        return -(-self.left // rounds)
+
     def drive(self, variants: Variants, odds: NDArray[np.floating] | None = None) -> DrivingOutcome:
         """Drive through variants; `odds` (V,) are the natural odds of their attackers' goals.
 
@@ -122,9 +126,9 @@ class Arena:
         vehicle: NDArray[np.integer],
         motion: Trajectories,
         order: NDArray[np.integer],
-        most: int,
+        most: int | NDArray[np.integer],
     ) -> NDArray[np.int64]:
-        """The first rows of `order` that may be driven, `most` in each scenario and no more than are left there.
+        """The first rows of `order` that may be driven, `most` in each scenario (C,) and no more than are left there.
 
         Tracks (E, T) are those that the arena `allows`; here everybody else is judged, too: who has to give way to them.
         """
