@@ -97,7 +97,8 @@ class Token:
 
 def tokenise(text: str) -> list[Token]:
     """The tokens of a text."""
-    text = re.sub(r"[\w']+", lambda m: _SHORT.get(m[0], m[0]), text.lower().translate(str.maketrans(_SIGNS)))
+    text = "".join(_SIGNS.get(sign, sign) for sign in text.lower())
+    text = re.sub(r"[\w']+", lambda m: _SHORT.get(m[0], m[0]), text)
     for pattern, spelt in _SPELLING:
         text = re.sub(pattern, spelt, text)
     text = re.sub(r"(?<![\w.,/-])(\d+(?:\.\d+)?)(?=(?:k\.?m|kph|m\.?p|m\b|ft\b|mi\b|yd|kmh|x\d))", r"\1 ", text)
