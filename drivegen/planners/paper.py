@@ -143,6 +143,8 @@ class Plugin:
         if not self.trained:
             raise UnusableInput("planner paper has not been trained", reason="untrained")
         horizon = np.array([s.steps for s in scenarios])[requests.scenario]
+        if not len(requests):
+            return Trajectories.empty(0, 1)
         states = np.empty((len(requests), self.settings.tokens, len(SCALES[self.settings.state])), np.float32)
         rasters = Rasters(scenarios, self.settings.channels, self.settings.extent)
         torch.set_num_threads(1)
