@@ -137,7 +137,7 @@ class Tracks:
 
 
 def expect_commits(place: str, horizon: int, commit: int, every: int) -> None:
-    """Raise UnusableInput unless `horizon` and `commit`, settings of `place`, are multiples of `every` and the former reaches."""
+    """Raise UnusableInput unless `commit` is at most `horizon`, and both settings of `place` are multiples of `every`."""
     for name, steps in (("horizon", horizon), ("commit", commit)):
         expect_multiple(f"{place}.{name}", steps, every)
     if commit > horizon:
