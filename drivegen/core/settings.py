@@ -102,6 +102,12 @@ def build(cls: type[P], values: dict[str, Any], place: str) -> P:
     return cls(**{name: _typed(hints[name], value, f"{place}.{name}") for name, value in values.items()})
 
 
+def expect_multiple(place: str, number: int, of: int, named: str = "") -> None:
+    """Raise UnusableInput unless the parameter `place`, `number`, is a multiple of `of`, which another one, `named`, may say."""
+    if number % of:
+        raise UnusableInput(f"{place} must be a multiple of {f'{named}, {of}' if named else of}, not {number}")
+
+
 def _typed(hint: Any, value: Any, place: str) -> Any:
     if hint is Any:  # checked by whoever knows the value's own types
         return value

@@ -6,6 +6,7 @@ params.yaml weighs them, add up to most. Stable-Baselines3 is needed to learn, n
 
 from dataclasses import dataclass
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count, Positive, Share
 from drivegen.drivers.shared import conditions
 from drivegen.drivers.shared.lessons import Lessons
@@ -35,6 +36,13 @@ class Teaching:
     rewards: Count
     pull: Share
     entropy: Positive
+
+    def __post_init__(self) -> None:
+        if self.environment.motion != "path":
+            raise UnusableInput(
+                f"train_driver.drivers.sac.environment.motion must be path, not {self.environment.motion!r}: the policy says"
+                " an acceleration alone"
+            )
 
 
 class Plugin(Network):

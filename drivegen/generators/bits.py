@@ -25,12 +25,12 @@ from drivegen.core.geometry import rotate, unit
 from drivegen.core.methods import Method
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import DT, Scenario, Trajectories
-from drivegen.core.settings import Count, NotNegative, Positive
+from drivegen.core.settings import Count, NotNegative, Positive, expect_multiple
 from drivegen.generators._bits.learning import HELD_OUT, BitsObjective, DrivingExamples, Logs
-from drivegen.generators._bits.net import BitsNet, Plan, Seen, numbers_of
+from drivegen.generators._bits.net import HOLD, BitsNet, Plan, Seen, numbers_of
 from drivegen.generators._bits.raster import Painted, rasters
 from drivegen.generators._bits.rules import EVERY, broken
-from drivegen.generators.shared.closed_loop import Crowd, Tracks
+from drivegen.generators.shared.closed_loop import Crowd, Tracks, expect_commits
 from drivegen.generators.shared.learned import Learned
 from drivegen.training import loop
 
@@ -57,7 +57,7 @@ class BitsSettings:
 
     Attributes:
         width: of the networks, a multiple of 16.
-        horizon: steps to a goal. commit: steps of a plan that are driven before the next; multiples of 5.
+        horizon: steps to a goal. commit: steps of a plan that are driven before the next, at most all; multiples of 5.
         goals: drawn for each vehicle and plan. temperature: they are drawn from `p ** (1 / temperature)`, normalised.
         collision, off_road, likelihood: weights of a plan's share of looks with somebody hit, of those off the road, and of the
             log-odds of its goal.
@@ -75,6 +75,11 @@ class BitsSettings:
     likelihood: NotNegative
     clearance: NotNegative
     training: loop.Settings
+
+    def __post_init__(self) -> None:
+        place = "train_generator.generators.bits"
+        expect_multiple(f"{place}.width", self.width, 16)
+        expect_commits(place, self.horizon, self.commit, HOLD)
 
 
 @dataclass(frozen=True)

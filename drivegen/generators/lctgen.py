@@ -18,7 +18,7 @@ surroundings in its own frame; the future lasts 10 s, so an action lasts 2.5 s.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import torch
@@ -30,14 +30,14 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.methods import Method
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario, Vehicles
-from drivegen.core.settings import Count, NotNegative, Positive
+from drivegen.core.settings import Count, NotNegative, Positive, Within, expect_multiple
 from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, logged_code, state_code
 from drivegen.generators._lctgen.learning import LctgenObjective, Taught, Trainable
 from drivegen.generators._lctgen.net import LctgenNet
 from drivegen.generators._lctgen.place import place
 from drivegen.generators.shared.learned import Learned, Placement
 from drivegen.generators.shared.motion import filled_in, trajectories
-from drivegen.generators.shared.vectors import AGENTS, Scenes
+from drivegen.generators.shared.vectors import AGENTS, PIECES, Scenes
 from drivegen.training import loop
 
 ABOUT = Method(
@@ -59,7 +59,8 @@ class LctgenSettings:
     """Values stand in params.yaml, `train_generator.generators.lctgen`.
 
     Attributes:
-        width, heads, layers: of the transformer of queries. blocks: of context gating. modes: K' motions of each query.
+        width, heads, layers: of the transformer of queries; `width` is a multiple of `heads`. blocks: of context gating.
+        modes: K' motions of each query.
         gaussians: of a placed vehicle's attributes. pieces: of road that each vehicle sees in its own frame.
         placement: weight of the placement in the loss. temperature: actions and modes are drawn from `p ** (1 / temperature)`.
         training: see `training.loop.Settings`.
@@ -71,10 +72,13 @@ class LctgenSettings:
     blocks: Count
     modes: Count
     gaussians: Count
-    pieces: Count
+    pieces: Annotated[int, Within(1, PIECES)]
     placement: NotNegative
     temperature: Positive
     training: loop.Settings
+
+    def __post_init__(self) -> None:
+        expect_multiple("train_generator.generators.lctgen.width", self.width, self.heads, "heads")
 
 
 class Plugin(Learned):

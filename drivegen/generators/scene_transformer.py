@@ -18,7 +18,7 @@ F, all of them, again and again.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import torch
@@ -26,14 +26,15 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from drivegen.core import seeds
+from drivegen.core.errors import UnusableInput
 from drivegen.core.methods import Method
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario
-from drivegen.core.settings import Count, Share
+from drivegen.core.settings import Count, Share, Within, expect_multiple
 from drivegen.generators._scene_transformer.net import SceneTransformerNet
 from drivegen.generators.shared.learned import Learned
-from drivegen.generators.shared.motion import at_knots, filled_in, trajectories
-from drivegen.generators.shared.vectors import Scenes, SceneTensors, local_future
+from drivegen.generators.shared.motion import KNOTS, at_knots, filled_in, trajectories
+from drivegen.generators.shared.vectors import PIECES, Scenes, SceneTensors, local_future
 from drivegen.training import loop
 
 ABOUT = Method(
@@ -55,10 +56,11 @@ class SceneTransformerSettings:
     """Values stand in params.yaml, `train_generator.generators.scene_transformer`.
 
     Attributes:
-        width, heads: of the transformer. layers: rounds of road, time and agents before the futures part, and
+        width, heads: of the transformer; `width` is a multiple of `heads`. layers: rounds of road, time and agents before the
+            futures part, and
         decoder_layers: rounds of time and agents for each future. modes: F. stretches: tokens of the future, a divisor of
-        20. pieces: of road that each agent sees. relaxed: weight of the mean of all futures, the rest being that of the best.
-        training: see `training.loop.Settings`.
+            KNOTS. pieces: of road that each agent sees.
+        relaxed: weight of the mean of all futures, the rest being that of the best. training: see `training.loop.Settings`.
     """
 
     width: Count
@@ -67,9 +69,15 @@ class SceneTransformerSettings:
     decoder_layers: Count
     modes: Count
     stretches: Count
-    pieces: Count
+    pieces: Annotated[int, Within(1, PIECES)]
     relaxed: Share
     training: loop.Settings
+
+    def __post_init__(self) -> None:
+        place = "train_generator.generators.scene_transformer"
+        expect_multiple(f"{place}.width", self.width, self.heads, "heads")
+        if KNOTS % self.stretches:
+            raise UnusableInput(f"{place}.stretches must be a divisor of {KNOTS}, not {self.stretches}")
 
 
 class Plugin(Learned):

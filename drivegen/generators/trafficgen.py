@@ -31,7 +31,7 @@ from drivegen.generators._trafficgen.driving import Driver
 from drivegen.generators._trafficgen.learning import HELD_OUT, Disturbance, Logs, MotionExamples, TrafficGenObjective
 from drivegen.generators._trafficgen.net import KNOT, Modes, MotionNet
 from drivegen.generators._trafficgen.placement import PlacementExamples, PlacementNet, Regions, place
-from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.closed_loop import Tracks, expect_commits
 from drivegen.generators.shared.lanes import LaneVectors
 from drivegen.generators.shared.learned import Learned, Placement
 from drivegen.training import loop
@@ -57,7 +57,8 @@ class TrafficGenSettings:
     Attributes:
         piece: length of the lane pieces [m]. lanes, boxes: how many of each a vehicle sees, the nearest.
         width, layers: of the gates. modes: per vehicle.
-        horizon: steps that are predicted. commit: steps of them that are driven before the next prediction; multiples of 5.
+        horizon: steps that are predicted. commit: steps of them that are driven before the next prediction, at most all;
+            multiples of 5.
         temperature: modes are drawn from `p ** (1 / temperature)`, normalised.
         disturbance: of the training examples.
         placement_width: of the gates of the initialisation. placement_lanes: regions around the target, the nearest.
@@ -77,6 +78,9 @@ class TrafficGenSettings:
     placement_width: Count
     placement_lanes: Count
     training: loop.Settings
+
+    def __post_init__(self) -> None:
+        expect_commits("train_generator.generators.trafficgen", self.horizon, self.commit, KNOT)
 
 
 class TrafficGenNet(nn.Module):

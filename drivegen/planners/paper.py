@@ -30,14 +30,15 @@ from torch import Tensor
 from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.core.settings import Count, Positive, build
-from drivegen.planners._paper.diffusion import SAMPLERS, alpha_bars, sampled
+from drivegen.core.settings import Count, Positive, build, expect_multiple
+from drivegen.planners._paper.diffusion import SAMPLERS, SCHEDULES, alpha_bars, sampled
 from drivegen.planners._paper.examples import DiffusionObjective, Rasters
 from drivegen.planners._paper.net import PaperNet
 from drivegen.planners._paper.states import SCALES, conditions, from_states
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.planners.shared.noise import normals
 from drivegen.planners.shared.scores import drawn_tracks, probe
+from drivegen.roads.raster import CHANNELS
 from drivegen.training import loop
 from drivegen.training.curve import LossRow
 from drivegen.training.weights import fill, read_weights, write_weights
@@ -54,8 +55,8 @@ class PaperSettings:
     """Values stand in params.yaml, `train_planner.planners.paper`; see the module for what the paper leaves open.
 
     Attributes:
-        state: "pose" or "position". tokens: T, states between start and goal, the goal's own step included.
-        width, heads, layers: of the transformer. noise_steps: diffusion steps.
+        state: "pose" or "position". tokens: T, states between start and goal, the goal's own step included; with "pose" even.
+        width, heads, layers: of the transformer; `width` is a multiple of `heads`. noise_steps: diffusion steps.
         schedule: "cosine" or "linear". target: "noise" or "clean". sampler: see `_paper.diffusion.SAMPLERS`.
         sampling_steps: of the noise steps, those that sampling visits. batch_of: "trajectories" or "scenarios".
         channels: see `roads.raster.CHANNELS`. extent: [m] side of the raster. bf16: sample in bfloat16, too.
@@ -78,6 +79,32 @@ class PaperSettings:
     bf16: bool
     training: loop.Settings
 
+    def __post_init__(self) -> None:
+        place = "train_planner.planners.paper"
+        words = {
+            "state": tuple(SCALES),
+            "schedule": SCHEDULES,
+            "target": ("noise", "clean"),
+            "sampler": SAMPLERS,
+            "batch_of": ("trajectories", "scenarios"),
+        }
+        for name, allowed in words.items():
+            _expect_word(f"{place}.{name}", getattr(self, name), allowed)
+        for channel in self.channels:
+            _expect_word(f"{place}.channels", channel, CHANNELS)
+        if self.sampling_steps > self.noise_steps:
+            raise UnusableInput(
+                f"{place}.sampling_steps must be at most noise_steps, {self.noise_steps}, not {self.sampling_steps}"
+            )
+        expect_multiple(f"{place}.width", self.width, self.heads, "heads")
+        if len(SCALES[self.state]) % 2:  # noise comes in pairs
+            expect_multiple(f"{place}.tokens", self.tokens, 2)
+
+
+def _expect_word(place: str, word: str, allowed: Sequence[str]) -> None:
+    if word not in allowed:
+        raise UnusableInput(f"{place} must be one of {', '.join(allowed)}, not {word!r}")
+
 
 class Plugin:
     """See `planners.base.Planner`."""
@@ -85,7 +112,6 @@ class Plugin:
     Settings = PaperSettings
 
     def __init__(self, settings: PaperSettings) -> None:
-        _check(settings)
         self.settings, self.trained = settings, False
         self.net = self._new_net()
 
@@ -117,6 +143,8 @@ class Plugin:
         if not self.trained:
             raise UnusableInput("planner paper has not been trained", reason="untrained")
         horizon = np.array([s.steps for s in scenarios])[requests.scenario]
+        if not len(requests):
+            return Trajectories.empty(0, 1)
         states = np.empty((len(requests), self.settings.tokens, len(SCALES[self.settings.state])), np.float32)
         rasters = Rasters(scenarios, self.settings.channels, self.settings.extent)
         torch.set_num_threads(1)
@@ -172,18 +200,3 @@ class Plugin:
         schedule = alpha_bars(settings.schedule, settings.noise_steps).to(device)
         x = sampled(predict, noise, schedule, settings.sampling_steps, settings.target, settings.sampler)
         return np.asarray(x.float().cpu().numpy())
-
-
-def _check(settings: PaperSettings) -> None:
-    """Raise UnusableInput for words that mean nothing here."""
-    allowed = {
-        "state": tuple(SCALES),
-        "target": ("noise", "clean"),
-        "sampler": SAMPLERS,
-        "batch_of": ("trajectories", "scenarios"),
-    }
-    for name, words in allowed.items():
-        if getattr(settings, name) not in words:
-            raise UnusableInput(
-                f"train_planner.planners.paper.{name} must be one of {', '.join(words)}, not {getattr(settings, name)!r}"
-            )

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.core.settings import Count
+from drivegen.core.settings import Count, expect_multiple
 from drivegen.planners._poly_fm.bends import bent_frames, encode, straight_on
 from drivegen.planners._poly_fm.net import PolylineEncoder, own_features
 from drivegen.planners._poly_fm.polylines import surroundings
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.planners.shared.flow import FlowNet
-from drivegen.planners.shared.flow_planner import Coefficients, FlowPlanner, FlowSettings
+from drivegen.planners.shared.flow_planner import Coefficients, Components, FlowPlanner, FlowSettings
 from drivegen.planners.shared.latent import expanded
 from drivegen.planners.shared.motion import GRID, decode
 from drivegen.planners.shared.profile import spline
@@ -34,13 +34,17 @@ class PolyFmSettings(FlowSettings):
 
     Attributes:
         along, bend: principal components of the residual of speed, and of the path's in x and in y each; `along` is even.
-        tokens, heads: of the attention over pieces of lane.
+        tokens, heads: of the attention over pieces of lane; `tokens` is a multiple of `heads`.
     """
 
-    along: Count
-    bend: Count
+    along: Components
+    bend: Components
     tokens: Count
     heads: Count
+
+    def __post_init__(self) -> None:
+        expect_multiple("train_planner.planners.poly_fm.along", self.along, 2)
+        expect_multiple("train_planner.planners.poly_fm.tokens", self.tokens, self.heads, "heads")
 
 
 class Plugin(FlowPlanner[PolyFmSettings]):

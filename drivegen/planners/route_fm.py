@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.core.settings import Count
+from drivegen.core.settings import expect_multiple
 from drivegen.planners._route_fm.features import FEATURES, features
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.planners.shared.fitting import encode
 from drivegen.planners.shared.flow import FlowNet, dense_encoder
-from drivegen.planners.shared.flow_planner import Coefficients, FlowPlanner, FlowSettings
+from drivegen.planners.shared.flow_planner import Coefficients, Components, FlowPlanner, FlowSettings
 from drivegen.planners.shared.latent import expanded
 from drivegen.planners.shared.motion import GRID, Residuals, decode
 from drivegen.planners.shared.paths import Frames
@@ -35,8 +35,11 @@ class RouteFmSettings(FlowSettings):
         along, across: principal components kept along and across the route; their sum is even.
     """
 
-    along: Count
-    across: Count
+    along: Components
+    across: Components
+
+    def __post_init__(self) -> None:
+        expect_multiple("train_planner.planners.route_fm: along and across together", self.along + self.across, 2)
 
 
 class Plugin(FlowPlanner[RouteFmSettings]):

@@ -102,6 +102,7 @@ def train(
     if objective.size == 0:
         raise UnusableInput("there is no example to learn from", reason="no-examples")
     torch.set_num_threads(1)  # sums depend on the number of threads
+    torch.backends.cudnn.deterministic = True  # and on the kernels of convolutions, which a GPU else chooses as it likes
     run = _Run(model, objective, settings, seed, keep_best)
     if path is not None:
         run.progress = Progress.of(checkpoint.read(path, run.parts))
@@ -141,7 +142,7 @@ class _Run(Generic[Net]):
     def __init__(self, model: Net, objective: Objective, settings: Settings, seed: int, keep_best: bool) -> None:
         self.objective, self.settings, self.seed = objective, settings, seed
         self.device = next(model.parameters()).device
-        self.rank, self.world = _join()
+        self.rank, self.world = _join(self.device)
         if settings.batch % self.world:
             raise UnusableInput(f"a batch of {settings.batch} cannot be shared by {self.world} processes")
         self.model = model
@@ -244,9 +245,9 @@ def _rate(settings: Settings, done: int) -> float:
     return warm * (0.5 + 0.5 * float(np.cos(np.pi * done / settings.steps)) if settings.decay else 1.0)
 
 
-def _join() -> tuple[int, int]:
-    """Rank and number of processes; joins torchrun's group if this process was started by it."""
+def _join(device: torch.device) -> tuple[int, int]:
+    """Rank and number of processes; joins torchrun's group if this process, which trains on `device`, was started by it."""
     world = int(os.environ.get("WORLD_SIZE", "1"))
     if world > 1 and not dist.is_initialized():
-        dist.init_process_group("nccl" if torch.cuda.is_available() else "gloo")
+        dist.init_process_group("nccl" if device.type == "cuda" else "gloo")
     return (dist.get_rank(), world) if world > 1 else (0, 1)

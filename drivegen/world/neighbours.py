@@ -29,7 +29,8 @@ class Boxes:
 
     def without(self, gone: NDArray[np.bool_]) -> "Boxes":
         """The same, a row of the arrays for each of R rows, in which those of `gone` (R, M) are not there."""
-        position, heading, valid = (array[self.at] for array in (self.position, self.heading, self.valid))
+        at = self.at.to(self.valid.device)  # those that are replayed stay on the CPU, whatever the world's device
+        position, heading, valid = (array[at] for array in (self.position, self.heading, self.valid))
         return Boxes(torch.arange(len(gone)), position, heading, valid & ~torch.from_numpy(gone).to(valid.device))
 
 

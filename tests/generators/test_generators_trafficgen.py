@@ -17,7 +17,7 @@ from drivegen.generators._trafficgen.net import ACCELERATION, BRAKING, CURVATURE
 from drivegen.generators._trafficgen.placement import PlacementExamples
 from drivegen.generators._trafficgen.vectors import Surroundings
 from drivegen.generators.shared.closed_loop import Tracks
-from drivegen.generators.shared.lanes import REACH, LaneVectors
+from drivegen.generators.shared.lanes import REACH, LaneVectors, nearest
 from tests.generators.rivals import trained
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
@@ -46,6 +46,10 @@ def moved(scene: Scenario, turn: float, shift: np.ndarray) -> Scenario:
     )
     lines = replace(scene.map.centreline, points=put(scene.map.centreline.points))
     return replace(scene, map=replace(scene.map, centreline=lines), vehicles=vehicles, log=log)
+
+
+def test_of_no_boxes_that_are_asked_for_none_is_the_nearest():
+    assert len(nearest.py_func(np.array([3.0, 1.0], np.float32), 0)) == 0  # compiled, it would write where it may not
 
 
 def test_a_vehicle_sees_the_lane_ahead_and_the_car_before_it_in_its_own_frame():

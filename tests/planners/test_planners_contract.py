@@ -58,6 +58,10 @@ def test_a_request_gets_the_same_motion_alone_and_in_any_batch(trained: Planner,
     assert same(trained.sample(logs.scenarios, requests[::-1]), together[::-1])
 
 
+def test_where_nothing_is_asked_for_nothing_is_planned(trained: Planner, logs: Examples) -> None:
+    assert len(trained.sample(logs.scenarios, logs.requests[:0]).valid) == 0
+
+
 def test_motion_starts_in_the_initial_state_and_is_finite(trained: Planner, logs: Examples) -> None:
     for requests in (logs.requests, without_routes(logs.requests)):
         motion = trained.sample(logs.scenarios, requests)

@@ -227,6 +227,17 @@ def test_two_processes_get_equal_weights_that_agree_with_one(tmp_path: Path) -> 
         torch.testing.assert_close(first[key], value, rtol=1e-4, atol=1e-5)
 
 
+def test_a_network_on_the_cpu_is_trained_by_processes_that_talk_on_the_cpu_whatever_gpu_there_is(monkeypatch) -> None:
+    def join(backend: str) -> None:
+        raise RuntimeError(backend)
+
+    monkeypatch.setenv("WORLD_SIZE", "2")
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
+    monkeypatch.setattr(torch.distributed, "init_process_group", join)
+    with pytest.raises(RuntimeError, match="gloo"):
+        train(net(), NoisyCosine(), SETTINGS, 5, None, lambda line: None)
+
+
 def test_a_damaged_checkpoint_is_named(tmp_path: Path) -> None:
     (tmp_path / "c.safetensors").write_bytes(b"half a file")
     with pytest.raises(UnusableInput, match=r"c\.safetensors.*remove it"):

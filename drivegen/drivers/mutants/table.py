@@ -109,8 +109,14 @@ FAULTS = {
 }
 
 
-def _order(count: int) -> Tensor:
-    return torch.arange(count)
+def _rows(seen: Observation) -> Tensor:
+    """(S,) numbers of the targets."""
+    return torch.arange(len(seen.speed), device=seen.speed.device)
+
+
+def _others(seen: Observation) -> Tensor:
+    """(M,) numbers of the others."""
+    return torch.arange(seen.present.shape[1], device=seen.speed.device)
 
 
 def _single(action: Action, seen: Observation) -> Action:
@@ -118,16 +124,15 @@ def _single(action: Action, seen: Observation) -> Action:
 
 
 def _padded(seen: Observation) -> Observation:
-    count = seen.present.shape[1]
-    twice = of_others(seen, _order(count).repeat(2))
-    return without(twice, (_order(2 * count) >= count).expand_as(twice.present))
+    twice = of_others(seen, _others(seen).repeat(2))
+    return without(twice, (_others(twice) >= seen.present.shape[1]).expand_as(twice.present))
 
 
-_REVERSED = Mutation("takes the others in reverse order", lambda s: of_others(s, _order(s.present.shape[1]).flip(0)))
+_REVERSED = Mutation("takes the others in reverse order", lambda s: of_others(s, _others(s).flip(0)))
 _PADDED = Mutation("has as many empty boxes again", _padded)
 _OTHER_ROWS = Mutation(
     "decides for the targets in reverse order",
-    lambda s: of_rows(s, _order(len(s.speed)).flip(0)),
+    lambda s: of_rows(s, _rows(s).flip(0)),
     lambda a, _: replace(a, acceleration=a.acceleration.flip(0)),
 )
 
@@ -135,7 +140,7 @@ EQUIVALENTS = {
     "idm": {
         "mirrored": Mutation("has left and right exchanged", mirrored),
         "double": Mutation("reckons in double precision", in_double_precision, _single),
-        "doubled": Mutation("has everybody twice", lambda s: of_others(s, _order(s.present.shape[1]).repeat(2))),
+        "doubled": Mutation("has everybody twice", lambda s: of_others(s, _others(s).repeat(2))),
         "ahead_only": Mutation("leaves out who is behind", lambda s: replace(s, present=s.present & (s.ahead > 0))),
     },
     "gail": {"reversed": _REVERSED, "padded": _PADDED},

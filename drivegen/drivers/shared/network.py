@@ -63,7 +63,8 @@ class Network:
     @torch.no_grad()
     def act(self, observation: Observation) -> Action:
         """The policy's mean."""
-        numbers = self._net(features(observation))
+        seen = features(observation)
+        numbers = self._net.to(seen.device)(seen)
         return on_path(numbers.tanh() if self._squashed else numbers.clamp(-1.0, 1.0))
 
 

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated
 
 import torch
 from torch import Tensor
 from torch.nn.utils import clip_grad_norm_
 
-from drivegen.core.settings import Count, Positive, Share
+from drivegen.core.settings import Count, Positive, Share, Within
 from drivegen.drivers.shared.episodes import Episodes
 from drivegen.drivers.shared.policy import Gaussian, Value
 
@@ -18,7 +19,8 @@ class Settings:
 
     Attributes:
         rows: episodes of an iteration. epochs: times that each is learnt from. batch: steps of one optimiser step.
-        learning_rate: Adam's. clip: of the ratio of likelihoods. discount, smoothing: gamma and lambda of GAE.
+        learning_rate: Adam's. clip: of the ratio of likelihoods. discount, below 1, and smoothing: gamma and lambda of
+            GAE.
     """
 
     rows: Count
@@ -26,7 +28,7 @@ class Settings:
     batch: Count
     learning_rate: Positive
     clip: Positive
-    discount: Share
+    discount: Annotated[float, Within(0, 0.9999)]
     smoothing: Share
 
 

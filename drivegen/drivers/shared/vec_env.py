@@ -41,12 +41,14 @@ class WorldVecEnv(VecEnv):
         actions = torch.from_numpy(np.array(self._actions, np.float32).reshape(self.num_envs, -1))
         step = self.environment.step(actions.to(device))
         features, reward, terminated = (tensor.cpu().numpy() for tensor in (step.observation, step.reward, step.terminated))
-        truncated = step.truncated.cpu().numpy()
+        truncated, kind, off_road, left_map = (
+            tensor.cpu().numpy() for tensor in (step.truncated, step.kind, step.off_road, step.left_map)
+        )
         ended = np.flatnonzero(terminated | truncated)
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for r in ended.tolist():
             infos[r] = {"terminal_observation": features[r].copy(), "TimeLimit.truncated": bool(truncated[r])}
-            infos[r] |= {"collision": int(step.kind[r]), "off_road": bool(step.off_road[r]), "left_map": bool(step.left_map[r])}
+            infos[r] |= {"collision": int(kind[r]), "off_road": bool(off_road[r]), "left_map": bool(left_map[r])}
         if len(ended):
             scenes = self.environment.draw_scenes(len(ended), self._random)
             features[ended] = self.environment.reset(scenes, torch.from_numpy(ended).to(device)).cpu().numpy()

@@ -100,12 +100,13 @@ class BitsObjective:
         return total / count if count else float("nan")
 
     def _loss(self, model: nn.Module, examples: DrivingExamples, rows: NDArray[np.integer], missed: Tensor) -> Tensor:
-        pictures, numbers = (t.to(missed.device) for t in examples.seen(rows))
+        pictures, numbers = examples.seen(rows)
+        longer = torch.from_numpy(stretch(10 * numbers[:, 0].numpy(), examples.horizon * DT))
+        pictures, numbers, longer = (t.to(missed.device) for t in (pictures, numbers, longer))
         place, turn, speed, there = (t.to(missed.device) for t in examples.future(rows))
         goal = torch.cat([place[:, -1], turn[:, -1:], speed[:, -1:]], dim=1)
         seen, plan, prediction = model(pictures, numbers, goal[:, None] + missed[:, None])
         plan = Plan(*(part[:, 0] for part in plan))
-        longer = torch.from_numpy(stretch(10 * numbers[:, 0].cpu().numpy(), examples.horizon * DT)).to(missed.device)
         return (
             goal_loss(Seen(*seen), goal, longer)
             + way_loss(plan, place, turn, there)

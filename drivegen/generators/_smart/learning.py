@@ -172,7 +172,7 @@ class SmartObjective:
 
     def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:
         """Mean over the tokens of the scenes; the first frame is one of the first SPAN steps."""
-        random = np.random.default_rng(drawn[0].flatten().tolist())
+        random = np.random.default_rng(drawn[0].cpu().flatten().tolist())
         phase, cut = random.integers(0, SPAN, len(rows)), random.integers(1, WORDS, len(rows))
         cut[random.random(len(rows)) >= self.slips.cut] = 0
         seen, target = self.train.batch(rows.cpu().numpy(), phase, cut, self.slips, random)

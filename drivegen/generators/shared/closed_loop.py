@@ -11,9 +11,11 @@ from typing import Annotated, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import unit
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Actors, Scenario, Trajectories, Vehicles
+from drivegen.core.settings import expect_multiple
 from drivegen.store.columns import Starts
 
 _MOVING = ("position", "velocity", "heading", "valid")
@@ -132,6 +134,14 @@ class Tracks:
             motion = Trajectories(self.position[box], self.heading[box], self.velocity[box], self.valid[box])
             made.append(Samples.without_goals(scenario.scenario_id, method, motion.until(scenario.steps)))
         return made
+
+
+def expect_commits(place: str, horizon: int, commit: int, every: int) -> None:
+    """Raise UnusableInput unless `commit` is at most `horizon`, and both settings of `place` are multiples of `every`."""
+    for name, steps in (("horizon", horizon), ("commit", commit)):
+        expect_multiple(f"{place}.{name}", steps, every)
+    if commit > horizon:
+        raise UnusableInput(f"{place}.commit must be at most horizon, {horizon}, not {commit}")
 
 
 def _beginning(scenario: Scenario) -> Trajectories:

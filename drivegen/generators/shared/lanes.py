@@ -124,8 +124,8 @@ def _lanes(start, ends, static, signal, state, pose, scene, step, count, look): 
 @njit(cache=True)
 def nearest(distance, count):  # type: ignore[no-untyped-def]
     """Numbers of the `count` smallest, or of all if there are fewer, in rising order; of equals the first."""
-    if len(distance) <= count:
-        return np.arange(len(distance))
+    if len(distance) <= count or count == 0:
+        return np.arange(min(len(distance), count))
     farthest = np.partition(distance, count - 1)[count - 1]
     chosen = np.empty(count, np.int64)
     spare, k = count - (distance < farthest).sum(), 0

@@ -11,7 +11,7 @@ from torch import Tensor
 
 from drivegen.core.errors import UnusableInput
 
-SAMPLERS = ("ddpm", "ddim", "dpm_solver")
+SAMPLERS, SCHEDULES = ("ddpm", "ddim", "dpm_solver"), ("cosine", "linear")
 
 LARGEST = 12.0
 """Estimates of clean states are held within this, in units of the states' scales."""

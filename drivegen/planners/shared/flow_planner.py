@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import ClassVar, Generic, Self, TypeVar
+from typing import Annotated, ClassVar, Generic, Self, TypeVar
 
 import numpy as np
 import torch
@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.core.settings import Count, Share, build
+from drivegen.core.settings import Count, Share, Within, build
 from drivegen.planners.base import Examples, PlanRequests
 from drivegen.planners.shared.flow import FlowNet, FlowObjective
 from drivegen.planners.shared.latent import Basis, draw, importance, principal, whitened
 from drivegen.planners.shared.noise import normals
+from drivegen.planners.shared.profile import COEFFICIENTS
 from drivegen.planners.shared.scores import drawn_tracks, probe
 from drivegen.store.columns import Columns
 from drivegen.training import loop
@@ -33,6 +34,9 @@ WATCHED = 200
 
 Coefficients = dict[str, NDArray[np.float64]]
 """Spline coefficients (E, C) of each group of residuals, in the groups' order."""
+
+Components = Annotated[int, Within(1, COEFFICIENTS)]
+"""Principal components that are kept of a group."""
 
 
 @dataclass(frozen=True)
