@@ -1,6 +1,7 @@
 """What holds for every adversary: a file in drivegen/adversaries is found here and has to keep to it."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -40,6 +41,12 @@ def lawful(scene):
     return legal(replace(samples, violation=violation), 0)
 
 
+@pytest.fixture(scope="module")
+def attacked(ground):
+    """The arena after an attack by its name and what is allowed, each made once."""
+    return cache(lambda name, allowed: attack(name, ground, allowed))
+
+
 def attack(name, ground, allowed="legal", budget=BUDGET):
     plugin = plugins.load("adversaries", name)
     settings = read_section("attack.adversaries", ROOT / "params.yaml")[name]
@@ -63,8 +70,8 @@ def test_a_rule_that_is_none_is_refused():
 
 @pytest.mark.parametrize("allowed", RULES)
 @pytest.mark.parametrize("name", ADVERSARIES)
-def test_it_keeps_to_its_budget_and_to_what_is_allowed(name, allowed, ground):
-    arena = attack(name, ground, allowed)
+def test_it_keeps_to_its_budget_and_to_what_is_allowed(name, allowed, ground, attacked):
+    arena = attacked(name, allowed)
     runs = arena.runs()
     assert np.array_equal(arena.spent, np.bincount(runs.scenario, minlength=2))
     assert 0 < arena.spent.min() <= arena.spent.max() <= BUDGET
@@ -81,8 +88,8 @@ def test_it_keeps_to_its_budget_and_to_what_is_allowed(name, allowed, ground):
 
 
 @pytest.mark.parametrize("name", ADVERSARIES)
-def test_the_same_seed_gives_the_same_runs_and_a_case_is_the_run_it_came_from(name, ground):
-    first, second = attack(name, ground).runs(), attack(name, ground).runs()
+def test_the_same_seed_gives_the_same_runs_and_a_case_is_the_run_it_came_from(name, ground, attacked):
+    first, second = attacked(name, "legal").runs(), attack(name, ground).runs()
     np.testing.assert_array_equal(first.variants.motion.position, second.variants.motion.position)
     np.testing.assert_array_equal(first.outcome.motion.position, second.outcome.motion.position)
     for run in np.flatnonzero(first.outcome.counted)[:2].tolist():

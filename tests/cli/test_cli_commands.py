@@ -1,6 +1,7 @@
 """The command line as a user meets it: exit codes, one sentence, no traceback."""
 
 import importlib.metadata
+import io
 import os
 import re
 import shlex
@@ -8,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,10 +32,25 @@ from tests.small_datasets import sensor_log
 COMMAND = [sys.executable, "-c", "from drivegen.cli import main; main()"]
 
 
-def run(*words: str, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+def process(*words: str, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    """`drivegen WORDS` in a process of its own, as a user starts it: seconds, most of which import libraries."""
     return subprocess.run(
         [*COMMAND, *words], cwd=cwd, env={**os.environ, "DISPLAY": "", **environment}, capture_output=True, text=True, check=False
     )
+
+
+def run(*words: str, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    """The same in this process."""
+    said, complained = (io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in range(2))
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(said), redirect_stderr(complained):
+        patch.chdir(cwd)
+        patch.setattr(sys, "argv", ["drivegen", *words])
+        for name, value in {"DISPLAY": "", **environment}.items():
+            patch.setenv(name, value)
+        with pytest.raises(SystemExit) as left:
+            cli.main()
+    texts = (stream.detach().getvalue().decode() for stream in (said, complained))
+    return subprocess.CompletedProcess(words, int(left.value.code or 0), *texts)
 
 
 @pytest.fixture
@@ -45,7 +62,7 @@ def folder(tmp_path) -> Path:
 
 
 def test_view_writes_a_recording_where_no_screen_is(folder, tmp_path):
-    done = run("view", str(folder), cwd=tmp_path)
+    done = process("view", str(folder), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "scene-0.rrd" in done.stdout
     assert (tmp_path / "scene-0.rrd").stat().st_size > 1000
@@ -349,7 +366,7 @@ def test_the_table_of_maps_is_whole_where_the_terminal_is_narrow(tmp_path):
 
 
 def test_the_doctor_finds_this_installation_sound_and_says_what_is_not_made_yet(tmp_path):
-    done = run("doctor", cwd=tmp_path)
+    done = process("doctor", cwd=tmp_path)
     assert done.returncode == 0, done.stdout
     assert "all" in done.stdout
     assert "make run" in done.stdout
@@ -380,19 +397,19 @@ def test_the_doctor_names_a_wrong_version_with_its_remedy(monkeypatch):
 def test_a_broken_package_is_told_without_a_traceback(tmp_path):
     (tmp_path / "rerun").mkdir()
     (tmp_path / "rerun" / "__init__.py").write_text("raise ImportError('broken', name='rerun')\n")
-    done = run("view", ".", cwd=tmp_path, PYTHONPATH=str(tmp_path))
+    done = process("view", ".", cwd=tmp_path, PYTHONPATH=str(tmp_path))
     assert done.returncode == 1
     assert done.stderr == "drivegen: rerun cannot be imported: `drivegen doctor` says what to do\n"
 
 
 def test_help_lists_every_command(tmp_path):
     for word in ("--help", "-h"):
-        done = run(word, cwd=tmp_path)
+        done = process(word, cwd=tmp_path)
         assert done.returncode == 0
         for name, what in cli.COMMANDS.items():  # in one line each, nothing cut off
             assert re.search(rf"^  {name} +{re.escape(what)}$", done.stdout, re.MULTILINE)
 
 
 def test_the_version_is_that_of_the_package(tmp_path):
-    done = run("--version", cwd=tmp_path)
+    done = process("--version", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, f"drivegen {importlib.metadata.version('drivegen')}\n")

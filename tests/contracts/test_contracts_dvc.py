@@ -52,27 +52,39 @@ def path_of(module: str) -> Path:
     return path.with_suffix(".py") if path.with_suffix(".py").exists() else path / "__init__.py"
 
 
+@cache
+def source(module: str) -> str:
+    return path_of(module).read_text()
+
+
+@cache
+def upstream(module: str) -> set[str]:
+    return imports().find_upstream_modules(module)
+
+
+@cache
 def modules_at(path: str) -> set[str]:
     """The modules of a file, or of a folder and all below it."""
     name = path.removesuffix(".py").replace("/", ".")
     return {module for module in imports().modules if module == name or module.startswith(f"{name}.")}
 
 
+@cache
 def needed(stage) -> set[str]:
     """Everything that the stage's module imports, and what those plugins among its deps import that it loads by name."""
     listed = {module for path in code_deps(stage) for module in modules_at(path)}
     start, closure = set(), {f"stages.{stage.cmd.split()[1]}"}
     while start != closure:
         start = closure
-        closure = start.union(*(imports().find_upstream_modules(module) for module in start))
-        rooms = {f"drivegen.{folder}" for module in closure for folder in LOADED.findall(path_of(module).read_text())}
+        closure = start.union(*map(upstream, start))
+        rooms = {f"drivegen.{folder}" for module in closure for folder in LOADED.findall(source(module))}
         closure |= {module for module in listed if module.rpartition(".")[0] in rooms}
-    return {module for module in closure if path_of(module).read_text().strip() and path_of(module).name != "__init__.py"}
+    return {module for module in closure if source(module).strip() and path_of(module).name != "__init__.py"}
 
 
 def folders_read(stage) -> set[str]:
     """Folders of plugins whose names are listed, or that are asked what they say of themselves: their files are not run."""
-    texts = [path_of(module).read_text() for module in needed(stage) if module != "drivegen.core.methods"]
+    texts = [source(module) for module in needed(stage) if module != "drivegen.core.methods"]
     rooms = {name for text in texts for name in NAMED.findall(text)}
     rooms |= {"generators" for text in texts if "read_methods(" in text}
     return {f"drivegen/{room.replace('.', '/')}" for room in rooms}
@@ -104,7 +116,7 @@ def test_what_a_stage_imports_is_listed_and_nothing_else(word):
 def test_plugins_that_are_loaded_by_name_are_listed(word):
     """Import graphs do not see them."""
     for stage in STAGES[word]:
-        folders = {folder for module in needed(stage) for folder in LOADED.findall(path_of(module).read_text())}
+        folders = {folder for module in needed(stage) for folder in LOADED.findall(source(module))}
         for folder in folders:
             place = f"drivegen/{folder.replace('.', '/')}"
             chosen = [p for p in code_deps(stage) if f"{place}/".startswith(f"{p}/") or re.fullmatch(rf"{place}/[a-z]\w*\.py", p)]
@@ -120,7 +132,7 @@ def test_folders_of_plugins_that_are_read_and_not_run_are_listed(word):
 @pytest.mark.parametrize("word", STAGES)
 def test_data_files_that_a_module_reads_from_its_package_are_listed(word):
     for stage in STAGES[word]:
-        readers = [path_of(m) for m in needed(stage) if "importlib.resources" in path_of(m).read_text()]
+        readers = [path_of(m) for m in needed(stage) if "importlib.resources" in source(m)]
         read = {f for reader in readers for f in reader.parent.rglob("*") if f.is_file() and f.suffix not in (".py", ".pyc")}
         listed = [ROOT / path for path in code_deps(stage)]
         assert [str(f) for f in read if not any(f.is_relative_to(path) for path in listed)] == []

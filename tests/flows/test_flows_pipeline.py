@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 import threading
@@ -14,24 +13,6 @@ from dvc.repo import Repo
 
 from flows import FlowFailed, pipeline, workspace
 from tests.flows import toy
-
-
-@pytest.fixture(scope="module")
-def built(tmp_path_factory) -> Path:
-    folder = toy.build(tmp_path_factory.mktemp("built"))
-    plan = pipeline.read(folder)
-    for stage in plan.needs:
-        assert pipeline.reproduce(stage, lambda _: None, folder)
-    return folder
-
-
-@pytest.fixture
-def done(built, tmp_path, monkeypatch) -> Path:
-    """A pipeline of which everything has run."""
-    root = tmp_path / "done"
-    shutil.copytree(built, root, symlinks=True)
-    monkeypatch.chdir(root)
-    return root
 
 
 def run_stale() -> list[str]:

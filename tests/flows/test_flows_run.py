@@ -43,11 +43,12 @@ def test_a_failed_stage_fails_the_flow_by_name_and_stops_only_what_needs_it(root
     from flows.experiment import experiment
 
     (root / "dvc.yaml").write_text(toy.DVC.replace("cat data/maps", "echo no map here; cat data/map"))
+    toy.keep_rounds(root, 1)
     state = experiment(return_state=True)
     assert state.is_failed()
     assert state.message is not None
     assert state.message.startswith("stage place failed: ")
-    assert (root / "data" / "round-3").exists()
+    assert (root / "data" / "round-0").exists()
     assert not (root / "data" / "shipped").exists()
 
 
@@ -72,36 +73,32 @@ def test_the_gate_makes_what_it_needs_and_fails_where_the_new_driver_is_worse(ro
     assert state.message == f"{finding}: in 3 runs"
 
 
-def test_a_version_has_its_own_seed_and_a_manifest_and_is_never_overwritten(root):
-    from flows.experiment import experiment
+def test_a_version_has_its_own_seed_and_a_manifest_and_is_never_overwritten(done):
     from flows.regenerate import regenerate, seed_of
 
-    experiment()
     assert regenerate(version="first") == "data/versions/first"
-    version = root / "data" / "versions" / "first"
+    version = done / "data" / "versions" / "first"
     manifest = json.loads((version / "manifest.json").read_text())
     assert manifest["seed"] == seed_of("first")
     assert (version / "data" / "shipped" / "shard").read_text() == f"seed: {seed_of('first')}\nlogs\n"
     assert set(manifest["files"]) == {"data/maps", "data/placed", "data/shipped/shard", "data/ship.json", "dvc.lock"}
-    assert (root / "data" / "shipped" / "shard").read_text() == "seed: 7\nlogs\n"
-    assert list((root / ".drivegen" / "regenerate").iterdir()) == []
+    assert (done / "data" / "shipped" / "shard").read_text() == "seed: 7\nlogs\n"
+    assert list((done / ".drivegen" / "regenerate").iterdir()) == []
     state = regenerate(version="first", return_state=True)
     assert state.is_failed()
     assert "never overwritten" in str(state.message)
 
 
-def test_where_a_stage_fails_nothing_is_published_and_no_round_follows(root):
-    from flows.experiment import experiment
+def test_where_a_stage_fails_nothing_is_published_and_no_round_follows(done):
     from flows.iterate import iterate
     from flows.regenerate import regenerate
 
-    experiment()
     broken = toy.DVC.replace("cat data/maps", "echo no map here; cat data/map").replace("cp ${item.before}", "cp no/${item.k}")
-    (root / "dvc.yaml").write_text(broken)
+    (done / "dvc.yaml").write_text(broken)
     state = regenerate(version="broken", return_state=True)
     assert state.is_failed()
     assert str(state.message).startswith("stage place failed: cat: ")
-    assert not (root / "data" / "versions").exists()
+    assert not (done / "data" / "versions").exists()
     state = iterate(return_state=True)
     assert state.is_failed()
     assert str(state.message).startswith("stage corner@0 failed: cp: ")
@@ -121,6 +118,7 @@ def test_a_stage_killed_in_the_middle_is_never_taken_as_done(root):
 
     sound = "cat data/maps data/scenarios > data/placed"
     (root / "dvc.yaml").write_text(toy.DVC.replace(sound, "cat data/maps > data/placed; kill -9 $$"))
+    toy.keep_rounds(root, 1)
     state = experiment(return_state=True)
     assert state.is_failed()
     assert str(state.message).startswith("stage place failed: ")

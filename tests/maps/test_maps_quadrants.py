@@ -1,6 +1,7 @@
 """Cloverleaves, trumpets and single loops: their ramps, what they lead to, and vehicles that drive them."""
 
 import math
+from functools import cache
 from itertools import product
 from typing import Any
 from xml.etree import ElementTree
@@ -15,10 +16,10 @@ from drivegen.core import seeds
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import wrap_angle
 from drivegen.core.safe_xml import parse
-from drivegen.layouts.compile import compile_map, draw
+from drivegen.layouts.compile import draw
 from drivegen.layouts.quadrants import QUADRANTS, QuadrantInterchange
 from drivegen.layouts.spec import MapSpec
-from drivegen.maps.build import build_spec
+from drivegen.maps.build import BuiltMap, build_spec
 from drivegen.maps.checks import failures
 from drivegen.maps.examine import NETWORK, examine
 from drivegen.maps.overlaps import overlapping
@@ -68,6 +69,12 @@ def specified(form: dict[str, Any], left_hand: bool = False) -> MapSpec:
     return MapSpec.model_validate({"road": {"kind": "quadrant_interchange", **form}, "left_hand": left_hand})
 
 
+@cache
+def built(form: str, left_hand: bool = False) -> BuiltMap:
+    """Made once for all tests."""
+    return build_spec(specified(FORMS[form], left_hand), {})
+
+
 def ramps(plain: PlainNetwork, kind: str) -> list[Edge]:
     return [edge for edge in plain.edges if edge.id.startswith(kind)]
 
@@ -75,10 +82,10 @@ def ramps(plain: PlainNetwork, kind: str) -> list[Edge]:
 @SIDES
 @pytest.mark.parametrize("form", FORMS)
 def test_every_form_is_built_as_asked(form: str, left_hand: bool) -> None:
-    built = build_spec(specified(FORMS[form], left_hand), {})
-    assert failures(list(built.checks)) == []
-    assert {"loops", "bridges", "arms", "signals"} <= {check.name for check in built.checks}
-    built.road_map.validate()
+    made = built(form, left_hand)
+    assert failures(list(made.checks)) == []
+    assert {"loops", "bridges", "arms", "signals"} <= {check.name for check in made.checks}
+    made.road_map.validate()
 
 
 @SIDES
@@ -119,7 +126,7 @@ def place(lane: ElementTree.Element, end: int) -> np.ndarray:
 @SIDES
 @pytest.mark.parametrize("form", [form for form in FORMS if "street" not in form])
 def test_lanes_go_on_without_a_gap_or_a_kink(form: str, left_hand: bool) -> None:
-    root = ElementTree.fromstring(compile_map(specified(FORMS[form], left_hand)))
+    root = ElementTree.fromstring(built(form, left_hand).network)
     lanes = {lane.get("id", ""): lane for lane in root.iter("lane")}
     for link in (one for one in root.iter("connection") if not one.get("from", "").startswith(":")):
         source, target = (lanes[f"{link.get(a)}_{link.get(b)}"] for a, b in (("from", "fromLane"), ("to", "toLane")))
@@ -184,7 +191,7 @@ def ways(network: bytes) -> set[tuple[str, str]]:
 
 @SIDES
 def test_a_cloverleaf_leads_from_everywhere_to_everywhere(left_hand: bool) -> None:
-    assert ways(compile_map(specified({}, left_hand))) == set(product(LEGS, LEGS))
+    assert ways(built("cloverleaf", left_hand).network) == set(product(LEGS, LEGS))
 
 
 @SIDES
@@ -192,24 +199,24 @@ def test_a_cloverleaf_leads_from_everywhere_to_everywhere(left_hand: bool) -> No
 def test_a_trumpet_leads_from_each_leg_to_the_two_others(form: str, left_hand: bool) -> None:
     stem = "north" if "north" in form else "south"
     legs = ("east", "west", stem)
-    assert ways(compile_map(specified(FORMS[form], left_hand))) == {(a, b) for a, b in product(legs, legs) if a != b}
+    assert ways(built(form, left_hand).network) == {(a, b) for a, b in product(legs, legs) if a != b}
 
 
 def test_one_loop_adds_one_way() -> None:
     straight = {("east", "west"), ("west", "east"), ("north", "south"), ("south", "north")}
-    assert ways(compile_map(specified(FORMS["exit loop"]))) == {*straight, ("west", "north")}
+    assert ways(built("exit loop").network) == {*straight, ("west", "north")}
 
 
 @SIDES
 def test_a_partial_cloverleaf_over_a_street_leads_from_each_leg_to_all_others(left_hand: bool) -> None:
     others = {(a, b) for a, b in product(LEGS, LEGS) if a != b}
     for form in ("partial over a street", "two quadrants over a street"):
-        assert others <= ways(compile_map(specified(FORMS[form], left_hand)))
+        assert others <= ways(built(form, left_hand).network)
 
 
 def test_an_exit_loop_to_a_street_leads_both_ways_along_it() -> None:
     straight = {("east", "west"), ("west", "east"), ("north", "south"), ("south", "north")}
-    assert ways(compile_map(specified(FORMS["exit loop to a street"]))) == {*straight, ("west", "north"), ("west", "south")}
+    assert ways(built("exit loop to a street").network) == {*straight, ("west", "north"), ("west", "south")}
 
 
 @given(
@@ -279,7 +286,7 @@ def test_what_is_no_interchange_is_refused(wrong: dict[str, Any]) -> None:
 
 
 def test_without_its_height_the_road_would_lie_on_the_highway() -> None:
-    network = compile_map(specified({}))
+    network = built("cloverleaf").network
     assert (overlapping(parse(network, NETWORK)), measure(parse(network, NETWORK), NETWORK).bridges) == ((), 1)
     low = network.replace(b",6.00", b",1.00")
     assert overlapping(parse(low, NETWORK)) != ()
@@ -289,7 +296,7 @@ def test_without_its_height_the_road_would_lie_on_the_highway() -> None:
 @pytest.mark.parametrize("form", ["cloverleaf", "trumpet", "exit loop", "exit loop to a street"])
 def test_vehicles_drive_through_its_loops(form: str) -> None:
     spec = specified(FORMS[form])
-    raw = compile_map(spec)
+    raw = built(form).network
     network = Network.read(raw, form)
     run = Run(seed=3, warm_up=30.0, seconds=120.0, lateral_resolution=0.8, time_limit=120.0)
     motion = simulate(raw, draw_demand(network, Demand(40, 14.0, 150.0), seeds.rng(3, form)), network.map.origin, run).motion

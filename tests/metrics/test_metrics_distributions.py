@@ -116,8 +116,11 @@ def test_manoeuvres_are_counted_by_name():
 
 def test_intervals_hold_their_values():
     scenes = [counted(noisy_samples(SCENE, 3, seed=i).motion) for i in range(5)]
-    for interval in distances(scenes, list("abcde"), 50, rng(0, "test")).values():
-        assert np.isnan(interval.value) or interval.low <= interval.value <= interval.high
+    found = distances(scenes, list("abcde"), 50, rng(0, "test"))
+    there = [interval for interval in found.values() if not np.isnan(interval.value)]
+    assert len(there) > len(found) / 2
+    for interval in there:
+        assert interval.low <= interval.value <= interval.high
 
 
 def test_encounters_are_pairs_of_the_log_and_on_average_of_a_sample():

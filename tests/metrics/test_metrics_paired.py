@@ -113,7 +113,7 @@ def alarm_rate(worse: float, by_recording: bool, trials: int = 600) -> float:
 
 def test_false_alarms_are_one_in_twenty_at_most_and_would_be_more_were_every_run_taken_alone():
     assert alarm_rate(0.0, by_recording=True) <= 0.05 + 2 * np.sqrt(0.05 * 0.95 / 600)
-    assert alarm_rate(0.0, by_recording=False) > 0.1
+    assert alarm_rate(0.0, by_recording=False, trials=200) > 0.1  # each takes four times as long
 
 
 def test_a_driver_that_is_three_times_as_bad_is_found():

@@ -89,6 +89,7 @@ def test_a_kinked_road_is_rounded():
 
 def test_routes_are_the_same_whatever_was_asked_before():
     first = feasible_routes(CROSSING, np.array([-40.0, -1.5]), 0.05, 10.0, 150.0)
+    assert len(first) > 1
     feasible_routes(CROSSING, np.array([1.75, -40.0]), 1.6, 10.0, 90.0)
     again = feasible_routes(CROSSING, np.array([-40.0, -1.5]), 0.05, 10.0, 150.0)
     assert all(np.array_equal(a.line, b.line) for a, b in zip(first, again, strict=True))

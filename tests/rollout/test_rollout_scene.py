@@ -118,7 +118,7 @@ def test_motion_ends_at_the_goal(equipment, choices):
     for choice, samples in zip(choices, rolled(equipment, choices), strict=True):
         for n, found in enumerate(choice.candidates):
             away = np.hypot(*(samples.motion.position[:, n, -1] - found.position[samples.goal[:, n]]).T)
-            assert away.max() < 1.0
+            assert away.max() < 0.01
 
 
 def test_who_is_to_stay_while_it_rolls_brakes_first(equipment):

@@ -70,7 +70,7 @@ def test_selectors_give_every_vehicle_probabilities(name, trained):
     scene = scenes.busy_crossing()
     graph, found = offered(scene)
     asked = selector.offer(graph, scene, found)
-    assert [len(a) >= len(f) for a, f in zip(asked, found, strict=True)]
+    assert all(len(a) >= len(f) for a, f in zip(asked, found, strict=True))
     for c, p in zip(asked, selector.rank(graph, scene, asked), strict=True):
         assert p.shape == (len(c),)
         assert p.dtype == np.float32

@@ -16,7 +16,6 @@ from drivegen.store.scenarios import read_shard, write_shard
 from stages import assets, beset, publish_corner
 from stages._door import read_params, read_section
 from tests.drivers.taught import PARAMS
-from tests.models import write_models
 from tests.scenes import busy_crossing
 
 ARMS = [{"angle": angle, "lanes_in": 2, "lanes_out": 2} for angle in (0, 90, 180, 270)]
@@ -24,7 +23,7 @@ SHARD = "shard-00000.parquet"
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory) -> Path:
+def made(tmp_path_factory, models: Path) -> Path:
     """A crossing in words' place, assets, models; one scene placed in each way, attacked by two."""
     root = tmp_path_factory.mktemp("beset")
     write_shard(root / "scenarios/train" / SHARD, [busy_crossing()])
@@ -32,7 +31,7 @@ def made(tmp_path_factory) -> Path:
     (root / "maps/cross").mkdir(parents=True)
     spec = MapSpec.model_validate({"road": {"kind": "crossing", "control": "yield", "arms": ARMS}})
     (root / "maps/cross/map.net.xml").write_bytes(compile_map(spec))
-    write_models(root / "models")
+    (root / "models").symlink_to(models)
     run(root, root)
     return root
 

@@ -1,8 +1,6 @@
 """The stages' door: strict parameters, results in task order, one sentence and an exit code for an error."""
 
 import errno
-import os
-import signal
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +16,7 @@ from drivegen.core.settings import read_tree
 from drivegen.store.files import whole
 from drivegen.sumo.netconvert import NetconvertRefused
 from stages import _door, asked, attack, corner, drive, evaluate, goals, ingest, place, rollout, train_planner
+from tests.stages.tasks import begin, killed, killed_later, refused, square
 
 
 @dataclass(frozen=True)
@@ -79,30 +78,12 @@ def test_a_wrong_parameter_is_named_with_its_place(tmp_path, change, sentence):
         _door.read_params("work", Params, write(tmp_path, GOOD.replace(*change)))
 
 
-def square(number: int) -> int:
-    return number * number
-
-
 def test_results_come_in_task_order_whatever_the_number_of_workers(capsys):
     tasks = [5, 3, 8, 1]
     expected = [(5, 25), (3, 9), (8, 64), (1, 1)]
     assert list(_door.spread(square, tasks, 1, "squares")) == expected
     assert list(_door.spread(square, tasks, 2, "squares")) == expected
     assert capsys.readouterr().out.splitlines()[-1] == "squares 4/4"
-
-
-def begin(file: Path) -> str:
-    file.touch()
-    return file.name
-
-
-def killed(number: int) -> int:
-    os.kill(os.getpid(), signal.SIGKILL)
-    return number
-
-
-def killed_later(number: int) -> int:
-    return killed(number) if number == 18 else number
 
 
 def test_a_process_that_is_killed_is_one_sentence():
@@ -113,10 +94,6 @@ def test_a_process_that_is_killed_is_one_sentence():
 def test_a_process_that_is_killed_while_others_wait_is_one_sentence():
     with pytest.raises(MissingTool, match=r"^squares: a process was killed"):
         list(_door.spread(killed_later, list(range(40)), 2, "squares"))
-
-
-def refused(number: int) -> int:
-    raise NetconvertRefused(f"network {number} is none", ["no nodes"])
 
 
 def test_what_a_process_refuses_is_refused_here():

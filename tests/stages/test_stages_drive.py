@@ -47,8 +47,14 @@ def params():
     return replace(read_params("drive", drive.Params), workers=1, draws=50)
 
 
-def test_every_method_of_traffic_gets_rows_and_a_flat_summary(made, params):
-    results, summary = driven(made, "out", params)
+@pytest.fixture(scope="module")
+def once(made, params):
+    """What the stage writes: results and summary, with the runs beside them."""
+    return driven(made, "once", params)
+
+
+def test_every_method_of_traffic_gets_rows_and_a_flat_summary(once):
+    results, summary = once
     rows = pq.read_table(results)
     assert rows.schema.equals(RESULT)
     rows = rows.to_pylist()
@@ -72,9 +78,9 @@ def test_every_method_of_traffic_gets_rows_and_a_flat_summary(made, params):
     assert numbers["drivegen.distance"] > 20
 
 
-def test_runs_through_replayed_logs_are_kept_with_how_they_ended(made, params):
-    results, _ = driven(made, "kept", params)
-    runs = read_samples(made / "kept" / "runs.parquet")
+def test_runs_through_replayed_logs_are_kept_with_how_they_ended(once):
+    results, _ = once
+    runs = read_samples(results.with_name("runs.parquet"))
     rows = pq.read_table(results).to_pylist()
     ended = {
         row["scenario"]: row["value"]
@@ -87,8 +93,8 @@ def test_runs_through_replayed_logs_are_kept_with_how_they_ended(made, params):
         assert run.first_violation[0, 0] == (run.motion.last_valid()[0, 0] if ended[run.scenario_id] else -1)
 
 
-def test_every_run_says_how_it_ended(made, params):
-    rows = pq.read_table(driven(made, "runs", params)[0]).to_pylist()
+def test_every_run_says_how_it_ended(once):
+    rows = pq.read_table(once[0]).to_pylist()
     runs = {}
     for row in rows:
         if row["sample"] != WHOLE_SCENE:
@@ -123,9 +129,8 @@ def test_intervals_are_over_recordings(made, params, tmp_path):
         assert (numbers["drivegen.spread_over_runs.low"] is None) == (recordings == 1)
 
 
-def test_the_same_seed_gives_the_same_bytes(made, params):
-    first, second = driven(made, "one", params), driven(made, "two", params)
-    assert [file.read_bytes() for file in first] == [file.read_bytes() for file in second]
+def test_the_same_seed_gives_the_same_bytes(made, params, once):
+    assert [file.read_bytes() for file in once] == [file.read_bytes() for file in driven(made, "again", params)]
 
 
 def test_a_driver_without_settings_or_a_method_without_samples_is_named(made, params):
@@ -161,9 +166,9 @@ def test_calibrate_needs_train_logs(tmp_path):
     assert not (tmp_path / "limits.json").exists()
 
 
-def test_what_other_drivers_are_told_changes_no_byte_of_a_driver_s_results(made, params):
+def test_what_other_drivers_are_told_changes_no_byte_of_a_driver_s_results(made, params, once):
     others = {**params.drivers, "gail": {**params.drivers["gail"], "sees_rules": False}}
-    before, _ = driven(made, "as-it-is", params)
+    before, _ = once
     after, _ = driven(made, "others", replace(params, drivers=others))
     assert after.read_bytes() == before.read_bytes()
 

@@ -10,6 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import Scenario
 from drivegen.drivers.mutants.table import MUTATIONS
 from drivegen.metrics.mutation_score import Settings
 from drivegen.store.files import write_json
@@ -19,7 +20,7 @@ from drivegen.store.scenarios import write_shard
 from stages import mutation_score, publish_corner
 from stages._door import read_params, read_section
 from tests.drivers.taught import PARAMS
-from tests.models import write_models, write_random_goals
+from tests.models import write_random_goals
 from tests.scenes import busy_crossing, drive, noisy_samples, scenario, stack, straight_road
 
 LINE = straight_road().centreline[0].astype(np.float64)
@@ -27,19 +28,29 @@ MINE = [name for name in MUTATIONS if name.startswith("idm.")]
 SHARD = "shard-00000.parquet"
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory) -> Path:
-    """Twelve recordings of somebody who stands in the way, one of a crossing; samples that are the logs, and goals."""
-    root = tmp_path_factory.mktemp("mutation")
-    parked = scenario(straight_road(), stack([drive(LINE, 10, 10, 101), drive(LINE, 80, 0, 101)]), "parked-0")
-    scenes = [*(replace(parked, scenario_id=f"parked{n}-0") for n in range(12)), busy_crossing(101, "crossing-0")]
-    write_shard(root / "test" / SHARD, scenes)
-    samples = [noisy_samples(scene, 2) for scene in scenes]
-    for folder in ("generated/drivegen", "round"):
-        write_samples(root / folder / SHARD, samples)
-    write_random_goals(root / "goals" / SHARD, scenes)
-    write_models(root / "models")
+def parked(number: int) -> Scenario:
+    """A recording of somebody who stands in the way."""
+    return scenario(straight_road(), stack([drive(LINE, 10, 10, 101), drive(LINE, 80, 0, 101)]), f"parked{number}-0")
+
+
+def write(root: Path, models: Path, *shards: list[Scenario]) -> Path:
+    """Below `root`: scenes, samples that are the logs, goals, and a link to the models."""
+    for number, scenes in enumerate(shards):
+        shard = f"shard-{number:05}.parquet"
+        write_shard(root / "test" / shard, scenes)
+        samples = [noisy_samples(scene, 2) for scene in scenes]
+        for folder in ("generated/drivegen", "round"):
+            write_samples(root / folder / shard, samples)
+        write_random_goals(root / "goals" / shard, scenes)
+    (root / "models").symlink_to(models)
     return root
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory, models: Path) -> Path:
+    """Twelve recordings of somebody who stands in the way, one of a crossing."""
+    scenes = [*map(parked, range(12)), busy_crossing(101, "crossing-0")]
+    return write(tmp_path_factory.mktemp("mutation"), models, scenes)
 
 
 def params(**changes: object) -> mutation_score.Params:
@@ -79,15 +90,18 @@ def test_every_tester_tests_every_driver_and_who_ignores_the_standing_is_killed(
     assert failed == {f"parked{n}-0" for n in range(12)}
 
 
-def test_the_same_seed_gives_the_same_bytes_whatever_the_processes(made, once, tmp_path):
-    run(made, tmp_path, workers=2)
+def test_the_same_seed_gives_the_same_bytes_whatever_the_processes(models, tmp_path):
+    """Of two shards, since each is a task: one alone would be done here."""
+    made = write(tmp_path, models, [parked(0), parked(1)], [parked(2), busy_crossing(101, "crossing-0")])
+    for workers in (1, 2):
+        run(made, tmp_path / str(workers), workers=workers, methods=(), adversaries={}, runs=8)
     for file in ("score.parquet", publish_corner.SCORE):
-        assert (tmp_path / file).read_bytes() == (once[0] / file).read_bytes()
+        assert (tmp_path / "1" / file).read_bytes() == (tmp_path / "2" / file).read_bytes()
 
 
 def test_who_has_too_few_runs_is_told(made, tmp_path):
     with pytest.raises(UnusableInput, match=r"random has nothing to drive in .*mutation_score\.runs is too small"):
-        run(made, tmp_path, runs=1)
+        run(made, tmp_path, runs=1, methods=())
 
 
 def test_traffic_comes_in_turns_and_few_runs_are_spread(made):

@@ -20,9 +20,9 @@ DRAWS = 40
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory) -> Path:
+def made(tmp_path_factory, models: Path) -> Path:
     """See `queues`."""
-    write_queues(root := tmp_path_factory.mktemp("rates"))
+    write_queues(root := tmp_path_factory.mktemp("rates"), models)
     return root
 
 
@@ -36,9 +36,16 @@ def run(made: Path, out: Path, **changes: object) -> dict[str, object]:
     return orjson.loads((out / publish_rates.RATES).read_bytes())
 
 
-def test_every_draw_is_a_row_and_the_rate_is_the_share_of_those_that_failed(made, tmp_path):
-    found = run(made, tmp_path)
-    table = pq.read_table(tmp_path / "rates.parquet")
+@pytest.fixture(scope="module")
+def once(made, tmp_path_factory) -> tuple[Path, dict[str, object]]:
+    """A folder with what a run in one process writes, and what it found."""
+    folder = tmp_path_factory.mktemp("once")
+    return folder, run(made, folder / "runs/7")
+
+
+def test_every_draw_is_a_row_and_the_rate_is_the_share_of_those_that_failed(once):
+    folder, found = once
+    table = pq.read_table(folder / "runs/7/rates.parquet")
     assert table.column_names == ["scenario", "draw", "idm.slow_brakes", "idm", "idm.slow_brakes.near", "idm.near"]
     assert found["scenes"] + found["left_out"] == 3
     assert len(table) == found["scenes"] * DRAWS
@@ -46,11 +53,10 @@ def test_every_draw_is_a_row_and_the_rate_is_the_share_of_those_that_failed(made
     assert found["seconds"] == pytest.approx(10.0)
 
 
-def test_workers_and_order_do_not_change_a_byte(made, tmp_path):
-    run(made, tmp_path / "one")
-    run(made, tmp_path / "two", workers=2)
+def test_workers_and_order_do_not_change_a_byte(made, once, tmp_path):
+    run(made, tmp_path, workers=2)
     for name in ("rates.parquet", publish_rates.RATES):
-        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+        assert (tmp_path / name).read_bytes() == (once[0] / "runs/7" / name).read_bytes()
 
 
 def test_what_cannot_be_done_is_one_sentence(made, tmp_path):
@@ -89,12 +95,11 @@ def test_rows_are_means_over_seeds_and_the_table_names_who_fails_most_first():
     assert {(r["driver"], r["metric"]): r for r in rate_rows("corpus", [one(0.0)])}["idm", "saves"]["value"] is None
 
 
-def test_the_door_publishes_rows_and_a_table_with_where_they_are_from(made, tmp_path):
-    run(made, tmp_path / "runs/7")
-    publish_rates.main(publish_rates.Params(7, [7], {}), tmp_path / "runs", tmp_path / "out")
+def test_the_door_publishes_rows_and_a_table_with_where_they_are_from(once, tmp_path):
+    publish_rates.main(publish_rates.Params(7, [7], {}), once[0] / "runs", tmp_path / "out")
     rows = orjson.loads((tmp_path / "out/rates.json").read_bytes())
     assert {row["driver"] for row in rows} == {"idm", "idm.slow_brakes"}
     assert "idm.slow_brakes" in (tmp_path / "out/failure-rates.md").read_text()
     assert "failure-rates.md" in (tmp_path / "out/rates.md").read_text()
     with pytest.raises(MissingTool, match="PART=rates"):
-        publish_rates.main(publish_rates.Params(7, [8], {}), tmp_path / "runs", tmp_path / "out")
+        publish_rates.main(publish_rates.Params(7, [8], {}), once[0] / "runs", tmp_path / "out")

@@ -18,9 +18,9 @@ GOALS_ALONE = "drivegen_cs.no_variations"
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory) -> Path:
+def made(tmp_path_factory, models: Path) -> Path:
     """See `queues`."""
-    write_queues(root := tmp_path_factory.mktemp("recall"))
+    write_queues(root := tmp_path_factory.mktemp("recall"), models)
     return root
 
 

@@ -24,7 +24,7 @@ from stages import publish_corner, repair
 from stages._door import read_params, read_section
 from tests.checking import IDM
 from tests.drivers.taught import PARAMS, straight_lessons
-from tests.models import candidate_settings, write_models, write_random_goals
+from tests.models import candidate_settings, write_random_goals
 from tests.scenes import busy_crossing, drive, noisy_samples, scenario, stack, straight_road
 
 LINE = straight_road().centreline[0].astype(np.float64)
@@ -39,7 +39,7 @@ def standing(name: str):
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory) -> Path:
+def made(tmp_path_factory, models: Path) -> Path:
     root = tmp_path_factory.mktemp("repair")
     lessons = [replace(scene, log=motion) for scene, motion in straight_lessons(6).traffic]
     for split in ("train", "val"):
@@ -48,7 +48,7 @@ def made(tmp_path_factory) -> Path:
     write_shard(root / "scenarios/test" / SHARD, scenes)
     write_samples(root / "round" / SHARD, [noisy_samples(scene, 2) for scene in scenes])
     write_random_goals(root / "goals" / SHARD, scenes)
-    write_models(root / "models")
+    (root / "models").symlink_to(models)
     return root
 
 

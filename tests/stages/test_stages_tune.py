@@ -25,7 +25,7 @@ from drivegen.store.scenarios import read_shard, write_shard
 from stages import _lessons, drive_tuned, publish_drivers, tune, tune_amounts, tune_traffic
 from stages._door import read_params, read_section
 from tests.drivers.taught import PARAMS, straight_lessons, teaching
-from tests.models import two_lanes, write_models, write_random_goals
+from tests.models import two_lanes, write_random_goals
 from tests.scenes import busy_crossing, noisy_samples
 
 PPO = {"rows": 16, "epochs": 1, "batch": 512, "learning_rate": 0.001, "clip": 0.2, "discount": 0.98, "smoothing": 0.95}
@@ -92,7 +92,7 @@ def sources(root: Path) -> list[Path]:
 
 
 @pytest.fixture(scope="module")
-def tuned(tmp_path_factory) -> Path:
+def tuned(tmp_path_factory, models: Path) -> Path:
     root = tmp_path_factory.mktemp("tuned")
     for split in ("train", "val", "test"):
         scenes = [busy_crossing(31, f"{split}{n}-00000-1") for n in range(4)]
@@ -104,7 +104,7 @@ def tuned(tmp_path_factory) -> Path:
         params = replace(read_params("tune_traffic", tune_traffic.Params, PARAMS), share=0.0)
         folders = root / "scenarios", root / "generated"
         tune_traffic.main(params, *folders, *[root / "nothing"] * 3, root / "models", root / "scenes" / method)
-    write_models(root / "models")
+    (root / "models").symlink_to(models)
     write_random_goals(root / "goals/shard-00000.parquet", scenes)
     for seed in (7, 8):
         tune.main(settings(), root / "scenarios", *sources(root), root / f"data/gail/{seed}", root / f"tune-{seed}.json")
@@ -178,10 +178,9 @@ def test_a_quarter_of_the_lessons_are_cases_and_the_rest_are_drivegens(tuned: Pa
     assert not np.array_equal(motion.position[0], again[1].position[0])  # as the teacher drives in it
 
 
-def test_more_futures_are_made_from_the_first_frame_alone(tmp_path: Path):
+def test_more_futures_are_made_from_the_first_frame_alone(models: Path, tmp_path: Path):
     scene = two_lanes(steps=41)
     params = replace(read_params("tune_amounts", tune_amounts.Params, PARAMS), samples=3, workers=1)
-    models = write_models(tmp_path / "models")
     made = []
     for name, one in (("whole", scene), ("first", first_frame(scene))):
         write_shard(tmp_path / name / "shard-00000.parquet", [one])
