@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
 from drivegen.core.roadmap import LaneControl, RoadMap
 from drivegen.core.signals import Signals, SignalState
@@ -103,10 +104,15 @@ def _line_middles(map_: RoadMap, lanes: NDArray[np.intp], starts: NDArray[np.flo
 
 
 def _siblings(position: NDArray[np.float32], direction: NDArray[np.float32]) -> NDArray[np.int32]:
-    """Every gate is in the group of the first gate that is near enough."""
+    """(G,) the first gate of each one's group: gates that are near, and those that are near these in turn.
+
+    A group is judged when its first gate is, so that one has to be in it: of three directions a fan apart the outer ones are not
+    near each other.
+    """
     gap = position[:, None] - position[None]
     near = (np.hypot(gap[..., 0], gap[..., 1]) < SIBLING_REACH) & (direction @ direction.T > np.cos(np.pi / 6))
-    return np.array([np.flatnonzero(row)[0] for row in near], np.int32)
+    group: NDArray[np.int32] = connected_components(near, directed=False)[1]
+    return np.asarray(np.unique(group, return_index=True)[1][group], np.int32)
 
 
 def _red_for(lanes: NDArray[np.intp], signals: Signals) -> NDArray[np.int16]:
