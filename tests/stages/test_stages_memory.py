@@ -14,7 +14,7 @@ from drivegen.core.settings import build, read_section
 from drivegen.generators._smart import tokens
 from drivegen.goals import list_files
 from drivegen.goals.list_files import read_lists
-from drivegen.store.scenarios import read_shard, write_shard
+from drivegen.store.scenarios import write_shard
 from stages import goal_lists, train_generator, train_planner
 from stages._door import read_params
 from tests.goals.test_goals_candidates import SETTINGS
@@ -63,10 +63,10 @@ def test_of_what_a_rival_learns_from_less_than_one_shard_stays(name: str, folder
 
     def objective(shards: int) -> None:
         train, validation = train_generator._examples(plugin, settings, folder / str(shards), 1)
-        assert len(train) == 4 * shards
+        assert len(train) == 2 * 4 * shards  # every log and its twin
         plugin.objective(settings, plugin.network(settings), train, validation, 7)
 
-    part = plugin.examples(settings, read_shard(folder / str(FEW) / "val" / "shard-00000.parquet"))
+    part = train_generator._shard_examples((plugin, settings, folder / str(FEW) / "val" / "shard-00000.parquet"))
     assert growth(objective) < len(pickle.dumps(part))
 
 
