@@ -16,9 +16,9 @@ from tests.stages.queues import write_queues
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory) -> Path:
+def made(tmp_path_factory, models) -> Path:
     """See `queues`."""
-    write_queues(root := tmp_path_factory.mktemp("attack"))
+    write_queues(root := tmp_path_factory.mktemp("attack"), models)
     return root
 
 
