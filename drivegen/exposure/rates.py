@@ -63,13 +63,10 @@ def estimate(near: NDArray[np.floating], run: Run, runs: int, random: np.random.
     order = order[np.argsort(at[order], kind="stable")]  # stratum by stratum, in random order
     start, share = np.cumsum(size) - size, size / len(at)
     made, failed = np.zeros(len(size), np.int64), np.zeros(len(size), np.int64)
-    begin = np.where(size > 0, np.maximum(FIRST * runs * share, 1), 0)
+    more = np.minimum(np.maximum(FIRST * runs * share, 1), size).astype(np.int64)
     for turn in range(ROUNDS + 1):
-        if turn == 0:
-            more = begin.astype(np.int64)
-        else:
+        if turn:
             more = allocate(share, failed, made, max(runs - int(made.sum()), 0) // (ROUNDS + 1 - turn), size - made)
-        more = np.minimum(more, size - made)
         picks = [order[low : low + some] for low, some in zip(start + made, more, strict=True)]
         bad = run(np.concatenate(picks))
         failed += np.bincount(np.repeat(np.arange(len(size)), more), bad, len(size)).astype(np.int64)

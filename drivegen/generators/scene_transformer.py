@@ -56,10 +56,9 @@ class SceneTransformerSettings:
     """Values stand in params.yaml, `train_generator.generators.scene_transformer`.
 
     Attributes:
-        width, heads: of the transformer; `width` is a multiple of `heads`. layers: rounds of road, time and agents before the
-            futures part, and
-        decoder_layers: rounds of time and agents for each future. modes: F. stretches: tokens of the future, a divisor of
-            KNOTS. pieces: of road that each agent sees.
+        width, heads: of the transformer; `width` is a multiple of `heads`.
+        layers: rounds of road, time and agents before the futures part. decoder_layers: of time and agents for each future.
+        modes: F. stretches: tokens of the future, a divisor of KNOTS. pieces: of road that each agent sees.
         relaxed: weight of the mean of all futures, the rest being that of the best. training: see `training.loop.Settings`.
     """
 
