@@ -11,13 +11,13 @@ what it needs below the folder of trained models. `ABOUT = Method(...)` in the s
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Annotated, Protocol
 
 from drivegen.core.methods import Method
 from drivegen.core.rejections import Rejections
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario
-from drivegen.core.settings import Positive
+from drivegen.core.settings import Within
 from drivegen.goals.candidates import Settings as CandidateSettings
 from drivegen.rollout.scene import RolloutSettings
 from drivegen.store.goals import GoalColumns
@@ -30,13 +30,14 @@ class Settings:
     Attributes:
         planner: name of the planner that fills in motion.
         candidates: how candidate goals are made.
-        temperature: below 1 the likely goals gain, above 1 the unlikely ones (`rollout.batch.tempered`).
+        temperature: below 1 the likely goals gain, above 1 the unlikely ones (`rollout.batch.tempered`). Below 0.01 a power of it
+            would round the odds of all goals to nought.
         rollout: how often the illegal is planned again, and what becomes of what stays illegal.
     """
 
     planner: str
     candidates: CandidateSettings
-    temperature: Positive
+    temperature: Annotated[float, Within(0.01)]
     rollout: RolloutSettings
 
 

@@ -212,6 +212,12 @@ def test_temperature_sharpens_and_flattens():
     assert tempered(natural, kept, 5.0)[0][2] > 0.2
 
 
+def test_odds_hold_at_the_least_temperature_that_settings_allow():
+    many = SimpleNamespace(manoeuvre=np.resize(np.arange(len(Manoeuvre), dtype=np.uint8), 400))
+    odds = tempered([np.full(400, 1 / 400, np.float32)], [many], 0.01)[0]
+    np.testing.assert_allclose(odds, 1 / 400, rtol=1e-3)
+
+
 def test_a_manoeuvre_does_not_lose_by_being_spread_over_more_candidates():
     """Half of the vehicles stay, half drive on to one of five places; so it remains at any temperature."""
     natural = [np.float32([0.5, 0.2, 0.1, 0.1, 0.05, 0.05])]
