@@ -7,16 +7,16 @@ its own for all that is allowed and every number of queries; the folder gets the
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
+from drivegen.adversaries.shared.arena import Arena, Bounds
 from drivegen.adversaries.shared.findings import Findings
 from drivegen.core import plugins
 from drivegen.core.cpu import cpu_seconds
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count, Index
-from drivegen.drivers.base import Driver
 from drivegen.store.costs import write_cost
 from drivegen.store.files import write_json
 from drivegen.store.lookup import CASES, DRIVEN_CASES
@@ -24,7 +24,7 @@ from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import shards
 from drivegen.world.reactive import Reaction
-from stages._door import COST_FOLDER, enter, require
+from stages._door import COST_FOLDER, enter, require, spread
 from stages._driven_by import weights_of
 from stages._ground import Made
 
@@ -42,6 +42,7 @@ class Params:
     """
 
     seed: int
+    workers: Count
     planner: str
     scenarios: Count
     samples: Count
@@ -59,22 +60,45 @@ class Params:
             raise UnusableInput("params.yaml: attack.queries, attack.allowed, attack.methods: name at least one of each")
 
 
+@dataclass(frozen=True)
+class Task:
+    """An adversary (`method`) of a driver, both by name, on one shard."""
+
+    method: str
+    driver: str
+    shard: Path
+    models: Path
+    goals: Path
+    traffic: Path
+    params: Params
+
+
+@dataclass(frozen=True)
+class Attack:
+    """What was found on one shard within `bounds`, and the processor time that it took."""
+
+    bounds: Bounds
+    findings: Findings
+    cpu_seconds: float
+
+
 def main(
     params: Params, scenarios: Path, models: Path, goals: Path, traffic: Path, cases: Path, results: Path, metrics: Path
 ) -> None:
     """Attack by every adversary, judge what it found, report."""
-    driver, tables, numbers = plugins.make("drivers", results.stem, params.drivers, "attack.drivers"), [], {}
-    made = Made.open(models, params.planner, goals, traffic)
-    read = [scenarios, goals, traffic, models / "planners" / params.planner, *weights_of(params.drivers[results.stem])]
-    for name in params.methods:
+    driver, tables, numbers = results.stem, [], {}
+    plugins.make("drivers", driver, params.drivers, "attack.drivers")  # what is wrong with it is said before anybody waits
+    read = [scenarios, goals, traffic, models / "planners" / params.planner, *weights_of(params.drivers[driver])]
+    files = shards(require(scenarios, "run the ingest stage"))
+    tasks = [Task(name, driver, file, models, goals, traffic, params) for name in params.methods for file in files]
+    done = spread(_on_shard, tasks, params.workers, f"attack {driver}")
+    for name, of_shards in groupby(done, key=lambda pair: pair[0].method):
         about = plugins.about("adversaries", name)
-        grounds = list(_grounds(about["traffic"], params, scenarios, made))
-        for bounds in _bounds(params, about):
-            began, key = cpu_seconds(), f"{name}.{bounds.allowed}.{bounds.budget}"
-            findings = Findings.joined([_attack(name, driver, ground, bounds, params) for ground in grounds])
-            costs = {"cases": float(findings.metrics["cases"].sum()), "cpu_seconds": cpu_seconds() - began}
-            write_cost(COST_FOLDER, "attack", f"{driver.name}-{key}", costs)
-            run = Run.of("attack", key, asdict(params), read, method=name, driver=driver.name, backend=bounds.allowed)
+        for bounds, parts in _by_bounds([attacks for _, attacks in of_shards]).items():
+            key, findings = f"{name}.{bounds.allowed}.{bounds.budget}", Findings.joined([part.findings for part in parts])
+            costs = {"cases": float(findings.metrics["cases"].sum()), "cpu_seconds": sum(part.cpu_seconds for part in parts)}
+            write_cost(COST_FOLDER, "attack", f"{driver}-{key}", costs)
+            run = Run.of("attack", key, asdict(params), read, method=name, driver=driver, backend=bounds.allowed)
             tables.append(result_rows(run, findings.scenarios, findings.metrics))
             write_samples(cases / key / CASES, findings.samples)
             write_samples(cases / key / DRIVEN_CASES, findings.driven)
@@ -85,24 +109,32 @@ def main(
     write_json(metrics, numbers)
 
 
+def _on_shard(task: Task) -> list[Attack]:
+    """All attacks of an adversary on a shard, one after the other."""
+    about, params, attacks = plugins.about("adversaries", task.method), task.params, list[Attack]()
+    driver = plugins.make("drivers", task.driver, params.drivers, "attack.drivers")
+    made = Made.open(task.models, params.planner, task.goals, task.traffic)
+    on_logs = about["traffic"] == "log"
+    ground = made.logs(task.shard, params.scenarios) if on_logs else made.ground(task.shard, params.samples, params.scenarios)
+    for bounds in _bounds(params, about):
+        began, arena = cpu_seconds(), Arena(driver, ground, bounds, params.seed)
+        plugins.make("adversaries", task.method, params.adversaries, "attack.adversaries").attack(arena)
+        findings = Findings.of(arena.runs(), driver, task.method, params.reaction)
+        attacks.append(Attack(bounds, findings, cpu_seconds() - began))
+    return attacks
+
+
+def _by_bounds(of_shards: list[list[Attack]]) -> dict[Bounds, list[Attack]]:
+    """The same attack on every shard."""
+    return {parts[0].bounds: list(parts) for parts in zip(*of_shards, strict=True)}
+
+
 def _bounds(params: Params, about: dict[str, Any]) -> Iterator[Bounds]:
     """Of all attacks of an adversary; one that varies nothing has one run of each of its scenes, of which a log is one."""
     if about["varies"] == "nothing":
         yield Bounds("legal", 1 if about["traffic"] == "log" else params.samples, params.reaction_steps)
         return
     yield from (Bounds(allowed, queries, params.reaction_steps) for allowed in params.allowed for queries in params.queries)
-
-
-def _attack(name: str, driver: Driver, ground: Ground, bounds: Bounds, params: Params) -> Findings:
-    arena = Arena(driver, ground, bounds, params.seed)
-    plugins.make("adversaries", name, params.adversaries, "attack.adversaries").attack(arena)
-    return Findings.of(arena.runs(), driver, name, params.reaction)
-
-
-def _grounds(kind: str, params: Params, scenarios: Path, made: Made) -> Iterator[Ground]:
-    """One for every shard."""
-    for shard in shards(require(scenarios, "run the ingest stage")):
-        yield made.logs(shard, params.scenarios) if kind == "log" else made.ground(shard, params.samples, params.scenarios)
 
 
 if __name__ == "__main__":
