@@ -73,8 +73,7 @@ def crossing(scene: Scene, choices: Choices) -> Road:
 
 def _arms(angles: list[float], groups: dict[bool, Road], of_main: set[int], shared: Thing, choices: Choices) -> list[Road]:
     """The arms, each as its road is said to be, else as both are, else as usual."""
-    speed = speed_of(shared)
-    usual = speed if speed is not None else usual_speed([shared, groups[True]["thing"], groups[False]["thing"]])
+    usual = speed_of(shared) or usual_speed([shared, groups[True]["thing"], groups[False]["thing"]])
     lanes_unsaid = groups[True]["lanes"] or (0, 0)
     if not lanes_unsaid[1]:  # nothing, or a one-way road's, which say nothing of the other
         lanes_unsaid = (2 if shared.has("arterial") else 1, 0)
@@ -228,9 +227,7 @@ def _make_one_way(
     all_one_way = is_one_way(shared)
     for roads, indices in ((first, sorted(of_main)), (second, sorted(set(range(count)) - of_main))):
         ways = [is_one_way(road) for road in roads]
-        if not (all_one_way or any(ways)):
-            continue
-        if not indices:
+        if not (indices and (all_one_way or any(ways))):
             continue
         if len(indices) > 2 and count != 4:
             raise Unfit("one-way roads can be drawn at crossings of three or four arms")

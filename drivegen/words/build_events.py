@@ -158,14 +158,12 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
             here = end + _BETWEEN * share if placed else _FIRST * share
         if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in _AUXILIARY and not exact:
             placed[-1]["length"] = max(_SHORTEST, here - _LEAST_BETWEEN - placed[-1]["position"])
-        counted = [*facts.values("lane_road"), *facts.values("event_lanes"), *facts.values("lanes"), *facts.values("lanes_each")]
-        side = [*facts.values("side"), *([event["side"]] if "side" in event else [])]
-        if ramp and "left" in side:
-            raise Unfit("ramps are on the outer side of the road")
-        road: Road = {"kind": event["kind"], "position": here, "lanes": event.get("lanes") or (counted or [1])[0]}
-        road |= {"side": side[0] if side and not ramp else "right"}
-        own = [*facts.values("speed"), *facts.values("ramp_speed")]
-        road["ramp_speed"] = own[0] if own else usual
+        counted = facts.value("lane_road", "event_lanes", "lanes", "lanes_each")
+        sides = {*facts.values("side"), *([event["side"]] if "side" in event else [])} or {"right"}
+        if len(sides) > 1 or (ramp and "left" in sides):
+            raise Unfit("ramps are on the outer side of the road" if ramp else "a lane ends or begins on one side")
+        road: Road = {"kind": event["kind"], "position": here, "lanes": event.get("lanes") or counted or 1, "side": sides.pop()}
+        road["ramp_speed"] = facts.value("speed", "ramp_speed") or usual
         road |= {"keeps": True} if facts.value("keeps") else {}
         placed.append({**road, "length": length} if ramp else road)
         end = here + (length if ramp else 0.0)

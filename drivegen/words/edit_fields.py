@@ -126,7 +126,7 @@ class Edit:
         return [(field, part[field]) for field in fields if field in part]
 
     def _speed(self, parts: list[Road], name: str) -> None:
-        if (speed := self.thing.first("speed", "ramp_speed")) is None:
+        if (speed := self.thing.value("speed", "ramp_speed")) is None:
             return
         own = {"side": "side_speed", "cross": "side_speed", "ring": "ring_speed", "upper": "road_speed"}
         for part in parts:

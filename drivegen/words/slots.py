@@ -80,12 +80,8 @@ def _plain(tokens: Sequence[Token], i: int) -> Match | None:
 
 
 def _bare_speed(tokens: Sequence[Token], i: int) -> Match | None:
-    value = _value(tokens, i)
-    return (
-        None
-        if value is None or _text(tokens, i + 1) in {*_SPEEDS, *_LENGTHS, "lane", "degree", "second"}
-        else (value * KMH, i + 1)
-    )
+    value, other = _value(tokens, i), {*_SPEEDS, *_LENGTHS, "lane", "degree", "second"}
+    return None if value is None or _text(tokens, i + 1) in other else (value * KMH, i + 1)
 
 
 def _nth(tokens: Sequence[Token], i: int) -> Match | None:
