@@ -68,7 +68,8 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     _make_one_way(built, shared, first, second, of_main, count)
     every = [fact for fact in whole.facts if fact.name in ("lanes_in", "lanes_out")]
     own_of_arms(built, [*arms, Thing("arm", which="all", facts=every)])
-    return {"kind": "crossing", "arms": built, "control": control_of(_with(shared, side), not unequal)}
+    shared.facts += [fact for thing in side for fact in thing.facts if fact.name == "control"]
+    return {"kind": "crossing", "arms": built, "control": control_of(shared, not unequal)}
 
 
 def _arms(angles: list[float], groups: dict[bool, Road], of_main: set[int], shared: Thing, choices: Choices) -> list[Road]:
@@ -118,10 +119,6 @@ def _check_one(streets: list[Thing]) -> None:
         one = road.which is None and road.value("count") in (None, 1) and not road.text.endswith("s")
         if one and road.has("one_way", "speed", *_LANES):
             raise Unfit(f"say what the other road is like, or of which roads {road.text!r} is one")
-
-
-def _with(shared: Thing, side: list[Thing]) -> Thing:
-    return Thing("", facts=[*shared.facts, *(fact for thing in side for fact in thing.facts if fact.name == "control")])
 
 
 def count_of(whole: Thing, arms: list[Thing]) -> int | None:
@@ -258,9 +255,9 @@ def _meant(built: list[Road], arm: Thing) -> list[Road]:
     if arm.which in (None, "all"):
         return built
     if isinstance(arm.which, int):
-        if arm.which > len(built):
+        if not (one := arm.among(built)):
             raise Unfit(f"there is no arm {arm.which}: there are {len(built)}")
-        return [built[arm.which - 1]]
+        return one
     near = [road for road in built if abs(math.remainder(road["angle"] - arm.which, 360.0)) <= 1.0]
     if len(near) != 1:
         raise Unfit(f"no arm leads to where {arm.text!r} is")

@@ -52,10 +52,8 @@ def events_of(scene: Scene, road: Thing, lanes: int | None) -> tuple[list[Event]
     bare = {thing.name for thing in things if thing.name.startswith("lane_") and not thing.facts}
     if bare and any(step["kind"] not in bare for step in steps):
         raise Unfit(f"{' and '.join(repr(step['text']) for step in steps)} is no {' or '.join(sorted(bare)).replace('_', ' ')}")
-    for event in events:
-        like = [e for e in events if e["kind"] == event["kind"]]
-        mine = [r for r in references if r.name == event["kind"] and _is(r, like.index(event), len(like))]
-        event["thing"] = event["thing"] + mine
+    for ref, event in ((r, e) for r in references for e in r.among([event for event in events if event["kind"] == r.name])):
+        event["thing"] = [*event["thing"], ref]
     return events, changes[0][0] if changes else None
 
 
@@ -105,10 +103,6 @@ def _once(steps: Sequence[Event], named: Sequence[Event], keeping: bool) -> list
         for event in same[1:]:
             same[0].update({name: value for name, value in event.items() if name != "thing"})
     return [] if not groups or groups[0] is named else list(groups[0])
-
-
-def _is(reference: Thing, i: int, number: int) -> bool:
-    return reference.which == "all" or reference.which == i + 1 or (reference.which == -1 and i == number - 1)
 
 
 def _absorb(things: list[Thing]) -> None:

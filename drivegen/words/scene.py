@@ -173,7 +173,7 @@ class Walk:
         parts = thing.name not in (*WHOLES, "street", *traffic_names()) or thing.which is not None
         if parts and self.mark in words("prepositions") and subject.name in traffic_names():
             raise Unfit(f"where {subject.text!r} is can be said as seen from the target only, not by {text!r}")
-        if {subject.name, thing.name} <= {*_OTHERS[:-1]} and self.mark not in _LISTED:
+        if subject.name == "vehicle" and thing.name in _OTHERS[:3] and self.mark not in _LISTED:
             raise Unfit(f"it is not clear whether {text!r} is among {subject.text!r}")
 
     def _kind(self, item: Item, phrase: Phrase) -> str:
@@ -206,6 +206,8 @@ class Walk:
             if len(like) > 1 and len(called) != 1 and self.det not in _NEAREST:
                 raise Unfit(f"it is not clear which one {text!r} is")
             return called[0] if len(called) == 1 else like[-1]
+        if isinstance(which, int) and name in MOVING and self.det == "the":
+            raise Unfit(f"it is not clear which one {text!r} is: one of those that are named is 'one of them'")
         self.scene.things.append(Thing(name, text, which=which, definite=self.det in _KNOWN or which is not None))
         return self.scene.things[-1]
 

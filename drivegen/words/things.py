@@ -62,6 +62,12 @@ class Thing:
             raise Unfit(f"{texts} contradict one another")
         return values[0] if values else None
 
+    def among(self, items: list[Any]) -> list[Any]:
+        """The one of a list that its ordinal tells, none where there are not so many; all where it has none."""
+        if not isinstance(self.which, int):
+            return items
+        return items[self.which - 1 : self.which] if self.which > 0 else items[-1:]
+
     def has(self, *names: str) -> bool:
         """Whether any of these fields is spoken of; they do not count as used."""
         return any(fact.name in names for fact in self.facts)

@@ -211,6 +211,7 @@ def test_short_forms_draw_what_long_ones_do(text, plain):
         ("five cars on a motorway, the second one brakes", "'second one' is"),
         ("a motorway, my speed is 100 km/h, ten cars", "of the target alone"),
         ("the ego vehicle drives at 100 km/h on a motorway, ten cars", "of the target alone"),
+        ("a motorway with ten cars; the third car brakes hard", "which one 'car' is"),
         ("ten vehicles including three trucks on a motorway", "is among 'vehicles'"),
         ("ten vehicles (three trucks) on a motorway", "is among 'vehicles'"),
     ],
@@ -229,3 +230,7 @@ def test_it_is_what_the_sentence_before_begins_with():
 def test_the_first_and_the_second_are_those_that_were_counted():
     road = read("two T-junctions in a row, the first is on the left, the second is on the right", 7).road.road
     assert [junction.sides for junction in road.junctions] == [("left",), ("right",)]
+    ramps = read("a motorway with two on-ramps, the second one at 800 m", 7).road.road.events
+    assert [ramp.position for ramp in ramps] == [250, 800]
+    arms = read("a crossing; the last arm has two lanes each way", 7).road.road.arms
+    assert [arm.lanes_in for arm in arms] == [1, 1, 1, 2]
