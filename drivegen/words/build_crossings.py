@@ -68,13 +68,13 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     _make_one_way(built, shared, first, second, of_main, count)
     every = [fact for fact in whole.facts if fact.name in ("lanes_in", "lanes_out")]
     own_of_arms(built, [*arms, Thing("arm", which="all", facts=every)])
-    return {"kind": "crossing", "arms": built, "control": control_of(_with(shared, side), not unequal)}
+    shared.facts += [fact for thing in side for fact in thing.facts if fact.name == "control"]
+    return {"kind": "crossing", "arms": built, "control": control_of(shared, not unequal)}
 
 
 def _arms(angles: list[float], groups: dict[bool, Road], of_main: set[int], shared: Thing, choices: Choices) -> list[Road]:
     """The arms, each as its road is said to be, else as both are, else as usual."""
-    speed = speed_of(shared)
-    usual = speed if speed is not None else usual_speed([shared, groups[True]["thing"], groups[False]["thing"]])
+    usual = speed_of(shared) or usual_speed([shared, groups[True]["thing"], groups[False]["thing"]])
     lanes_unsaid = groups[True]["lanes"] or (0, 0)
     if not lanes_unsaid[1]:  # nothing, or a one-way road's, which say nothing of the other
         lanes_unsaid = (2 if shared.has("arterial") else 1, 0)
@@ -119,10 +119,6 @@ def _check_one(streets: list[Thing]) -> None:
         one = road.which is None and road.value("count") in (None, 1) and not road.text.endswith("s")
         if one and road.has("one_way", "speed", *_LANES):
             raise Unfit(f"say what the other road is like, or of which roads {road.text!r} is one")
-
-
-def _with(shared: Thing, side: list[Thing]) -> Thing:
-    return Thing("", facts=[*shared.facts, *(fact for thing in side for fact in thing.facts if fact.name == "control")])
 
 
 def count_of(whole: Thing, arms: list[Thing]) -> int | None:
@@ -228,9 +224,7 @@ def _make_one_way(
     all_one_way = is_one_way(shared)
     for roads, indices in ((first, sorted(of_main)), (second, sorted(set(range(count)) - of_main))):
         ways = [is_one_way(road) for road in roads]
-        if not (all_one_way or any(ways)):
-            continue
-        if not indices:
+        if not (indices and (all_one_way or any(ways))):
             continue
         if len(indices) > 2 and count != 4:
             raise Unfit("one-way roads can be drawn at crossings of three or four arms")
@@ -261,9 +255,9 @@ def _meant(built: list[Road], arm: Thing) -> list[Road]:
     if arm.which in (None, "all"):
         return built
     if isinstance(arm.which, int):
-        if arm.which > len(built):
+        if not (one := arm.among(built)):
             raise Unfit(f"there is no arm {arm.which}: there are {len(built)}")
-        return [built[arm.which - 1]]
+        return one
     near = [road for road in built if abs(math.remainder(road["angle"] - arm.which, 360.0)) <= 1.0]
     if len(near) != 1:
         raise Unfit(f"no arm leads to where {arm.text!r} is")

@@ -52,10 +52,8 @@ def events_of(scene: Scene, road: Thing, lanes: int | None) -> tuple[list[Event]
     bare = {thing.name for thing in things if thing.name.startswith("lane_") and not thing.facts}
     if bare and any(step["kind"] not in bare for step in steps):
         raise Unfit(f"{' and '.join(repr(step['text']) for step in steps)} is no {' or '.join(sorted(bare)).replace('_', ' ')}")
-    for event in events:
-        like = [e for e in events if e["kind"] == event["kind"]]
-        mine = [r for r in references if r.name == event["kind"] and _is(r, like.index(event), len(like))]
-        event["thing"] = event["thing"] + mine
+    for ref, event in ((r, e) for r in references for e in r.among([event for event in events if event["kind"] == r.name])):
+        event["thing"] = [*event["thing"], ref]
     return events, changes[0][0] if changes else None
 
 
@@ -107,10 +105,6 @@ def _once(steps: Sequence[Event], named: Sequence[Event], keeping: bool) -> list
     return [] if not groups or groups[0] is named else list(groups[0])
 
 
-def _is(reference: Thing, i: int, number: int) -> bool:
-    return reference.which == "all" or reference.which == i + 1 or (reference.which == -1 and i == number - 1)
-
-
 def _absorb(things: list[Thing]) -> None:
     """The ramps that a weaving section is made of are not ramps of their own."""
     weaving = next(thing for thing in things if thing.name == "weaving")
@@ -158,14 +152,12 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
             here = end + _BETWEEN * share if placed else _FIRST * share
         if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in _AUXILIARY and not exact:
             placed[-1]["length"] = max(_SHORTEST, here - _LEAST_BETWEEN - placed[-1]["position"])
-        counted = [*facts.values("lane_road"), *facts.values("event_lanes"), *facts.values("lanes"), *facts.values("lanes_each")]
-        side = [*facts.values("side"), *([event["side"]] if "side" in event else [])]
-        if ramp and "left" in side:
-            raise Unfit("ramps are on the outer side of the road")
-        road: Road = {"kind": event["kind"], "position": here, "lanes": event.get("lanes") or (counted or [1])[0]}
-        road |= {"side": side[0] if side and not ramp else "right"}
-        own = [*facts.values("speed"), *facts.values("ramp_speed")]
-        road["ramp_speed"] = own[0] if own else usual
+        counted = facts.value("lane_road", "event_lanes", "lanes", "lanes_each")
+        sides = {*facts.values("side"), *([event["side"]] if "side" in event else [])} or {"right"}
+        if len(sides) > 1 or (ramp and "left" in sides):
+            raise Unfit("ramps are on the outer side of the road" if ramp else "a lane ends or begins on one side")
+        road: Road = {"kind": event["kind"], "position": here, "lanes": event.get("lanes") or counted or 1, "side": sides.pop()}
+        road["ramp_speed"] = facts.value("speed", "ramp_speed") or usual
         road |= {"keeps": True} if facts.value("keeps") else {}
         placed.append({**road, "length": length} if ramp else road)
         end = here + (length if ramp else 0.0)

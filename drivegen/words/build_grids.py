@@ -26,10 +26,6 @@ def grid(scene: Scene, choices: Choices) -> Road:
     lanes = lanes_of(whole, one_way=one_way, arms=True) or (1, 1)
     if lanes[0] != lanes[1] and not one_way:
         raise Unfit("the streets of a grid have the same lanes in both directions")
-    speed = speed_of(whole)
     fields = {"kind": "grid", "rows": rows, "columns": columns, "lanes": lanes[0], "one_way": one_way}
-    fields |= {
-        "spacing": spacing or choices.length("spacing", 100, 150),
-        "beyond": whole.value("beyond"),
-    }
-    return fields | {"speed": usual_speed([whole]) if speed is None else speed, "control": control_of(whole, True)}
+    fields |= {"spacing": spacing or choices.length("spacing", 100, 150), "beyond": whole.value("beyond")}
+    return fields | {"speed": speed_of(whole) or usual_speed([whole]), "control": control_of(whole, True)}

@@ -36,8 +36,7 @@ def highway(scene: Scene, choices: Choices) -> Road:
         raise Unfit("both carriageways of a highway have the same number of lanes")
     events, start = events_of(scene, road, lanes[0] if lanes else None)
     number = lanes[0] if lanes else start or (3 if fast and not divided else 2)
-    speed = speed_of(road)
-    speed = (FAST if fast else usual_speed([road])) if speed is None else speed
+    speed = speed_of(road) or (FAST if fast else usual_speed([road]))
     if road.values("has_auxiliary") and not any(event["kind"] in ("on_ramp", "off_ramp") for event in events):
         raise Unfit("a lane for speeding up or slowing down belongs to a ramp")
     _share_out(events, road)
@@ -111,7 +110,7 @@ def fork(scene: Scene, choices: Choices) -> Road:
     before = at_stem or lanes_of(whole, one_way=True)
     lanes = before[0] if before else max(sum(pairs[0]), 1) if pairs and not joins else sum(pairs[0]) if pairs else 2
     left, right = pairs[0] if pairs else ((lanes + 1) // 2, max(1, lanes - (lanes + 1) // 2))
-    angle, speed = whole.value("angle"), speed_of(whole)
+    angle = whole.value("angle")
     lengths = {v for things in (*both, [shared]) for t in things for v in t.values("length")}
     if len(lengths) > 1:
         raise Unfit("both branches of a fork are of one length")
@@ -119,5 +118,5 @@ def fork(scene: Scene, choices: Choices) -> Road:
     at = [*whole.values("stem"), *(v for t in stem for v in t.values("length")), *whole.values("position")]
     fields = {"kind": "fork", "lanes": lanes, "left_lanes": left, "right_lanes": right, "joins": joins, "length": length}
     fields |= {"stem": at[0]} if at else {}
-    speed = (FAST if fast else usual_speed([whole])) if speed is None else speed
+    speed = speed_of(whole) or (FAST if fast else usual_speed([whole]))
     return fields | {"angle": float(angle or (40.0 if fast else 50.0)), "speed": speed}

@@ -31,19 +31,15 @@ def interchange(scene: Scene, _: Choices) -> Road:
         raise Unfit("one interchange is drawn at a time")
     lanes = lanes_of(main, per_carriageway=True) or lanes_of(whole, per_carriageway=True) or (2, 2)
     above = lanes_of(upper, arms=True) or (1, 1)
-    speed = _one(speed_of(main), speed_of(whole), FAST)
+    speed = speed_of(main) or speed_of(whole) or FAST
     fields: Road = {"kind": "interchange", "form": forms.pop(), "lanes": lanes[0], "speed": speed, "road_lanes": above[0]}
-    fields |= {"ramp_lanes": _ramp_lanes(whole, ramp), "road_speed": _one(speed_of(upper), 50 * KMH)}
-    fields |= {"ramp_speed": _one(speed_of(ramp), whole.first("ramps_limit", "ramp_speed"), 50 * KMH)}
+    fields |= {"ramp_lanes": _ramp_lanes(whole, ramp), "road_speed": speed_of(upper) or 50 * KMH}
+    fields |= {"ramp_speed": speed_of(ramp) or whole.value("ramps_limit", "ramp_speed") or 50 * KMH}
     if (length := upper.value("length")) is not None:
         fields["road_length"] = length
     both = Thing("", facts=[*whole.facts, *upper.facts])
     usual = "yield" if both.value("signals") is False else "signals"
     return fields | {"control": control_of(both, False, usual)}
-
-
-def _one(*values: float | None) -> float:
-    return float(next(value for value in values if value is not None))
 
 
 def _parts(scene: Scene, name: str) -> tuple[Thing, Thing, Thing, Thing]:
@@ -73,7 +69,7 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     if controlled and (form == "trumpet" or motorways > 1):
         raise Unfit("trumpets, and cloverleaves between two highways, have no crossings")
     lanes = lanes_of(main, per_carriageway=True) or lanes_of(whole, per_carriageway=True) or (2, 2)
-    speed = _one(speed_of(main), speed_of(whole), FAST)
+    speed = speed_of(main) or speed_of(whole) or FAST
     both = not street and not controlled
     above = lanes_of(upper, arms=True) or ((lanes[0],) if both else (1,))
     fields: Road = {"kind": "quadrant_interchange", "lanes": lanes[0], "speed": speed, "road_lanes": above[0]}
@@ -81,9 +77,9 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     legs = whole.values("leg")
     fields |= {"north_leg": form != "trumpet" and "south" not in legs, "south_leg": "north" not in legs}
     slower = min(speed, 50 * KMH if controlled else 80 * KMH)
-    fields["road_speed"] = _one(speed_of(upper), speed if both else slower)
+    fields["road_speed"] = speed_of(upper) or (speed if both else slower)
     fields |= _ramps_and_loops(whole, ramp, loop, speed)
-    fields |= {"median": median} if (median := merged((whole, main)).first("median")) else {}
+    fields |= {"median": median} if (median := merged((whole, main)).value("median")) else {}
     fields |= {"leg_length": length} if (length := upper.value("length")) is not None else {}
     for quadrant in scene.named(*_OFF, *_ON):
         if (ramps := quadrant.value("ramps")) is not None:
@@ -91,9 +87,8 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     if controlled:
         fields["control"] = control_of(Thing("", facts=[*whole.facts, *upper.facts]), False)
     else:
-        whole.accept("signals")
-        main.accept("signals")
-        upper.accept("signals")
+        for thing in (whole, main, upper):
+            thing.accept("signals")
     return fields
 
 
@@ -108,19 +103,19 @@ def _form_and_loops(form: str, numbers: list[Any]) -> tuple[str, int]:
 
 def _ramps_and_loops(whole: Thing, ramp: Thing, loop: Thing, speed: float) -> Road:
     """Limits, lanes and radius of the ramps of a road with the limit `speed` [m/s]."""
-    limit = _one(speed_of(ramp), whole.first("ramps_limit", "ramp_speed"), min(speed, 60 * KMH))
-    own, usual = whole.first("radius"), min(speed, limit, 40 * KMH)
+    limit = speed_of(ramp) or whole.value("ramps_limit", "ramp_speed") or min(speed, 60 * KMH)
+    own, usual = whole.value("radius"), min(speed, limit, 40 * KMH)
     return {
         "ramp_speed": limit,
-        "loop_speed": _one(speed_of(loop), whole.value("loop_speed"), usual),
-        "loop_radius": whole.first("loop_radius") or loop.first("radius", "loop_radius") or own or 45.0,
+        "loop_speed": speed_of(loop) or whole.value("loop_speed") or usual,
+        "loop_radius": whole.value("loop_radius") or loop.value("radius", "loop_radius") or own or 45.0,
         "ramp_lanes": _ramp_lanes(whole, ramp),
     }
 
 
 def _ramp_lanes(whole: Thing, ramp: Thing) -> int:
     own = lanes_of(ramp, one_way=True)
-    return int(own[0] if own else whole.first("ramp_lanes") or 1)
+    return int(own[0] if own else whole.value("ramp_lanes") or 1)
 
 
 def _ramps(form: str, name: str, loops: tuple[str, ...]) -> str:

@@ -38,8 +38,7 @@ def roundabout(scene: Scene, choices: Choices) -> Road:
     lanes = lanes_of(Thing("", facts=of_roads), arms=True) or (min(ring, 2), 0)
     diameter = _diameter(whole, ring_thing, choices, count, ring)
     length = whole.value("length") or choices.length("arms", 120, 180)
-    speed = speed_of(whole)
-    speed = usual_speed([whole]) if speed is None else speed
+    speed = speed_of(whole) or usual_speed([whole])
     t_shaped = whole.value("shape") == "t"
     angles = [180.0, 0.0, 270.0] if t_shaped else [i * 360.0 / count for i in range(count)]
     whole.accept("evenly")
@@ -47,8 +46,8 @@ def roundabout(scene: Scene, choices: Choices) -> Road:
         raise Unfit("who enters a roundabout gives way")
     built = [{"angle": a, "lanes_in": lanes[0], "lanes_out": lanes[0], "length": length, "speed": speed} for a in angles]
     own_of_arms(built, arms)
-    limits = [*ring_thing.values("speed"), *whole.values("ring_speed")]
-    ring_speed = limits[0] if limits else min(speed, 30 * KMH if diameter < 60 else 40 * KMH)
+    usual = min(speed, 30 * KMH if diameter < 60 else 40 * KMH)
+    ring_speed = ring_thing.value("speed") or whole.value("ring_speed") or usual
     return {"kind": "roundabout", "arms": built, "ring_lanes": ring, "diameter": diameter, "ring_speed": ring_speed}
 
 

@@ -39,8 +39,7 @@ def row(
 def _is(reference: Thing, i: int, words: list[Thing]) -> bool:
     """Whether an ordinal means the junction i: the n-th of its form."""
     like = [j for j, word in enumerate(words) if word.name == reference.name]
-    n = int(reference.which)
-    return bool(like) and (n == -1 or n <= len(like)) and like[n - 1 if n > 0 else -1] == i
+    return isinstance(reference.which, int) and i in reference.among(like)
 
 
 def counted(thing: Thing) -> int:

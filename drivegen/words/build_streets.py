@@ -23,8 +23,7 @@ def street(scene: Scene, choices: Choices) -> Road:
     dead_end = bool(road.value("dead_end")) or scene.there("dead_end")
     one_way = is_one_way(road)
     lanes = lanes_of(road, one_way=one_way) or (2 if road.has("arterial") else 1,) * 2
-    speed = speed_of(road)
-    speed = usual_speed([road]) if speed is None else speed
+    speed = speed_of(road) or usual_speed([road])
     for thing in (road, *scene.things):
         thing.accept("row", "evenly")
         if thing.name not in ("roundabout", ""):
@@ -106,6 +105,8 @@ def _side_streets(
     words = [thing for thing in sides for _ in range(counted(thing))]
     if len(words) > MOST:
         raise Unfit(f"a road can have at most {MOST} junctions along it")
+    if len(words) == 1:
+        side.accept("middle")
     turns = [thing.value("side") or all_on or ("left", "right")[i % 2] for i, thing in enumerate(words)]
     return [{**junction, "sides": ("left", "right") if both else (turn,)} for turn in turns], *places(words, [], spacing)
 

@@ -47,24 +47,17 @@ class Edit:
             some = {"main": [a for a in arms if a["main"]], "side": [a for a in arms if not a["main"]], "ring": [road]}
             if isinstance(which, float):
                 some["arm"] = [a for a in arms if abs(math.remainder(a["angle"] - which, 360.0)) < 1.0]
-            return self._chosen(some.get(name, arms if name in ("", "street", "arm", "crossing", "roundabout") else []))
+            return self.thing.among(some.get(name, arms if name in ("", "street", "arm", "crossing", "roundabout") else []))
         if name in ("side", "cross"):
             return list(road.get("junctions", []))
         if name in ("crossing", "roundabout"):
-            return self._chosen([j for j in road.get("junctions", []) if j["form"] == name])
+            return self.thing.among([j for j in road.get("junctions", []) if j["form"] == name])
         fits = name in ("", "street", "main", self.kind) or (name == "highway" and self.kind != "corridor")
         return [road] if fits or name in ("upper", "left_branch", "right_branch") else []
 
     def _named_events(self, name: str) -> list[Road]:
         kinds = _RAMPS if name == "ramp" else (name,)
-        return self._chosen([event for event in self.road.get("events", []) if event["kind"] in kinds])
-
-    def _chosen(self, parts: list[Road]) -> list[Road]:
-        """The one that an ordinal tells, all where none does."""
-        which = self.thing.which
-        if not isinstance(which, int):
-            return parts
-        return parts[which - 1 : which] if which > 0 else parts[-1:]
+        return self.thing.among([event for event in self.road.get("events", []) if event["kind"] in kinds])
 
     def _events(self, name: str) -> bool:
         """Remove ramps, or add one behind all that is there; whether they are gone."""
@@ -126,7 +119,7 @@ class Edit:
         return [(field, part[field]) for field in fields if field in part]
 
     def _speed(self, parts: list[Road], name: str) -> None:
-        if (speed := self.thing.first("speed", "ramp_speed")) is None:
+        if (speed := self.thing.value("speed", "ramp_speed")) is None:
             return
         own = {"side": "side_speed", "cross": "side_speed", "ring": "ring_speed", "upper": "road_speed"}
         for part in parts:

@@ -20,7 +20,7 @@ from drivegen.words.roads import specification
 from drivegen.words.saying import sentences
 from drivegen.words.scene import scene_of
 from drivegen.words.table import absent, silent, table, words
-from drivegen.words.things import Scene, Undrawable, Unfit
+from drivegen.words.things import Undrawable, Unfit
 from drivegen.words.tokens import Token, stems, tokenise
 from drivegen.words.traffic import parted, request, request_sentences
 
@@ -71,14 +71,10 @@ def meaning(items: Sequence[Item], choices: Choices) -> Words:
     road, traffic = parted(scene_of(items))
     lit = any(thing.has("at_light") for thing in traffic.things)
     asked = request(traffic)
-    spec = specification(road, choices) if _speaks(road) else None
+    spec = specification(road, choices) if road.things or road.whole.facts or road.links else None
     if lit and (spec is None or '"control":"signals"' not in spec.model_dump_json()):
         raise Unfit("vehicles are said to stand at a traffic light, and no road with traffic lights is described")
     return Words(spec, asked)
-
-
-def _speaks(scene: Scene) -> bool:
-    return bool(scene.things or scene.whole.facts or scene.links)
 
 
 def read(text: str, seed: int, key: str = "") -> Words:

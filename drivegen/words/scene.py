@@ -21,20 +21,30 @@ _NEAREST = _KNOWN - {"the"}
 WHOLES = ("crossing", "roundabout", "highway", "street", "grid", "fork", "interchange", "cloverleaf", "staggered", "dead_end")
 
 
-_PLACES = ("position", "gap")
+_PLACES = ("position", "gap", "middle")
 _PLACED = ("place", *(f"far_{relation}" for relation in Relation))
 _SEEN = ("does", *_PLACED)
 _DONE_TO_TARGET = ("cut_in", "overtake", "turn_left_across")
+_LISTED = (",", "and", ".", "")
+"""Marks between vehicles that are named one after another; behind others they may be some of those before."""
+
 _TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes")
 """A length right behind them is theirs: "with left and right turn lanes of 60 m"."""
 
 _RULED_OUT = ("no ", "without ")
-_BY_DIRECTION = (*_TURN_LANES, "control", "signals", "turn_bans", "speed")
-"""Said of one direction only, these leave open whether the road has another: "with lights in one direction only"."""
+_DIRECTIONS = {
+    "one_way": (*_TURN_LANES, "control", "signals", "turn_bans", "speed"),
+    "two_way": ("change", "change_to", "loses", "loses_side", "gains", "gains_side"),
+}
+"""What may be said of so many directions itself, not its road: "with lights in one direction only"."""
 
 _OTHERS = ("car", "truck", "bus", "vehicle", "member")
 _ROADS = ("street", "main", "east_west", "north_south")
 """Of these alone nobody can be said to stop or to give way: the side road does."""
+_GIVES_WAY = ("stop", "stop_sign", "yield")
+_SIDE_ROADS = frozenset({"side", "minor", "priority", "right"})
+"""Words of facts that themselves say who gives way: "the main road has priority"."""
+
 MOVING = (*_OTHERS, "target")
 """Things of which nothing that roads have is said."""
 
@@ -46,6 +56,8 @@ class Walk:
         self.items = items
         self.scene = Scene()
         self.subject: Thing | None = None
+        self.topic: Thing | None = None
+        """What the sentence before begins with: "it", where a sentence begins."""
         self.sentence: list[Thing] = []
         self.pending: list[Fact] = []
         self.fronted: list[Fact] = []
@@ -93,13 +105,13 @@ class Walk:
             self._nothing_pending()
         if word == ".":
             self._sentence_ends()
-        elif word == "(":
-            self.comma, self.mark, self.det = False, ",", ""
-        elif word == ":":
-            self.comma, self.sticky, self.mark, self.det = False, True, ",", ""
+        elif word in ("(", ":"):
+            self.comma, self.sticky, self.mark, self.det = False, self.sticky or word == ":", word, ""
         elif word == ",":
             self.comma, self.segment, self.mark, self.det = True, [], ",", ""
         elif word in words("determiners"):
+            if word in ("it", "its") and self.mark == "." and self.topic is not None:
+                self.subject, self.sticky = self.topic, True
             self.det = word
         elif word in words("verbs") and self.sticky:
             self.comma = False
@@ -114,6 +126,7 @@ class Walk:
         self._nothing_pending()
         if self.fronted:
             raise Unfit(f"it is not clear what {self.fronted[0].text!r} belongs to")
+        self.topic = self.sentence[0] if self.sentence else None
         self.subject, self.sentence, self.segment = None, [], []
         self.mark, self.det, self.comma, self.sticky = ".", "", False, False
 
@@ -130,9 +143,11 @@ class Walk:
         thing.facts += facts
         self.pending = []
         self._ahead_of_noun(thing)
-        parts = name not in (*WHOLES, "street", *traffic_names()) or thing.which is not None
-        if parts and self.mark in words("prepositions") and self.subject is not None and self.subject.name in traffic_names():
-            raise Unfit(f"where {self.subject.text!r} is can be said as seen from the target only, not by {item.raw!r}")
+        if self.subject is not None:
+            self._apart(self.subject, thing, item.raw)
+        said = [other.phrase.name for other in self.items if other.start < item.start and other.phrase.kind == "fact"]
+        if phrase.slots == ("lanes_each",) and "lane" not in item.raw and {*said[-1:]} & {*_TURN_LANES}:
+            raise Unfit(f"it is not clear of what there are so many: {item.raw!r}")
         definite = self.det in _KNOWN or self.det in ALL or bool(which)
         towards = [fact for fact, _ in self.segment if fact.name in ("turn_bans", *_TURN_LANES)]
         if self.mark in ("onto", "to") and towards:
@@ -141,7 +156,7 @@ class Walk:
             raise Unfit(f"{item.raw!r} can be a ramp, or a road that merges")
         if self.mark in words("prepositions") and definite and self.segment:
             for fact, holder in self.segment:
-                if fact.value in ("stop", "stop_sign", "yield") and thing.name in _ROADS:
+                if fact.value in _GIVES_WAY and thing.name in _ROADS:
                     raise Unfit(f"say by main and side road where {fact.text!r} is")
                 if thing.name in fact.scope or "*" in fact.scope:
                     holder.facts.remove(fact)
@@ -153,11 +168,20 @@ class Walk:
         self.sentence.append(thing)
         self.segment, self.mark, self.det, self.comma, self.described = [], "", "", False, False
 
+    def _apart(self, subject: Thing, thing: Thing, text: str) -> None:
+        """Raises Unfit where vehicles are at something that only roads have, or among others."""
+        parts = thing.name not in (*WHOLES, "street", *traffic_names()) or thing.which is not None
+        if parts and self.mark in words("prepositions") and subject.name in traffic_names():
+            raise Unfit(f"where {subject.text!r} is can be said as seen from the target only, not by {text!r}")
+        if subject.name == "vehicle" and thing.name in _OTHERS[:3] and self.mark not in _LISTED:
+            raise Unfit(f"it is not clear whether {text!r} is among {subject.text!r}")
+
     def _kind(self, item: Item, phrase: Phrase) -> str:
         """What a noun names: itself, or of "the second one" and "two on the right" what was counted before."""
         named = [phrase.name]
         if phrase.name == "nth_one":
-            named = [t.name for t in self.scene.things if any(f.name == "count" and f.value != 1 for f in t.facts)]
+            counted = [t for t in self.scene.things if any(f.name == "count" and f.value != 1 for f in t.facts)]
+            named = [t.name for t in counted if t.name not in MOVING]
         elif phrase.name == "so_many":
             named = [t.name for t in self.scene.things[-1:] if t.has("count") and t.has("side")]
         if not named:
@@ -182,6 +206,8 @@ class Walk:
             if len(like) > 1 and len(called) != 1 and self.det not in _NEAREST:
                 raise Unfit(f"it is not clear which one {text!r} is")
             return called[0] if len(called) == 1 else like[-1]
+        if isinstance(which, int) and name in MOVING and self.det == "the":
+            raise Unfit(f"it is not clear which one {text!r} is: one of those that are named is 'one of them'")
         self.scene.things.append(Thing(name, text, which=which, definite=self.det in _KNOWN or which is not None))
         return self.scene.things[-1]
 
@@ -189,8 +215,8 @@ class Walk:
         fact = Fact(phrase.name, item.value, item.raw, phrase.scope)
         before = self.items[i - 1].phrase if i else WORD
         said = next((item.phrase for item in reversed(self.items[:i]) if item.phrase is not WORD), phrase)
-        apart = said.name in _BY_DIRECTION or (said.kind == "thing" and said.name not in (*fact.scope, "traffic"))
-        if fact.name == "one_way" and "direction" in fact.text and apart:
+        apart = said.kind == "thing" and said.name not in (*fact.scope, "traffic")
+        if "direction" in fact.text and fact.name in _DIRECTIONS and (apart or said.name in _DIRECTIONS[fact.name]):
             raise Unfit(f"it is not clear what is {fact.text!r}")
         if fact.name == "length" and before.name in _TURN_LANES:
             fact.name, fact.scope = "pocket", before.scope
@@ -204,8 +230,7 @@ class Walk:
             self.comma = False
             return
         self._nothing_pending()
-        if self.det == "another":
-            raise Unfit(f"it is not clear of what other one {fact.text!r} is said")
+        self._not_of_another(fact)
         if fact.name in _PLACED or fact.value in _DONE_TO_TARGET:
             self._seen_from_target(i)
         if fact.name == "side" and i + 1 < len(self.items) and self.items[i + 1].phrase.kind == "thing":
@@ -220,6 +245,16 @@ class Walk:
         holder.facts.append(fact)
         self.segment.append((fact, holder))
         self.mark, self.det = "", ""
+
+    def _not_of_another(self, fact: Fact) -> None:
+        """Raises Unfit where a fact is said of another one, of the target, or of a road of which it is never so."""
+        if self.det == "another":
+            raise Unfit(f"it is not clear of what other one {fact.text!r} is said")
+        if self.det in ("my", "our") and fact.name in ("speed", "pace") and not _is_limit(fact):
+            raise Unfit("a speed of the target alone cannot be asked for")
+        first = self.subject is not None and self.subject.name in _ROADS[1:] and not self.comma and self.mark != "and"
+        if first and fact.value in _GIVES_WAY and not _SIDE_ROADS & set(fact.text.split()):
+            raise Unfit(f"say by main and side road where {fact.text!r} is")
 
     def _seen_from_target(self, i: int) -> None:
         """Raises Unfit where a place is seen from, or something is done to, somebody else: "behind it", "overtaking a bus"."""
@@ -252,7 +287,8 @@ class Walk:
 
     def _holder(self, i: int, fact: Fact) -> Thing:
         moving = self.subject if self.subject is not None and self.subject.name in MOVING else None
-        if moving is not None and not (self.comma or _can_hold(moving, fact) or _is_limit(fact)):
+        one = self.subject if self.subject is not None and isinstance(self.subject.which, int) else moving
+        if one is not None and not (self.comma or _can_hold(one, fact) or _is_limit(fact)):
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
         ramp = self.subject is not None and self.subject.name.endswith("ramp") and not self.subject.definite
         if ramp and self.sticky and fact.name in ("lanes", "lanes_each", "speed"):  # "motorway on-ramp: 2 lanes, 100 km/h"

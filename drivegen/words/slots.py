@@ -13,9 +13,11 @@ _LENGTHS = {"m": 1.0, "km": 1000.0, "ft": 0.3048, "yd": 0.9144, "mile": 1609.344
 ORDINALS = [
     "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth", "eleventh", "twelfth",
 ]  # fmt: skip
-_NTH = {word: i for i, word in enumerate(ORDINALS, 1)} | {
-    f"{i}{'st' if i == 1 else 'nd' if i == 2 else 'rd' if i == 3 else 'th'}": i for i in range(1, 13)
-}
+_NTH = (
+    {word: i for i, word in enumerate(ORDINALS, 1)}
+    | {f"{i}{'st' if i == 1 else 'nd' if i == 2 else 'rd' if i == 3 else 'th'}": i for i in range(1, 13)}
+    | {"last": -1, "final": -1}
+)
 _COMPASS = {
     "east": 0.0, "north east": 45.0, "north": 90.0, "north west": 135.0, "west": 180.0, "south west": 225.0, "south": 270.0,
     "south east": 315.0,
@@ -80,18 +82,12 @@ def _plain(tokens: Sequence[Token], i: int) -> Match | None:
 
 
 def _bare_speed(tokens: Sequence[Token], i: int) -> Match | None:
-    value = _value(tokens, i)
-    return (
-        None
-        if value is None or _text(tokens, i + 1) in {*_SPEEDS, *_LENGTHS, "lane", "degree", "second"}
-        else (value * KMH, i + 1)
-    )
+    value, other = _value(tokens, i), {*_SPEEDS, *_LENGTHS, "lane", "degree", "second"}
+    return None if value is None or _text(tokens, i + 1) in other else (value * KMH, i + 1)
 
 
 def _nth(tokens: Sequence[Token], i: int) -> Match | None:
     word = _text(tokens, i)
-    if word == "last" or word == "final":
-        return -1, i + 1
     return (_NTH[word], i + 1) if word in _NTH else None
 
 

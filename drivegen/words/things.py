@@ -54,17 +54,19 @@ class Thing:
         for name in names:
             self.values(name)
 
-    def value(self, name: str) -> Any:
-        """The only value of a field, None where nothing is said. Raises Unfit where two differ."""
-        values = self.values(name)
+    def value(self, *names: str) -> Any:
+        """The only value of all these fields, None where nothing is said. Raises Unfit where two differ."""
+        values = [value for name in names for value in self.values(name)]
         if any(value != values[0] for value in values):
-            texts = " and ".join(repr(fact.text) for fact in self.facts if fact.name == name)
+            texts = " and ".join(repr(fact.text) for fact in self.facts if fact.name in names)
             raise Unfit(f"{texts} contradict one another")
         return values[0] if values else None
 
-    def first(self, *names: str) -> Any:
-        """The first value of the first of these fields of which something is said, None where nothing is; all count as used."""
-        return next(iter([value for name in names for value in self.values(name)]), None)
+    def among(self, items: list[Any]) -> list[Any]:
+        """The one of a list that its ordinal tells, none where there are not so many; all where it has none."""
+        if not isinstance(self.which, int):
+            return items
+        return items[self.which - 1 : self.which] if self.which > 0 else items[-1:]
 
     def has(self, *names: str) -> bool:
         """Whether any of these fields is spoken of; they do not count as used."""

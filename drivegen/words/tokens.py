@@ -89,11 +89,6 @@ class Token:
         """What words of forms are compared with: numbers by their value."""
         return self.text if self.value is None else f"={self.value:g}"
 
-    @property
-    def end(self) -> bool:
-        """Whether a sentence ends here."""
-        return self.text == "."
-
 
 def tokenise(text: str) -> list[Token]:
     """The tokens of a text."""

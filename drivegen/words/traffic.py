@@ -48,12 +48,9 @@ def request(scene: Scene) -> TrafficRequest:
         thing.used = True
         if thing.name == "traffic":
             _note(fields, "density", thing.value("density"))
-            _note(fields, "speed", _pace(thing))
+            _note(fields, "speed", thing.value("pace", "speed"))
         elif thing.name == "target":
-            _note(fields, "target_does", thing.value("does"))
-            _note(fields, "speed", _pace(thing))
-            if thing.has("within"):
-                raise Unfit("no time can be said for what the target does")
+            _target(thing, len(scene.things) == 1, fields)
         else:
             _group(thing, groups)
     _note(fields, "target_kind", scene.whole.value("target_kind"))
@@ -74,6 +71,14 @@ def request(scene: Scene) -> TrafficRequest:
         raise Unfit(f"this traffic cannot be placed: {first_complaint(error)}") from None
 
 
+def _target(thing: Thing, alone: bool, fields: dict[str, Any]) -> None:
+    """What the target does; its speed is that of the traffic where nobody else is named."""
+    if thing.has("within") or (thing.has("pace", "speed") and not alone):
+        raise Unfit("no time and no speed can be said of the target alone")
+    _note(fields, "target_does", thing.value("does"))
+    _note(fields, "speed", thing.value("pace", "speed"))
+
+
 def _note(fields: dict[str, Any], name: str, value: Any) -> None:
     if value is None:
         return
@@ -81,18 +86,11 @@ def _note(fields: dict[str, Any], name: str, value: Any) -> None:
         raise Unfit(f"two different values are said of the traffic's {name.replace('_', ' ')}")
 
 
-def _pace(thing: Thing) -> float | None:
-    speeds = [*thing.values("pace"), *thing.values("speed")]
-    if len(set(speeds)) > 1:
-        raise Unfit("two speeds are said of one vehicle")
-    return float(speeds[0]) if speeds else None
-
-
 def _group(thing: Thing, groups: list[_Group]) -> None:
     """Add what a thing asks for: a new group, or one member of the last one that does something of its own."""
     count = thing.value("count")
     vague = thing.name in _KINDS and stem(thing.text.split()[-1]) != thing.text.split()[-1] and count is None
-    if vague and thing.which != "all":
+    if count is None and (vague or thing.which == "all"):
         raise Unfit(f"say how many {thing.text}")
     asks = _asks(thing)
     if thing.name == "rest":
@@ -124,16 +122,13 @@ def _asks(thing: Thing) -> dict[str, Any]:
             _note(asks, "place", fact.name.removeprefix("far_"))
             _note(asks, "distance", fact.value)
     _note(asks, "place", thing.value("place"))
-    _note(asks, "speed", _pace(thing))
+    _note(asks, "speed", thing.value("pace", "speed"))
     _note(asks, "queue", thing.value("queue"))
     if thing.value("at_light"):
         _note(asks, "place", "ahead")
         _note(asks, "speed", 0.0)
         asks["queue"] = True
-    does = thing.values("does")
-    if len(set(does)) > 1:
-        raise Unfit("one vehicle does one thing in a scene")
-    _note(asks, "manoeuvre", does[0] if does else None)
+    _note(asks, "manoeuvre", thing.value("does"))
     _note(asks, "within", thing.value("within"))
     if "within" in asks and "manoeuvre" not in asks:
         raise Unfit("a time is said of nothing that is done")

@@ -193,3 +193,44 @@ def test_with_and_without_are_told_apart(text):
 )
 def test_short_forms_draw_what_long_ones_do(text, plain):
     assert read(text, 7, "same").road == read(plain, 7, "same").road
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("a crossing with one left-turn lane on the main road and two on the side road", "of what there are so many"),
+        ("a cloverleaf, 80 km/h on the motorway and 50 km/h on the crossing road", "'50 kmh' does not fit"),
+        ("a crossing where the main road yields to the side road", "say by main and side road"),
+        ("a crossing; the north-south road has a stop sign", "say by main and side road"),
+        ("a motorway narrowing from three lanes to two in both directions", "'in both directions'"),
+        ("a road widening from one lane to two in each direction", "two different numbers of lanes"),
+        ("a lane drop in both directions on a motorway", "'in both directions'"),
+        ("two crossings, the second one has two lanes each way", "'two lanes each way' belongs to"),
+        ("a motorway with an on-ramp with a limit of 40 km/h and 60 km/h on the ramp", "contradict one another"),
+        ("a crossing, both cars turn left", "say how many"),
+        ("five cars on a motorway, the second one brakes", "'second one' is"),
+        ("a motorway, my speed is 100 km/h, ten cars", "of the target alone"),
+        ("the ego vehicle drives at 100 km/h on a motorway, ten cars", "of the target alone"),
+        ("a motorway with ten cars; the third car brakes hard", "which one 'car' is"),
+        ("ten vehicles including three trucks on a motorway", "is among 'vehicles'"),
+        ("ten vehicles (three trucks) on a motorway", "is among 'vehicles'"),
+    ],
+)
+def test_what_is_said_of_one_of_several_is_not_said_of_all(text, why):
+    assert why in declined(text)
+
+
+def test_it_is_what_the_sentence_before_begins_with():
+    road = read("A road of 1 km. In the middle there is a side road on the left. It is 150 m long.", 7).road.road
+    assert (road.alignment.length, [(j.position, j.side_length) for j in road.junctions]) == (1000, [(500, 150)])
+    brakes = read("A motorway. There is a truck ahead of me. It brakes hard.", 7).traffic.groups
+    assert [group.manoeuvre for group in brakes] == ["hard_braking"]
+
+
+def test_the_first_and_the_second_are_those_that_were_counted():
+    road = read("two T-junctions in a row, the first is on the left, the second is on the right", 7).road.road
+    assert [junction.sides for junction in road.junctions] == [("left",), ("right",)]
+    ramps = read("a motorway with two on-ramps, the second one at 800 m", 7).road.road.events
+    assert [ramp.position for ramp in ramps] == [250, 800]
+    arms = read("a crossing; the last arm has two lanes each way", 7).road.road.arms
+    assert [arm.lanes_in for arm in arms] == [1, 1, 1, 2]
