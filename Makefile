@@ -40,7 +40,7 @@ lock: $(INSTALLED)       ## write the versions that are installed now into const
 # pip's warnings are many and of no use; its words are shown only if it fails.
 $(INSTALLED): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 11) <= v < (3, 13) else f"DriveGen needs Python 3.11 or 3.12, {sys.executable} is {v[0]}.{v[1]}: try `make PYTHON=python3.12 run`")'
-	@echo "Installing pinned dependencies into .venv (about 90 s the first time) ..."
+	@echo "Installing pinned dependencies into .venv (some 3 minutes the first time) ..."
 	@$(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]' > .venv/install.log 2>&1 \
 		|| { cat .venv/install.log >&2; exit 1; }
