@@ -1,4 +1,4 @@
-"""`drivegen export`: scenarios out of the pipeline's shards, each as a folder in the official layout."""
+"""`drivegen export`: scenarios out of the pipeline's shards, in any format that `drivegen/exporters` writes."""
 
 import sys
 from collections.abc import Iterator
@@ -10,13 +10,14 @@ from typing import Annotated
 import numpy as np
 from typer import Argument, Option
 
-from drivegen.av2.export import export_scenario
 from drivegen.cli._console import plain
+from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.core.wording import many
+from drivegen.exporters.base import Exporter
 from drivegen.rollout.shipping import sample_id
 from drivegen.store.folders import whole_folder
 from drivegen.store.lookup import CASES, DRIVEN_CASES, cases_in, futures_in
@@ -35,18 +36,21 @@ Shards = Annotated[
 ]
 Of = Annotated[Path, Option(help="The scenarios that data/generated, data/corner and data/attack hold futures of.")]
 Collisions = Annotated[bool, Option("--collisions", help="Of a round: only futures that end with the driver's collision.")]
+To = Annotated[str, Option(help=f"The format: {' or '.join(plugins.names('exporters'))}.")]
 Driven = Annotated[bool, Option("--driven", help="Of a round or attack: the target as the driver drove it, not as planned.")]
 
 
 def command(
     scenarios: Shards,
-    out: Annotated[Path, Option(help="New folder for <id>/ (official Motion Forecasting layout).")],
+    out: Annotated[Path, Option(help="New folder for one folder or file of each scenario, called by its id.")],
     most: Annotated[int | None, Option(min=1, max=sys.maxsize, help="Only the first so many.")] = None,
     of: Of = Path("data/scenarios/test"),
     collisions: Collisions = False,
     driven: Driven = False,
+    to: To = "argoverse2",
 ) -> None:
-    """Write the scenarios of SCENARIOS for other programs: Motion Forecasting folders that `drivegen view` and av2 open."""
+    """Write the scenarios of SCENARIOS for other programs: as Motion Forecasting folders, or in the format that --to names."""
+    exporter: Exporter = plugins.load("exporters", to)()
     chosen = _scenarios(scenarios, _Choice(of, collisions, driven))
     count = 0
     with whole_folder(out) as folder:
@@ -55,7 +59,7 @@ def command(
                 raise UnusableInput(
                     f"{scenarios}: scenario {scenario.scenario_id} has no motion yet: give scenarios that drove, as data/shipped"
                 )
-            export_scenario(scenario, scenario.log, folder, scenario.scenario_id.replace(":", "-"))
+            exporter.write(scenario, scenario.log, folder, scenario.scenario_id.replace(":", "-"))
             count += 1
         if not count:
             raise UnusableInput(f"{scenarios} holds no scenario" + (" that a collision ends" if collisions else ""))

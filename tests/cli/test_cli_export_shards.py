@@ -9,6 +9,7 @@ import pytest
 
 from drivegen.av2.folder import read_folder
 from drivegen.core.scenario import Actors, Trajectories, VehicleKind
+from drivegen.exporters.openscenario import Plugin as OpenScenario
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import read_shard, write_shard
 from tests import scenes
@@ -30,6 +31,20 @@ def test_what_the_pipeline_ships_is_exported_in_the_official_layout(tmp_path):
     done = run("export", "shipped/shard-00000.parquet", "--out", "one", "--most", "1", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, "one: 1 scenario of shipped/shard-00000.parquet\n"), done.stderr
     assert len(list((tmp_path / "one").iterdir())) == 1
+
+
+def test_scenarios_are_exported_in_the_format_that_is_named(tmp_path):
+    scene = scenes.busy_crossing(20, "recording:3")
+    write_shard(tmp_path / "shipped" / "shard-00000.parquet", [scene])
+    done = run("export", "shipped", "--out", "out", "--to", "openscenario", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "out: 1 scenario of shipped\n"), done.stderr
+    OpenScenario().write(scene, scene.log, tmp_path, "recording-3")
+    for name in ("recording-3.xosc", "recording-3.xodr"):
+        assert (tmp_path / "out" / name).read_bytes() == (tmp_path / name).read_bytes()
+    done = run("export", "shipped", "--out", "other", "--to", "waymo", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "choose one of argoverse2, openscenario" in done.stderr
+    assert not (tmp_path / "other").exists()
 
 
 @pytest.fixture
