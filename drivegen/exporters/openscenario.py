@@ -20,7 +20,7 @@ from drivegen.exporters._opendrive import opendrive, serialised
 from drivegen.exporters.base import About
 from drivegen.store.files import whole
 
-ABOUT = About(title="OpenSCENARIO XML 1.2 with OpenDRIVE 1.5", read_by="esmini, CARLA's ScenarioRunner, most simulators")
+ABOUT = About(title="OpenSCENARIO XML 1.2 with OpenDRIVE 1.5", read_by="programs that take OpenSCENARIO XML")
 
 REAR_AXLE = 0.28
 """The rear axle is this share of the length behind the middle of a vehicle's box; a person has none."""

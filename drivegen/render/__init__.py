@@ -1,0 +1,1 @@
+"""Pictures of maps, scenes and goals, drawn with OpenCV."""

@@ -1,1 +1,1 @@
-"""Closed-loop simulators: a driver steers the target while social vehicles and people are replayed. One file each."""
+"""Closed-loop simulators: a driver steers the target; the others are replayed or react, people are replayed. One file each."""

@@ -1,1 +1,1 @@
-"""The record: scenarios, samples, goals and metric rows as Parquet and JSON, and DuckDB views over them."""
+"""The record: scenarios, samples, goals and metric rows as Parquet and JSON, whole or not at all."""

@@ -1,0 +1,1 @@
+"""What every training shares: the loop, checkpoints, curves, clocks, and weights as safetensors."""

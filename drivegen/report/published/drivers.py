@@ -92,11 +92,9 @@ def by_test(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str, str, str]
 def primary(figures: Figures, method: str) -> Cell:
     """A row's primary endpoint with its interval, and by policy seed where there are several: rows differ in which they have."""
     cell = estimate(figures.get((method, PRIMARY)))
-    seeds = [
-        f"{metric.removeprefix(BY_SEED)}: {each['value']:.3f}"
-        for (who, metric), each in figures.items()
-        if who == method and metric.startswith(BY_SEED)
-    ]
+    mine = {metric: each for (who, metric), each in figures.items() if who == method and metric.startswith(BY_SEED)}
+    of_seeds = {int(metric.removeprefix(BY_SEED)): each["value"] for metric, each in mine.items()}
+    seeds = [f"{seed}: {value:.3f}" for seed, value in sorted(of_seeds.items())]
     return replace(cell, note="; ".join(filter(None, (cell.note, f"seeds {', '.join(seeds)}")))) if len(seeds) > 1 else cell
 
 
