@@ -110,8 +110,10 @@ class Candidates:
 
     def with_more(self, **columns: Any) -> "Candidates":
         """These and, at the end, K more, which `columns` (K, ...) describe, `position` to `prior`; priors are not shared anew."""
-        before = {name: getattr(self, name) for name in columns}
-        longer = {name: np.concatenate([old, np.asarray(columns[name], old.dtype)]) for name, old in before.items()}
+        longer: dict[str, Any] = {}
+        for name, values in columns.items():
+            before = getattr(self, name)
+            longer[name] = np.concatenate([before, np.asarray(values, before.dtype)])
         return replace(self, **longer)
 
 
