@@ -3,7 +3,6 @@
 The selector gives odds to them as to all others, so their price in realism is seen.
 """
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -70,22 +69,16 @@ def _with(scenario: Scenario, given: Candidates, number: int, s: NDArray[Any], s
     route = given.routes[number]
     d = float(given.offset[number]) * np.exp(-s / SETTLE)
     position, heading = from_frenet(route, s, d)
-    rows: dict[str, Any] = {
-        "position": position,
-        "heading": heading,
-        "speed": speed,
-        "route": np.full(len(s), number),
-        "s": s,
-        "d": d,
-        "step": np.full(len(s), scenario.horizon),
-        "manoeuvre": manoeuvres(route, s, speed),
-        "lane": route.lane[np.minimum((s / SPACING).astype(int), len(route.lane) - 1)],
-        "leaves_map": s > route.exit_s,
-        "prior": np.zeros(len(s)),
-    }
-    longer: dict[str, Any] = {name: _appended(getattr(given, name), values) for name, values in rows.items()}
-    return replace(given, **longer)
-
-
-def _appended(column: NDArray[Any], values: NDArray[Any]) -> NDArray[Any]:
-    return np.concatenate([column, np.asarray(values, column.dtype)])
+    return given.with_more(
+        position=position,
+        heading=heading,
+        speed=speed,
+        route=np.full(len(s), number),
+        s=s,
+        d=d,
+        step=np.full(len(s), scenario.horizon),
+        manoeuvre=manoeuvres(route, s, speed),
+        lane=route.lane[np.minimum((s / SPACING).astype(int), len(route.lane) - 1)],
+        leaves_map=s > route.exit_s,
+        prior=np.zeros(len(s)),
+    )

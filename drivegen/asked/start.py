@@ -1,6 +1,6 @@
 """The first frame of what was asked for: some placements are drawn, and the first is taken that has all that was wished."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from drivegen.asked.goals import Duty, Ordered, ordered
 from drivegen.asked.wishes import Cast, Fill, cast
 from drivegen.core import seeds
+from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import Scenario
 from drivegen.core.settings import Count
 from drivegen.generators.base import Settings as GeneratorSettings
@@ -80,9 +81,7 @@ def start(
     """
     best: AskedStart | None = None
     looked_at = 0
-    for turn in range(settings.placements):
-        random = seeds.rng(seed, "asked", name, turn)
-        placed = _placed(initialiser, name, cast(request, settings.densities, vehicles, random), random)
+    for placed in _placements(initialiser, name, request, settings, vehicles, seed):
         if best is not None and any(_missing(placed)) and _missing(placed) >= _missing(best):
             continue
         looked_at += 1
@@ -101,6 +100,23 @@ class _Placed:
     cast: Cast
     number: NDArray[np.intp]
     rejected: Mapping[str, int]
+
+
+def _placements(
+    initialiser: Initialiser, name: str, request: TrafficRequest, settings: Settings, vehicles: int, seed: int
+) -> Iterator[_Placed]:
+    """Those in which there is room for the target, which differs from turn to turn. Raises UnusableInput where there never is."""
+    room = False
+    for turn in range(settings.placements):
+        random = seeds.rng(seed, "asked", name, turn)
+        try:
+            placed = _placed(initialiser, name, cast(request, settings.densities, vehicles, random), random)
+        except UnusableInput as error:
+            if error.reason != "no-place" or (turn + 1 == settings.placements and not room):
+                raise
+            continue
+        room = True
+        yield placed
 
 
 def _placed(initialiser: Initialiser, name: str, asked: Cast, random: np.random.Generator) -> _Placed:

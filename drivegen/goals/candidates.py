@@ -6,7 +6,7 @@ goals on arcs ahead of it.
 """
 
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numba import njit
@@ -108,6 +108,14 @@ class Candidates:
     def __len__(self) -> int:
         return len(self.heading)
 
+    def with_more(self, **columns: Any) -> "Candidates":
+        """These and, at the end, K more, which `columns` (K, ...) describe, `position` to `prior`; priors are not shared anew."""
+        longer: dict[str, Any] = {}
+        for name, values in columns.items():
+            before = getattr(self, name)
+            longer[name] = np.concatenate([before, np.asarray(values, before.dtype)])
+        return replace(self, **longer)
+
 
 def candidates(graph: LaneGraph, scenario: Scenario, vehicle: int, settings: Settings) -> Candidates:
     """Candidates of `vehicle` at the end of the scenario's horizon, by what is seen at step 0.
@@ -145,7 +153,7 @@ def candidates_on(routes: list[Route], scenario: Scenario, vehicle: int, setting
     whole = _Table.joined([*tables, *kerbs])
     halts = np.flatnonzero(whole.halt)
     halts = halts[cover(whole.position[halts], whole.mass[halts], halts[:0], settings.spacing, MOST_HALTS)]
-    keep = np.concatenate([stays, halts])  # staying, the kerb and the very places to stop at are always on offer
+    keep = np.concatenate([stays, halts])  # staying, the kerb and the very places to stop at come before all others
     for share in FINER:
         keep = cover(whole.position, whole.mass, keep, share * settings.spacing, settings.most)
     keep = keep[np.lexsort((whole.s[keep], whole.route[keep]))]

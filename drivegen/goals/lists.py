@@ -124,22 +124,3 @@ class Padding:
         out = np.zeros((*self.there.shape, *column.shape[1:]), column.dtype)
         out[self.there] = column[self.at]
         return out
-
-
-def padded_odds(lists: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:
-    """(V, MOST) of lists that are no longer than that, zero where they end."""
-    table = np.zeros((len(lists), MOST), np.float32)
-    for row, values in zip(table, lists, strict=True):
-        row[: len(values)] = values
-    return table
-
-
-def padded(lists: Sequence[NDArray[np.float32]]) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """x (V, MOST, F), there (V, MOST). Raises UnusableInput where a list is longer than MOST."""
-    x = np.zeros((len(lists), MOST, len(NAMES)), np.float32)
-    there = np.zeros((len(lists), MOST), np.bool_)
-    for i, values in enumerate(lists):
-        if len(values) > MOST:
-            raise UnusableInput(f"a vehicle has {len(values)} candidates, the learned selector ranks {MOST} at most")
-        x[i, : len(values)], there[i, : len(values)] = values, True
-    return x, there

@@ -90,7 +90,7 @@ class Initialiser:
 
     def drawn_rows(self, count: int, random: np.random.Generator) -> list[int]:
         """Rows of the table for `count` vehicles of kinds by the settings' shares."""
-        return [int(retrieve(self._table, kind, 1, random)[0]) for kind in draw_kinds(self._shares, count, random)]
+        return [self.row_of(kind, random) for kind in draw_kinds(self._shares, count, random)]
 
     def row_of(self, kind: VehicleKind, random: np.random.Generator) -> int:
         """A row of the table of this kind."""

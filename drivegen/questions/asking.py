@@ -24,6 +24,9 @@ from drivegen.questions.goals import LONGEST_RANKING, Case, Wording, about_scena
 
 LAYOUTS = ("per_vehicle", "per_scenario")
 
+MOST_PIXELS = 4096
+"""No model reads more, and a picture grows with the square."""
+
 Numbers = list[int]
 Probabilities = Sequence[NDArray[np.float32]]
 
@@ -54,8 +57,10 @@ class Settings:
     def __post_init__(self) -> None:
         if self.layout not in LAYOUTS:
             raise UnusableInput(f"goals.vlm: layout is one of {', '.join(LAYOUTS)}, not {self.layout!r}")
-        if not 1 <= self.ranked <= LONGEST_RANKING or self.at_once < 1 or self.pixels < 256:
-            raise UnusableInput(f"goals.vlm: ranked is 1 to {LONGEST_RANKING}, at_once at least 1, pixels at least 256")
+        if not 1 <= self.ranked <= LONGEST_RANKING or self.at_once < 1 or not 256 <= self.pixels <= MOST_PIXELS:
+            raise UnusableInput(
+                f"goals.vlm: ranked is 1 to {LONGEST_RANKING}, at_once at least 1, pixels are 256 to {MOST_PIXELS}"
+            )
         if not (0 < self.decay <= 1 and 0 <= self.trust <= 1 and 0 <= self.ask_when_unsure <= 1):
             raise UnusableInput("goals.vlm: decay, trust and ask_when_unsure are shares of 1")
 

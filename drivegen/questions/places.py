@@ -142,6 +142,9 @@ def _offset(c: Candidates, number: int, s: float) -> NDArray[np.float64]:
     return np.array([float(c.offset[number]) * np.exp(-s / SETTLE)])
 
 
+_COLUMNS = tuple(f.name for f in fields(Candidates))[:11]
+
+
 def _joined(c: Candidates, added: list[tuple[int, float]]) -> Candidates:
     """With candidates that stand at (route, s); each takes half the prior of the candidate nearest to it."""
     rows: dict[str, list[Any]] = {name: [] for name in _COLUMNS}
@@ -155,13 +158,4 @@ def _joined(c: Candidates, added: list[tuple[int, float]]) -> Candidates:
         placed = (position[0], wrap_angle(heading)[0], 0.0, number, s, d[0], c.step[0], manoeuvres(route, s, 0.0))
         for name, value in zip(_COLUMNS, (*placed, route.lane[at], s > route.exit_s, prior[nearest]), strict=True):
             rows[name].append(value)
-    first = replace(c, prior=prior)
-    columns: dict[str, Any] = {name: _longer(getattr(first, name), values) for name, values in rows.items()}
-    return replace(c, **columns)
-
-
-_COLUMNS = tuple(f.name for f in fields(Candidates))[:11]
-
-
-def _longer(column: NDArray[Any], values: list[Any]) -> NDArray[Any]:
-    return np.concatenate([column, np.array(values).reshape(-1, *column.shape[1:])]).astype(column.dtype)
+    return replace(c, prior=prior).with_more(**rows)

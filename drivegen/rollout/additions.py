@@ -70,13 +70,11 @@ def _legal(checker: SceneChecker, motion: Trajectories, rank: NDArray[np.intp], 
     committed, chosen = Trajectories.empty(len(own), motion.steps), own.copy()
     for n in range(len(own)):
         order = np.abs(rank[:, n] - rank[own[n], n]).argsort(kind="stable")
-        for part in (order[:1], order[1:]):  # most are legal at once
-            violation, first = checker.check(n, motion[part, n], committed, checker.size)
-            if len(part) and not violation.all():
-                chosen[n] = part[violation == 0][0]
+        for tried in (order[:1], order):  # most are legal at once
+            violation, first = checker.check(n, motion[tried, n], committed, checker.size)
+            if not violation.all():
                 break
-        else:
-            violation, first = checker.check(n, motion[order, n], committed, checker.size)
-            chosen[n] = order[badness_of(violation, first, motion.steps).argmin()]
+        legal = violation == 0
+        chosen[n] = tried[legal.argmax() if legal.any() else badness_of(violation, first, motion.steps).argmin()]
         committed.put(n, motion[chosen[n], n])
     return chosen

@@ -132,6 +132,8 @@ def goal_requests(
 
     The seed of a request mixes the scenario's with the row, so it does not depend on what else is wanted.
     """
+    if not choices:
+        return PlanRequests.none()
     routes: list[Route] = []
     columns: list[tuple[NDArray[np.generic], ...]] = []
     noise: list[NDArray[np.int64]] = []

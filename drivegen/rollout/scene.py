@@ -149,7 +149,7 @@ class Rollout:
     def _next_goals(self, k: int, n: int) -> list[int]:
         """The goals to try next for vehicle n of sample k, the likeliest first; a goal may be tried more than once."""
         own = slice(self.start[n], self.start[n + 1])
-        met = self.outlooks.meetings(n, self._others(n)[k], self.checker.size)
+        met = self.outlooks.meetings(n, self.motion[k], self.checker.size)
         score = self.score[k, own] - PENALTY * met - FAILED * self.failed[k, own]
         chosen = []
         for _ in range(self.settings.attempts):
@@ -158,13 +158,14 @@ class Rollout:
             score[best] -= FAILED
         return chosen
 
-    def _others(self, n: int) -> Trajectories:
-        """What is committed (K, N, T) and vehicle n has to avoid."""
-        if self.target_steps[n] == self.motion.steps:
-            return self.motion
-        valid = self.motion.valid.copy()
-        valid[:, TARGET, self.target_steps[n] :] = False
-        return replace(self.motion, valid=valid)
+    def _others(self, n: int, samples: int | slice = slice(None)) -> Trajectories:
+        """What is committed in `samples` (..., N, T) and vehicle n has to avoid."""
+        motion = self.motion[samples]
+        if self.target_steps[n] == motion.steps:
+            return motion
+        valid = motion.valid.copy()
+        valid[..., TARGET, self.target_steps[n] :] = False
+        return replace(motion, valid=valid)
 
     def commit(self, rows: NDArray[np.int64], motion: Trajectories) -> None:
         """Walk the pending vehicles in asset order, each in all samples at once; commit the first legal trajectory of each.
@@ -244,7 +245,7 @@ class Rollout:
         """Make way for a trajectory that only collides: whether all in its way could be sent to the next round."""
         if self.turn + 1 == self.settings.rounds:
             return False
-        others = np.flatnonzero(self.checker.partners(n, motion, self._others(n)[k]))
+        others = np.flatnonzero(self.checker.partners(n, motion, self._others(n, k)))
         if (self.evictions[k, others] >= self.settings.evictions).any() or len(others) == 0:
             return False
         self.evictions[k, others] += 1

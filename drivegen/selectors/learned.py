@@ -28,7 +28,7 @@ from drivegen.core.scenario import Scenario
 from drivegen.core.settings import Count, NotNegative, Positive, Share
 from drivegen.goals.candidates import Candidates
 from drivegen.goals.features import NAMES, features
-from drivegen.goals.lists import Lists, Padded, Padding, padded, padded_odds
+from drivegen.goals.lists import Lists, Padded, Padding
 from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.parked import parked
@@ -130,9 +130,10 @@ class Plugin(FirstFrameSelector):
 
     def rank(self, graph: LaneGraph, scenario: Scenario, candidates: Sequence[Candidates]) -> list[NDArray[np.float32]]:
         """Calibrated probabilities, raised for staying where a vehicle is parked."""
-        x, there = padded(features(scenario, candidates))
-        lists = (np.ascontiguousarray(x[..., self._columns]), there, padded_odds([c.prior for c in candidates]))
-        chunks = [self._chunk(*(a[i : i + CHUNK] for a in lists)) for i in range(0, len(x), CHUNK)]
+        pad = Padding.of(np.cumsum([0, *map(len, candidates)]), np.arange(len(candidates)))
+        x = np.concatenate(features(scenario, candidates))[:, self._columns]
+        lists = pad(x), pad.there, pad(np.concatenate([c.prior for c in candidates]))
+        chunks = [self._chunk(*(a[i : i + CHUNK] for a in lists)) for i in range(0, len(candidates), CHUNK)]
         odds = [p[: len(c)] for p, c in zip(np.concatenate(chunks), candidates, strict=True)]
         stays = parked(graph, scenario.vehicles)[: len(odds)]
         return [_staying(p, c) if stay else p for p, c, stay in zip(odds, candidates, stays, strict=True)]

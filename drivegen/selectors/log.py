@@ -6,7 +6,6 @@ all the probability: the planner is given the true goal, not the candidate neare
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,22 +87,16 @@ def _with_logged_end(graph: LaneGraph, scenario: Scenario, vehicle: int, given: 
             ahead=(*given.ahead, look_ahead(scenario, route, around, float(scenario.vehicles.size[vehicle, 0]))),
             offset=np.append(given.offset, to_frenet(route, start[None])[0, 1]),
         )
-    row = {
-        "position": position,
-        "heading": track.heading[last],
-        "speed": track.speed[last],
-        "route": number,
-        "s": s,
-        "d": d,
-        "step": last,
-        "manoeuvre": kind,
-        "lane": lane,
-        "leaves_map": leaves,
-        "prior": 0.0,
-    }
-    columns: dict[str, Any] = {name: _appended(getattr(given, name), value) for name, value in row.items()}
-    return replace(given, **columns)
-
-
-def _appended(column: NDArray[np.generic], value: object) -> NDArray[np.generic]:
-    return np.concatenate([column, np.asarray(value, column.dtype)[None]])
+    return given.with_more(
+        position=[position],
+        heading=[track.heading[last]],
+        speed=[track.speed[last]],
+        route=[number],
+        s=[s],
+        d=[d],
+        step=[last],
+        manoeuvre=[kind],
+        lane=[lane],
+        leaves_map=[leaves],
+        prior=[0.0],
+    )

@@ -77,6 +77,31 @@ def test_the_same_seed_gives_the_same_start_and_another_one_another(initialiser,
     assert not np.array_equal(first.scenario.vehicles.position, other.scenario.vehicles.position)
 
 
+@pytest.mark.parametrize("full", [{2, 5}, {1}])
+def test_a_draw_without_room_for_its_target_costs_no_start_that_another_finds(initialiser, tools, monkeypatch, full):
+    begin, turns = initialiser.begin, []
+
+    def now_and_then(*asked):
+        turns.append(asked)
+        if len(turns) in full:
+            raise UnusableInput("no lane on which the target fits", reason="no-place")
+        return begin(*asked)
+
+    monkeypatch.setattr(initialiser, "begin", now_and_then)
+    _, made = begun(initialiser, tools, "a car approaching from the left turns right")
+    assert len(made.scenario.vehicles) >= 1
+    assert len(turns) > min(full)
+
+
+def test_where_no_draw_has_room_for_its_target_that_is_an_error(initialiser, tools, monkeypatch):
+    def never(*asked):
+        raise UnusableInput("no lane on which the target fits", reason="no-place")
+
+    monkeypatch.setattr(initialiser, "begin", never)
+    with pytest.raises(UnusableInput, match="no lane"):
+        begun(initialiser, tools, "a car ahead")
+
+
 def test_a_manoeuvre_binds_the_goals_of_its_vehicle_and_keeps_their_own_probability(initialiser, tools):
     _, made = begun(initialiser, tools, "a car cuts in from the left")
     [duty] = made.duties

@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from drivegen.core.errors import UnusableInput
-from drivegen.planners._paper.diffusion import SAMPLERS, alpha_bars, reverse_step, sampled, second_order_step
+from drivegen.planners._paper.diffusion import SAMPLERS, alpha_bars, kept_steps, reverse_step, sampled, second_order_step
 from drivegen.planners.paper import Plugin
 from tests.planners.test_planners_contract import same
 from tests.planners.tiny import examples, tiny
@@ -48,6 +48,14 @@ def test_twice_the_steps_halve_the_first_order_s_error_and_quarter_the_second_s(
     assert error("dpm_solver", 25) < 0.6 * error("ddim", 25)
     assert error("ddim", 50) == pytest.approx(error("ddim", 25) / 2, rel=0.2)
     assert error("dpm_solver", 50) < error("dpm_solver", 25) / 3
+
+
+def test_a_single_step_is_taken_from_pure_noise():
+    assert list(kept_steps(100, 1)) == [99]
+    assert list(kept_steps(100, 3)) == [99, 50, 0]
+    assert list(kept_steps(1, 1)) == [0]
+    guessed = sampled(best_guess, noise, SCHEDULE, 1, "clean", "ddim")
+    torch.testing.assert_close(guessed.mean(0), MEAN, atol=0.03, rtol=0)
 
 
 def test_without_an_earlier_estimate_the_second_order_step_is_ddim_s():

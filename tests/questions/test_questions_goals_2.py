@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import to_vehicle_frame
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.signals import Signals, SignalState
@@ -15,6 +16,7 @@ from drivegen.goals.manoeuvres import Manoeuvre
 from drivegen.goals.prior import GAP
 from drivegen.goals.traffic import STAND
 from drivegen.questions.account import odds
+from drivegen.questions.asking import MOST_PIXELS, Settings
 from drivegen.questions.goals import Case, about_vehicle
 from drivegen.questions.goals_2 import places
 from drivegen.questions.others import Others, pace
@@ -258,3 +260,9 @@ def test_one_end_of_the_road_is_one_place():
     roads = scenes.straight_road(120, 1, whole=True)
     scene = scenes.scenario(roads, scenes.stack([scenes.drive(scenes.joined(roads, 0), 40, 14, 101)]))
     assert sum("leaves the map here" in row for row in rows_of(told(scene)[1])) == 1
+
+
+def test_pictures_that_no_memory_holds_are_refused():
+    for pixels in (255, MOST_PIXELS + 1):
+        with pytest.raises(UnusableInput, match="pixels are 256 to 4096"):
+            Settings("per_vehicle", pixels, 3, 1, 0.5, 0.7, 1.0, "", "")

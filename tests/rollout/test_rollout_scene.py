@@ -18,6 +18,7 @@ from drivegen.roads.graph import LaneGraph
 from drivegen.rollout.batch import BRAKING, choose, goal_requests, recorded_choices, roll_out, tempered
 from drivegen.rollout.models import Equipment
 from drivegen.rollout.scene import Choices, Rollout, RolloutSettings, steps_to_avoid_target
+from drivegen.rollout.towards import Spread, plan_all_goals, plan_near_goals
 from tests.checking import LIMITS
 from tests.models import candidate_settings, two_lanes
 from tests.scenes import busy_crossing, drive, joined, scenario, stack, straight_road
@@ -197,6 +198,12 @@ def test_nobody_is_sent_away_whom_a_vehicle_need_not_avoid(target_steps, sent_aw
         rollout._settle(0, n, 0, cars[n])
     assert rollout._evict(0, 2, cars[2])
     assert rollout.evictions[0].tolist() == sent_away
+
+
+def test_for_no_scenarios_nothing_is_planned(equipment):
+    assert roll_out([], equipment.planner, LIMITS, SETTINGS, 1, 7, "drivegen") == []
+    assert plan_all_goals([], equipment.planner, 7) == []
+    assert plan_near_goals([], [], Spread(1.0, 0.1, 1.0), equipment.planner, 7) == []
 
 
 def test_recorded_goals_of_other_scenarios_are_refused(choices):

@@ -35,8 +35,9 @@ def alpha_bars(schedule: str, steps: int) -> Tensor:
 
 
 def kept_steps(noise_steps: int, count: int) -> Sequence[int]:
-    """`count` of the diffusion steps, evenly spread, from the noisiest down to step 0."""
-    return [round(k * (noise_steps - 1) / max(count - 1, 1)) for k in range(count)][::-1]
+    """`count` of the diffusion steps, evenly spread, from the noisiest down to step 0; a single one is the noisiest."""
+    last = noise_steps - 1
+    return [last] if count == 1 else [round(k * last / (count - 1)) for k in range(count)][::-1]
 
 
 def both(output: Tensor, noisy: Tensor, alpha_bar: Tensor, target: str) -> tuple[Tensor, Tensor]:

@@ -91,12 +91,12 @@ def _timed(
     """Read the tokens' states off at the scenario's own steps."""
     motion = Trajectories.empty(len(requests), int(horizon.max(initial=1)))
     motion.valid[:] = np.arange(motion.steps) < horizon[:, None]
-    tokens = path.shape[1] - 1
+    tokens, parked = path.shape[1] - 1, requests.parked
     for b in range(len(requests)):
         steps, goal = np.arange(motion.steps), max(int(requests.goal_step[b]), 1)
         at = np.minimum(steps, goal) * (tokens / goal)
         x, y, h, v = (np.interp(at, np.arange(tokens + 1), a) for a in (path[b, :, 0], path[b, :, 1], heading[b], speed[b]))
-        if requests.parked[b]:
+        if parked[b]:
             (x[:], y[:]), h[:], v[1:] = requests.position[b], requests.heading[b], 0.0
         on = np.maximum(steps - goal, 0) * DT * v
         motion.position[b] = np.stack([x + on * np.cos(h), y + on * np.sin(h)], axis=-1)

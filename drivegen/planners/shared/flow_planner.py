@@ -141,6 +141,8 @@ class FlowPlanner(ABC, Generic[S]):
         """See `planners.base.Planner`. Raises UnusableInput if it was never trained."""
         if not self.basis:
             raise UnusableInput(f"planner {self.name} has not been trained", reason="untrained")
+        if not len(requests):  # loops would be compiled for arrays of nothing
+            return Trajectories.empty(0, 1)
         horizon = np.array([s.steps for s in scenarios])[requests.scenario]
         motion = self._planned(scenarios, requests, int(horizon.max(initial=1)))
         motion.valid[:] = np.arange(motion.steps) < horizon[:, None]

@@ -127,7 +127,7 @@ def moved(
 
 
 def examples_from_logs(scenarios: Sequence[Scenario], graphs: Sequence[LaneGraph], min_seen: float, seed: int) -> Examples:
-    """All logged tracks that are there at step 0 and at `min_seen` (0..1) of the steps, with their own end as goal.
+    """All logged tracks that are there at step 0 and at `min_seen` (0..1) of the steps, two at least, with their own end as goal.
 
     The route is the one that the track followed (`match_route`), none where none fits; the goal is the last valid step.
     """
@@ -150,8 +150,7 @@ def _examples(scenarios: Sequence[Scenario], matches: list[tuple[int, int, Route
     for i, (s, vehicle, matched) in enumerate(matches):
         log = scenarios[s].log
         assert log is not None
-        for whole, part in zip(_arrays(motion), _arrays(log[vehicle]), strict=True):
-            whole[i, : log.steps] = part
+        motion.put(i, log[vehicle].padded(steps))
         if matched is not None:
             end = log.position[vehicle, log[vehicle].last_valid()]
             route[i], along[i] = len(routes), to_frenet(matched, end[None])[0]
@@ -171,10 +170,6 @@ def _examples(scenarios: Sequence[Scenario], matches: list[tuple[int, int, Route
     words = [(scenarios[s].scenario_id, vehicle) for s, vehicle, _ in matches]
     own_seed = np.array([seeds.derive(seed, "example", *w) for w in words], np.int64)
     return Examples(scenarios, plan_requests(scenarios, routes, goals, own_seed), motion)
-
-
-def _arrays(motion: Trajectories) -> tuple[NDArray[np.generic], ...]:
-    return motion.position, motion.heading, motion.velocity, motion.valid
 
 
 def _abreast(position: Floats, routes: Sequence[Route], goals: Goals) -> NDArray[np.integer]:
