@@ -9,10 +9,9 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from drivegen.core.errors import UnusableInput
 from drivegen.drivers.shared.conditions import Settings, Traffic
 from drivegen.drivers.shared.environment import OBSERVATION, TERMS
-from drivegen.gym.opening import opened
+from drivegen.gym.opening import begun, opened
 from drivegen.gym.picture import picture
 
 Floats = NDArray[np.float32]
@@ -41,13 +40,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
         """Begin a scenario drawn by the seed, or number `options["scenario"]` of those that are playable."""
         super().reset(seed=seed)
-        playable = self.environment.playable
-        number = int((options or {}).get("scenario", self.np_random.integers(len(playable))))
-        if not 0 <= number < len(playable):
-            raise UnusableInput(
-                f"options['scenario'] is {number}: the playable scenarios have the numbers 0 to {len(playable) - 1}"
-            )
-        scene = playable[number].reshape(1)
+        scene = begun(self.environment, 1, options, self.np_random)
         features = self.environment.reset(scene)[0].numpy().copy()
         return features, {"scenario": self.environment.traffic[int(scene)][0].scenario_id}
 

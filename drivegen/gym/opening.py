@@ -1,8 +1,14 @@
-"""What `make` of an environment is given, made into what it needs."""
+"""What `make` and `reset` of an environment are given, made into what it needs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+import torch
+from torch import Tensor
+
+from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import read_params
 from drivegen.drivers.shared.conditions import Settings, Traffic
 from drivegen.drivers.shared.environment import Environment
@@ -18,3 +24,23 @@ def opened(
     settings = settings or read_params(SECTION, Settings)
     traffic = read_traffic(Path(scenarios), Path(of or SCENES)) if isinstance(scenarios, str | Path) else scenarios
     return Environment(traffic, rows, settings, device)
+
+
+def begun(environment: Environment, count: int, options: Mapping[str, Any] | None, random: np.random.Generator) -> Tensor:
+    """(count,) scenes drawn by `random`, or those with the number, or one for each, `options["scenario"]` of the playable ones.
+
+    Raises UnusableInput for other numbers and other options, rather than leave unsaid that they do nothing.
+    """
+    drawn, options = environment.draw_scenes(count, random), options or {}
+    if others := sorted(set(options) - {"scenario"}):
+        raise UnusableInput(f"options {others} are not known: `scenario` is, the number of a playable scenario")
+    if "scenario" not in options:
+        return drawn
+    asked, last = np.array(options["scenario"], object), len(environment.playable) - 1
+    known = all(isinstance(one, int | np.integer) and 0 <= one <= last for one in asked.flat)
+    if not known or asked.shape not in ((), (count,)):
+        raise UnusableInput(
+            f"options['scenario'] is {options['scenario']!r}: the playable scenarios have the numbers 0 to {last}, give one"
+        )
+    number = torch.from_numpy(np.broadcast_to(asked, count).astype(np.int64))
+    return environment.playable[number.to(environment.playable.device)]

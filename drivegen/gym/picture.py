@@ -23,8 +23,9 @@ def picture(environment: Environment) -> NDArray[np.uint8]:
 def present(environment: Environment) -> Scenario:
     """The first row's scenario as if it began now."""
     world = environment.world
-    scenario, motion = environment.traffic[int(world.scene[0])]
+    scenario, _ = environment.traffic[int(world.scene[0])]
     step, boxes = min(int(world.step[0]), scenario.horizon), world.neighbours.boxes(world)
+    along, across = world.neighbours.seen(world)[0][0, 4:].cpu().numpy()  # who brakes is slower than planned
     social, at = len(scenario.vehicles) - 1, int(boxes.at[0])
     vehicles, ego = scenario.vehicles, world.ego
     here = np.flatnonzero(np.concatenate([[True], boxes.valid[at, :social].cpu().numpy()]))
@@ -32,7 +33,7 @@ def present(environment: Environment) -> Scenario:
         vehicles,
         position=np.concatenate([ego.position[:1].cpu().numpy(), boxes.position[at, :social].cpu().numpy()]),
         heading=np.concatenate([ego.heading[:1].cpu().numpy(), boxes.heading[at, :social].cpu().numpy()]),
-        speed=np.concatenate([ego.speed[:1].cpu().numpy(), motion.speed[1:, min(step, motion.steps - 1)]]),
+        speed=np.concatenate([ego.speed[:1].cpu().numpy(), np.hypot(along, across)[:social]]),
     )
     people, signals = scenario.context, scenario.signals
     return replace(

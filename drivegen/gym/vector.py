@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drivegen.drivers.shared.conditions import Settings, Traffic
 from drivegen.drivers.shared.environment import OBSERVATION, TERMS, Step
-from drivegen.gym.opening import opened
+from drivegen.gym.opening import begun, opened
 
 Floats = NDArray[np.float32]
 
@@ -21,7 +21,8 @@ class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
     """`num_envs` rows, each in a scenario drawn anew for every episode.
 
     Infos hold what each row's reward is made of (`reward/progress`, ...), how an episode ended (`collision`, a `CollisionKind`,
-    `off_road`, `left_map`) and its last observation, `final_obs`.
+    `off_road`, `left_map`), and of rows that begin an episode the id of its `scenario`. Where episodes end, `final_obs` and
+    `final_info` have what was last seen and said of them.
     """
 
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012 as Gymnasium has it
@@ -43,31 +44,26 @@ class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
         self.action_space = batch_space(self.single_action_space, num_envs)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
-        """Begin an episode in every row."""
+        """Begin an episode in every row, in scenarios drawn by the seed or in those that options name: see `opening.begun`."""
         super().reset(seed=seed, options=options)
-        return self.environment.reset(self.environment.draw_scenes(self.num_envs, self.np_random)).cpu().numpy(), {}
+        scenes = begun(self.environment, self.num_envs, options, self.np_random)
+        return self.environment.reset(scenes).cpu().numpy(), self._begun(np.ones(self.num_envs, np.bool_))
 
     def step(self, actions: Floats) -> tuple[Floats, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """One step; where an episode ends the observation returned is the first of the next, and `final_obs` its last."""
-        step = self.advance(actions)
+        environment = self.environment
+        step = environment.step(environment.actions_of(actions))
         observation, info = step.observation.cpu().numpy(), self._info(step)
-        ended = np.flatnonzero((step.terminated | step.truncated).cpu().numpy())
-        if len(ended):
-            info |= self._final(observation, ended)
-            observation[ended] = self.begin(ended)
         arrays = (step.reward, step.terminated, step.truncated)
         reward, terminated, truncated = (tensor.cpu().numpy() for tensor in arrays)
+        ended = terminated | truncated
+        if ended.any():
+            info |= self._final(observation, info, ended)
+            rows = torch.from_numpy(np.flatnonzero(ended)).to(environment.world.scene.device)
+            scenes = environment.draw_scenes(len(rows), self.np_random)
+            observation[ended] = environment.reset(scenes, rows).cpu().numpy()
+            info |= self._begun(ended)
         return observation, reward, terminated, truncated, info
-
-    def advance(self, actions: Floats) -> Step:
-        """One step of all rows, none of which is reset."""
-        device = self.environment.world.scene.device
-        return self.environment.step(torch.from_numpy(np.array(actions, np.float32).reshape(self.num_envs, -1)).to(device))
-
-    def begin(self, rows: NDArray[np.intp]) -> Floats:
-        """New episodes in `rows`; their first observations."""
-        index = torch.from_numpy(rows).to(self.environment.world.scene.device)
-        return self.environment.reset(self.environment.draw_scenes(len(rows), self.np_random), index).cpu().numpy()
 
     def _info(self, step: Step) -> dict[str, Any]:
         every = np.ones(self.num_envs, np.bool_)
@@ -76,10 +72,16 @@ class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
         values = terms | {name: tensor.cpu().numpy() for name, tensor in ends.items()}
         return {**values, **{f"_{name}": every for name in values}}
 
-    def _final(self, observation: Floats, ended: NDArray[np.intp]) -> dict[str, Any]:
+    def _final(self, observation: Floats, info: dict[str, Any], ended: NDArray[np.bool_]) -> dict[str, Any]:
         final = np.full(self.num_envs, None, object)
-        mask = np.zeros(self.num_envs, np.bool_)
-        for r in ended.tolist():
+        for r in np.flatnonzero(ended).tolist():
             final[r] = observation[r].copy()
-        mask[ended] = True
-        return {"final_obs": final, "_final_obs": mask}
+        said = {name: ended if name.startswith("_") else values for name, values in info.items()}
+        return {"final_obs": final, "_final_obs": ended, "final_info": said, "_final_info": ended}
+
+    def _begun(self, rows: NDArray[np.bool_]) -> dict[str, Any]:
+        """Which scenarios `rows` (R,) are in."""
+        scenario = np.full(self.num_envs, None, object)
+        for r in np.flatnonzero(rows).tolist():
+            scenario[r] = self.environment.traffic[int(self.environment.world.scene[r])][0].scenario_id
+        return {"scenario": scenario, "_scenario": rows}

@@ -19,8 +19,11 @@ from drivegen.core.signals import Signals, SignalState
 from drivegen.drivers.shared.conditions import Settings
 from drivegen.drivers.shared.environment import TERMS, Environment
 from drivegen.drivers.shared.features import COUNT
+from drivegen.gym.env import DriveEnv
 from drivegen.gym.folders import read_traffic
+from drivegen.gym.picture import present
 from drivegen.gym.sb3 import DriveVecEnv
+from drivegen.gym.vector import DriveVectorEnv
 from drivegen.simulators.batch import Plugin as Batch
 from drivegen.store.samples import write_samples
 from drivegen.store.scenarios import write_shard
@@ -243,11 +246,60 @@ def test_what_is_no_action_is_refused_before_anybody_has_moved(motion):
     assert float(episodes.step(torch.zeros(2, numbers)).terms[0, 0]) == pytest.approx(0.1, rel=1e-3)
 
 
-def test_a_scenario_that_is_not_there_is_named():
-    env = gymnasium.make(drivegen.gym.ID, scenarios=[alone()], settings=SETTINGS)
-    for number in (-1, 1):
-        with pytest.raises(UnusableInput, match=f"is {number}: the playable scenarios have the numbers 0 to 0"):
+def test_actions_of_another_shape_are_refused_and_not_rearranged():
+    pairs, settings = [alone()], replace(SETTINGS, motion="path_offset")
+    vector, adapter = DriveVectorEnv(pairs, 3, settings), DriveVecEnv(pairs, 3, settings)
+    for env in (vector, adapter):
+        env.reset()
+        for shape in ((2, 3), (6,), (3,), (1, 3, 2), ()):
+            with pytest.raises(UnusableInput, match=r"have the shape \(3, 2\), not"):
+                env.step(np.zeros(shape, np.float32))
+    one_number = DriveVectorEnv(pairs, 3, SETTINGS)
+    assert one_number.step(np.zeros(3, np.float32))[1].shape == (3,)
+
+
+@pytest.mark.parametrize("number", [-1, 1, "alone", None, 0.5, [0, 0, 0]])
+def test_a_scenario_that_is_not_there_is_named(number):
+    for env in (DriveEnv([alone()], SETTINGS), DriveVectorEnv([alone()], 2, SETTINGS)):
+        with pytest.raises(UnusableInput, match=r"is .*: the playable scenarios have the numbers 0 to 0"):
             env.reset(options={"scenario": number})
+        with pytest.raises(UnusableInput, match=r"options \['reset_mask'\] are not known"):
+            env.reset(options={"reset_mask": np.array([True])})
+
+
+def test_rows_begin_in_the_scenarios_that_are_asked_for_and_say_in_which():
+    vector = DriveVectorEnv([alone(10.0), alone(20.0)], 2, SETTINGS)
+    for asked, ids in ((1, ["alone-20.0"] * 2), ([1, 0], ["alone-20.0", "alone-10.0"])):
+        _, info = vector.reset(seed=0, options={"scenario": asked})
+        assert info["scenario"].tolist() == ids
+        assert info["_scenario"].all()
+
+
+def test_what_was_said_of_an_episode_that_ended_is_kept_beside_its_last_observation():
+    vector = DriveVectorEnv([alone(steps=21), alone(steps=31)], 2, SETTINGS)
+    vector.reset(options={"scenario": [0, 1]})
+    for _ in range(20):
+        _, _, terminated, truncated, info = vector.step(np.zeros((2, 1), np.float32))
+    assert (terminated.tolist(), truncated.tolist()) == ([False, False], [True, False])
+    for name in ("_final_obs", "_final_info", "_scenario"):
+        assert info[name].tolist() == [True, False]
+    assert info["final_info"]["_collision"].tolist() == [True, False]
+    assert info["final_info"]["reward/progress"][0] == pytest.approx(0.1, rel=1e-3)
+    assert info["scenario"][0] == "alone-10.0"
+    assert info["scenario"][1] is None
+
+
+def test_a_picture_shows_others_at_the_speed_that_they_have():
+    """Whoever reacts to the target is slower than planned."""
+    log = stack([drive(LINE, 60, 10, 101), drive(LINE, 40, 10, 101)])
+    env = DriveEnv([(scenario(ROAD, log), log)], replace(SETTINGS, neighbours="reactive"), render_mode="rgb_array")
+    env.reset(seed=0)
+    for _ in range(25):
+        env.step(np.array([-1.0], np.float32))
+    assert float(env.environment.world.neighbours.speed[0, 0]) < 8.0
+    assert float(present(env.environment).vehicles.speed[1]) == pytest.approx(
+        float(env.environment.world.neighbours.speed[0, 0]), abs=0.1
+    )
 
 
 def test_nothing_to_drive_is_said():

@@ -8,6 +8,7 @@ truncated at the end of its scenario and where the target leaves the map.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 import torch
@@ -102,6 +103,11 @@ class Environment:
         """(count,) scenes to begin."""
         index = torch.from_numpy(random.integers(len(self.playable), size=count))
         return self.playable[index.to(self.playable.device)]
+
+    def actions_of(self, numbers: Any) -> Tensor:
+        """Actions of all rows as `step` takes them; of one number each they may come without their second dimension."""
+        array = np.array(numbers, np.float32)
+        return torch.from_numpy(array[:, None] if array.ndim == 1 else array).to(self.world.scene.device)
 
     @torch.no_grad()
     def reset(self, scene: Tensor, rows: Tensor | None = None) -> Tensor:

@@ -38,8 +38,7 @@ class WorldVecEnv(VecEnv):
     def step_wait(self) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """One step of all rows; where an episode ends the observation is the first of the next."""
         device = self.environment.world.scene.device
-        actions = torch.from_numpy(np.array(self._actions, np.float32).reshape(self.num_envs, -1))
-        step = self.environment.step(actions.to(device))
+        step = self.environment.step(self.environment.actions_of(self._actions))
         features, reward, terminated = (tensor.cpu().numpy() for tensor in (step.observation, step.reward, step.terminated))
         truncated, kind, off_road, left_map = (
             tensor.cpu().numpy() for tensor in (step.truncated, step.kind, step.off_road, step.left_map)
