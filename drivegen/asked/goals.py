@@ -87,7 +87,10 @@ class Ordered:
 
 
 def ordered(graph: LaneGraph, choices: Choices, selector: Selector, duties: Sequence[Duty]) -> Ordered:
-    """The choices with each duty's vehicle bound to goals that realise it; a duty that no goal realises changes nothing."""
+    """The choices with each duty's vehicle bound to goals that realise it.
+
+    A duty that no goal realises, or none of those that duties before it left to its vehicle, changes nothing.
+    """
     there = list(choices.candidates)
     for duty in duties:
         there[duty.vehicle] = offered(choices.scenario, duty.vehicle, duty.manoeuvre, there[duty.vehicle])
@@ -96,17 +99,24 @@ def ordered(graph: LaneGraph, choices: Choices, selector: Selector, duties: Sequ
         natural = selector.rank(graph, choices.scenario, there)
         used = [_fitted(u, n) for u, n in zip(used, natural, strict=True)]
     feasible, mass = [], []
+    left = [np.ones(len(candidates), np.bool_) for candidates in there]
     for duty in duties:
         calmly = realising(choices.scenario, there, duty)
         realises = calmly if calmly.any() else realising(choices.scenario, there, duty, hastily=True)
-        feasible.append(bool(calmly.any()) and _has_room(choices.scenario, duty))
         mass.append(float(natural[duty.vehicle][realises].sum()))
-        used[duty.vehicle] = _bound(used[duty.vehicle], realises)
+        feasible.append(_narrowed(left, duty.vehicle, realises) and bool(calmly.any()) and _has_room(choices.scenario, duty))
         if duty.vehicle != TARGET and not any(other.vehicle == TARGET for other in duties):
-            lets = _target_lets(there[TARGET], choices.scenario, duty)
-            feasible[-1] = feasible[-1] and bool(lets.any())
-            used[TARGET] = _bound(used[TARGET], lets)
+            feasible[-1] = _narrowed(left, TARGET, _target_lets(there[TARGET], choices.scenario, duty)) and feasible[-1]
+    used = [_bound(u, allowed) for u, allowed in zip(used, left, strict=True)]
     return Ordered(Choices(choices.scenario, there, natural, used), tuple(feasible), tuple(mass))
+
+
+def _narrowed(left: list[NDArray[np.bool_]], vehicle: int, goals: NDArray[np.bool_]) -> bool:
+    """Leave to the vehicle only `goals` (C,) of those that are `left` to it; False, and nothing changes, where that is none."""
+    both = left[vehicle] & goals
+    if both.any():
+        left[vehicle] = both
+    return bool(both.any())
 
 
 def realising(scenario: Scenario, candidates: Sequence[Candidates], duty: Duty, *, hastily: bool = False) -> NDArray[np.bool_]:
@@ -209,8 +219,8 @@ def _target_lets(own: Candidates, scenario: Scenario, duty: Duty) -> NDArray[np.
 
 
 def _bound(used: NDArray[np.float32], allowed: NDArray[np.bool_]) -> NDArray[np.float32]:
-    """Probabilities of the allowed alone; unchanged where none is allowed, equal where the allowed had none."""
-    if not allowed.any():
+    """Probabilities of the allowed alone; unchanged where all are allowed, equal where the allowed had none."""
+    if allowed.all():
         return used
     kept = np.where(allowed, used, 0.0).astype(np.float64)
     kept = kept if kept.sum() > 0 else allowed.astype(np.float64)

@@ -44,8 +44,10 @@ def any_spots(
     return Spots(tried, np.clip(wish, 0.0, limit[tried]), limit[tried])
 
 
-def wished_spots(scene: Scene, fits: NDArray[np.bool_], wish: Wish, attempts: int, random: np.random.Generator) -> Spots:
-    """As wished: in relation to the target, or in a queue behind or ahead of a vehicle that was placed."""
+def wished_spots(
+    scene: Scene, fits: NDArray[np.bool_], row: int, wish: Wish, attempts: int, random: np.random.Generator
+) -> Spots:
+    """As wished of the vehicle of `row`: in relation to the target, or in a queue behind or ahead of one that was placed."""
     slots, limit = scene.slots, scene.limit
     if wish.beside is None:
         assert wish.relation is not None
@@ -54,7 +56,7 @@ def wished_spots(scene: Scene, fits: NDArray[np.bool_], wish: Wish, attempts: in
         pace, spread = scene.speed[TARGET], SIMILAR
     elif wish.beside in scene.number:
         next_to = scene.number.index(wish.beside)
-        stands, pace, spread = _queued(scene, next_to, wish), scene.speed[next_to], (1.0, 1.0)
+        stands, pace, spread = _queued(scene, next_to, row, wish), scene.speed[next_to], (1.0, 1.0)
     else:
         return Spots(np.zeros(0, np.intp), np.zeros(0), np.zeros(0))
     among = np.flatnonzero(fits & stands)
@@ -72,11 +74,12 @@ def offsets(
     return draws.offsets(room, random)
 
 
-def _queued(scene: Scene, other: int, wish: Wish) -> NDArray[np.bool_]:
-    """(Q,) slots next in a queue to the vehicle `other` of the scene."""
+def _queued(scene: Scene, other: int, row: int, wish: Wish) -> NDArray[np.bool_]:
+    """(Q,) slots of the vehicle of `row` next in a queue to the vehicle `other` of the scene."""
     slots = scene.slots
     measure = slots.ways.ahead if wish.ahead else slots.ways.behind
-    away = measure(scene.lane[other], scene.along[other], slots.lane, slots.along) - float(scene.size[other][0])
+    halves = (float(scene.size[other][0]) + float(scene.table.size[row, 0])) / 2
+    away = measure(scene.lane[other], scene.along[other], slots.lane, slots.along) - halves
     speed = scene.speed[other] if wish.speed is None else wish.speed
     low, high = (gap + seconds * speed for gap, seconds in zip(QUEUE_GAP, QUEUE_TIME_GAP, strict=True))
     return np.asarray((away >= low) & (away <= high + 2 * SPACING))

@@ -156,7 +156,7 @@ class _Others:
         """Where it may stand, group by group: as wished, as in logs, or anywhere near."""
         settings, fits = self.settings, self.scene.fitting(row)
         if wish.stands:
-            yield wished_spots(self.scene, fits, wish, settings.attempts, self.random)
+            yield wished_spots(self.scene, fits, row, wish, settings.attempts, self.random)
         if wish.stands and not wish.anywhere:
             return
         if self.traffic is not None:

@@ -302,6 +302,17 @@ def test_nobody_drives_beside_who_is_to_change_lanes(initialiser, tools):
     assert bound.feasible == (False,)
 
 
+def test_of_two_duties_that_nobody_can_do_at_once_the_first_is_done(initialiser, tools):
+    words = "a car on the left changes to the right lane"
+    _, made = begun(initialiser, tools, words, settings=replace(SETTINGS, starts=12))
+    [duty] = made.duties
+    other = replace(duty, manoeuvre=Manoeuvre.HARD_BRAKING)
+    both = ordered(LaneGraph.of(made.scenario.map), made.free, tools[0].selector, (duty, other))
+    assert both.feasible == (True, False)
+    own = both.choices.candidates[duty.vehicle]
+    assert (np.abs(own.d[both.choices.used[duty.vehicle] > 0]) < SETTLED).all()
+
+
 def test_the_target_stops_behind_who_brakes_hard(initialiser, tools):
     _, made = begun(initialiser, tools, "the lead vehicle brakes hard")
     assert made.ordered.feasible == (True,)

@@ -329,6 +329,9 @@ class Held:
 def test_episodes_end_where_whole_runs_of_the_simulator_do(acceleration, neighbours):
     """Step by step and after the run: two ways to the first collision and its kind."""
     pairs = [(busy_crossing(), busy_crossing().log), alone(steps=101), *map(behind_a_parked_car, (15.0, 30.0, 60.0, 90.0))]
+    log = stack([drive(LINE, 10, 10, 101), drive(LINE, 27, 2, 101)])
+    log.valid[1, :20], log.position[1, :20] = False, 0.0  # somebody who appears in the target's way
+    pairs += [(scenario(ROAD, log), log)]
     pairs += [(busy_crossing(), noisy_samples(busy_crossing(), 4, seed=3).motion[k]) for k in range(4)]
     episodes = Environment(pairs, len(pairs), replace(SETTINGS, neighbours=neighbours))
     batch = Batch(reaction=SETTINGS.reaction if neighbours == "reactive" else None)

@@ -7,10 +7,11 @@ import pytest
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.signals import Signals, SignalState
+from drivegen.placement._spots import QUEUE_GAP
 from drivegen.placement.draws import Draws
 from drivegen.placement.gaps import Following, Gaps, headways, measure_gaps
 from drivegen.placement.place import Placer, PlaceSettings
-from drivegen.placement.slots import Slots
+from drivegen.placement.slots import SPACING, Slots
 from drivegen.placement.table import Provenance, build_table
 from drivegen.placement.where import Relation, Wish, standing
 from tests.scenes import busy_crossing, crossing, drive, scenario, stack, straight_road
@@ -121,3 +122,15 @@ def test_a_queue_stands_in_one_lane_and_speeds_are_as_wished():
     x = placed.vehicles.position[:, 0]
     assert (np.diff(x) > 4.6).all()
     assert np.allclose(placed.vehicles.speed, [8, 4, 4, 4])
+
+
+def test_gaps_of_a_queue_are_from_bumper_to_bumper_whatever_the_lengths():
+    table = build_table([busy_crossing()])
+    bus = replace(table, size=np.concatenate([table.size[:1], table.size[:1] * np.float32([2.6, 1.0, 1.0]), table.size[2:]]))
+    wishes = [Wish(speed=0.0), *(Wish(beside=i, ahead=True, speed=0.0) for i in range(2))]
+    for seed in range(20):
+        placed = Placer(SLOTS, bus, settings("paper")).place([0, 1, 0], np.random.default_rng(seed), wishes=wishes)
+        x, length = placed.vehicles.position[:, 0], placed.vehicles.size[:, 0]
+        gaps = np.diff(x) - (length[1:] + length[:-1]) / 2
+        assert (gaps > QUEUE_GAP[0] - 0.1).all()
+        assert (gaps < QUEUE_GAP[1] + 2 * SPACING + 0.1).all()
