@@ -7,6 +7,7 @@ its own for all that is allowed and every number of queries; the folder gets the
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -60,28 +61,6 @@ class Params:
             raise UnusableInput("params.yaml: attack.queries, attack.allowed, attack.methods: name at least one of each")
 
 
-@dataclass(frozen=True)
-class Task:
-    """An adversary (`method`) of a driver, both by name, on one shard."""
-
-    method: str
-    driver: str
-    shard: Path
-    models: Path
-    goals: Path
-    traffic: Path
-    params: Params
-
-
-@dataclass(frozen=True)
-class Attack:
-    """What was found on one shard within `bounds`, and the processor time that it took."""
-
-    bounds: Bounds
-    findings: Findings
-    cpu_seconds: float
-
-
 def main(
     params: Params, scenarios: Path, models: Path, goals: Path, traffic: Path, cases: Path, results: Path, metrics: Path
 ) -> None:
@@ -90,13 +69,14 @@ def main(
     plugins.make("drivers", driver, params.drivers, "attack.drivers")  # what is wrong with it is said before anybody waits
     read = [scenarios, goals, traffic, models / "planners" / params.planner, *weights_of(params.drivers[driver])]
     files = shards(require(scenarios, "run the ingest stage"))
-    tasks = [Task(name, driver, file, models, goals, traffic, params) for name in params.methods for file in files]
-    done = spread(_on_shard, tasks, params.workers, f"attack {driver}")
-    for name, of_shards in groupby(done, key=lambda pair: pair[0].method):
+    tasks = [(name, file) for name in params.methods for file in files]
+    done = spread(partial(_on_shard, params, driver, (models, goals, traffic)), tasks, params.workers, f"attack {driver}")
+    for name, of_shards in groupby(done, key=lambda pair: pair[0][0]):
         about = plugins.about("adversaries", name)
-        for bounds, parts in _by_bounds([attacks for _, attacks in of_shards]).items():
-            key, findings = f"{name}.{bounds.allowed}.{bounds.budget}", Findings.joined([part.findings for part in parts])
-            costs = {"cases": float(findings.metrics["cases"].sum()), "cpu_seconds": sum(part.cpu_seconds for part in parts)}
+        by_bounds = zip(*[attacks for _, attacks in of_shards], strict=True)
+        for bounds, parts in zip(_bounds(params, about), by_bounds, strict=True):
+            key, findings = f"{name}.{bounds.allowed}.{bounds.budget}", Findings.joined([found for found, _ in parts])
+            costs = {"cases": float(findings.metrics["cases"].sum()), "cpu_seconds": sum(seconds for _, seconds in parts)}
             write_cost(COST_FOLDER, "attack", f"{driver}-{key}", costs)
             run = Run.of("attack", key, asdict(params), read, method=name, driver=driver, backend=bounds.allowed)
             tables.append(result_rows(run, findings.scenarios, findings.metrics))
@@ -109,24 +89,21 @@ def main(
     write_json(metrics, numbers)
 
 
-def _on_shard(task: Task) -> list[Attack]:
-    """All attacks of an adversary on a shard, one after the other."""
-    about, params, attacks = plugins.about("adversaries", task.method), task.params, list[Attack]()
-    driver = plugins.make("drivers", task.driver, params.drivers, "attack.drivers")
-    made = Made.open(task.models, params.planner, task.goals, task.traffic)
+def _on_shard(
+    params: Params, name: str, folders: tuple[Path, Path, Path], task: tuple[str, Path]
+) -> list[tuple[Findings, float]]:
+    """What an adversary finds against driver `name` on a shard, attack by attack as `_bounds` has them, and the time of each."""
+    (models, goals, traffic), (method, shard), attacks = folders, task, []
+    about, driver = plugins.about("adversaries", method), plugins.make("drivers", name, params.drivers, "attack.drivers")
+    made = Made.open(models, params.planner, goals, traffic)
     on_logs = about["traffic"] == "log"
-    ground = made.logs(task.shard, params.scenarios) if on_logs else made.ground(task.shard, params.samples, params.scenarios)
+    ground = made.logs(shard, params.scenarios) if on_logs else made.ground(shard, params.samples, params.scenarios)
     for bounds in _bounds(params, about):
         began, arena = cpu_seconds(), Arena(driver, ground, bounds, params.seed)
-        plugins.make("adversaries", task.method, params.adversaries, "attack.adversaries").attack(arena)
-        findings = Findings.of(arena.runs(), driver, task.method, params.reaction)
-        attacks.append(Attack(bounds, findings, cpu_seconds() - began))
+        plugins.make("adversaries", method, params.adversaries, "attack.adversaries").attack(arena)
+        findings = Findings.of(arena.runs(), driver, method, params.reaction)
+        attacks.append((findings, cpu_seconds() - began))
     return attacks
-
-
-def _by_bounds(of_shards: list[list[Attack]]) -> dict[Bounds, list[Attack]]:
-    """The same attack on every shard."""
-    return {parts[0].bounds: list(parts) for parts in zip(*of_shards, strict=True)}
 
 
 def _bounds(params: Params, about: dict[str, Any]) -> Iterator[Bounds]:
