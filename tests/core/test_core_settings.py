@@ -208,7 +208,7 @@ def test_what_is_wrong_is_named_with_the_file_that_it_stands_in(two_files):
     [
         ("candidates.dynamics.braking", 0, "dynamics.braking must be above 0"),
         ("candidates.spacing", 0, "candidates.spacing must be between 0.1 and 100"),
-        ("temperature", -1, "generation.temperature must be above 0"),
+        ("temperature", -1, "generation.temperature must be at least 0.01"),
     ],
 )
 def test_nested_numbers_are_told_with_their_whole_place(tmp_path: Path, place: str, value: float, sentence: str):
