@@ -31,11 +31,11 @@ def begun(environment: Environment, count: int, options: Mapping[str, Any] | Non
 
     Raises UnusableInput for other numbers and other options, rather than leave unsaid that they do nothing.
     """
-    drawn, options = environment.draw_scenes(count, random), options or {}
+    options = options or {}
     if others := sorted(set(options) - {"scenario"}):
         raise UnusableInput(f"options {others} are not known: `scenario` is, the number of a playable scenario")
     if "scenario" not in options:
-        return drawn
+        return environment.draw_scenes(count, random)
     asked, last = np.array(options["scenario"], object), len(environment.playable) - 1
     known = all(isinstance(one, int | np.integer) and 0 <= one <= last for one in asked.flat)
     if not known or asked.shape not in ((), (count,)):

@@ -36,7 +36,7 @@ _DIRECTIONS = {
     "one_way": (*_TURN_LANES, "control", "signals", "turn_bans", "speed"),
     "two_way": ("change", "change_to", "loses", "loses_side", "gains", "gains_side"),
 }
-"""What may be said of so many directions itself, not its road: "with lights in one direction only"."""
+"""What "in one direction" or "in both" may be said of rather than of its road: "with lights in one direction only"."""
 
 _OTHERS = ("car", "truck", "bus", "vehicle", "member")
 _ROADS = ("street", "main", "east_west", "north_south")
@@ -145,8 +145,8 @@ class Walk:
         self._ahead_of_noun(thing)
         if self.subject is not None:
             self._apart(self.subject, thing, item.raw)
-        said = [other.phrase.name for other in self.items if other.start < item.start and other.phrase.kind == "fact"]
-        if phrase.slots == ("lanes_each",) and "lane" not in item.raw and {*said[-1:]} & {*_TURN_LANES}:
+        before = (other.phrase for other in reversed(self.items) if other.start < item.start and other.phrase.kind == "fact")
+        if phrase.slots == ("lanes_each",) and "lane" not in item.raw and next(before, phrase).name in _TURN_LANES:
             raise Unfit(f"it is not clear of what there are so many: {item.raw!r}")
         definite = self.det in _KNOWN or self.det in ALL or bool(which)
         towards = [fact for fact, _ in self.segment if fact.name in ("turn_bans", *_TURN_LANES)]
@@ -230,7 +230,7 @@ class Walk:
             self.comma = False
             return
         self._nothing_pending()
-        self._not_of_another(fact)
+        self._check_owner(fact)
         if fact.name in _PLACED or fact.value in _DONE_TO_TARGET:
             self._seen_from_target(i)
         if fact.name == "side" and i + 1 < len(self.items) and self.items[i + 1].phrase.kind == "thing":
@@ -246,7 +246,7 @@ class Walk:
         self.segment.append((fact, holder))
         self.mark, self.det = "", ""
 
-    def _not_of_another(self, fact: Fact) -> None:
+    def _check_owner(self, fact: Fact) -> None:
         """Raises Unfit where a fact is said of another one, of the target, or of a road of which it is never so."""
         if self.det == "another":
             raise Unfit(f"it is not clear of what other one {fact.text!r} is said")

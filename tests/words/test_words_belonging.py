@@ -214,6 +214,9 @@ def test_short_forms_draw_what_long_ones_do(text, plain):
         ("a motorway with ten cars; the third car brakes hard", "which one 'car' is"),
         ("ten vehicles including three trucks on a motorway", "is among 'vehicles'"),
         ("ten vehicles (three trucks) on a motorway", "is among 'vehicles'"),
+        ("ten vehicles: three trucks, on a motorway", "is among 'vehicles'"),
+        ("ten vehicles with three trucks on a motorway", "is among 'vehicles'"),
+        ("a motorway, every truck overtakes me", "say how many"),
     ],
 )
 def test_what_is_said_of_one_of_several_is_not_said_of_all(text, why):
