@@ -84,9 +84,9 @@ class Ranked:
         scenes = share_out(ground.of, np.maximum(arena.left // settings.per_scene, 1))
         driven = everywhere(arena.drive(Variants.unchanged(scenes, arena.trials.steps)).motion, scenes, len(ground.of))
         pool = self.source.candidates(arena, scenes)
-        first = _in_turn(self._cost(arena, pool, driven), pool, np.zeros(len(pool), np.bool_), settings.again)
-        pool = self.source.varied(arena, pool, first)
-        cost = self._cost(arena, pool, driven)
+        cost, count = self._cost(arena, pool, driven), len(pool)
+        pool = self.source.varied(arena, pool, _in_turn(cost, pool, np.zeros(count, np.bool_), settings.again))
+        cost = np.concatenate([cost, self._cost(arena, pool[count:], driven)])
         met = _encounters(arena, pool, driven)
         knowledge, tried = Knowledge.none(settings.strength), np.zeros(len(pool), np.bool_)
         for _ in range(rounds):

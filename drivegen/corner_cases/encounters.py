@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats, to_vehicle_frame, unit, wrap_angle
@@ -93,22 +94,21 @@ def encounters(target: Trajectories, target_size: Floats, social: Trajectories, 
         target.valid[..., None, :],
     )
     both = mover.valid & social.valid
-    gap = np.where(both, box_gap(mover, target_size[..., None, :], social, social_size), np.inf)
-    step = np.argmin(gap, axis=-1)
-    met = np.asarray(both.any(-1))
-    here = step[..., None]
+    step, gap = _closest(both, mover, target_size[..., None, :], social, social_size)
+    met, here = np.asarray(both.any(-1)), step[..., None]
 
     def at(values: Floats) -> Floats:
         return np.take_along_axis(np.broadcast_to(values, both.shape), here, axis=-1)[..., 0]
 
-    relative = social.velocity - mover.velocity
-    closing = np.hypot(at(relative[..., 0]), at(relative[..., 1]))
-    turn = wrap_angle(at(social.heading) - at(mover.heading))
-    apart = social.position - mover.position
-    ahead = at(apart[..., 0] * np.cos(mover.heading) + apart[..., 1] * np.sin(mover.heading))
+    def between(name: str, axis: int) -> Floats:
+        return np.asarray(at(getattr(social, name)[..., axis]) - at(getattr(mover, name)[..., axis]))
+
+    closing, heading = np.hypot(between("velocity", 0), between("velocity", 1)), at(mover.heading)
+    turn = wrap_angle(at(social.heading) - heading)
+    ahead = between("position", 0) * np.cos(heading) + between("position", 1) * np.sin(heading)
     return Encounters(
         step=step.astype(np.int16),
-        gap=np.where(met, at(gap), np.inf).astype(np.float32),
+        gap=gap,
         speed_bin=np.digitize(closing, SPEED_EDGES).astype(np.uint8),
         direction=_direction(turn),
         behaviour=_behaviour(social, step),
@@ -117,25 +117,45 @@ def encounters(target: Trajectories, target_size: Floats, social: Trajectories, 
     )
 
 
-def box_gap(a: Trajectories, size_a: Floats, b: Trajectories, size_b: Floats) -> Floats:
-    """Distance (..., T) [m] between boxes covered by three discs each; never below 0.
+def _closest(
+    both: NDArray[np.bool_], a: Trajectories, size_a: Floats, b: Trajectories, size_b: Floats
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Step (...) of those in which `both` (..., T) are there when boxes are closest, and their distance then [m], inf for never.
 
-    Discs as wide as the box leave out its corners and, of boxes longer than three times their width, stretches between them: good
-    enough to rank approaches. Collisions themselves are judged by exact boxes in the simulator.
+    A box is covered by three discs as wide as it. They leave out its corners and, of boxes longer than three times their width,
+    stretches between them: good enough to rank approaches. Collisions themselves are judged by exact boxes in the simulator.
     """
-    radius = (size_a[..., 1] + size_b[..., 1])[..., None] / 2
-    nearest = np.inf
-    for centre_a in _discs(a, size_a):
-        for centre_b in _discs(b, size_b):
-            apart = np.hypot(*np.moveaxis(centre_a - centre_b, -1, 0))
-            nearest = np.minimum(nearest, apart)
-    return np.maximum(nearest - radius, 0.0)
+    *shape, steps = both.shape
+
+    def flat(values: Floats, *each: int) -> NDArray[np.float32]:
+        return np.ascontiguousarray(np.broadcast_to(values, (*shape, *each)), np.float32).reshape(-1, *each)
+
+    def reach(motion: Trajectories, size: Floats) -> NDArray[np.float32]:
+        return flat(unit(motion.heading) * (np.maximum(size[..., 0] - size[..., 1], 0) / 2)[..., None, None], steps, 2)
+
+    places, reaches = [flat(c.position, steps, 2) for c in (a, b)], [reach(a, size_a), reach(b, size_b)]
+    step, gap = _least_gap(both.reshape(-1, steps), *places, *reaches, flat((size_a[..., 1] + size_b[..., 1]) / 2))
+    return step.reshape(shape), gap.reshape(shape)
 
 
-def _discs(motion: Trajectories, size: Floats) -> list[Floats]:
-    reach = np.maximum(size[..., 0] - size[..., 1], 0.0)[..., None, None] / 2
-    forward = unit(motion.heading)
-    return [motion.position + k * reach * forward for k in (-1.0, 0.0, 1.0)]
+@njit(cache=True)
+def _least_gap(both, place_a, place_b, reach_a, reach_b, radius):  # type: ignore[no-untyped-def]
+    """Step and gap (P,) of P pairs; a box has discs at its place (P, T, 2) and a `reach` (P, T, 2) before and behind it."""
+    step, least = np.zeros(len(both), np.int64), np.full(len(both), np.float32(np.inf))
+    discs = np.array([-1, 0, 1], np.float32)
+    for p in range(len(both)):
+        for t in np.flatnonzero(both[p]):
+            a, b, along_a, along_b = place_a[p, t], place_b[p, t], reach_a[p, t], reach_b[p, t]
+            nearest = np.float32(np.inf)
+            for i in discs:
+                for j in discs:
+                    x = (a[0] + i * along_a[0]) - (b[0] + j * along_b[0])
+                    y = (a[1] + i * along_a[1]) - (b[1] + j * along_b[1])
+                    nearest = min(nearest, np.hypot(x, y))
+            gap = max(nearest - radius[p], np.float32(0))
+            if gap < least[p]:
+                step[p], least[p] = t, gap
+    return step, least
 
 
 def _direction(turn: Floats) -> NDArray[np.uint8]:
@@ -152,8 +172,7 @@ def _behaviour(social: Trajectories, step: NDArray[np.integer]) -> NDArray[np.ui
     def at(values: Floats, when: NDArray[np.integer]) -> Floats:
         return np.take_along_axis(values, when[..., None], axis=-1)[..., 0]
 
-    speed = social.speed
-    now, before = at(speed, step), at(speed, since)
+    now, before = (np.hypot(at(social.velocity[..., 0], when), at(social.velocity[..., 1], when)) for when in (step, since))
     turned = wrap_angle(at(social.heading, step) - at(social.heading, since))
     x, y = social.position[..., 0], social.position[..., 1]
     moved = np.stack([at(x, step) - at(x, since), at(y, step) - at(y, since)], axis=-1)

@@ -42,6 +42,9 @@ class Candidates:
     def __len__(self) -> int:
         return len(self.scene)
 
+    def __getitem__(self, rows: slice) -> "Candidates":
+        return Candidates(self.scene[rows], self.vehicle[rows], self.goal[rows], self.odds[rows], self.motion[rows])
+
     def padded(self, steps: int) -> "Candidates":
         """The same, with nobody there in what is added up to `steps`."""
         return replace(self, motion=self.motion.padded(steps))

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drivegen.core.geometry import wrap_angle
+from drivegen.core.geometry import unit, wrap_angle
 from drivegen.core.scenario import DT, Trajectories
 from drivegen.planners.base import PlanRequests
 from drivegen.planners.shared.paths import LARGEST_TURN, Doubles, Frames, point_on
@@ -25,6 +25,9 @@ GRID = 101
 
 SETTLING = 25.0
 """Heading errors at the ends are straightened out within this distance [m]."""
+
+ROWS = 1024
+"""Trajectories that are decoded at once: what is worked on stays in the processor's cache."""
 
 
 def reach(distance: Doubles, full: float) -> Doubles:
@@ -78,21 +81,24 @@ def decode(frames: Frames, requests: PlanRequests, residuals: Residuals, steps: 
     poses = np.empty((len(requests), 2, 3))
     poses[:, 0, :2], poses[:, 1, :2] = requests.position, requests.goal_position
     poses[:, 0, 2], poses[:, 1, 2] = requests.heading, requests.goal_heading
-    speeds = np.stack([requests.speed, requests.goal_speed], axis=1).astype(np.float64)
-    state = _decoded(
-        frames.table, frames.row, frames.start, np.where(requests.parked, 0.0, frames.distance), frames.duration, frames.speed,
-        lateral_ends(frames), poses, speeds, requests.goal_step.astype(np.int64),
-        residuals.pace, residuals.offset, residuals.slope, steps,
+    columns = (
+        frames.row, frames.start, np.where(requests.parked, 0.0, frames.distance), frames.duration, frames.speed,
+        lateral_ends(frames), poses, np.stack([requests.speed, requests.goal_speed], axis=1).astype(np.float64),
+        requests.goal_step.astype(np.int64), residuals.pace, residuals.offset, residuals.slope,
     )  # fmt: skip
-    heading, speed = wrap_angle(state[..., 2]), state[..., 3:]
-    heading[:, 0] = requests.heading
-    velocity = speed * np.stack([np.cos(heading), np.sin(heading)], axis=-1)
-    return Trajectories(
-        state[..., :2].astype(np.float32),
-        heading.astype(np.float32),
-        velocity.astype(np.float32),
-        np.ones(state.shape[:2], np.bool_),
-    )
+    motion = Trajectories.empty(len(requests), steps)
+    motion.valid[:] = True
+    for low in range(0, len(requests), ROWS):
+        rows = slice(low, low + ROWS)
+        state = _decoded(frames.table, *(column[rows] for column in columns), steps)
+        heading = wrap_angle(state[..., 2])
+        heading[:, 0] = requests.heading[rows]
+        motion.position[rows], motion.heading[rows], motion.velocity[rows] = (
+            state[..., :2],
+            heading,
+            state[..., 3:] * unit(heading),
+        )
+    return motion
 
 
 @njit(cache=True)
