@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from drivegen.av2.columns import checked, encoded
 from drivegen.av2.maps import read_map
-from drivegen.av2.tracks import FARTHEST
 from drivegen.core.errors import UnusableInput, naming
-from drivegen.core.recorded_log import LONGEST, expect_few_cells
+from drivegen.core.recorded_log import FARTHEST, LONGEST, expect_few_cells
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.safe_parquet import read_feather
 from drivegen.core.scenario import DT, Trajectories, VehicleKind

@@ -31,10 +31,13 @@ class Edge:
 
 def read_graph(root: Element, place: str) -> "RoadGraph":
     """The graph of a network's parsed XML; raises UnusableInput where it has no edge for cars, or a number that is none."""
-    try:
-        edges = {edge.id: edge for element in root.iter("edge") if (edge := _edge(element)) is not None}
-    except ValueError as error:
-        raise UnusableInput(f"{place}: a lane has a number that is none: {error}", reason="bad-map") from None
+    edges: dict[str, Edge] = {}
+    for element in root.iter("edge"):
+        try:
+            edges |= {edge.id: edge for edge in [_edge(element)] if edge is not None}
+        except ValueError:
+            name = element.get("id", "")[:40]
+            raise UnusableInput(f"{place}: edge {name!r} has no finite shape, speed and length", reason="bad-map") from None
     if not edges:
         raise UnusableInput(f"{place} has no road that a car may use", reason="no-lanes")
     return RoadGraph(root, edges)
@@ -49,7 +52,7 @@ def _edge(element: Element) -> Edge | None:
     shape = tuple(_points(lanes[len(lanes) // 2].get("shape", "")))
     speed, length = (float(lanes[0].get(name, "0")) for name in ("speed", "length"))
     if not shape or not all(map(math.isfinite, (speed, length, *(value for point in shape for value in point)))):
-        raise ValueError(f"edge {element.get('id', '')[:40]!r} has no finite shape, speed and length")
+        raise ValueError
     return Edge(element.get("id", ""), element.get("from", ""), element.get("to", ""), len(lanes), speed, length, shape)
 
 
