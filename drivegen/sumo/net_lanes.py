@@ -86,16 +86,14 @@ def read_lanes(root: Element, place: str) -> NetLanes:
             ends[name] = (edge.get("from", ""), edge.get("to", ""))
     if not usable:
         raise UnusableInput(f"{place}: the network has no lane for vehicles or bicycles", reason="no-lanes")
-    names, edge, kinds, elements, internal = zip(*usable, strict=True)
-    edges = [(name, whole_number(lane, "index", place)) for name, lane in zip(edge, elements, strict=True)]
-    for what, keys in (("id", names), ("edge and index", edges)):
-        if twice := [key for key, times in Counter(keys).items() if times > 1]:
-            raise UnusableInput(f"{place} has two lanes of the {what} {twice[0]!r}: rename one of them", reason="bad-map")
+    names, edges, kinds, elements, internal = zip(*usable, strict=True)
+    if twice := [name for name, times in Counter(names).items() if times > 1]:
+        raise UnusableInput(f"{place} has two lanes of the id {twice[0]!r}: rename one of them", reason="bad-map")
     lanes = NetLanes(
         names=names,
         number={name: i for i, name in enumerate(names)},
         dropped=frozenset(dropped),
-        edges=edges,
+        edges=[(edge, whole_number(lane, "index", place)) for edge, lane in zip(edges, elements, strict=True)],
         ends=ends,
         shapes=[lane_shape(lane, place) for lane in elements],
         width=np.array([lane_number(lane, "width", DEFAULT_WIDTH, place) for lane in elements]),
