@@ -141,8 +141,7 @@ def _centrelines(lanes: Sequence[Mapping[str, Any]], left: Lines, right: Lines) 
     if all(len(line) >= 2 for line in centrelines):
         return lines
     lines_of_lanes = [
-        lines[0][lines[1][i] : lines[1][i + 1]] if len(centrelines[i]) >= 2 else _midline(_line(left, i), _line(right, i))
-        for i in range(len(lanes))
+        _line(lines, i) if len(centrelines[i]) >= 2 else _midline(_line(left, i), _line(right, i)) for i in range(len(lanes))
     ]
     start = np.cumsum([0, *map(len, lines_of_lanes)]).astype(np.int32)
     return np.concatenate(lines_of_lanes), start

@@ -34,10 +34,12 @@ def read_graph(root: Element, place: str) -> "RoadGraph":
     edges: dict[str, Edge] = {}
     for element in root.iter("edge"):
         try:
-            edges |= {edge.id: edge for edge in [_edge(element)] if edge is not None}
+            edge = _edge(element)
         except ValueError:
             name = element.get("id", "")[:40]
             raise UnusableInput(f"{place}: edge {name!r} has no finite shape, speed and length", reason="bad-map") from None
+        if edge is not None:
+            edges[edge.id] = edge
     if not edges:
         raise UnusableInput(f"{place} has no road that a car may use", reason="no-lanes")
     return RoadGraph(root, edges)
@@ -46,7 +48,7 @@ def read_graph(root: Element, place: str) -> "RoadGraph":
 def _edge(element: Element) -> Edge | None:
     if element.get("function") or element.get("from") is None or element.get("to") is None:
         return None
-    lanes = [lane for lane in element.iter("lane") if _for_cars(lane)]
+    lanes = [lane for lane in element.iter("lane") if for_cars(lane)]
     if not lanes:
         return None
     shape = tuple(_points(lanes[len(lanes) // 2].get("shape", "")))
@@ -56,7 +58,8 @@ def _edge(element: Element) -> Edge | None:
     return Edge(element.get("id", ""), element.get("from", ""), element.get("to", ""), len(lanes), speed, length, shape)
 
 
-def _for_cars(lane: Element) -> bool:
+def for_cars(lane: Element) -> bool:
+    """Whether passenger cars may use a lane."""
     allow, disallow = lane.get("allow"), lane.get("disallow", "").split()
     if allow is not None:
         return "passenger" in allow.split() or "all" in allow.split()
