@@ -135,7 +135,8 @@ REPEATED = 1e-3
 def distinct(line: Floats) -> Floats:
     """The polyline (P, 2) without repeated points; one point stays of a line that is a single place."""
     moves = np.hypot(*np.diff(line, axis=0).T) > REPEATED
-    return line[np.concatenate([np.ones(min(1, len(line)), np.bool_), moves])]
+    apart: Floats = line[np.concatenate([np.ones(min(1, len(line)), np.bool_), moves])]
+    return apart
 
 
 def line_heading(line: Floats) -> Floats:
