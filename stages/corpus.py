@@ -10,7 +10,7 @@ from pathlib import Path
 from drivegen.core.settings import Count, Share
 from drivegen.datasets.sumo_corpus import write_part
 from drivegen.layouts.corpus import SPLITS, Networks
-from drivegen.store.files import whole, write_json
+from drivegen.store.files import write_bytes, write_json
 from drivegen.sumo.corpus import CorpusSettings, moving_vehicles, prepare_network, simulate_scenarios
 from stages._door import enter, spread
 
@@ -65,8 +65,7 @@ def main(params: Params, out: Path) -> None:
         settings = params.settings if split == "train" else replace(params.settings, without_signals=0.0)
         for city, raw, density, count in _networks(replace(params, networks=networks), split):
             network = out / "networks" / f"{city}.net.xml"
-            with whole(network) as temporary:
-                temporary.write_bytes(prepare_network(raw, city, params.seed))
+            write_bytes(network, prepare_network(raw, city, params.seed))
             tasks += [
                 Task(network, city, out / split, part, some, density, settings, params.seed)
                 for part, some in enumerate(_parts(count, params.per_part))

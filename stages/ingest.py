@@ -11,11 +11,12 @@ from pathlib import Path
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count, Index
+from drivegen.datasets.base import SPLITS
 from drivegen.ingest.admission import Admission, accounts, count_reasons, require_scenarios
 from drivegen.ingest.selection import Settings
 from drivegen.ingest.shards import make_shard, note_if_empty, plan_shards
 from drivegen.ingest.sources import Sources
-from drivegen.ingest.splits import CORPUS, SPLITS, Plan, items, once, trained_on
+from drivegen.ingest.splits import CORPUS, Plan, items, once, trained_on
 from drivegen.store.files import write_json, write_table
 from stages._door import enter, spread
 

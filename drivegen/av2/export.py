@@ -11,7 +11,7 @@ from drivegen.av2.signals import write_signals
 from drivegen.av2.tracks import track_table
 from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import SAFE_ID, Scenario, Trajectories
-from drivegen.store.files import whole, write_table
+from drivegen.store.files import write_bytes, write_table
 
 
 def export_scenario(scenario: Scenario, motion: Trajectories, folder: Path, scenario_id: str) -> Path:
@@ -26,12 +26,7 @@ def export_scenario(scenario: Scenario, motion: Trajectories, folder: Path, scen
         raise UnusableInput(f"scenario {scenario_id}: motion and vehicles differ in shape", reason="bad-trajectories")
     place = folder / scenario_id
     write_table(place / f"scenario_{scenario_id}.parquet", track_table(scenario, motion, scenario_id))
-    _write(place / f"log_map_archive_{scenario_id}.json", write_map(scenario.map))
+    write_bytes(place / f"log_map_archive_{scenario_id}.json", write_map(scenario.map))
     if len(scenario.signals):
-        _write(place / f"signals_{scenario_id}.json", write_signals(scenario.signals, scenario.map))
+        write_bytes(place / f"signals_{scenario_id}.json", write_signals(scenario.signals, scenario.map))
     return place
-
-
-def _write(path: Path, raw: bytes) -> None:
-    with whole(path) as temporary:
-        temporary.write_bytes(raw)

@@ -8,16 +8,13 @@ from pathlib import Path
 import pyarrow as pa
 
 from drivegen.av2.maps import read_map
-from drivegen.av2.schema import CONSTANTS, REQUIRED, SIZE_COLUMNS, WORDS
+from drivegen.av2.schema import READ, REPEATED
 from drivegen.av2.signals import read_signals
 from drivegen.av2.tracks import read_log
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
 from drivegen.core.safe_parquet import expect_flat, open_parquet
 from drivegen.store.files import content_of
-
-_READ = [*REQUIRED, *SIZE_COLUMNS]
-_TEXT = [*WORDS, *CONSTANTS]
 
 
 def scenario_files(folder: Path) -> tuple[Path, ...]:
@@ -51,11 +48,11 @@ def read_table(path: Path) -> pa.Table:
     Raises UnusableInput, reason `truncated`, for a file that is empty, cut short or no Parquet, `missing-columns` or `too-large`.
     """
     try:
-        with open_parquet(pa.BufferReader(path.read_bytes()), path, read_dictionary=_TEXT) as file:
-            expect_flat(file.schema_arrow, _READ, path)
-            table = file.read(columns=_READ, use_threads=False)
+        with open_parquet(pa.BufferReader(path.read_bytes()), path, read_dictionary=REPEATED) as file:
+            expect_flat(file.schema_arrow, READ, path)
+            table = file.read(columns=READ, use_threads=False)
             for name, column in zip(table.column_names, table.columns, strict=True):
-                if name in _TEXT:
+                if name in REPEATED:
                     column.validate(full=True)  # UTF-8, indices in range
             return table
     except KeyError as error:  # pyarrow's for a dictionary column that is not there

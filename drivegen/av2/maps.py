@@ -19,6 +19,7 @@ from drivegen.av2.schema import CROSSABLE_MARKS
 from drivegen.core import safe_json
 from drivegen.core.errors import UnusableInput, naming
 from drivegen.core.geometry import Floats, Polylines, arc_length, interpolate
+from drivegen.core.recorded_log import FARTHEST
 from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap, open_ends
 
 MIDLINE_SPACING = 2.0
@@ -29,6 +30,7 @@ DECIMALS = 4
 
 _xy = itemgetter("x", "y")
 _KINDS = {kind.name: kind.value for kind in LaneKind}
+_UNSOUND = (KeyError, TypeError, ValueError, AttributeError, IndexError, OverflowError)
 _CONTROLS = {control.name: control.value for control in LaneControl}
 
 
@@ -48,12 +50,22 @@ def read_map(raw: bytes, place: str) -> RoadMap:
         raise UnusableInput(f"{place}: the map has no lanes", reason="no-lanes")
     try:
         road_map = _build(tree)
-    except (KeyError, TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
+    except _UNSOUND as error:
         what = f"key {error} is missing or unknown" if isinstance(error, KeyError) else str(error)
-        raise UnusableInput(f"{place} is no sound Argoverse 2 map: {what}", reason="bad-map") from None
+        raise UnusableInput(f"{place} is no sound Argoverse 2 map{_at_fault(tree)}: {what}", reason="bad-map") from None
     with naming(place):
         road_map.validate()
     return road_map
+
+
+def _at_fault(tree: Mapping[str, Any]) -> str:
+    """In words, the first lane that is unsound by itself."""
+    for name, lane in tree["lane_segments"].items():
+        try:
+            _build({"lane_segments": {name: lane}})
+        except _UNSOUND:
+            return f", see lane {name}"
+    return ""
 
 
 def _build(tree: Mapping[str, Any]) -> RoadMap:
@@ -77,9 +89,9 @@ def _build(tree: Mapping[str, Any]) -> RoadMap:
         origin=origin,
         lane_id=np.array(lane_id, np.int64),
         kind=kind,
-        centreline=_local(centre, origin),
-        left=_local(left, origin),
-        right=_local(right, origin),
+        centreline=_local(centre, origin).distinct(),
+        left=_local(left, origin).distinct(),
+        right=_local(right, origin).distinct(),
         speed_limit=np.array([lane.get("speed_limit") for lane in lanes], np.float32),  # None becomes NaN
         in_junction=np.array([lane["is_intersection"] for lane in lanes], np.bool_),
         control=np.array([_CONTROLS[lane.get("control", "UNKNOWN")] for lane in lanes], np.uint8),
@@ -110,7 +122,10 @@ def _lines(lines: Iterable[Sequence[Mapping[str, float]]]) -> Lines:
 
 
 def _local(lines: Lines, origin: NDArray[np.float64]) -> Polylines:
-    return Polylines((lines[0] - origin).astype(np.float32), lines[1])
+    points = lines[0] - origin
+    if np.abs(points).max(initial=0) > FARTHEST:
+        raise ValueError(f"it has points more than {FARTHEST / 1000:g} km from its middle")
+    return Polylines(points.astype(np.float32), lines[1])
 
 
 def _middle(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -126,8 +141,7 @@ def _centrelines(lanes: Sequence[Mapping[str, Any]], left: Lines, right: Lines) 
     if all(len(line) >= 2 for line in centrelines):
         return lines
     lines_of_lanes = [
-        lines[0][lines[1][i] : lines[1][i + 1]] if len(centrelines[i]) >= 2 else _midline(_line(left, i), _line(right, i))
-        for i in range(len(lanes))
+        _line(lines, i) if len(centrelines[i]) >= 2 else _midline(_line(left, i), _line(right, i)) for i in range(len(lanes))
     ]
     start = np.cumsum([0, *map(len, lines_of_lanes)]).astype(np.int32)
     return np.concatenate(lines_of_lanes), start

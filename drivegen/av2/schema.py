@@ -49,6 +49,9 @@ NUMBERS = ("position_x", "position_y", "heading", "velocity_x", "velocity_y")
 REQUIRED = ("timestep", *WORDS, *NUMBERS, *CONSTANTS)
 """Columns without which a file cannot be used."""
 
+READ, REPEATED = [*REQUIRED, *SIZE_COLUMNS], [*WORDS, *CONSTANTS]
+"""Columns that are read, sizes where they are there; and those of them with few different values."""
+
 EGO_TRACK = "AV"
 """Track id of the recording vehicle."""
 

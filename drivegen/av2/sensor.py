@@ -14,15 +14,13 @@ from numpy.typing import NDArray
 
 from drivegen.av2.columns import checked, encoded
 from drivegen.av2.maps import read_map
-from drivegen.av2.tracks import FARTHEST
+from drivegen.av2.schema import EGO_TRACK
 from drivegen.core.errors import UnusableInput, naming
-from drivegen.core.recorded_log import LONGEST, expect_few_cells
+from drivegen.core.recorded_log import FARTHEST, LONGEST, expect_few_cells
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.safe_parquet import read_feather
 from drivegen.core.scenario import DT, Trajectories, VehicleKind
 from drivegen.store.files import content_of
-
-EGO_TRACK = "AV"
 
 EGO_SIZE = (4.877, 2.0, 1.473)
 """Length, width, height [m] of the recording car, a Ford Fusion, as in the EGO_VEHICLE boxes that some logs have;
@@ -147,7 +145,8 @@ def read_sensor_log(folder: Path) -> SensorLog:
         velocity = fitted_velocity(motion.position[one], motion.valid[one])
         motion.valid[one, np.isnan(velocity[:, 0])] = False  # a track begins once its velocity is known
         motion.velocity[one] = np.nan_to_num(velocity)
-    _check(motion, annotations)
+    with naming(annotations):
+        motion.validate()
     kind = [KIND_OF_CATEGORY[word] for word in categories[category[keep][first_row]].tolist()]
     code = archive.stem.partition("____")[2].partition("_")[0]
     return SensorLog(
@@ -253,8 +252,3 @@ def _place(
     motion.position[track, step] = position
     motion.heading[track, step] = np.arctan2(forward[:, 1], forward[:, 0])
     motion.valid[track, step] = True
-
-
-def _check(motion: Trajectories, place: Path) -> None:
-    with naming(place):
-        motion.validate()

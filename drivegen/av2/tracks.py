@@ -27,13 +27,10 @@ from drivegen.av2.schema import (
 )
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import wrap_angle
-from drivegen.core.recorded_log import LONGEST, MOST_CELLS, NO_TRACK, RecordedLog, expect_few_cells
+from drivegen.core.recorded_log import FARTHEST, LONGEST, MOST_CELLS, NO_TRACK, RecordedLog, expect_few_cells
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.scenario import DT, TARGET, Scenario, Trajectories, VehicleKind
 from drivegen.core.signals import Signals
-
-FARTHEST = 50_000.0
-"""Positions farther from the map's origin than this [m] are a broken file: float32 would lose the centimetres."""
 
 FASTEST = 10_000.0
 """Velocities beyond this [m/s] are a broken file; what no vehicle can do is left to `selection`."""

@@ -18,7 +18,7 @@ from drivegen.maps.build import ACCOUNT, NETWORK, PICTURE, BuiltMap, build_map
 from drivegen.maps.imports import Window, import_map
 from drivegen.maps.opendrive import Extent, export_opendrive, keeps_left, read_back
 from drivegen.maps.refine import refine_map
-from drivegen.store.files import whole
+from drivegen.store.files import expect_file_fits, write_bytes
 from drivegen.sumo.network import read_network
 from drivegen.words.edits import edited
 from drivegen.words.writer import OFFLINE, Writer, asking_writer
@@ -132,15 +132,15 @@ def export(
     out: Annotated[Path, Option(help="The file to write.")],
 ) -> None:
     """Write a map for other programs. OpenDRIVE is read back, and what was written and what came back stand beside each other."""
+    source = network_of(folder)
+    expect_file_fits(out)
     if out.resolve().is_relative_to(folder.resolve()):
         raise UnusableInput(f"{out} would lie in the map that is read: name a place beside {folder}")
-    source = network_of(folder)
     network = source.read_bytes()
     with with_way_in():
         there = Extent.of(read_network(network, str(source)))
     written = network if to is Form.SUMO else export_opendrive(network)
-    with whole(out) as temporary:
-        temporary.write_bytes(written)
+    write_bytes(out, written)
     if to is Form.OPENDRIVE:
         back = read_back(written, str(out))
         _tell("written", f"{out}: {there}")

@@ -14,16 +14,14 @@ from numpy.typing import NDArray
 from drivegen.commonroad import junctions, rules
 from drivegen.commonroad.values import Points, identity, points, references, refuse, value
 from drivegen.core.errors import naming
-from drivegen.core.geometry import Polylines, arc_length, interpolate
+from drivegen.core.geometry import Polylines, arc_length, distinct, interpolate
+from drivegen.core.recorded_log import FARTHEST
 from drivegen.core.roadmap import NO_LANE, LaneKind, RoadMap, open_ends
 
 KINDS = {"busLane": LaneKind.BUS, "bicycleLane": LaneKind.BIKE}
 """Lanelet types that are lanes for some only; all others but those below are for all vehicles."""
 
 NO_LANES = ("sidewalk", "crosswalk", "shoulder")
-
-FARTHEST = 50_000.0
-"""A map reaches no farther from its middle [m]."""
 
 MOST_LANES = 5000
 """A file with more lanes is refused: all pairs of them are compared."""
@@ -130,9 +128,7 @@ def _read(element: Element, place: str) -> Lanelet:
 
 
 def _bound(element: Element, word: str, place: str) -> Points:
-    line = points(element.find(word), place)
-    moves = np.hypot(*np.diff(line, axis=0).T) > 1e-3
-    line = np.asarray(line[np.concatenate([np.ones(min(1, len(line)), np.bool_), moves])], np.float64)
+    line = distinct(points(element.find(word), place)).astype(np.float64)
     if len(line) < 2:
         refuse(f"{place} has no <{word}> of two points or more", "bad-map")
     return line
@@ -156,7 +152,7 @@ def _middle(lane: Lanelet, place: str) -> Points:
         middle = (interpolate(left, shares * along_left) + interpolate(right, shares * along_right)) / 2
     else:
         middle = (left + right) / 2
-    line = np.asarray(middle[np.concatenate([[True], np.hypot(*np.diff(middle, axis=0).T) > 1e-3])], np.float64)
+    line = distinct(middle).astype(np.float64)
     if len(line) < 2:
         refuse(f"{place}: lanelet {lane.name} has no length between its bounds", "bad-map")
     return line

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drivegen.commonroad.values import Points, centre, identity, pair, points, refuse, required, value
 from drivegen.core.geometry import rotate, unit, wrap_angle
-from drivegen.core.recorded_log import LONGEST, expect_few_cells
+from drivegen.core.recorded_log import FARTHEST, LONGEST, expect_few_cells
 from drivegen.core.scenario import DT, Trajectories, VehicleKind
 
 KINDS = {
@@ -31,9 +31,6 @@ KINDS = {
 
 MOST_STEPS = 20_000
 """A recording that goes on for longer [steps] is refused: half an hour at 10 Hz."""
-
-FARTHEST = 50_000.0
-"""Nothing is recorded farther from its map [m]."""
 
 FASTEST = 500.0
 """Greater velocities [m/s] are no measurements at all; what is merely too fast for a car is judged later."""

@@ -17,9 +17,9 @@ class Cropper:
 
     def __init__(self, road_map: RoadMap) -> None:
         self._map = road_map
-        self._lanes = _Samples(road_map.centreline)
-        self._drivable = _Samples(road_map.drivable)
-        self._crossings = _Samples(road_map.crossings)
+        self._lanes = _Samples(road_map.centreline, closed=False)
+        self._drivable = _Samples(road_map.drivable, closed=True)
+        self._crossings = _Samples(road_map.crossings, closed=True)
 
     def around(self, points: Floats, radius: Floats | float) -> tuple[RoadMap, NDArray[np.int64]]:
         """The part of the map within `radius` [m], one for all or (P,), of `points` (P, 2), same frame, and the kept lanes.
@@ -83,11 +83,12 @@ def _severed(links: NDArray[np.int32], number: NDArray[np.int32]) -> NDArray[np.
 
 
 class _Samples:
-    """Points along many lines, and which line each belongs to."""
+    """Points along many lines, and which line each belongs to; of `closed` ones also from the last point to the first."""
 
-    def __init__(self, lines: Polylines) -> None:
+    def __init__(self, lines: Polylines, *, closed: bool) -> None:
         step = np.diff(lines.points, axis=0, append=lines.points[-1:])
-        step[lines.start[1:] - 1] = 0.0
+        last = lines.start[1:] - 1
+        step[last] = lines.points[lines.start[:-1]] - lines.points[last] if closed else 0.0
         count = np.maximum(1, np.ceil(np.hypot(step[:, 0], step[:, 1]) / _SPACING)).astype(np.int64)
         row = np.repeat(np.arange(len(step)), count)
         along = (np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)) / count[row]

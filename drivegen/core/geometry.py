@@ -128,6 +128,17 @@ def resample(line: Floats, spacing: float) -> Floats:
     return interpolate(line, np.linspace(0.0, total, count))
 
 
+REPEATED = 1e-3
+"""A point that is no farther from the one before says nothing of where a line leads [m]."""
+
+
+def distinct(line: Floats) -> Floats:
+    """The polyline (P, 2) without repeated points; one point stays of a line that is a single place."""
+    moves = np.hypot(*np.diff(line, axis=0).T) > REPEATED
+    apart: Floats = line[np.concatenate([np.ones(min(1, len(line)), np.bool_), moves])]
+    return apart
+
+
 def line_heading(line: Floats) -> Floats:
     """Heading (P,) of the polyline (P, 2) at each point: that of the segment that follows it, the last repeated."""
     step = np.diff(line, axis=0)
@@ -182,6 +193,13 @@ class Polylines:
     def lines(self) -> list[NDArray[np.float32]]:
         """All lines as views (P_i, 2)."""
         return [self[i] for i in range(len(self))]
+
+    def distinct(self) -> "Polylines":
+        """The lines without repeated points; one point stays of a line that is a single place."""
+        keep = np.hypot(*np.diff(self.points, axis=0, prepend=np.inf).T) > REPEATED
+        keep[self.start[:-1][np.diff(self.start) > 0]] = True
+        count = np.concatenate([np.zeros(1, np.int32), np.cumsum(keep, dtype=np.int32)])
+        return Polylines(self.points[keep], count[self.start])
 
     def take(self, keep: NDArray[np.integer]) -> "Polylines":
         """The lines numbered `keep`, in that order."""

@@ -18,6 +18,9 @@ NO_TRACK = -1
 MOST_CELLS = 20_000_000
 """More tracks times steps than this is a broken file, not a long recording (2 000 tracks for a quarter of an hour)."""
 
+FARTHEST = 50_000.0
+"""Nothing of a recording or its map is farther from the map's origin [m]: float32 would lose the centimetres."""
+
 LONGEST = 100.0
 """Nothing on a road is longer or wider [m]."""
 

@@ -124,16 +124,21 @@ class RoadMap:
         lines = (self.centreline, self.left, self.right)
         if any(len(a) != count for a in (*per_lane, self.may_change, self.cut, *lines)):
             raise UnusableInput("the map's lane arrays differ in length", reason="bad-map")
-        if len(set(self.lane_id.tolist())) != count:
-            raise UnusableInput("the map has two lanes of one id", reason="bad-map")
-        if any(np.diff(line.start).min() < 2 for line in lines):
-            raise UnusableInput("a lane of the map has fewer than two points", reason="bad-map")
+        ids, times = np.unique(self.lane_id, return_counts=True)
+        if len(ids) != count:
+            raise UnusableInput(f"the map has two lanes of the id {ids[times > 1][0]}", reason="bad-map")
+        short = np.min([np.diff(line.start) for line in lines], axis=0) < 2
+        if short.any():
+            lane = self.lane_id[short][0]
+            raise UnusableInput(f"lane {lane} of the map has a line of fewer than two different points", reason="bad-map")
         if not all(line.whole for line in (*lines, self.drivable, self.crossings)):
             raise UnusableInput("the map has a line that does not hold its points", reason="bad-map")
         if any((np.diff(outline.start) == 0).any() for outline in (self.drivable, self.crossings)):
             raise UnusableInput("the drivable area or a crossing of the map has an outline without points", reason="bad-map")
-        if (self.kind > max(LaneKind)).any() or (self.control > max(LaneControl)).any() or (self.speed_limit < 0).any():
-            raise UnusableInput("a lane of the map has a kind, a control or a speed limit that is none", reason="bad-map")
+        odd = (self.kind > max(LaneKind)) | (self.control > max(LaneControl)) | (self.speed_limit < 0)
+        if odd.any():
+            lane = self.lane_id[odd][0]
+            raise UnusableInput(f"lane {lane} of the map has a kind, a control or a speed limit that is none", reason="bad-map")
         points = (line.points for line in (*lines, self.drivable, self.crossings))
         numbers: tuple[NDArray[np.floating], ...] = (self.origin, self.stop_lines, *points)
         if not all(np.isfinite(array).all() for array in numbers):

@@ -10,8 +10,7 @@ from pathlib import Path
 from drivegen.av2.folder import read_folder, scenario_files
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
-
-SPLITS = ("train", "val", "test")
+from drivegen.datasets.base import expect_splits
 
 
 class Plugin:
@@ -20,10 +19,7 @@ class Plugin:
     description = "Argoverse 2 Motion Forecasting"
 
     def __init__(self, root: Path) -> None:
-        if not any((root / split).is_dir() for split in SPLITS):
-            raise UnusableInput(
-                f"{root} holds no Argoverse 2 Motion Forecasting: it needs train/, val/ or test/ with one folder a scene"
-            )
+        expect_splits(root, "Argoverse 2 Motion Forecasting", "one folder a scene")
         self.root = root
 
     def scenes(self, split: str) -> list[str]:

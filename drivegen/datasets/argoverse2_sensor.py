@@ -10,13 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from drivegen.av2.sensor import EGO_TRACK, FITTED, SensorLog, count_frames, log_files, read_sensor_log
+from drivegen.av2.schema import EGO_TRACK
+from drivegen.av2.sensor import FITTED, SensorLog, count_frames, log_files, read_sensor_log
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
 from drivegen.core.signals import Signals
-from drivegen.datasets.base import id_of
-
-SPLITS = ("train", "val", "test")
+from drivegen.datasets.base import expect_splits, id_of
 
 WINDOW = 110
 """Steps of a scene, as in Motion Forecasting; a shorter log is one shorter scene."""
@@ -31,15 +30,14 @@ class Plugin:
     description = "Argoverse 2 Sensor"
 
     def __init__(self, root: Path) -> None:
-        if not any((root / split).is_dir() for split in SPLITS):
-            raise UnusableInput(f"{root} holds no Argoverse 2 Sensor logs: it needs train/, val/ or test/ with one folder a log")
+        expect_splits(root, "Argoverse 2 Sensor logs", "one folder a log")
         self.root = root
         self._log = lru_cache(maxsize=1)(read_sensor_log)  # windows of one log are read one after the other
 
     def scenes(self, split: str) -> list[str]:
         """`<log>:<window>`, sorted; a log whose annotations cannot be read is one scene, which `read` rejects."""
         folder = self.root / split
-        logs = sorted(path for path in folder.iterdir() if path.is_dir()) if folder.is_dir() else []
+        logs = sorted(path for path in folder.glob("[!.]*") if path.is_dir())
         return [f"{log.name}:{window}" for log in logs for window in range(_windows(log))]
 
     def read(self, split: str, scene: str) -> RecordedLog:

@@ -3,7 +3,16 @@
 from pathlib import Path
 from typing import Protocol
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
+
+SPLITS = ("train", "val", "test")
+
+
+def expect_splits(root: Path, what: str, parts: str) -> None:
+    """Raise UnusableInput unless `root` has the folder of a split of `what`, each with such `parts`."""
+    if not any((root / split).is_dir() for split in SPLITS):
+        raise UnusableInput(f"{root} holds no {what}: it needs train/, val/ or test/ with {parts}")
 
 
 def id_of(scene: str) -> str:

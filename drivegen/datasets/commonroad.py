@@ -7,6 +7,7 @@ and no focal track, but one recording shows many cars: it gives several scenes, 
 Split by file, so by recording.
 """
 
+import os
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -18,10 +19,8 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
 from drivegen.core.signals import Signals
 from drivegen.datasets._targets import spread_targets
-from drivegen.datasets.base import id_of
+from drivegen.datasets.base import expect_splits, id_of
 from drivegen.store.files import content_of
-
-SPLITS = ("train", "val", "test")
 
 WINDOW = 110
 """Steps of a scene at most, as in Argoverse 2; a longer recording is several windows, one after the other."""
@@ -33,24 +32,26 @@ class Plugin:
     description = "CommonRoad"
 
     def __init__(self, root: Path) -> None:
-        if not any((root / split).is_dir() for split in SPLITS):
-            raise UnusableInput(f"{root} holds no CommonRoad recordings: it needs train/, val/ or test/ with XML files")
+        expect_splits(root, "CommonRoad recordings", "XML files")
         self.root = root
         self._recording = lru_cache(maxsize=1)(_read)  # scenes of one file are read one after the other
 
     def scenes(self, split: str) -> list[str]:
         """`<file>:<number>`, sorted; a file that cannot be read is one scene, which `read` rejects."""
-        return sorted(f"{path.stem}:{n:03d}" for path in (self.root / split).glob("*.xml") for n in range(self._count(path)))
+        files = (self.root / split).glob("[!.]*.xml")
+        return sorted(f"{path.stem}:{n:03d}" for path in files for n in range(self._count(path)))
 
     def read(self, split: str, scene: str) -> RecordedLog:
         """One window with one target as the focal track; raises UnusableInput with a countable reason."""
         name, _, number = scene.rpartition(":")
         path = self.root / split / f"{name}.xml"
-        if not name or Path(name).name != name or not number.isdecimal() or not path.is_file():
+        if not name or Path(name).name != name or not number.isdecimal() or not os.path.lexists(path):
             raise UnusableInput(
                 f"{path.parent} holds no scene {scene!r}: they are called <file>:<number>", reason="no-such-scenario"
             )
         recording, targets = self._recording(path)
+        if not targets:
+            raise UnusableInput(f"{path} has no vehicle that is there at its first step", reason="no-target")
         if int(number) >= len(targets):
             raise UnusableInput(f"{path} gives {len(targets)} scenes: there is no {scene!r}", reason="no-such-scenario")
         return _cut(recording, scene, *targets[int(number)])

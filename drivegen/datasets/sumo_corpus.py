@@ -16,7 +16,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from drivegen.av2.maps import read_map, write_map
-from drivegen.av2.schema import COLUMNS, CONSTANTS, REQUIRED, SIZE_COLUMNS, WORDS
+from drivegen.av2.schema import COLUMNS, READ, REPEATED
 from drivegen.av2.signals import read_signals, write_signals
 from drivegen.av2.tracks import read_log, track_table
 from drivegen.core.errors import UnusableInput
@@ -36,8 +36,6 @@ _MAPS = pa.schema(
     ]
 )
 
-_READ = [*REQUIRED, *SIZE_COLUMNS]
-_REPEATED = [*WORDS, *CONSTANTS]
 _AGAIN = "run the stage `corpus` again"
 
 
@@ -66,7 +64,7 @@ class Plugin:
         tracks, maps = self._shard(path)
         place = f"{path} [{scene}]"
         try:
-            table = tracks.read_row_group(row, columns=_READ, use_threads=False)
+            table = tracks.read_row_group(row, columns=READ, use_threads=False)
             record = maps.slice(row, 1).to_pylist()[0]
         except (pa.ArrowException, OSError, IndexError) as error:
             raise UnusableInput(f"{place} cannot be read: {error}", reason="truncated") from None
@@ -94,7 +92,7 @@ class Plugin:
         if self._open is None or self._open[0] != path:
             maps = _maps_of(path)
             try:
-                self._open = (path, _opened(path, by_groups=True, read_dictionary=_REPEATED), _table(maps))
+                self._open = (path, _opened(path, by_groups=True, read_dictionary=REPEATED), _table(maps))
             except (pa.ArrowException, OSError, ValueError) as error:
                 raise UnusableInput(f"{path} or {maps.name} cannot be read ({error}): {_AGAIN}", reason="truncated") from None
         return self._open[1], self._open[2]

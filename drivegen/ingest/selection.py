@@ -16,7 +16,6 @@ from drivegen.core.crop import Cropper, reach
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap, wrap_angle
 from drivegen.core.recorded_log import NO_TRACK, RecordedLog
-from drivegen.core.roadmap import NO_LANE
 from drivegen.core.scenario import DT, SAFE_ID, Actors, Scenario, Trajectories, Vehicles
 from drivegen.core.settings import Count, Index, Positive, Share
 from drivegen.core.signals import Signals
@@ -172,11 +171,7 @@ def _in_frame_of(log: RecordedLog, chosen: NDArray[np.intp], radius: float | Non
     road_map, lanes = Cropper(road_map).around(position[chosen, 0], within)
     if not len(lanes):
         raise UnusableInput(f"scenario {log.scenario_id}: no lane within {radius:g} m of its vehicles' reach", reason="no-lanes")
-    lane = np.full(len(log.map), NO_LANE, np.int32)
-    lane[lanes] = np.arange(len(lanes), dtype=np.int32)
-    guarded = lane[log.signals.lane]
-    signals = Signals(guarded[guarded != NO_LANE], log.signals.state[guarded != NO_LANE])
-    return replace(log, map=road_map, motion=motion, signals=signals)
+    return replace(log, map=road_map, motion=motion, signals=log.signals.on_lanes(lanes))
 
 
 def _tidy(motion: Trajectories) -> Trajectories:

@@ -9,14 +9,12 @@ from dataclasses import dataclass
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.seeds import derive
-from drivegen.datasets.base import Dataset, id_of
+from drivegen.datasets.base import SPLITS, Dataset, id_of
 from drivegen.ingest.admission import usable_tracks
 from drivegen.ingest.selection import Settings
 
 CORPUS = "sumo_corpus"
 """The data set that is always there: models learn from it where there is too little else."""
-
-SPLITS = ("train", "val", "test")
 
 VAL_SHARE = 20
 """One in so many training recordings is held back for validation where a source's own val split is our test split."""

@@ -42,10 +42,9 @@ def to_plain(road_map: RoadMap) -> PlainNetwork:
     for group in groups:
         edge_name = f"e{int(road_map.lane_id[group[0]])}"
         name.update({lane: (edge_name, index) for index, lane in enumerate(group)})
-        start, end = places.of(group[0])
-        first, last = (_absolute(road_map, group[0])[i] for i in (0, -1))
-        nodes.setdefault(start, first)
-        nodes.setdefault(end, last)
+        (start, end), line = places.of(group[0]), _absolute(road_map, group[0])
+        nodes.setdefault(start, line[0])
+        nodes.setdefault(end, line[-1])
         edges.append(_edge(road_map, edge_name, group, f"n{start}", f"n{end}"))
     links = [Connection(name[a][0], name[b][0], name[a][1], name[b][1]) for a, b in road_map.links.tolist()]
     return PlainNetwork(
@@ -69,6 +68,8 @@ class _Places:
 
     def join(self, chain: list[int]) -> list[list[int]]:
         """Let lanes side by side share their ends, unless some road would then begin where it ends."""
+        if len(chain) == 1:
+            return [chain]
         before = self._parent.copy()
         for a, b in pairwise(chain):
             self._union(2 * a, 2 * b)
@@ -101,9 +102,9 @@ def _chains(road_map: RoadMap) -> list[list[int]]:
         if int(road_map.neighbour[left, _RIGHT]) == lane and legal[left, _RIGHT]:
             left_of[lane] = left
     chains = []
-    seen: set[int] = set()
+    inner, seen = set(left_of.values()), set[int]()
     for lane in range(len(road_map)):
-        if lane in left_of.values() or lane in seen:
+        if lane in inner or lane in seen:
             continue
         chain = [lane]
         while chain[-1] in left_of and left_of[chain[-1]] not in chain:
@@ -125,7 +126,7 @@ def _edge(road_map: RoadMap, name: str, group: list[int], source: str, target: s
 def _absolute(road_map: RoadMap, lane: int) -> list[Point]:
     """The lane's centreline in the source's frame."""
     line: NDArray[np.float64] = road_map.centreline[lane].astype(np.float64) + road_map.origin
-    return [(float(x), float(y)) for x, y in line]
+    return [(x, y) for x, y in line.tolist()]
 
 
 def _width(road_map: RoadMap, lane: int) -> float:

@@ -16,6 +16,7 @@ from drivegen.core.safe_xml import parse, unpack
 from drivegen.maps.argoverse2 import to_network
 from drivegen.maps.build import BuiltMap
 from drivegen.maps.opendrive import read_opendrive
+from drivegen.maps.road_graph import for_cars
 from drivegen.maps.structure import measure
 from drivegen.sumo.netconvert import NetconvertRefused, convert
 from drivegen.sumo.network import Network
@@ -130,10 +131,5 @@ def _busiest(root: Element, nodes: dict[str, Element]) -> str:
     lanes: dict[str, int] = defaultdict(int)
     for edge in root.iter("edge"):
         if edge.get("function") is None and edge.get("to") in nodes:
-            lanes[edge.get("to", "")] += sum(_for_cars(lane) for lane in edge.iter("lane"))
+            lanes[edge.get("to", "")] += sum(for_cars(lane) for lane in edge.iter("lane"))
     return min(lanes, key=lambda name: (-lanes[name], name), default="")
-
-
-def _for_cars(lane: Element) -> bool:
-    allow = lane.get("allow")
-    return "passenger" in allow.split() if allow is not None else "passenger" not in lane.get("disallow", "").split()

@@ -19,11 +19,11 @@ def refine_map(folder: Path, text: str, edit: Callable[[MapSpec, str], MapSpec])
     file = folder / ACCOUNT
     try:
         account = safe_json.parse(file.read_bytes(), file)
-        spec = MapSpec.model_validate(account["spec"])
+        spec, history = MapSpec.model_validate(account["spec"]), [*account.get("history", [])]
     except FileNotFoundError:
         raise UnusableInput(f"{file} is not there: make the map first", reason="no-map") from None
     except (KeyError, TypeError, ValidationError):
         raise UnusableInput(f"{file} holds no map specification: imported maps cannot be refined", reason="no-map") from None
     done = {"edit": text, "before": account["spec"]}
     kept = {name: account[name] for name in ("text", "seed", "backend", "understood", "assumed", "ignored") if name in account}
-    return build_spec(edit(spec, text), {**kept, "history": [*account.get("history", []), done]})
+    return build_spec(edit(spec, text), {**kept, "history": [*history, done]})

@@ -31,10 +31,15 @@ class Edge:
 
 def read_graph(root: Element, place: str) -> "RoadGraph":
     """The graph of a network's parsed XML; raises UnusableInput where it has no edge for cars, or a number that is none."""
-    try:
-        edges = {edge.id: edge for element in root.iter("edge") if (edge := _edge(element)) is not None}
-    except ValueError as error:
-        raise UnusableInput(f"{place}: a lane has a number that is none: {error}", reason="bad-map") from None
+    edges: dict[str, Edge] = {}
+    for element in root.iter("edge"):
+        try:
+            edge = _edge(element)
+        except ValueError:
+            name = element.get("id", "")[:40]
+            raise UnusableInput(f"{place}: edge {name!r} has no finite shape, speed and length", reason="bad-map") from None
+        if edge is not None:
+            edges[edge.id] = edge
     if not edges:
         raise UnusableInput(f"{place} has no road that a car may use", reason="no-lanes")
     return RoadGraph(root, edges)
@@ -43,17 +48,18 @@ def read_graph(root: Element, place: str) -> "RoadGraph":
 def _edge(element: Element) -> Edge | None:
     if element.get("function") or element.get("from") is None or element.get("to") is None:
         return None
-    lanes = [lane for lane in element.iter("lane") if _for_cars(lane)]
+    lanes = [lane for lane in element.iter("lane") if for_cars(lane)]
     if not lanes:
         return None
     shape = tuple(_points(lanes[len(lanes) // 2].get("shape", "")))
     speed, length = (float(lanes[0].get(name, "0")) for name in ("speed", "length"))
     if not shape or not all(map(math.isfinite, (speed, length, *(value for point in shape for value in point)))):
-        raise ValueError(f"edge {element.get('id', '')[:40]!r} has no finite shape, speed and length")
+        raise ValueError
     return Edge(element.get("id", ""), element.get("from", ""), element.get("to", ""), len(lanes), speed, length, shape)
 
 
-def _for_cars(lane: Element) -> bool:
+def for_cars(lane: Element) -> bool:
+    """Whether passenger cars may use a lane."""
     allow, disallow = lane.get("allow"), lane.get("disallow", "").split()
     if allow is not None:
         return "passenger" in allow.split() or "all" in allow.split()

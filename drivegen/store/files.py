@@ -118,10 +118,15 @@ def _in_utf8(value: Any) -> Any:
     return value.encode("utf-8", "replace").decode() if isinstance(value, str) else value
 
 
+def write_bytes(path: Path, raw: bytes) -> None:
+    """A file of these bytes."""
+    with whole(path) as temporary:
+        temporary.write_bytes(raw)
+
+
 def write_json(path: Path, value: Any) -> None:
     """A file of `as_json`."""
-    with whole(path) as temporary:
-        temporary.write_bytes(as_json(value))
+    write_bytes(path, as_json(value))
 
 
 def write_table(path: Path, table: pa.Table) -> None:

@@ -1,5 +1,6 @@
 """A folder of results is written whole or not at all, as `files` does for one file."""
 
+import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +17,7 @@ def whole_folder(path: Path) -> Iterator[Path]:
     What runs that were killed have left of it is removed, too. Raises UnusableInput where `path` is there and is no empty
     folder: nothing that lies there is replaced or mixed with.
     """
-    path = path.resolve()
+    path = Path(os.path.realpath(path))  # as resolve(), which raises where links lead in a circle
     if path.exists() and not path.is_dir():
         raise UnusableInput(f"{path} is there and no folder: name another one", reason="not-empty")
     if path.is_dir() and any(path.iterdir()):

@@ -1,5 +1,6 @@
 """The lanes, crossings and junction surfaces of a SUMO network file, and which lanes lie side by side."""
 
+from collections import Counter
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
@@ -19,6 +20,9 @@ _ROAD_CLASSES = ("truck", "trailer", "delivery", "motorcycle", "moped", "private
 _PUBLIC_CLASSES = ("bus", "coach", "taxi")
 _FARTHEST = 1e8
 """Coordinates beyond this [m] are no place on earth."""
+
+_LARGEST = 1e6
+"""A network is no larger [m]: float32 would lose the centimetres, and pictures their lanes."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +87,9 @@ def read_lanes(root: Element, place: str) -> NetLanes:
     if not usable:
         raise UnusableInput(f"{place}: the network has no lane for vehicles or bicycles", reason="no-lanes")
     names, edges, kinds, elements, internal = zip(*usable, strict=True)
-    return NetLanes(
+    if twice := [name for name, times in Counter(names).items() if times > 1]:
+        raise UnusableInput(f"{place} has two lanes of the id {twice[0]!r}: rename one of them", reason="bad-map")
+    lanes = NetLanes(
         names=names,
         number={name: i for i, name in enumerate(names)},
         dropped=frozenset(dropped),
@@ -101,6 +107,10 @@ def read_lanes(root: Element, place: str) -> NetLanes:
         crossings=crossings,
         lefthand=root.get("lefthand") in ("true", "1"),
     )
+    if (lanes.high - lanes.low).max() > _LARGEST:
+        said = f"{place} is more than {_LARGEST / 1000:.0f} km across: repair it, or cut a window out of it"
+        raise UnusableInput(f"{said} with `drivegen map import --around X,Y`", reason="too-large")
+    return lanes
 
 
 def whole_number(element: Element, attribute: str, place: str) -> int:

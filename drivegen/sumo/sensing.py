@@ -38,7 +38,7 @@ def sensed(scenario: Scenario, observer: str, settings: SensingSettings, random:
     if scenario.log is None:
         return scenario
     count = len(scenario.vehicles)
-    motion = _joined(scenario.log, scenario.context.motion)
+    motion = Trajectories.joined([scenario.log, scenario.context.motion])
     if settings.occlusion:
         names = scenario.vehicles.track_id.tolist()
         eye = names.index(observer) if observer in names else 0
@@ -59,12 +59,6 @@ def sensed(scenario: Scenario, observer: str, settings: SensingSettings, random:
         speed=log.speed[each, start],
     )
     return replace(scenario, vehicles=vehicles, log=log, context=context)
-
-
-def _joined(a: Trajectories, b: Trajectories) -> Trajectories:
-    pairs = ((a.position, b.position), (a.heading, b.heading), (a.velocity, b.velocity))
-    position, heading, velocity = (np.concatenate(pair) for pair in pairs)
-    return Trajectories(position, heading, velocity, np.concatenate([a.valid, b.valid]))
 
 
 def _noisy(motion: Trajectories, settings: SensingSettings, random: np.random.Generator) -> Trajectories:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.geometry import Polylines
+from drivegen.core.geometry import Polylines, distinct
 
 Points = NDArray[np.float64]
 
@@ -16,8 +16,7 @@ _TESTED = (0.1, 0.5, 0.9)
 
 def cleaned(line: Points, heading: float) -> Points:
     """The polyline without repeated points; one that is a single point becomes 5 cm along `heading`."""
-    moves = np.hypot(*np.diff(line, axis=0).T) > 1e-3
-    points: Points = line[np.concatenate([[True], moves])]
+    points: Points = distinct(line).astype(np.float64)
     if len(points) == 1:
         points = np.stack([points[0], points[0] + 0.05 * np.array([np.cos(heading), np.sin(heading)])])
     return points

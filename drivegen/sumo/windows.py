@@ -77,7 +77,7 @@ def cut_windows(
     """
     motion = recording.traffic.motion
     for first in range(0, motion.steps - settings.steps + 1, settings.steps):
-        window = _slice(motion, first, settings.steps)
+        window = motion.between(first, first + settings.steps)
         clashes = overlapping_pairs(window, recording.traffic.size)
         broken = thrown(window)
         fit, chosen = _focal_vehicles(window, recording.traffic.kind, settings, random)
@@ -88,12 +88,6 @@ def cut_windows(
                 scenario_id = f"{name}-{first:05d}-{recording.traffic.track_id[focal]}"
                 scenario = _scenario(recording, window, (first, focal), visible, settings, scenario_id)
                 yield first // settings.steps, replace(scenario, per_hour=per_hour)
-
-
-def _slice(motion: Trajectories, first: int, steps: int) -> Trajectories:
-    last = first + steps
-    parts = (motion.position[:, first:last], motion.heading[:, first:last], motion.velocity[:, first:last])
-    return Trajectories(*parts, motion.valid[:, first:last])
 
 
 def _focal_vehicles(
@@ -126,8 +120,7 @@ def _seen(
     shown = np.asarray(visible.any(-1))
     if shown[clashes].all(-1).any() or (shown & broken).any():
         return None
-    rows = np.flatnonzero(shown)
-    moving = moves(Trajectories(window.position[rows], window.heading[rows], window.velocity[rows], visible[rows]))
+    moving = moves(replace(window[shown], valid=visible[shown]))
     return visible if moving.mean() >= settings.moving_share else None
 
 

@@ -132,6 +132,8 @@ def broken() -> dict[str, bytes]:
         "coordinates are null": orjson.dumps(official(left_lane_boundary=[{"x": None, "y": 0.0}] * 2)),
         "boundary of one point": orjson.dumps(official(left_lane_boundary=[{"x": 1.0, "y": 2.0}])),
         "boundary of no points": orjson.dumps(official(left_lane_boundary=[])),
+        "boundary of one place": orjson.dumps(official(left_lane_boundary=[{"x": 1.0, "y": 2.0}] * 3)),
+        "point at the end of the world": orjson.dumps(official(left_lane_boundary=[{"x": 1.0, "y": 2.0}, {"x": 1e30, "y": 2.0}])),
         "two lanes of one id": orjson.dumps(official(id=2)),
         "id is a word": orjson.dumps(official(id="one")),
         "id beyond 64 bits": orjson.dumps(official()).replace(b'"id":1,', b'"id":18446744073709551615,'),
@@ -148,6 +150,27 @@ def test_a_broken_map_is_refused_with_one_sentence_that_names_the_file(what: str
         read_map(broken()[what], "log_map.json")
     assert caught.value.reason == "bad-map"
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("change", [{"lane_type": "TRAM"}, {"id": "one"}, {"left_lane_boundary": [{"x": 1.0, "y": 2.0}]}])
+def test_the_lane_at_fault_is_named(change: dict[str, object]) -> None:
+    tree = official()
+    tree["lane_segments"]["3"] |= change
+    with pytest.raises(UnusableInput, match="lane 3"):
+        read_map(orjson.dumps(tree), "log_map.json")
+
+
+def test_repeated_points_are_dropped_so_that_every_lane_leads_where_it_leads() -> None:
+    tree, plain = official(), read_map(orjson.dumps(official()), "log_map.json")
+    for lane in tree["lane_segments"].values():
+        for side in ("left_lane_boundary", "right_lane_boundary"):
+            lane[side] = [point for point in lane[side] for _ in range(3)]
+        lane["centerline"] = [{"x": x, "y": 0.0} for x in (1000.0, 1000.0, 1020.0, 1020.0)]
+    found = read_map(orjson.dumps(tree), "log_map.json")
+    assert [len(found.centreline[i]) for i in range(3)] == [2, 2, 2]
+    for side in ("left", "right"):
+        np.testing.assert_array_equal(getattr(found, side).start, getattr(plain, side).start)
+        np.testing.assert_array_equal(getattr(found, side).points + found.origin, getattr(plain, side).points + plain.origin)
 
 
 def test_a_map_without_lanes_has_a_reason_of_its_own() -> None:

@@ -15,10 +15,10 @@ from drivegen.av2.export import export_scenario
 from drivegen.av2.folder import read_folder, read_table
 from drivegen.av2.schema import COLUMNS, OBSERVED_STEPS, TrackCategory
 from drivegen.av2.signals import read_signals
-from drivegen.av2.tracks import FARTHEST, read_log, track_table
+from drivegen.av2.tracks import read_log, track_table
 from drivegen.core import safe_parquet
 from drivegen.core.errors import UnusableInput
-from drivegen.core.recorded_log import NO_TRACK
+from drivegen.core.recorded_log import FARTHEST, NO_TRACK
 from drivegen.core.scenario import Scenario, VehicleKind
 from tests.refusals import assert_one_sentence
 from tests.scenes import any_scenario, busy_crossing

@@ -152,6 +152,16 @@ def test_what_is_no_network_is_refused_with_the_way_in(tmp_path, monkeypatch, ca
     assert "not <net>: bring other formats in with `drivegen map import`" in said
 
 
+def test_links_that_lead_in_a_circle_and_a_history_that_is_none_are_refused(folder, tmp_path, monkeypatch, capsys):
+    circle = tmp_path / "circle.net.xml"
+    circle.symlink_to(circle.name)
+    assert "is not there" in refused(monkeypatch, capsys, "export", str(circle), "--to", "sumo", "--out", str(tmp_path / "o"))
+    assert "no plain file" in refused(monkeypatch, capsys, "export", str(folder), "--to", "sumo", "--out", str(circle))
+    account = json.loads(files(folder)["map.json"])
+    (tmp_path / "map.json").write_text(json.dumps(account | {"history": 5}))
+    assert "holds no map specification" in refused(monkeypatch, capsys, "refine", str(tmp_path), "add a lane")
+
+
 def test_what_netconvert_refuses_names_the_file(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "empty.osm").write_text("<osm></osm>")

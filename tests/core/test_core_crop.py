@@ -1,9 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.core.crop import Cropper, take_lanes
-from drivegen.core.geometry import resample
+from drivegen.core.geometry import Polylines, resample
 from tests.scenes import crossing, straight_road
 
 ROADS = crossing(whole=True)
@@ -48,6 +50,15 @@ def test_neighbours_that_are_cut_off_are_no_neighbours():
     cut = take_lanes(roads, np.array([0, 1]))
     assert cut.neighbour.tolist() == [[1, -1], [-1, 0]]
     assert cut.may_change.tolist() == [[True, False], [False, True]]
+
+
+def test_an_area_is_near_also_where_only_the_edge_that_closes_it_is():
+    roads = straight_road(1000, 1)
+    area = np.array([[0.0, 100.0], [0.0, 900.0], [1000.0, 900.0], [1000.0, 100.0]])  # closes 100 m beside the road
+    roads = replace(roads, drivable=Polylines.of([area]), crossings=Polylines.of([area]))
+    cut, _ = Cropper(roads).around(np.array([[500.0, 0.0]]), 110.0)
+    assert len(cut.drivable) == len(cut.crossings) == 1
+    assert not len(Cropper(roads).around(np.array([[500.0, 0.0]]), 90.0)[0].drivable)
 
 
 def test_a_path_keeps_what_lies_along_it_and_nothing_is_near_a_far_place():

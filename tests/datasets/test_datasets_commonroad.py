@@ -18,7 +18,7 @@ from drivegen.datasets import commonroad
 from drivegen.datasets._targets import LEAST_NEW, LONG, NEIGHBOURHOOD, spread_targets
 from drivegen.ingest.selection import Settings, select
 from drivegen.ingest.splits import SPLITS, Plan, items
-from tests.commonroad_files import ROAD, car, xml
+from tests.commonroad_files import ROAD, car, obstacle, state, xml
 from tests.futures import otherwise
 
 REAL = Path(os.environ.get("DRIVEGEN_REAL_DATA", Path(__file__).parents[2].parent / "shared" / "data")) / "commonroad"
@@ -224,3 +224,21 @@ def test_no_car_is_in_two_splits() -> None:
             for row in sliding_window_view(speed, 20):
                 if np.ptp(row) > 1.0:
                     assert seen.setdefault(row.tobytes(), split) == split
+
+
+def test_what_is_no_file_or_shows_nobody_at_first_is_one_scene_with_its_reason_and_hidden_files_are_none(tmp_path: Path) -> None:
+    folder = tmp_path / "train"
+    (folder / "a.xml").mkdir(parents=True)
+    (folder / "b.xml").symlink_to("nowhere")
+    late = obstacle(5, [state(t, 1.0 + t, 0.0) for t in range(40, 90)])
+    (folder / "c.xml").write_bytes(xml([*ROAD, late]))
+    (folder / "._c.xml").write_bytes(b"of another system")
+    data = commonroad.Plugin(tmp_path)
+    assert data.scenes("train") == ["a:000", "b:000", "c:000"]
+    for scene, sentence in (
+        ("a:000", "a.xml cannot be read"),
+        ("b:000", "b.xml cannot be read"),
+        ("c:000", "no vehicle that is there"),
+    ):
+        with pytest.raises(UnusableInput, match=sentence):
+            data.read("train", scene)

@@ -23,7 +23,7 @@ def test_a_network_with_numbers_that_are_none_is_refused_in_a_sentence(nasty):
     edge = NETWORK[at : NETWORK.index(b"</edge>", at)]
     broken = NETWORK.replace(edge, re.sub(nasty.split(b"=")[0] + b'="[^"]*"', nasty, edge))
     assert broken != NETWORK
-    with pytest.raises(UnusableInput, match=r"map\.net\.xml: a lane has a number that is none"):
+    with pytest.raises(UnusableInput, match=r"map\.net\.xml: edge 'a0_in' has no finite shape"):
         measure(parse(broken, "map.net.xml"), "map.net.xml")
 
 

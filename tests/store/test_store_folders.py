@@ -40,6 +40,14 @@ def test_nothing_is_left_of_a_failure(tmp_path: Path, fault: type[BaseException]
     assert not list(tmp_path.iterdir())
 
 
+def test_a_link_that_leads_in_a_circle_is_left_alone(tmp_path: Path):
+    circle = tmp_path / "circle"
+    circle.symlink_to(circle.name)
+    with pytest.raises(OSError), whole_folder(circle) as folder:
+        (folder / "a").touch()
+    assert [one.name for one in tmp_path.iterdir()] == ["circle"]
+
+
 def test_what_is_there_is_neither_replaced_nor_mixed_with(tmp_path: Path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "mine").write_text("mine")

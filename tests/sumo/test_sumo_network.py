@@ -1,6 +1,7 @@
 import gzip
 import importlib.util
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -138,7 +139,9 @@ def test_a_lane_of_no_length_points_where_the_lane_before_it_ends():
         (gzip.compress(RAW, mtime=0)[:400], "truncated"),
         (RAW.replace(b'shape="110,98.4 200,98.4"', b'shape="110,nan 200,98.4"'), "bad-map"),
         (RAW.replace(b'shape="110,98.4 200,98.4"', b'shape="110,98.4"'), "bad-map"),
+        (RAW.replace(b'shape="110,98.4 200,98.4"', b'shape="110,98.4 9e7,98.4"'), "too-large"),
         (RAW.replace(b'speed="13.89"', b'speed="-1"'), "bad-map"),
+        (re.sub(rb' id="[^"]*"', b"", RAW), "bad-map"),
         (RAW.replace(b'linkIndex="0"', b'linkIndex="x"'), "bad-map"),
         (RAW.replace(b'via=":c_0_0" tl', b"tl"), "no-internal-lanes"),
         (RAW.replace(b'duration="30"', b'duration="inf"'), "bad-map"),
