@@ -42,7 +42,12 @@ def read_graph(root: Element, place: str) -> "RoadGraph":
             edges[edge.id] = edge
     if not edges:
         raise UnusableInput(f"{place} has no road that a car may use", reason="no-lanes")
-    return RoadGraph(root, edges)
+    try:
+        lanes = (lane for edge in root.iter("edge") if edge.get("function") == "internal" for lane in edge.iter("lane"))
+        within = {lane.get("id", ""): float(lane.get("length", "0")) for lane in lanes}
+    except ValueError as error:
+        raise UnusableInput(f"{place}: a lane within a junction has no length: {error}", reason="bad-map") from None
+    return RoadGraph(root, edges, within)
 
 
 def _edge(element: Element) -> Edge | None:
@@ -73,9 +78,9 @@ def _points(text: str) -> Iterable[Point]:
 
 
 class RoadGraph:
-    """Edges with the ways on from each, U-turns left out."""
+    """Edges with the ways on from each, U-turns left out; `within` are lengths of lanes within junctions by their ids [m]."""
 
-    def __init__(self, root: Element, edges: dict[str, Edge]) -> None:
+    def __init__(self, root: Element, edges: dict[str, Edge], within: dict[str, float]) -> None:
         self.edges = edges
         self.lit = {j.get("id", "") for j in root.iter("junction") if "traffic_light" in j.get("type", "")}
         self.left_hand = root.get("lefthand", "false") in ("true", "1")
@@ -86,11 +91,13 @@ class RoadGraph:
             self.leaving[edge.source].append(edge.id)
             self.entering[edge.target].append(edge.id)
         self.on, self.back = defaultdict(set), defaultdict(set)  # type: defaultdict[str, set[str]], defaultdict[str, set[str]]
+        self.across: dict[tuple[str, str], float] = {}
         for link in root.iter("connection"):
             a, b = link.get("from", ""), link.get("to", "")
             if a in edges and b in edges and not self.opposite(a, b):
                 self.on[a].add(b)
                 self.back[b].add(a)
+                self.across[a, b] = within.get(link.get("via", ""), 0.0)
 
     def opposite(self, a: str, b: str) -> bool:
         """Whether one edge leads back where the other comes from."""
@@ -110,7 +117,10 @@ class RoadGraph:
         return [e for e in self.edges if (into and e not in reached) or (out and e not in leads)]
 
     def longest_way(self) -> float:
-        """The longest of the shortest ways from each way in to each way out; without such ends, the longest edge."""
+        """The longest of the shortest ways from each way in to each way out; without such ends, the longest edge.
+
+        What lies within a junction counts where a road only goes on there.
+        """
         into, out = self._ends()
         best = max(edge.length for edge in self.edges.values())
         for start in into:
@@ -119,7 +129,8 @@ class RoadGraph:
             while queue:
                 here, edge = heapq.heappop(queue)
                 for following in self.on[edge] if here == cost[edge] else ():
-                    there = here + self.edges[following].length
+                    goes_on = len(self.on[edge]) == len(self.back[following]) == 1
+                    there = here + self.edges[following].length + self.across[edge, following] * goes_on
                     if there < cost.get(following, math.inf):
                         cost[following] = there
                         heapq.heappush(queue, (there, following))

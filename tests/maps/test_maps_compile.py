@@ -195,6 +195,22 @@ def test_one_can_drive_into_a_lane_that_opens_at_the_limit(
     assert judged.worst[:, OFF_ROAD].max() < LIMITS.off_road
 
 
+@pytest.mark.parametrize("left_hand", [False, True], ids=["right-hand", "left-hand"])
+@pytest.mark.parametrize("bend", [{}, {"shape": "curve", "angle": 40, "radius": 200}], ids=["straight", "in-a-bend"])
+def test_one_can_drive_into_a_turn_lane_at_the_limit(bend: dict[str, Any], left_hand: bool) -> None:
+    junction = {"position": 300, "left_turn_lanes": 1, "right_turn_lanes": 1}
+    road = {"kind": "corridor", "alignment": {"length": 500, **bend}, "junctions": [junction]}
+    network = Network.read(compile_map(MapSpec.model_validate({"road": road, "left_hand": left_hand})), "turn lanes")
+    roads, edge = network.map, [name.rpartition("_")[0] for name in network.lane_names]
+    links = roads.links.tolist()
+    ways = [(a, b, d) for a, b in links if edge[a] == "m0" for c, d in links if c == b and edge[d] == "m0_e"]
+    assert len(ways) == 3
+    tracks = stack([drive(joined(roads, *way), 125.0, 50 / 3.6, 101) for way in ways])
+    judged = SceneChecker(scenario(roads, tracks), LIMITS).alone(np.arange(3), tracks)
+    assert judged.worst[:, LATERAL_ACCELERATION].max() < LIMITS.lateral_acceleration
+    assert judged.worst[:, OFF_ROAD].max() < LIMITS.off_road
+
+
 def test_turn_lanes_in_a_row_open_ahead_of_each_crossing_and_lead_only_into_side_roads() -> None:
     network = ElementTree.fromstring(compile_map(MapSpec.model_validate({"road": ROADS["turn_lanes_in_a_row"]})))
     pockets = {e.get("id", ""): e.findall("lane") for e in network.iter("edge") if len(e.findall("lane")) == 3}

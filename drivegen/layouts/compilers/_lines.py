@@ -11,6 +11,10 @@ from drivegen.sumo.plain import Point
 
 Line = NDArray[np.float64]
 
+Ends = tuple[float, float]
+"""A value at the beginning and at the end of a way."""
+
+_SWERVE = 12  # points
 _BEND_STEP = np.radians(4.0)
 _SHORTEST_ARC = 0.1
 
@@ -80,11 +84,24 @@ def part(line: Line, start: float, end: float, left: float = 0.0) -> Line:
     return beside(line, along, np.full(len(along), left))
 
 
-def strip(line: Line, at: float, half: float, left: float, right: float) -> tuple[Point, ...]:
+def strip(line: Line, at: float, half: float, left: Ends, right: Ends) -> tuple[Point, ...]:
     """The outline of a strip across the polyline, from `half` [m] before `at` to `half` behind it, between two offsets."""
-    there = np.linspace(at - half, at + half, 12)
-    outline = beside(line, np.concatenate([there, there[::-1]]), np.repeat([left, right], len(there)))
+    there = np.linspace(at - half, at + half, _SWERVE)
+    outline = beside(line, np.concatenate([there, there[::-1]]), np.concatenate([_eased(left), _eased(right)[::-1]]))
     return points(outline)
+
+
+def swerve(line: Line, at: float, half: float, left: Ends) -> tuple[Point, ...]:
+    """The way over such a strip from one offset to another."""
+    along = at + half * (2 * np.linspace(0.0, 1.0, _SWERVE) - 1)
+    return points(beside(line, along, _eased(left)))
+
+
+def _eased(ends: Ends) -> Line:
+    """From one value to another, neither beginning nor ending abruptly."""
+    share = np.linspace(0.0, 1.0, _SWERVE)
+    between: Line = ends[0] + (ends[1] - ends[0]) * share**2 * (3 - 2 * share)
+    return between
 
 
 def points(line: Floats) -> tuple[Point, ...]:

@@ -7,7 +7,7 @@ import numpy as np
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import arc_length, resample, rotate
 from drivegen.layouts.compilers import _lines as lines
-from drivegen.layouts.compilers.crossings import MAIN, MINOR, NODE_TYPES, add_arm, assign_lanes, open_pockets
+from drivegen.layouts.compilers.crossings import HALF_OPENING, MAIN, MINOR, NODE_TYPES, Opening, add_arm, assign_lanes
 from drivegen.layouts.compilers.roundabouts import add_ring
 from drivegen.layouts.crossings import NO_TURN_LANES, RING_LANE, Arm, Crossing, TurnLanes
 from drivegen.layouts.streets import Corridor, Junction
@@ -18,9 +18,13 @@ _APART = 0.5
 _STEP, _WIDTH, _NEAR_JUNCTION = 4.0, 15.0, 30.0  # [m]
 _RING_SPEED = 30 / 3.6
 _TAPER = 30.0
+_HALF_SHARE = 0.22  # of the way between turn lanes, for half an opening at either of its ends
 _TURNING_RADIUS = 9.0
 _TURNING_PLACE = 2.6 * _TURNING_RADIUS
 _TURNING_SPEED = 15 / 3.6
+
+
+Pair = tuple[str, str]
 
 
 class Place(NamedTuple):
@@ -82,12 +86,15 @@ def _stretch(plain: PlainNetwork, spec: Corridor, line: lines.Line, number: int,
     name, ways = f"m{number}", len(spec.junctions)
     there = spec.turn_lanes(number) if number < ways else NO_TURN_LANES
     back = spec.turn_lanes(number - 1, back=True) if number else NO_TURN_LANES
+    half = min(HALF_OPENING, _HALF_SHARE * (b.along - a.along - back.length - there.length))
     parts = [(name, a, b)]
     if back.left + back.right:
-        cut = _cut(plain, f"{name}_wp", line, a.along + back.length)
+        cut = _place(f"{name}_wp", line, a.along + back.length + half)
+        _open(plain, spec, line, cut, half, back, (f"-{name}", f"-{name}_w"), (f"{name}_w", name))
         parts = [(f"{name}_w", a, cut), (name, cut, b)]
     if there.left + there.right:
-        cut = _cut(plain, f"{name}_ep", line, b.along - there.length)
+        cut = _place(f"{name}_ep", line, b.along - there.length - half)
+        _open(plain, spec, line, cut, half, there, (name, f"{name}_e"), (f"-{name}_e", f"-{name}"))
         parts = [*parts[:-1], (name, parts[-1][1], cut), (f"{name}_e", cut, b)]
     for part, source, target in parts:
         more = there if part == f"{name}_e" else NO_TURN_LANES
@@ -98,14 +105,24 @@ def _stretch(plain: PlainNetwork, spec: Corridor, line: lines.Line, number: int,
             lanes = spec.lanes_back + more.left + more.right
             away = _shape(spec, line, target, source, more, back=True)
             plain.edges.append(Edge(f"-{part}", target.node, source.node, lanes, spec.speed, MAIN, away))
-    open_pockets(plain, name, f"{name}_e", spec.lanes, there.left, there.right)
-    open_pockets(plain, f"-{name}", f"-{name}_w", spec.lanes_back, back.left, back.right)
 
 
-def _cut(plain: PlainNetwork, name: str, line: lines.Line, along: float) -> Place:
-    place = _place(name, line, along)
-    plain.nodes.append(Node(name, *place.at))
-    return place
+def _open(
+    plain: PlainNetwork, spec: Corridor, line: lines.Line, cut: Place, half: float, more: TurnLanes, way: Pair, other: Pair
+) -> None:
+    """Draw the node where turn lanes open from one edge of a `way` to the next, and the lanes of the `other` way over it."""
+    back = way[0].startswith("-")
+    ahead, behind = (line[::-1], line) if back else (line, line[::-1])
+    lanes, others = (spec.lanes_back, spec.lanes) if back else (spec.lanes, spec.lanes_back)
+    edge, far = -spec.lane_width * _most_left(spec, back), -spec.lane_width * _most_left(spec, not back)
+    at = lines.length(line) - cut.along if back else cut.along
+    beyond = spec.lane_width * others - far if others else edge
+    opening = Opening(ahead, at, half, lanes, spec.lane_width, edge, beyond, more)
+    plain.nodes.append(opening.node(cut.node))
+    plain.connections += opening.connections(*way)
+    if others:
+        over = Opening(behind, lines.length(line) - at, half, others, spec.lane_width, far, far, NO_TURN_LANES)
+        plain.connections += over.connections(*other)
 
 
 def _place(node: str, line: lines.Line, along: float) -> Place:
@@ -135,7 +152,7 @@ def _edge_marks(spec: Corridor, source: Place, target: Place, more: TurnLanes, b
     the road, so that nobody swerves; only ahead of a ring and of a turning place they come back to the middle, and behind
     them they leave it.
     """
-    most = max((spec.turn_lanes(i, back).left for i in range(len(spec.junctions))), default=0)
+    most = _most_left(spec, back)
     if not most:
         return ()
     start, end = source.along, target.along
@@ -144,6 +161,11 @@ def _edge_marks(spec: Corridor, source: Place, target: Place, more: TurnLanes, b
     first = [(start, 0.0), (start + taper, clear)] if _is_narrow(spec, source) else [(start, clear)]
     last = [(end - taper, clear), (end, 0.0)] if _is_narrow(spec, target) else [(end, clear)]
     return (*first, *last)
+
+
+def _most_left(spec: Corridor, back: bool) -> int:
+    """Left-turn lanes of one direction where it has most of them."""
+    return max((spec.turn_lanes(i, back).left for i in range(len(spec.junctions))), default=0)
 
 
 def _is_narrow(spec: Corridor, place: Place) -> bool:

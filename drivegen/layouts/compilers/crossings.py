@@ -1,6 +1,7 @@
 """Crossings of three to eight roads, with pocket lanes for turns, and the arms that roundabouts share with them."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +21,47 @@ NODE_TYPES: dict[Control, str] = {
 
 MAIN, MINOR = 3, 1
 """Edge priorities of main and side roads."""
+
+HALF_OPENING = 15.0
+"""Turn lanes open over twice this [m] before they have their full width, if there is room."""
+
+
+class Opening(NamedTuple):
+    """Where turn lanes open ahead of a crossing.
+
+    Attributes:
+        line: of the road, the way one drives. at: the middle of the opening along it [m]. half: of its length [m].
+        lanes, width: of the road before it. edge: how far the left edge of these lanes lies to the left of the line [m].
+        beyond: the same of the far edge of the lanes the other way; `edge` where there are none.
+        more: the turn lanes.
+    """
+
+    line: lines.Line
+    at: float
+    half: float
+    lanes: int
+    width: float
+    edge: float
+    beyond: float
+    more: TurnLanes
+
+    def node(self, name: str) -> Node:
+        """The node that it lies in."""
+        left, right, _ = self.more
+        x, y = lines.points(lines.beside(self.line, np.array([self.at]), np.zeros(1)))[0]
+        far, near = self.beyond, self.edge - self.width * self.lanes
+        sides = (far, max(far, self.edge + self.width * left)), (near, near - self.width * right)
+        return Node(name, x, y, shape=lines.strip(self.line, self.at, self.half, *sides))
+
+    def connections(self, before: str, after: str) -> list[Connection]:
+        """Lanes of edge `before` lead into those of edge `after`, the outermost also into the turn lanes beside them."""
+        left, right, _ = self.more
+        ways = [(lane, lane + right) for lane in range(self.lanes)]
+        ways += [(self.lanes - 1, self.lanes + right + i) for i in range(left)] + [(0, i) for i in range(right)]
+        outer = self.edge - self.width * (self.lanes - 0.5)  # the middle of lane 0
+        ends = [(outer + self.width * a, outer + self.width * (b - right)) for a, b in ways]
+        shapes = [lines.swerve(self.line, self.at, self.half, end) for end in ends]
+        return [Connection(before, after, a, b, shape) for (a, b), shape in zip(ways, shapes, strict=True)]
 
 
 def compile_crossing(spec: Crossing, plain: PlainNetwork) -> None:
@@ -48,28 +90,21 @@ def add_arm(
         if arm.lanes_in:
             plain.edges.append(Edge(f"{name}_in", name, node, arm.lanes_in, arm.speed, priority))
         return f"{name}_in" if arm.lanes_in else None
-    middle = start + length * direction
-    plain.nodes.append(Node(f"{name}_p", float(middle[0]), float(middle[1])))
+    line, half = np.stack([far, start]), min(HALF_OPENING, (arm.length - length) / 4)
+    # The through lanes keep clear of the middle, so that left pockets open there and nobody swerves.
+    edge, beyond = -width * left, width * arm.lanes_out if arm.lanes_out else -width * left
+    opening = Opening(line, arm.length - length - half, half, arm.lanes_in, width, edge, beyond, pockets)
+    plain.nodes.append(opening.node(f"{name}_p"))
     if arm.lanes_out:
         plain.edges.append(Edge(f"{name}_out", node, f"{name}_p", arm.lanes_out, arm.speed, priority))
         plain.edges.append(Edge(f"{name}_away", f"{name}_p", name, arm.lanes_out, arm.speed, priority))
-    # The through lanes keep clear of the middle, so that left pockets open there and nobody swerves.
-    approach = lines.part(np.stack([far, middle]), 0.0, float(np.linalg.norm(far - middle)), -width * left)
+    approach = lines.part(line, 0.0, opening.at, edge)
     plain.edges += [
         Edge(f"{name}_in", name, f"{name}_p", arm.lanes_in, arm.speed, priority, lines.points(approach)),
         Edge(f"{name}_pocket", f"{name}_p", node, arm.lanes_in + left + right, arm.speed, priority),
     ]
-    open_pockets(plain, f"{name}_in", f"{name}_pocket", arm.lanes_in, left, right)
+    plain.connections += opening.connections(f"{name}_in", f"{name}_pocket")
     return f"{name}_pocket"
-
-
-def open_pockets(plain: PlainNetwork, before: str, after: str, lanes: int, left: int, right: int) -> None:
-    """Connect edge `before` of so many lanes with `after`, which has `left` and `right` turn lanes more beside them, if any."""
-    if not left + right:
-        return
-    ways = [(lane, lane + right) for lane in range(lanes)]
-    ways += [(lanes - 1, lanes + right + i) for i in range(left)] + [(0, i) for i in range(right)]
-    plain.connections += [Connection(before, after, a, b) for a, b in ways]
 
 
 def assign_lanes(plain: PlainNetwork, crossing: Crossing, here: int, edge: str, exits: Sequence[str]) -> None:

@@ -20,7 +20,6 @@ _HALF_CUT = 2.0
 _HALF_TAPER = 1.1
 """Lanes open over twice this time [s] at the speed of the road: one changes lanes in it with about 4 m/s2 sideways."""
 
-_POINTS = 12
 _FORK_RADIUS = 150.0
 
 
@@ -212,13 +211,11 @@ def _connect(
 
     Over a long cut each lane is drawn, else netconvert would draw straight lines from end to end, in bends as well.
     """
-    share = np.linspace(0.0, 1.0, _POINTS)
-    along = way.drawn + way.taper * (2 * share - 1)
     for source, target in pairs:
         begin = left - (lanes - source - 0.5) * way.width
         end = way.left - (way.lanes - target - 0.5) * way.width
-        drawn = lines.beside(way.line, along, begin + (end - begin) * share**2 * (3 - 2 * share))
-        plain.connections.append(Connection(*edges, source, target, lines.points(drawn) if way.taper > _HALF_CUT else ()))
+        drawn = lines.swerve(way.line, way.drawn, way.taper, (begin, end)) if way.taper > _HALF_CUT else ()
+        plain.connections.append(Connection(*edges, source, target, drawn))
 
 
 def _begin(plain: PlainNetwork, way: _Carriageway) -> None:
@@ -239,7 +236,7 @@ def _draw_to(
     way.drawn = end
     x, y = shape[-1]
     left, right = way.left + (widest - way.lanes) * way.width * left_too, way.left - widest * way.width
-    cut = lines.strip(way.line, end, half, left, right) if widest else None
+    cut = lines.strip(way.line, end, half, (left, left), (right, right)) if widest else None
     plain.nodes.append(Node(way.node, float(x), float(y), shape=cut))
     edge = Edge(way.last_edge, source, way.node, way.lanes, way.speed, _PRIORITY, lines.points(shape), width=way.width)
     plain.edges.append(edge)
