@@ -34,7 +34,8 @@ from drivegen.core.settings import Count, Share, Within, expect_multiple
 from drivegen.generators._scene_transformer.net import SceneTransformerNet
 from drivegen.generators.shared.learned import Learned
 from drivegen.generators.shared.motion import KNOTS, at_knots, filled_in, trajectories
-from drivegen.generators.shared.vectors import PIECES, Scenes, SceneTensors, local_future
+from drivegen.generators.shared.objective import Objective
+from drivegen.generators.shared.vectors import PIECES, Scenes, local_future
 from drivegen.training import loop
 
 ABOUT = Method(
@@ -130,26 +131,23 @@ def _picked(logits: NDArray[np.float32], count: int, rng: np.random.Generator) -
     return np.resize(order, count)
 
 
-class _BestOfF:
+class _BestOfF(Objective):
     """Displacement of the joint future that is nearest to the log, and the cross-entropy of choosing it."""
 
-    def __init__(self, train: Scenes, validation: Scenes, relaxed: float) -> None:
-        self.train, self.held_out, self.relaxed = train, validation, relaxed
-        self.size = len(train)
+    chunk = 32
 
-    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:  # noqa: ARG002 nothing is random
-        return ()
-
-    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:  # noqa: ARG002
-        return self._of(model, self.train[rows.cpu().numpy()].tensors(rows.device))
+    def __init__(self, train: Scenes, held_out: Scenes, relaxed: float) -> None:
+        super().__init__(train, held_out)
+        self.relaxed = relaxed
 
     def validation(self, model: nn.Module) -> float:
-        device = next(model.parameters()).device
-        parts = [self.held_out[low : low + 4 * CHUNK] for low in range(0, len(self.held_out), 4 * CHUNK)]
-        sums: list[Any] = [self._of(model, part.tensors(device)) * len(part) for part in parts]
-        return float(sum(sums)) / len(self.held_out) if sums else float("nan")
+        count, device = len(self.held_out), next(model.parameters()).device
+        parts = [np.arange(low, min(low + self.chunk, count)) for low in range(0, count, self.chunk)]
+        sums: list[Any] = [self.mean(model, self.held_out, rows, device) * len(rows) for rows in parts]
+        return float(sum(sums)) / count if count else float("nan")
 
-    def _of(self, model: nn.Module, scenes: SceneTensors) -> Tensor:
+    def mean(self, model: nn.Module, examples: Scenes, rows: NDArray[np.integer], device: torch.device, *_: Tensor) -> Tensor:
+        scenes = examples[rows].tensors(device)
         knots, logits = model(scenes)
         truth = at_knots(local_future(scenes))[:, None]
         logged = at_knots(scenes.logged[..., None]).to(knots)[:, None, ..., 0]

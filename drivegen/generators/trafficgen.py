@@ -28,11 +28,11 @@ from drivegen.core.samples import Samples
 from drivegen.core.scenario import DT, Scenario, Vehicles
 from drivegen.core.settings import Count, Positive
 from drivegen.generators._trafficgen.driving import Driver
-from drivegen.generators._trafficgen.learning import HELD_OUT, Disturbance, Logs, MotionExamples, TrafficGenObjective
+from drivegen.generators._trafficgen.learning import HELD_OUT, Disturbance, MotionExamples, TrafficGenObjective
 from drivegen.generators._trafficgen.net import KNOT, Modes, MotionNet
 from drivegen.generators._trafficgen.placement import PlacementExamples, PlacementNet, Regions, place
 from drivegen.generators.shared.closed_loop import Tracks, expect_commits
-from drivegen.generators.shared.lanes import LaneVectors
+from drivegen.generators.shared.lanes import LaneVectors, Logs
 from drivegen.generators.shared.learned import Learned, Placement
 from drivegen.training import loop
 
@@ -115,8 +115,7 @@ class Plugin(Learned):
     @classmethod
     def examples(cls, settings: TrafficGenSettings, scenarios: Sequence[Scenario]) -> Logs:
         """See `Learned`."""
-        logged = [s for s in scenarios if s.log is not None]
-        return Logs(Tracks.of_logs(logged), LaneVectors.of(logged, settings.piece))
+        return Logs.of(scenarios, settings.piece)
 
     @classmethod
     def objective(
@@ -126,7 +125,7 @@ class Plugin(Learned):
         del net, seed
         shape = settings.horizon // KNOT, (settings.lanes, settings.boxes), _look(settings)
         motion = MotionExamples(train, *shape), MotionExamples(validation, *shape, most=HELD_OUT)
-        placement = PlacementExamples(train.tracks, train.vectors, _around_target(settings))
+        placement = PlacementExamples(train, _around_target(settings))
         return TrafficGenObjective(*motion, placement, settings.disturbance)
 
     def place(self, scenario: Scenario, count: int, seed: int) -> Vehicles:

@@ -13,11 +13,11 @@ from drivegen.core.scenario import Scenario
 from drivegen.core.signals import Signals, SignalState
 from drivegen.generators._smart.around import LOOK, OTHER_FEATURES, PIECE, others, pose
 from drivegen.generators._smart.driving import drawn, velocities
-from drivegen.generators._smart.learning import Examples, Logs, Slips, SmartObjective, tokenise
+from drivegen.generators._smart.learning import Examples, Slips, SmartObjective, tokenise
 from drivegen.generators._smart.net import Past, Seen, SmartNet
 from drivegen.generators._smart.tokens import RADIUS, SPAN, STILL, Vocabulary, codes, disks, gone, motions, pace, ways
 from drivegen.generators.shared.closed_loop import Tracks
-from drivegen.generators.shared.lanes import PACE, REACH, LaneVectors
+from drivegen.generators.shared.lanes import PACE, REACH, LaneVectors, Logs
 from drivegen.store.columns import joined
 from tests.generators.rivals import same, scenes, trained
 from tests.scenes import any_scenario, busy_crossing, drive, scenario, stack, straight_road
@@ -138,7 +138,7 @@ def test_the_word_to_learn_leads_back():
 
 
 def batch(scene: Scenario, cut: int = 0) -> tuple[Seen, torch.Tensor]:
-    logs = Logs(Tracks.of_logs([scene]), LaneVectors.of([scene], PIECE))
+    logs = Logs.of([scene], PIECE)
     zero = np.zeros(1, int)
     return Examples(logs, words_of(logs.tracks), COUNTS).batch(zero, zero, zero + cut, PLAIN, random())
 

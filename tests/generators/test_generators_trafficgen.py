@@ -17,7 +17,7 @@ from drivegen.generators._trafficgen.net import ACCELERATION, BRAKING, CURVATURE
 from drivegen.generators._trafficgen.placement import PlacementExamples
 from drivegen.generators._trafficgen.vectors import Surroundings
 from drivegen.generators.shared.closed_loop import Tracks
-from drivegen.generators.shared.lanes import REACH, LaneVectors, nearest
+from drivegen.generators.shared.lanes import REACH, LaneVectors, Logs, nearest
 from tests.generators.rivals import trained
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
@@ -216,7 +216,7 @@ def test_it_learns():
 
 def test_the_vehicles_that_are_to_be_placed_are_those_not_given():
     scene = busy_crossing(11)
-    examples = PlacementExamples(Tracks.of_logs([scene]), LaneVectors.of([scene], 8.0), (96, 12))
+    examples = PlacementExamples(Logs.of([scene], 8.0), (96, 12))
     inputs, wanted = examples.of(np.array([0]), np.array([0.0]))
     assert inputs[3].sum() == 1  # the target alone is given
     found = wanted.attributes[wanted.there]

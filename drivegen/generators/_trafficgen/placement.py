@@ -19,8 +19,8 @@ from drivegen.core.geometry import boxes_overlap, wrap_angle
 from drivegen.core.scenario import TARGET, Scenario, SizeSource, VehicleKind, Vehicles
 from drivegen.generators._trafficgen.net import Encoder
 from drivegen.generators._trafficgen.vectors import Surroundings
-from drivegen.generators.shared.closed_loop import Crowd, Tracks
-from drivegen.generators.shared.lanes import REACH, LaneVectors
+from drivegen.generators.shared.closed_loop import Crowd
+from drivegen.generators.shared.lanes import REACH, LaneVectors, Logs
 from drivegen.generators.shared.moments import Moments
 
 ATTRIBUTES = 6
@@ -109,9 +109,9 @@ def placement_loss(regions: Regions, wanted: Wanted) -> Tensor:
 class PlacementExamples:
     """Scenes at steps at which their target is seen; of the other vehicles some are given and some are to be placed."""
 
-    def __init__(self, tracks: Tracks, vectors: LaneVectors, counts: tuple[int, int]) -> None:
-        self.tracks, self.vectors, self.counts = tracks, vectors, counts
-        self.moments = Moments(tracks, 1, 0, boxes=tracks.start[:-1])
+    def __init__(self, logs: Logs, counts: tuple[int, int]) -> None:
+        self.tracks, self.lanes, self.counts = logs.tracks, logs.lanes, counts
+        self.moments = Moments(self.tracks, 1, 0, boxes=self.tracks.start[:-1])
 
     def of(self, rows: NDArray[np.integer], share: NDArray[np.floating]) -> tuple[tuple[Tensor, ...], Wanted]:
         """Inputs and what is wanted for examples `rows` (b,), of whose vehicles about `share` (b,) are given."""
@@ -123,7 +123,7 @@ class PlacementExamples:
         given = (within * 0.61803398875 + 7 * share[group]) % 1.0 < share[group]  # spread evenly, another subset for each share
         given[first] = True
         shown = replace(crowd, there=crowd.there & given)
-        around = Surroundings.of(self.vectors, shown, np.arange(len(rows)), first, scene, step, self.counts, 0.0)
+        around = Surroundings.of(self.lanes, shown, np.arange(len(rows)), first, scene, step, self.counts, 0.0)
         box = target[group] + within
         asked = np.flatnonzero(crowd.there & crowd.planned & ~given)
         wanted = _wanted(around, crowd, first, group[asked], asked, self.tracks.kind[box[asked]])
