@@ -33,9 +33,9 @@ from drivegen.core.scenario import Scenario
 from drivegen.core.settings import Count, Share, Within, expect_multiple
 from drivegen.generators._scene_transformer.net import SceneTransformerNet
 from drivegen.generators.shared.learned import Learned
-from drivegen.generators.shared.motion import KNOTS, at_knots, filled_in, trajectories
+from drivegen.generators.shared.motion import KNOTS, filled_in, trajectories
 from drivegen.generators.shared.objective import Objective
-from drivegen.generators.shared.vectors import PIECES, Scenes, local_future
+from drivegen.generators.shared.vectors import PIECES, Scenes, displacement
 from drivegen.training import loop
 
 ABOUT = Method(
@@ -149,14 +149,9 @@ class _BestOfF(Objective):
     def mean(self, model: nn.Module, examples: Scenes, rows: NDArray[np.integer], device: torch.device, *_: Tensor) -> Tensor:
         scenes = examples[rows].tensors(device)
         knots, logits = model(scenes)
-        truth = at_knots(local_future(scenes))[:, None]
-        logged = at_knots(scenes.logged[..., None]).to(knots)[:, None, ..., 0]
-        gap = ((knots - truth) ** 2).sum(-1).add(1e-4).sqrt()
-        steps = logged.sum(-1)
-        agents = (steps > 0).to(gap)
-        each = (gap * logged).sum(-1) / steps.clamp_min(1)
+        each, agents = displacement(scenes, knots, futures=1)
         joint = (each * agents).sum(-1) / agents.sum(-1).clamp_min(1)  # (S, F)
         best, which = joint.min(dim=1)
-        displacement = (1 - self.relaxed) * best + self.relaxed * joint.mean(dim=1)
-        loss: Tensor = (displacement + nn.functional.cross_entropy(logits, which, reduction="none")).mean()
+        error = (1 - self.relaxed) * best + self.relaxed * joint.mean(dim=1)
+        loss: Tensor = (error + nn.functional.cross_entropy(logits, which, reduction="none")).mean()
         return loss

@@ -26,9 +26,7 @@ COUNTS = (200, 6)  # more than there are pieces of lanes: of the nearest there m
 
 def surroundings(scene: Scenario, step: int = 0, piece: float = 10.0) -> Surroundings:
     crowd = Tracks.of_logs([scene]).at(np.zeros(1, int), np.array([step]))
-    box = np.flatnonzero(crowd.planned & crowd.there)
-    zero = np.zeros(len(box), int)
-    return Surroundings.of(LaneVectors.of([scene], piece), crowd, zero, box, zero, zero + step, COUNTS, 1.0)
+    return Surroundings.of(LaneVectors.of([scene], piece), crowd, np.flatnonzero(crowd.planned & crowd.there), COUNTS, 1.0)
 
 
 def moved(scene: Scenario, turn: float, shift: np.ndarray) -> Scenario:
@@ -91,8 +89,7 @@ def test_of_many_pieces_the_nearest_are_seen():
     lane = np.stack([np.arange(0, 401, 10.0), np.zeros(41)], axis=1)
     scene = scenario(straight_road(400.0, 3), stack([drive(lane, 200.0, 0.0, 11)]))
     crowd = Tracks.of_logs([scene]).at(np.zeros(1, int), np.zeros(1, int))
-    zero = np.zeros(1, int)
-    seen = Surroundings.of(LaneVectors.of([scene], 10.0), crowd, zero, zero, zero, zero, (9, 6), 1.0)
+    seen = Surroundings.of(LaneVectors.of([scene], 10.0), crowd, np.zeros(1, int), (9, 6), 1.0)
     middle = (seen.lanes[0, :, 0:2] + seen.lanes[0, :, 2:4]) / 2 * REACH
     all_pieces = np.hypot(*np.meshgrid(np.arange(-195.0, 200.0, 10.0), [0.0, 3.5, 7.0]))
     np.testing.assert_allclose(np.sort(np.hypot(*middle.T)), np.sort(all_pieces.ravel())[:9], atol=1e-3)

@@ -12,7 +12,7 @@ from drivegen.core.geometry import rotate, wrap_angle
 from drivegen.core.scenario import DT
 from drivegen.generators._bits.net import GOAL, HOLD, Plan, Seen, cell_of, numbers_of
 from drivegen.generators._bits.raster import Painted, rasters, stretch
-from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.closed_loop import Crowd, Tracks
 from drivegen.generators.shared.moments import Moments
 from drivegen.generators.shared.objective import Objective
 
@@ -42,6 +42,13 @@ class Logs:
         return cls(Tracks.none(), Painted.none())
 
 
+def told(painted: Painted, crowd: Crowd, box: NDArray[np.integer], horizon: float) -> tuple[Tensor, Tensor]:
+    """Rasters and numbers that the network is told of vehicles `box` (R,), see `rasters`."""
+    speed = np.hypot(crowd.state[box, 3], crowd.state[box, 4])
+    numbers = numbers_of(*map(torch.from_numpy, (speed, crowd.size[box], crowd.kind[box])))
+    return torch.from_numpy(rasters(painted, crowd, box, horizon)), numbers
+
+
 class DrivingExamples:
     """Vehicles at steps: what they saw, and what they did until `horizon` steps later; at most `most`, evenly spread."""
 
@@ -54,14 +61,7 @@ class DrivingExamples:
 
     def seen(self, rows: NDArray[np.integer]) -> tuple[Tensor, Tensor]:
         """Rasters and numbers that the network is told, for examples `rows` (b,)."""
-        tracks, (logged, step) = self.logs.tracks, self.moments[rows]
-        scene = tracks.scene(logged)
-        crowd = tracks.at(scene, step)
-        box = crowd.start[:-1] + logged - tracks.start[scene]
-        pictures = rasters(self.logs.painted, crowd, np.arange(len(rows)), box, scene, step, self.horizon * DT)
-        speed = np.hypot(crowd.state[box, 3], crowd.state[box, 4])
-        numbers = numbers_of(*(torch.from_numpy(a) for a in (speed, crowd.size[box], tracks.kind[logged])))
-        return torch.from_numpy(pictures), numbers
+        return told(self.logs.painted, *self.moments.crowds(rows), self.horizon * DT)
 
     def future(self, rows: NDArray[np.integer]) -> tuple[Tensor, ...]:
         """Place (b, Q, 2), turn (b, Q) and speed (b, Q) every HOLD steps, in each vehicle's frame, and whether it was seen."""

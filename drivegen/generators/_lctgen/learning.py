@@ -11,9 +11,8 @@ from torch import Tensor, nn
 from drivegen.core.geometry import rotate, wrap_angle
 from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, state_code
 from drivegen.generators._lctgen.net import LctgenNet, Placement
-from drivegen.generators.shared.motion import at_knots
 from drivegen.generators.shared.objective import Objective
-from drivegen.generators.shared.vectors import Scenes, SceneTensors, local_future
+from drivegen.generators.shared.vectors import Scenes, SceneTensors, displacement
 
 NO_PIECE = -1
 
@@ -122,15 +121,10 @@ _Tensors = tuple[SceneTensors, Tensor, Tensor, Tensor, Tensor]
 
 def _motion_loss(scenes: SceneTensors, knots: Tensor, logits: Tensor) -> Tensor:
     """Mean displacement [m] of each vehicle's nearest mode, and the cross-entropy of choosing it."""
-    truth = at_knots(local_future(scenes))[:, :, None]
-    logged = at_knots(scenes.logged[..., None]).to(knots)[:, :, None, :, 0]
-    gap = ((knots - truth) ** 2).sum(-1).add(1e-4).sqrt()
-    steps = logged.sum(-1)
-    each = (gap * logged).sum(-1) / steps.clamp_min(1)
+    each, there = displacement(scenes, knots, futures=2)
     best, which = each.min(dim=-1)
     choice = nn.functional.cross_entropy(logits.flatten(0, 1), which.flatten(), reduction="none").reshape(which.shape)
-    there = (steps[..., 0] > 0).to(gap)
-    return ((best + choice) * there).sum() / there.sum().clamp_min(1)
+    return ((best + choice) * there[..., 0]).sum() / there.sum().clamp_min(1)
 
 
 def _prior_loss(logits: Tensor, actions: Tensor, seen: Tensor) -> Tensor:

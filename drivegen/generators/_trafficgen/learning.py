@@ -16,7 +16,7 @@ from drivegen.core.geometry import rotate, unit, wrap_angle
 from drivegen.core.scenario import DT
 from drivegen.core.settings import NotNegative, Share
 from drivegen.generators._trafficgen.net import KNOT, Modes
-from drivegen.generators._trafficgen.placement import PlacementExamples, Regions, placement_loss
+from drivegen.generators._trafficgen.placement import PlacementExamples, Regions, Wanted, placement_loss
 from drivegen.generators._trafficgen.vectors import Surroundings
 from drivegen.generators.shared.lanes import Logs
 from drivegen.generators.shared.moments import Moments
@@ -76,14 +76,9 @@ class MotionExamples:
 
     def surroundings(self, rows: NDArray[np.integer], state: NDArray[np.float32]) -> tuple[Tensor, ...]:
         """Inputs of the network for examples `rows` (b,) that are in `state` (b, 5), the others where the log has them."""
-        tracks, (logged, step) = self.logs.tracks, self.moments[rows]
-        scene = tracks.scene(logged)
-        crowd = tracks.at(scene, step)
-        box = crowd.start[:-1] + logged - tracks.start[scene]
+        crowd, box = self.moments.crowds(rows)
         crowd.state[box] = state
-        group = np.arange(len(rows))
-        around = Surroundings.of(self.logs.lanes, crowd, group, box, scene, step, self.counts, self.look)
-        return tuple(torch.from_numpy(a) for a in (around.lanes, around.lane_there, around.boxes, around.box_there))
+        return Surroundings.of(self.logs.lanes, crowd, box, self.counts, self.look).tensors()
 
     def future(self, rows: NDArray[np.integer], state: NDArray[np.float32]) -> tuple[Tensor, ...]:
         """Place (b, Q, 2), velocity (b, Q, 2) and turn (b, Q) at the knots, in the frames of `state`, and whether it was seen.
@@ -161,4 +156,4 @@ class TrafficGenObjective(Objective):
         chance = drawn.cpu().numpy()
         inputs, wanted = self.placement.of((chance[:, 0] * len(self.placement.moments)).astype(np.intp), chance[:, 1])
         regions = Regions(*model("placement", *(t.to(device) for t in inputs)))
-        return placement_loss(regions, wanted.to(device))
+        return placement_loss(regions, Wanted(*(t.to(device) for t in wanted)))
