@@ -19,7 +19,7 @@ from drivegen.generators._smart.around import LOOK, others, pose
 from drivegen.generators._smart.net import AGE, Seen
 from drivegen.generators._smart.tokens import SPAN, Vocabulary, gone, logged, pace, ways
 from drivegen.generators.shared.closed_loop import Tracks
-from drivegen.generators.shared.lanes import PACE, Logs
+from drivegen.generators.shared.lanes import PACE, LaneVectors, Logs
 from drivegen.generators.shared.objective import Objective
 
 WORDS = 20
@@ -87,14 +87,29 @@ def tokenise(
     return Sequences(pose, speed.astype(np.float32), token, fresh, target)
 
 
-def own_features(
-    speed: NDArray[np.float32], size: NDArray[np.float32], kind: NDArray[np.integer], age: NDArray[np.floating],
-    fresh: NDArray[np.bool_],
-) -> NDArray[np.float32]:  # fmt: skip
-    """(V, T, OWN_FEATURES) of speeds (V, T) [m/s], sizes (V, 2) [m], kinds (V,), ages (V, T) [s] and `fresh` (V, T)."""
-    fixed = np.concatenate([size / (5.0, 2.0), np.eye(len(VehicleKind))[kind]], axis=1)
-    fixed = np.broadcast_to(fixed[:, None], (*speed.shape, fixed.shape[1]))
-    return np.concatenate([np.stack([speed / PACE, age / AGE, fresh], axis=-1), fixed], axis=-1).astype(np.float32)
+def seen_from(
+    lanes: LaneVectors, counts: tuple[int, int], tracks: Tracks, scenes: NDArray[np.integer], maps: NDArray[np.integer],
+    state: NDArray[np.float32], there: NDArray[np.bool_], token: NDArray[np.integer], fresh: NDArray[np.bool_],
+    age: NDArray[np.floating], shown: NDArray[np.integer],
+) -> Seen:  # fmt: skip
+    """What the V vehicles of `scenes` (G,) of `tracks`, which lie on `maps` (G,) of `lanes`, see at T moments.
+
+    Of all boxes of these scenes, `state` (X, T, 4) x, y, heading, speed, and `there` (X, T). Of the vehicles, `token`, `fresh`,
+    `age` [s] since their first frame and the step whose signals are `shown` (V, T).
+    """
+    start, box = tracks.boxes(scenes)
+    row, moments = np.flatnonzero(tracks.planned[box]), state.shape[1]
+    group = np.searchsorted(start, row, side="right") - 1
+    fixed = np.concatenate([tracks.size[box[row]] / (5.0, 2.0), np.eye(len(VehicleKind))[tracks.kind[box[row]]]], axis=1)
+    changing = np.stack([state[row, :, 3] / PACE, age / AGE, fresh], axis=-1)
+    own = np.concatenate([changing, fixed[:, None].repeat(moments, axis=1)], axis=-1).astype(np.float32)
+    road, drawn = lanes.around(pose(state[row].reshape(-1, 4)), maps[group].repeat(moments), shown.reshape(-1), counts[0], LOOK)
+    span = np.stack([start[group], start[group + 1]], axis=1)
+    other, seen, who = others(span, row, state, there, tracks.size[box], tracks.planned[box], counts[1])
+    number = np.full(len(box), -1, np.int64)
+    number[row] = np.arange(len(row))
+    roads = (near.reshape(len(row), moments, *near.shape[1:]) for near in (road, drawn))
+    return Seen(*map(torch.from_numpy, (token, own, state[row, :, :3], fresh, *roads, other, seen, number[who])))
 
 
 class Examples:
@@ -129,19 +144,9 @@ class Examples:
         begun = np.where(np.arange(moments) >= cut[group[row], None], cut[group[row], None], 0)
         shown = phase[group[row], None] + SPAN * begun
         age = (np.arange(moments) - begun) * SPAN * DT
-        own = own_features(sequences.speed, tracks.size[box[row]], tracks.kind[box[row]], age, sequences.fresh)
-        scene = np.repeat(scenes[group[row]], moments)
-        road, drawn = self.logs.lanes.around(pose(state[row].reshape(-1, 4)), scene, shown.reshape(-1), self.counts[0], LOOK)
-        span = np.stack([start[:-1], start[1:]], axis=1)[group[row]]
-        other, seen, who = others(span, row, state, there, tracks.size[box], tracks.planned[box], self.counts[1])
-        number = np.full(len(box), -1, np.int64)
-        number[row] = np.arange(len(row))
-        shape = (len(row), moments, -1)
-        arrays = (
-            sequences.token, own, sequences.pose, sequences.fresh, road.reshape(*shape, road.shape[-1]), drawn.reshape(shape),
-            other, seen, number[who],
-        )  # fmt: skip
-        return Seen(*(torch.from_numpy(a) for a in arrays)), torch.from_numpy(sequences.target)
+        token, fresh, lanes = sequences.token, sequences.fresh, self.logs.lanes
+        seen = seen_from(lanes, self.counts, tracks, scenes, scenes, state, there, token, fresh, age, shown)
+        return seen, torch.from_numpy(sequences.target)
 
     def _states(
         self, box: NDArray[np.integer], step: NDArray[np.integer], row: NDArray[np.integer], sequences: Sequences
