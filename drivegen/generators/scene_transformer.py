@@ -18,7 +18,7 @@ F, all of them, again and again.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import torch
@@ -139,12 +139,6 @@ class _BestOfF(Objective):
     def __init__(self, train: Scenes, held_out: Scenes, relaxed: float) -> None:
         super().__init__(train, held_out)
         self.relaxed = relaxed
-
-    def validation(self, model: nn.Module) -> float:
-        count, device = len(self.held_out), next(model.parameters()).device
-        parts = [np.arange(low, min(low + self.chunk, count)) for low in range(0, count, self.chunk)]
-        sums: list[Any] = [self.mean(model, self.held_out, rows, device) * len(rows) for rows in parts]
-        return float(sum(sums)) / count if count else float("nan")
 
     def mean(self, model: nn.Module, examples: Scenes, rows: NDArray[np.integer], device: torch.device, *_: Tensor) -> Tensor:
         scenes = examples[rows].tensors(device)
