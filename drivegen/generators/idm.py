@@ -28,6 +28,7 @@ from drivegen.drivers.idm import Settings as DriverSettings
 from drivegen.generators._idm.traffic import Crowd, drive, motion
 from drivegen.generators._idm.ways import Ways
 from drivegen.generators.shared.learned import Learned
+from drivegen.generators.shared.objective import Objective
 from drivegen.roads.graph import LaneGraph
 from drivegen.training import loop
 
@@ -94,25 +95,15 @@ class WishDistribution(nn.Module):
         return loss
 
 
-class WishObjective:
+class WishObjective(Objective):
     """The likelihood of the logs' wishes."""
 
-    def __init__(self, train: Wishes, validation: Wishes) -> None:
-        self.train, self.held_out = (torch.from_numpy(w.share).float().to(loop.device()) for w in (train, validation))
-        self.size = len(train)
+    chunk = 2**20
 
-    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:  # noqa: ARG002 nothing is random
-        """See `loop.Objective`."""
-        return ()
-
-    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:  # noqa: ARG002
-        """See `loop.Objective`."""
-        loss: Tensor = model(self.train[rows])
+    def mean(self, model: nn.Module, examples: Wishes, rows: NDArray[np.integer], device: torch.device, *_: Tensor) -> Tensor:
+        """See `Objective`."""
+        loss: Tensor = model(torch.from_numpy(examples.share[rows]).float().to(device))
         return loss
-
-    def validation(self, model: nn.Module) -> float:
-        """See `loop.Objective`."""
-        return float(model(self.held_out)) if len(self.held_out) else float("nan")
 
 
 class Plugin(Learned):

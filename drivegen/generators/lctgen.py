@@ -18,7 +18,7 @@ surroundings in its own frame; the future lasts 10 s, so an action lasts 2.5 s.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import torch
@@ -82,9 +82,9 @@ class LctgenSettings:
 
 
 class Plugin(Learned):
-    """See the module."""
+    """See the module. `label` is the method's name in what it makes."""
 
-    name = "lctgen"
+    name = label = "lctgen"
     about = ABOUT
     Settings = LctgenSettings
     Examples = Taught
@@ -115,19 +115,13 @@ class Plugin(Learned):
         for low in range(0, len(scenarios), CHUNK):
             chunk = scenarios[low : low + CHUNK]
             scenes = Scenes.of(chunk).padded(CHUNK)
-            noises = [Noise.of(samples, self.settings.modes, seed, scenario.scenario_id) for scenario in chunk]
             with torch.inference_mode():
-                knots = self._knots(scenes, Noise.stacked(noises, CHUNK), self.known_actions(chunk))
+                knots = self._knots(scenes, *self._noise(chunk, samples, seed), self.known_actions(chunk))
             for row, scenario in enumerate(chunk):
                 dense = filled_in(knots[row], scenes.speed[row])
                 motion = trajectories(scenario, *(x[:, : len(scenario.vehicles)] for x in dense))
                 made.append(Samples.without_goals(scenario.scenario_id, self.label, motion))
         return made
-
-    @property
-    def label(self) -> str:
-        """The method's name in what it makes."""
-        return self.name
 
     def known_actions(self, scenarios: Sequence[Scenario]) -> NDArray[np.int64] | None:
         """Actions (CHUNK, A, PARTS) that are not to be drawn: none, as the future is not known."""
@@ -154,20 +148,30 @@ class Plugin(Learned):
 
     def bounds(self) -> dict[str, Learned]:
         """Told the log's actions."""
-        informed = LogCode.__new__(LogCode)
-        informed.settings, informed.net = self.settings, self.net
-        return {informed.label: informed}
+        return {LogCode.label: LogCode._with(self.settings, self.net)}
 
-    def _knots(self, scenes: Scenes, noise: "Noise", given: NDArray[np.int64] | None) -> NDArray[np.float32]:
+    def _noise(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> tuple[Tensor, Tensor]:
+        """Gumbel noise for actions (CHUNK, K, A, PARTS, 8) and modes (CHUNK, K, A, K'), none beyond the scenarios."""
+        shapes = (PARTS, len(Action)), (self.settings.modes,)
+        noises = [torch.zeros(CHUNK, samples, AGENTS, *shape) for shape in shapes]
+        for row, scenario in enumerate(scenarios):
+            rng = seeds.rng(seed, self.name, scenario.scenario_id)
+            for noise in noises:
+                noise[row] = torch.from_numpy(rng.gumbel(size=noise.shape[1:]))
+        return noises[0], noises[1]
+
+    def _knots(
+        self, scenes: Scenes, action_noise: Tensor, mode_noise: Tensor, given: NDArray[np.int64] | None
+    ) -> NDArray[np.float32]:
         """Knots (CHUNK, K, A, J, 2) in the vehicles' frames."""
         net, inputs = self.net.net, scenes.tensors(torch.device("cpu"))
         roads, vehicles, state = net.roads(inputs), net.vehicles(inputs), torch.from_numpy(state_code(scenes))
         drawn = []
-        for k in range(noise.actions.shape[1]):
-            actions = self._actions(vehicles, noise.actions[:, k]) if given is None else torch.from_numpy(given)
+        for k in range(mode_noise.shape[1]):
+            actions = self._actions(vehicles, action_noise[:, k]) if given is None else torch.from_numpy(given)
             decoded = net.decoded(inputs, roads, torch.cat([state, actions], dim=-1), vehicles)
             knots, logits = net.moved(inputs, decoded)
-            mode = (logits / self.settings.temperature + noise.modes[:, k]).argmax(-1)
+            mode = (logits / self.settings.temperature + mode_noise[:, k]).argmax(-1)
             index = mode[..., None, None, None].expand(*mode.shape, 1, *knots.shape[-2:])
             drawn.append(knots.gather(2, index)[:, :, 0])
         return np.asarray(torch.stack(drawn, dim=1).numpy())
@@ -184,12 +188,8 @@ class Plugin(Learned):
 class LogCode(Plugin):
     """Told what every vehicle will do: looks at the log, and says so."""
 
+    label = "lctgen_log_code"
     backend = "recorded"
-
-    @property
-    def label(self) -> str:
-        """See `Plugin`."""
-        return "lctgen_log_code"
 
     def known_actions(self, scenarios: Sequence[Scenario]) -> NDArray[np.int64]:
         """The log's actions; KEEP_SPEED where it did not see any. Raises UnusableInput for a scenario without a log."""
@@ -198,26 +198,3 @@ class LogCode(Plugin):
                 raise UnusableInput(f"scenario {scenario.scenario_id} was never recorded: there is no action to take from it")
         actions, seen = logged_actions(Scenes.with_logs(scenarios).padded(CHUNK))
         return np.where(seen, actions, Action.KEEP_SPEED)
-
-
-@dataclass(frozen=True)
-class Noise:
-    """Gumbel noise of K futures: `actions` (..., K, A, PARTS, 8) and `modes` (..., K, A, K')."""
-
-    actions: Any
-    modes: Any
-
-    @classmethod
-    def of(cls, samples: int, modes: int, seed: int, scenario_id: str) -> "Noise":
-        """Of one scenario."""
-        rng = seeds.rng(seed, "lctgen", scenario_id)
-        shape = (samples, AGENTS)
-        return cls(rng.gumbel(size=(*shape, PARTS, len(Action))), rng.gumbel(size=(*shape, modes)))
-
-    @classmethod
-    def stacked(cls, noises: "Sequence[Noise]", count: int) -> "Noise":
-        """Of `count` scenarios as tensors, the last one's again where there are fewer."""
-        filled = [*noises, *[noises[-1]] * (count - len(noises))]
-        return cls(
-            *(torch.from_numpy(np.stack([getattr(n, f) for n in filled]).astype(np.float32)) for f in ("actions", "modes"))
-        )

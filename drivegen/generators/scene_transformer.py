@@ -18,7 +18,7 @@ F, all of them, again and again.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import torch
@@ -33,8 +33,9 @@ from drivegen.core.scenario import Scenario
 from drivegen.core.settings import Count, Share, Within, expect_multiple
 from drivegen.generators._scene_transformer.net import SceneTransformerNet
 from drivegen.generators.shared.learned import Learned
-from drivegen.generators.shared.motion import KNOTS, at_knots, filled_in, trajectories
-from drivegen.generators.shared.vectors import PIECES, Scenes, SceneTensors, local_future
+from drivegen.generators.shared.motion import KNOTS, filled_in, trajectories
+from drivegen.generators.shared.objective import Objective
+from drivegen.generators.shared.vectors import PIECES, Scenes, displacement
 from drivegen.training import loop
 
 ABOUT = Method(
@@ -130,35 +131,21 @@ def _picked(logits: NDArray[np.float32], count: int, rng: np.random.Generator) -
     return np.resize(order, count)
 
 
-class _BestOfF:
+class _BestOfF(Objective):
     """Displacement of the joint future that is nearest to the log, and the cross-entropy of choosing it."""
 
-    def __init__(self, train: Scenes, validation: Scenes, relaxed: float) -> None:
-        self.train, self.held_out, self.relaxed = train, validation, relaxed
-        self.size = len(train)
+    chunk = 32
 
-    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:  # noqa: ARG002 nothing is random
-        return ()
+    def __init__(self, train: Scenes, held_out: Scenes, relaxed: float) -> None:
+        super().__init__(train, held_out)
+        self.relaxed = relaxed
 
-    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:  # noqa: ARG002
-        return self._of(model, self.train[rows.cpu().numpy()].tensors(rows.device))
-
-    def validation(self, model: nn.Module) -> float:
-        device = next(model.parameters()).device
-        parts = [self.held_out[low : low + 4 * CHUNK] for low in range(0, len(self.held_out), 4 * CHUNK)]
-        sums: list[Any] = [self._of(model, part.tensors(device)) * len(part) for part in parts]
-        return float(sum(sums)) / len(self.held_out) if sums else float("nan")
-
-    def _of(self, model: nn.Module, scenes: SceneTensors) -> Tensor:
+    def mean(self, model: nn.Module, examples: Scenes, rows: NDArray[np.integer], device: torch.device, *_: Tensor) -> Tensor:
+        scenes = examples[rows].tensors(device)
         knots, logits = model(scenes)
-        truth = at_knots(local_future(scenes))[:, None]
-        logged = at_knots(scenes.logged[..., None]).to(knots)[:, None, ..., 0]
-        gap = ((knots - truth) ** 2).sum(-1).add(1e-4).sqrt()
-        steps = logged.sum(-1)
-        agents = (steps > 0).to(gap)
-        each = (gap * logged).sum(-1) / steps.clamp_min(1)
+        each, agents = displacement(scenes, knots, futures=1)
         joint = (each * agents).sum(-1) / agents.sum(-1).clamp_min(1)  # (S, F)
         best, which = joint.min(dim=1)
-        displacement = (1 - self.relaxed) * best + self.relaxed * joint.mean(dim=1)
-        loss: Tensor = (displacement + nn.functional.cross_entropy(logits, which, reduction="none")).mean()
+        error = (1 - self.relaxed) * best + self.relaxed * joint.mean(dim=1)
+        loss: Tensor = (error + nn.functional.cross_entropy(logits, which, reduction="none")).mean()
         return loss

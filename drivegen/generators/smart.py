@@ -26,11 +26,11 @@ from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.settings import Count, Positive, Share
 from drivegen.generators._smart.around import PIECE
 from drivegen.generators._smart.driving import Driver
-from drivegen.generators._smart.learning import Examples, Logs, Slips, SmartObjective
+from drivegen.generators._smart.learning import HELD_OUT, Examples, Slips, SmartObjective
 from drivegen.generators._smart.net import SmartNet
 from drivegen.generators._smart.tokens import Vocabulary, codes, disks, motions
 from drivegen.generators.shared.closed_loop import Tracks
-from drivegen.generators.shared.lanes import LaneVectors
+from drivegen.generators.shared.lanes import Logs
 from drivegen.generators.shared.learned import Learned
 from drivegen.training import loop
 
@@ -89,8 +89,7 @@ class Plugin(Learned):
     def examples(cls, settings: SmartSettings, scenarios: Sequence[Scenario]) -> Logs:
         """See `Learned`."""
         del settings
-        logged = [s for s in scenarios if s.log is not None]
-        return Logs(Tracks.of_logs(logged), LaneVectors.of(logged, PIECE))
+        return Logs.of(scenarios, PIECE)
 
     @classmethod
     def objective(cls, settings: SmartSettings, net: SmartNet, train: Logs, validation: Logs, seed: int) -> SmartObjective:
@@ -99,18 +98,17 @@ class Plugin(Learned):
         net.way.copy_(torch.from_numpy(way))
         net.code.copy_(torch.from_numpy(codes(way)))
         counts, words = (settings.lanes, settings.boxes), Vocabulary(way)
-        return SmartObjective(Examples(train, words, counts), Examples(validation, words, counts), settings.slips)
+        return SmartObjective(Examples(train, words, counts), Examples(validation, words, counts, HELD_OUT), settings.slips)
 
     def log_likelihood(self, scenarios: Sequence[Scenario], traffic: Sequence[Trajectories]) -> list[NDArray[np.float64]]:
         """(N,) [nat per token] mean log odds of the tokens that each vehicle's motion in `traffic` (N, T) is told in.
 
         What others do is known as it happens. A motion is told in the nearest tokens; how far it is from these does not count.
         """
-        counts, plain, nobody = (self.settings.lanes, self.settings.boxes), Slips(0.0, 1, 0.0), np.random.default_rng(0)
-        words, zero, means = Vocabulary(self.net.way.numpy()), np.zeros(1, np.int64), []
+        counts, words, means = (self.settings.lanes, self.settings.boxes), Vocabulary(self.net.way.numpy()), []
         for scenario, motion in zip(scenarios, traffic, strict=True):
-            tokenised = Examples(self.examples(self.settings, [replace(scenario, log=motion)]), words, counts)
-            seen, target = tokenised.batch(zero, zero, zero, plain, nobody)
+            logs = self.examples(self.settings, [replace(scenario, log=motion)])
+            seen, target = Examples(logs, words, counts).plain(np.zeros(1, np.int64))
             with torch.inference_mode():
                 odds = self.net(seen)[0].log_softmax(-1).gather(-1, target.clamp_min(0)[..., None])[..., 0]
             scored = (target >= 0).numpy()

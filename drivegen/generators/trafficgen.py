@@ -19,21 +19,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import torch
+from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from drivegen.core import seeds
 from drivegen.core.methods import Method
-from drivegen.core.samples import Samples
-from drivegen.core.scenario import DT, Scenario, Vehicles
+from drivegen.core.scenario import DT, Scenario, Trajectories, Vehicles
 from drivegen.core.settings import Count, Positive
-from drivegen.generators._trafficgen.driving import Driver
-from drivegen.generators._trafficgen.learning import HELD_OUT, Disturbance, Logs, MotionExamples, TrafficGenObjective
+from drivegen.generators._trafficgen.driving import between_knots, drawn
+from drivegen.generators._trafficgen.learning import HELD_OUT, Disturbance, MotionExamples, TrafficGenObjective
 from drivegen.generators._trafficgen.net import KNOT, Modes, MotionNet
 from drivegen.generators._trafficgen.placement import PlacementExamples, PlacementNet, Regions, place
-from drivegen.generators.shared.closed_loop import Tracks, expect_commits
-from drivegen.generators.shared.lanes import LaneVectors
-from drivegen.generators.shared.learned import Learned, Placement
+from drivegen.generators._trafficgen.vectors import Surroundings
+from drivegen.generators.shared.closed_loop import Crowd
+from drivegen.generators.shared.driving import Agents, ClosedLoop, Draw, expect_commits
+from drivegen.generators.shared.lanes import LaneVectors, Logs
+from drivegen.generators.shared.learned import Placement
 from drivegen.training import loop
 
 ABOUT = Method(
@@ -45,9 +46,6 @@ ABOUT = Method(
     places=True,
     additions=(),
 )
-
-SCENES = 16
-"""Scenarios that are driven on together; bounds memory."""
 
 
 @dataclass(frozen=True)
@@ -97,10 +95,11 @@ class TrafficGenNet(nn.Module):
         return output
 
 
-class Plugin(Learned):
-    """See `generators.shared.learned.Learned`."""
+class Plugin(ClosedLoop):
+    """See `generators.shared.driving.ClosedLoop`."""
 
     name = "trafficgen"
+    chunk = 256
     about = ABOUT
     Settings = TrafficGenSettings
     Examples = Logs
@@ -115,8 +114,7 @@ class Plugin(Learned):
     @classmethod
     def examples(cls, settings: TrafficGenSettings, scenarios: Sequence[Scenario]) -> Logs:
         """See `Learned`."""
-        logged = [s for s in scenarios if s.log is not None]
-        return Logs(Tracks.of_logs(logged), LaneVectors.of(logged, settings.piece))
+        return Logs.of(scenarios, settings.piece)
 
     @classmethod
     def objective(
@@ -126,7 +124,7 @@ class Plugin(Learned):
         del net, seed
         shape = settings.horizon // KNOT, (settings.lanes, settings.boxes), _look(settings)
         motion = MotionExamples(train, *shape), MotionExamples(validation, *shape, most=HELD_OUT)
-        placement = PlacementExamples(train.tracks, train.vectors, _around_target(settings))
+        placement = PlacementExamples(train, _around_target(settings))
         return TrafficGenObjective(*motion, placement, settings.disturbance)
 
     def place(self, scenario: Scenario, count: int, seed: int) -> Vehicles:
@@ -142,25 +140,22 @@ class Plugin(Learned):
         del logs
         return {self.about.title: lambda scenario: self.place(scenario, len(scenario.vehicles), seed)}
 
-    def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
-        """K = `samples` futures of each scenario, driven in closed loop."""
-        made = []
-        with torch.inference_mode():
-            for low in range(0, len(scenarios), SCENES):
-                made += self._driven(scenarios[low : low + SCENES], samples, seed)
-        return made
+    def roads(self, scenarios: Sequence[Scenario]) -> LaneVectors:
+        """See `ClosedLoop`."""
+        return LaneVectors.of(scenarios, self.settings.piece)
 
-    def _driven(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
-        vectors = LaneVectors.of(scenarios, self.settings.piece)
-        tracks = Tracks.of_beginnings(scenarios, samples)
-        chances = [seeds.rng(seed, self.name, s.scenario_id) for s in scenarios]
-        driver(self.settings, self.net).drive(vectors, np.arange(len(scenarios)), tracks, samples, chances)
-        return tracks.samples(scenarios, samples, self.name)
+    def planned(self, roads: LaneVectors, agents: Agents, crowd: Crowd, draw: Draw) -> Trajectories:
+        """See `ClosedLoop`."""
+        s = self.settings
 
+        def ask(box: NDArray[np.integer]) -> tuple[Tensor, ...]:
+            modes = self.net.motion(*Surroundings.of(roads, crowd, box, (s.lanes, s.boxes), _look(s)).tensors())
+            return modes.logit, modes.velocity, modes.turn
 
-def driver(settings: TrafficGenSettings, net: TrafficGenNet) -> Driver:
-    """The motion half of a network, as the settings say to drive."""
-    return Driver(net.motion, (settings.lanes, settings.boxes), _look(settings), settings.commit, settings.temperature)
+        logit, velocity, turn = (part.numpy() for part in agents.asked(crowd, self.chunk, ask))
+        mode = drawn(logit, draw(), s.temperature)
+        rows = np.arange(len(mode))
+        return between_knots(crowd.state[agents.box], velocity[rows, mode], turn[rows, mode], s.commit)
 
 
 def _look(settings: TrafficGenSettings) -> float:

@@ -34,7 +34,7 @@ def crowd_of(scene: Scenario) -> Crowd:
 
 def raster_of(scene: Scenario, step: int = 0) -> np.ndarray:
     zero = np.zeros(1, int)
-    return rasters(Painted.of([scene]), crowd_of(scene), zero, zero, zero, zero + step, HORIZON)[0]
+    return rasters(Painted.of([scene]), replace(crowd_of(scene), step=zero + step), zero, HORIZON)[0]
 
 
 def pixel(along: float, across: float) -> tuple[int, int]:
@@ -131,8 +131,7 @@ def test_a_plan_through_a_standing_car_or_off_the_lane_breaks_a_rule():
     short = there * np.array([1, 0, 1]) + np.array([0, 100, 0]) + np.stack([0 * looks, looks / 2, 0 * looks], axis=1)
     plans = np.stack([there, aside, short])[None].astype(np.float32)
     predicted = np.repeat(crowd.state[:, None, :3], 8, axis=1)
-    zero = np.zeros(1, int)
-    hit, off = broken(plans, predicted, crowd, Painted.of([scene]), zero, zero, zero, 0.3)
+    hit, off = broken(plans, predicted, crowd, Painted.of([scene]), np.zeros(1, int), 0.3)
     assert hit[0].tolist() == [pytest.approx(1 / 8), 0.0, 0.0]  # the look at 30 m; 25 m and 35 m are free
     assert off[0].tolist() == [0.0, pytest.approx(1.0), 0.0]
 
@@ -142,8 +141,7 @@ def test_who_overlaps_at_the_beginning_is_not_held_against_a_plan():
     crowd = crowd_of(scene)
     plans = np.repeat(crowd.state[:1, None, None, :3], 8, axis=2)
     predicted = np.repeat(crowd.state[:, None, :3], 8, axis=1)
-    zero = np.zeros(1, int)
-    hit, _ = broken(plans, predicted, crowd, Painted.of([scene]), zero, zero, zero, 0.3)
+    hit, _ = broken(plans, predicted, crowd, Painted.of([scene]), np.zeros(1, int), 0.3)
     assert hit.tolist() == [[0.0]]
 
 

@@ -13,11 +13,11 @@ from drivegen.core.scenario import Scenario
 from drivegen.core.signals import Signals, SignalState
 from drivegen.generators._smart.around import LOOK, OTHER_FEATURES, PIECE, others, pose
 from drivegen.generators._smart.driving import drawn, velocities
-from drivegen.generators._smart.learning import Examples, Logs, Slips, SmartObjective, tokenise
+from drivegen.generators._smart.learning import Examples, Slips, SmartObjective, tokenise
 from drivegen.generators._smart.net import Past, Seen, SmartNet
 from drivegen.generators._smart.tokens import RADIUS, SPAN, STILL, Vocabulary, codes, disks, gone, motions, pace, ways
 from drivegen.generators.shared.closed_loop import Tracks
-from drivegen.generators.shared.lanes import PACE, REACH, LaneVectors
+from drivegen.generators.shared.lanes import PACE, REACH, LaneVectors, Logs
 from drivegen.store.columns import joined
 from tests.generators.rivals import same, scenes, trained
 from tests.scenes import any_scenario, busy_crossing, drive, scenario, stack, straight_road
@@ -66,14 +66,14 @@ def test_every_motion_of_the_vocabulary_is_matched_to_itself():
     words = words_of(Tracks.of_logs([busy_crossing(101), any_scenario(3)]))
     real = np.flatnonzero((words.way != 0).any(axis=(1, 2)))
     assert len(real) > 50
-    np.testing.assert_array_equal(words.match(words.way[real]), real)
+    np.testing.assert_array_equal(words.distances(words.way[real]).argmin(axis=1), real)
 
 
 def test_who_stands_still_is_matched_to_the_token_that_does_and_spare_tokens_are_nobodys():
     words = Vocabulary(disks(np.stack([straight(5.0), straight(10.0)]), 8, random()))
     assert sorted(words.way[:, -1, 0].tolist()) == [0, 0, 0, 0, 0, 0, 2.5, 5.0]
-    assert words.match(np.zeros((1, SPAN, 3))) == STILL
-    assert set(words.match(np.stack([straight(v) for v in np.linspace(0, 12, 50)])).tolist()) == {0, 1, 2}
+    assert words.distances(np.zeros((1, SPAN, 3))).argmin() == STILL
+    assert set(words.distances(np.stack([straight(v) for v in np.linspace(0, 12, 50)])).argmin(axis=1).tolist()) == {0, 1, 2}
 
 
 def test_disks_leave_no_motion_far_from_all_and_are_the_same_for_the_same_seed():
@@ -138,7 +138,7 @@ def test_the_word_to_learn_leads_back():
 
 
 def batch(scene: Scenario, cut: int = 0) -> tuple[Seen, torch.Tensor]:
-    logs = Logs(Tracks.of_logs([scene]), LaneVectors.of([scene], PIECE))
+    logs = Logs.of([scene], PIECE)
     zero = np.zeros(1, int)
     return Examples(logs, words_of(logs.tracks), COUNTS).batch(zero, zero, zero + cut, PLAIN, random())
 

@@ -17,7 +17,7 @@ from drivegen.generators._trafficgen.net import ACCELERATION, BRAKING, CURVATURE
 from drivegen.generators._trafficgen.placement import PlacementExamples
 from drivegen.generators._trafficgen.vectors import Surroundings
 from drivegen.generators.shared.closed_loop import Tracks
-from drivegen.generators.shared.lanes import REACH, LaneVectors, nearest
+from drivegen.generators.shared.lanes import REACH, LaneVectors, Logs, nearest
 from tests.generators.rivals import trained
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
 
@@ -26,9 +26,7 @@ COUNTS = (200, 6)  # more than there are pieces of lanes: of the nearest there m
 
 def surroundings(scene: Scenario, step: int = 0, piece: float = 10.0) -> Surroundings:
     crowd = Tracks.of_logs([scene]).at(np.zeros(1, int), np.array([step]))
-    box = np.flatnonzero(crowd.planned & crowd.there)
-    zero = np.zeros(len(box), int)
-    return Surroundings.of(LaneVectors.of([scene], piece), crowd, zero, box, zero, zero + step, COUNTS, 1.0)
+    return Surroundings.of(LaneVectors.of([scene], piece), crowd, np.flatnonzero(crowd.planned & crowd.there), COUNTS, 1.0)
 
 
 def moved(scene: Scenario, turn: float, shift: np.ndarray) -> Scenario:
@@ -91,8 +89,7 @@ def test_of_many_pieces_the_nearest_are_seen():
     lane = np.stack([np.arange(0, 401, 10.0), np.zeros(41)], axis=1)
     scene = scenario(straight_road(400.0, 3), stack([drive(lane, 200.0, 0.0, 11)]))
     crowd = Tracks.of_logs([scene]).at(np.zeros(1, int), np.zeros(1, int))
-    zero = np.zeros(1, int)
-    seen = Surroundings.of(LaneVectors.of([scene], 10.0), crowd, zero, zero, zero, zero, (9, 6), 1.0)
+    seen = Surroundings.of(LaneVectors.of([scene], 10.0), crowd, np.zeros(1, int), (9, 6), 1.0)
     middle = (seen.lanes[0, :, 0:2] + seen.lanes[0, :, 2:4]) / 2 * REACH
     all_pieces = np.hypot(*np.meshgrid(np.arange(-195.0, 200.0, 10.0), [0.0, 3.5, 7.0]))
     np.testing.assert_allclose(np.sort(np.hypot(*middle.T)), np.sort(all_pieces.ravel())[:9], atol=1e-3)
@@ -216,7 +213,7 @@ def test_it_learns():
 
 def test_the_vehicles_that_are_to_be_placed_are_those_not_given():
     scene = busy_crossing(11)
-    examples = PlacementExamples(Tracks.of_logs([scene]), LaneVectors.of([scene], 8.0), (96, 12))
+    examples = PlacementExamples(Logs.of([scene], 8.0), (96, 12))
     inputs, wanted = examples.of(np.array([0]), np.array([0.0]))
     assert inputs[3].sum() == 1  # the target alone is given
     found = wanted.attributes[wanted.there]

@@ -65,6 +65,13 @@ def test_no_piece_is_longer_than_it_may_be_and_none_joins_two_lanes() -> None:
     assert along.sum() == pytest.approx(total, rel=0.02)  # chords of bends are a little shorter
 
 
+def test_pieces_of_a_scene_do_not_depend_on_the_others() -> None:
+    scenes = [moved(busy_crossing(), 0.1 * k, (37.3 * k, -11.7 * k)) for k in range(8)]
+    together = Pieces.of(scenes)
+    for scene, first, last in zip(scenes, together.start, together.start[1:], strict=False):
+        np.testing.assert_array_equal(together.points[first:last], Pieces.of([scene]).points)
+
+
 def test_signals_are_told_as_they_are_at_step_0_and_never_later() -> None:
     scene = busy_crossing()
     state = np.array([[SignalState.RED] + [SignalState.GREEN] * (scene.steps - 1)], np.uint8)

@@ -12,11 +12,12 @@ from drivegen.core.geometry import rotate, wrap_angle
 from drivegen.core.scenario import DT
 from drivegen.generators._bits.net import GOAL, HOLD, Plan, Seen, cell_of, numbers_of
 from drivegen.generators._bits.raster import Painted, rasters, stretch
-from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.closed_loop import Crowd, Tracks
 from drivegen.generators.shared.moments import Moments
+from drivegen.generators.shared.objective import Objective
 
-HELD_OUT, HELD_OUT_CHUNK = 1024, 128
-"""Validation examples that the loss is taken over, drawn once, and how many go through the network at once."""
+HELD_OUT = 1024
+"""Validation examples that the loss is taken over, at most."""
 
 TURN_WEIGHT = 5.0
 """Of a radian against a metre."""
@@ -41,6 +42,13 @@ class Logs:
         return cls(Tracks.none(), Painted.none())
 
 
+def told(painted: Painted, crowd: Crowd, box: NDArray[np.integer], horizon: float) -> tuple[Tensor, Tensor]:
+    """Rasters and numbers that the network is told of vehicles `box` (R,), see `rasters`."""
+    speed = np.hypot(crowd.state[box, 3], crowd.state[box, 4])
+    numbers = numbers_of(*map(torch.from_numpy, (speed, crowd.size[box], crowd.kind[box])))
+    return torch.from_numpy(rasters(painted, crowd, box, horizon)), numbers
+
+
 class DrivingExamples:
     """Vehicles at steps: what they saw, and what they did until `horizon` steps later; at most `most`, evenly spread."""
 
@@ -53,14 +61,7 @@ class DrivingExamples:
 
     def seen(self, rows: NDArray[np.integer]) -> tuple[Tensor, Tensor]:
         """Rasters and numbers that the network is told, for examples `rows` (b,)."""
-        tracks, (logged, step) = self.logs.tracks, self.moments[rows]
-        scene = tracks.scene(logged)
-        crowd = tracks.at(scene, step)
-        box = crowd.start[:-1] + logged - tracks.start[scene]
-        pictures = rasters(self.logs.painted, crowd, np.arange(len(rows)), box, scene, step, self.horizon * DT)
-        speed = np.hypot(crowd.state[box, 3], crowd.state[box, 4])
-        numbers = numbers_of(*(torch.from_numpy(a) for a in (speed, crowd.size[box], tracks.kind[logged])))
-        return torch.from_numpy(pictures), numbers
+        return told(self.logs.painted, *self.moments.crowds(rows), self.horizon * DT)
 
     def future(self, rows: NDArray[np.integer]) -> tuple[Tensor, ...]:
         """Place (b, Q, 2), turn (b, Q) and speed (b, Q) every HOLD steps, in each vehicle's frame, and whether it was seen."""
@@ -73,39 +74,27 @@ class DrivingExamples:
         return tuple(torch.from_numpy(a) for a in (place, turn, speed, tracks.valid[box, at]))
 
 
-class BitsObjective:
-    """See `training.loop.Objective`. The goal network by cross-entropy of the true cell and residuals there, the policy by the
-    way to the true goal, the predictor by the way itself.
+class BitsObjective(Objective):
+    """The goal network by cross-entropy of the true cell and residuals there, the policy by the way to the true goal, which is
+    not missed where examples are held out, the predictor by the way itself.
     """
 
-    def __init__(self, train: DrivingExamples, validation: DrivingExamples) -> None:
-        self.train, self.held_out = train, validation
-        self.size = len(train)
+    chunk = 128
 
     def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:
         """By how much each goal misses (rows, GOAL)."""
         return (torch.randn(rows, GOAL, generator=generator) * torch.tensor(GOAL_NOISE),)
 
-    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:
-        """Mean over the examples."""
-        return self._loss(model, self.train, rows.cpu().numpy(), drawn[0])
-
-    def validation(self, model: nn.Module) -> float:
-        """Over examples spread evenly over the validation logs, with goals that don't miss."""
-        count, device = len(self.held_out), next(model.parameters()).device
-        parts = [np.arange(low, min(low + HELD_OUT_CHUNK, count)) for low in range(0, count, HELD_OUT_CHUNK)]
-        total = 0.0
-        for rows in parts:
-            total += len(rows) * float(self._loss(model, self.held_out, rows, torch.zeros(len(rows), GOAL, device=device)))
-        return total / count if count else float("nan")
-
-    def _loss(self, model: nn.Module, examples: DrivingExamples, rows: NDArray[np.integer], missed: Tensor) -> Tensor:
+    def mean(
+        self, model: nn.Module, examples: DrivingExamples, rows: NDArray[np.integer], device: torch.device, *drawn: Tensor
+    ) -> Tensor:
+        """See `Objective`."""
         pictures, numbers = examples.seen(rows)
         longer = torch.from_numpy(stretch(10 * numbers[:, 0].numpy(), examples.horizon * DT))
-        pictures, numbers, longer = (t.to(missed.device) for t in (pictures, numbers, longer))
-        place, turn, speed, there = (t.to(missed.device) for t in examples.future(rows))
+        pictures, numbers, longer = (t.to(device) for t in (pictures, numbers, longer))
+        place, turn, speed, there = (t.to(device) for t in examples.future(rows))
         goal = torch.cat([place[:, -1], turn[:, -1:], speed[:, -1:]], dim=1)
-        seen, plan, prediction = model(pictures, numbers, goal[:, None] + missed[:, None])
+        seen, plan, prediction = model(pictures, numbers, (goal + drawn[0] if drawn else goal)[:, None])
         plan = Plan(*(part[:, 0] for part in plan))
         return (
             goal_loss(Seen(*seen), goal, longer)

@@ -157,25 +157,17 @@ def stretch(speed: NDArray[np.floating], horizon: float) -> NDArray[np.float32]:
     return np.asarray(np.maximum(speed * (horizon / FAST), 1.0), np.float32)
 
 
-def rasters(
-    painted: Painted,
-    crowd: Crowd,
-    group: NDArray[np.integer],
-    box: NDArray[np.integer],
-    scene: NDArray[np.integer],
-    step: NDArray[np.integer],
-    horizon: float,
-) -> NDArray[np.float32]:
-    """(R, CHANNELS, ROWS, COLUMNS) of vehicles `box` (R,) of the crowd's `group` (R,) on `scene` (R,) at `step` (R,).
+def rasters(painted: Painted, crowd: Crowd, box: NDArray[np.integer], horizon: float) -> NDArray[np.float32]:
+    """(R, CHANNELS, ROWS, COLUMNS) of vehicles `box` (R,) of the crowd.
 
     `horizon` [s] is how far ahead constant velocity is told.
     """
-    out = np.zeros((len(box), CHANNELS, ROWS, COLUMNS), np.float32)
-    shown = np.minimum(step, painted.state.shape[1] - 1)
+    out, group = np.zeros((len(box), CHANNELS, ROWS, COLUMNS), np.float32), crowd.group(box)
+    shown = np.minimum(crowd.step[group], painted.state.shape[1] - 1)
     longer = stretch(np.hypot(crowd.state[box, 3], crowd.state[box, 4]), horizon)
     _lanes(
         out, painted.first, painted.shape, painted.origin, painted.number, painted.planes, painted.signal, painted.state,
-        crowd.state[box], longer, scene, shown, horizon,
+        crowd.state[box], longer, crowd.scene[group], shown, horizon,
     )  # fmt: skip
     _boxes(out, crowd.start, crowd.state, crowd.there, crowd.size, longer, group, box)
     return out

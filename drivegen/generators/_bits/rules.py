@@ -19,9 +19,7 @@ def broken(
     predicted: NDArray[np.float32],
     crowd: Crowd,
     painted: Painted,
-    group: NDArray[np.integer],
     box: NDArray[np.integer],
-    scene: NDArray[np.integer],
     clearance: float,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Shares (R, M) of the looks at which each plan overlaps somebody's prediction, and at which its middle is off every lane.
@@ -29,9 +27,10 @@ def broken(
     plans: (R, M, L, 3) x, y, heading on the map, every EVERY steps. predicted: (X, L, 3) the same of all boxes of the crowd.
     clearance: [m] by which boxes must be apart.
     """
+    group = crowd.group(box)
     hit, off = np.zeros(plans.shape[:2], np.float32), np.zeros(plans.shape[:2], np.float32)
     _hits(plans, predicted, crowd.start, crowd.there, crowd.state, crowd.size, group, box, clearance, hit)
-    _off_road(plans, painted.first, painted.shape, painted.origin, painted.number, scene, off)
+    _off_road(plans, painted.first, painted.shape, painted.origin, painted.number, crowd.scene[group], off)
     return hit, off
 
 

@@ -182,21 +182,9 @@ def _box(points, along, x, y, heading, vx, vy, length, width, out):  # type: ign
 
 @njit(cache=True, error_model="numpy")
 def _see(  # type: ignore[no-untyped-def]
-    point,
-    along,
-    position,
-    heading,
-    speed,
-    size,
-    group,
-    actor,
-    actor_heading,
-    actor_velocity,
-    actor_size,
-    actor_there,
-    frame,
+    point, along, position, heading, speed, size, group, actor, actor_heading, actor_velocity, actor_size, actor_there, frame,
     present,
-):
+):  # fmt: skip
     """Fill `frame` (6, B, group + A + G) and `present` with who is near ahead; the signals' columns stay as they are."""
     for b in range(len(along)):
         far = (SEEN_NEAR + SEEN_SECONDS * speed[b]) ** 2

@@ -82,27 +82,16 @@ def logged_actions(scenes: Scenes) -> tuple[NDArray[np.int64], NDArray[np.bool_]
     sideways = rotate(position[:, :, end] - position[:, :, begin], -heading[:, :, begin])[..., 1]
     turn = wrap_angle(heading[:, :, end] - heading[:, :, begin])
     gain = np.diff(speed, axis=2) / (STEPS // PARTS * DT)
-    action = np.select(
-        [
-            speed[:, :, 1:] < STANDING,
-            turn > TURN,
-            turn < -TURN,
-            sideways > SIDEWAYS,
-            sideways < -SIDEWAYS,
-            gain > FASTER,
-            gain < SLOWER,
-        ],
-        [
-            Action.STOP,
-            Action.TURN_LEFT,
-            Action.TURN_RIGHT,
-            Action.CHANGE_LEFT,
-            Action.CHANGE_RIGHT,
-            Action.SPEED_UP,
-            Action.SLOW_DOWN,
-        ],
-        Action.KEEP_SPEED,
-    )
+    first_that_holds = {
+        Action.STOP: speed[:, :, 1:] < STANDING,
+        Action.TURN_LEFT: turn > TURN,
+        Action.TURN_RIGHT: turn < -TURN,
+        Action.CHANGE_LEFT: sideways > SIDEWAYS,
+        Action.CHANGE_RIGHT: sideways < -SIDEWAYS,
+        Action.SPEED_UP: gain > FASTER,
+        Action.SLOW_DOWN: gain < SLOWER,
+    }
+    action = np.select(list(first_that_holds.values()), list(first_that_holds), Action.KEEP_SPEED)
     seen = logged[:, :, begin] & logged[:, :, end] & clocked[:, :, 1:] & clocked[:, :, :-1]
     return np.asarray(action, np.int64), seen
 

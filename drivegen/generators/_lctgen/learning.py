@@ -11,13 +11,10 @@ from torch import Tensor, nn
 from drivegen.core.geometry import rotate, wrap_angle
 from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, state_code
 from drivegen.generators._lctgen.net import LctgenNet, Placement
-from drivegen.generators.shared.motion import at_knots
-from drivegen.generators.shared.vectors import Scenes, SceneTensors, local_future
+from drivegen.generators.shared.objective import Objective
+from drivegen.generators.shared.vectors import Scenes, SceneTensors, displacement
 
 NO_PIECE = -1
-
-BATCH = 32
-"""Validation scenes that go through the network at once."""
 
 SCALES = np.array([5.0, 5.0, 1.0, 5.0, 5.0, 10.0])
 """Units of the ATTRIBUTES."""
@@ -81,30 +78,18 @@ def places(scenes: Scenes) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     return np.where(near, piece, NO_PIECE), np.where(near[..., None], attributes, 0).astype(np.float32)
 
 
-class LctgenObjective:
+class LctgenObjective(Objective):
     """The motion nearest to the log, which mode that is, the prior of actions, and the likelihood of the placement."""
 
-    def __init__(self, train: Taught, validation: Taught, placement: float) -> None:
-        self.train, self.held_out, self.placement = train, validation, placement
-        self.size = len(train)
+    chunk = 32
 
-    def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:  # noqa: ARG002 nothing is random
-        """See `loop.Objective`."""
-        return ()
+    def __init__(self, train: Taught, held_out: Taught, placement: float) -> None:
+        super().__init__(train, held_out)
+        self.placement = placement
 
-    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:  # noqa: ARG002
-        """See `loop.Objective`."""
-        return self._of(model, self.train, rows.cpu().numpy(), rows.device)
-
-    def validation(self, model: nn.Module) -> float:
-        """See `loop.Objective`."""
-        count, device = len(self.held_out), next(model.parameters()).device
-        parts = [np.arange(low, min(low + BATCH, count)) for low in range(0, count, BATCH)]
-        losses = [float(self._of(model, self.held_out, part, device)) * len(part) for part in parts]
-        return sum(losses) / count if parts else float("nan")
-
-    def _of(self, model: nn.Module, taught: Taught, rows: NDArray[np.integer], device: torch.device) -> Tensor:
-        scenes, code, seen, piece, attributes = taught.tensors(rows, device)
+    def mean(self, model: nn.Module, examples: Taught, rows: NDArray[np.integer], device: torch.device, *_: Tensor) -> Tensor:
+        """See `Objective`."""
+        scenes, code, seen, piece, attributes = examples.tensors(rows, device)
         moved, prior, placed = model(scenes, code)
         loss: Tensor = (
             _motion_loss(scenes, *moved)
@@ -136,15 +121,10 @@ _Tensors = tuple[SceneTensors, Tensor, Tensor, Tensor, Tensor]
 
 def _motion_loss(scenes: SceneTensors, knots: Tensor, logits: Tensor) -> Tensor:
     """Mean displacement [m] of each vehicle's nearest mode, and the cross-entropy of choosing it."""
-    truth = at_knots(local_future(scenes))[:, :, None]
-    logged = at_knots(scenes.logged[..., None]).to(knots)[:, :, None, :, 0]
-    gap = ((knots - truth) ** 2).sum(-1).add(1e-4).sqrt()
-    steps = logged.sum(-1)
-    each = (gap * logged).sum(-1) / steps.clamp_min(1)
+    each, there = displacement(scenes, knots, futures=2)
     best, which = each.min(dim=-1)
     choice = nn.functional.cross_entropy(logits.flatten(0, 1), which.flatten(), reduction="none").reshape(which.shape)
-    there = (steps[..., 0] > 0).to(gap)
-    return ((best + choice) * there).sum() / there.sum().clamp_min(1)
+    return ((best + choice) * there[..., 0]).sum() / there.sum().clamp_min(1)
 
 
 def _prior_loss(logits: Tensor, actions: Tensor, seen: Tensor) -> Tensor:

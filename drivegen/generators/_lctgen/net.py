@@ -5,16 +5,12 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor, nn
 
-from drivegen.core.scenario import DT
 from drivegen.generators._lctgen.codes import PARTS, SIZES, Action
-from drivegen.generators.shared.attention import Block
-from drivegen.generators.shared.motion import EVERY, KNOTS, smoothing_table
+from drivegen.generators.shared.attention import Block, mlp
+from drivegen.generators.shared.motion import KNOTS, Onward
 from drivegen.generators.shared.pieces import FEATURES, POINTS
 from drivegen.generators.shared.relative import REACH, SurroundingsEncoder, surroundings
 from drivegen.generators.shared.vectors import AGENT_FEATURES, AGENTS, SceneTensors
-
-SPREAD = 30.0
-"""[m] of one unit of the motion head's output at the end of the future."""
 
 ATTRIBUTES = 6
 """Of a placed vehicle: along and across its piece of road [5 m], heading from the piece's [rad], length, width [5 m],
@@ -58,12 +54,10 @@ class Placement:
 class LctgenNet(nn.Module):
     """`modes` K' futures of each vehicle; `gaussians` of each placed one; `pieces` of road around each vehicle."""
 
-    smoothing: Tensor
-
     def __init__(self, width: int, heads: int, layers: int, blocks: int, modes: int, gaussians: int, pieces: int) -> None:
         super().__init__()
         self.pieces, self.modes, self.gaussians = pieces, modes, gaussians
-        self.line = nn.Sequential(nn.Linear(2 * POINTS + FEATURES, width), nn.GELU(), nn.Linear(width, width))
+        self.line = mlp(2 * POINTS + FEATURES, width, width)
         self.map_gating = ContextGating(width, blocks)
         self.around = SurroundingsEncoder(width)
         self.own_gating = ContextGating(width, blocks)
@@ -72,18 +66,12 @@ class LctgenNet(nn.Module):
         self.query = nn.Parameter(0.02 * torch.randn(AGENTS, width))
         self.among = nn.ModuleList([Block(width, heads) for _ in range(layers)])
         self.to_map = nn.ModuleList([Block(width, heads) for _ in range(layers)])
-        self.prior = nn.Sequential(
-            nn.Linear(2 * width + PARTS * (len(Action) + 1), width), nn.GELU(), nn.Linear(width, len(Action))
-        )
-        self.motion = nn.Sequential(
-            nn.LayerNorm(width), nn.Linear(width, 2 * width), nn.GELU(), nn.Linear(2 * width, modes * 2 * KNOTS)
-        )
-        self.register_buffer("smoothing", torch.from_numpy(smoothing_table()).float(), persistent=False)
-        self.score = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, width), nn.GELU(), nn.Linear(width, modes))
+        self.prior = mlp(2 * width + PARTS * (len(Action) + 1), width, len(Action))
+        self.motion = mlp(width, 2 * width, modes * 2 * KNOTS, normed=True)
+        self.onward = Onward()
+        self.score = mlp(width, width, modes, normed=True)
         self.query_mask, self.map_mask = nn.Linear(width, width), nn.Linear(width, width)
-        self.attributes = nn.Sequential(
-            nn.LayerNorm(width), nn.Linear(width, 2 * width), nn.GELU(), nn.Linear(2 * width, gaussians * (1 + 2 * ATTRIBUTES))
-        )
+        self.attributes = mlp(width, 2 * width, gaussians * (1 + 2 * ATTRIBUTES), normed=True)
 
     def roads(self, scenes: SceneTensors) -> Tensor:
         """The map's pieces (S, M, width) in the target's frame, gated by their context."""
@@ -117,10 +105,7 @@ class LctgenNet(nn.Module):
     def moved(self, scenes: SceneTensors, decoded: Tensor) -> tuple[Tensor, Tensor]:
         """Knots (S, A, K', J, 2) [m] in each vehicle's frame, and logits (S, A, K') of the modes."""
         added = self.motion(decoded).reshape(*decoded.shape[:-1], self.modes, KNOTS, 2)
-        share = torch.arange(1, KNOTS + 1, device=added.device) / KNOTS
-        straight = scenes.speed[..., None, None] * share * (KNOTS * EVERY * DT)
-        onward = torch.stack([straight, torch.zeros_like(straight)], dim=-1)
-        return onward + self.smoothing @ (added * (SPREAD * share[:, None])), self.score(decoded)
+        return self.onward(scenes.speed[..., None], added), self.score(decoded)
 
     def placed(self, decoded: Tensor, roads: Tensor) -> Placement:
         """Where the queries' vehicles stand."""

@@ -33,7 +33,7 @@ def place(net: LctgenNet, scenario: Scenario, code: NDArray[np.int64], rng: np.r
     count = len(code)
     if count > AGENTS:
         raise UnusableInput(f"a code of {count} vehicles; LCTGen places {AGENTS} at most")
-    scenes = Scenes.of([_alone(scenario)])
+    scenes = Scenes.of([replace(scenario, vehicles=scenario.vehicles[[TARGET]], log=None)])
     scenes.present[0, :count] = True
     padded = np.zeros((1, AGENTS, code.shape[1]), np.int64)
     padded[0, :count] = code
@@ -55,11 +55,6 @@ def place(net: LctgenNet, scenario: Scenario, code: NDArray[np.int64], rng: np.r
                 taken.append(row)
                 break
     return _vehicles(scenario.vehicles, taken)
-
-
-def _alone(scenario: Scenario) -> Scenario:
-    """The scenario with its target and nobody else."""
-    return replace(scenario, vehicles=scenario.vehicles[[TARGET]], log=None)
 
 
 def _drawn(odds: NDArray[np.float64], rng: np.random.Generator) -> int:

@@ -3,14 +3,10 @@
 import torch
 from torch import Tensor, nn
 
-from drivegen.core.scenario import DT
-from drivegen.generators.shared.attention import Block
-from drivegen.generators.shared.motion import EVERY, KNOTS, smoothing_table
+from drivegen.generators.shared.attention import Block, mlp
+from drivegen.generators.shared.motion import KNOTS, Onward
 from drivegen.generators.shared.relative import OTHER_FEATURES, Surroundings, SurroundingsEncoder, surroundings
 from drivegen.generators.shared.vectors import SceneTensors
-
-SPREAD = 30.0
-"""[m] of one unit of the network's output at the end of the future."""
 
 
 class SceneTransformerNet(nn.Module):
@@ -20,21 +16,19 @@ class SceneTransformerNet(nn.Module):
     each.
     """
 
-    smoothing: Tensor
-
     def __init__(self, width: int, heads: int, layers: int, decoder_layers: int, modes: int, stretches: int, pieces: int) -> None:
         super().__init__()
         self.pieces, self.modes, self.stretches = pieces, modes, stretches
         self.around = SurroundingsEncoder(width)
         self.hidden = nn.Parameter(0.02 * torch.randn(1 + stretches, width))
         self.mode = nn.Parameter(0.5 * torch.randn(modes, width))
-        self.relation = nn.Sequential(nn.Linear(OTHER_FEATURES, width // 2), nn.GELU(), nn.Linear(width // 2, heads))
+        self.relation = mlp(OTHER_FEATURES, width // 2, heads)
         self.to_road = nn.ModuleList([Block(width, heads) for _ in range(layers)])
         self.over_time = nn.ModuleList([Block(width, heads) for _ in range(layers + decoder_layers)])
         self.over_agents = nn.ModuleList([Block(width, heads) for _ in range(layers + decoder_layers)])
         self.out = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, 2 * KNOTS // stretches))
-        self.register_buffer("smoothing", torch.from_numpy(smoothing_table()).float(), persistent=False)
-        self.score = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, width), nn.GELU(), nn.Linear(width, 1))
+        self.onward = Onward()
+        self.score = mlp(width, width, 1, normed=True)
 
     def forward(self, scenes: SceneTensors) -> tuple[Tensor, Tensor]:
         """Knots (S, F, A, J, 2) [m] in each vehicle's frame, and logits (S, F) of the joint futures."""
@@ -47,7 +41,8 @@ class SceneTransformerNet(nn.Module):
             x = agents(time(x).transpose(2, 3), there=scenes.present[:, None, None], bias=bias[:, None, None]).transpose(2, 3)
         weight = scenes.present[:, None, :, None].to(x)
         pooled = (x.mean(dim=3) * weight).sum(dim=2) / weight.sum(dim=2).clamp_min(1)
-        return self._knots(x, scenes), self.score(pooled)[..., 0]
+        added = self.out(x[..., 1:, :]).reshape(*x.shape[:-2], KNOTS, 2)
+        return self.onward(scenes.speed[:, None], added), self.score(pooled)[..., 0]
 
     def _encoded(self, scenes: SceneTensors, seen: Surroundings, things: Tensor, bias: Tensor) -> Tensor:
         """Tokens (S, A, 1 + stretches, width) that know the scene, the same for all futures."""
@@ -58,12 +53,3 @@ class SceneTransformerNet(nn.Module):
             x = time(road(x, things, seen.there))
             x = across(x.transpose(1, 2), there=scenes.present[:, None], bias=bias[:, None]).transpose(1, 2)
         return x
-
-    def _knots(self, x: Tensor, scenes: SceneTensors) -> Tensor:
-        """What the tokens add to going straight on at the initial speed, more the later."""
-        added = self.out(x[..., 1:, :]).reshape(*x.shape[:-2], KNOTS, 2)
-        share = torch.arange(1, KNOTS + 1, device=x.device) / KNOTS
-        straight = scenes.speed[..., None] * share * (KNOTS * EVERY * DT)
-        onward = torch.stack([straight, torch.zeros_like(straight)], dim=-1)[:, None]
-        knots: Tensor = onward + self.smoothing @ (added * (SPREAD * share[:, None]))
-        return knots

@@ -22,25 +22,13 @@ def pose(state: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.concatenate([state[..., :3], ahead], axis=-1)
 
 
-def others(
-    span: NDArray[np.integer],
-    me: NDArray[np.integer],
-    state: NDArray[np.float32],
-    there: NDArray[np.bool_],
-    size: NDArray[np.float32],
-    driven: NDArray[np.bool_],
-    count: int,
-) -> tuple[NDArray[np.float32], NDArray[np.bool_], NDArray[np.int64]]:
+@njit(cache=True)
+def others(span, me, state, there, size, driven, count):  # type: ignore[no-untyped-def]
     """The boxes nearest to vehicles `me` (R,), each itself first: (R, T, count, OTHER_FEATURES), whether there, which box.
 
     Of R vehicles those of the same scene are the boxes `span` (R, 2) from, to; all boxes at T moments: `state` (X, T, 4) x, y,
     heading, speed, `there` (X, T), `size` (X, 2), `driven` (X,).
     """
-    return _others(span, me, state, there, size, driven, count)  # type: ignore[no-any-return]
-
-
-@njit(cache=True)
-def _others(span, me, state, there, size, driven, count):  # type: ignore[no-untyped-def]
     steps = state.shape[1]
     out = np.zeros((len(me), steps, count, OTHER_FEATURES), np.float32)
     seen = np.zeros((len(me), steps, count), np.bool_)

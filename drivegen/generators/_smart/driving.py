@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 
 from drivegen.core.scenario import DT, Scenario, Trajectories
-from drivegen.generators._smart.around import LOOK, PIECE, others, pose
-from drivegen.generators._smart.learning import own_features
+from drivegen.generators._smart.around import PIECE
+from drivegen.generators._smart.learning import seen_from
 from drivegen.generators._smart.net import Seen, SmartNet
 from drivegen.generators._smart.tokens import SPAN, STILL, gone, logged, pace
 from drivegen.generators.shared.closed_loop import Tracks
@@ -56,21 +55,11 @@ class Driver:
         pace_of = np.hypot(*tracks.velocity[:, step].T)
         pace_of[box] = speed
         state = np.column_stack([tracks.position[:, step], tracks.heading[:, step], pace_of]).astype(np.float32)
-        zero, fresh = np.zeros(len(box), np.int64), np.full((len(box), 1), step == 0)
-        road, drawn_there = roads.around(pose(state[box]), zero, zero, self.counts[0], LOOK)
-        scene = tracks.scene(box)
-        span = np.stack([tracks.start[scene], tracks.start[scene + 1]], axis=1)
-        other, there, which = others(
-            span, box, state[:, None], tracks.valid[:, step, None], tracks.size, tracks.planned, self.counts[1]
-        )
-        number = np.full(len(state), -1, np.int64)
-        number[box] = np.arange(len(box))
-        age = np.full((len(box), 1), step * DT)
-        own = own_features(state[box, None, 3], tracks.size[box], tracks.kind[box], age, fresh)
-        arrays = (
-            token[:, None], own, state[box, None, :3], fresh, road[:, None], drawn_there[:, None], other, there, number[which]
+        scenes, there, of_each = np.arange(len(tracks.start) - 1), tracks.valid[:, step, None], (len(box), 1)
+        fresh, age, shown = np.full(of_each, step == 0), np.full(of_each, step * DT), np.zeros(of_each, np.int64)
+        return seen_from(
+            roads, self.counts, tracks, scenes, 0 * scenes, state[:, None], there, token[:, None], fresh, age, shown
         )  # fmt: skip
-        return Seen(*(torch.from_numpy(a) for a in arrays))
 
 
 def drawn(logit: NDArray[np.floating], chance: NDArray[np.float64], temperature: float, likely: float) -> NDArray[np.int64]:

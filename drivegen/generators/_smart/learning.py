@@ -19,13 +19,14 @@ from drivegen.generators._smart.around import LOOK, others, pose
 from drivegen.generators._smart.net import AGE, Seen
 from drivegen.generators._smart.tokens import SPAN, Vocabulary, gone, logged, pace, ways
 from drivegen.generators.shared.closed_loop import Tracks
-from drivegen.generators.shared.lanes import PACE, LaneVectors
+from drivegen.generators.shared.lanes import PACE, LaneVectors, Logs
+from drivegen.generators.shared.objective import Objective
 
 WORDS = 20
 """Tokens of a log that are learnt at most: 10 s."""
 
-HELD_OUT, HELD_OUT_CHUNK = 48, 8
-"""Validation scenes that the loss is taken over, and how many go through the network at once."""
+HELD_OUT = 48
+"""Validation scenes that the loss is taken over, at most."""
 
 
 @dataclass(frozen=True)
@@ -40,22 +41,6 @@ class Slips:
     share: Share
     nearest: Count
     cut: Share
-
-
-@dataclass(frozen=True)
-class Logs:
-    """Logged scenes: who is where, and the lanes."""
-
-    tracks: Tracks
-    roads: LaneVectors
-
-    def __len__(self) -> int:
-        return len(self.tracks.start) - 1
-
-    @classmethod
-    def none(cls) -> "Logs":
-        """No scene."""
-        return cls(Tracks.none(), LaneVectors.none())
 
 
 @dataclass(frozen=True)
@@ -102,28 +87,53 @@ def tokenise(
     return Sequences(pose, speed.astype(np.float32), token, fresh, target)
 
 
-def own_features(
-    speed: NDArray[np.float32], size: NDArray[np.float32], kind: NDArray[np.integer], age: NDArray[np.floating],
-    fresh: NDArray[np.bool_],
-) -> NDArray[np.float32]:  # fmt: skip
-    """(V, T, OWN_FEATURES) of speeds (V, T) [m/s], sizes (V, 2) [m], kinds (V,), ages (V, T) [s] and `fresh` (V, T)."""
-    fixed = np.concatenate([size / (5.0, 2.0), np.eye(len(VehicleKind))[kind]], axis=1)
-    fixed = np.broadcast_to(fixed[:, None], (*speed.shape, fixed.shape[1]))
-    return np.concatenate([np.stack([speed / PACE, age / AGE, fresh], axis=-1), fixed], axis=-1).astype(np.float32)
+def seen_from(
+    lanes: LaneVectors, counts: tuple[int, int], tracks: Tracks, scenes: NDArray[np.integer], maps: NDArray[np.integer],
+    state: NDArray[np.float32], there: NDArray[np.bool_], token: NDArray[np.integer], fresh: NDArray[np.bool_],
+    age: NDArray[np.floating], shown: NDArray[np.integer],
+) -> Seen:  # fmt: skip
+    """What the V vehicles of `scenes` (G,) of `tracks`, which lie on `maps` (G,) of `lanes`, see at T moments.
+
+    Of all boxes of these scenes, `state` (X, T, 4) x, y, heading, speed, and `there` (X, T). Of the vehicles, `token`, `fresh`,
+    `age` [s] since their first frame and the step whose signals are `shown` (V, T).
+    """
+    start, box = tracks.boxes(scenes)
+    row, moments = np.flatnonzero(tracks.planned[box]), state.shape[1]
+    group = np.searchsorted(start, row, side="right") - 1
+    fixed = np.concatenate([tracks.size[box[row]] / (5.0, 2.0), np.eye(len(VehicleKind))[tracks.kind[box[row]]]], axis=1)
+    changing = np.stack([state[row, :, 3] / PACE, age / AGE, fresh], axis=-1)
+    own = np.concatenate([changing, fixed[:, None].repeat(moments, axis=1)], axis=-1).astype(np.float32)
+    road, drawn = lanes.around(pose(state[row].reshape(-1, 4)), maps[group].repeat(moments), shown.reshape(-1), counts[0], LOOK)
+    span = np.stack([start[group], start[group + 1]], axis=1)
+    other, seen, who = others(span, row, state, there, tracks.size[box], tracks.planned[box], counts[1])
+    number = np.full(len(box), -1, np.int64)
+    number[row] = np.arange(len(row))
+    roads = (near.reshape(len(row), moments, *near.shape[1:]) for near in (road, drawn))
+    return Seen(*map(torch.from_numpy, (token, own, state[row, :, :3], fresh, *roads, other, seen, number[who])))
 
 
 class Examples:
-    """Scenes as sentences; `counts` are the pieces of road and the others that a vehicle sees."""
+    """Scenes as sentences, at most `most`, evenly spread; `counts` are the pieces of road and the others that a vehicle sees."""
 
-    def __init__(self, logs: Logs, words: Vocabulary, counts: tuple[int, int]) -> None:
+    def __init__(self, logs: Logs, words: Vocabulary, counts: tuple[int, int], most: int | None = None) -> None:
         self.logs, self.words, self.counts = logs, words, counts
+        count = len(logs)
+        self.scenes = np.linspace(0, count - 1, min(count, most or count)).astype(np.intp)
+
+    def __len__(self) -> int:
+        return len(self.scenes)
+
+    def plain(self, rows: NDArray[np.integer]) -> tuple[Seen, Tensor]:
+        """The batch of scenes `rows` (b,) from their first frames on, told without slips."""
+        zero = np.zeros(len(rows), np.int64)
+        return self.batch(rows, zero, zero, Slips(0.0, 1, 0.0), np.random.default_rng(0))
 
     def batch(
-        self, scenes: NDArray[np.integer], phase: NDArray[np.integer], cut: NDArray[np.integer], slips: Slips,
+        self, rows: NDArray[np.integer], phase: NDArray[np.integer], cut: NDArray[np.integer], slips: Slips,
         random: np.random.Generator,
     ) -> tuple[Seen, Tensor]:  # fmt: skip
-        """What the vehicles of `scenes` (b,) see, and their next tokens (V, T); they begin at step `phase` (b,)."""
-        tracks = self.logs.tracks
+        """What the vehicles of scenes `rows` (b,) see, and their next tokens (V, T); they begin at step `phase` (b,)."""
+        tracks, scenes = self.logs.tracks, self.scenes[rows]
         start, box = tracks.boxes(scenes)
         group = np.repeat(np.arange(len(scenes)), np.diff(start))
         moments = min(WORDS, max(1, (tracks.valid.shape[1] - 1) // SPAN))
@@ -134,19 +144,9 @@ class Examples:
         begun = np.where(np.arange(moments) >= cut[group[row], None], cut[group[row], None], 0)
         shown = phase[group[row], None] + SPAN * begun
         age = (np.arange(moments) - begun) * SPAN * DT
-        own = own_features(sequences.speed, tracks.size[box[row]], tracks.kind[box[row]], age, sequences.fresh)
-        scene = np.repeat(scenes[group[row]], moments)
-        road, drawn = self.logs.roads.around(pose(state[row].reshape(-1, 4)), scene, shown.reshape(-1), self.counts[0], LOOK)
-        span = np.stack([start[:-1], start[1:]], axis=1)[group[row]]
-        other, seen, who = others(span, row, state, there, tracks.size[box], tracks.planned[box], self.counts[1])
-        number = np.full(len(box), -1, np.int64)
-        number[row] = np.arange(len(row))
-        shape = (len(row), moments, -1)
-        arrays = (
-            sequences.token, own, sequences.pose, sequences.fresh, road.reshape(*shape, road.shape[-1]), drawn.reshape(shape),
-            other, seen, number[who],
-        )  # fmt: skip
-        return Seen(*(torch.from_numpy(a) for a in arrays)), torch.from_numpy(sequences.target)
+        token, fresh, lanes = sequences.token, sequences.fresh, self.logs.lanes
+        seen = seen_from(lanes, self.counts, tracks, scenes, scenes, state, there, token, fresh, age, shown)
+        return seen, torch.from_numpy(sequences.target)
 
     def _states(
         self, box: NDArray[np.integer], step: NDArray[np.integer], row: NDArray[np.integer], sequences: Sequences
@@ -159,39 +159,31 @@ class Examples:
         return state, tracks.valid[box[:, None], at] & (step == at)
 
 
-class SmartObjective:
-    """See `training.loop.Objective`: the cross-entropy of the next token."""
+class SmartObjective(Objective):
+    """The cross-entropy of the next token; held-out scenes are told from their first frame on, without slips."""
 
-    def __init__(self, train: Examples, validation: Examples, slips: Slips) -> None:
-        self.train, self.held_out, self.slips = train, validation, slips
-        self.size = len(train.logs)
+    chunk = 8
+
+    def __init__(self, train: Examples, held_out: Examples, slips: Slips) -> None:
+        super().__init__(train, held_out)
+        self.slips = slips
 
     def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:
         """A number (rows, 1) that the randomness of each scene hangs on."""
         return (torch.randint(2**31, (rows, 1), generator=generator),)
 
-    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:
-        """Mean over the tokens of the scenes; the first frame is one of the first SPAN steps."""
-        random = np.random.default_rng(drawn[0].cpu().flatten().tolist())
+    def mean(
+        self, model: nn.Module, examples: Examples, rows: NDArray[np.integer], device: torch.device, *drawn: Tensor
+    ) -> Tensor:
+        """Over the tokens of the scenes; what is drawn makes the first frame one of the first SPAN steps."""
+        seen, target = self._told(examples, rows, drawn[0]) if drawn else examples.plain(rows)
+        logit, _ = model(Seen(*(part.to(device) for part in seen)))
+        target = target.to(device)
+        labelled = target >= 0
+        return functional.cross_entropy(logit[labelled], target[labelled], reduction="sum") / labelled.sum().clamp_min(1)
+
+    def _told(self, examples: Examples, rows: NDArray[np.integer], drawn: Tensor) -> tuple[Seen, Tensor]:
+        random = np.random.default_rng(drawn.cpu().flatten().tolist())
         phase, cut = random.integers(0, SPAN, len(rows)), random.integers(1, WORDS, len(rows))
         cut[random.random(len(rows)) >= self.slips.cut] = 0
-        seen, target = self.train.batch(rows.cpu().numpy(), phase, cut, self.slips, random)
-        return _entropy(model, seen, target, rows.device)
-
-    def validation(self, model: nn.Module) -> float:
-        """Over scenes spread evenly over the validation logs, told without slips."""
-        count = len(self.held_out.logs)
-        chosen = np.unique(np.linspace(0, count - 1, min(count, HELD_OUT)).astype(np.intp))
-        losses, plain = [], Slips(0.0, 1, 0.0)
-        for low in range(0, len(chosen), HELD_OUT_CHUNK):
-            scenes = chosen[low : low + HELD_OUT_CHUNK]
-            zero = np.zeros(len(scenes), np.int64)
-            seen, target = self.held_out.batch(scenes, zero, zero, plain, np.random.default_rng(0))
-            losses.append((len(scenes), float(_entropy(model, seen, target, next(model.parameters()).device))))
-        return sum(n * loss for n, loss in losses) / len(chosen) if losses else float("nan")
-
-
-def _entropy(model: nn.Module, seen: Seen, target: Tensor, device: torch.device) -> Tensor:
-    logit, _ = model(Seen(*(part.to(device) for part in seen)))
-    labelled = target.to(device) >= 0
-    return functional.cross_entropy(logit[labelled], target.to(device)[labelled], reduction="sum") / labelled.sum().clamp_min(1)
+        return examples.batch(rows, phase, cut, self.slips, random)

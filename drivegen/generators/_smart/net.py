@@ -8,6 +8,7 @@ from torch import Tensor, nn
 from drivegen.core.scenario import DT
 from drivegen.generators._smart.around import OTHER_FEATURES
 from drivegen.generators._smart.tokens import CODE, RADIUS, SPAN
+from drivegen.generators.shared.attention import mlp
 from drivegen.generators.shared.lanes import LANE_FEATURES, PACE, REACH
 
 OWN_FEATURES = 11
@@ -82,7 +83,7 @@ class Layer(nn.Module):
         super().__init__()
         self.norms = nn.ModuleList([nn.LayerNorm(width) for _ in range(4)])
         self.looks = nn.ModuleList([Look(width, heads) for _ in range(3)])
-        self.feed = nn.Sequential(nn.Linear(width, 4 * width), nn.GELU(), nn.Linear(4 * width, width))
+        self.feed = mlp(width, 4 * width, width)
 
     def forward(
         self, x: Tensor, seen: Seen, codes: tuple[Tensor, ...], context: Tensor, back: Tensor, there: Tensor
@@ -113,13 +114,13 @@ class SmartNet(nn.Module):
         self.memory = memory
         self.register_buffer("way", torch.zeros(tokens, SPAN, 3))
         self.register_buffer("code", torch.zeros(tokens, CODE))
-        self.word, self.told = _encoder(CODE, width), nn.Linear(OWN_FEATURES, width)
+        self.word, self.told = mlp(CODE, width, width), nn.Linear(OWN_FEATURES, width)
         self.begin = nn.Parameter(0.02 * torch.randn(width))
-        self.past, self.road = _encoder(PAST_FEATURES, width), _encoder(LANE_FEATURES, width)
-        self.other = _encoder(OTHER_FEATURES, width)
+        self.past, self.road = mlp(PAST_FEATURES, width, width), mlp(LANE_FEATURES, width, width)
+        self.other = mlp(OTHER_FEATURES, width, width)
         self.layers = nn.ModuleList([Layer(width, heads) for _ in range(layers)])
-        self.head = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, 2 * width), nn.GELU(), nn.Linear(2 * width, width))
-        self.answer, self.expected = _encoder(CODE, width), nn.Linear(width, CODE + 1)
+        self.head = mlp(width, 2 * width, width, normed=True)
+        self.answer, self.expected = mlp(CODE, width, width), nn.Linear(width, CODE + 1)
         nn.init.zeros_(self.expected.weight)
         nn.init.zeros_(self.expected.bias)
 
@@ -162,10 +163,6 @@ class SmartNet(nn.Module):
         wanted = wanted - torch.arange(self.memory, device=fresh.device)
         begun = torch.where(fresh, torch.arange(fresh.shape[1], device=fresh.device), 0).cummax(dim=1).values[:, before:]
         return wanted.clamp_min(0), wanted >= begun[..., None]
-
-
-def _encoder(features: int, width: int) -> nn.Sequential:
-    return nn.Sequential(nn.Linear(features, width), nn.GELU(), nn.Linear(width, width))
 
 
 def _straight_on(speed: Tensor) -> Tensor:

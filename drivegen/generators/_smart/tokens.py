@@ -123,10 +123,6 @@ class Vocabulary:
         between[:, spare] = np.inf
         return np.asarray(between)
 
-    def match(self, way: NDArray[np.floating]) -> NDArray[np.intp]:
-        """(R,) the token nearest to each of ways (R, SPAN, 3)."""
-        return np.asarray(self.distances(way).argmin(axis=1))
-
     def disturbed(self, between: NDArray[np.float32], nearest: int, random: np.random.Generator) -> NDArray[np.intp]:
         """(R,) one of the `nearest` tokens by distances (R, W), each as likely; the nearest of all in place of one beyond _SLIP.
 

@@ -16,14 +16,14 @@ from drivegen.core.geometry import rotate, unit, wrap_angle
 from drivegen.core.scenario import DT
 from drivegen.core.settings import NotNegative, Share
 from drivegen.generators._trafficgen.net import KNOT, Modes
-from drivegen.generators._trafficgen.placement import PlacementExamples, Regions, placement_loss
+from drivegen.generators._trafficgen.placement import PlacementExamples, Regions, Wanted, placement_loss
 from drivegen.generators._trafficgen.vectors import Surroundings
-from drivegen.generators.shared.closed_loop import Tracks
-from drivegen.generators.shared.lanes import LaneVectors
+from drivegen.generators.shared.lanes import Logs
 from drivegen.generators.shared.moments import Moments
+from drivegen.generators.shared.objective import Objective
 
-HELD_OUT, HELD_OUT_CHUNK = 1024, 256
-"""Validation examples that the loss is taken over, drawn once, and how many go through the network at once."""
+HELD_OUT = 1024
+"""Validation examples that the loss is taken over, at most."""
 
 RECOVERY = 3.0
 """[s] in which who was disturbed is to be back on the logged way."""
@@ -59,22 +59,6 @@ class Disturbance:
         return np.column_stack([place, heading + turned, rotate(velocity, turned)]).astype(np.float32)
 
 
-@dataclass(frozen=True)
-class Logs:
-    """Logged scenes: who is where, and the lanes."""
-
-    tracks: Tracks
-    vectors: LaneVectors
-
-    def __len__(self) -> int:
-        return len(self.tracks.start) - 1
-
-    @classmethod
-    def none(cls) -> "Logs":
-        """No scene."""
-        return cls(Tracks.none(), LaneVectors.none())
-
-
 class MotionExamples:
     """Vehicles at steps: surroundings and what they did next, at Q `knots`; at most `most`, evenly spread."""
 
@@ -92,14 +76,9 @@ class MotionExamples:
 
     def surroundings(self, rows: NDArray[np.integer], state: NDArray[np.float32]) -> tuple[Tensor, ...]:
         """Inputs of the network for examples `rows` (b,) that are in `state` (b, 5), the others where the log has them."""
-        tracks, (logged, step) = self.logs.tracks, self.moments[rows]
-        scene = tracks.scene(logged)
-        crowd = tracks.at(scene, step)
-        box = crowd.start[:-1] + logged - tracks.start[scene]
+        crowd, box = self.moments.crowds(rows)
         crowd.state[box] = state
-        group = np.arange(len(rows))
-        around = Surroundings.of(self.logs.vectors, crowd, group, box, scene, step, self.counts, self.look)
-        return tuple(torch.from_numpy(a) for a in (around.lanes, around.lane_there, around.boxes, around.box_there))
+        return Surroundings.of(self.logs.lanes, crowd, box, self.counts, self.look).tensors()
 
     def future(self, rows: NDArray[np.integer], state: NDArray[np.float32]) -> tuple[Tensor, ...]:
         """Place (b, Q, 2), velocity (b, Q, 2) and turn (b, Q) at the knots, in the frames of `state`, and whether it was seen.
@@ -144,47 +123,37 @@ def motion_loss(modes: Modes, place: Tensor, velocity: Tensor, turn: Tensor, see
     return motion + turning + functional.cross_entropy(modes.logit, best)
 
 
-class TrafficGenObjective:
-    """See `training.loop.Objective`: the loss of the motion, and beside it that of the placement, which shares no weights."""
+class TrafficGenObjective(Objective):
+    """The loss of the motion, and beside it that of the placement, which shares no weights: one of every PLACEMENT_EVERY rows
+    is one of placement, too. Examples that are held out are begun as logged, and nobody is placed.
+    """
+
+    chunk = 256
 
     def __init__(
-        self, train: MotionExamples, validation: MotionExamples, placement: PlacementExamples, disturbance: Disturbance
+        self, train: MotionExamples, held_out: MotionExamples, placement: PlacementExamples, disturbance: Disturbance
     ) -> None:
-        self.train, self.held_out, self.placement, self.disturbance = train, validation, placement, disturbance
-        self.size = len(train)
+        super().__init__(train, held_out)
+        self.placement, self.disturbance = placement, disturbance
 
     def draw(self, rows: int, generator: torch.Generator) -> tuple[Tensor, ...]:
         """In [0, 1): how a row is disturbed (3), which scene it places vehicles in and what share of them is given (2)."""
         return torch.rand(rows, 3, generator=generator), torch.rand(rows, 2, generator=generator)
 
-    def loss(self, model: nn.Module, rows: Tensor, *drawn: Tensor) -> Tensor:
-        """Mean over the examples; every PLACEMENT_EVERY-th row is one of placement, too."""
-        disturbed, chance = (part.cpu().numpy() for part in drawn)
-        numbers = rows.cpu().numpy()
-        state = self.disturbance.of(self.train.logged(numbers), disturbed)
-        placed = self._placed(model, chance[::PLACEMENT_EVERY], rows.device)
-        return self._loss(model, self.train, numbers, state, rows.device) + PLACEMENT_WEIGHT * placed
-
-    def validation(self, model: nn.Module) -> float:
-        """That of the motion alone, over examples spread evenly over the validation logs, begun as logged."""
-        count, device = len(self.held_out), next(model.parameters()).device
-        parts = [np.arange(low, min(low + HELD_OUT_CHUNK, count)) for low in range(0, count, HELD_OUT_CHUNK)]
-        each = [(rows, self._loss(model, self.held_out, rows, self.held_out.logged(rows), device)) for rows in parts]
-        return sum(len(rows) * float(loss) for rows, loss in each) / count if count else float("nan")
-
-    def _loss(
-        self,
-        model: nn.Module,
-        examples: MotionExamples,
-        rows: NDArray[np.integer],
-        state: NDArray[np.float32],
-        device: torch.device,
+    def mean(
+        self, model: nn.Module, examples: MotionExamples, rows: NDArray[np.integer], device: torch.device, *drawn: Tensor
     ) -> Tensor:
+        """See `Objective`."""
+        state = examples.logged(rows)
+        if drawn:
+            state = self.disturbance.of(state, drawn[0].cpu().numpy())
         modes = model("motion", *(t.to(device) for t in examples.surroundings(rows, state)))
-        return motion_loss(Modes(*modes), *(t.to(device) for t in examples.future(rows, state)))
+        motion = motion_loss(Modes(*modes), *(t.to(device) for t in examples.future(rows, state)))
+        return motion + PLACEMENT_WEIGHT * self._placed(model, drawn[1][::PLACEMENT_EVERY], device) if drawn else motion
 
-    def _placed(self, model: nn.Module, chance: NDArray[np.floating], device: torch.device) -> Tensor:
-        """Loss of the placement for examples and shares drawn by `chance` (b, 2)."""
+    def _placed(self, model: nn.Module, drawn: Tensor, device: torch.device) -> Tensor:
+        """Loss of the placement for examples and shares drawn by `drawn` (b, 2)."""
+        chance = drawn.cpu().numpy()
         inputs, wanted = self.placement.of((chance[:, 0] * len(self.placement.moments)).astype(np.intp), chance[:, 1])
         regions = Regions(*model("placement", *(t.to(device) for t in inputs)))
-        return placement_loss(regions, wanted.to(device))
+        return placement_loss(regions, Wanted(*(t.to(device) for t in wanted)))

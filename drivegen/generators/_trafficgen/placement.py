@@ -6,7 +6,7 @@ large; who overlaps is drawn anew. What is reduced: one mixture of independent G
 of one each, and as many regions as `placement_lanes` says.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import fields, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
-from drivegen.core.geometry import boxes_overlap, wrap_angle
+from drivegen.core.geometry import boxes_overlap, unit, wrap_angle
 from drivegen.core.scenario import TARGET, Scenario, SizeSource, VehicleKind, Vehicles
 from drivegen.generators._trafficgen.net import Encoder
 from drivegen.generators._trafficgen.vectors import Surroundings
-from drivegen.generators.shared.closed_loop import Crowd, Tracks
-from drivegen.generators.shared.lanes import REACH, LaneVectors
+from drivegen.generators.shared.closed_loop import Crowd
+from drivegen.generators.shared.lanes import REACH, LaneVectors, Logs
 from drivegen.generators.shared.moments import Moments
 
 ATTRIBUTES = 6
@@ -75,8 +75,7 @@ class PlacementNet(nn.Module):
         return Regions(odds[..., 0].masked_fill(~lane_there, -1e4), weight, mixture[..., 1 : 1 + ATTRIBUTES], sigma, kind)
 
 
-@dataclass(frozen=True)
-class Wanted:
+class Wanted(NamedTuple):
     """Where vehicles are that are not placed yet: region (B, W) and whether there is one (B, W), attributes (B, W, ATTRIBUTES),
     number in KINDS (B, W).
     """
@@ -86,19 +85,14 @@ class Wanted:
     attributes: Tensor
     kind: Tensor
 
-    def to(self, device: torch.device) -> "Wanted":
-        """The same on `device`."""
-        return Wanted(*(getattr(self, name).to(device) for name in ("region", "there", "attributes", "kind")))
-
 
 def placement_loss(regions: Regions, wanted: Wanted) -> Tensor:
     """Binary cross-entropy of the regions, and likelihood of the attributes and kinds in those with a vehicle."""
-    rows = torch.arange(len(wanted.region), device=wanted.region.device)[:, None]
+    at = (wanted.there.nonzero()[:, 0], wanted.region[wanted.there])
     filled = torch.zeros_like(regions.odds)
-    filled[rows.expand_as(wanted.region)[wanted.there], wanted.region[wanted.there]] = 1.0
+    filled[at] = 1.0
     real = regions.odds > -1e4
     odds = functional.binary_cross_entropy_with_logits(regions.odds[real], filled[real], reduction="sum") / len(filled)
-    at = (rows.expand_as(wanted.region)[wanted.there], wanted.region[wanted.there])
     if not len(at[0]):
         return odds
     gap = (wanted.attributes[wanted.there][:, None] - regions.mean[at]) / regions.sigma[at].exp()
@@ -109,25 +103,22 @@ def placement_loss(regions: Regions, wanted: Wanted) -> Tensor:
 class PlacementExamples:
     """Scenes at steps at which their target is seen; of the other vehicles some are given and some are to be placed."""
 
-    def __init__(self, tracks: Tracks, vectors: LaneVectors, counts: tuple[int, int]) -> None:
-        self.tracks, self.vectors, self.counts = tracks, vectors, counts
-        self.moments = Moments(tracks, 1, 0, boxes=tracks.start[:-1])
+    def __init__(self, logs: Logs, counts: tuple[int, int]) -> None:
+        self.lanes, self.counts = logs.lanes, counts
+        self.moments = Moments(logs.tracks, 1, 0, boxes=logs.tracks.start[:-1])
 
     def of(self, rows: NDArray[np.integer], share: NDArray[np.floating]) -> tuple[tuple[Tensor, ...], Wanted]:
         """Inputs and what is wanted for examples `rows` (b,), of whose vehicles about `share` (b,) are given."""
-        target, step = self.moments[rows]
-        scene = self.tracks.scene(target)
-        crowd = self.tracks.at(scene, step)
-        first, group = crowd.start[:-1], np.repeat(np.arange(len(rows)), np.diff(crowd.start))
-        within = np.arange(crowd.start[-1]) - first[group]
+        crowd, first = self.moments.crowds(rows)
+        every = np.arange(crowd.start[-1])
+        group = crowd.group(every)
+        within = every - first[group]
         given = (within * 0.61803398875 + 7 * share[group]) % 1.0 < share[group]  # spread evenly, another subset for each share
         given[first] = True
         shown = replace(crowd, there=crowd.there & given)
-        around = Surroundings.of(self.vectors, shown, np.arange(len(rows)), first, scene, step, self.counts, 0.0)
-        box = target[group] + within
+        around = Surroundings.of(self.lanes, shown, first, self.counts, 0.0)
         asked = np.flatnonzero(crowd.there & crowd.planned & ~given)
-        wanted = _wanted(around, crowd, first, group[asked], asked, self.tracks.kind[box[asked]])
-        return _tensors(around), wanted
+        return around.tensors(), _wanted(around, crowd, first, group[asked], asked)
 
 
 def _wanted(
@@ -136,13 +127,10 @@ def _wanted(
     first: NDArray[np.integer],
     group: NDArray[np.integer],
     asked: NDArray[np.integer],
-    kind: NDArray[np.uint8],
 ) -> Wanted:
     """The region of each vehicle `asked` (n,) of `group` (n,), one vehicle per region."""
-    origin = crowd.state[first[group]]
-    along, across, length, turned = _against(around.lanes[group], origin, crowd.state[asked])
-    inside = (along >= 0) & (along <= length) & (np.abs(across) < WITHIN) & (np.abs(turned) < AGREEING)
-    inside &= around.lane_there[group]
+    on, part, across, turned = _against(around.lanes[group], crowd.state[first[group]], crowd.state[asked])
+    inside = on & around.lane_there[group]
     region = np.where(inside, np.abs(across), np.inf).argmin(axis=1)
     n = np.arange(len(asked))
     on_one = inside[n, region]
@@ -150,26 +138,22 @@ def _wanted(
     kept = np.zeros(len(asked), np.bool_)
     kept[single] = True
     kept &= on_one
-    columns = [along[n, region] / length[n, region], across[n, region], turned[n, region]]
+    columns = [of_region[n, region] for of_region in (part, across, turned)]
     speed = np.hypot(crowd.state[asked, 3], crowd.state[asked, 4]) / 10
     attributes = np.column_stack([*columns, speed, crowd.size[asked, 0] / 5, crowd.size[asked, 1] / 2]).astype(np.float32)
     column = n - np.searchsorted(group, group)
     shape = len(first), int(column.max(initial=0)) + 1
-    out = [
-        np.zeros(shape, np.int64),
-        np.zeros(shape, np.bool_),
-        np.zeros((*shape, ATTRIBUTES), np.float32),
-        np.zeros(shape, np.int64),
-    ]
-    for array, values in zip(out, (region, kept, attributes, np.minimum(kind, len(KINDS) - 1)), strict=True):
-        array[group, column] = values
-    return Wanted(*(torch.from_numpy(array) for array in out))
+    out = []
+    for values in (region, kept, attributes, np.minimum(crowd.kind[asked], len(KINDS) - 1).astype(np.int64)):
+        out.append(np.zeros((*shape, *values.shape[1:]), values.dtype))
+        out[-1][group, column] = values
+    return Wanted(*map(torch.from_numpy, out))
 
 
 def _against(
     lanes: NDArray[np.float32], origin: NDArray[np.float32], state: NDArray[np.float32]
-) -> tuple[NDArray[np.floating], ...]:
-    """(n, V) way along and offset to the left of each region [m], its length [m], heading against it [rad]."""
+) -> tuple[NDArray[np.bool_], NDArray[np.floating], NDArray[np.floating], NDArray[np.floating]]:
+    """(n, V) whether somebody is on each region, part of it passed, offset to its left [m], heading against it [rad]."""
     cos, sin = np.cos(origin[:, 2]), np.sin(origin[:, 2])
     dx, dy = state[:, 0] - origin[:, 0], state[:, 1] - origin[:, 1]
     x, y = (cos * dx + sin * dy)[:, None], (cos * dy - sin * dx)[:, None]
@@ -177,7 +161,9 @@ def _against(
     ux, uy = lanes[..., 4], lanes[..., 5]
     gx, gy = x - begin[..., 0], y - begin[..., 1]
     turned = wrap_angle((state[:, 2] - origin[:, 2])[:, None] - np.arctan2(uy, ux))
-    return ux * gx + uy * gy, ux * gy - uy * gx, np.maximum(np.hypot(*np.moveaxis(end - begin, -1, 0)), 0.1), turned
+    along, across, length = ux * gx + uy * gy, ux * gy - uy * gx, np.maximum(np.hypot(*np.moveaxis(end - begin, -1, 0)), 0.1)
+    on = (along >= 0) & (along <= length) & (np.abs(across) < WITHIN) & (np.abs(turned) < AGREEING)
+    return on, along / length, across, turned
 
 
 def place(
@@ -187,29 +173,21 @@ def place(
 
     Of the scenario, map, target and signals at step 0 are read.
     """
-    vectors = LaneVectors.of([scenario], piece)
+    lanes = LaneVectors.of([scenario], piece)
     placed, used = scenario.vehicles[:1], np.zeros(counts[0], np.bool_)
     with torch.inference_mode():
         while len(placed) < count:
             crowd = _crowd(placed)
-            zero = np.zeros(1, np.int64)
-            around = Surroundings.of(vectors, crowd, zero, zero, zero, zero, counts, 0.0)
+            around = Surroundings.of(lanes, crowd, np.zeros(1, np.int64), counts, 0.0)
             used |= ~around.lane_there[0]
             if len(placed) == 1:
-                used |= _taken(around, crowd)
-            regions = Regions(*(part[0].double() for part in net(*_tensors(around))))
+                used |= _against(around.lanes, crowd.state, crowd.state)[0][0]
+            regions = Regions(*(part[0].double() for part in net(*around.tensors())))
             fresh = _draw(regions, around.lanes[0], used, placed, random)
             if fresh is None:
                 return placed
             placed = _with(placed, fresh)
     return placed
-
-
-def _taken(around: Surroundings, crowd: Crowd) -> NDArray[np.bool_]:
-    """(V,) regions that the target stands on."""
-    along, across, length, turned = (a[0] for a in _against(around.lanes[:1], crowd.state[:1], crowd.state[:1]))
-    taken = (along >= 0) & (along <= length) & (np.abs(across) < WITHIN) & (np.abs(turned) < AGREEING)
-    return np.asarray(taken)
 
 
 def _draw(
@@ -254,20 +232,15 @@ def _vehicle(lane: NDArray[np.float32], attributes: NDArray[np.float64], kind: V
 
 
 def _with(placed: Vehicles, fresh: Vehicles) -> Vehicles:
-    names = ("track_id", "kind", "size", "size_source", "position", "heading", "speed")
-    return Vehicles(*(np.concatenate([getattr(placed, n), getattr(fresh, n)]) for n in names))
+    return Vehicles(*(np.concatenate([getattr(placed, f.name), getattr(fresh, f.name)]) for f in fields(Vehicles)))
 
 
 def _crowd(placed: Vehicles) -> Crowd:
-    velocity = np.column_stack([np.cos(placed.heading), np.sin(placed.heading)]) * placed.speed[:, None]
+    velocity = unit(placed.heading) * placed.speed[:, None]
     state = np.column_stack([placed.position, placed.heading, velocity]).astype(np.float32)
-    there = np.ones(len(placed), np.bool_)
-    return Crowd(np.array([0, len(placed)]), state, there, there, placed.size[:, :2])
+    there, zero = np.ones(len(placed), np.bool_), np.zeros(1, np.int64)
+    return Crowd(np.array([0, len(placed)]), zero, zero, state, there, there, placed.size[:, :2], placed.kind)
 
 
 def _normalised(chance: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(chance / chance.sum())
-
-
-def _tensors(around: Surroundings) -> tuple[Tensor, ...]:
-    return tuple(torch.from_numpy(a) for a in (around.lanes, around.lane_there, around.boxes, around.box_there))

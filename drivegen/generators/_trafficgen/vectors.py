@@ -1,11 +1,12 @@
 """What TrafficGen's encoder is told about a vehicle: pieces of lanes and boxes around it, in its own frame."""
 
-from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
+import torch
 from numba import njit
 from numpy.typing import NDArray
+from torch import Tensor
 
 from drivegen.generators.shared.closed_loop import Crowd
 from drivegen.generators.shared.lanes import NEAR, PACE, REACH, LaneVectors, nearest
@@ -15,8 +16,7 @@ BOX_FEATURES = 13
 more on the finer scale of NEAR."""
 
 
-@dataclass(frozen=True)
-class Surroundings:
+class Surroundings(NamedTuple):
     """Inputs of the encoder for R vehicles.
 
     Attributes:
@@ -30,24 +30,19 @@ class Surroundings:
     box_there: NDArray[np.bool_]
 
     @classmethod
-    def of(
-        cls,
-        vectors: LaneVectors,
-        crowd: Crowd,
-        group: NDArray[np.integer],
-        box: NDArray[np.integer],
-        scene: NDArray[np.integer],
-        step: NDArray[np.integer],
-        counts: tuple[int, int],
-        look: float,
-    ) -> Self:
-        """Around vehicles `box` (R,) of the crowd's `group` (R,), on the map of `scene` (R,) at `step` (R,).
+    def of(cls, lanes: LaneVectors, crowd: Crowd, box: NDArray[np.integer], counts: tuple[int, int], look: float) -> Self:
+        """Around vehicles `box` (R,) of the crowd.
 
         `counts` are V and A: the lane pieces nearest to where the vehicle will be in `look` seconds, the boxes nearest to it.
         """
-        lanes, lane_there = vectors.around(crowd.state[box], scene, step, counts[0], look)
+        group = crowd.group(box)
+        near, near_there = lanes.around(crowd.state[box], crowd.scene[group], crowd.step[group], counts[0], look)
         boxes, box_there = _boxes(crowd.start, crowd.state, crowd.there, crowd.planned, crowd.size, group, box, counts[1])
-        return cls(lanes, lane_there, boxes, box_there)
+        return cls(near, near_there, boxes, box_there)
+
+    def tensors(self) -> tuple[Tensor, ...]:
+        """The same as tensors."""
+        return tuple(map(torch.from_numpy, self))
 
 
 @njit(cache=True)

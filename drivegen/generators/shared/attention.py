@@ -1,8 +1,18 @@
 """Attention over any one axis of a tensor, with masks and relations between pairs (Vaswani et al. 2017)."""
 
+from itertools import pairwise
+
 import torch
 from torch import Tensor, nn
 from torch.nn.functional import scaled_dot_product_attention
+
+
+def mlp(*sizes: int, normed: bool = False) -> nn.Sequential:
+    """Linear layers from size to size with GELU between them, behind a normalisation if `normed`."""
+    layers: list[nn.Module] = [nn.LayerNorm(sizes[0])] if normed else []
+    for given, wanted in pairwise(sizes):
+        layers += [nn.Linear(given, wanted), nn.GELU()]
+    return nn.Sequential(*layers[:-1])
 
 
 class Attention(nn.Module):
@@ -40,7 +50,7 @@ class Block(nn.Module):
         super().__init__()
         self.before, self.between = nn.LayerNorm(width), nn.LayerNorm(width)
         self.attention = Attention(width, heads)
-        self.feed = nn.Sequential(nn.Linear(width, 2 * width), nn.GELU(), nn.Linear(2 * width, width))
+        self.feed = mlp(width, 2 * width, width)
 
     def forward(self, x: Tensor, things: Tensor | None = None, there: Tensor | None = None, bias: Tensor | None = None) -> Tensor:
         """x (..., Q, width) after attending to `things` (already normalised), or to one another where there are none."""

@@ -11,14 +11,10 @@ from typing import Annotated, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import unit
 from drivegen.core.samples import Samples
-from drivegen.core.scenario import Actors, Scenario, Trajectories, Vehicles
-from drivegen.core.settings import expect_multiple
-from drivegen.store.columns import Starts
-
-_MOVING = ("position", "velocity", "heading", "valid")
+from drivegen.core.scenario import Scenario, Trajectories
+from drivegen.store.columns import Starts, joined
 
 
 @dataclass(frozen=True)
@@ -26,17 +22,24 @@ class Crowd:
     """All boxes of G groups at one instant each.
 
     Attributes:
-        start: (G + 1,) int64 first box of each group, X at the end.
+        start: (G + 1,) int64 first box of each group, X at the end. scene, step: (G,) the map that each is on, and the instant.
         state: (X, 5) float32 x, y [m], heading [rad], velocity x, y [m/s] in the map's frame.
         there: (X,) bool seen at that instant. planned: (X,) bool a vehicle, not a context actor.
-        size: (X, 2) float32 length, width [m].
+        size: (X, 2) float32 length, width [m]. kind: (X,) uint8 VehicleKind.
     """
 
     start: NDArray[np.int64]
+    scene: NDArray[np.integer]
+    step: NDArray[np.integer]
     state: NDArray[np.float32]
     there: NDArray[np.bool_]
     planned: NDArray[np.bool_]
     size: NDArray[np.float32]
+    kind: NDArray[np.uint8]
+
+    def group(self, box: NDArray[np.integer]) -> NDArray[np.int64]:
+        """The group of each of `box` (R,)."""
+        return np.asarray(np.searchsorted(self.start, box, side="right") - 1)
 
 
 @dataclass(frozen=True)
@@ -61,44 +64,28 @@ class Tracks:
     @classmethod
     def of_logs(cls, scenarios: Sequence[Scenario]) -> Self:
         """The logs of scenarios that have one."""
-        return cls._of([(s.vehicles, s.log, s.context) for s in scenarios if s.log is not None])
+        return joined(cls, [cls._of(s, s.log) for s in scenarios if s.log is not None])
 
     @classmethod
     def of_beginnings(cls, scenarios: Sequence[Scenario], copies: int) -> Self:
         """`copies` copies of each scenario side by side; of the vehicles there is the first frame, nothing else."""
-        return cls._of([(s.vehicles, _beginning(s), s.context) for s in scenarios for _ in range(copies)])
+        return joined(cls, [one for s in scenarios for one in [cls._of(s, _beginning(s))] * copies])
 
     @classmethod
-    def _of(cls, scenes: list[tuple[Vehicles, Trajectories, Actors]]) -> Self:
-        counts = [(len(vehicles), len(actors)) for vehicles, _, actors in scenes]
-        steps = max((motion.steps for _, motion, _ in scenes), default=1)
-        start = np.cumsum([0, *(n + a for n, a in counts)])
-        made = cls(
-            start,
-            np.zeros(start[-1], np.bool_),
-            np.zeros((start[-1], 2), np.float32),
-            np.zeros(start[-1], np.uint8),
-            np.zeros((start[-1], steps, 2), np.float32),
-            np.zeros((start[-1], steps, 2), np.float32),
-            np.zeros((start[-1], steps), np.float32),
-            np.zeros((start[-1], steps), np.bool_),
-        )
-        for row, (vehicles, motion, actors) in zip(start[:-1].tolist(), scenes, strict=True):
-            made.planned[row : row + len(vehicles)] = True
-            made._fill(row, vehicles, motion)
-            made._fill(row + len(vehicles), actors, actors.motion)
-        return made
-
-    def _fill(self, row: int, boxes: Vehicles | Actors, motion: Trajectories) -> None:
-        part = slice(row, row + len(boxes)), slice(0, motion.steps)
-        self.size[part[0]], self.kind[part[0]] = boxes.size[:, :2], boxes.kind
-        for name in _MOVING:
-            getattr(self, name)[part] = getattr(motion, name)
+    def _of(cls, scenario: Scenario, motion: Trajectories) -> Self:
+        """One scene, in which the vehicles move like that."""
+        vehicles, actors = scenario.vehicles, scenario.context
+        size, kind = np.concatenate([vehicles.size, actors.size]), np.concatenate([vehicles.kind, actors.kind])
+        every, planned = Trajectories.joined([motion, actors.motion]), np.arange(len(kind)) < len(vehicles)
+        start = np.array([0, len(kind)])
+        return cls(start, planned, size[:, :2], kind, every.position, every.velocity, every.heading, every.valid)
 
     @classmethod
     def none(cls) -> Self:
         """No scene."""
-        return cls._of([])
+        still, size, kind = Trajectories.empty(0, 1), np.zeros((0, 2), np.float32), np.zeros(0, np.uint8)
+        start, planned = np.zeros(1, np.int64), np.zeros(0, np.bool_)
+        return cls(start, planned, size, kind, still.position, still.velocity, still.heading, still.valid)
 
     def scene(self, box: NDArray[np.integer]) -> NDArray[np.int64]:
         """The scene of each of `box` (R,)."""
@@ -110,12 +97,13 @@ class Tracks:
         start = np.concatenate([[0], np.cumsum(count)])
         return start, np.arange(start[-1]) + np.repeat(self.start[scene] - start[:-1], count)
 
-    def at(self, scene: NDArray[np.integer], step: NDArray[np.integer]) -> Crowd:
-        """The boxes of each of `scene` (G,) at its `step` (G,)."""
+    def at(self, scene: NDArray[np.integer], step: NDArray[np.integer], copies: int = 1) -> Crowd:
+        """The boxes of each of `scene` (G,) at its `step` (G,); `copies` of them are on each map."""
         start, box = self.boxes(scene)
         when = np.repeat(step, np.diff(start))
         columns = (self.position[box, when], self.heading[box, when, None], self.velocity[box, when])
-        return Crowd(start, np.concatenate(columns, axis=1), self.valid[box, when], self.planned[box], self.size[box])
+        state, there = np.concatenate(columns, axis=1), self.valid[box, when]
+        return Crowd(start, scene // copies, step, state, there, self.planned[box], self.size[box], self.kind[box])
 
     def drive(self, box: NDArray[np.integer], step: int, motion: Trajectories) -> None:
         """Write how `box` (R,) go on after `step`: motion (R, C), cut off where the scenes end."""
@@ -134,14 +122,6 @@ class Tracks:
             motion = Trajectories(self.position[box], self.heading[box], self.velocity[box], self.valid[box])
             made.append(Samples.without_goals(scenario.scenario_id, method, motion.until(scenario.steps)))
         return made
-
-
-def expect_commits(place: str, horizon: int, commit: int, every: int) -> None:
-    """Raise UnusableInput unless `commit` is at most `horizon`, and both settings of `place` are multiples of `every`."""
-    for name, steps in (("horizon", horizon), ("commit", commit)):
-        expect_multiple(f"{place}.{name}", steps, every)
-    if commit > horizon:
-        raise UnusableInput(f"{place}.commit must be at most horizon, {horizon}, not {commit}")
 
 
 def _beginning(scenario: Scenario) -> Trajectories:

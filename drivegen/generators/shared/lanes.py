@@ -15,6 +15,7 @@ from drivegen.core.geometry import resample
 from drivegen.core.roadmap import LaneControl, RoadMap
 from drivegen.core.scenario import Scenario
 from drivegen.core.signals import SignalState
+from drivegen.generators.shared.closed_loop import Tracks
 from drivegen.store.columns import Held, Rows, Starts, joined
 
 LANE_FEATURES = 15
@@ -86,6 +87,28 @@ class LaneVectors:
         """
         step = np.minimum(step, self.state.shape[1] - 1)
         return _lanes(self.start, self.ends, self.static, self.signal, self.state, pose, scene, step, count, look)  # type: ignore[no-any-return]
+
+
+@dataclass(frozen=True)
+class Logs:
+    """Logged scenes: who is where, and the lanes."""
+
+    tracks: Tracks
+    lanes: LaneVectors
+
+    def __len__(self) -> int:
+        return len(self.tracks.start) - 1
+
+    @classmethod
+    def of(cls, scenarios: Sequence[Scenario], length: float) -> "Logs":
+        """Those of scenarios that have a log; pieces of about `length` [m]."""
+        logged = [s for s in scenarios if s.log is not None]
+        return cls(Tracks.of_logs(logged), LaneVectors.of(logged, length))
+
+    @classmethod
+    def none(cls) -> "Logs":
+        """No scene."""
+        return cls(Tracks.none(), LaneVectors.none())
 
 
 def pieces(road_map: RoadMap, length: float) -> tuple[NDArray[np.intp], NDArray[np.float32]]:

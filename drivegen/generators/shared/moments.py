@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegen.generators.shared.closed_loop import Tracks
+from drivegen.generators.shared.closed_loop import Crowd, Tracks
 
 CHUNK = 4096
 """Boxes that are counted at once."""
@@ -38,6 +38,13 @@ class Moments:
         before = np.cumsum(self._learnable(number), axis=1)
         step = self.steps[(before <= (rows - self._before[number])[:, None]).sum(axis=1)]
         return number if self.boxes is None else self.boxes[number], step
+
+    def crowds(self, rows: NDArray[np.integer]) -> tuple[Crowd, NDArray[np.int64]]:
+        """Everybody in the scene of each of the moments `rows` (b,), a group each, and the box (b,) there that it is of."""
+        box, step = self[rows]
+        scene = self.tracks.scene(box)
+        crowd = self.tracks.at(scene, step)
+        return crowd, crowd.start[:-1] + box - self.tracks.start[scene]
 
     def _learnable(self, number: NDArray[np.integer]) -> NDArray[np.bool_]:
         """(b, steps)."""

@@ -7,8 +7,9 @@ Headings follow the motion and are held while it is too slow to tell; what stand
 from functools import cache
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
-from torch import Tensor
+from torch import Tensor, nn
 
 from drivegen.core.geometry import rotate
 from drivegen.core.scenario import DT, Scenario, Trajectories
@@ -24,6 +25,9 @@ DEGREES = 7
 
 SLOW = 0.5
 """[m/s] Below this speed a direction of motion says nothing about the heading."""
+
+SPREAD = 30.0
+"""[m] of one unit of a network's output at the end of the future."""
 
 PARKED_SPEED, PARKED_WAY = 0.3, 1.0
 """[m/s], [m] A vehicle that stands and gets no farther than this stays exactly where it is."""
@@ -72,6 +76,23 @@ def smoothing_table() -> NDArray[np.float64]:
     curves = share[:, None] ** 2 * np.polynomial.legendre.legvander(2 * share - 1, DEGREES - 1)
     basis, _ = np.linalg.qr(curves)
     return np.asarray(basis @ basis.T)
+
+
+class Onward(nn.Module):
+    """Knots of who goes straight on at its initial speed, and of what a network adds to that, the more the later."""
+
+    smoothing: Tensor
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.register_buffer("smoothing", torch.from_numpy(smoothing_table()).float(), persistent=False)
+
+    def forward(self, speed: Tensor, added: Tensor) -> Tensor:
+        """(..., J, 2) [m] in the vehicles' frames, from speeds (...) [m/s] and any numbers (..., J, 2)."""
+        share = torch.arange(1, KNOTS + 1, device=added.device) / KNOTS
+        straight = speed[..., None] * share * (KNOTS * EVERY * DT)
+        onward = torch.stack([straight, torch.zeros_like(straight)], dim=-1)
+        return onward + self.smoothing @ (added * (SPREAD * share[:, None]))
 
 
 def filled_in(knots: NDArray[np.float32], speed: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

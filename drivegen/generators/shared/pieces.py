@@ -1,4 +1,4 @@
-"""Lane centrelines cut into pieces of nearly equal length, for many maps at once, without a loop over lanes."""
+"""Lane centrelines cut into pieces of nearly equal length, without a loop over lanes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -42,25 +42,13 @@ class Pieces:
     @classmethod
     def of(cls, scenarios: Sequence[Scenario]) -> "Pieces":
         """The pieces of all lanes for vehicles."""
-        lines, lane_features, lanes_of = [], [], []
+        points, features = [], []
         for scenario in scenarios:
-            keep = scenario.map.for_vehicles
-            lines.append(scenario.map.centreline)
-            lane_features.append(_lane_features(scenario))
-            lanes_of.append(keep)
-        every = _all_lines(lines)
-        points, lane = _cut(every)
-        keep = np.concatenate(lanes_of)[lane]
-        points, lane = points[keep], lane[keep]
-        first_lane = np.cumsum([0, *(len(line) for line in lines)])
-        return cls(points, np.concatenate(lane_features)[lane], np.searchsorted(lane, first_lane))
-
-
-def _all_lines(parts: Sequence[Polylines]) -> Polylines:
-    """All lines of all parts as one."""
-    ends = np.cumsum([0, *(len(part.points) for part in parts)])
-    starts = [part.start[:-1] + np.int32(end) for part, end in zip(parts, ends, strict=False)]
-    return Polylines(np.concatenate([part.points for part in parts]), np.concatenate([*starts, ends[-1:]]).astype(np.int32))
+            cut, lane = _cut(scenario.map.centreline)
+            keep = scenario.map.for_vehicles[lane]
+            points.append(cut[keep])
+            features.append(_lane_features(scenario)[lane[keep]])
+        return cls(np.concatenate(points), np.concatenate(features), np.cumsum([0, *map(len, points)]))
 
 
 def _cut(lines: Polylines) -> tuple[NDArray[np.float32], NDArray[np.intp]]:

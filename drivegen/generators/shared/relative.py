@@ -10,6 +10,7 @@ import torch
 from torch import Tensor, nn
 
 from drivegen.core.scenario import VehicleKind
+from drivegen.generators.shared.attention import mlp
 from drivegen.generators.shared.pieces import FEATURES, POINTS
 from drivegen.generators.shared.vectors import AGENT_FEATURES, SceneTensors
 
@@ -77,7 +78,7 @@ class SurroundingsEncoder(nn.Module):
     def __init__(self, width: int) -> None:
         super().__init__()
         sizes = (PIECE_FEATURES, OTHER_FEATURES, ACTOR_FEATURES)
-        self.kinds = nn.ModuleList([nn.Sequential(nn.Linear(n, width), nn.GELU(), nn.Linear(width, width)) for n in sizes])
+        self.kinds = nn.ModuleList([mlp(n, width, width) for n in sizes])
 
     def forward(self, seen: Surroundings) -> Tensor:
         """(S, A, R + A + C, width)."""

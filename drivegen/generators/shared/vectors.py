@@ -17,6 +17,7 @@ from torch import Tensor
 from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import rotate, unit, wrap_angle
 from drivegen.core.scenario import TARGET, Scenario, VehicleKind
+from drivegen.generators.shared.motion import at_knots
 from drivegen.generators.shared.pieces import FEATURES, POINTS, Pieces
 from drivegen.store.columns import joined
 
@@ -213,6 +214,19 @@ class SceneTensors:
 
     def __len__(self) -> int:
         return len(self.frame)
+
+
+def displacement(scenes: SceneTensors, knots: Tensor, futures: int) -> tuple[Tensor, Tensor]:
+    """Mean displacement [m] of each future at the logged knots, and 1 where there are any, else 0.
+
+    `knots` (S, ..., J, 2) in each vehicle's own frame; their dimension `futures`, 1 before the vehicles or 2 behind them, is that
+    of the futures.
+    """
+    truth = at_knots(local_future(scenes)).unsqueeze(futures)
+    logged = at_knots(scenes.logged[..., None])[..., 0].to(knots).unsqueeze(futures)
+    gap = ((knots - truth) ** 2).sum(-1).add(1e-4).sqrt()
+    steps = logged.sum(-1)
+    return (gap * logged).sum(-1) / steps.clamp_min(1), (steps > 0).to(gap)
 
 
 def local_future(scenes: SceneTensors) -> Tensor:
