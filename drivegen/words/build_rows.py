@@ -5,7 +5,7 @@ from typing import Any
 
 from drivegen.words.build_crossings import said_control, turning
 from drivegen.words.choices import Choices, lanes_of, speed_of
-from drivegen.words.things import Road, Thing, Unfit, merged
+from drivegen.words.things import Road, Thing, Undrawable, Unfit, merged
 
 MOST = 12
 _SMALLEST_RING, _BETWEEN_RINGS = 28.0, 25.0
@@ -23,7 +23,7 @@ def row(
     side = merged(sides)
     lanes = lanes_of(side, arms=True)
     usual = (base["lanes"] if not main else 1,) if lanes is None else lanes
-    spacing = spacing_of(road, [*things, *sides]) or choices.length("spacing", 150, 250)
+    spacing = spacing_of(road, [*things, *sides], len(words)) or choices.length("spacing", 150, 250)
     shared = [thing for thing in references if thing.which == "all"]
     junctions = []
     for i, thing in enumerate(words):
@@ -96,9 +96,11 @@ def _first(levels: list[Thing], name: str) -> Any:
     return next((value for value in values if value is not None), None)
 
 
-def spacing_of(road: Thing, things: list[Thing]) -> float | None:
-    """How far apart junctions are said to be [m]."""
+def spacing_of(road: Thing, things: list[Thing], number: int = 2) -> float | None:
+    """How far apart so many junctions are said to be [m]."""
     distances = {value for thing in (road, *things) for value in thing.values("spacing")}
+    if distances and number == 1:
+        raise Undrawable("say how many there are so far apart")
     if len(distances) > 1:
         raise Unfit("two different distances between the junctions are said")
     return distances.pop() if distances else None

@@ -22,7 +22,7 @@ _COMPASS = {
     "east": 0.0, "north east": 45.0, "north": 90.0, "north west": 135.0, "west": 180.0, "south west": 225.0, "south": 270.0,
     "south east": 315.0,
 }  # fmt: skip
-_ENDINGS = ("", "ern", "bound", "erly")
+_ENDINGS = ("", "ern", "erly")
 
 Match = tuple[Any, int]
 """A value and the token behind it."""
