@@ -15,11 +15,11 @@ def row(
     road: Thing, base: Road, things: list[Thing], references: list[Thing], sides: list[Thing], choices: Choices, main: bool
 ) -> tuple[list[Road], list[float], float | None]:
     """The junctions of a row, the gaps between them, and where the first one lies if that is said. Raises Unfit."""
-    words = [thing for thing in things for _ in range(counted(thing))]
+    words = each(things)
     if any(thing.values("middle") for thing in (road, *things, *sides)) and len(words) != 1:
         raise Unfit("it is not clear what lies in the middle")
-    if len(words) > MOST:
-        raise Unfit(f"a road can have at most {MOST} junctions along it")
+    if between := next((thing.text for thing in things if thing.text.endswith("between")), None):
+        raise Unfit(f"say in which order junctions lie along a road, not {between!r}")
     side = merged(sides)
     lanes = lanes_of(side, arms=True)
     usual = (base["lanes"] if not main else 1,) if lanes is None else lanes
@@ -48,6 +48,14 @@ def counted(thing: Thing) -> int:
     if count is None and thing.text.endswith("s") and not thing.definite and not thing.text.endswith(("ss", "crossroads")):
         raise Unfit(f"say how many {thing.text}")
     return int(count or 1)
+
+
+def each(things: list[Thing]) -> list[Thing]:
+    """Things along a road, one by one. Raises Unfit for more than there is room for."""
+    words = [thing for thing in things for _ in range(counted(thing))]
+    if len(words) > MOST:
+        raise Unfit(f"a road can have at most {MOST} junctions along it")
+    return words
 
 
 def _junction(thing: Thing, shared: list[Thing], own: list[Thing], i: int, base: Road, side_lanes: int, spacing: float) -> Road:

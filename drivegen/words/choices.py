@@ -22,14 +22,12 @@ class Choices:
         return float(low + step * int(seeds.rng(self._seed, "maps", self._text, what).integers(steps + 1)))
 
 
-def usual_speed(things: list[Thing], highway: bool = False) -> float:
+def usual_speed(things: list[Thing]) -> float:
     """The limit [m/s] of a road of which none is said."""
     settings = {value for thing in things for value in thing.values("setting")}
     arterial = [value for thing in things for value in thing.values("arterial")]
     if len(settings) > 1:
         settings -= {"urban"}
-    if highway:
-        return FAST
     setting = min(settings) if settings else None
     return ARTERIAL if arterial and setting in (None, "urban") else _SPEEDS[setting]
 

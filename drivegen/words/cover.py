@@ -47,11 +47,6 @@ class Item:
             return self.phrase.value
         return self.values[0] if len(self.values) == 1 else self.values
 
-    @property
-    def cannot(self) -> bool:
-        """Whether it names what cannot be."""
-        return self.phrase.kind == "cannot"
-
 
 @dataclass(frozen=True)
 class Cover:

@@ -257,6 +257,9 @@ class Walk:
         """Raises Unfit where a fact is said of another one, of the target, or of a road of which it is never so."""
         if self.det == "another":
             raise Unfit(f"it is not clear of what other one {fact.text!r} is said")
+        side_roads = fact.name == "lanes_each" and "side" in fact.text and "lane" not in fact.text  # "two on each side"
+        if side_roads or (self.mark == "including" and fact.name in _TURN_LANES):
+            raise Unfit(f"it is not clear of what there are so many: {fact.text!r}")
         if self.det in ("my", "our") and fact.name in ("speed", "pace") and not _is_limit(fact):
             raise Unfit("a speed of the target alone cannot be asked for")
         first = self.subject is not None and self.subject.name in _ROADS[1:] and not self.comma and self.mark != "and"
@@ -293,15 +296,13 @@ class Walk:
         return clause and following is not WORD and following.place != "post"
 
     def _holder(self, i: int, fact: Fact) -> Thing:
-        moving = self.subject if self.subject is not None and self.subject.name in MOVING else None
-        one = self.subject if self.subject is not None and isinstance(self.subject.which, int) else moving
-        if one is not None and not (self.comma or _can_hold(one, fact) or _is_limit(fact)):
+        subject, whole = self.subject or Thing(""), "" in fact.scope
+        one = isinstance(subject.which, int) or subject.name in MOVING
+        if one and not (self.comma or _can_hold(subject, fact) or _is_limit(fact)):
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
-        whole = "" in fact.scope
-        if self.subject is not None and self.subject.name.endswith("ramp") and not self.subject.definite:
-            self._of_ramp(self.subject, fact)
-        if self.shared and self.subject is not None and self.subject.name in _SINGLE and not self.subject.has("count"):
-            if not whole or self.subject.name not in (*_ROADS, "side", "cross"):
+        self._not_the_roads(subject, fact)
+        if self.shared and subject.name in _SINGLE and not subject.has("count"):
+            if not whole or subject.name not in (*_ROADS, "side", "cross"):
                 raise Unfit(f"it is not clear of which {fact.text!r} is said")
             return self.scene.whole
         before = self.segment[-1] if self.segment and self.mark == "and" else None
@@ -322,11 +323,12 @@ class Walk:
             return earlier[0]
         raise Unfit(f"it is not clear what {fact.text!r} belongs to")
 
-    def _of_ramp(self, ramp: Thing, fact: Fact) -> None:
-        """Raises Unfit for what can be the road's as well: "motorway on-ramp: 2 lanes", "an exit and two lanes"."""
+    def _not_the_roads(self, ramp: Thing, fact: Fact) -> None:
+        """Raises Unfit for what a ramp has, or its road: "motorway on-ramp: 2 lanes", "an exit and two lanes"."""
+        new = ramp.name.endswith("ramp") and not ramp.definite and fact.name in ("lanes", "speed") and _can_hold(ramp, fact)
         added = self.mark == "and" and not self.described and not _is_limit(fact)
         alone = ramp.text.startswith(("motorway", "highway", "freeway")) and not self.scene.there("highway", "street", "main")
-        if (self.sticky or added or alone) and fact.name in ("lanes", "speed") and _can_hold(ramp, fact):
+        if new and (self.sticky or added or alone):
             raise Unfit(f"it is not clear whether {fact.text!r} is said of the ramp or of the road")
 
     def _things_follow(self, i: int) -> bool:
