@@ -40,7 +40,7 @@ def crossing(scene: Scene, choices: Choices) -> Road:
         raise Unfit("several side roads cross a road at several places")
     shape, count = _shape_and_count(scene, whole, joins, roads)
     whole.accept("evenly")
-    angles = _angles(count, shape, whole, side)
+    angles = _angles(count, shape, whole, [*side, *streets])
     first, second = _two_roads(count, shape, main, side, streets, joins)
     if not (first or second):
         _check_one(streets)

@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from typing import Any
 
+from drivegen.words.build_rows import counted
 from drivegen.words.slots import KMH
-from drivegen.words.things import Fact, Road, Scene, Thing, Unfit, merged
+from drivegen.words.things import Fact, Road, Scene, Thing, Undrawable, Unfit, merged
 
 Event = dict[str, Any]
 """Fields of an event, and the things that are said of it: `thing`."""
@@ -35,7 +36,7 @@ def events_of(scene: Scene, road: Thing, lanes: int | None) -> tuple[list[Event]
             thing.name = "on_ramp" if thing.has("merges") else "off_ramp" if thing.has("leaves") else "ramp"
         if thing.name == "ramp":
             raise Unfit("say whether it is an on-ramp or an off-ramp")
-        events += [{"kind": thing.name, "thing": [thing]} for _ in range(int(thing.value("count") or 1))]
+        events += [{"kind": thing.name, "thing": [thing]} for _ in range(counted(thing))]
     for kind in ("on_ramp", "off_ramp"):
         same = [thing for thing in things if thing.name == kind]
         if len({t.text for t in same}) > 1 and not all(t.has("position", "gap") for t in same[1:]):
@@ -142,6 +143,8 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
         everywhere = everywhere and (facts.has("position") or (facts.has("gap") and not placed))
         length = given or _AUXILIARY.get(event["kind"], 0.0) * share
         here = facts.value("position")
+        if facts.has("spacing") and len(events) == 1:
+            raise Undrawable("say how many there are so far apart")
         gap = facts.value("gap") or facts.value("spacing")
         if here is None and gap:
             here = gap + (nose_of(placed[-1]) if placed else 0.0)

@@ -1,5 +1,7 @@
 """From a scene to a grid of streets."""
 
+import math
+
 from drivegen.words.build_crossings import control_of
 from drivegen.words.build_rows import spacing_of
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
@@ -16,10 +18,11 @@ def grid(scene: Scene, choices: Choices) -> Road:
     if any(0 in pair for pair in blocks):
         raise Unfit("a grid has a block at least")
     sizes |= {(rows + 1, columns + 1) for rows, columns in blocks}
-    counts = whole.values("count")
+    crossings = {count for thing in scene.named("crossing") for count in thing.values("count")}
     if any(arms != 4 for arms in whole.values("arms")):
         raise Unfit("crossings of a grid have four arms")
-    if len(sizes) > 1 or counts:
+    sizes = sizes or {(side, side) for side in map(math.isqrt, crossings) if side**2 in crossings}
+    if len(sizes) > 1 or set(whole.values("count")) - {rows * columns for rows, columns in sizes}:
         raise Unfit("say the grid as rows by columns of crossings, e.g. '3 by 4'")
     rows, columns = sizes.pop() if sizes else (3, 3)
     one_way = is_one_way(whole)

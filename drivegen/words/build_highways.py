@@ -42,7 +42,9 @@ def highway(scene: Scene, choices: Choices) -> Road:
     _share_out(events, road)
     line = alignment(road, choices, (800, 1200), radius=250.0)
     fixed = road.has("length", "straights")
-    limit = _common(scene, road, "ramp_speed", "speed")
+    limit = _ramp_limit(scene, road)
+    if limit is not None and not any("ramp" in event["kind"] or event["kind"] == "weaving" for event in events):
+        raise Unfit("a limit of ramps is said, and no ramp")
     built, line = fit(events, speed, line, fixed, limit)
     fields: Road = {"kind": "highway", "alignment": line, "lanes": number, "speed": speed, "carriageways": 1 if one_way else 2}
     fields |= {"median": median} if median is not None and not one_way else {}
@@ -72,9 +74,10 @@ def _no_ramps(road: Thing, scene: Scene) -> None:
     road.accept("nothing_else")
 
 
-def _common(scene: Scene, road: Thing, *names: str) -> float | None:
-    values = {v for t in scene.things if t.name == "ramp" or t.which == "all" for n in names for v in t.values(n)}
-    values |= set(road.values(names[0]))
+def _ramp_limit(scene: Scene, road: Thing) -> float | None:
+    """The limit of all ramps [m/s], None where none is said."""
+    ramps = merged(thing for thing in scene.things if thing.name == "ramp" or thing.which == "all")
+    values = {*ramps.values("ramp_speed"), *ramps.values("speed"), *road.values("ramp_speed")}
     if len(values) > 1:
         raise Unfit("two limits are said of the ramps")
     return values.pop() if values else None
@@ -85,9 +88,9 @@ def fork(scene: Scene, choices: Choices) -> Road:
     whole = scene.merged("fork", "highway", "street", "main")
     both = [scene.named("left_branch"), scene.named("right_branch")]
     branch, stem = scene.named("branch", "arm"), scene.named("stem")
-    merging = {word for fact in whole.facts if fact.name == "joins" for word in fact.text.split()}
+    merging = {word for fact in whole.facts if fact.name in ("joins", "joins_each") for word in fact.text.split()}
     fast = scene.there("highway") or bool(merging & {"motorways", "freeways", "highways"})
-    joins = bool(whole.values("joins"))
+    joins = bool(whole.values("joins")) or whole.has("joins_each")
     if any(fact.value != 2 for fact in whole.facts if fact.name in ("joins", "splits")):
         raise Unfit("a fork has two branches")
     if any(count != 1 for count in whole.values("arms")):
@@ -96,12 +99,13 @@ def fork(scene: Scene, choices: Choices) -> Road:
         raise Unfit("each lane of a fork is of a branch")
     if any(count not in (1, 2) for count in whole.values("count")):
         raise Unfit("a fork has two branches")
-    whole.accept("splits", "signals")
+    whole.accept("splits", "signals", "carriageways")
     is_one_way(whole)  # whatever says so counts as used
     shared = merged(branch)
     shared.accept("count")
     own = [lanes_of(merged(things), one_way=True) for things in both]
-    pairs = [*whole.values("branch_lanes"), *((n, n) for n in (*whole.values("branch_each"), *shared.values("branch_each")))]
+    each = [n for name in ("branch_each", "splits_each", "joins_each") for n in (*whole.values(name), *shared.values(name))]
+    pairs = [*whole.values("branch_lanes"), *((n, n) for n in each)]
     pairs += [(n[0], n[0]) for n in [lanes_of(shared, one_way=True)] if n]
     pairs += [(own[0][0], own[1][0])] if own[0] and own[1] else []
     if len(set(pairs)) > 1 or bool(own[0]) != bool(own[1]):

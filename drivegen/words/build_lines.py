@@ -72,12 +72,10 @@ def _turn(road: Thing) -> tuple[float | None, str | None]:
     for pair in (*road.values("turn"), *road.values("turn_side")):
         angles.append(float(next(value for value in pair if not isinstance(value, str))))
         sides.append(next(value for value in pair if isinstance(value, str)))
-    for first, second in road.values("s_turn"):
+    for values in (*road.values("s_turn"), *road.values("s_arc")):
+        angles += [value for value in values if not isinstance(value, str)]
+        first, second = [value for value in values if isinstance(value, str)]
         sides.append(first if first != second else "")
-    for pairs in road.values("s_arc"):
-        turns, ways = [v for v in pairs if not isinstance(v, str)], [v for v in pairs if isinstance(v, str)]
-        angles += turns
-        sides.append(ways[0] if ways[0] != ways[1] else "")
     if len(set(angles)) > 1 or "" in sides or len(set(sides)) > 1:
         raise Unfit("a bend is said to turn in two ways")
     if angles and not 0 < angles[0] <= 280:

@@ -21,9 +21,9 @@ def roundabout(scene: Scene, choices: Choices) -> Road:
     ring_thing = merged(rings)
     count = count_of(Thing("", facts=[f for f in whole.facts if f.name == "arms"]), arms)
     roads = [int(value) for street in named for value in street.values("count")]
-    if count is None and roads:
-        count = roads[0]
-    count = 4 if count is None else count
+    if count is None and roads and len(named) > 1:
+        raise Unfit("say how many arms the roundabout has")
+    count = (*roads, 4)[0] if count is None else count
     if count not in range(3, 9):
         raise Unfit(f"3 to 8 roads can meet at a roundabout, not {count}")
     on_ring = [*ring_thing.values("lanes"), *ring_thing.values("lane_road"), *whole.values("ring_lanes")]

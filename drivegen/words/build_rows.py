@@ -5,7 +5,7 @@ from typing import Any
 
 from drivegen.words.build_crossings import said_control, turning
 from drivegen.words.choices import Choices, lanes_of, speed_of
-from drivegen.words.things import Road, Thing, Unfit, merged
+from drivegen.words.things import Road, Thing, Undrawable, Unfit, merged
 
 MOST = 12
 _SMALLEST_RING, _BETWEEN_RINGS = 28.0, 25.0
@@ -15,15 +15,15 @@ def row(
     road: Thing, base: Road, things: list[Thing], references: list[Thing], sides: list[Thing], choices: Choices, main: bool
 ) -> tuple[list[Road], list[float], float | None]:
     """The junctions of a row, the gaps between them, and where the first one lies if that is said. Raises Unfit."""
-    words = [thing for thing in things for _ in range(counted(thing))]
+    words = each(things)
     if any(thing.values("middle") for thing in (road, *things, *sides)) and len(words) != 1:
         raise Unfit("it is not clear what lies in the middle")
-    if len(words) > MOST:
-        raise Unfit(f"a road can have at most {MOST} junctions along it")
+    if between := next((thing.text for thing in things if thing.text.endswith("between")), None):
+        raise Unfit(f"say in which order junctions lie along a road, not {between!r}")
     side = merged(sides)
     lanes = lanes_of(side, arms=True)
     usual = (base["lanes"] if not main else 1,) if lanes is None else lanes
-    spacing = spacing_of(road, [*things, *sides]) or choices.length("spacing", 150, 250)
+    spacing = spacing_of(road, [*things, *sides], len(words)) or choices.length("spacing", 150, 250)
     shared = [thing for thing in references if thing.which == "all"]
     junctions = []
     for i, thing in enumerate(words):
@@ -48,6 +48,14 @@ def counted(thing: Thing) -> int:
     if count is None and thing.text.endswith("s") and not thing.definite and not thing.text.endswith(("ss", "crossroads")):
         raise Unfit(f"say how many {thing.text}")
     return int(count or 1)
+
+
+def each(things: list[Thing]) -> list[Thing]:
+    """Things along a road, one by one. Raises Unfit for more than there is room for."""
+    words = [thing for thing in things for _ in range(counted(thing))]
+    if len(words) > MOST:
+        raise Unfit(f"a road can have at most {MOST} junctions along it")
+    return words
 
 
 def _junction(thing: Thing, shared: list[Thing], own: list[Thing], i: int, base: Road, side_lanes: int, spacing: float) -> Road:
@@ -96,9 +104,11 @@ def _first(levels: list[Thing], name: str) -> Any:
     return next((value for value in values if value is not None), None)
 
 
-def spacing_of(road: Thing, things: list[Thing]) -> float | None:
-    """How far apart junctions are said to be [m]."""
+def spacing_of(road: Thing, things: list[Thing], number: int = 2) -> float | None:
+    """How far apart so many junctions are said to be [m]."""
     distances = {value for thing in (road, *things) for value in thing.values("spacing")}
+    if distances and number == 1:
+        raise Undrawable("say how many there are so far apart")
     if len(distances) > 1:
         raise Unfit("two different distances between the junctions are said")
     return distances.pop() if distances else None

@@ -2,7 +2,7 @@
 
 from drivegen.words.build_crossings import TURN_LANES, said_control
 from drivegen.words.build_lines import BENT, alignment
-from drivegen.words.build_rows import MOST, counted, places, row, spacing_of, turns_at
+from drivegen.words.build_rows import counted, each, places, row, spacing_of, turns_at
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
 from drivegen.words.things import Road, Scene, Thing, Unfit, merged
 
@@ -20,7 +20,7 @@ def street(scene: Scene, choices: Choices) -> Road:
     road = scene.merged(*_ROADS, "main")
     if any(value not in (None, 1) for value in road.values("count")):
         raise Unfit("one road is drawn at a time")
-    dead_end = bool(road.value("dead_end")) or scene.there("dead_end")
+    dead_end = bool(road.value("dead_end")) or any(counted(thing) for thing in scene.named("dead_end"))
     one_way = is_one_way(road)
     lanes = lanes_of(road, one_way=one_way) or (2 if road.has("arterial") else 1,) * 2
     speed = speed_of(road) or usual_speed([road])
@@ -94,7 +94,8 @@ def _side_streets(
     """Side streets, on the sides that are said, else on both sides in turn; those that cross the road are on both."""
     side = merged([*sides, *(reference for reference in references if reference.which == "all")])
     residential = "residential" in {fact.value for fact in road.facts if fact.name == "setting"}
-    spacing = spacing_of(road, sides) or choices.length("spacing", 70, 110)
+    words = each(sides)
+    spacing = spacing_of(road, sides, len(words)) or choices.length("spacing", 70, 110)
     control = said_control([side, road]) or ("uncontrolled" if residential else "yield")
     road.accept("signals")
     side.accept("signals")
@@ -102,9 +103,6 @@ def _side_streets(
     both = any(thing.name == "cross" or thing.value("both_sides") for thing in sides)
     side.accept("alternate")
     all_on = road.value("side") or ("right" if side.value("same_side") else None)
-    words = [thing for thing in sides for _ in range(counted(thing))]
-    if len(words) > MOST:
-        raise Unfit(f"a road can have at most {MOST} junctions along it")
     if len(words) == 1:
         side.accept("middle")
     turns = [thing.value("side") or all_on or ("left", "right")[i % 2] for i, thing in enumerate(words)]

@@ -22,14 +22,12 @@ class Choices:
         return float(low + step * int(seeds.rng(self._seed, "maps", self._text, what).integers(steps + 1)))
 
 
-def usual_speed(things: list[Thing], highway: bool = False) -> float:
+def usual_speed(things: list[Thing]) -> float:
     """The limit [m/s] of a road of which none is said."""
     settings = {value for thing in things for value in thing.values("setting")}
     arterial = [value for thing in things for value in thing.values("arterial")]
     if len(settings) > 1:
         settings -= {"urban"}
-    if highway:
-        return FAST
     setting = min(settings) if settings else None
     return ARTERIAL if arterial and setting in (None, "urban") else _SPEEDS[setting]
 
@@ -45,7 +43,7 @@ def lanes_of(
     pairs: list[tuple[int, int]] = []
     for name in ("lanes_each", "lanes_total", "lanes_pair", "lanes", "lane_road"):
         for value in road.values(name):
-            if name in ("lanes", "lane_road") and pairs and value in (pairs[0][0], sum(pairs[0])):
+            if name in ("lanes", "lane_road") and pairs and value in (pairs[0][0], 0 if one_way else sum(pairs[0])):
                 continue  # "an eight-lane highway, four in each direction"
             pairs.append(_counted(name, value, one_way=one_way, most=most if per_carriageway else 0, arms=arms))
     if one_way and road.has("lanes_each"):
@@ -69,7 +67,7 @@ def _counted(name: str, value: Any, *, one_way: bool, most: int, arms: bool) -> 
     if name == "lanes":
         raise Unfit(f"{lanes} lanes can mean {lanes} in each direction or {lanes} in total: say which")
     if lanes % 2 or (most and name != "lanes_total"):
-        raise Unfit(f"a road of {lanes} lanes must say how many lanes each direction has")
+        raise Undrawable(f"a road of {lanes} lanes must say how many lanes each direction has")
     return lanes // 2, lanes // 2
 
 

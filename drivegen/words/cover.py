@@ -47,11 +47,6 @@ class Item:
             return self.phrase.value
         return self.values[0] if len(self.values) == 1 else self.values
 
-    @property
-    def cannot(self) -> bool:
-        """Whether it names what cannot be."""
-        return self.phrase.kind == "cannot"
-
 
 @dataclass(frozen=True)
 class Cover:
@@ -120,11 +115,15 @@ def _names(tokens: Sequence[Token], i: int) -> bool:
 
 def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
     """Whether a phrase that must stand before its noun, or must not, can stand there."""
+    if phrase.name in ("main", "side") and phrase.slots and tokens[end - 1].value is not None:
+        return end == len(tokens) or tokens[end].text in _STOPS  # "the side road has one", not "has one turn lane"
     if phrase.name == "lights":
         return tokens[end - 1].plural
     if phrase.name == "member":
         return end == len(tokens) or tokens[end].text not in words("moved")
     last, following = tokens[end - 1], tokens[end].text if end < len(tokens) else ""
+    if phrase.name == "crossing" and following in ("a", "an", "another") and tokens[end - 2].text in ("road", "street"):
+        return False  # "a one-way street crossing another one"
     if phrase.place != "pre":
         return last.text not in ("minor", "major") or following in _STOPS or tokens[end].value is not None
     counted = end + 1 < len(tokens) and tokens[end].value is not None

@@ -55,7 +55,8 @@ def contradicted(statements: list[Statement], spec: MapSpec) -> list[str]:
     """Sentences on what is stated and the specification has nowhere: limits, lengths, lanes, arms, lights, bans, sizes, sides."""
     numbers: Numbers = {}
     _collect(spec.model_dump(), "", numbers)
-    speeds, lengths, lanes = _speeds(numbers), _lengths(numbers), _lanes(numbers)
+    speeds = [value for name, values in numbers.items() if name.endswith("speed") for value in values]
+    lengths, lanes = _lengths(numbers), _lanes(numbers)
     if isinstance(spec.road, Highway):
         lanes += accumulate((event.change for event in spec.road.events), initial=spec.road.lanes)
     text = spec.model_dump_json()
@@ -86,10 +87,6 @@ def contradicted(statements: list[Statement], spec: MapSpec) -> list[str]:
 
 def _among(value: float, numbers: list[float]) -> bool:
     return any(abs(value - number) <= _SHARE * abs(value) for number in numbers)
-
-
-def _speeds(numbers: Numbers) -> list[float]:
-    return [value for name, values in numbers.items() if name.endswith("speed") for value in values]
 
 
 def _lengths(numbers: Numbers) -> list[float]:

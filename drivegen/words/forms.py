@@ -26,7 +26,7 @@ Pattern = tuple[Part, ...]
 def parse(form: str) -> Pattern:
     """A form as a pattern, macros put in."""
     while "<" in form:
-        form = re.sub(r"<(\w+)>", lambda m: macros()[m[1]], form)
+        form = re.sub(r"<(\w+)>", lambda m: f"({macros()[m[1]]})", form)
     parts = _PARTS.findall(form)
     ways, end = _ways(parts, 0)
     if end != len(parts):

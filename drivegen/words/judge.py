@@ -20,10 +20,5 @@ def traffic_lacking(text: str, expect: Mapping[str, Any]) -> list[str]:
     does += [asked.target_does.value] if asked.target_does is not None else []
     got: dict[str, Any] = {name: kinds.get(kind, 0) for name, kind in _KINDS.items()}
     got |= {"density": asked.density.value if asked.density is not None else None, "does": does}
-    return [
-        f"{name}: asked {want}, got {got.get(name)}" for name, want in expect.items() if want and _differs(want, got.get(name))
-    ]
-
-
-def _differs(want: Any, got: Any) -> bool:
-    return bool(sorted(want) != sorted(got or [])) if isinstance(want, list) else bool(want != got)
+    wanted = {name: sorted(want) if isinstance(want, list) else want for name, want in expect.items() if want}
+    return [f"{name}: asked {want}, got {got.get(name)}" for name, want in wanted.items() if want != got.get(name)]

@@ -42,7 +42,6 @@ _TRIES, _COVERS = 160, 4
 _STREET, _CROSSING = (next(p for p in table("roads") if p.name == name and not p.facts) for name in ("street", "crossing"))
 _LIGHTS = next(phrase for phrase in table("roads") if phrase.name == "control" and phrase.value == "signals")
 _EACH = next(phrase for phrase in table("roads") if phrase.name == "lanes_each")
-_BOTH = 4
 _STOPS = frozenset({",", ".", "(", ":", "and"})
 
 
@@ -69,7 +68,7 @@ def offered(tokens: Sequence[Token], covers: Sequence[Cover], choices: Choices) 
 
 
 def _left_out(cover: Cover, held: set[int]) -> tuple[str, ...]:
-    items = [item for item in cover.items if item.phrase is not WORD and not item.cannot]
+    items = [item for item in cover.items if item.phrase is not WORD and item.phrase.kind != "cannot"]
     return tuple(item.raw for item in items if item.start not in held)
 
 
@@ -78,7 +77,7 @@ def _clear(items: Sequence[Item]) -> list[Item]:
     gone: set[int] = set()
     for i, item in enumerate(items):
         number = item.raw[:1].isdigit() or item.text == "#"
-        if item.cannot or (item.unread and (number or item.text in words("turning"))):
+        if item.phrase.kind == "cannot" or (item.unread and (number or item.text in words("turning"))):
             gone |= {i - 1} if i and item.unread and items[i - 1].phrase.kind == "fact" else set()
             gone |= set(takewhile(lambda j: items[j].text not in _STOPS, range(i, len(items))))
     return [item for i, item in enumerate(items) if i not in gone and not item.unread]
@@ -112,7 +111,7 @@ def _counted(items: Sequence[Item]) -> list[Item]:
         phrase = item.phrase
         if phrase.name not in ("lanes", "lane_road"):
             return item
-        both = item.value >= _BOTH and item.value % 2 == 0
+        both = item.value >= 4 and item.value % 2 == 0
         return replace(item, phrase=replace(_EACH, place=phrase.place), values=(item.value // 2,) if both else item.values)
 
     return [counted(item) for item in items]

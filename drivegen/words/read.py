@@ -101,7 +101,7 @@ def read(text: str, seed: int, key: str = "") -> Words:
 def unreadable(text: str, cover: Cover) -> str | None:
     """Why a cover can mean nothing: words that nothing reads, something that cannot be, or no word at all."""
     unread = list(dict.fromkeys(cover.unread))
-    cannot = [(item.phrase.name, item.raw) for item in cover.items if item.cannot]
+    cannot = [(item.phrase.name, item.raw) for item in cover.items if item.phrase.kind == "cannot"]
     named = [f"{name} ({raw!r}) cannot be drawn or simulated" for name, raw in cannot]
     if not cover.items:
         return "the description is empty"
@@ -118,7 +118,7 @@ def meanings(covers: Sequence[Cover], mean: Callable[[Sequence[Item]], Meaning])
     results: list[Meaning] = []
     cost, why = math.inf, ""
     for cover in covers:
-        if cover.cost > cost + SAME or cover.unread or any(item.cannot for item in cover.items):
+        if cover.cost > cost + SAME or cover.unread or any(item.phrase.kind == "cannot" for item in cover.items):
             continue
         try:
             result = mean(cover.items)

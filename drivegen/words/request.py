@@ -109,10 +109,7 @@ class TrafficRequest(_Part):
     @property
     def kinds(self) -> Counter[Kind]:
         """How many of each kind."""
-        counts: Counter[Kind] = Counter()
-        for group in self.groups:
-            counts[group.kind] += group.count
-        return counts
+        return Counter(group.kind for group in self.groups for _ in range(group.count))
 
     def __bool__(self) -> bool:
         return self != TrafficRequest()

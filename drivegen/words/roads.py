@@ -12,6 +12,7 @@ from drivegen.words.build_grids import grid
 from drivegen.words.build_highways import fork, highway
 from drivegen.words.build_interchanges import cloverleaf, interchange
 from drivegen.words.build_roundabouts import roundabout
+from drivegen.words.build_rows import counted
 from drivegen.words.build_streets import street
 from drivegen.words.choices import Choices, check_lanes
 from drivegen.words.things import Fact, Scene, Undrawable, Unfit, merged
@@ -34,12 +35,12 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
     _none_by_number(scene)
     _lights(scene)
     _cross_streets(scene)
-    for thing in scene.things:
-        if thing.name in ("highway", "street", "main") and thing.value("undivided"):
-            thing.name = "street"
     _country_roads(scene)
     _dead_ends(scene)
-    fields = _builder(scene)(scene, choices)
+    builder = _builder(scene)
+    for fact in scene.everything.facts if builder in (crossing, roundabout) else ():
+        fact.name = "lanes" if fact.name == "branch_each" else fact.name  # "four arms, each with two lanes"
+    fields = builder(scene, choices)
     roads = [thing for thing in scene.things if thing.name in ("street", "highway", "grid", "fork", "crossing")]
     holders = [scene.whole, *(roads if len(roads) == 1 or fields["kind"] == "grid" else ())] if fields["kind"] in _WIDE else []
     if (width := merged(holders).value("lane_width")) is not None:
@@ -80,12 +81,17 @@ def _cross_streets(scene: Scene) -> None:
     if crosses and len(streets) > 1 and sorted(counts)[-2:-1] == [1] and max(counts) > 1:
         streets[counts.index(max(counts))].name = "cross"
     for thing in scene.things:
+        if thing.name == "cross" and "that" in thing.text and not scene.there("street", "main"):
+            thing.name, thing.links = "street", ["crosses"]  # "two streets that cross": one another
         if thing.name == "side" and crosses and any(f.name == "count" and f.value > 1 for f in thing.facts):
             thing.name = "cross"
 
 
 def _country_roads(scene: Scene) -> None:
-    """A highway that is crossed, or has one lane in each direction in the country, is no motorway."""
+    """A highway that is undivided, crossed, or has one lane in each direction in the country, is no motorway."""
+    for thing in scene.things:
+        if thing.name in ("highway", "street", "main") and thing.value("undivided"):
+            thing.name = "street"
     if scene.there("interchange", "cloverleaf", *EVENTS):
         return
     crossed = scene.there("crossing", "roundabout", "side", "cross", "staggered")
@@ -126,9 +132,10 @@ def _builder(scene: Scene) -> Builder:
     if scene.there("grid"):
         return grid
     facts = {fact.name for fact in scene.everything.facts}
-    if (scene.there("fork", "left_branch", "right_branch") or facts & {"splits", "joins", "branch_lanes"}) and not (
-        scene.there("crossing", "roundabout")
-    ):
+    if (
+        scene.there("fork", "left_branch", "right_branch")
+        or facts & {"splits", "joins", "splits_each", "joins_each", "branch_lanes"}
+    ) and not (scene.there("crossing", "roundabout")):
         return fork
     places = scene.there("crossing", "roundabout", "staggered")
     if not places and (scene.there("highway", *EVENTS) or facts & {*EVENT_FACTS, "divided"}):
@@ -137,7 +144,7 @@ def _builder(scene: Scene) -> Builder:
         return street
     if scene.there("roundabout"):
         return roundabout
-    if scene.there("crossing", "east_west", "north_south") or _meeting(scene) or "arms" in facts:
+    if scene.there("crossing", "east_west", "north_south") or _meeting(scene) or facts & {"arms", "angle"}:
         return crossing
     if scene.there("street", "main", "side", "cross", "dead_end") or facts & _BENT:
         return street
@@ -148,7 +155,7 @@ def _in_a_row(scene: Scene) -> bool:
     """Whether several junctions, or one at a place that is said, lie along one road."""
     junctions = [thing for thing in scene.things if thing.name in ("crossing", "roundabout")]
     news = [thing for thing in junctions if thing.which is None]
-    several = len(news) > 1 or any(f.value != 1 for t in news for f in t.facts if f.name == "count")
+    several = len(news) > 1 or any(counted(thing) != 1 for thing in news)
     along = [thing for thing in (*junctions, scene.whole) if thing.has("position", "spacing", "gap", "middle")]
     crossed = any(f.name == "count" and f.value > 1 for thing in scene.things if thing.name == "cross" for f in thing.facts)
     return crossed or (bool(junctions) and (several or bool(along)))

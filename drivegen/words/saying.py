@@ -7,6 +7,7 @@ road, turn lanes' length where there are none) has its default, angles of arms l
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 from pydantic import BaseModel
@@ -84,10 +85,6 @@ def _fields(part: BaseModel, *names: str) -> list[FieldValue]:
     return [(name, getattr(part, name)) for name in names]
 
 
-def _nth(i: int) -> str:
-    return SLOTS["nth"].speak(i + 1)
-
-
 def _lanes(ahead: int, back: int) -> list[FieldValue]:
     if back == 0:
         return [("one_way", True), ("lanes", ahead)]
@@ -99,7 +96,7 @@ def _grouped(each: str, one: str, items: Sequence[list[FieldValue]]) -> list[Sen
     common = [fact for fact in items[0] if all(fact in other for other in items)] if len(items) > 1 else []
     spoken = [Sentence(each, tuple(common))] if common else []
     rest = [[fact for fact in item if fact not in common] for item in items]
-    return spoken + [Sentence(one.format(_nth(i)), tuple(item)) for i, item in enumerate(rest) if item]
+    return spoken + [Sentence(one.format(SLOTS["nth"].speak(i + 1)), tuple(item)) for i, item in enumerate(rest) if item]
 
 
 def _arms(arms: Sequence[Arm], angles: Sequence[float], main: Sequence[bool]) -> list[Sentence]:
@@ -162,26 +159,18 @@ def _line(line: Alignment) -> list[FieldValue]:
 def _corridor(road: Corridor) -> list[Sentence]:
     facts = [*_lanes(road.lanes, road.lanes_back), ("speed", road.speed), *_line(road.alignment)]
     facts += [("dead_end", True)] if road.dead_end else []
-    spoken = [Sentence("A road with", tuple(facts))]
-    if not road.junctions:
-        return spoken
-    forms = [junction.form for junction in road.junctions]
-    spoken.append(_along_it(forms))
-    for form in dict.fromkeys(forms):
-        items = [_junction(junction) for junction in road.junctions if junction.form == form]
-        spoken += _grouped(f"Every {form} has", f"The {{}} {form} has", items)
+    along = [(junction.form, _junction(junction)) for junction in road.junctions]
+    return [Sentence("A road with", tuple(facts)), *(_along_it(along) if along else [])]
+
+
+def _along_it(things: Sequence[tuple[str, list[FieldValue]]]) -> list[Sentence]:
+    """Things in a row, those of one name that follow one another as a number, and what is said of each."""
+    runs = [(len([*run]), name) for name, run in groupby(name for name, _ in things)]
+    spoken = [Sentence(f"Along it there {'is' if runs[0][0] == 1 else 'are'}", tuple(("thing", run) for run in runs))]
+    for name in dict.fromkeys(name for name, _ in things):
+        items = [facts for other, facts in things if other == name]
+        spoken += _grouped(f"Every {noun(name)} has", f"The {{}} {noun(name)} has", items)
     return spoken
-
-
-def _along_it(names: Sequence[str]) -> Sentence:
-    """Things in a row, those of one name that follow one another as a number."""
-    facts: list[FieldValue] = []
-    for name in names:
-        if facts and facts[-1][1][1] == name:
-            facts[-1] = ("thing", (facts[-1][1][0] + 1, name))
-        else:
-            facts.append(("thing", (1, name)))
-    return Sentence(f"Along it there {'is' if facts[0][1][0] == 1 else 'are'}", tuple(facts))
 
 
 def _junction(junction: Junction) -> list[FieldValue]:
@@ -208,13 +197,8 @@ def _highway(road: Highway) -> list[Sentence]:
     facts = [*_lanes(road.lanes, road.lanes if two else 0), ("speed", road.speed), *_line(road.alignment)]
     facts += [("median", road.median)] if two else []
     facts += [("both", True)] if road.both else []
-    spoken = [Sentence(f"A {noun('highway')} with", tuple(facts))]
-    if road.events:
-        spoken.append(_along_it([event.kind for event in road.events]))
-    for kind in dict.fromkeys(event.kind for event in road.events):
-        items = [_event(event) for event in road.events if event.kind == kind]
-        spoken += _grouped(f"Every {noun(kind)} has", f"The {{}} {noun(kind)} has", items)
-    return spoken
+    along = [(event.kind, _event(event)) for event in road.events]
+    return [Sentence(f"A {noun('highway')} with", tuple(facts)), *(_along_it(along) if along else [])]
 
 
 def _event(event: HighwayEvent) -> list[FieldValue]:

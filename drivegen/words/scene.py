@@ -41,6 +41,7 @@ _DIRECTIONS = {
 _OTHERS = ("car", "truck", "bus", "vehicle", "member")
 _ROADS = ("street", "main", "east_west", "north_south")
 """Of these alone nobody can be said to stop or to give way: the side road does."""
+_SINGLE = (*_ROADS, "side", "cross", "highway", "on_ramp", "off_ramp", "lane_drop", "lane_gain")
 _GIVES_WAY = ("stop", "stop_sign", "yield")
 _SIDE_ROADS = frozenset({"side", "minor", "priority", "right"})
 """Words of facts that themselves say who gives way: "the main road has priority"."""
@@ -63,6 +64,8 @@ class Walk:
         self.fronted: list[Fact] = []
         self.segment: list[tuple[Fact, Thing]] = []
         self.mark, self.det, self.comma, self.sticky = ".", "", False, False
+        self.shared = False
+        """Whether "both with" or "each with" stands behind the subject: it is said of others, too."""
         self.described = False
         """Whether "with" or "has" stands behind the subject: what "and" adds is of it, too."""
 
@@ -118,7 +121,7 @@ class Walk:
         else:
             self.mark = word
             if word in ("with", "has", "having", "where"):
-                self.comma, self.described = False, True
+                self.comma, self.described, self.shared = False, True, self.shared or self.det in ALL
             if word not in words("prepositions"):
                 self.det = ""
 
@@ -156,7 +159,7 @@ class Walk:
             raise Unfit(f"{item.raw!r} can be a ramp, or a road that merges")
         if self.mark in words("prepositions") and definite and self.segment:
             for fact, holder in self.segment:
-                if fact.value in _GIVES_WAY and thing.name in _ROADS:
+                if fact.value in _GIVES_WAY and thing.name in _ROADS and not _SIDE_ROADS & set(fact.text.split()):
                     raise Unfit(f"say by main and side road where {fact.text!r} is")
                 if thing.name in fact.scope or "*" in fact.scope:
                     holder.facts.remove(fact)
@@ -166,7 +169,7 @@ class Walk:
             thing.beside = self.subject if self.mark == "and" else None
             self.subject = thing
         self.sentence.append(thing)
-        self.segment, self.mark, self.det, self.comma, self.described = [], "", "", False, False
+        self.segment, self.mark, self.det, self.comma, self.described, self.shared = [], "", "", False, False, False
 
     def _apart(self, subject: Thing, thing: Thing, text: str) -> None:
         """Raises Unfit where vehicles are at something that only roads have, or among others."""
@@ -179,7 +182,10 @@ class Walk:
     def _kind(self, item: Item, phrase: Phrase) -> str:
         """What a noun names: itself, or of "the second one" and "two on the right" what was counted before."""
         named = [phrase.name]
-        if phrase.name == "nth_one":
+        on_it = self.mark == "on" and self.det in ("a", "an") and self.subject is not None and self.subject.name == "crossing"
+        if phrase.name == "street" and on_it and self.subject and not self.subject.has("count"):
+            named = ["main"]  # "a T-junction on a rural road"
+        elif phrase.name == "nth_one":
             counted = [t for t in self.scene.things if any(f.name == "count" and f.value != 1 for f in t.facts)]
             named = [t.name for t in counted if t.name not in MOVING]
         elif phrase.name == "so_many":
@@ -190,7 +196,8 @@ class Walk:
 
     def _ahead_of_noun(self, thing: Thing) -> None:
         """Places that stand before their noun are of it: "after 400 m an off-ramp"."""
-        if any(not _can_hold(thing, fact) for fact in self.fronted):
+        again = thing in self.sentence and any(fact.text.endswith("before") for fact in self.fronted)
+        if again or any(not _can_hold(thing, fact) for fact in self.fronted):
             raise Unfit(f"it is not clear what {self.fronted[0].text!r} belongs to")
         thing.facts += self.fronted
         self.fronted = []
@@ -250,6 +257,9 @@ class Walk:
         """Raises Unfit where a fact is said of another one, of the target, or of a road of which it is never so."""
         if self.det == "another":
             raise Unfit(f"it is not clear of what other one {fact.text!r} is said")
+        side_roads = fact.name == "lanes_each" and "side" in fact.text and "lane" not in fact.text  # "two on each side"
+        if side_roads or (self.mark == "including" and fact.name in _TURN_LANES):
+            raise Unfit(f"it is not clear of what there are so many: {fact.text!r}")
         if self.det in ("my", "our") and fact.name in ("speed", "pace") and not _is_limit(fact):
             raise Unfit("a speed of the target alone cannot be asked for")
         first = self.subject is not None and self.subject.name in _ROADS[1:] and not self.comma and self.mark != "and"
@@ -278,7 +288,7 @@ class Walk:
     def _begins(self, i: int) -> bool:
         """Whether a clause begins with the item i: a sentence, or right before a noun, not behind one."""
         before = self.items[i - 1] if i else None
-        if before is None or before.text == "." or before.phrase.kind == "link":
+        if before is None or before.text == "." or before.phrase.kind == "link" or self.items[i].text == "before":
             return True
         between = words("determiners") | ({","} if self.items[i].phrase.name == "gap" else set())
         following = next((item.phrase for item in self.items[i + 1 : i + 4] if item.text not in between), WORD)
@@ -286,14 +296,15 @@ class Walk:
         return clause and following is not WORD and following.place != "post"
 
     def _holder(self, i: int, fact: Fact) -> Thing:
-        moving = self.subject if self.subject is not None and self.subject.name in MOVING else None
-        one = self.subject if self.subject is not None and isinstance(self.subject.which, int) else moving
-        if one is not None and not (self.comma or _can_hold(one, fact) or _is_limit(fact)):
+        subject, whole = self.subject or Thing(""), "" in fact.scope
+        one = isinstance(subject.which, int) or subject.name in MOVING
+        if one and not (self.comma or _can_hold(subject, fact) or _is_limit(fact)):
             raise Unfit(f"it is not clear what {fact.text!r} belongs to")
-        ramp = self.subject is not None and self.subject.name.endswith("ramp") and not self.subject.definite
-        if ramp and self.sticky and fact.name in ("lanes", "lanes_each", "speed"):  # "motorway on-ramp: 2 lanes, 100 km/h"
-            raise Unfit(f"it is not clear whether {fact.text!r} is said of the ramp or of the road")
-        whole = "" in fact.scope
+        self._not_the_roads(subject, fact)
+        if self.shared and subject.name in _SINGLE and not subject.has("count"):
+            if not whole or subject.name not in (*_ROADS, "side", "cross"):
+                raise Unfit(f"it is not clear of which {fact.text!r} is said")
+            return self.scene.whole
         before = self.segment[-1] if self.segment and self.mark == "and" else None
         if whole and before is not None and before[0].name == "control" and before[1] is self.scene.whole:
             return self.scene.whole  # "crossing a four-lane road with signals and turn lanes": of the crossing, both
@@ -311,6 +322,14 @@ class Walk:
         if len({thing.name for thing in earlier}) == 1:
             return earlier[0]
         raise Unfit(f"it is not clear what {fact.text!r} belongs to")
+
+    def _not_the_roads(self, ramp: Thing, fact: Fact) -> None:
+        """Raises Unfit for what a ramp has, or its road: "motorway on-ramp: 2 lanes", "an exit and two lanes"."""
+        new = ramp.name.endswith("ramp") and not ramp.definite and fact.name in ("lanes", "speed") and _can_hold(ramp, fact)
+        added = self.mark == "and" and not self.described and not _is_limit(fact)
+        alone = ramp.text.startswith(("motorway", "highway", "freeway")) and not self.scene.there("highway", "street", "main")
+        if new and (self.sticky or added or alone):
+            raise Unfit(f"it is not clear whether {fact.text!r} is said of the ramp or of the road")
 
     def _things_follow(self, i: int) -> bool:
         for item in self.items[i + 1 :]:

@@ -10,19 +10,12 @@ from drivegen.words.tokens import Token
 KMH, MPH = 1 / 3.6, 0.44704
 _SPEEDS = {"kmh": KMH, "mph": MPH, "mps": 1.0}
 _LENGTHS = {"m": 1.0, "km": 1000.0, "ft": 0.3048, "yd": 0.9144, "mile": 1609.344}
-ORDINALS = [
-    "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth", "eleventh", "twelfth",
-]  # fmt: skip
-_NTH = (
-    {word: i for i, word in enumerate(ORDINALS, 1)}
-    | {f"{i}{'st' if i == 1 else 'nd' if i == 2 else 'rd' if i == 3 else 'th'}": i for i in range(1, 13)}
-    | {"last": -1, "final": -1}
-)
-_COMPASS = {
-    "east": 0.0, "north east": 45.0, "north": 90.0, "north west": 135.0, "west": 180.0, "south west": 225.0, "south": 270.0,
-    "south east": 315.0,
-}  # fmt: skip
-_ENDINGS = ("", "ern", "bound", "erly")
+ORDINALS = ["first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth", "eleventh", "twelfth"]
+_NTH = {f"{i}{ending}": i for i in range(1, 13) for ending in ("st", "nd", "rd", "th")}
+_NTH |= {word: i for i, word in enumerate(ORDINALS, 1)} | {"last": -1, "final": -1}
+_AROUND = ("east", "north east", "north", "north west", "west", "south west", "south", "south east")
+_COMPASS = {name: 45.0 * i for i, name in enumerate(_AROUND)}
+_ENDINGS = ("", "ern", "erly")
 
 Match = tuple[Any, int]
 """A value and the token behind it."""
@@ -76,11 +69,6 @@ def _measured(units: dict[str, float], digits: int = 99) -> Callable[[Sequence[T
     return read
 
 
-def _plain(tokens: Sequence[Token], i: int) -> Match | None:
-    value = _value(tokens, i)
-    return None if value is None else (value, i + 1)
-
-
 def _bare_speed(tokens: Sequence[Token], i: int) -> Match | None:
     value, other = _value(tokens, i), {*_SPEEDS, *_LENGTHS, "lane", "degree", "second"}
     return None if value is None or _text(tokens, i + 1) in other else (value * KMH, i + 1)
@@ -93,15 +81,11 @@ def _nth(tokens: Sequence[Token], i: int) -> Match | None:
 
 def _compass(tokens: Sequence[Token], i: int) -> Match | None:
     words = [_text(tokens, i), _text(tokens, i + 1)]
-    for text, behind in (((f"{words[0]} {words[1]}"), i + 2), (words[0], i + 1), (_parted(words[0]), i + 1)):
+    for text, behind in ((" ".join(words), i + 2), (words[0], i + 1)):
         for name, degrees in _COMPASS.items():
             if any(text == name + ending for ending in _ENDINGS):
                 return degrees, behind
     return None
-
-
-def _parted(word: str) -> str:
-    return word.replace("north", "north ").replace("south", "south ").strip()
 
 
 def _side(tokens: Sequence[Token], i: int) -> Match | None:
@@ -127,7 +111,6 @@ def speak_speed(value: float) -> str:
 SLOTS = {
     "n": Slot(_count, str),
     "a": Slot(_amount, lambda n: "a" if n == 1 else str(n)),
-    "number": Slot(_plain, number),
     "speed": Slot(_measured(_SPEEDS), speak_speed),
     "limit": Slot(_bare_speed, speak_speed),
     "length": Slot(_measured(_LENGTHS, 6), lambda metres: f"{number(metres)} m"),

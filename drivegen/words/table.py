@@ -47,14 +47,9 @@ def silent() -> frozenset[str]:
 
 
 @cache
-def macros() -> dict[str, str]:
-    """The macros of forms, each with its alternatives in brackets."""
-    return {head["name"]: f"({body})" for head, body in _entries("macros") if head["kind"] == "macro"}
-
-
-@cache
-def _scopes() -> dict[str, str]:
-    return {head["name"]: body for head, body in _entries("macros") if head["kind"] == "scope"}
+def macros(kind: str = "macro") -> dict[str, str]:
+    """The macros of forms, or the names of scopes, each with what it stands for."""
+    return {head["name"]: body for head, body in _entries("macros") if head["kind"] == kind}
 
 
 @cache
@@ -66,7 +61,7 @@ def table(name: str) -> tuple[Phrase, ...]:
 def _phrases(head: re.Match[str], body: str) -> tuple[Phrase, ...]:
     if head["kind"] != "place":
         return (_phrase(head, tuple(form.strip() for form in body.split(" ; "))),)
-    holders, name = tuple(_scopes()["VEHICLES"].split()), head["name"]
+    holders, name = tuple(macros("scope")["VEHICLES"].split()), head["name"]
     near = (f"{body} <me>", f"<being> {body} <me>")
     far = (f"{{length}} {body} <me>", f"<about> {{length}} {body} <me>", f"{body} <me> at <about> {{length}}")
     both = ((near, "place", name), (far, f"far_{name}", None))
@@ -79,7 +74,7 @@ def _phrase(head: re.Match[str], forms: tuple[str, ...]) -> Phrase:
         return Phrase("thing", head["name"], forms, facts=value or {}, slots=tuple((head["slots"] or "").split()))
     if kind in ("link", "cannot"):
         return Phrase(kind, head["name"], forms)  # type: ignore[arg-type]
-    scope = " ".join(_scopes().get(word, word) for word in (head["scope"] or "").split())
+    scope = " ".join(macros("scope").get(word, word) for word in (head["scope"] or "").split())
     holders = tuple("" if holder == "-" else holder for holder in scope.split())
     return Phrase("fact", head["name"], forms, value=value, scope=holders, place=_PLACES[kind])  # type: ignore[arg-type]
 

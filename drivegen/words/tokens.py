@@ -28,6 +28,7 @@ _UNITS = (
 _SPELLING = (
     (r"\b(\w+?)i[sz](ed|ation)\b", r"\1is\2"),
     (r"\bcentre", "center"),
+    (r"\b(north|south)(east|west)", r"\1 \2"),
     (r"\bw/o\b", "without"),
     (r"\bw/(?=\s)", "with"),
     (r"\b(i|we|you)'d\b", r"\1 would"),
@@ -65,9 +66,8 @@ _ONES = [
     "zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve", "thirteen",
     "fourteen", "fifteen", "sixteen", "seventeen", "eighteen", "nineteen",
 ]  # fmt: skip
-NUMBERS = {word: i for i, word in enumerate(_ONES)}
 _TENS = ["twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety"]
-NUMBERS |= {word: 10 * i for i, word in enumerate(_TENS, 2)}
+NUMBERS = {word: i for i, word in enumerate(_ONES)} | {word: 10 * i for i, word in enumerate(_TENS, 2)}
 NUMBERS |= {"hundred": 100, "thousand": 1000}
 _LEXEME = re.compile(
     r"\d+/\d+(?![\w/])|\d{1,3}(?:,\d{3})+(?![\w,])|(?:\d+\.\d+|\d+|\.\d+)(?![\w.]*\d*[a-z]*\d)|[a-z]+(?:'[a-z]+)?|\w+|\S"

@@ -121,15 +121,13 @@ def _asks(thing: Thing) -> dict[str, Any]:
             fact.used = True
             _note(asks, "place", fact.name.removeprefix("far_"))
             _note(asks, "distance", fact.value)
-    _note(asks, "place", thing.value("place"))
     _note(asks, "speed", thing.value("pace", "speed"))
-    _note(asks, "queue", thing.value("queue"))
+    for name, field_name in (("place", "place"), ("queue", "queue"), ("manoeuvre", "does"), ("within", "within")):
+        _note(asks, name, thing.value(field_name))
     if thing.value("at_light"):
         _note(asks, "place", "ahead")
         _note(asks, "speed", 0.0)
         asks["queue"] = True
-    _note(asks, "manoeuvre", thing.value("does"))
-    _note(asks, "within", thing.value("within"))
     if "within" in asks and "manoeuvre" not in asks:
         raise Unfit("a time is said of nothing that is done")
     return asks

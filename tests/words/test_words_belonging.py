@@ -113,6 +113,49 @@ def test_motorways_that_merge_have_a_motorways_limit():
     assert [round(read(f"two {roads} merge into one", 7).road.road.speed / KMH) for roads in ("motorways", "roads")] == [120, 50]
 
 
+@pytest.mark.parametrize(
+    ("text", "lanes"),
+    [
+        ("a two-lane one-way road that splits into two one-lane roads", (2, 1, 1)),
+        ("a three-lane motorway that splits into two two-lane motorways", (3, 2, 2)),
+        ("two two-lane roads that merge into one three-lane road", (3, 2, 2)),
+        ("a three-lane road forking into a two-lane and a one-lane road", (3, 2, 1)),
+    ],
+)
+def test_a_fork_has_the_lanes_of_its_branches(text, lanes):
+    road = read(text, 7).road.road
+    assert (road.lanes, road.left_lanes, road.right_lanes) == lanes
+
+
+@pytest.mark.parametrize(
+    ("text", "lanes", "speeds"),
+    [
+        ("a crossing of a main road and a side road, both with a 30 km/h limit", [1] * 4, [30] * 4),
+        ("a T-junction of a main road and a side road, each with two lanes per direction", [2] * 3, [50] * 3),
+        ("an intersection of a one-way street and a two-way street, both with two lanes", [2, 2, 0, 2], [50] * 4),
+        ("a roundabout with four arms, each with three lanes", [3] * 4, [50] * 4),
+        ("a three-lane roundabout with four entries, each with two lanes", [2] * 4, [50] * 4),
+        ("a crossing where the main road has two lanes per direction and the side road has one", [2, 1, 2, 1], [50] * 4),
+        ("a yield-controlled T-junction on a 60 km/h road", [1] * 3, [60, 60, 50]),
+        ("an intersection on a four-lane arterial", [2] * 4, [60] * 4),
+        ("a one-way road crossing a two-way road at a traffic light", [1, 1, 0, 1], [50] * 4),
+        ("two one-way streets that cross at an intersection", [1, 1, 0, 0], [50] * 4),
+        ("a stop sign on the side road and 60 km/h on the main road at a crossing", [1] * 4, [60, 50] * 2),
+    ],
+)
+def test_each_road_at_a_crossing_has_what_is_said_of_it(text, lanes, speeds):
+    arms = read(text, 7).road.road.arms
+    assert [arm.lanes_in for arm in arms] == lanes
+    assert [arm.speed / KMH for arm in arms] == pytest.approx(speeds)
+
+
+def test_lanes_in_each_direction_are_never_an_exits():
+    road = read("a highway with an exit and two lanes per direction", 7).road.road
+    assert (road.lanes, road.events[0].lanes) == (2, 1)
+    assert read("a freeway on-ramp merge with two mainline lanes", 7).road.road.lanes == 2
+    assert read("a motorway where an on-ramp adds a lane", 7).road.road.events[0].keeps
+
+
 @pytest.mark.parametrize("text", ["a road that splits into three", "five roads that become one", "three motorways merge"])
 def test_a_fork_of_more_than_two_branches_is_declined(text):
     assert "a fork has two branches" in declined(text)
@@ -145,6 +188,9 @@ def test_a_road_that_is_named_again_is_the_one_of_that_name(text, lanes, left, b
         ("a crossroads with left-turn lanes in one direction", "clear what is 'in one direction'"),
         ("a motorway with an exit in one direction only", "'in one direction'"),
         ("motorway on-ramp: two through lanes, 100 km/h", "of the ramp or of the road"),
+        ("a highway with an off-ramp and two lanes", "of the ramp or of the road"),
+        ("a motorway entrance with an acceleration lane of 300 m and three lanes", "of the ramp or of the road"),
+        ("a motorway with an on-ramp and an off-ramp, each with a 60 km/h limit", "of which"),
         ("rural highway, 100 km/h, T-junction with a left turn lane on the main road", "'highway' is the main road"),
         ("a road with 50 km/h in one direction only", "clear what is 'in one direction'"),
     ],
