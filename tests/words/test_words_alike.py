@@ -1,0 +1,35 @@
+"""Other words for the same road draw the same road."""
+
+import pytest
+
+from drivegen.words.read import read
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("the minor road cuts the major at 55 degrees", "the minor road crosses the major road at 55 degrees"),
+        ("a roundabout, inscribed circle dia 32 m", "a roundabout with a diameter of 32 m"),
+        ("a grid with nine intersections", "a 3 by 3 grid"),
+        ("two roads that cross at 60 degrees", "two streets cross at 60 degrees"),
+        ("a skewed intersection with 45 degrees between the roads", "two roads cross at 45 degrees"),
+        ("a road with a right-hand bend followed by a left-hand bend", "a road that bends right then left"),
+        (
+            "a road with a 70-degree left turn followed by a 70-degree right turn",
+            "a road that bends left 70 degrees, then right 70 degrees",
+        ),
+        ("an on-ramp followed by an off-ramp and a weaving lane between them", "a weaving section"),
+        ("a diamond interchange where a highway passes under an arterial road", "a diamond interchange"),
+        ("a half cloverleaf interchange", "a partial cloverleaf"),
+        ("a boulevard with three streets that cross it", "a boulevard crossed by three side streets"),
+        ("two roundabouts joined by a 200 m link road", "two roundabouts 200 m apart"),
+        ("a crossing 200 m before a roundabout", "a crossing and, 200 m further, a roundabout"),
+        ("a crossroads with 3 lanes inbound and 2 lanes outbound", "a crossroads with 3 incoming lanes and 2 outgoing lanes"),
+        ("a crossroads with right before left rule", "a crossroads with right before left"),
+        ("a freeway of 2 lanes each way, barrier down the middle", "a freeway of 2 lanes each way with a barrier"),
+        ("the road I drive home on is simply straight", "a straight road"),
+    ],
+)
+def test_other_words_for_the_same_draw_the_same(text, plain):
+    assert read(text, 7, "same").sentences() == read(plain, 7, "same").sentences()
+    assert read(text, 7, "same").road == read(plain, 7, "same").road
