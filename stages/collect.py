@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pyarrow as pa
 
+from drivegen.core.scenario import SPLITS
 from drivegen.core.settings import read_tree
 from drivegen.lm.ledger import CALLS
 from drivegen.report.costs import costs_markdown
@@ -20,8 +21,6 @@ from drivegen.store.results import RESULT
 from drivegen.warehouse.database import build, read_parts, result_parts
 from drivegen.warehouse.tables import SAMPLES, parameter_table, read_recordings, read_sample_table, read_scenarios
 from stages._door import enter, require
-
-SPLITS = ("train", "val", "test")
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from drivegen.core.scenario import SPLITS
 from drivegen.core.settings import Count, Share
 from drivegen.datasets.sumo_corpus import write_part
-from drivegen.layouts.corpus import SPLITS, Networks
+from drivegen.layouts.corpus import Networks
 from drivegen.store.files import write_bytes, write_json
 from drivegen.sumo.corpus import CorpusSettings, moving_vehicles, prepare_network, simulate_scenarios
 from stages._door import enter, spread

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import SPLITS
 from drivegen.core.settings import Count, Index
-from drivegen.datasets.base import SPLITS
 from drivegen.ingest.admission import Admission, accounts, count_reasons, require_scenarios
 from drivegen.ingest.selection import Settings
 from drivegen.ingest.shards import make_shard, note_if_empty, plan_shards

@@ -44,6 +44,29 @@ def swerving(turned: float, shifted: float, steps: int = 101) -> Trajectories:
     return Trajectories(*(a.astype(np.float32) for a in arrays), np.ones(steps, bool))
 
 
+def test_the_closest_approach_is_that_of_all_pairs_of_discs():
+    random = np.random.default_rng(5)
+
+    def strays(*shape: int) -> Trajectories:
+        position = np.cumsum(random.normal(0, 1, (*shape, 101, 2)), axis=-2) + random.normal(0, 20, (*shape, 1, 2))
+        heading, velocity = random.uniform(-3, 3, (*shape, 101)), random.normal(0, 5, (*shape, 101, 2))
+        return Trajectories(*(a.astype(np.float32) for a in (position, heading, velocity)), random.random((*shape, 101)) < 0.7)
+
+    def discs(motion: Trajectories, size: np.ndarray) -> np.ndarray:
+        ahead = np.stack([np.cos(motion.heading), np.sin(motion.heading)], axis=-1)
+        reach = np.maximum(size[..., 0] - size[..., 1], 0)[..., None, None] / 2
+        return np.stack([motion.position + k * reach * ahead for k in (-1, 0, 1)], axis=-2)
+
+    target, social = strays(20), strays(20, 6)
+    own, others = random.uniform(1, 5, (20, 3)).astype(np.float32), random.uniform(1, 9, (20, 6, 3)).astype(np.float32)
+    apart = discs(target, own)[:, None, :, :, None] - discs(social, others)[..., None, :, :]
+    gap = np.hypot(apart[..., 0], apart[..., 1]).min(axis=(-1, -2)) - (own[:, None, 1] + others[..., 1])[..., None] / 2
+    gap = np.where(target.valid[:, None] & social.valid, np.maximum(gap, 0), np.inf)
+    met = encounters(target, own, social, others)
+    np.testing.assert_allclose(met.gap, gap.min(axis=-1), atol=1e-4)
+    np.testing.assert_allclose(np.take_along_axis(gap, met.step[..., None].astype(int), -1)[..., 0], met.gap, atol=1e-4)
+
+
 def test_a_car_from_the_right_meets_the_target_where_their_paths_cross():
     target = drive((0, 0), 0.0, 10.0)
     crossing = drive((50, -50), np.pi / 2, 10.0)

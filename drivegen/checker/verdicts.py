@@ -18,7 +18,7 @@ from drivegen.core.samples import Samples, Violation
 from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.seal import BLANK, expect_seal, sealed
 from drivegen.roads.leaving import STAYS, Exits, left_from
-from drivegen.store.files import as_json, whole
+from drivegen.store.files import as_json, write_bytes
 
 SEAL = "checksum"
 """The name in the file of what is no limit."""
@@ -43,8 +43,7 @@ def read_limits_file(path: Path) -> Limits:
 
 def write_limits_file(path: Path, limits: Limits) -> None:
     """JSON, written whole, with a checksum of itself."""
-    with whole(path) as temporary:
-        temporary.write_bytes(sealed(as_json(limits.to_json() | {SEAL: BLANK})))
+    write_bytes(path, sealed(as_json(limits.to_json() | {SEAL: BLANK})))
 
 
 def judged(scenario: Scenario, samples: Samples, limits: Limits) -> Samples:

@@ -24,6 +24,9 @@ DT = 0.1
 TARGET = 0
 """Index of the target vehicle in every scenario."""
 
+SPLITS = ("train", "val", "test")
+"""Parts of a data set, each in a folder of that name."""
+
 SAFE_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,199}")
 """Ids of scenarios name files and folders."""
 

@@ -12,7 +12,7 @@ from drivegen.corner_cases.collisions import Collision, picture
 from drivegen.corner_cases.judgement import Judgement
 from drivegen.recording.collision import record_collision
 from drivegen.store.collisions import Where
-from drivegen.store.files import whole
+from drivegen.store.files import write_bytes
 
 PICTURE, RECORDING, WORDS = "picture.png", "recording.rrd", "sentence.txt"
 
@@ -27,8 +27,7 @@ def write_kind(folder: Path, judgement: Judgement) -> None:
         plugins.load("exporters", name)().write(scenario, case.motion[present], folder, folder.name)
     planned, driven = Samples.without_goals(case.scenario_id, case.method, case.traffic[np.newaxis]), case.driven[np.newaxis]
     for name, raw in ((PICTURE, _picture(case, planned)), (WORDS, f"{judgement.sentence}\n".encode())):
-        with whole(folder / name) as temporary:
-            temporary.write_bytes(raw)
+        write_bytes(folder / name, raw)
     where = Where(case.scenario_id, "", 0, case.partner, case.step)
     record_collision(folder / RECORDING, case.scenario, planned, driven, where, judgement.kind, judgement.sentence)
 

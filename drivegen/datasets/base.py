@@ -5,8 +5,7 @@ from typing import Protocol
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.recorded_log import RecordedLog
-
-SPLITS = ("train", "val", "test")
+from drivegen.core.scenario import SPLITS
 
 
 def expect_splits(root: Path, what: str, parts: str) -> None:

@@ -18,7 +18,7 @@ from drivegen.core.geometry import unit
 from drivegen.core.scenario import DT, SAFE_ID, Scenario, Trajectories, VehicleKind
 from drivegen.exporters._opendrive import opendrive, serialised
 from drivegen.exporters.base import About
-from drivegen.store.files import whole
+from drivegen.store.files import write_bytes
 
 ABOUT = About(title="OpenSCENARIO XML 1.2 with OpenDRIVE 1.5", read_by="programs that take OpenSCENARIO XML")
 
@@ -45,8 +45,7 @@ class Plugin:
         if not SAFE_ID.fullmatch(name):
             raise UnusableInput(f"{name!r} cannot name a file: use letters, digits, dots, dashes and underscores")
         for suffix, raw in ((".xodr", opendrive(scenario.map, name)), (".xosc", openscenario(scenario, motion, name))):
-            with whole(folder / f"{name}{suffix}") as temporary:
-                temporary.write_bytes(raw)
+            write_bytes(folder / f"{name}{suffix}", raw)
 
 
 def openscenario(scenario: Scenario, motion: Trajectories, name: str) -> bytes:

@@ -8,8 +8,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.scenario import SPLITS
 from drivegen.core.seeds import derive
-from drivegen.datasets.base import SPLITS, Dataset, id_of
+from drivegen.datasets.base import Dataset, id_of
 from drivegen.ingest.admission import usable_tracks
 from drivegen.ingest.selection import Settings
 

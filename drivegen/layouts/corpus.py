@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.core.scenario import SPLITS
 from drivegen.layouts.compile import compile_map
 from drivegen.layouts.spec import MapSpec
-
-SPLITS = ("train", "val", "test")
 
 REAL, OWN = KINDS = ("real", "own")
 

@@ -38,7 +38,7 @@ from drivegen.recording import colours, traffic
 from drivegen.recording.blueprint import layout
 from drivegen.recording.lines import flat, log_rejected
 from drivegen.recording.roads import log_roads, log_signals, surroundings
-from drivegen.store.files import whole
+from drivegen.store.files import write_bytes
 
 NARROWEST, WIDEST = 60.0, 260.0
 """Limits of the first view's width [m]."""
@@ -134,8 +134,7 @@ def recording_of(path: Path, name: str, show: rrb.Blueprint) -> Iterator[rr.Reco
     yield recording
     raw = memory.drain_as_bytes()
     recording.disconnect()
-    with whole(path) as temporary:
-        temporary.write_bytes(raw)
+    write_bytes(path, raw)
 
 
 def _log_goals(recording: rr.RecordingStream, goals: GoalMarks) -> None:

@@ -10,7 +10,7 @@ import orjson
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import build
-from drivegen.store.files import whole, write_json
+from drivegen.store.files import write_bytes, write_json
 
 FOLDER = "collisions"
 
@@ -47,10 +47,8 @@ class Pictured:
 
 def write_pictured(path: Path, png: bytes, words: str, where: Where) -> None:
     """`path`.png, `path`.txt and `path`.json."""
-    with whole(path.with_suffix(".png")) as temporary:
-        temporary.write_bytes(png)
-    with whole(path.with_suffix(".txt")) as temporary:
-        temporary.write_text(words, encoding="utf-8")
+    write_bytes(path.with_suffix(".png"), png)
+    write_bytes(path.with_suffix(".txt"), words.encode())
     write_json(path.with_suffix(".json"), asdict(where))
 
 

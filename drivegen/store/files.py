@@ -119,7 +119,7 @@ def _in_utf8(value: Any) -> Any:
 
 
 def write_bytes(path: Path, raw: bytes) -> None:
-    """A file of these bytes."""
+    """A file of these bytes, written whole."""
     with whole(path) as temporary:
         temporary.write_bytes(raw)
 

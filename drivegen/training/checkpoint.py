@@ -19,7 +19,7 @@ from torch.optim import Optimizer
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.seal import BLANK, expect_seal, sealed
-from drivegen.store.files import whole
+from drivegen.store.files import write_bytes
 from drivegen.training.weights import metadata
 
 Part = nn.Module | Optimizer | Tensor
@@ -32,8 +32,7 @@ def write(path: Path, parts: Mapping[str, Part], state: Mapping[str, Any]) -> No
     tensors = {f"{name}/{key}": tensor for name, part in parts.items() for key, tensor in _tensors(part).items()}
     about = json.dumps({"checksum": BLANK, **state})  # floats are written so that they read back exactly
     content = save({k: v.detach().cpu().contiguous().clone() for k, v in tensors.items()}, {_STATE: about})
-    with whole(path) as temporary:
-        temporary.write_bytes(sealed(content))
+    write_bytes(path, sealed(content))
 
 
 def read(path: Path, parts: Mapping[str, Part]) -> dict[str, Any] | None:

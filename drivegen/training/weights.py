@@ -17,7 +17,7 @@ from safetensors.numpy import load, save
 
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.seal import BLANK, expect_seal, sealed
-from drivegen.store.files import as_json, whole
+from drivegen.store.files import as_json, write_bytes
 
 SETTINGS, WEIGHTS = "settings.json", "weights.safetensors"
 
@@ -35,8 +35,7 @@ def write_weights(folder: Path, kind: str, name: str, settings: Mapping[str, Any
     beside = json.dumps({"checksum": BLANK, SETTINGS: _digest(about)})  # one entry: safetensors writes several in any order
     written = save({key: np.ascontiguousarray(tensor) for key, tensor in sorted(tensors.items())}, {_ABOUT: beside})
     for file, content in ((WEIGHTS, sealed(written)), (SETTINGS, about)):
-        with whole(folder / file) as temporary:
-            temporary.write_bytes(content)
+        write_bytes(folder / file, content)
 
 
 def read_weights(folder: Path, kind: str, name: str) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from drivegen.adversaries.shared.strain import USUAL, strain
+from drivegen.adversaries.shared.strain import USUAL, WINDOW, strain
 from drivegen.core.scenario import Trajectories
 
 TIME = np.arange(61) * 0.1
@@ -34,3 +34,16 @@ def test_who_drives_and_stands_at_once_strains_most_and_what_is_not_there_not_at
     gone = track(np.where(TIME < 3, 10 * TIME, 1e6))
     gone.valid[0, 30:] = False
     assert strain(gone) == 0
+
+
+def test_array_by_array_it_is_the_same():
+    random = np.random.default_rng(3)
+    position = np.cumsum(random.normal(0, 1, (40, 61, 2)), axis=1).astype(np.float32)
+    velocity = random.normal(0, 5, (40, 61, 2)).astype(np.float32)
+    there = random.random((40, 61)) < 0.9
+    velocities = np.concatenate([velocity[:, :1], np.diff(position.astype(np.float64), axis=1) / 0.1], axis=1)
+    known = there & np.concatenate([there[:, :1], there[:, :-1]], axis=1)
+    change = np.linalg.norm(velocities[:, WINDOW:] - velocities[:, :-WINDOW], axis=-1) / (WINDOW * 0.1)
+    expected = np.where(known[:, WINDOW:] & known[:, :-WINDOW], change, 0.0).max(axis=1)
+    found = strain(Trajectories(position, np.zeros((40, 61), np.float32), velocity, there))
+    np.testing.assert_allclose(found, np.maximum(expected - USUAL, 0), rtol=1e-6)

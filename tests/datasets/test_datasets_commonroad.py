@@ -13,11 +13,11 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.geometry import boxes_overlap, project
 from drivegen.core.intervals import recording
 from drivegen.core.recorded_log import RecordedLog
-from drivegen.core.scenario import SizeSource, Trajectories, VehicleKind
+from drivegen.core.scenario import SPLITS, SizeSource, Trajectories, VehicleKind
 from drivegen.datasets import commonroad
 from drivegen.datasets._targets import LEAST_NEW, LONG, NEIGHBOURHOOD, spread_targets
 from drivegen.ingest.selection import Settings, select
-from drivegen.ingest.splits import SPLITS, Plan, items
+from drivegen.ingest.splits import Plan, items
 from tests.commonroad_files import ROAD, car, obstacle, state, xml
 from tests.futures import otherwise
 

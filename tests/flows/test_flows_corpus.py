@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 import yaml
 
+from drivegen.core.scenario import SPLITS
 from drivegen.core.settings import build
-from drivegen.layouts.corpus import SPLITS, Networks
+from drivegen.layouts.corpus import Networks
 from flows import FlowFailed
 from flows.corpus import SIZES, overrides
 from flows.workspace import overridden

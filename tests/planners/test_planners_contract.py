@@ -12,6 +12,7 @@ from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.geometry import wrap_angle
 from drivegen.core.scenario import Trajectories
 from drivegen.planners.base import Examples, Planner, PlanRequests
+from drivegen.planners.shared import motion
 from drivegen.rollout.batch import choose
 from drivegen.rollout.towards import plan_all_goals
 from drivegen.selectors.random import Plugin as Uniform
@@ -56,6 +57,15 @@ def test_a_request_gets_the_same_motion_alone_and_in_any_batch(trained: Planner,
     for b in (0, 5, 100, 255, 256, len(rows) - 1):
         assert same(trained.sample(logs.scenarios, requests[[b]])[0], together[b])
     assert same(trained.sample(logs.scenarios, requests[::-1]), together[::-1])
+
+
+def test_motion_is_the_same_however_many_are_decoded_at_once(
+    trained: Planner, logs: Examples, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    together = trained.sample(logs.scenarios, logs.requests)
+    monkeypatch.setattr(motion, "ROWS", 7)
+    assert len(logs) % 7
+    assert same(trained.sample(logs.scenarios, logs.requests), together)
 
 
 def test_where_nothing_is_asked_for_nothing_is_planned(trained: Planner, logs: Examples) -> None:

@@ -93,11 +93,8 @@ def decode(frames: Frames, requests: PlanRequests, residuals: Residuals, steps: 
         state = _decoded(frames.table, *(column[rows] for column in columns), steps)
         heading = wrap_angle(state[..., 2])
         heading[:, 0] = requests.heading[rows]
-        motion.position[rows], motion.heading[rows], motion.velocity[rows] = (
-            state[..., :2],
-            heading,
-            state[..., 3:] * unit(heading),
-        )
+        motion.position[rows], motion.heading[rows] = state[..., :2], heading
+        motion.velocity[rows] = state[..., 3:] * unit(heading)
     return motion
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from drivegen.report.published.index import index, part_index
 from drivegen.report.table import Table
-from drivegen.store.files import whole, write_json
+from drivegen.store.files import write_bytes, write_json
 
 
 def write_published(
@@ -36,5 +36,4 @@ def _write(out: Path, tables: Sequence[Table], texts: Mapping[str, str]) -> None
     contents = {f"{table.name}.md": table.markdown() for table in tables} | dict(texts)
     pictures = {f"{table.name}.svg": table.picture for table in tables if table.picture}
     for name, content in {**{name: text.encode() for name, text in contents.items()}, **pictures}.items():
-        with whole(out / name) as temporary:
-            temporary.write_bytes(content)
+        write_bytes(out / name, content)
