@@ -9,7 +9,6 @@ An interrupted training goes on from `.drivegen/checkpoints/`, in a folder named
 """
 
 import shutil
-import time
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -25,6 +24,7 @@ from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, shards
 from drivegen.training import checkpoint
 from drivegen.training.curve import kept, plateau, write_curve
+from drivegen.training.timing import timed
 from stages._door import build, enter, learnt_from
 from stages._rolled_out import WATCHED_SEED, Watched, rolled_out, scores_of
 
@@ -61,9 +61,9 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
     def rolled(model_so_far: Learned) -> float:
         return mean_errors(rolled_out(model_so_far, watched, params.watched.samples, WATCHED_SEED)).get("min_sade", float("nan"))
 
-    began = time.process_time()
-    generator, rows = plugin.fit(settings, train, validation, seed, checkpoints, say, rolled)
-    trained = time.process_time() - began
+    costs: dict[str, float] = {}
+    with timed("training", costs):
+        generator, rows = plugin.fit(settings, train, validation, seed, checkpoints, say, rolled)
     generator.save(model)
     write_curve(curve, rows, error="min_sade")
     counts = {"train_examples": len(train), "validation_examples": len(validation), "steps": rows[-1].step}
@@ -76,7 +76,7 @@ def main(params: Params, scenarios: Path, model: Path, metrics: Path, curve: Pat
         scores |= {f"{bound}.validation_{key}": value for key, value in errors.items()}
     write_json(metrics, {"generator": model.name, **counts, **learnt, **watch, **scores})
     shutil.rmtree(checkpoints, ignore_errors=True)
-    return {**{key: float(value) for key, value in counts.items()}, "training_cpu_seconds": trained}
+    return {**{key: float(value) for key, value in counts.items()}, **costs}
 
 
 def _chosen(name: str, params: Params) -> tuple[type[Learned], Any]:

@@ -24,7 +24,7 @@ from drivegen.sumo.sensing import SensingSettings, sensed
 from drivegen.sumo.traffic import Run, Traffic, simulate
 from drivegen.sumo.windows import EGO, Recording, WindowSettings, cut_windows, moves
 
-_BARREN_RUNS = 4
+_BARREN_RUNS = 16
 """A network that gives no scenario in this many runs one after the other is given up."""
 
 _VEHICLES_PER_SCENARIO = 14

@@ -32,6 +32,9 @@ from drivegen.training.curve import LossRow, kept
 
 Net = TypeVar("Net", bound=nn.Module)
 
+LATE = 32
+"""Steps on a GPU after which their losses are read: it works on while the next batches are made."""
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -115,6 +118,7 @@ def train(
             row = run.close_row(probe)
             report(f"step {done}/{settings.steps} loss {row.train:.4f} validation {row.validation:.4f}")
         if path is not None and run.rank == 0 and done % settings.checkpoint_every == 0:
+            run.count()
             checkpoint.write(path, run.parts, asdict(run.progress))
     return run.averaged if run.best is None else run.best, run.progress.curve
 
@@ -154,6 +158,7 @@ class _Run(Generic[Net]):
             model.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay, foreach=True
         )
         self.progress = Progress()
+        self._uncounted: list[Tensor] = []
 
     @property
     def parts(self) -> dict[str, checkpoint.Part]:
@@ -179,12 +184,22 @@ class _Run(Generic[Net]):
         torch.nn.utils.clip_grad_norm_(self.model.parameters(), settings.clip)
         self.optimiser.step()
         self._average()
+        self._uncounted.append(self._meant(loss.detach()))
         self.progress.step += 1
-        self.progress.since += 1
-        self.progress.loss_since += self._finite(self._mean(loss.detach()))
+        if self.device.type == "cpu" or len(self._uncounted) == LATE:
+            self.count()
+
+    def count(self) -> None:
+        """Add up the losses of the last steps."""
+        losses = torch.stack(self._uncounted).cpu().tolist() if self._uncounted else []
+        for step, loss in enumerate(losses, self.progress.step - len(losses) + 1):
+            self.progress.loss_since += self._finite(loss, step)
+        self.progress.since += len(losses)
+        self._uncounted = []
 
     def close_row(self, probe: Callable[[Net], float] | None) -> LossRow:
         """Add the row of the loss curve that ends at this step."""
+        self.count()
         progress = self.progress
         self.averaged.eval()
         with torch.no_grad():
@@ -208,19 +223,19 @@ class _Run(Generic[Net]):
     def _autocast(self) -> torch.autocast | nullcontext[None]:
         return torch.autocast(self.device.type, torch.bfloat16) if self.settings.bf16 else nullcontext()
 
-    def _finite(self, loss: float) -> float:
+    def _finite(self, loss: float, step: int) -> float:
         if not math.isfinite(loss):
-            when, rate = f"step {self.progress.step} of {self.settings.steps}", f"{self.settings.learning_rate:g}"
+            when, rate = f"step {step} of {self.settings.steps}", f"{self.settings.learning_rate:g}"
             raise UnusableInput(
                 f"training stopped: the loss is {loss} at {when}; lower learning_rate ({rate}) or raise warmup",
                 reason="not-finite",
             )
         return loss
 
-    def _mean(self, loss: Tensor) -> float:
+    def _meant(self, loss: Tensor) -> Tensor:
         if self.world > 1:
             dist.all_reduce(loss)
-        return float(loss) / self.world
+        return loss / self.world
 
 
 def batch_rows(size: int, batch: int, seed: int, step: int) -> Tensor:

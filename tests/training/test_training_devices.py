@@ -22,6 +22,7 @@ from drivegen.drivers.shared.policy import Policy
 from drivegen.generators.shared.learned import Learned
 from drivegen.gym.picture import picture
 from drivegen.gym.sb3 import DriveVecEnv
+from drivegen.planners import paper
 from drivegen.planners.shared import latent
 from drivegen.planners.shared.guidance import Guidance, Guided, guided
 from drivegen.simulators import batch
@@ -51,7 +52,8 @@ def there(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> It
     device = torch.device("cuda") if request.param == "gpu" else ELSEWHERE
     monkeypatch.setattr(loop, "device", lambda: device)
     if device == ELSEWHERE:
-        monkeypatch.setitem(latent.CHUNK, ELSEWHERE.type, 16)
+        for size in (latent.CHUNK, paper.CHUNK, paper.PICTURES):
+            monkeypatch.setitem(size, ELSEWHERE.type, 16)
         monkeypatch.setattr(torch, "autocast", lambda *_, **__: nullcontext())
         monkeypatch.setattr(torch, "inference_mode", torch.no_grad)
     with second_device() if device == ELSEWHERE else nullcontext():
