@@ -16,6 +16,10 @@ SAMPLERS, SCHEDULES = ("ddpm", "ddim", "dpm_solver"), ("cosine", "linear")
 LARGEST = 12.0
 """Estimates of clean states are held within this, in units of the states' scales."""
 
+FAINTEST = 0.003
+"""Share of the signal at which fewer steps than all begin where the network predicts noise. The noisiest step of all makes
+of its error one of the clean states 450 times as large, which few steps do not forget (LOG.md)."""
+
 
 def alpha_bars(schedule: str, steps: int) -> Tensor:
     """Share of the signal's variance (steps,) that is left after each step: `cosine` (Nichol, Dhariwal 2021) or `linear`.
@@ -34,9 +38,11 @@ def alpha_bars(schedule: str, steps: int) -> Tensor:
     return torch.cumprod(1 - betas, dim=0).float()
 
 
-def kept_steps(noise_steps: int, count: int) -> Sequence[int]:
-    """`count` of the diffusion steps, evenly spread, from the noisiest down to step 0; a single one is the noisiest."""
-    last = noise_steps - 1
+def kept_steps(schedule: Tensor, count: int, target: str) -> Sequence[int]:
+    """`count` of the diffusion steps, evenly spread, from the noisiest (see FAINTEST) down to step 0; a single one is that."""
+    last = len(schedule) - 1
+    if target == "noise" and count <= last:
+        last = max(int((schedule >= FAINTEST).sum()) - 1, count - 1)
     return [last] if count == 1 else [round(k * last / (count - 1)) for k in range(count)][::-1]
 
 
@@ -93,7 +99,7 @@ def sampled(
     Gaussian noise of the states' shape, k = 0 to begin with; `schedule` are the `alpha_bars`; `sampler` is one of SAMPLERS.
     """
     alpha_bar = torch.cat([schedule, torch.ones(1, device=schedule.device)])
-    visited = kept_steps(len(schedule), count)
+    visited = kept_steps(schedule, count, target)
     x, earlier, before = noise(0), None, visited[0]
     for turn, (now, following) in enumerate(zip(visited, [*visited[1:], -1], strict=True), 1):
         clean, eps = both(predict(x, now), x, alpha_bar[now], target)
