@@ -46,8 +46,8 @@ def exceed(worst, first, b, rule, value, limit, step):  # type: ignore[no-untype
     """Note a severity of `rule` of trajectory b at `step`, and that step if it is the first beyond the limit."""
     if value > worst[b, rule]:
         worst[b, rule] = value
-        if value > limit[rule] and first[b, rule] < 0:
-            first[b, rule] = step
+    if value > limit[rule] and (first[b, rule] < 0 or step < first[b, rule]):
+        first[b, rule] = step
 
 
 @njit(cache=True, error_model="numpy")

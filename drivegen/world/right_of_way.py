@@ -60,8 +60,9 @@ class Way:
         goal = np.full(valid.shape, self.goal, np.float32)
         seen_from(self.points, goal, position, heading, np.zeros_like(position), valid, size, frame)
         along, reach = frame[:, 0], frame[:, 2]
-        came = np.diff(along, axis=0, append=along[-1:]) > -0.05  # not the other way
-        comes = valid & came & (np.abs(frame[:, 1]) < IN_LANE) & (along > 0) & (along - reach < self.goal + PASSED)
+        backs = np.diff(along, axis=0, prepend=along[:1]) < -0.05  # it goes the other way
+        backs[1:] &= valid[:-1]
+        comes = valid & ~backs & (np.abs(frame[:, 1]) < IN_LANE) & (along > 0) & (along - reach < self.goal + PASSED)
         closed = self.closed[: len(valid)]
         comes[: len(closed)] &= ~closed[:, None] | (along[: len(closed)] + reach[: len(closed)] > self.entry)
         return np.where(comes, np.maximum(self.goal - along - reach, 0), np.inf).astype(np.float32)

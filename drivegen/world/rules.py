@@ -112,19 +112,18 @@ class Watch:
         self._line = torch.zeros(rows, dtype=torch.int64, device=lookout.place.device)
         self._halted = torch.zeros(rows, dtype=torch.bool, device=lookout.place.device)
 
-    def reset(self, rows: Tensor | None) -> None:
-        """Forget who has halted in all rows, or in `rows` alone."""
-        self._halted[rows if rows is not None else slice(None)] = False
+    def reset(self, world: "World", rows: Tensor | None) -> None:
+        """All rows, or `rows` alone, have begun anew: who stands before the line ahead has halted there, nobody else."""
+        some = torch.arange(len(self._line), device=self._line.device) if rows is None else rows
+        ego = world.ego[some]
+        self._line[some], distance = self._ahead(world.scene[some], ego.along + 0.5 * world.size[some, 0])
+        self._halted[some] = _stands(ego.speed, distance)
 
     def rules(self, world: "World", frame: Tensor) -> Rules:
         """What holds ahead of each target; `frame` (R, 6, M) is that of the others now."""
         lookout, ego, at = self._lookout, world.ego, world.at
-        ahead = lookout.place[world.scene] - (ego.along + 0.5 * world.size[:, 0])[:, None]
-        line = torch.where(ahead > -PASSED, ahead, torch.inf).argmin(dim=1)
-        distance = ahead.gather(1, line[:, None])[:, 0]
-        distance = torch.where(distance > -PASSED, distance, torch.inf)
-        here = (ego.speed < HALTED) & (distance < BEFORE)
-        self._halted = here | (self._halted & (line == self._line))
+        line, distance = self._ahead(world.scene, ego.along + 0.5 * world.size[:, 0])
+        self._halted = _stands(ego.speed, distance) | (self._halted & (line == self._line))
         self._line = line
         none = distance.isinf()
         away = lookout.distance[world.neighbours.rows(world), line[:, None], torch.arange(frame.shape[2], device=line.device)]
@@ -136,6 +135,18 @@ class Watch:
             halted=self._halted,
             arrives=torch.where(none[:, None], torch.inf, away.clamp_min(0.0) / speed),
         )
+
+    def _ahead(self, scene: Tensor, front: Tensor) -> tuple[Tensor, Tensor]:
+        """Number of the line ahead of fronts (R,) [m] in `scene` (R,), and how far it is [m]: inf where there is none."""
+        ahead = self._lookout.place[scene] - front[:, None]
+        ahead = torch.where(ahead > -PASSED, ahead, torch.inf)
+        line = ahead.argmin(dim=1)
+        return line, ahead.gather(1, line[:, None])[:, 0]
+
+
+def _stands(speed: Tensor, distance: Tensor) -> Tensor:
+    """Who has halted before a line so far [m] ahead."""
+    return (speed < HALTED) & (distance < BEFORE)
 
 
 def _lines(scenes: Scenes, s: int, graph: LaneGraph) -> list[tuple[float, int]]:

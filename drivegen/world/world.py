@@ -57,7 +57,7 @@ class World:
     def _reset_others(self, rows: Tensor | None) -> None:
         self.neighbours.reset(self, rows)
         if self._watch:
-            self._watch.reset(rows)
+            self._watch.reset(self, rows)
 
     @property
     def at(self) -> Tensor:

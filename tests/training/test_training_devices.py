@@ -156,7 +156,9 @@ def test_the_batch_simulator_drives(there: torch.device, reacting: bool, tmp_pat
     ended = batch.Plugin(there.type, reaction, counts_lights=True).run_each(chosen, scenes, motion)
     assert all(np.isfinite(one.motion.position[one.motion.valid]).all() for one in ended)
     if there != ELSEWHERE:
-        for one, other in zip(ended, batch.Plugin("cpu", reaction, counts_lights=True).run_each(chosen, scenes, motion), strict=True):
+        for one, other in zip(
+            ended, batch.Plugin("cpu", reaction, counts_lights=True).run_each(chosen, scenes, motion), strict=True
+        ):
             np.testing.assert_allclose(one.motion.position, other.motion.position, atol=0.01)
             np.testing.assert_array_equal(one.step, other.step)
 

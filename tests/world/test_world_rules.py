@@ -11,6 +11,7 @@ from drivegen.core.signals import Signals, SignalState
 from drivegen.drivers import idm
 from drivegen.roads.graph import LaneGraph
 from drivegen.simulators.batch import Plugin
+from drivegen.world.observation import Action
 from drivegen.world.right_of_way import has_right_of_way
 from drivegen.world.rules import Lookout
 from drivegen.world.scenes import Scenes
@@ -145,6 +146,28 @@ def test_what_is_seen_of_a_line_and_of_who_comes():
     for _ in range(30):
         world.advance(idm.Plugin(IDM).act(world.observe()))
     assert int(world.observe().rules.signal) == SignalState.GREEN
+
+
+def test_who_stands_before_a_line_when_it_begins_has_halted_there():
+    scene = meet(LaneControl.FREE, STRAIGHT, own_control=LaneControl.STOP, start=76.0, speed=0.0)
+    scenes = Scenes.of([scene], [scene.log])
+    world = World(scenes, 1, lookout=Lookout.of(scenes, [scene], [scene.log]))
+    for rows in (None, torch.tensor([0])):
+        world.reset(torch.tensor([0]), rows)
+        for _ in range(6):  # it is not asked what it sees before it rolls
+            world.advance(Action(torch.tensor([3.0])))
+        assert float(world.ego.speed) > 1.0
+        assert bool(world.observe().rules.halted)
+
+
+def test_nobody_knows_a_moment_ahead_who_will_back_off():
+    scene = meet(LaneControl.FREE, STRAIGHT, [(1, STRAIGHT, 30.0, 10.0)], own_control=LaneControl.YIELD)
+    there_and_back = np.concatenate([np.arange(41), np.maximum(39 - np.arange(STEPS - 41), 0)])
+    ways = np.stack([scene.log.position[0], scene.log.position[1, there_and_back]])
+    backs = replace(scene, log=replace(scene.log, position=ways))
+    seen = [Lookout.of(Scenes.of([s], [s.log]), [s], [s.log]).distance for s in (scene, backs)]
+    assert torch.equal(seen[0][:41], seen[1][:41])
+    assert seen[1][42].isinf().all()
 
 
 def test_lines_are_where_they_are_in_reactive_traffic_too():
