@@ -3,7 +3,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivegen.checker.dynamics import exceed
 from drivegen.checker.limits import NEVER, RULES
 from drivegen.checker.scene import SceneChecker, check_samples
 from drivegen.core.roadmap import LaneControl
@@ -397,10 +396,3 @@ def test_a_place_beyond_all_whole_numbers_is_illegal_and_nothing_else(far):
         violation, _ = check_samples(scene, motion[np.newaxis], LIMITS)
         assert Violation(int(violation[0, 0])) & Violation.ACCELERATION
         assert violation[0, 6:].tolist() == [0, 0]
-
-
-def test_the_first_step_beyond_a_limit_is_the_earliest_of_all():
-    worst, first = np.zeros((1, 1)), np.full((1, 1), -1, np.int16)
-    for value, step in ((5.0, 20), (3.0, 10), (0.5, 2)):
-        exceed(worst, first, 0, 0, value, np.ones(1), step)
-    assert (worst[0, 0], first[0, 0]) == (5.0, 10)

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivegen.checker.dynamics import exceed
 from drivegen.checker.verdicts import SingleJudge, read_limits_file, write_limits_file
 from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.core.scenario import Trajectories
@@ -50,3 +51,10 @@ def test_limits_that_are_missing_or_broken_are_named(tmp_path: Path) -> None:
         file.write_bytes(changed)
         with pytest.raises(UnusableInput, match=rf"limits\.json {sentence}"):
             read_limits_file(file)
+
+
+def test_the_first_step_beyond_a_limit_is_the_earliest_of_all():
+    worst, first = np.zeros((1, 1)), np.full((1, 1), -1, np.int16)
+    for value, step in ((5.0, 20), (3.0, 10), (0.5, 2)):
+        exceed(worst, first, 0, 0, value, np.ones(1), step)
+    assert (worst[0, 0], first[0, 0]) == (5.0, 10)

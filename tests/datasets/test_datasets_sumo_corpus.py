@@ -1,6 +1,9 @@
 """The embedded corpus as a contract: what it promises about its scenarios holds on a tiny one."""
 
+from contextlib import nullcontext
 from dataclasses import replace
+from functools import cache
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +16,11 @@ from drivegen.core.recorded_log import RecordedLog
 from drivegen.core.scenario import TARGET, VehicleKind
 from drivegen.datasets.sumo_corpus import Plugin, write_part
 from drivegen.layouts.corpus import Networks
+from drivegen.sumo import corpus as simulated
 from drivegen.sumo.corpus import CorpusSettings
 from drivegen.sumo.parking import ParkingSettings
 from drivegen.sumo.sensing import SensingSettings, sensed
+from drivegen.sumo.traffic import Traffic, simulate
 from drivegen.sumo.windows import WindowSettings, moves, overlapping_pairs, thrown
 from stages.corpus import Params, main
 from tests.scenes import busy_crossing, drive, scenario, stack, straight_road
@@ -282,3 +287,19 @@ def test_parked_cars_come_on_top_of_the_same_traffic_and_touch_nobody(corpus, tm
             assert (b.kind[stands] == VehicleKind.CAR).all()
             cars += stands.sum()
     assert cars > 10
+
+
+@pytest.mark.parametrize("barren", [10, 16])
+def test_a_few_barren_runs_end_no_corpus_and_many_do(corpus: Path, monkeypatch: pytest.MonkeyPatch, barren: int) -> None:
+    cut, drive_once, runs = simulated.cut_windows, cache(lambda: simulate(*first)), count()
+    first: list[object] = []
+
+    def driven(*run: object) -> Traffic:
+        first[:] = first or run
+        return drive_once()
+
+    monkeypatch.setattr(simulated, "simulate", driven)
+    monkeypatch.setattr(simulated, "cut_windows", lambda *args: iter(()) if next(runs) < barren else cut(*args))
+    raw = (corpus / "networks" / "cross.net.xml").read_bytes()
+    with pytest.raises(UnusableInput, match="no scenario in 16 runs") if barren == 16 else nullcontext():
+        assert len(simulated.simulate_scenarios(raw, "cross", 0, 1, (10.0, 15.0), PARAMS.settings, 7)) == 1
