@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from drivegen.adversaries.shared.arena import Arena, Ground
 from drivegen.adversaries.shared.candidates import Candidates
+from drivegen.adversaries.shared.goals import hurried
 from drivegen.core import seeds
 from drivegen.core.scenario import Trajectories
 from drivegen.core.settings import Count, Index
@@ -49,7 +50,7 @@ def with_variations(arena: Arena, pool: Candidates, order: NDArray[np.integer], 
     scenario = ground.of[pool.scene[rows]]  # rises, as scenes do: motion comes scenario by scenario
     of_scenario = [digits[scenario == c] for c in range(len(ground.choices))]
     seed = seeds.derive(arena.seed, "variations")
-    planned = plan_near_goals(ground.choices, of_scenario, variation.spread, ground.planner, seed)
+    planned = plan_near_goals(ground.choices, of_scenario, variation.spread, hurried(ground.planner), seed)
     steps = max(pool.motion.steps, *(motion.steps for motion in planned))
     motion = Trajectories.joined([part.padded(steps) for part in planned])
     kept = np.flatnonzero(arena.allows(pool.scene[rows], pool.vehicle[rows], motion))

@@ -6,7 +6,8 @@ is (`_new_net`), and how latents that were drawn become motion again (`_planned`
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from copy import copy
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, ClassVar, Generic, Self, TypeVar
 
@@ -177,6 +178,12 @@ class FlowPlanner(ABC, Generic[S]):
     def euler_steps(self) -> int:
         """Steps when sampling."""
         return self.settings.euler_steps
+
+    def in_steps(self, euler_steps: int) -> Self:
+        """The same planner with so many steps when sampling."""
+        other = copy(self)
+        other.settings = replace(self.settings, euler_steps=euler_steps)
+        return other
 
     @abstractmethod
     def _coefficient_counts(self) -> dict[str, int]:
