@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
-from drivegen.adversaries.shared.goals import exchanged_goals
+from drivegen.adversaries.shared.goals import EULER_STEPS, exchanged_goals, hurried
 from drivegen.adversaries.shared.motions import Perturbation, exchanged_motions
 from drivegen.adversaries.shared.variation import Variation, odds_of_nearest, with_variations
 from drivegen.core.scenario import Trajectories
@@ -111,3 +111,9 @@ def test_a_scene_has_the_same_variations_whoever_is_beside_it(arena):
     mine = np.flatnonzero(whole.scene[len(pool) :] == 1) + len(pool)
     np.testing.assert_array_equal(alone.motion.position[len(pool) :], whole.motion.position[mine])
     assert replace(alone, motion=None).vehicle[len(pool) :].tolist() == whole.vehicle[mine].tolist()
+
+
+def test_adversaries_hurry_a_planner_by_flow_and_leave_it_as_it_was(arena):
+    slow = arena.ground.planner.in_steps(8)
+    assert hurried(slow).euler_steps == EULER_STEPS < slow.euler_steps == 8
+    assert hurried(unhurried := object()) is unhurried
