@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
-from drivegen.words.things import Road, Scene, Thing, Unfit, merged
+from drivegen.words.things import Road, Scene, Thing, Unfit, merged, only
 
 TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes", "turn_pocket", "pocket")
 _LANES = ("lanes", "lanes_each", "lanes_total", "lanes_pair", "lane_road")
@@ -129,11 +129,10 @@ def count_of(whole: Thing, arms: list[Thing]) -> int | None:
     said = " ".join(fact.text for fact in facts)
     crossed = any(word in said for word in ("cross", "intersect", "of ", "between "))
     counts = {4 if count == 2 and crossed else count for count in counts}
-    if len(counts) > 1:
-        raise Unfit(f"{' and '.join(map(str, sorted(counts)))} arms contradict one another")
-    if any(value not in (None, 1) for value in whole.values("count")):
+    count = only(counts, f"{' and '.join(map(str, sorted(counts)))} arms contradict one another")
+    if any(value != 1 for value in whole.values("count")):
         raise Unfit("one crossing is not several")
-    return counts.pop() if counts else None
+    return count
 
 
 def _two_roads(
@@ -205,13 +204,12 @@ def turning(things: Sequence[Thing], arm: Road, bans: str = "turn_bans") -> Road
             raise Unfit("turn lanes are asked for and ruled out")
         if len(set(lanes)) > len({side for _, side in lanes}):
             raise Unfit("two numbers of turn lanes are said of one road")
-        if len(set(pockets)) > 1:
-            raise Unfit("two lengths of turn lanes are said of one road")
+        pocket = only(pockets, "two lengths of turn lanes are said of one road")
         fields |= {f"{side}_turn_lanes": number for number, side in lanes}
         if banned := {*thing.values("turn_bans"), *thing.values(bans)}:
             fields["turn_bans"] = tuple(sorted(banned | set((arm | fields).get("turn_bans", ()))))
-        if pockets:
-            fields |= {"pocket": pockets[0]}
+        if pocket is not None:
+            fields["pocket"] = pocket
             if not any(name.endswith("turn_lanes") and value for name, value in (arm | fields).items()):
                 fields["left_turn_lanes"] = 1
     return fields

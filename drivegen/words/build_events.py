@@ -160,9 +160,8 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
         if len(sides) > 1 or (ramp and "left" in sides):
             raise Unfit("ramps are on the outer side of the road" if ramp else "a lane ends or begins on one side")
         road: Road = {"kind": event["kind"], "position": here, "lanes": event.get("lanes") or counted or 1, "side": sides.pop()}
-        road["ramp_speed"] = facts.value("speed", "ramp_speed") or usual
-        road |= {"keeps": True} if facts.value("keeps") else {}
-        placed.append({**road, "length": length} if ramp else road)
+        road |= {"ramp_speed": facts.value("speed", "ramp_speed") or usual, "keeps": facts.value("keeps")}
+        placed.append({**road, "length": length if ramp else None})
         end = here + (length if ramp else 0.0)
     return placed, end + (_LEAST_LAST if everywhere else _LAST * share)
 

@@ -3,7 +3,7 @@
 from drivegen.words.build_events import EVENTS, Event, events_of, fit
 from drivegen.words.build_lines import alignment
 from drivegen.words.choices import FAST, Choices, is_one_way, lanes_of, speed_of, usual_speed
-from drivegen.words.things import Road, Scene, Thing, Unfit, merged
+from drivegen.words.things import Road, Scene, Thing, Unfit, merged, only
 
 _PER_CARRIAGEWAY = frozenset({"motorway", "motorways", "freeway", "freeways", "autobahn", "mainline"})
 """Of these "a four-lane motorway" has four lanes in each direction; "a four-lane highway" may have two."""
@@ -47,9 +47,7 @@ def highway(scene: Scene, choices: Choices) -> Road:
         raise Unfit("a limit of ramps is said, and no ramp")
     built, line = fit(events, speed, line, fixed, limit)
     fields: Road = {"kind": "highway", "alignment": line, "lanes": number, "speed": speed, "carriageways": 1 if one_way else 2}
-    fields |= {"median": median} if median is not None and not one_way else {}
-    fields |= {"both": True} if road.value("both") else {}
-    return fields | {"events": built}
+    return fields | {"median": None if one_way else median, "both": road.value("both"), "events": built}
 
 
 def _share_out(events: list[Event], road: Thing) -> None:
@@ -77,10 +75,8 @@ def _no_ramps(road: Thing, scene: Scene) -> None:
 def _ramp_limit(scene: Scene, road: Thing) -> float | None:
     """The limit of all ramps [m/s], None where none is said."""
     ramps = merged(thing for thing in scene.things if thing.name == "ramp" or thing.which == "all")
-    values = {*ramps.values("ramp_speed"), *ramps.values("speed"), *road.values("ramp_speed")}
-    if len(values) > 1:
-        raise Unfit("two limits are said of the ramps")
-    return values.pop() if values else None
+    values = (*ramps.values("ramp_speed"), *ramps.values("speed"), *road.values("ramp_speed"))
+    return only(values, "two limits are said of the ramps")
 
 
 def fork(scene: Scene, choices: Choices) -> Road:
@@ -115,12 +111,10 @@ def fork(scene: Scene, choices: Choices) -> Road:
     lanes = before[0] if before else max(sum(pairs[0]), 1) if pairs and not joins else sum(pairs[0]) if pairs else 2
     left, right = pairs[0] if pairs else ((lanes + 1) // 2, max(1, lanes - (lanes + 1) // 2))
     angle = whole.value("angle")
-    lengths = {v for things in (*both, [shared]) for t in things for v in t.values("length")}
-    if len(lengths) > 1:
-        raise Unfit("both branches of a fork are of one length")
-    length = lengths.pop() if lengths else whole.value("length") or choices.length("arms", 140, 200)
+    lengths = (v for things in (*both, [shared]) for t in things for v in t.values("length"))
+    length = only(lengths, "both branches of a fork are of one length")
+    length = length or whole.value("length") or choices.length("arms", 140, 200)
     at = [*whole.values("stem"), *(v for t in stem for v in t.values("length")), *whole.values("position")]
     fields = {"kind": "fork", "lanes": lanes, "left_lanes": left, "right_lanes": right, "joins": joins, "length": length}
-    fields |= {"stem": at[0]} if at else {}
     speed = speed_of(whole) or (FAST if fast else usual_speed([whole]))
-    return fields | {"angle": float(angle or (40.0 if fast else 50.0)), "speed": speed}
+    return fields | {"stem": at[0] if at else None, "angle": float(angle or (40.0 if fast else 50.0)), "speed": speed}

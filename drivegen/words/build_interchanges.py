@@ -5,8 +5,9 @@ from typing import Any
 from drivegen.words.build_crossings import control_of
 from drivegen.words.choices import FAST, Choices, lanes_of, speed_of
 from drivegen.words.slots import KMH
-from drivegen.words.things import Road, Scene, Thing, Unfit, merged
+from drivegen.words.things import Road, Scene, Thing, Unfit, merged, only
 
+_ONE = "one interchange is drawn at a time"
 _OFF, _ON = ("south_east", "north_west"), ("north_east", "south_west")
 """Quadrants whose loops leave the lower highway where traffic keeps right, and those whose loops join it."""
 
@@ -27,16 +28,14 @@ def interchange(scene: Scene, _: Choices) -> Road:
     whole.accept("has_roads")
     forms -= {"terminal"} if "diamond" in forms else set()
     forms -= {"diamond"} if len(forms) > 1 else set()
-    if len(forms) > 1:
-        raise Unfit("one interchange is drawn at a time")
+    form = only(forms, _ONE)
     lanes = lanes_of(main, per_carriageway=True) or lanes_of(whole, per_carriageway=True) or (2, 2)
     above = lanes_of(upper, arms=True) or (1, 1)
     speed = speed_of(main) or speed_of(whole) or FAST
-    fields: Road = {"kind": "interchange", "form": forms.pop(), "lanes": lanes[0], "speed": speed, "road_lanes": above[0]}
+    fields: Road = {"kind": "interchange", "form": form, "lanes": lanes[0], "speed": speed, "road_lanes": above[0]}
     fields |= {"ramp_lanes": _ramp_lanes(whole, ramp), "road_speed": speed_of(upper) or 50 * KMH}
     fields |= {"ramp_speed": speed_of(ramp) or whole.value("ramps_limit", "ramp_speed") or 50 * KMH}
-    if (length := upper.value("length")) is not None:
-        fields["road_length"] = length
+    fields["road_length"] = upper.value("length")
     both = Thing("", facts=[*whole.facts, *upper.facts])
     usual = "yield" if both.value("signals") is False else "signals"
     return fields | {"control": control_of(both, False, usual)}
@@ -61,10 +60,7 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     street = scene.there("upper", "street", "main", "cross")
     whole, main, upper, ramp = _parts(scene, "cloverleaf")
     loop = merged(scene.named("loop"))
-    forms = set(whole.values("form"))
-    if len(forms) > 1:
-        raise Unfit("one interchange is drawn at a time")
-    form, count = _form_and_loops(forms.pop(), [*whole.values("loops"), *loop.values("count")])
+    form, count = _form_and_loops(str(only(whole.values("form"), _ONE)), [*whole.values("loops"), *loop.values("count")])
     controlled = whole.has("control") or upper.has("control")
     if controlled and (form == "trumpet" or motorways > 1):
         raise Unfit("trumpets, and cloverleaves between two highways, have no crossings")
@@ -79,8 +75,7 @@ def cloverleaf(scene: Scene, _: Choices) -> Road:
     slower = min(speed, 50 * KMH if controlled else 80 * KMH)
     fields["road_speed"] = speed_of(upper) or (speed if both else slower)
     fields |= _ramps_and_loops(whole, ramp, loop, speed)
-    fields |= {"median": median} if (median := merged((whole, main)).value("median")) else {}
-    fields |= {"leg_length": length} if (length := upper.value("length")) is not None else {}
+    fields |= {"median": merged((whole, main)).value("median") or None, "leg_length": upper.value("length")}
     for quadrant in scene.named(*_OFF, *_ON):
         if (ramps := quadrant.value("ramps")) is not None:
             fields[quadrant.name] = ramps

@@ -3,7 +3,7 @@
 import math
 
 from drivegen.words.choices import Choices
-from drivegen.words.things import Road, Thing, Unfit
+from drivegen.words.things import Road, Thing, Unfit, only
 
 _ANGLES = {"hairpin": 180.0, "s_curve": 60.0, "curve": 90.0}
 _LEAST_HAIRPIN = 135.0
@@ -28,9 +28,7 @@ def alignment(road: Thing, choices: Choices, usual: tuple[int, int], radius: flo
         return {"shape": "straight", "length": length or choices.length("length", *usual, step=50)}
     for vague, meant in (("curve", "curve"), ("winding", "s_curve")):
         shapes = (shapes - {vague} or {meant}) if vague in shapes else shapes
-    if len(shapes) > 1:
-        raise Unfit("I can draw a curve, an S-curve or hairpins on one road, not several of these")
-    shape = shapes.pop() if shapes else "curve"
+    shape = only(shapes, "I can draw a curve, an S-curve or hairpins on one road, not several of these") or "curve"
     if arcs := road.values("arc"):
         bends = tuple((angle if side == "left" else -angle, size) for angle, side, size in arcs)
         line: Road = {"shape": shape, "arcs": bends}

@@ -5,16 +5,19 @@ from typing import Any
 
 from drivegen.words.build_crossings import said_control, turning
 from drivegen.words.choices import Choices, lanes_of, speed_of
-from drivegen.words.things import Road, Thing, Undrawable, Unfit, merged
+from drivegen.words.things import Road, Thing, Undrawable, Unfit, merged, only
 
 MOST = 12
+Row = tuple[list[Road], list[float], float | None]
+"""Junctions along a road, the gaps between them, and where the first one lies if that is said."""
+
 _SMALLEST_RING, _BETWEEN_RINGS = 28.0, 25.0
 
 
 def row(
     road: Thing, base: Road, things: list[Thing], references: list[Thing], sides: list[Thing], choices: Choices, main: bool
-) -> tuple[list[Road], list[float], float | None]:
-    """The junctions of a row, the gaps between them, and where the first one lies if that is said. Raises Unfit."""
+) -> Row:
+    """The crossings and roundabouts of a road. Raises Unfit."""
     words = each(things)
     if any(thing.values("middle") for thing in (road, *things, *sides)) and len(words) != 1:
         raise Unfit("it is not clear what lies in the middle")
@@ -77,11 +80,10 @@ def _junction(thing: Thing, shared: list[Thing], own: list[Thing], i: int, base:
         raise Unfit("traffic lights are asked for and ruled out")
     fields: Road = {"form": thing.name, "sides": sides, "control": control or "yield", "side_speed": speed or base["speed"]}
     fields |= {"side_lanes": _first(levels, "side_lanes") or side_lanes}
-    fields |= {name: v for name in ("side_length", "pocket") if (v := _first(levels, name))}
+    fields |= {"side_length": _first(levels, "side_length") or None, "pocket": _first(levels, "pocket") or None}
     if (length := shared[1].value("length")) is not None:
         fields["side_length"] = length
-    fields |= turns_at(merged([*shared, thing, *own]))
-    fields |= {"dead_end": True} if _first(levels, "side_dead_end") else {}
+    fields |= {"dead_end": _first(levels, "side_dead_end"), **turns_at(merged([*shared, thing, *own]))}
     if thing.name == "roundabout":
         ring = _first(levels, "ring_lanes") or next(
             (v for level in levels[:2] for n in ("lane_road", "lanes") for v in level.values(n)), 1
@@ -109,9 +111,7 @@ def spacing_of(road: Thing, things: list[Thing], number: int = 2) -> float | Non
     distances = {value for thing in (road, *things) for value in thing.values("spacing")}
     if distances and number == 1:
         raise Undrawable("say how many there are so far apart")
-    if len(distances) > 1:
-        raise Unfit("two different distances between the junctions are said")
-    return distances.pop() if distances else None
+    return only(distances, "two different distances between the junctions are said")
 
 
 def places(words: list[Thing], references: list[Thing], spacing: float) -> tuple[list[float], float | None]:

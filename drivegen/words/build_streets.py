@@ -2,7 +2,7 @@
 
 from drivegen.words.build_crossings import TURN_LANES, said_control
 from drivegen.words.build_lines import BENT, alignment
-from drivegen.words.build_rows import counted, each, places, row, spacing_of, turns_at
+from drivegen.words.build_rows import Row, counted, each, places, row, spacing_of, turns_at
 from drivegen.words.choices import Choices, is_one_way, lanes_of, speed_of, usual_speed
 from drivegen.words.things import Road, Scene, Thing, Unfit, merged
 
@@ -63,9 +63,7 @@ def _line(road: Thing, choices: Choices, gaps: list[float], first: float | None)
     return {"shape": "straight", "length": length or start + between + ends, "start": start}
 
 
-def _junctions(
-    scene: Scene, road: Thing, base: Road, choices: Choices, main: bool
-) -> tuple[list[Road], list[float], float | None]:
+def _junctions(scene: Scene, road: Thing, base: Road, choices: Choices, main: bool) -> Row:
     """What joins the road, the gaps between, and where the first one lies if that is said."""
     things = [thing for thing in scene.named("crossing", "roundabout", "staggered") if thing.which is None]
     references = [thing for thing in scene.things if thing.name in ("crossing", "roundabout") and thing.which is not None]
@@ -88,9 +86,7 @@ def _name_bans(scene: Scene) -> None:
                 raise Unfit("side roads along a road have no turn lanes here")
 
 
-def _side_streets(
-    road: Thing, base: Road, sides: list[Thing], references: list[Thing], choices: Choices
-) -> tuple[list[Road], list[float], float | None]:
+def _side_streets(road: Thing, base: Road, sides: list[Thing], references: list[Thing], choices: Choices) -> Row:
     """Side streets, on the sides that are said, else on both sides in turn; those that cross the road are on both."""
     side = merged([*sides, *(reference for reference in references if reference.which == "all")])
     residential = "residential" in {fact.value for fact in road.facts if fact.name == "setting"}
@@ -112,14 +108,11 @@ def _side_streets(
 def _joining(side: Thing, base: Road) -> Road:
     """What a side road is like."""
     lanes = (lanes_of(side, arms=True) or (1,))[0]
-    fields: Road = {"side_lanes": lanes, "side_speed": speed_of(side) or base["speed"]}
-    fields |= {"side_length": length} if (length := side.value("length")) is not None else {}
-    return fields | ({"dead_end": True} if side.value("dead_end") else {})
+    fields = {"side_lanes": lanes, "side_speed": speed_of(side) or base["speed"]}
+    return fields | {"side_length": side.value("length"), "dead_end": side.value("dead_end")}
 
 
-def _staggered(
-    road: Thing, base: Road, things: list[Thing], sides: list[Thing], choices: Choices
-) -> tuple[list[Road], list[float], float | None]:
+def _staggered(road: Thing, base: Road, things: list[Thing], sides: list[Thing], choices: Choices) -> Row:
     """Two side roads on opposite sides, a little apart."""
     whole, side = merged([t for t in things if t.name == "staggered"]), merged(sides)
     if len(things) > 1:

@@ -4,7 +4,7 @@ from typing import Any
 
 from drivegen.core import seeds
 from drivegen.words.slots import KMH
-from drivegen.words.things import Thing, Undrawable, Unfit
+from drivegen.words.things import Thing, Undrawable, Unfit, only
 
 _SPEEDS = {"residential": 30 * KMH, "rural": 80 * KMH, "urban": 50 * KMH, None: 50 * KMH}
 ARTERIAL, FAST = 60 * KMH, 120 * KMH
@@ -50,9 +50,7 @@ def lanes_of(
         raise Undrawable("a one-way road has no lanes in the other direction")
     if one_way:
         pairs = [(ahead, 0) for ahead, _ in pairs]
-    if any(pair != pairs[0] for pair in pairs):
-        raise Unfit("two different numbers of lanes are said of one road")
-    return pairs[0] if pairs else None
+    return only(pairs, "two different numbers of lanes are said of one road")
 
 
 def _counted(name: str, value: Any, *, one_way: bool, most: int, arms: bool) -> tuple[int, int]:

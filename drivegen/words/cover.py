@@ -7,9 +7,8 @@ from itertools import chain
 from typing import Any
 
 from drivegen.words.forms import Pattern, first_words, match, stemmed
-from drivegen.words.phrase import WORD, Phrase
 from drivegen.words.slots import ORDINALS, SLOTS
-from drivegen.words.table import words
+from drivegen.words.table import WORD, Phrase, words
 from drivegen.words.tokens import Token, stem, stems
 
 UNREAD = 50.0

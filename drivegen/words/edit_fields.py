@@ -9,6 +9,9 @@ from drivegen.words.things import Road, Thing, Unfit
 
 _RAMPS = ("on_ramp", "off_ramp", "weaving")
 _NO_TURN_LANES = {"left_turn_lanes": 0, "right_turn_lanes": 0}
+_LANES = {"side": ("side_lanes", "lanes_in", "lanes_out"), "ring": ("ring_lanes",), "upper": ("road_lanes",)}
+_LANES |= {"left_branch": ("left_lanes",), "right_branch": ("right_lanes",)}
+_LANES |= dict.fromkeys(("cross", "crossing", "roundabout"), ("side_lanes",))
 _LENGTHS = ("leg_length", "road_length", "side_length", "length")
 _SLOW = ("ring_speed", "ramp_speed", "loop_speed", "road_speed")
 
@@ -35,6 +38,8 @@ class Edit:
         self._control()
         self._turn_lanes(parts, name)
         self._lengths(parts)
+        self._moved(parts)
+        self._numbers(parts)
 
     def _parts(self, name: str) -> list[Road]:
         """The fields that hold what is said of a thing of this name."""
@@ -103,20 +108,11 @@ class Edit:
         if more is None and fewer is None and lanes is None:
             return
         for part in parts:
-            for name, value in self._lane_fields(part):
-                if not value:
+            for name in _LANES.get(self.thing.name, ("lanes", "lanes_back", "lanes_in", "lanes_out")):
+                if not (value := part.get(name)):
                     continue
                 number = lanes[0] if lanes else value + (more or 0) - (fewer or 0)
                 part[name] = number if name not in ("lanes_back", "lanes_out") or not lanes else (lanes[1] or lanes[0])
-
-    def _lane_fields(self, part: Road) -> list[tuple[str, int]]:
-        name = self.thing.name
-        own = {"side": ("side_lanes", "lanes_in", "lanes_out"), "cross": ("side_lanes",), "ring": ("ring_lanes",),
-               "upper": ("road_lanes",), "left_branch": ("left_lanes",), "right_branch": ("right_lanes",)}  # fmt: skip
-        fields = own.get(name, ("lanes", "lanes_back", "lanes_in", "lanes_out") if name not in ("crossing", "roundabout") else ())
-        if part.get("position") is not None and name in ("crossing", "roundabout"):
-            fields = ("side_lanes",)
-        return [(field, part[field]) for field in fields if field in part]
 
     def _speed(self, parts: list[Road], name: str) -> None:
         if (speed := self.thing.value("speed", "ramp_speed")) is None:
@@ -174,7 +170,6 @@ class Edit:
             if name is None:
                 raise Unfit("there is no length here that could be set")
             line[name] = length if length is not None else line[name] + step
-        self._moved(parts)
 
     def _moved(self, parts: list[Road]) -> None:
         if (straight := self.thing.value("straight")) and "alignment" in self.road:
@@ -191,7 +186,6 @@ class Edit:
             line["length"] = max(line["length"], everything[-1]["position"] + everything[-1].get("length", 0.0) + 150.0)
         elif moved:
             raise Unfit("there is nothing along this road that could be moved")
-        self._numbers(parts)
 
     def _numbers(self, parts: list[Road]) -> None:
         fields = {"auxiliary": "length", "keeps": "keeps", "position": "position"}

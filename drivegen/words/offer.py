@@ -6,10 +6,9 @@ from itertools import chain, combinations, islice, takewhile, zip_longest
 
 from drivegen.words.choices import Choices
 from drivegen.words.cover import Cover, Item
-from drivegen.words.phrase import WORD
 from drivegen.words.read import SAME, Words, best, covers_of, grammar, meaning
 from drivegen.words.saying import Sentence, say
-from drivegen.words.table import table, words
+from drivegen.words.table import WORD, table, words
 from drivegen.words.things import Unfit
 from drivegen.words.tokens import Token, tokenise
 from drivegen.words.traffic import request_sentences

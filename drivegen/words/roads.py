@@ -15,7 +15,7 @@ from drivegen.words.build_roundabouts import roundabout
 from drivegen.words.build_rows import counted
 from drivegen.words.build_streets import street
 from drivegen.words.choices import Choices, check_lanes
-from drivegen.words.things import Fact, Scene, Undrawable, Unfit, merged
+from drivegen.words.things import Fact, Scene, Undrawable, Unfit, merged, only
 
 _BENT = {"line", "arc", "turn", "turn_side", "turn_angle", "turn_to", "bends", "hairpins", "s_turn", "s_arc"}
 _SIZES = {"length", "speed", "spacing", "radius", "diameter", "island", "lane_width", "ring_speed"}
@@ -29,9 +29,7 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
     check_lanes(scene.everything)
     if nothing := next((fact for fact in scene.everything.facts if fact.name in _SIZES and fact.value == 0), None):
         raise Unfit(f"{nothing.text!r} is nothing that could be drawn")
-    hands = set(scene.everything.values("left_hand"))
-    if len(hands) > 1:
-        raise Unfit("traffic is said to keep left and right")
+    left_hand = only(scene.everything.values("left_hand"), "traffic is said to keep left and right")
     _none_by_number(scene)
     _lights(scene)
     _cross_streets(scene)
@@ -52,9 +50,16 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
     if left := scene.unused():
         raise Unfit(f"{left[0]!r} does not fit a road of the kind {fields['kind'].replace('_', ' ')} here")
     try:
-        return MapSpec.model_validate({"road": fields, "left_hand": bool(hands and hands.pop())})
+        return MapSpec.model_validate({"road": _said(fields), "left_hand": bool(left_hand)})
     except ValidationError as error:
         raise Undrawable(f"this road cannot be drawn: {first_complaint(error)}") from None
+
+
+def _said(fields: Any) -> Any:
+    """Fields without those that are None, which are left to the specification, all the way down."""
+    if isinstance(fields, dict):
+        return {name: _said(value) for name, value in fields.items() if value is not None}
+    return [_said(part) for part in fields] if isinstance(fields, list) else fields
 
 
 def _none_by_number(scene: Scene) -> None:
@@ -67,7 +72,7 @@ def _none_by_number(scene: Scene) -> None:
 def _lights(scene: Scene) -> None:
     """Several traffic lights stand at as many crossings along a road: "an arterial with three traffic lights"."""
     for thing in scene.named("lights"):
-        if scene.there("crossing", "side", "cross") or not any(f.name == "count" and f.value > 1 for f in thing.facts):
+        if scene.there("crossing", "side", "cross") or not thing.several:
             raise Unfit(f"say at which crossing {thing.text!r} are")
         thing.name = "crossing"
         thing.facts.append(Fact("control", "signals", thing.text, ()))
@@ -83,7 +88,7 @@ def _cross_streets(scene: Scene) -> None:
     for thing in scene.things:
         if thing.name == "cross" and "that" in thing.text and not scene.there("street", "main"):
             thing.name, thing.links = "street", ["crosses"]  # "two streets that cross": one another
-        if thing.name == "side" and crosses and any(f.name == "count" and f.value > 1 for f in thing.facts):
+        if thing.name == "side" and crosses and thing.several:
             thing.name = "cross"
 
 
@@ -109,8 +114,7 @@ def _dead_ends(scene: Scene) -> None:
     """Dead ends beside another road are its side roads: "three cul-de-sacs off a residential street"."""
     beside = scene.there("street", "main")
     for thing in scene.things:
-        several = any(fact.name == "count" and fact.value > 1 for fact in thing.facts)
-        if thing.name == "dead_end" and beside and (several or thing.has("side") or "meets" in thing.links):
+        if thing.name == "dead_end" and beside and (thing.several or thing.has("side") or "meets" in thing.links):
             thing.name = "side"
             thing.facts.append(Fact("dead_end", True, thing.text, ()))
 
@@ -125,12 +129,9 @@ def first_complaint(error: ValidationError) -> str:
 
 
 def _builder(scene: Scene) -> Builder:
-    if scene.there("cloverleaf"):
-        return cloverleaf
-    if scene.there("interchange"):
-        return interchange
-    if scene.there("grid"):
-        return grid
+    named: dict[str, Builder] = {"cloverleaf": cloverleaf, "interchange": interchange, "grid": grid}
+    if builder := next((builder for name, builder in named.items() if scene.there(name)), None):
+        return builder
     facts = {fact.name for fact in scene.everything.facts}
     if (
         scene.there("fork", "left_branch", "right_branch")
@@ -157,16 +158,16 @@ def _in_a_row(scene: Scene) -> bool:
     news = [thing for thing in junctions if thing.which is None]
     several = len(news) > 1 or any(counted(thing) != 1 for thing in news)
     along = [thing for thing in (*junctions, scene.whole) if thing.has("position", "spacing", "gap", "middle")]
-    crossed = any(f.name == "count" and f.value > 1 for thing in scene.things if thing.name == "cross" for f in thing.facts)
+    crossed = any(thing.several for thing in scene.things if thing.name == "cross")
     return crossed or (bool(junctions) and (several or bool(along)))
 
 
 def _meeting(scene: Scene) -> bool:
     """Whether roads are said to meet or to cross, or there are a main and one side road."""
-    counts = [f.value for t in scene.things if t.name in ("side", "cross") for f in t.facts if f.name == "count"]
-    if any(count > 1 for count in counts) or any(t.name == "dead_end" or t.has("dead_end") for t in scene.things):
+    if any(thing.name == "dead_end" or thing.has("dead_end") for thing in scene.things):
         return False
-    sides = [thing for thing in scene.things if thing.name in ("side", "cross") and thing.which is None]
-    if len(sides) > 1 or any(thing.has("position", "side") for thing in sides):
+    sides = [thing for thing in scene.things if thing.name in ("side", "cross")]
+    new = [thing for thing in sides if thing.which is None]
+    if len(new) > 1 or any(thing.several for thing in sides) or any(thing.has("position", "side") for thing in new):
         return False
     return bool(scene.links & {"meets", "crosses"}) or (scene.there("side", "cross") and scene.there("main"))

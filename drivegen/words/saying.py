@@ -38,6 +38,11 @@ class Sentence:
         return f"{self.subject} {', '.join(spoken)}." if spoken else f"{self.subject.removesuffix(' with')}."
 
 
+def sentence(subject: str, *facts: FieldValue) -> Sentence:
+    """A sentence of those facts that have a value: what is None is not said."""
+    return Sentence(subject, tuple(fact for fact in facts if fact[1] is not None))
+
+
 def fact_in_words(name: str, value: Any, tables: Sequence[str] = ("roads", "lines")) -> str:
     """One fact as it is spoken."""
     if name == "thing":
@@ -45,7 +50,7 @@ def fact_in_words(name: str, value: Any, tables: Sequence[str] = ("roads", "line
     if name == "every side":
         return ", ".join(fact_in_words("sides", side) for side in value)
     phrases = [p for each in tables for p in table(each) if p.kind == "fact" and p.name == name and p.place != "pre"]
-    exact = [p for p in phrases if p.value is not None and p.value == value and type(p.value) is type(value)]
+    exact = [p for p in phrases if p.value is not None and p.value == value and isinstance(value, type(p.value))]
     phrase = (exact or [p for p in phrases if p.value is None])[0]
     slots = () if phrase.value is not None else value if isinstance(value, tuple) and name != "grid_size" else (value,)
     return speak(phrase.forms[0], slots)
@@ -94,21 +99,20 @@ def _lanes(ahead: int, back: int) -> list[FieldValue]:
 def _grouped(each: str, one: str, items: Sequence[list[FieldValue]]) -> list[Sentence]:
     """What is said of every item in one sentence, and the rest one by one; `one` holds a place for the ordinal or is a list."""
     common = [fact for fact in items[0] if all(fact in other for other in items)] if len(items) > 1 else []
-    spoken = [Sentence(each, tuple(common))] if common else []
-    rest = [[fact for fact in item if fact not in common] for item in items]
-    return spoken + [Sentence(one.format(SLOTS["nth"].speak(i + 1)), tuple(item)) for i, item in enumerate(rest) if item]
+    spoken = [sentence(each, *common)]
+    for i, item in enumerate(items):
+        spoken.append(sentence(one.format(SLOTS["nth"].speak(i + 1)), *(fact for fact in item if fact not in common)))
+    return [said for said in spoken if said.facts]
 
 
 def _arms(arms: Sequence[Arm], angles: Sequence[float], main: Sequence[bool]) -> list[Sentence]:
     items = []
     for arm, angle, priority in zip(arms, angles, main, strict=True):
         same = arm.lanes_in == arm.lanes_out
-        facts: list[FieldValue] = [("angle", arm.angle)] if arm.angle != angle else []
-        facts += [("lanes_each", arm.lanes_in)] if same else [("lanes_in", arm.lanes_in), ("lanes_out", arm.lanes_out)]
-        facts += _fields(arm, "speed", "length")
-        facts += [*_turn_lanes(arm), *(("turn_bans", side) for side in arm.turn_bans)]
-        facts += [("priority", arm.main)] if arm.main != priority else []
-        items.append(facts)
+        facts: list[FieldValue] = [("angle", arm.angle if arm.angle != angle else None)]
+        facts += [("lanes_each", arm.lanes_in)] if same else _fields(arm, "lanes_in", "lanes_out")
+        facts += [*_fields(arm, "speed", "length"), *_turn_lanes(arm), *(("turn_bans", side) for side in arm.turn_bans)]
+        items.append([*facts, ("priority", arm.main if arm.main != priority else None)])
     return _grouped("Every arm has", "The {} arm has", items)
 
 
@@ -126,11 +130,10 @@ def _crossing(road: Crossing) -> list[Sentence]:
         stem = 90.0 if angles[2] < 180.0 and angles[0] == 180.0 and angles[1] == 0.0 else 270.0
         shape, base = ("y", [180.0, 35.0, -35.0]) if angles == [180.0, 35.0, -35.0] else ("t", [180.0, 0.0, stem])
     main = [i != 2 for i in range(3)] if shape == "t" else [True] * count
-    side: list[FieldValue] = [("side", "left")] if shape == "t" and base[2] == 90.0 else []
     head = noun("crossing", arms=3, shape=shape) if shape else noun("crossing")
-    facts: list[FieldValue] = [*([] if shape else [("arms", count)]), ("control", road.control), *side]
-    none = not any(arm.left_turn_lanes or arm.right_turn_lanes for arm in road.arms)
-    return [Sentence(f"A {head} with", (*facts, *([("no_turn_lanes", True)] if none else []))), *_arms(road.arms, base, main)]
+    arms, side = ("arms", None if shape else count), ("side", "left" if shape == "t" and base[2] == 90.0 else None)
+    none = ("no_turn_lanes", None if any(arm.left_turn_lanes or arm.right_turn_lanes for arm in road.arms) else True)
+    return [sentence(f"A {head} with", arms, ("control", road.control), side, none), *_arms(road.arms, base, main)]
 
 
 def _roundabout(road: Roundabout) -> list[Sentence]:
@@ -149,8 +152,7 @@ def _line(line: Alignment) -> list[FieldValue]:
         arc = sum(abs(math.radians(angle)) * radius for angle, radius in line.arcs)
     else:
         angle, number = abs(line.angle), len(line.curves)
-        facts += [("turn", (angle, "left" if line.angle > 0 else "right")), ("radius", line.radius)]
-        facts += [("bends", line.bends)] if line.bends else []
+        facts += [("turn", (angle, "left" if line.angle > 0 else "right")), *_fields(line, "radius", "bends")]
         arc = math.radians(angle) * line.radius * number
     straights = round(line.length - arc, 3)
     return [*facts, ("straights", straights) if arc + straights == line.length else ("length", line.length)]
@@ -158,15 +160,14 @@ def _line(line: Alignment) -> list[FieldValue]:
 
 def _corridor(road: Corridor) -> list[Sentence]:
     facts = [*_lanes(road.lanes, road.lanes_back), ("speed", road.speed), *_line(road.alignment)]
-    facts += [("dead_end", True)] if road.dead_end else []
-    along = [(junction.form, _junction(junction)) for junction in road.junctions]
-    return [Sentence("A road with", tuple(facts)), *(_along_it(along) if along else [])]
+    road_itself = sentence("A road with", *facts, ("dead_end", road.dead_end or None))
+    return [road_itself, *_along_it([(junction.form, _junction(junction)) for junction in road.junctions])]
 
 
 def _along_it(things: Sequence[tuple[str, list[FieldValue]]]) -> list[Sentence]:
     """Things in a row, those of one name that follow one another as a number, and what is said of each."""
     runs = [(len([*run]), name) for name, run in groupby(name for name, _ in things)]
-    spoken = [Sentence(f"Along it there {'is' if runs[0][0] == 1 else 'are'}", tuple(("thing", run) for run in runs))]
+    spoken = [sentence(f"Along it there {'is' if run[0] == 1 else 'are'}", *(("thing", run) for run in runs)) for run in runs[:1]]
     for name in dict.fromkeys(name for name, _ in things):
         items = [facts for other, facts in things if other == name]
         spoken += _grouped(f"Every {noun(name)} has", f"The {{}} {noun(name)} has", items)
@@ -174,46 +175,39 @@ def _along_it(things: Sequence[tuple[str, list[FieldValue]]]) -> list[Sentence]:
 
 
 def _junction(junction: Junction) -> list[FieldValue]:
-    facts: list[FieldValue] = [("position", junction.position), ("every side", junction.sides)]
-    if junction.form == "crossing":
-        facts.append(("control", junction.control))
-    else:
-        facts += _fields(junction, "ring_lanes", "diameter")
-    facts += _fields(junction, "side_lanes", "side_speed", "side_length")
-    facts += [*_turn_lanes(junction), *(("main_turn_bans", side) for side in junction.turn_bans)]
+    own = ("control",) if junction.form == "crossing" else ("ring_lanes", "diameter")
+    facts: list[FieldValue] = [("position", junction.position), ("every side", junction.sides), *_fields(junction, *own)]
+    facts += [*_fields(junction, "side_lanes", "side_speed", "side_length"), *_turn_lanes(junction)]
+    facts += [("main_turn_bans", side) for side in junction.turn_bans]
     facts += [("side_turn_bans", side) for side in junction.side_turn_bans]
-    return facts + ([("side_dead_end", True)] if junction.dead_end else [])
+    return [*facts, ("side_dead_end", junction.dead_end or None)]
 
 
 def _grid(road: Grid) -> list[Sentence]:
-    lanes: list[FieldValue] = [("one_way", True), ("lanes", road.lanes)] if road.one_way else [("lanes_each", road.lanes)]
-    facts: list[FieldValue] = [("grid_size", (road.rows, road.columns)), ("spacing", road.spacing), *lanes, ("speed", road.speed)]
-    facts += [("beyond", road.beyond)] if road.beyond is not None else []
-    return [Sentence(f"A {noun('grid')} with", (*facts, ("control", road.control)))]
+    facts = [("grid_size", (road.rows, road.columns)), ("spacing", road.spacing)]
+    facts += [*_lanes(road.lanes, 0 if road.one_way else road.lanes), *_fields(road, "speed", "beyond", "control")]
+    return [sentence(f"A {noun('grid')} with", *facts)]
 
 
 def _highway(road: Highway) -> list[Sentence]:
     two = road.carriageways == 2
     facts = [*_lanes(road.lanes, road.lanes if two else 0), ("speed", road.speed), *_line(road.alignment)]
-    facts += [("median", road.median)] if two else []
-    facts += [("both", True)] if road.both else []
-    along = [(event.kind, _event(event)) for event in road.events]
-    return [Sentence(f"A {noun('highway')} with", tuple(facts)), *(_along_it(along) if along else [])]
+    facts += [("median", road.median if two else None), ("both", road.both or None)]
+    return [sentence(f"A {noun('highway')} with", *facts), *_along_it([(event.kind, _event(event)) for event in road.events])]
 
 
 def _event(event: HighwayEvent) -> list[FieldValue]:
     ramp = event.kind in ("on_ramp", "off_ramp", "weaving")
     nose = event.position + (event.length if event.kind == "off_ramp" else 0.0)
-    facts: list[FieldValue] = [("position", round(nose, 6)), ("event_lanes", event.lanes)]
-    facts += [("auxiliary", event.length)] if ramp else [("side", event.side)]
-    return [*facts, ("ramp_speed", event.ramp_speed), *([("keeps", True)] if event.keeps else [])]
+    own = ("auxiliary", event.length) if ramp else ("side", event.side)
+    lanes, keeps = ("event_lanes", event.lanes), ("keeps", event.keeps or None)
+    return [("position", round(nose, 6)), lanes, own, ("ramp_speed", event.ramp_speed), keeps]
 
 
 def _fork(road: Fork) -> list[Sentence]:
-    facts: list[FieldValue] = [("joins", 2)] if road.joins else []
-    facts += [("lanes", road.lanes), ("branch_lanes", (road.left_lanes, road.right_lanes)), ("angle", road.angle)]
-    facts += [*_fields(road, "speed", "length"), *([("stem", road.stem)] if road.stem is not None else [])]
-    return [Sentence(f"A {noun('fork')} with", tuple(facts))]
+    lanes = ("lanes", road.lanes), ("branch_lanes", (road.left_lanes, road.right_lanes))
+    facts = (("joins", 2 if road.joins else None), *lanes, *_fields(road, "angle", "speed", "length", "stem"))
+    return [sentence(f"A {noun('fork')} with", *facts)]
 
 
 def _interchange(road: Interchange) -> list[Sentence]:
@@ -225,7 +219,7 @@ def _two_levels(name: str, facts: list[FieldValue], road: Interchange | Quadrant
     """Of an interchange, its highway and the road above it."""
     above = (("lanes_each", road.road_lanes), ("speed", road.road_speed), ("length", length))
     return [
-        Sentence(f"{name.capitalize()} with", tuple(facts)),
+        sentence(f"{name.capitalize()} with", *facts),
         Sentence(f"The {noun('highway')} has", (("lanes_each", road.lanes), ("speed", road.speed))),
         Sentence(f"The {noun('upper')} has", above),
     ]
@@ -233,9 +227,8 @@ def _two_levels(name: str, facts: list[FieldValue], road: Interchange | Quadrant
 
 def _quadrants(road: QuadrantInterchange) -> list[Sentence]:
     facts: list[FieldValue] = [("ramp_lanes", road.ramp_lanes), ("ramps_limit", road.ramp_speed)]
-    facts += _fields(road, "loop_radius", "loop_speed", "median")
-    facts += [] if road.south_leg else [("leg", "north")]
-    facts += [] if road.control is None else [("control", road.control)]
+    facts += [*_fields(road, "loop_radius", "loop_speed", "median"), ("leg", None if road.south_leg else "north")]
+    facts += _fields(road, "control")
     head = counted(1, "cloverleaf", form="cloverleaf" if road.north_leg else "trumpet")
     ramps = [Sentence(f"The {noun(name)} has", (("ramps", getattr(road, name)),)) for name in QUADRANTS]
     return [*_two_levels(head, facts, road, road.leg_length), *ramps]

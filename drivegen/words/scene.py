@@ -10,8 +10,7 @@ from typing import Any
 
 from drivegen.core.relation import Relation
 from drivegen.words.cover import Item
-from drivegen.words.phrase import WORD, Phrase
-from drivegen.words.table import traffic_names, words
+from drivegen.words.table import WORD, Phrase, traffic_names, words
 from drivegen.words.things import Fact, Scene, Thing, Unfit
 from drivegen.words.tokens import stem, stems
 

@@ -12,11 +12,40 @@ words: words that say nothing, and others that are told apart.
 import json
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
+from typing import Any, Literal
 
-from drivegen.words.phrase import Phrase
 from drivegen.words.tokens import stems
+
+Kind = Literal["thing", "fact", "link", "cannot", "silent", "word"]
+
+
+@dataclass(frozen=True, eq=False)
+class Phrase:
+    """One entry of the table: what it means, and the forms in which it is said, the first of which is spoken.
+
+    Attributes:
+        kind: "word" is no entry. name: of the thing, or the field that the fact is about.
+        forms: see `forms.py`. value: of a fact without slots; with slots their value, or their values.
+        scope: names of the things that can hold the fact; "" is the whole.
+        facts: what a thing's own name says of it. slots: fields that the slots of a thing's forms fill.
+        place: "pre": only before the noun that it belongs to ("two-lane"); "post": never there; "": either.
+    """
+
+    kind: Kind
+    name: str
+    forms: tuple[str, ...]
+    value: Any = None
+    scope: tuple[str, ...] = ()
+    facts: dict[str, Any] = field(default_factory=dict)
+    slots: tuple[str, ...] = ()
+    place: Literal["", "pre", "post"] = ""
+
+
+WORD = Phrase("word", "", ())
+"""Stands for a word or mark that no phrase holds."""
 
 _HEAD = re.compile(
     r"(?P<kind>\w+) (?P<name>[^\[{\":=]+?)(?: (?P<value>[\[{\"\d].*?|true|false))?(?: = (?P<slots>[\w ]+))?(?: : (?P<scope>.+))?"
@@ -25,14 +54,15 @@ _PLACES = {"pre": "pre", "post": "post", "fact": ""}
 
 
 def _entries(name: str) -> Iterator[tuple[re.Match[str], str]]:
-    """The entries of a file: head and body."""
+    """The entries of a file: head and body. One that speaks of a SIDE stands for two, of the left and of the right."""
     text = (files("drivegen.words") / "tables" / f"{name}.txt").read_text(encoding="utf-8")
     for entry in text.replace("\n  ", " ").splitlines():
-        head, _, body = entry.partition(" :: ")
-        match = _HEAD.fullmatch(head.strip())
-        if match is None:
-            raise ValueError(f"tables/{name}.txt: {head!r} is no head of an entry")
-        yield match, body.strip()
+        for side in ("left", "right") if "SIDE" in entry else ("",):
+            head, _, body = entry.replace("SIDE", side).partition(" :: ")
+            match = _HEAD.fullmatch(head.strip())
+            if match is None:
+                raise ValueError(f"tables/{name}.txt: {head!r} is no head of an entry")
+            yield match, body.strip()
 
 
 @cache
@@ -65,7 +95,7 @@ def _phrases(head: re.Match[str], body: str) -> tuple[Phrase, ...]:
     near = (f"{body} <me>", f"<being> {body} <me>")
     far = (f"{{length}} {body} <me>", f"<about> {{length}} {body} <me>", f"{body} <me> at <about> {{length}}")
     both = ((near, "place", name), (far, f"far_{name}", None))
-    return tuple(Phrase("fact", field, forms, value, holders, place="post") for forms, field, value in both)
+    return tuple(Phrase("fact", of, forms, value, holders, place="post") for forms, of, value in both)
 
 
 def _phrase(head: re.Match[str], forms: tuple[str, ...]) -> Phrase:

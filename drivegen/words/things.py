@@ -2,8 +2,9 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeVar
 
+Value = TypeVar("Value")
 Road = dict[str, Any]
 """A part of a specification while it is put together, by the names of its fields."""
 
@@ -14,6 +15,14 @@ class Unfit(Exception):
 
 class Undrawable(Unfit):
     """It can be put together, and cannot be: no costlier reading stands in for it."""
+
+
+def only(values: Iterable[Value], complaint: str) -> Value | None:
+    """The one value that is said, None where none is. Raises Unfit with the complaint where there are several."""
+    different = set(values)
+    if len(different) > 1:
+        raise Unfit(complaint)
+    return different.pop() if different else None
 
 
 @dataclass(eq=False)
@@ -67,6 +76,11 @@ class Thing:
         if not isinstance(self.which, int):
             return items
         return items[self.which - 1 : self.which] if self.which > 0 else items[-1:]
+
+    @property
+    def several(self) -> bool:
+        """Whether more than one is asked for."""
+        return any(fact.name == "count" and fact.value > 1 for fact in self.facts)
 
     def has(self, *names: str) -> bool:
         """Whether any of these fields is spoken of; they do not count as used."""

@@ -73,6 +73,8 @@ _LEXEME = re.compile(
     r"\d+/\d+(?![\w/])|\d{1,3}(?:,\d{3})+(?![\w,])|(?:\d+\.\d+|\d+|\.\d+)(?![\w.]*\d*[a-z]*\d)|[a-z]+(?:'[a-z]+)?|\w+|\S"
 )
 _ENDS = ".;?!"
+_MOST_DIGITS = 40
+"""A number of more is no number: it would not fit into a float."""
 
 
 @dataclass(frozen=True)
@@ -108,11 +110,9 @@ def tokenise(text: str) -> list[Token]:
 
 
 def _token(lexeme: str) -> Token:
-    if re.fullmatch(r"[\d.,]*\d|\d+/\d+", lexeme):
-        number = (
-            Fraction(lexeme) if "/" in lexeme and not lexeme.endswith("/0") else Fraction(lexeme.replace(",", "").split("/")[0])
-        )
-        return Token("#", lexeme, float(number))
+    if len(lexeme) <= _MOST_DIGITS and re.fullmatch(r"[\d.,]*\d|\d+/\d+", lexeme):
+        above, _, below = lexeme.replace(",", "").partition("/")
+        return Token("#", lexeme, float(Fraction(above) / max(int(below or 1), 1)))
     if lexeme in NUMBERS:
         return Token("#", lexeme, float(NUMBERS[lexeme]))
     if lexeme in _ENDS:

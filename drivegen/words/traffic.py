@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from drivegen.words.forms import speak
 from drivegen.words.request import Group, Kind, TrafficRequest
 from drivegen.words.roads import first_complaint
-from drivegen.words.saying import Sentence, fact_in_words
+from drivegen.words.saying import Sentence, fact_in_words, sentence
 from drivegen.words.table import table, traffic_names
 from drivegen.words.things import Scene, Thing, Unfit
 from drivegen.words.tokens import stem
@@ -149,25 +149,15 @@ def say_request(asked: TrafficRequest) -> list[Sentence]:
     """The sentences that ask for a request."""
     spoken = []
     for group in asked.groups:
-        facts: list[tuple[str, Any]] = [("queue", True)] if group.queue else []
-        if group.place is not None:
-            place = group.place.value
-            facts.append(("place", place) if group.distance is None else (f"far_{place}", group.distance))
-        facts += [] if group.speed is None else [("pace", group.speed)]
-        facts += [] if group.manoeuvre is None else [("does", group.manoeuvre.value)]
-        facts += [] if group.within is None else [("within", group.within)]
-        plural = "" if group.count == 1 else "es" if group.kind is Kind.BUS else "s"
-        spoken.append(
-            Sentence(f"There {'is' if group.count == 1 else 'are'} {group.count} {group.kind.value}{plural}", tuple(facts))
-        )
-    whole: list[tuple[str, Any]] = [] if asked.target_kind is None else [("target_kind", asked.target_kind.value)]
-    spoken += [Sentence("There is", tuple(whole))] if whole else []
-    if asked.target_does is not None:
-        spoken.append(Sentence("The target is", (("does", asked.target_does.value),)))
+        are, plural = ("is", "") if group.count == 1 else ("are", "es" if group.kind is Kind.BUS else "s")
+        place = ("place", group.place) if group.distance is None else (f"far_{group.place}", group.distance)
+        facts = (place, ("pace", group.speed), ("does", group.manoeuvre), ("within", group.within))
+        spoken.append(sentence(f"There {are} {group.count} {group.kind}{plural}", ("queue", group.queue or None), *facts))
+    of_target = sentence("There is", ("target_kind", asked.target_kind)), sentence("The target is", ("does", asked.target_does))
+    spoken += [said for said in of_target if said.facts]
     if asked.density is not None or asked.speed is not None:
         words = {None: "traffic"} | {d: speak(p.forms[0], ()) for p in table("traffic") if (d := p.facts.get("density"))}
-        speed = (("pace", asked.speed),) if asked.speed is not None else ()
-        spoken.append(Sentence(f"There is {words[asked.density and asked.density.value]}", speed))
+        spoken.append(sentence(f"There is {words[asked.density]}", ("pace", asked.speed)))
     return spoken
 
 

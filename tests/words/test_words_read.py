@@ -370,3 +370,12 @@ def test_streets_that_cross_a_road_cross_it_one_after_another(text):
 def test_blocks_lie_between_streets():
     road = read("a grid of 2 by 3 city blocks", 7).road.road
     assert (road.rows, road.columns) == (3, 4)
+
+
+def test_a_number_that_no_float_holds_is_not_read():
+    assert "I do not read" in declined(f"a road of {'9' * 400} m")
+    assert read("a road of 500/00 m", 7).road == read("a road of 500 m", 7).road
+
+
+def test_a_2_plus_1_road_is_declined_by_its_name():
+    assert "2+1 roads ('2 + 1 road') cannot be drawn" in declined("a rural 2+1 road, 100 km/h")
