@@ -110,9 +110,9 @@ def tokenise(text: str) -> list[Token]:
 
 
 def _token(lexeme: str) -> Token:
-    if len(lexeme) <= _MOST_DIGITS and re.fullmatch(r"[\d.,]*\d|\d+/\d+", lexeme):
+    if len(lexeme) <= _MOST_DIGITS and re.fullmatch(r"[\d.,]*\d|\d+/0*[1-9]\d*", lexeme):
         above, _, below = lexeme.replace(",", "").partition("/")
-        return Token("#", lexeme, float(Fraction(above) / max(int(below or 1), 1)))
+        return Token("#", lexeme, float(Fraction(above) / int(below or 1)))
     if lexeme in NUMBERS:
         return Token("#", lexeme, float(NUMBERS[lexeme]))
     if lexeme in _ENDS:

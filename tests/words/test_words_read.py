@@ -374,7 +374,7 @@ def test_blocks_lie_between_streets():
 
 def test_a_number_that_no_float_holds_is_not_read():
     assert "I do not read" in declined(f"a road of {'9' * 400} m")
-    assert read("a road of 500/00 m", 7).road == read("a road of 500 m", 7).road
+    assert "I do not read" in declined("a road of 500/00 m")
 
 
 def test_a_2_plus_1_road_is_declined_by_its_name():
