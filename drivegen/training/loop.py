@@ -32,8 +32,8 @@ from drivegen.training.curve import LossRow, kept
 
 Net = TypeVar("Net", bound=nn.Module)
 
-LATE = 32
-"""Steps on a GPU after which their losses are read: it works on while the next batches are made."""
+LATE = {"cpu": 1, "cuda": 32}
+"""Steps after which their losses are read: a GPU works on while the next batches are made."""
 
 
 @dataclass(frozen=True)
@@ -184,9 +184,9 @@ class _Run(Generic[Net]):
         torch.nn.utils.clip_grad_norm_(self.model.parameters(), settings.clip)
         self.optimiser.step()
         self._average()
-        self._uncounted.append(self._meant(loss.detach()))
+        self._uncounted.append(self._mean(loss.detach()))
         self.progress.step += 1
-        if self.device.type == "cpu" or len(self._uncounted) == LATE:
+        if len(self._uncounted) == LATE[self.device.type]:
             self.count()
 
     def count(self) -> None:
@@ -232,7 +232,7 @@ class _Run(Generic[Net]):
             )
         return loss
 
-    def _meant(self, loss: Tensor) -> Tensor:
+    def _mean(self, loss: Tensor) -> Tensor:
         if self.world > 1:
             dist.all_reduce(loss)
         return loss / self.world

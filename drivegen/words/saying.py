@@ -166,8 +166,10 @@ def _corridor(road: Corridor) -> list[Sentence]:
 
 def _along_it(things: Sequence[tuple[str, list[FieldValue]]]) -> list[Sentence]:
     """Things in a row, those of one name that follow one another as a number, and what is said of each."""
+    if not things:
+        return []
     runs = [(len([*run]), name) for name, run in groupby(name for name, _ in things)]
-    spoken = [sentence(f"Along it there {'is' if run[0] == 1 else 'are'}", *(("thing", run) for run in runs)) for run in runs[:1]]
+    spoken = [sentence(f"Along it there {'is' if runs[0][0] == 1 else 'are'}", *(("thing", run) for run in runs))]
     for name in dict.fromkeys(name for name, _ in things):
         items = [facts for other, facts in things if other == name]
         spoken += _grouped(f"Every {noun(name)} has", f"The {{}} {noun(name)} has", items)

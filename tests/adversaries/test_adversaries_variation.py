@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
-from drivegen.adversaries.shared.goals import EULER_STEPS, exchanged_goals, hurried
+from drivegen.adversaries.shared.goals import EULER_STEPS, exchanged_goals
 from drivegen.adversaries.shared.motions import Perturbation, exchanged_motions
 from drivegen.adversaries.shared.variation import Variation, odds_of_nearest, with_variations
 from drivegen.core.scenario import Trajectories
@@ -114,6 +114,7 @@ def test_a_scene_has_the_same_variations_whoever_is_beside_it(arena):
 
 
 def test_adversaries_hurry_a_planner_by_flow_and_leave_it_as_it_was(arena):
-    slow = arena.ground.planner.in_steps(8)
-    assert hurried(slow).euler_steps == EULER_STEPS < slow.euler_steps == 8
-    assert hurried(unhurried := object()) is unhurried
+    slow, whole = arena.ground.planner.in_steps(8), varied(arena, Variation(3, 5, NEAR))[1]
+    other = Arena(idm.Plugin(IDM), replace(arena.ground, planner=slow), arena.bounds, arena.seed)
+    np.testing.assert_array_equal(varied(other, Variation(3, 5, NEAR))[1].motion.position, whole.motion.position)
+    assert arena.ground.planner.euler_steps == EULER_STEPS < slow.euler_steps

@@ -52,7 +52,7 @@ def there(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> It
     device = torch.device("cuda") if request.param == "gpu" else ELSEWHERE
     monkeypatch.setattr(loop, "device", lambda: device)
     if device == ELSEWHERE:
-        for size in (latent.CHUNK, paper.CHUNK, paper.PICTURES):
+        for size in (loop.LATE, latent.CHUNK, paper.CHUNK, paper.PICTURES):
             monkeypatch.setitem(size, ELSEWHERE.type, 16)
         monkeypatch.setattr(torch, "autocast", lambda *_, **__: nullcontext())
         monkeypatch.setattr(torch, "inference_mode", torch.no_grad)

@@ -21,7 +21,7 @@ from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 
 from drivegen.core.errors import UnusableInput
-from drivegen.training import weights
+from drivegen.training import loop, weights
 from drivegen.training.curve import LossRow, kept, plateau
 from drivegen.training.loop import Settings, batch_rows, train
 from drivegen.training.weights import SETTINGS as SETTINGS_FILE
@@ -275,6 +275,17 @@ class Diverging(NoisyCosine):
 def test_a_loss_that_is_not_finite_stops_the_training_with_one_sentence(tmp_path):
     with pytest.raises(UnusableInput, match=r"the loss is nan at step 4 of 60; lower learning_rate \(0.01\)"):
         train(net(), Diverging(), SETTINGS, 1, tmp_path / "kept.safetensors", lambda _: None)
+    assert not (tmp_path / "kept.safetensors").exists()
+
+
+def test_losses_that_are_read_late_are_the_same_losses(tmp_path, monkeypatch):
+    _, at_once = train(net(), NoisyCosine(), SETTINGS, 5, tmp_path / "at-once.safetensors", lambda line: None)
+    monkeypatch.setitem(loop.LATE, "cpu", 9)  # neither rows nor checkpoints come every nine steps
+    _, late = train(net(), NoisyCosine(), SETTINGS, 5, tmp_path / "late.safetensors", lambda line: None)
+    assert [row.train for row in late] == [row.train for row in at_once]
+    assert (tmp_path / "late.safetensors").read_bytes() == (tmp_path / "at-once.safetensors").read_bytes()
+    with pytest.raises(UnusableInput, match="the loss is nan at step 4 of 60"):
+        train(net(), Diverging(), SETTINGS, 5, tmp_path / "kept.safetensors", lambda line: None)
     assert not (tmp_path / "kept.safetensors").exists()
 
 

@@ -12,7 +12,7 @@ from drivegen.rollout.towards import plan_all_goals
 
 EULER_STEPS = 2
 """Of a planner by flow when it plans for adversaries, instead of generation's eight: they want many motions and not their
-spread, and find as much in two thirds of the time (LOG.md)."""
+spread, and find about as much in three quarters of the time (LOG.md)."""
 
 
 def hurried(planner: Planner) -> Planner:
