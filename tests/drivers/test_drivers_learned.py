@@ -135,7 +135,8 @@ def test_a_red_light_that_is_run_ends_the_episode_there():
     begins = float(log.position[0, 0, 0]) + 2.3
     assert int(run.live.sum()) == pytest.approx((-10 - begins) / 1.0, abs=1)
     waits = lessons.play(lambda _, seen, __: torch.full((len(seen),), -1.0))
-    assert not bool(waits.failed[0]) and bool(waits.live.all())
+    assert not bool(waits.failed[0])
+    assert bool(waits.live.all())
 
 
 @pytest.mark.parametrize(

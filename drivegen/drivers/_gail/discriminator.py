@@ -1,7 +1,8 @@
 """Who drove: a network that tells the logs' steps from the policy's (Ho and Ermon 2016), and the reward that follows from it.
 
-An episode that a collision or a red light ends early goes on, for the discriminator, in an absorbing state to the end of its scene
-(Kostrikov et al. 2019). Otherwise a reward that is never negative would pay for lasting, whatever the discriminator holds of the driving.
+An episode that a collision or a red light ends early goes on, for the discriminator, in an absorbing state to the end of its
+scene (Kostrikov et al. 2019). Otherwise a reward that is never negative would pay for lasting, whatever the discriminator holds
+of the driving.
 """
 
 from dataclasses import dataclass

@@ -10,7 +10,8 @@ it.
     course           1      rad          its heading, seen from its path
     limit            1      15 m/s       speed limit at its front, 13.9 m/s where unknown
     over_limit       1      15 m/s       speed less the limit
-    gap              1      30 m         to the nearest box on its way, or to where logs halt before a line if it has to, at most 60 m
+    gap              1      30 m         to the nearest box on its way, or a metre before a line where it has to halt, at
+                                         most 60 m
     closing          1      15 m/s       how fast this gap closes, 0 where there is none
     brake            1      4 m/s2       constant braking that avoids running into it, at most 8 m/s2
     urgency          1      1 /s         closing by gap
