@@ -52,14 +52,14 @@ def nearest(room: Room, done: list[Room]) -> Room | None:
 def _bring_up(room: Room, done: list[Room]) -> str:
     """Run the stages that the room's tables need; returns "" if all succeeded, else what failed.
 
-    The workspace is deleted and made again; DVC's cache stays. It starts from the outputs of the nearest room, so stages that
-    both share are not run again, and from all code compiled so far. Other stages are neither in it nor in its dvc.lock.
+    The workspace is deleted and made again; DVC's cache and the checkpoints of interrupted trainings stay. It starts from the
+    outputs of the nearest room, so stages that both share are not run again, and from all code compiled so far. Other stages are
+    neither in it nor in its dvc.lock.
     Recorded times are carried over for every output that has not changed.
     """
     root = ROOMS / room.name
     times = Times.of(root)
-    shutil.rmtree(root, ignore_errors=True)
-    workspace.duplicate(Path(), root, room.params)
+    workspace.renew(Path(), root, room.params)
     note_code(Path(), root)
     if like := nearest(room, done):
         shutil.copy2(ROOMS / like.name / "dvc.lock", root / "dvc.lock")

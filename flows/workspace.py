@@ -22,6 +22,8 @@ PARAMS = ("params.yaml", "stages/params.yaml")
 LIKE = "like"
 """Beside this name stands the section whose values hold where no others are said: one more may be said."""
 
+CHECKPOINTS = Path(".drivegen/checkpoints")
+"""Where trainings keep what they go on from after they were interrupted."""
 
 _LOCKS = Path(".drivegen/locks")
 
@@ -57,6 +59,22 @@ def duplicate(source: Path, target: Path, params: Mapping[str, Any], cache: Path
     override(target, params)
     folder = (cache or source / ".dvc" / "cache").resolve()
     (target / ".dvc" / "config.local").write_text(f"[core]\n    no_scm = true\n[cache]\n    dir = {folder}\n")
+
+
+def renew(source: Path, target: Path, params: Mapping[str, Any]) -> None:
+    """As `duplicate`, where the folder `target` may exist: of that remain the checkpoints of trainings that were interrupted.
+
+    They are named after everything that a training depends on, so one that would be another is never gone on with.
+    """
+    interrupted, aside = target / CHECKPOINTS, target.with_name(f"{target.name}.checkpoints")
+    if interrupted.is_dir():
+        shutil.rmtree(aside, ignore_errors=True)
+        interrupted.rename(aside)
+    shutil.rmtree(target, ignore_errors=True)
+    duplicate(source, target, params)
+    if aside.is_dir():
+        interrupted.parent.mkdir(parents=True, exist_ok=True)
+        aside.rename(interrupted)
 
 
 def share_compiled(source: Path, target: Path) -> None:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import LaneControl
-from drivegen.core.signals import SignalState
+from drivegen.core.signals import Signals, SignalState
 from drivegen.drivers._gail.discriminator import Discriminator, transitions
 from drivegen.drivers.gail import Plugin
 from drivegen.drivers.shared import ppo
@@ -27,13 +27,13 @@ from drivegen.world.observation import Rules
 from drivegen.world.scenes import Scenes
 from drivegen.world.world import World
 from tests.drivers.taught import PARAMS, quick, straight_lessons, teaching
-from tests.scenes import drive, scenario, stack, straight_road
+from tests.scenes import crossing, drive, joined, scenario, stack, straight_road
 
 GAP = 6
 """The place of `gap` among the features; `closing` follows."""
 
 
-def episodes(live: list[list[int]], crashed: list[bool]) -> Episodes:
+def episodes(live: list[list[int]], crashed: list[bool], ran_red: list[bool] | None = None) -> Episodes:
     """Steps (T) by rows (R); what was seen and done is noise."""
     alive = torch.tensor(live, dtype=torch.bool)
     steps, rows = alive.shape
@@ -43,9 +43,9 @@ def episodes(live: list[list[int]], crashed: list[bool]) -> Episodes:
         torch.randn(steps + 1, rows, COUNT),
         torch.randn(steps, rows),
         alive,
-        torch.tensor(crashed),
         speed,
-        torch.zeros(rows, dtype=torch.bool),
+        torch.tensor(crashed),
+        torch.tensor(ran_red or [False] * rows),
     )
 
 
@@ -67,8 +67,9 @@ def test_advantages_are_the_discounted_sum_of_what_was_not_foreseen(steps, lived
     assert found[:, 0].numpy() == pytest.approx(wanted)
 
 
-def test_a_collision_goes_on_in_the_absorbing_state_to_the_end():
-    two = episodes([[1, 1], [1, 1], [1, 0], [1, 0]], [False, True])
+@pytest.mark.parametrize("fault", ["crashed", "ran_red"])
+def test_a_fault_goes_on_in_the_absorbing_state_to_the_end(fault):
+    two = episodes([[1, 1], [1, 1], [1, 0], [1, 0]], **{"crashed": [False] * 2, fault: [False, True]})
     steps = transitions(two)
     assert len(steps) == 6 + 2
     assert steps[:, -1].tolist() == [0] * 6 + [1] * 2
@@ -124,13 +125,28 @@ def test_a_replayed_vehicle_that_is_run_into_ends_the_episode_there():
     assert int(run.live.sum()) == 26  # 25.5 m at 10 m/s
 
 
+def test_a_red_light_that_is_run_ends_the_episode_there():
+    road = crossing(control=LaneControl.SIGNAL)
+    log = stack([drive(joined(road, 0, 8, 3), 30, 10, 61)])  # from the west straight on; its line is at x = -10
+    red = Signals(np.array([8], np.int32), np.full((1, 61), SignalState.RED, np.uint8))
+    lessons = Lessons.of([(scenario(road, log, signals=red), log)])
+    run = lessons.play(lambda _, seen, __: torch.zeros(len(seen)))
+    assert (bool(run.ran_red[0]), bool(run.crashed[0]), bool(run.failed[0])) == (True, False, True)
+    begins = float(log.position[0, 0, 0]) + 2.3
+    assert int(run.live.sum()) == pytest.approx((-10 - begins) / 1.0, abs=1)
+    waits = lessons.play(lambda _, seen, __: torch.full((len(seen),), -1.0))
+    assert not bool(waits.failed[0])
+    assert bool(waits.live.all())
+
+
 @pytest.mark.parametrize(
     ("signal", "distance", "gap", "closing"),
     [
-        (SignalState.RED, 20.0, 20.0, 10.0),
+        (SignalState.RED, 20.0, 19.0, 10.0),  # it halts 1 m before the line
+        (SignalState.RED, 0.5, 0.0, 10.0),
         (SignalState.RED, 50.0, 35.0, 10.0),  # somebody stands before the line
         (SignalState.RED, -1.0, 35.0, 10.0),  # the line is behind
-        (SignalState.YELLOW, 20.0, 20.0, 10.0),
+        (SignalState.YELLOW, 20.0, 19.0, 10.0),
         (SignalState.YELLOW, 10.0, 35.0, 10.0),  # too late to halt in comfort
         (SignalState.GREEN, 20.0, 35.0, 10.0),
     ],

@@ -1,5 +1,6 @@
 """Which runs the published tables ask for, and that they are made without touching this workspace."""
 
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import yaml
 from drivegen.core.settings import read_section
 from flows.rooms import BY_SEED, CORNER, FRONT, MEASURED, PARTS, rooms
 from flows.tables import nearest
-from flows.workspace import PARAMS, overridden
+from flows.workspace import CHECKPOINTS, PARAMS, overridden, renew
 from stages import publish_corner
 
 ROOT = Path(__file__).parents[2]
@@ -98,3 +99,20 @@ def test_the_tables_of_drivers_are_made_from_every_data_set_that_is_there(tmp_pa
         (tmp_path / data["folder"]).mkdir(parents=True, exist_ok=True)
     runs = rooms("drivers", values, tmp_path)
     assert [room.name for room in runs] == [f"drivers/{name}" for name in read_section("tables.drivers.data")]
+
+
+def test_a_run_that_is_made_again_keeps_what_interrupted_trainings_go_on_from_and_nothing_else(tmp_path: Path) -> None:
+    source, room = tmp_path / "source", tmp_path / "rooms" / "7-7"
+    (source / ".dvc").mkdir(parents=True)
+    (source / ".dvc/config").write_text("")
+    (source / "params.yaml").write_text("run: {seed: 7}\n")
+    subprocess.run(["git", "init", "-q", source], check=True)
+    renew(source, room, {"run.seed": 8})
+    for name in (CHECKPOINTS / "planner-1.safetensors", Path("data/half.parquet")):
+        (room / name).parent.mkdir(parents=True, exist_ok=True)
+        (room / name).write_text("half")
+    renew(source, room, {"run.seed": 9})
+    files = {path.relative_to(room).as_posix() for path in room.rglob("*") if path.is_file()}
+    assert files == {"params.yaml", ".dvc/config", ".dvc/config.local", ".drivegen/checkpoints/planner-1.safetensors"}
+    assert yaml.safe_load((room / "params.yaml").read_text()) == {"run": {"seed": 9}}
+    assert [path.name for path in room.parent.iterdir()] == ["7-7"]

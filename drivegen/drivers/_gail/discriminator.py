@@ -1,7 +1,8 @@
 """Who drove: a network that tells the logs' steps from the policy's (Ho and Ermon 2016), and the reward that follows from it.
 
-An episode that a collision ends early goes on, for the discriminator, in an absorbing state to the end of its scene (Kostrikov et
-al. 2019). Otherwise a reward that is never negative would pay for not colliding, whatever the discriminator holds of the driving.
+An episode that a collision or a red light ends early goes on, for the discriminator, in an absorbing state to the end of its
+scene (Kostrikov et al. 2019). Otherwise a reward that is never negative would pay for lasting, whatever the discriminator holds
+of the driving.
 """
 
 from dataclasses import dataclass
@@ -36,7 +37,7 @@ class Settings:
 
 
 def transitions(episodes: Episodes) -> Tensor:
-    """(D, COUNT + 2) what was seen and done at live steps, and the absorbing steps of episodes that ended at a collision."""
+    """(D, COUNT + 2) what was seen and done at live steps, and the absorbing steps of episodes that ended at a fault."""
     steps = torch.cat([episodes.features[:-1], episodes.number[..., None], torch.zeros_like(episodes.number)[..., None]], dim=-1)
     absorbed = torch.zeros(int(_absorbed(episodes).sum()), COUNT + 2)
     absorbed[:, -1] = 1.0
@@ -45,7 +46,7 @@ def transitions(episodes: Episodes) -> Tensor:
 
 def _absorbed(episodes: Episodes) -> Tensor:
     """(R,) steps that each episode spends in the absorbing state."""
-    return torch.where(episodes.crashed, len(episodes.live) - episodes.live.sum(0), 0)
+    return torch.where(episodes.failed, len(episodes.live) - episodes.live.sum(0), 0)
 
 
 class Discriminator(nn.Module):
@@ -101,7 +102,7 @@ class Discriminator(nn.Module):
 
     @torch.no_grad()
     def reward(self, episodes: Episodes, discount: float) -> Tensor:
-        """(T, R): 0.1 log(1 + exp(logit)), at an episode's last step before a collision with all that the absorbing ones pay."""
+        """(T, R): 0.1 log(1 + exp(logit)), at an episode's last step before a fault with all that the absorbing ones pay."""
         flat = torch.cat(
             [episodes.features[:-1], episodes.number[..., None], torch.zeros_like(episodes.number)[..., None]], dim=-1
         )
@@ -111,5 +112,5 @@ class Discriminator(nn.Module):
         each = 0.1 * float(softplus(self(absorbed)))
         paid = discount * each * (1 - discount ** _absorbed(episodes)) / (1 - discount)
         last = episodes.live.sum(0).sub(1).clamp_min(0)
-        reward[last, torch.arange(len(last))] += torch.where(episodes.crashed, paid, 0.0)
+        reward[last, torch.arange(len(last))] += torch.where(episodes.failed, paid, 0.0)
         return reward

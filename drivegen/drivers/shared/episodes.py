@@ -1,4 +1,4 @@
-"""Whole episodes of a policy in the world: all rows begin together and end with their scenes or at a collision."""
+"""Whole episodes of a policy in the world: all rows begin together and end with their scenes, at a collision or a red light."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,16 +22,21 @@ class Episodes:
 
     Attributes:
         features: (T + 1, R, F) what was seen before each step, and at the end. number: (T, R) what was done.
-        live: (T, R) bool, whether the row had not ended. crashed: (R,) bool, whether it ended at a collision.
-        speed: (T + 1, R) [m/s]. ran_red: (R,) bool, whether it crossed a line at a red light.
+        live: (T, R) bool, whether the row had not ended. speed: (T + 1, R) [m/s].
+        crashed, ran_red: (R,) bool, whether it ended at a collision, or by crossing a line at a red light.
     """
 
     features: Tensor
     number: Tensor
     live: Tensor
-    crashed: Tensor
     speed: Tensor
+    crashed: Tensor
     ran_red: Tensor
+
+    @property
+    def failed(self) -> Tensor:
+        """(R,) bool, whether a fault ended it."""
+        return self.crashed | self.ran_red
 
     @property
     def distance(self) -> Tensor:
@@ -54,11 +59,12 @@ def play(world: World, chosen: Tensor, choose: Choose) -> Episodes:
         speed.append(world.ego.speed)
         touches.append(_touches(world))
         runs.append((line > 0) & (world.ego.along - along >= line))
-    before = torch.stack(touches).cumsum(0)[:-1] == 0  # no collision up to this step
+    collisions, reds = torch.stack(touches), torch.stack(runs)
+    faults = torch.cat([collisions[:1], collisions[1:] | reds])
+    before = faults.cumsum(0)[:-1] == 0  # no fault up to this step
     live = before & (torch.arange(len(done), device=chosen.device)[:, None] < world.scenes.steps[chosen] - 1)
-    crashed = (torch.stack(touches[1:]) & live).any(0) | touches[0]
-    ran = (torch.stack(runs) & live).any(0)
-    return Episodes(torch.stack(inputs), torch.stack(done), live, crashed, torch.stack(speed), ran)
+    crashed, ran = (collisions[1:] & live).any(0) | collisions[0], (reds & live).any(0)
+    return Episodes(torch.stack(inputs), torch.stack(done), live, torch.stack(speed), crashed, ran)
 
 
 def _touches(world: World) -> Tensor:

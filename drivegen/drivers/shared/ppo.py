@@ -35,12 +35,12 @@ class Settings:
 def advantages(reward: Tensor, value: Tensor, episodes: Episodes, settings: Settings) -> Tensor:
     """(T, R) by generalised advantage estimation (Schulman et al. 2016); `value` is (T + 1, R).
 
-    An episode that ends with its scene is cut off, not over: what would come is its last value. After a collision nothing comes.
+    An episode that ends with its scene is cut off, not over: what would come is its last value. After a fault nothing comes.
     """
     live = episodes.live
     following = torch.cat([live[1:], torch.zeros_like(live[:1])])
     last = live & ~following
-    after = torch.where(last & episodes.crashed, 0.0, value[1:])
+    after = torch.where(last & episodes.failed, 0.0, value[1:])
     wrong = reward + settings.discount * after - value[:-1]
     out, gained = torch.zeros_like(reward), torch.zeros_like(reward[0])
     for t in range(len(reward) - 1, -1, -1):
