@@ -14,8 +14,8 @@ OWN = {"DriveGen, planner": "train_planner.planners.route_fm", "DriveGen, goal s
 
 
 def rows() -> dict[str, list[str]]:
-    """Of the table of sizes, by the name in front: width, what a step learns from, steps here, steps in the tables."""
-    table = (ROOT / "docs/rivals.md").read_text().partition("| | width")[2].partition("\n\n")[0]
+    """Of the table of sizes, by the name in front: width here and in the tables, what a step learns from, steps here and there."""
+    table = (ROOT / "docs/rivals.md").read_text().partition("| | width in")[2].partition("\n\n")[0]
     lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines()[2:]]
     return {cells[0]: cells[1:] for cells in lines}
 
@@ -38,8 +38,9 @@ def test_every_model_has_a_row():
 def test_a_model_is_as_large_and_learns_as_long_as_is_told(title: str):
     section = OWN.get(title) or f"{SECTION}.{RIVALS[title]}"
     settings = read_section(section, ROOT / "params.yaml")
-    width, learns_from, here, there = rows()[title]
+    width, width_there, learns_from, here, there = rows()[title]
     assert first_number(width) == settings["width"]
+    assert first_number(width_there) == TABLES.get(f"{section}.width", settings["width"])
     assert int(learns_from.split()[0]) == settings["training"]["batch"]
     assert here == "–" if RIVALS.get(title, HERE[0]) not in HERE else first_number(here) == settings["training"]["steps"]
     assert first_number(there) == TABLES.get(f"{section}.training.steps", settings["training"]["steps"])
