@@ -210,3 +210,11 @@ def test_the_driver_does_what_its_policy_holds_for_best(lessons, tmp_path):
     driver = Plugin(Settings(str(tmp_path), sees_rules=True))
     wanted = pedals(policy(features(world.observe())).clamp(-1, 1)).detach()
     torch.testing.assert_close(driver.act(world.observe()).acceleration, wanted)
+
+
+def test_weights_that_learned_from_other_features_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("drivegen.drivers.shared.network.VERSION", 1)
+    Policy().write(tmp_path, "gail")
+    monkeypatch.undo()
+    with pytest.raises(UnusableInput, match="learned from features of version 1, not 2: train them anew"):
+        Plugin(Settings(str(tmp_path), sees_rules=True))

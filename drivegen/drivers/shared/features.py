@@ -48,6 +48,9 @@ NEAREST = 8
 COUNT = 12 + 2 * len(DISTANCES) + 8 * NEAREST + 7
 """Numbers in a row."""
 
+VERSION = 2
+"""Of what the numbers mean; weights that learned from others are refused. 1 had `gap` reach to the line itself."""
+
 LIMIT = 5.0
 
 _UNKNOWN_LIMIT, _FARTHEST, _HARDEST = 13.9, 60.0, 8.0

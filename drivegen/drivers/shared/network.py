@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from drivegen.core.errors import UnusableInput
-from drivegen.drivers.shared.features import COUNT, features
+from drivegen.drivers.shared.features import COUNT, VERSION, features
 from drivegen.training.weights import fill, read_weights, write_weights
 from drivegen.world.observation import Action, Observation
 
@@ -50,9 +50,13 @@ class Network:
     settings_type: ClassVar[type] = Settings
 
     def __init__(self, settings: Settings) -> None:
-        """Raises MissingTool where there are no weights, UnusableInput where they are another driver's or damaged."""
+        """Raises MissingTool where there are no weights, UnusableInput where they are another driver's, older or damaged."""
         folder = Path(settings.weights)
         about, tensors = read_weights(folder, KIND, self.name)
+        if (version := about.get("features", 1)) != VERSION:
+            raise UnusableInput(
+                f"{folder}: these weights learned from features of version {version}, not {VERSION}: train them anew"
+            )
         self.sees_rules, self._squashed = settings.sees_rules, bool(about.get("squashed"))
         try:
             self._net = perceptron(about["widths"], about["activation"])
@@ -85,5 +89,6 @@ def write_network(folder: Path, name: str, linear: Sequence[nn.Linear], activati
     for own, source in zip(rows, linear, strict=True):
         own.load_state_dict(source.state_dict())
     tensors: Mapping[str, NDArray[Any]] = {key: tensor.numpy() for key, tensor in net.state_dict().items()}
-    settings = {"widths": [layer.out_features for layer in linear], "activation": activation, "squashed": squashed}
+    widths = [layer.out_features for layer in linear]
+    settings = {"widths": widths, "activation": activation, "squashed": squashed, "features": VERSION}
     write_weights(folder, KIND, name, settings, tensors)
