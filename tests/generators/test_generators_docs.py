@@ -14,7 +14,7 @@ OWN = {"DriveGen, planner": "train_planner.planners.route_fm", "DriveGen, goal s
 
 
 def rows() -> dict[str, list[str]]:
-    """Of the table of sizes, by the name in front: width here and in the tables, what a step learns from, steps here and there."""
+    """Of the table of sizes, by the name in front: width here and there, what a step learns from, steps here and there."""
     table = (ROOT / "docs/rivals.md").read_text().partition("| | width in")[2].partition("\n\n")[0]
     lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines()[2:]]
     return {cells[0]: cells[1:] for cells in lines}
