@@ -5,6 +5,7 @@ from pathlib import Path
 
 from drivegen.adversaries.shared.legal import legal
 from drivegen.adversaries.shared.naturalness import exchanged
+from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario, Trajectories
@@ -28,7 +29,10 @@ def read_traffic(scenarios: Path, traffic: Path) -> Traffic:
 
 
 def read_cases(folder: Path, as_it_is: Traffic) -> list[Samples]:
-    """The cases in the folder of an attack. Raises UnusableInput where one is of no scenario that is there."""
+    """The cases in the folder of an attack. Raises UnusableInput where one is of no scenario that is there, or of its log."""
+    method = folder.name.partition(".")[0]
+    if plugins.about("adversaries", method)["traffic"] == "log":
+        raise UnusableInput(f"{folder.name} attacks logs, which are compared with no generated traffic: name another attack")
     cases = read_samples(require(folder / CASES, "run the attack stages"))
     if unknown := {case.scenario_id for case in cases} - as_it_is.keys():
         raise UnusableInput(

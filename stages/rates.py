@@ -47,6 +47,10 @@ class Params:
     trial: Trial
     reaction: Reaction
 
+    def __post_init__(self) -> None:
+        if not self.tested:
+            raise UnusableInput("stages/params.yaml: rates.tested: name at least one driver")
+
     def make(self) -> list[Driver]:
         """Those that are tested."""
         sound: dict[str, Driver] = {name: plugins.make("drivers", name, self.drivers, "rates.drivers") for name in self.drivers}

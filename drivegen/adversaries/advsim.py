@@ -96,7 +96,7 @@ class _Search:
     def ask(self, count: int) -> Trajectories:
         """At most `count` tracks that are allowed."""
         drawn = self._draw(count * self.settings.tries)
-        tracks = perturbed(self.track, *np.split(drawn, 2, axis=1))
+        tracks = perturbed(self.track, *np.split(drawn, 2, axis=1)).padded(self.arena.trials.steps)
         scene, vehicle = np.full(len(drawn), self.scene), np.full(len(drawn), self.attacker)
         rows = np.flatnonzero(self.arena.allows(scene, vehicle, tracks))
         rows = self.arena.first_allowed(scene, vehicle, tracks, rows, count)

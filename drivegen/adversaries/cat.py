@@ -69,16 +69,18 @@ class Chooser:
         overlap, gap = _nearness(arena, pool, everywhere(motion, scenes, len(ground.of)))
         pool = self.source.varied(arena, pool, _ranked(_odds(pool) * overlap, gap))
         overlaps, gaps = np.zeros((self.settings.last, len(pool))), np.full((self.settings.last, len(pool)), np.inf)
-        turn, tried = 0, np.zeros(len(pool), np.bool_)
+        runs, tried = np.zeros(len(ground.of), np.int64), np.zeros(len(pool), np.bool_)
         while True:
-            driven = np.isin(pool.scene, scenes)
+            driven = np.flatnonzero(np.isin(pool.scene, scenes))
+            at = runs[pool.scene[driven]] % self.settings.last
             overlap, gap = _nearness(arena, pool, everywhere(motion, scenes, len(ground.of)))
-            overlaps[turn % len(overlaps), driven], gaps[turn % len(gaps), driven] = overlap[driven], gap[driven]
+            overlaps[at, driven], gaps[at, driven] = overlap[driven], gap[driven]
             order = _ranked(_odds(pool) * overlaps.sum(0), gaps.min(0))
             rows, outcome = pool.drive(arena, order[~tried[order]], 1)
             if not len(rows):
                 return
-            tried[rows], scenes, motion, turn = True, pool.scene[rows], outcome.motion, turn + 1
+            runs[scenes] += 1
+            tried[rows], scenes, motion = True, pool.scene[rows], outcome.motion
 
 
 class Plugin(Chooser):

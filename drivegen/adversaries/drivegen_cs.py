@@ -7,7 +7,7 @@ Knowledge is made of runs of the driver alone, which count: first each scene is 
 its planned motion meets the target's own, and where it gives little warning, since drivers brake for what they see in their way.
 Of two alike the one comes first that accelerates, brakes and turns less: what is legal may be what hardly anybody does.
 What the driver did about the first candidates then teaches which encounters (relative speed, direction, behaviour) end in a
-collision: P(collision | encounter), with its denominators, ranks the rest.
+collision: P(collision | encounter), with its denominators, ranks the rest, with `weight` (0 in the tables: it gained nothing).
 """
 
 from dataclasses import dataclass, replace

@@ -136,16 +136,12 @@ class Group:
 
 
 def groups(cases: Sequence[Case]) -> list[Group]:
-    """Cases by kind, the kind of most cases first."""
-    of: dict[Kind, list[int]] = {}
-    for c, case in enumerate(cases):
-        of.setdefault(kind_of(case), []).append(c)
-    kinds = [_group(kind, members, cases) for kind, members in of.items()]
+    """Cases by kind, the kind of most cases first; of a pair in a scenario the likeliest, whatever the kinds of the others."""
+    pairs: dict[tuple[str, int], list[int]] = {}
+    for c in sorted(range(len(cases)), key=lambda c: (-np.nan_to_num(cases[c].odds), c)):
+        pairs.setdefault((cases[c].scenario_id, cases[c].partner), []).append(c)
+    of: dict[Kind, list[list[int]]] = {}
+    for members in pairs.values():
+        of.setdefault(kind_of(cases[members[0]]), []).append(members)
+    kinds = [Group(kind, tuple(m[0] for m in several), sum(map(len, several)) - len(several)) for kind, several in of.items()]
     return sorted(kinds, key=lambda group: (-len(group.cases), group.kind))
-
-
-def _group(kind: Kind, members: list[int], cases: Sequence[Case]) -> Group:
-    first: dict[tuple[str, int], int] = {}
-    for c in sorted(members, key=lambda c: (-np.nan_to_num(cases[c].odds), c)):
-        first.setdefault((cases[c].scenario_id, cases[c].partner), c)
-    return Group(kind, tuple(first.values()), len(members) - len(first))

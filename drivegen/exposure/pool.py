@@ -167,7 +167,7 @@ class Exposure:
         rates = {}
         for m, name in enumerate(names):
             random = seeds.rng(seed, "rates", name)
-            of_law = verified(self.failed[:, :, m].ravel(), self.near[:, :, m].ravel(), trial, count, random)
+            of_law = verified(self.failed[:, :, m], self.near[:, :, m], trial, count, random)
             rates[name] = {**of_law, "rate.low": ends[m].low, "rate.high": ends[m].high}
         about = {"scenes": count, "recordings": len(set(recordings)), "left_out": len(self.left_out)}
         about |= {"draws": self.failed.shape[1], "repetitions": trial.repetitions}

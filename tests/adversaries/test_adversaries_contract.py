@@ -13,7 +13,7 @@ from drivegen.adversaries.shared.rules import RULES
 from drivegen.checker.scene import check_samples
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
-from drivegen.core.samples import Samples
+from drivegen.core.samples import Samples, Violation
 from drivegen.core.scenario import TARGET
 from drivegen.core.settings import build, read_section
 from drivegen.drivers import idm
@@ -21,7 +21,7 @@ from drivegen.rollout.batch import choose
 from drivegen.selectors.random import Plugin as Random
 from tests.checking import IDM, LIMITS
 from tests.models import ROOT, candidate_settings, planner
-from tests.scenes import busy_crossing
+from tests.scenes import busy_crossing, drive, joined, scenario, stack, straight_road
 
 ADVERSARIES = plugins.names("adversaries")
 BUDGET = 4
@@ -29,9 +29,11 @@ BUDGET = 4
 
 @pytest.fixture(scope="module")
 def ground():
-    scenes = [busy_crossing(101, f"crossing-{i}") for i in range(2)]
+    """Two scenes of one scenario, and one of a shorter scenario."""
+    scenes = [busy_crossing(steps, f"crossing-{i}") for i, steps in enumerate((101, 91))]
     choices = choose(scenes, Random(), candidate_settings(), 1.0)
-    return Ground(choices, np.array([0, 0, 1]), [lawful(scenes[s]) for s in (0, 0, 1)], planner(scenes), LIMITS)
+    traffic = [lawful(scenes[s]) for s in (0, 0, 1)]
+    return Ground(choices, np.array([0, 0, 1]), traffic, planner([scenes[0], busy_crossing(101, "crossing-2")]), LIMITS)
 
 
 def lawful(scene):
@@ -95,6 +97,30 @@ def test_the_same_seed_gives_the_same_runs_and_a_case_is_the_run_it_came_from(na
     for run in np.flatnonzero(first.outcome.counted)[:2].tolist():
         case = first.case(run, "idm", name)
         assert (case.step, case.queries, case.legal) == (int(first.outcome.step[run]), int(first.query[run]), True)
+
+
+@pytest.mark.parametrize("name", ["untouched", "dataset"])
+def test_traffic_as_it_is_is_driven_as_often_as_the_budget_allows(name, ground):
+    runs = attack(name, ground, budget=1).runs()
+    assert runs.variants.scene.tolist() == [0, 2]
+
+
+def test_where_there_is_no_traffic_nobody_attacks(ground):
+    with pytest.raises(UnusableInput, match="there is no traffic to attack the driver in"):
+        Arena(idm.Plugin(IDM), replace(ground, choices=[], of=np.zeros(0, np.int64), traffic=[]), Bounds("legal", 4, 20), 7)
+
+
+def test_of_two_attackers_each_is_judged_beside_the_other_as_it_drives_now(ground):
+    road = straight_road(600, 2)
+    own, beside = (joined(road, lane) for lane in (1, 0))
+    log = stack([drive(own, 300, 10, 101), drive(beside, 60, 5, 101), drive(beside, 40, 5, 101)])
+    choices = choose([scenario(road, log)], Random(), candidate_settings(), 1.0)
+    arena = Arena(
+        idm.Plugin(IDM), replace(ground, choices=choices, of=np.zeros(1, np.int64), traffic=[log]), Bounds("legal", 4, 20), 7
+    )
+    faster = stack([drive(beside, 60, 12, 101), drive(beside, 40, 10, 101)])
+    assert arena.violation(0, np.array([2]), faster[[1]]) & Violation.COLLISION  # by itself it runs into who drives on as before
+    assert arena.violation(0, np.array([1, 2]), faster) == 0
 
 
 def test_two_attackers_drive_at_once_and_keep_the_rules_together(ground):

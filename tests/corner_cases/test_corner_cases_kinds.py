@@ -63,6 +63,12 @@ def test_duplicates_are_one_case_the_likeliest_and_the_largest_kind_comes_first(
     ]
 
 
+def test_a_pair_that_meets_in_two_ways_is_one_case():
+    rear, stands = (collision(stack(list(SCENES[kind]))) for kind in (Kind.REAR, Kind.STANDING))
+    found = groups([replace(rear, odds=0.1), replace(stands, odds=0.3)])
+    assert [(group.kind, group.cases, group.duplicates) for group in found] == [(Kind.STANDING, (1,), 1)]
+
+
 def test_the_sentence_says_what_happens_and_how_much_time_there_was():
     case = collision(stack(list(SCENES[Kind.STANDING])))
     in_time, too_late = Avoidance(3.0, 1.2, 1.4), Avoidance(0.4, 0.6, float("nan"))

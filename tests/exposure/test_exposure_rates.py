@@ -97,7 +97,7 @@ def test_whoever_runs_through_all_draws_knows_the_rate():
 
 def test_intervals_hold_the_rate_and_nearness_that_tells_saves_runs():
     failed, near = law(1.0)
-    found = verified(failed, near, Trial(1000, 5000, 200), 20, rng(7, "test"))
+    found = verified(failed[None], near[None], Trial(1000, 5000, 200), 20, rng(7, "test"))
     assert found["rate"] == failed.mean()
     assert found["covered"] >= 0.94
     assert found["covered_plain"] >= 0.92
@@ -106,9 +106,15 @@ def test_intervals_hold_the_rate_and_nearness_that_tells_saves_runs():
     assert 1000 < found["runs"] <= 1020
 
 
+def test_who_runs_through_all_draws_knows_no_more_of_the_law_than_as_many_plain_runs_do():
+    failed, near = law(0.0)
+    found = verified(failed[None], near[None], Trial(10 * DRAWS, 10, 5), 0, rng(7, "test"))
+    assert found["saves"] == pytest.approx(1.0, abs=0.02)
+
+
 def test_nearness_that_tells_nothing_costs_width_and_not_truth():
     failed, near = law(0.0)
-    found = verified(failed, near, Trial(1000, 1000, 200), 0, rng(7, "test"))
+    found = verified(failed[None], near[None], Trial(1000, 1000, 200), 0, rng(7, "test"))
     assert found["covered"] >= 0.94
     assert found["saves"] < 1.3
     assert found["width"] > 0.9 * found["width_plain"]
@@ -116,5 +122,5 @@ def test_nearness_that_tells_nothing_costs_width_and_not_truth():
 
 def test_who_never_fails_has_a_rate_of_0_and_intervals_that_say_so():
     _, near = law(1.0)
-    found = verified(np.zeros(DRAWS, np.bool_), near, Trial(500, 500, 20), 0, rng(7, "test"))
+    found = verified(np.zeros((1, DRAWS), np.bool_), near[None], Trial(500, 500, 20), 0, rng(7, "test"))
     assert (found["rate"], found["covered"], found["saves"], found["bias"]) == (0.0, 1.0, None, None)

@@ -62,6 +62,8 @@ def test_workers_and_order_do_not_change_a_byte(made, once, tmp_path):
 def test_what_cannot_be_done_is_one_sentence(made, tmp_path):
     with pytest.raises(UnusableInput, match=r"rates\.tested names idm\.asleep, which is none of idm, "):
         run(made, tmp_path, tested=("idm.asleep",))
+    with pytest.raises(UnusableInput, match=r"rates\.tested: name at least one driver"):
+        run(made, tmp_path, tested=())
     with pytest.raises(UnusableInput, match=r"in all 3 scenes: raise rates\.tries"):
         run(made, tmp_path, tries=1, draws=100_000)
     assert not (tmp_path / "rates.parquet").exists()

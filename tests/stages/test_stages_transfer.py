@@ -61,6 +61,12 @@ def test_cases_of_other_scenarios_are_refused(made, tmp_path):
         transfer.main(params, tmp_path / "test", tmp_path / "round", made / "attack", tmp_path / "out.json")
 
 
+def test_cases_in_logs_are_refused(made, tmp_path):
+    params = replace(read_params("transfer", transfer.Params, PARAMS), attacks={"dataset": "dataset.legal.1"})
+    with pytest.raises(UnusableInput, match=r"^dataset\.legal\.1 attacks logs, which are compared with no generated traffic"):
+        transfer.main(params, made / "test", made / "round", made / "attack", tmp_path / "out.json")
+
+
 def test_the_table_has_a_line_for_whom_it_was_found_and_a_column_for_who_drives(made, tmp_path):
     place = tmp_path / "runs/7"
     rows = run(made, tmp_path)

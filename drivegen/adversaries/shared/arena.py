@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -71,6 +71,8 @@ class Arena:
     """
 
     def __init__(self, driver: Driver, ground: Ground, bounds: Bounds, seed: int) -> None:
+        if not len(ground.of):
+            raise UnusableInput("there is no traffic to attack the driver in: give scenarios that have logs or futures")
         self.ground, self.bounds, self.seed = ground, bounds, seed
         self.trials = Trials(driver, ground.scenarios, ground.traffic)
         self.spent = np.zeros(len(ground.choices), np.int64)
@@ -156,8 +158,9 @@ class Arena:
     def violation(self, scene: int, vehicle: NDArray[np.integer], motion: Trajectories) -> int:
         """Violation flags of a scene with exchanged tracks (E, T) of vehicles (E,); 0 is legal."""
         judge = self.judges[scene]
-        own = judge.alone_and_among(vehicle, motion)
-        return int(np.bitwise_or.reduce(own, initial=0) | judge.whole([judge.exchanged(vehicle, motion)])[0])
+        changed = replace(judge, traffic=judge.exchanged(vehicle, motion))
+        own = changed.alone_and_among(vehicle, motion)
+        return int(np.bitwise_or.reduce(own, initial=0) | changed.whole([changed.traffic])[0])
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,6 @@
-"""Traffic as it is: every scene is driven once, and nothing in it is exchanged."""
+"""Traffic as it is: scenes are driven once each, as many as there are runs for, and nothing in them is exchanged."""
 
-import numpy as np
-
-from drivegen.adversaries.shared.arena import Arena
+from drivegen.adversaries.shared.arena import Arena, share_out
 from drivegen.adversaries.shared.settings import WithoutSettings
 from drivegen.corner_cases.trials import Variants
 
@@ -12,4 +10,4 @@ class Unchanged(WithoutSettings):
 
     def attack(self, arena: Arena) -> None:
         """See `base.Adversary`."""
-        arena.drive(Variants.unchanged(np.arange(len(arena.ground.of)), arena.trials.steps))
+        arena.drive(Variants.unchanged(share_out(arena.ground.of, arena.left), arena.trials.steps))

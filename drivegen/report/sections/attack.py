@@ -85,7 +85,8 @@ def proposer_tables(driver: str, attacks: Mapping[str, dict[str, Any]]) -> list[
         "accelerations and curvatures. What each chooses from differs: chance from as many as there are goals, of either kind; "
         "who ranks goals from these and variations of the best (`variation`); who ranks motions from several for each goal "
         "(`draws`); cross-entropy from so many for each run (`tries`), of one vehicle. Physical asks for what bodies can do and "
-        "for no collision between others, legal for every rule of the checker."
+        "for no collision between others, legal for every rule of the checker but giving way to the driver, who may be anywhere "
+        "by then."
     )
     title = f"Who proposes, what varies, what is allowed: collisions of {driver}"
     return [Table(f"attack-{driver}-proposers", title, heads, tuple(lines), (note,))]
