@@ -16,7 +16,7 @@ from drivegen.core.roadmap import LaneControl
 from drivegen.core.scenario import Scenario
 from drivegen.core.signals import SignalState
 from drivegen.roads.gates import first_crossing
-from drivegen.roads.graph import LaneGraph
+from drivegen.roads.graph import LaneGraph, Links
 from drivegen.world.observation import PATH_SPACING
 from drivegen.world.replay import Replay
 from drivegen.world.replay import project as seen_from
@@ -69,16 +69,15 @@ class Way:
 
 
 def ways_of(graph: LaneGraph, scenario: Scenario, number: int, lane: int) -> Iterator[Way]:
-    """By which somebody comes who goes before a target that wants to take `lane` behind its line `number`."""
-    line = graph.map.centreline
+    """By which somebody comes who goes before a target that wants to take `lane` and what follows behind its line `number`."""
+    line, own = graph.map.centreline, _inside(graph, graph.successors, lane)
     for other in np.flatnonzero(graph.map.in_junction & graph.map.for_vehicles).tolist():
-        if other == lane or not has_right_of_way(graph, other, lane):
-            continue
-        meet, x, y, _, _ = first_crossing(line.points, *line.start[[lane, lane + 1]], *line.start[[other, other + 1]])
-        if meet:
-            points, entry = _approach(graph, other)
-            closed = np.isin(scenario.signals.of_lane(other), (SignalState.RED, SignalState.YELLOW))
-            yield Way(number, points, entry, project(points, np.array([x, y]))[0], closed)
+        for part in own if other not in own else ():
+            meet, x, y, _, _ = first_crossing(line.points, *line.start[[part, part + 1]], *line.start[[other, other + 1]])
+            if meet and has_right_of_way(graph, other, part):
+                points, entry = _approach(graph, other)
+                closed = np.isin(scenario.signals.of_lane(other), (SignalState.RED, SignalState.YELLOW))
+                yield Way(number, points, entry, project(points, np.array([x, y]))[0], closed)
 
 
 def fill_distances(
@@ -98,11 +97,27 @@ def has_right_of_way(graph: LaneGraph, other: int, lane: int) -> bool:
     ranks = [_MUST_WAIT.get(LaneControl(graph.map.control[each]), 0) for each in (other, lane)]
     if ranks[0] != ranks[1]:
         return ranks[0] < ranks[1]
-    towards = float(wrap_angle(np.asarray(graph.heading[other, 0] - graph.heading[lane, 0])))
-    left = [float(wrap_angle(np.asarray(graph.heading[each, 1] - graph.heading[each, 0]))) > TURNS for each in (other, lane)]
+    (theirs, after), (mine, later) = (_bearings(graph, each) for each in (other, lane))
+    towards = float(wrap_angle(np.asarray(theirs - mine)))
+    left = [float(wrap_angle(np.asarray(end - begin))) > TURNS for begin, end in ((theirs, after), (mine, later))]
     if abs(towards) > 0.75 * np.pi:
         return left[1] and not left[0]
     return towards > 0.25 * np.pi
+
+
+def _inside(graph: LaneGraph, links: Links, lane: int) -> list[int]:
+    """A lane and those in the junction that `links` lead on to: SUMO cuts a way where one waits for oncoming traffic."""
+    parts, on = [lane], [lane]
+    while len(on) == 1:
+        on = [n for n in links[parts[-1]].tolist() if graph.map.in_junction[n] and n not in parts]
+        parts += on if len(on) == 1 else []
+    return parts
+
+
+def _bearings(graph: LaneGraph, lane: int) -> tuple[float, float]:
+    """Headings [rad] in which the whole way begins and ends that a lane in a junction is a part of."""
+    first, last = (_inside(graph, links, lane)[-1] for links in (graph.predecessors, graph.successors))
+    return float(graph.heading[first, 0]), float(graph.heading[last, 1])
 
 
 def _approach(graph: LaneGraph, lane: int) -> tuple[Floats, float]:

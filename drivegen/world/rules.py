@@ -31,6 +31,9 @@ ON_PATH = 1.5
 ALIGNED = np.deg2rad(30)
 """... and run its way within this angle."""
 
+SAME_PLACE = 0.5
+"""Lanes that begin on the path no farther [m] apart begin at one place: it takes one of them."""
+
 REACH = 20.0
 """Who is within this distance [m] of a red light has come to it."""
 
@@ -156,15 +159,29 @@ def _lines(scenes: Scenes, s: int, graph: LaneGraph) -> list[tuple[float, int]]:
     heading = scenes.paths.heading[s, :last].cpu().numpy()
     guarded = road_map.in_junction | np.isin(road_map.control, (LaneControl.YIELD, LaneControl.STOP, LaneControl.SIGNAL))
     lanes = np.flatnonzero(guarded & road_map.for_vehicles)
-    lines = []
+    found = []
     for lane in lanes[_near(path, road_map, lanes)].tolist():
         if road_map.in_junction[graph.predecessors[lane]].any():
             continue  # the second half of a way across
         line = road_map.centreline[lane]
         begin, end = (_foot(path, heading, line[i], graph.heading[lane, i]) for i in (0, -1))
         if begin is not None and end is not None and end > begin:
-            lines.append((min([begin, *_stop_lines(road_map, lane, path)]), lane))
-    return sorted(lines)
+            found.append((begin, lane))
+    taken: list[tuple[float, int]] = []
+    for begin, lane in sorted(found):
+        if not taken or begin - taken[-1][0] > SAME_PLACE:
+            taken.append((begin, lane))
+        elif _strays(path, graph, lane) < _strays(path, graph, taken[-1][1]):
+            taken[-1] = taken[-1][0], lane
+    return sorted((min([begin, *_stop_lines(road_map, lane, path)]), lane) for begin, lane in taken)
+
+
+def _strays(path: Floats, graph: LaneGraph, lane: int) -> float:
+    """How far [m] a lane, and the best of those that it leads to, lie from the path, up to the path's end."""
+    ends = [graph.map.centreline[each][-1] for each in (lane, *graph.successors[lane])]
+    feet = [project(path, end.astype(np.float64)) for end in ends]
+    here, *ahead = (abs(left) if along < len(path) - 2 else 0.0 for along, left in feet)
+    return max(here, min(ahead, default=0.0))
 
 
 def _near(path: Floats, road_map: RoadMap, lanes: NDArray[np.intp]) -> NDArray[np.bool_]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 
+from drivegen.core.geometry import arc_length, interpolate
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.signals import Signals, SignalState
 from drivegen.drivers import idm
@@ -17,7 +18,7 @@ from drivegen.world.rules import Lookout
 from drivegen.world.scenes import Scenes
 from drivegen.world.world import World
 from tests.checking import IDM
-from tests.scenes import crossing, drive, joined, scenario, stack
+from tests.scenes import crossing, drive, joined, road_map, scenario, stack
 
 STEPS = 151
 STRAIGHT, LEFT, RIGHT = 0, 1, 2
@@ -113,6 +114,51 @@ def test_unprotected_left():
     assert passes(driven(scene, heeds=False)[1]) < passes(front)
     straight = meet(LaneControl.SIGNAL, STRAIGHT, [oncoming], states=states, start=40.0)
     assert passes(driven(straight)[1]) == passes(driven(straight, heeds=False)[1])
+
+
+def in_two(roads, lane, first):
+    """The roads with a lane in the junction cut `first` [m] behind its beginning, as SUMO cuts ways; the latter half yields."""
+    lines = [line.astype(np.float64) for line in roads.centreline]
+    length, added = float(arc_length(lines[lane])[-1]), len(lines)
+    halves = [interpolate(lines[lane], np.linspace(*ends, 12)) for ends in ((0, first), (first, length))]
+    links = {(int(a), int(b)) for a, b in roads.links}
+    out = next(b for a, b in links if a == lane)
+    control = [(n, roads.control[n]) for n in range(added)] + [(added, LaneControl.YIELD)]
+    return road_map(
+        [*lines[:lane], halves[0], *lines[lane + 1 :], halves[1]],
+        (links - {(lane, out)}) | {(lane, added), (added, out)},
+        [*np.flatnonzero(roads.in_junction), added],
+        control,
+        drivable=list(roads.drivable),
+        stop_lines=roads.stop_lines,
+        stop_lane=roads.stop_lane,
+    )
+
+
+def test_a_left_turn_that_the_map_cuts_in_two_waits_as_one_that_is_whole():
+    green = Signals(np.arange(8, 20, dtype=np.int32), np.full((12, STEPS), SignalState.GREEN, np.uint8))
+    whole = crossing(control=LaneControl.SIGNAL)
+    left, oncoming = way(whole, 0, LEFT)[1], drive(way(whole, 2, STRAIGHT)[0], 40.0, 9.0, STEPS)
+    fronts = []
+    for roads in (whole, in_two(whole, left, 4.0)):
+        lanes = (0, left, len(whole), 5) if len(roads) > len(whole) else (0, left, 5)
+        scene = scenario(roads, stack([drive(joined(roads, *lanes), 40.0, 10.0, STEPS), oncoming]), signals=green)
+        outcome, front = driven(scene)
+        assert not outcome.collided[0]
+        fronts.append(passes(front))
+    assert fronts[0] == pytest.approx(fronts[1], abs=1)
+    assert fronts[0] > 60
+
+
+def test_the_lights_of_ways_that_begin_at_one_place_are_told_apart():
+    roads = in_two(crossing(control=LaneControl.SIGNAL), 9, 4.0)  # its first half lies beside the way straight on
+    for straight, arrow, wanted in ((SignalState.RED, SignalState.RED, (1, 1)), (SignalState.GREEN, SignalState.RED, (0, 0))):
+        states = np.full((12, STEPS), straight, np.uint8)
+        states[1] = arrow
+        signals = Signals(np.arange(8, 20, dtype=np.int32), states)
+        scene = scenario(roads, stack([drive(joined(roads, 0, 8, 4), 40.0, 10.0, STEPS)]), signals=signals)
+        outcome = driven(scene, heeds=False, counts_lights=True)[0]
+        assert (float(outcome.red_lights[0]), float(outcome.red_run[0])) == wanted
 
 
 def test_right_before_left():
