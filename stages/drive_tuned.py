@@ -14,6 +14,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from drivegen.core import plugins
+from drivegen.core.errors import UnusableInput
 from drivegen.core.intervals import percentiles, recording, resamplings
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.core.seeds import rng
@@ -57,7 +58,9 @@ def main(params: Params, scenarios: Path, policies: Path, results: Path, diversi
     folders = sorted(path.parent for path in require(policies, "run the stage tune").glob("*/*/*/settings.json"))
     chosen = tuple((folder.parts[-3], str(folder)) for folder in folders)
     tasks = [Task(shard, chosen, params.reaction) for shard in shards(require(scenarios, "run the ingest stage"))]
-    parts = [part for _, part in spread(_drive_shard, tasks, params.workers, "drive_tuned")]
+    parts = [part for _, part in spread(_drive_shard, tasks, params.workers, "drive_tuned") if part[0]]
+    if not parts:
+        raise UnusableInput(f"{scenarios} holds no scenario with a log to drive through", reason="no-scenarios")
     ids = [name for part in parts for name in part[0]]
     spreads, tables = {}, list[pa.Table]()
     for number, folder in enumerate(folders):
@@ -85,6 +88,8 @@ def _spread(motion: Trajectories, ids: Sequence[str], params: Params) -> dict[st
 def _drive_shard(task: Task) -> tuple[list[str], list[Numbers], list[list[Trajectories]]]:
     """Ids (S,), and of each policy its numbers (S,) and its motion among either kind of neighbours."""
     traffic = [(scenario, scenario.log) for scenario in read_shard(task.shard) if scenario.log is not None]
+    if not traffic:
+        return [], [], []
     scenarios, logs = [scenario for scenario, _ in traffic], [log for _, log in traffic]
     policies = [(plugins.load("drivers", name), weights) for name, weights in task.policies]
     drivers = [plugin(plugin.settings_type(weights=weights, sees_rules=True)) for plugin, weights in policies]

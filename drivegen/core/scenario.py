@@ -143,8 +143,10 @@ class Trajectories:
 
     @classmethod
     def joined(cls, parts: "Sequence[Trajectories]") -> "Trajectories":
-        """All parts (N_i, ..., T) of equally many steps, one after the other along the first dimension."""
-        return cls(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)))
+        """All parts (N_i, ..., T_i), one after the other along the first dimension; the shorter ones are padded."""
+        steps = max(part.steps for part in parts)
+        whole = [part if part.steps == steps else part.padded(steps) for part in parts]
+        return cls(*(np.concatenate([getattr(part, f.name) for part in whole]) for f in fields(cls)))
 
     @property
     def finite(self) -> bool:

@@ -21,8 +21,12 @@ def opened(
     scenarios: str | Path | Sequence[Traffic], rows: int, settings: Settings | None, of: str | Path | None, device: str
 ) -> Environment:
     """Episodes in the scenarios of a folder, or in those given, as `settings` say or, without them, params.yaml."""
+    if not isinstance(rows, int) or rows < 1:
+        raise UnusableInput(f"num_envs is {rows!r}: give a whole number from 1 on")
     settings = settings or read_params(SECTION, Settings)
     traffic = read_traffic(Path(scenarios), Path(of or SCENES)) if isinstance(scenarios, str | Path) else scenarios
+    if not all(isinstance(one, tuple | list) and len(one) == 2 for one in traffic):
+        raise UnusableInput("scenarios to drive in are pairs of a scenario and motion in it, or a folder")
     return Environment(traffic, rows, settings, device)
 
 

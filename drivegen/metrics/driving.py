@@ -90,7 +90,7 @@ def driving_summary(
             out |= _ratio(name, *(resampled[:, known] @ metrics[each][known] for each in (part, whole)))
     weights = resampled[:, scene]
     spread, *spreads = spread_over_runs(motion, weights)
-    low, high = percentiles(np.array(spreads))
+    low, high = percentiles(np.array([draw for draw in spreads if np.isfinite(draw)]))  # some draws hold a single run
     return out | {"spread_over_runs": float(spread), "spread_over_runs.low": low, "spread_over_runs.high": high}
 
 

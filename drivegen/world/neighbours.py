@@ -35,13 +35,7 @@ class Boxes:
 
 
 class Neighbours(Protocol):
-    """Who moves the M others of R rows.
-
-    Attributes:
-        kind: as it stands beside every figure of a driver.
-    """
-
-    kind: str
+    """Who moves the M others of R rows."""
 
     def reset(self, world: "World", rows: Tensor | None) -> None:
         """Begin anew in all rows, or in `rows` alone, whose scenes the world has set."""
@@ -61,8 +55,6 @@ class Neighbours(Protocol):
 
 class Replayed:
     """Everybody moves as logged or generated, whatever the target does."""
-
-    kind = "replayed"
 
     def __init__(self, scenes: Scenes) -> None:
         self._scenes = scenes

@@ -104,7 +104,7 @@ class DrivingOutcome:
 
     @classmethod
     def joined(cls, parts: "Sequence[DrivingOutcome]") -> "DrivingOutcome":
-        """The outcomes of several runs of equally many steps, one after the other."""
+        """The outcomes of several runs, one after the other."""
         joined: dict[str, Any] = {f.name: [getattr(part, f.name) for part in parts] for f in fields(cls) if f.name != "motion"}
         motion = Trajectories.joined([part.motion for part in parts])
         return cls(motion=motion, **{name: np.concatenate(arrays) for name, arrays in joined.items()})

@@ -55,8 +55,6 @@ class Reactive:
             target has taken from all neighbours together.
     """
 
-    kind = "reactive"
-
     def __init__(
         self, scenes: Scenes, rows: int, reaction: Reaction, attacker: Tensor | None = None, to_target_alone: bool = False
     ) -> None:
@@ -64,11 +62,9 @@ class Reactive:
         `to_target_alone`: through one another they drive as planned.
         """
         self._scenes, self._law, self._plan, self._to_target_alone = scenes, reaction, Plan.of(scenes), to_target_alone
-        self.kind = "reactive to the target" if to_target_alone else self.kind
         device = scenes.steps.device
         self._reacts = torch.from_numpy(scenes.replay.vehicle).to(device)
         if attacker is not None:
-            self.kind = "reactive but the attacker"
             number = torch.arange(1, self._reacts.shape[1] + 1, device=device)
             self._reacts = self._reacts & (number != attacker.to(device)[:, None])
         self._size = torch.from_numpy(scenes.replay.size).to(device)

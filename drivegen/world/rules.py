@@ -73,7 +73,8 @@ class Lookout:
         for s, (scenario, motion) in enumerate(zip(scenarios, traffic, strict=True)):
             for g, (at, lane) in enumerate(lines[s]):
                 place[s, g], control[s, g] = at, scenario.map.control[lane]
-                signal[s, : scenario.steps, g] = scenario.signals.of_lane(lane)[: motion.steps]
+                shown = scenario.signals.of_lane(lane)[: motion.steps]
+                signal[s, : len(shown), g] = shown
                 if arrivals:
                     ways[s] += ways_of(graph_of[id(scenario.map)], scenario, g, lane)
             fill_distances(distance, scenes.replay, ways[s], np.full(shape[2], s), np.arange(shape[2]))

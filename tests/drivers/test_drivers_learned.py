@@ -19,7 +19,7 @@ from drivegen.drivers.gail import Plugin
 from drivegen.drivers.shared import ppo
 from drivegen.drivers.shared.episodes import Episodes
 from drivegen.drivers.shared.features import COUNT, features
-from drivegen.drivers.shared.lessons import Lessons
+from drivegen.drivers.shared.lessons import Lessons, graded
 from drivegen.drivers.shared.network import FULL_BRAKING, FULL_THROTTLE, Settings, pedals
 from drivegen.drivers.shared.policy import Policy, number_of
 from drivegen.drivers.shared.teaching import teach
@@ -43,6 +43,7 @@ def episodes(live: list[list[int]], crashed: list[bool], ran_red: list[bool] | N
         torch.randn(steps + 1, rows, COUNT),
         torch.randn(steps, rows),
         alive,
+        torch.full((rows,), steps),
         speed,
         torch.tensor(crashed),
         torch.tensor(ran_red or [False] * rows),
@@ -74,6 +75,8 @@ def test_a_fault_goes_on_in_the_absorbing_state_to_the_end(fault):
     assert len(steps) == 6 + 2
     assert steps[:, -1].tolist() == [0] * 6 + [1] * 2
     assert not steps[6:, :-1].any()
+    shorter = transitions(replace(two, lasts=torch.tensor([4, 3])))
+    assert shorter[:, -1].tolist() == [0] * 6 + [1]
 
 
 def test_who_crashes_is_paid_what_the_absorbing_steps_pay_and_nothing_else():
@@ -113,6 +116,25 @@ def test_a_demonstration_is_the_log_s_own_way():
     driven = float(np.hypot(*(log.position[0, -1] - log.position[0, 0])))
     assert float(shown.distance[0]) == pytest.approx(driven, abs=0.2)
     assert bool(shown.live.all())
+
+
+def test_a_demonstration_ends_with_its_target_and_goes_on_over_a_gap():
+    road = straight_road()
+    log = stack([drive(road.centreline[0].astype(np.float64), 10, 10, 61)])
+    log.valid[0, 20:25], log.valid[0, 50:] = False, False
+    shown = Lessons.of([(scenario(road, log), log)]).demonstrations()
+    assert int(shown.live.sum()) == 49
+    assert float(shown.number[:49].abs().max()) < 0.01
+    assert not bool(shown.failed[0])
+
+
+def test_who_stands_with_the_brake_pressed_does_not_accelerate():
+    road = straight_road()
+    log = stack([drive(road.centreline[0].astype(np.float64), 10, 0, 61)])
+    lessons = Lessons.of([(scenario(road, log), log)])
+    policy = Policy()
+    torch.nn.init.constant_(policy.layers[-1].bias, -9.0)
+    assert graded(1, policy, lessons, lessons.demonstrations()).acceleration == 0.0
 
 
 def test_a_replayed_vehicle_that_is_run_into_ends_the_episode_there():

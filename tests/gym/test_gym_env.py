@@ -246,6 +246,18 @@ def test_what_is_no_action_is_refused_before_anybody_has_moved(motion):
     assert float(episodes.step(torch.zeros(2, numbers)).terms[0, 0]) == pytest.approx(0.1, rel=1e-3)
 
 
+@pytest.mark.parametrize("kind", [DriveVectorEnv, DriveVecEnv])
+@pytest.mark.parametrize("rows", [0, -1, 1.5, "a", None])
+def test_what_is_no_number_of_rows_is_refused(kind, rows):
+    with pytest.raises(UnusableInput, match="give a whole number from 1 on"):
+        kind([alone()], rows, SETTINGS)
+
+
+def test_scenarios_without_motion_are_refused():
+    with pytest.raises(UnusableInput, match="are pairs of a scenario and motion in it, or a folder"):
+        DriveVectorEnv([alone()[0]], 1, SETTINGS)
+
+
 def test_actions_of_another_shape_are_refused_and_not_rearranged():
     pairs, settings = [alone()], replace(SETTINGS, motion="path_offset")
     vector, adapter = DriveVectorEnv(pairs, 3, settings), DriveVecEnv(pairs, 3, settings)

@@ -90,6 +90,17 @@ def test_what_is_no_policy_of_ours_is_refused(env, tmp_path):
         Mine(Weights(str(tmp_path / "none"), sees_rules=False))
 
 
+def test_who_is_beyond_a_kilometre_is_as_present_by_loops_as_by_tensors():
+    scene = any_scenario(0)
+    scenes = Scenes.of([scene], [scene.log])
+    seen = World(scenes, 1).observe()
+    seen = replace(seen, ahead=torch.where(seen.present, 1200.0, seen.ahead))
+    first = 12 + 2 * len(DISTANCES)
+    boxes = features(seen)[:, first : first + 8 * NEAREST]
+    assert float(boxes[0, 7]) == 1.0
+    torch.testing.assert_close(boxes, nearest_boxes(seen).clamp(-LIMIT, LIMIT))
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_the_compiled_features_are_those_of_tensors(seed):
     scene = any_scenario(seed)

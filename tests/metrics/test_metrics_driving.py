@@ -71,6 +71,13 @@ def test_spread_over_samples_is_within_scenes():
     assert np.isnan(spread[2])
 
 
+def test_the_spread_of_few_recordings_has_an_interval_though_some_draws_hold_a_single_run():
+    runs = stack([drive(LINE, 0, v, 41) for v in (3, 5, 9)])
+    metrics = {"absolute_acceleration": np.full(3, 0.5), "acceleration": np.full(3, -0.25)}
+    found = driving_summary(metrics, ["a", "b", "c"], runs, np.arange(3), 200, np.random.default_rng(7))
+    assert found["spread_over_runs.low"] <= found["spread_over_runs"] <= found["spread_over_runs.high"]
+
+
 def test_a_summary_counts_runs_and_has_intervals_over_recordings():
     """Three scenarios of two recordings, one run in the first and two in the others."""
     runs, scene = stack([drive(LINE, 0, v, 41) for v in (3, 5, 7, 9, 11)]), np.array([0, 1, 1, 2, 2])

@@ -57,6 +57,13 @@ def driven(name: str, *starts: float) -> Drives:
     return Drives.of(Replay(), Idm(IDM), [(scene, motion) for motion in motions])
 
 
+def test_runs_of_shards_of_different_lengths_are_joined() -> None:
+    motion = stack([drive(LINE, 10, 10, 31)])
+    shorter = Drives.of(Replay(), Idm(IDM), [(scenario(ROAD, motion, "b"), motion)])
+    both = Drives.joined([driven("a", 10), shorter])
+    np.testing.assert_allclose(both.per_scenario()["distance"], [50, 30], rtol=1e-4)
+
+
 def test_runs_are_averaged_over_their_own_scenario_also_after_joining() -> None:
     drives = Drives.joined([driven("a", 10, 60), driven("b", 10, 20, 30, 70)])
     assert drives.scenarios == ["a", "b"]

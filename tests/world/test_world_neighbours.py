@@ -8,7 +8,6 @@ import torch
 
 from drivegen.core.scenario import Actors, Trajectories
 from drivegen.simulators.batch import Plugin
-from drivegen.world.neighbours import Replayed
 from drivegen.world.observation import Action
 from drivegen.world.outcome import CollisionKind
 from drivegen.world.reactive import LATE, Reaction, Reactive
@@ -101,9 +100,6 @@ def test_the_attacker_does_not_react():
     for attacker, kind in ((1, CollisionKind.HIT_STANDING), (0, CollisionKind.NONE)):
         run = Plugin(reaction=LAW).run(Braking(6.0), [scenario(ROAD, log)], [log], attacker=np.array([attacker]))
         assert run.kind[0] == kind
-    scenes = Scenes.of([scenario(ROAD, log)], [log])
-    kinds = [Replayed(scenes).kind, Reactive(scenes, 1, LAW).kind, Reactive(scenes, 1, LAW, torch.tensor([1])).kind]
-    assert kinds == ["replayed", "reactive", "reactive but the attacker"]
 
 
 def test_who_follows_one_that_brakes_brakes_too_and_who_drives_beside_does_not():

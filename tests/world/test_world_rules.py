@@ -83,6 +83,12 @@ def test_red_lights_that_are_run_are_counted(heeds):
     assert np.isnan(driven(red, False)[0].red_run[0])  # nobody looked
 
 
+def test_lights_are_known_for_as_long_as_the_shorter_of_scene_and_motion():
+    red = meet(LaneControl.SIGNAL, STRAIGHT, states=np.full(STEPS, SignalState.RED))
+    outcome = Plugin(counts_lights=True).run(idm.Plugin(IDM), [red, red], [red.log.until(81), red.log])
+    assert outcome.red_lights.tolist() == [1, 1]
+
+
 def test_yield():
     comes = (1, STRAIGHT, 30.0, 10.0)  # abreast of the target, from its right; it has priority
     scene = meet(LaneControl.FREE, STRAIGHT, [comes], own_control=LaneControl.YIELD)

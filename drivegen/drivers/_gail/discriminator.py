@@ -1,8 +1,9 @@
 """Who drove: a network that tells the logs' steps from the policy's (Ho and Ermon 2016), and the reward that follows from it.
 
 An episode that a collision or a red light ends early goes on, for the discriminator, in an absorbing state to the end of its
-scene (Kostrikov et al. 2019). Otherwise a reward that is never negative would pay for lasting, whatever the discriminator holds
-of the driving.
+scene (Kostrikov et al. 2019). Otherwise a reward that is never negative would pay far more for lasting, whatever the
+discriminator holds of the driving; a little it does, as who drives on is credited with what would come after the scene
+(`ppo.advantages`).
 """
 
 from dataclasses import dataclass
@@ -46,7 +47,7 @@ def transitions(episodes: Episodes) -> Tensor:
 
 def _absorbed(episodes: Episodes) -> Tensor:
     """(R,) steps that each episode spends in the absorbing state."""
-    return torch.where(episodes.failed, len(episodes.live) - episodes.live.sum(0), 0)
+    return torch.where(episodes.failed, episodes.lasts - episodes.live.sum(0), 0)
 
 
 class Discriminator(nn.Module):
@@ -56,7 +57,7 @@ class Discriminator(nn.Module):
         super().__init__()
         self.settings = settings
         mean, scale = expert.mean(0), expert.std(0).clamp_min(0.05)
-        mean[-1], scale[-1] = 0.0, 1.0  # nobody is absorbed in a log
+        mean[-1], scale[-1] = 0.0, 1.0  # hardly anybody is absorbed in a log
         self._expert, self._mean, self._scale = expert, nn.Buffer(mean), nn.Buffer(scale)
         hidden = settings.hidden
         self.layers = nn.Sequential(

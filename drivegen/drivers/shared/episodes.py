@@ -22,13 +22,14 @@ class Episodes:
 
     Attributes:
         features: (T + 1, R, F) what was seen before each step, and at the end. number: (T, R) what was done.
-        live: (T, R) bool, whether the row had not ended. speed: (T + 1, R) [m/s].
+        live: (T, R) bool, whether the row had not ended. lasts: (R,) int64 steps of its scene. speed: (T + 1, R) [m/s].
         crashed, ran_red: (R,) bool, whether it ended at a collision, or by crossing a line at a red light.
     """
 
     features: Tensor
     number: Tensor
     live: Tensor
+    lasts: Tensor
     speed: Tensor
     crashed: Tensor
     ran_red: Tensor
@@ -62,9 +63,10 @@ def play(world: World, chosen: Tensor, choose: Choose) -> Episodes:
     collisions, reds = torch.stack(touches), torch.stack(runs)
     faults = torch.cat([collisions[:1], collisions[1:] | reds])
     before = faults.cumsum(0)[:-1] == 0  # no fault up to this step
-    live = before & (torch.arange(len(done), device=chosen.device)[:, None] < world.scenes.steps[chosen] - 1)
+    lasts = world.scenes.steps[chosen] - 1
+    live = before & (torch.arange(len(done), device=chosen.device)[:, None] < lasts)
     crashed, ran = (collisions[1:] & live).any(0) | collisions[0], (reds & live).any(0)
-    return Episodes(torch.stack(inputs), torch.stack(done), live, torch.stack(speed), crashed, ran)
+    return Episodes(torch.stack(inputs), torch.stack(done), live, lasts, torch.stack(speed), crashed, ran)
 
 
 def _touches(world: World) -> Tensor:

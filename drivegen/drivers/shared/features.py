@@ -125,19 +125,19 @@ def road_ahead(view: Observation) -> tuple[Tensor, Tensor]:
 def nearest_boxes(view: Observation) -> Tensor:
     """(S, 8 * NEAREST) numbers of the nearest boxes."""
     across = view.left - view.offset[:, None]
-    apart = torch.where(view.present, view.ahead**2 + across**2, _FAR)
+    apart = torch.where(view.present, view.ahead**2 + across**2, torch.inf)
     if apart.shape[1] < NEAREST:
         raise ValueError(f"others are padded to {NEAREST} at least")
     squared, nearest = apart.topk(NEAREST, dim=1, largest=False)
     picked = [value.gather(1, nearest) for value in (
         view.ahead, across, view.speed_along, view.speed_across, view.half_length, view.half_width)]  # fmt: skip
     ahead, left, along, sideways, half_length, half_width = picked
-    there = squared < _FAR
+    there = squared.isfinite()
     numbers = (
         ahead / _GAP, left / 10, (along - view.speed[:, None]) / _SPEED, sideways / _SPEED, half_length / 5, half_width / 5,
         squared.sqrt() / _GAP, there.float(),
     )  # fmt: skip
-    return (torch.stack(numbers, dim=2) * there[..., None]).flatten(1)
+    return torch.where(there[..., None], torch.stack(numbers, dim=2), 0.0).flatten(1)
 
 
 def _compiled(view: Observation) -> tuple[tuple[Tensor, Tensor], tuple[Tensor, Tensor], Tensor]:

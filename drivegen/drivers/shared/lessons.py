@@ -1,7 +1,7 @@
 """What drivers learn from, how they are judged on the way, and the record of that."""
 
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass, fields, replace
 from pathlib import Path
 from typing import Self
 
@@ -12,7 +12,6 @@ from torch import Tensor
 from drivegen.core.scenario import DT, TARGET
 from drivegen.drivers.shared.conditions import Traffic
 from drivegen.drivers.shared.episodes import Choose, Episodes, play
-from drivegen.drivers.shared.network import pedals
 from drivegen.drivers.shared.policy import Policy, number_of
 from drivegen.store.files import whole
 from drivegen.world.reactive import Reaction, Reactive
@@ -26,13 +25,15 @@ class Lessons:
     """Scenarios with `traffic` whose targets show how to drive.
 
     Attributes:
-        scenes: all of it, packed. lookout: its rules. speed: (S, T) float32 [m/s] of the targets, 0 after the end.
+        scenes: all of it, packed. lookout: its rules. speed: (S, T) float32 [m/s] of the targets, in a gap what it was before.
+        last: (S,) int64 the step at which each target is there for the last time.
     """
 
     traffic: Sequence[Traffic]
     scenes: Scenes
     lookout: Lookout
     speed: Tensor
+    last: Tensor
 
     @classmethod
     def of(cls, traffic: Sequence[Traffic]) -> Self:
@@ -42,9 +43,11 @@ class Lessons:
         speed = np.zeros((len(traffic), scenes.longest), np.float32)
         for row, motion in enumerate(motions):
             driven = np.hypot(*np.diff(motion.position[TARGET], axis=0).T) / DT
-            driving = motion.valid[TARGET, 1:] & motion.valid[TARGET, :-1]
-            speed[row, 1 : motion.steps] = np.where(driving, driven, 0.0)
-        return cls(traffic, scenes, Lookout.of(scenes, scenarios, motions), torch.from_numpy(speed))
+            driving = np.flatnonzero(motion.valid[TARGET, 1:] & motion.valid[TARGET, :-1])
+            latest = np.searchsorted(driving, np.arange(motion.steps - 1), side="right") - 1
+            speed[row, 1 : motion.steps] = np.where(latest >= 0, driven[driving[latest]], 0.0) if len(driving) else 0.0
+        last = torch.from_numpy(np.array([motion.last_valid()[TARGET] for motion in motions], np.int64))
+        return cls(traffic, scenes, Lookout.of(scenes, scenarios, motions), torch.from_numpy(speed), last)
 
     def __len__(self) -> int:
         return len(self.scenes)
@@ -59,12 +62,18 @@ class Lessons:
         return play(self.world(len(self), None), torch.arange(len(self)), choose)
 
     def demonstrations(self) -> Episodes:
-        """The targets' own driving along the same paths, in the same world: nothing but the driving tells it from a policy's."""
+        """The targets' own driving along the same paths, in the same world: nothing but the driving tells it from a policy's.
+
+        It ends where a target is there for the last time.
+        """
 
         def pursue(step: int, _: Tensor, world: World) -> Tensor:
             return number_of((self.speed[:, step + 1] - world.ego.speed) / DT)
 
-        return self.play(pursue)
+        run = self.play(pursue)
+        there = torch.arange(len(run.live))[:, None] < self.last
+        lasted = run.live.sum(0) <= self.last  # what ended it later is not the target's doing
+        return replace(run, live=run.live & there, crashed=run.crashed & lasted, ran_red=run.ran_red & lasted)
 
 
 USUAL = (0.95, 1.15)
@@ -95,7 +104,7 @@ class Grade:
 def graded(number: int, policy: Policy, lessons: Lessons, logged: Episodes) -> Grade:
     """`logged` are the demonstrations of `lessons`."""
     run = lessons.play(lambda _, features, __: policy(features))
-    effort = pedals(run.number.clamp(-1.0, 1.0)).abs()[run.live].mean()
+    effort = run.speed.diff(dim=0).abs()[run.live].mean() / DT
     collision, red = (float(ended.float().mean()) for ended in (run.crashed, run.ran_red))
     return Grade(number, collision, red, float(run.distance.mean() / logged.distance.mean()), float(effort))
 
