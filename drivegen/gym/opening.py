@@ -21,7 +21,7 @@ def opened(
     scenarios: str | Path | Sequence[Traffic], rows: int, settings: Settings | None, of: str | Path | None, device: str
 ) -> Environment:
     """Episodes in the scenarios of a folder, or in those given, as `settings` say or, without them, params.yaml."""
-    if not isinstance(rows, int) or rows < 1:
+    if not isinstance(rows, int | np.integer) or rows < 1:
         raise UnusableInput(f"num_envs is {rows!r}: give a whole number from 1 on")
     settings = settings or read_params(SECTION, Settings)
     traffic = read_traffic(Path(scenarios), Path(of or SCENES)) if isinstance(scenarios, str | Path) else scenarios
