@@ -6,6 +6,7 @@ among reactive neighbours begin with "reactive."), diversity (JSON, with interva
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -44,21 +45,12 @@ class Params:
     reaction: Reaction
 
 
-@dataclass(frozen=True)
-class Task:
-    """A shard for all policies, as (driver, weights)."""
-
-    shard: Path
-    policies: tuple[tuple[str, str], ...]
-    reaction: Reaction
-
-
 def main(params: Params, scenarios: Path, policies: Path, results: Path, diversity: Path) -> dict[str, float]:
     """Every policy in every scene."""
     folders = sorted(path.parent for path in require(policies, "run the stage tune").glob("*/*/*/settings.json"))
     chosen = tuple((folder.parts[-3], str(folder)) for folder in folders)
-    tasks = [Task(shard, chosen, params.reaction) for shard in shards(require(scenarios, "run the ingest stage"))]
-    parts = [part for _, part in spread(_drive_shard, tasks, params.workers, "drive_tuned") if part[0]]
+    files, work = shards(require(scenarios, "run the ingest stage")), partial(_drive_shard, chosen, params.reaction)
+    parts = [part for _, part in spread(work, files, params.workers, "drive_tuned") if part[0]]
     if not parts:
         raise UnusableInput(f"{scenarios} holds no scenario with a log to drive through", reason="no-scenarios")
     ids = [name for part in parts for name in part[0]]
@@ -85,16 +77,18 @@ def _spread(motion: Trajectories, ids: Sequence[str], params: Params) -> dict[st
     return dict(zip(("value", "low", "high"), (float(value), *ends), strict=True))
 
 
-def _drive_shard(task: Task) -> tuple[list[str], list[Numbers], list[list[Trajectories]]]:
-    """Ids (S,), and of each policy its numbers (S,) and its motion among either kind of neighbours."""
-    traffic = [(scenario, scenario.log) for scenario in read_shard(task.shard) if scenario.log is not None]
+def _drive_shard(
+    policies: Sequence[tuple[str, str]], reaction: Reaction, shard: Path
+) -> tuple[list[str], list[Numbers], list[list[Trajectories]]]:
+    """Ids (S,), and of each policy, a driver's name and weights, its numbers (S,) and motion among either kind of neighbours."""
+    traffic = [(scenario, scenario.log) for scenario in read_shard(shard) if scenario.log is not None]
     if not traffic:
         return [], [], []
     scenarios, logs = [scenario for scenario, _ in traffic], [log for _, log in traffic]
-    policies = [(plugins.load("drivers", name), weights) for name, weights in task.policies]
-    drivers = [plugin(plugin.settings_type(weights=weights, sees_rules=True)) for plugin, weights in policies]
+    plugs = [(plugins.load("drivers", name), weights) for name, weights in policies]
+    drivers = [plugin(plugin.settings_type(weights=weights, sees_rules=True)) for plugin, weights in plugs]
     simulator = plugins.load("simulators", SIMULATOR)
-    worlds = [simulator(reaction=reaction, counts_lights=True) for reaction in (None, task.reaction)]
+    worlds = [simulator(reaction=law, counts_lights=True) for law in (None, reaction)]
     kinds = [world.run_each(drivers, scenarios, logs) for world in worlds]
     shared = {
         "rich": rich_in_encounters(scenarios, logs).astype(float),
