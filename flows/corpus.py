@@ -1,6 +1,5 @@
 """The corpus in another size, as scenarios to train and test on, in a workspace of its own: `python -m flows corpus driving`."""
 
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +21,7 @@ def corpus(size: str, real: Path) -> str:
     """Simulate and ingest a size; returns the folder of its scenarios. DVC's cache spares the simulation a second time."""
     room, params = _ROOM / size, overrides(size, real)
     with workspace.alone(f"corpus-{size}"):
-        shutil.rmtree(room, ignore_errors=True)
-        workspace.duplicate(Path(), room, params)
+        workspace.renew(Path(), room, params)
         for stage in STAGES:
             bring_up(stage, room)
     return str(room / "data/scenarios")

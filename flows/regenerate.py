@@ -37,8 +37,7 @@ def regenerate(version: str | None = None, seed: int | None = None) -> str:
     with workspace.alone(f"regenerate-{version}"):
         if target.exists():
             raise FlowFailed(f"{target} exists and versions are never overwritten: give another name")
-        shutil.rmtree(room, ignore_errors=True)
-        workspace.duplicate(Path(), room, {"run.seed": seed})
+        workspace.renew(Path(), room, {"run.seed": seed})
         prepare(room)
         for stage in STAGES:
             bring_up(stage, room)

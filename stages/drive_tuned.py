@@ -23,8 +23,9 @@ from drivegen.core.settings import Count
 from drivegen.metrics.driving import run_numbers, spread_over_runs
 from drivegen.metrics.near_miss import rich_in_encounters
 from drivegen.store.files import write_json
+from drivegen.store.lookup import logs_in
 from drivegen.store.results import Run, result_rows, write_results
-from drivegen.store.scenarios import read_shard, shards
+from drivegen.store.scenarios import shards
 from drivegen.world.outcome import DrivingOutcome, with_off_road
 from drivegen.world.reactive import Reaction
 from stages._door import enter, require, spread
@@ -81,12 +82,12 @@ def _drive_shard(
     policies: Sequence[tuple[str, str]], reaction: Reaction, shard: Path
 ) -> tuple[list[str], list[Numbers], list[list[Trajectories]]]:
     """Ids (S,), and of each policy, a driver's name and weights, its numbers (S,) and motion among either kind of neighbours."""
-    traffic = [(scenario, scenario.log) for scenario in read_shard(shard) if scenario.log is not None]
+    traffic = logs_in(shard)
     if not traffic:
         return [], [], []
     scenarios, logs = [scenario for scenario, _ in traffic], [log for _, log in traffic]
-    plugs = [(plugins.load("drivers", name), weights) for name, weights in policies]
-    drivers = [plugin(plugin.settings_type(weights=weights, sees_rules=True)) for plugin, weights in plugs]
+    how = {"sees_rules": True}
+    drivers = [plugins.make("drivers", name, {name: {"weights": w, **how}}, "drive_tuned") for name, w in policies]
     simulator = plugins.load("simulators", SIMULATOR)
     worlds = [simulator(reaction=law, counts_lights=True) for law in (None, reaction)]
     kinds = [world.run_each(drivers, scenarios, logs) for world in worlds]

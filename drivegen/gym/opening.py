@@ -25,7 +25,7 @@ def opened(
         raise UnusableInput(f"num_envs is {rows!r}: give a whole number from 1 on")
     settings = settings or read_params(SECTION, Settings)
     traffic = read_traffic(Path(scenarios), Path(of or SCENES)) if isinstance(scenarios, str | Path) else scenarios
-    if not all(isinstance(one, tuple | list) and len(one) == 2 for one in traffic):
+    if not all(isinstance(one, tuple | list) and len(one) == 2 for one in traffic or ()):
         raise UnusableInput("scenarios to drive in are pairs of a scenario and motion in it, or a folder")
     return Environment(traffic, rows, settings, device)
 

@@ -72,7 +72,9 @@ def ways_of(graph: LaneGraph, scenario: Scenario, number: int, lane: int) -> Ite
     """By which somebody comes who goes before a target that wants to take `lane` and what follows behind its line `number`."""
     line, own = graph.map.centreline, _inside(graph, graph.successors, lane)
     for other in np.flatnonzero(graph.map.in_junction & graph.map.for_vehicles).tolist():
-        for part in own if other not in own else ():
+        if other in own:
+            continue
+        for part in own:
             meet, x, y, _, _ = first_crossing(line.points, *line.start[[part, part + 1]], *line.start[[other, other + 1]])
             if meet and has_right_of_way(graph, other, part):
                 points, entry = _approach(graph, other)
@@ -107,10 +109,9 @@ def has_right_of_way(graph: LaneGraph, other: int, lane: int) -> bool:
 
 def _inside(graph: LaneGraph, links: Links, lane: int) -> list[int]:
     """A lane and those in the junction that `links` lead on to: SUMO cuts a way where one waits for oncoming traffic."""
-    parts, on = [lane], [lane]
-    while len(on) == 1:
-        on = [n for n in links[parts[-1]].tolist() if graph.map.in_junction[n] and n not in parts]
-        parts += on if len(on) == 1 else []
+    parts = [lane]
+    while len(on := [n for n in links[parts[-1]].tolist() if graph.map.in_junction[n] and n not in parts]) == 1:
+        parts += on
     return parts
 
 

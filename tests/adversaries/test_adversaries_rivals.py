@@ -48,6 +48,33 @@ def test_cat_ranks_overlaps_by_odds_and_time_and_what_never_overlaps_by_its_gap_
     assert len(np.unique(gap[~meets])) > 5
 
 
+def test_cat_remembers_the_last_drives_of_each_scene_though_scenes_take_turns(ground, monkeypatch):  # noqa: F811
+    """Candidates are driven by turns in both scenes of a scenario, each as near as the turn is late."""
+    turns, given, drives = [], [], {0: [], 1: []}
+
+    def nearness(arena, pool, driven):
+        number = np.array([np.count_nonzero(pool.scene[:q] == pool.scene[q]) for q in range(len(pool))])
+        turn = max(len(turns) - 1, 0)  # before the first turn all are looked at once
+        if turns:
+            for scene, own in drives.items():
+                own += [turn] if driven.valid[scene].any() else []
+        turns.append(turn)
+        return np.zeros(len(pool)), (10.0 * (2 * number + pool.scene) + 0.01 * turn).astype(np.float32)
+
+    def ranked(worth, gap):
+        given.append(gap)
+        return np.argsort(gap, kind="stable")
+
+    monkeypatch.setattr(cat, "_nearness", nearness)
+    monkeypatch.setattr(cat, "_ranked", ranked)
+    source = Watched()
+    cat.Chooser(cat.Choosing(per_scene=5, last=2), source).attack(Arena(idm.Plugin(IDM), ground, Bounds("legal", BUDGET, 20), 7))
+    assert min(map(len, drives.values())) > 2
+    for scene, own in drives.items():
+        least = float(given[-1][source.pool.scene == scene].min())
+        assert least == pytest.approx(10.0 * scene + 0.01 * min(own[-2:]), abs=1e-4)
+
+
 @pytest.mark.parametrize("plugin", [advsim, diffscene])
 def test_rounds_are_of_equal_size_whoever_is_beside_in_the_arena(plugin, ground, monkeypatch):  # noqa: F811
     """Beside a scenario in which nobody can attack, whose runs are all left to the end."""

@@ -256,6 +256,8 @@ def test_what_is_no_number_of_rows_is_refused(kind, rows):
 def test_scenarios_without_motion_are_refused():
     with pytest.raises(UnusableInput, match="are pairs of a scenario and motion in it, or a folder"):
         DriveVectorEnv([alone()[0]], 1, SETTINGS)
+    with pytest.raises(UnusableInput, match="needs at least one scenario"):
+        DriveVectorEnv([], 1, SETTINGS)
 
 
 def test_actions_of_another_shape_are_refused_and_not_rearranged():

@@ -131,6 +131,20 @@ def test_every_row_has_weights_and_grades_and_seeds_after_so_many_have_only_thos
         assert set(orjson.loads((tuned / f"tune-{seed}.json").read_bytes())) == rows
 
 
+def test_shards_without_logs_are_passed_over_and_nothing_but_them_is_one_sentence(tuned: Path, tmp_path: Path):
+    tests = replace(read_params("drive_tuned", drive_tuned.Params, PARAMS), workers=1, draws=20)
+    none = [replace(busy_crossing(31, "test9-00000-1"), log=None)]
+    for folder in ("some", "none"):
+        write_shard(tmp_path / folder / "shard-00001.parquet", none)
+    write_shard(tmp_path / "some/shard-00000.parquet", read_shard(tuned / "scenarios/test/shard-00000.parquet"))
+    results = tmp_path / "results.parquet"
+    drive_tuned.main(tests, tmp_path / "some", tuned / "data", results, tmp_path / "diversity.json")
+    before = (tuned / "runs/here" / publish_drivers.TUNED).with_suffix(".json")
+    assert (tmp_path / "diversity.json").read_bytes() == before.read_bytes()
+    with pytest.raises(UnusableInput, match="holds no scenario with a log to drive through"):
+        drive_tuned.main(tests, tmp_path / "none", tuned / "data", results, tmp_path / "diversity.json")
+
+
 def test_no_row_of_cases_where_their_share_is_none():
     none = replace(settings(), amounts=(), corner_cases=replace(settings().corner_cases, share=0.0))
     assert none.rows(7) == _lessons.Rows(("bits", "drivegen", "log"), (), None)

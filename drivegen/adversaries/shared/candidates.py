@@ -1,7 +1,7 @@
 """What an adversary chooses from: single vehicles' tracks, each of which may be exchanged for what the vehicle does now."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -44,10 +44,6 @@ class Candidates:
 
     def __getitem__(self, rows: slice) -> "Candidates":
         return Candidates(self.scene[rows], self.vehicle[rows], self.goal[rows], self.odds[rows], self.motion[rows])
-
-    def padded(self, steps: int) -> "Candidates":
-        """The same, with nobody there in what is added up to `steps`."""
-        return replace(self, motion=self.motion.padded(steps))
 
     def drive(self, arena: Arena, order: NDArray[np.integer], most: int) -> tuple[NDArray[np.int64], DrivingOutcome]:
         """Drive the first of `order` that fit, `most` in each scenario: which (V,), and what became of them."""

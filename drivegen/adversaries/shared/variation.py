@@ -51,13 +51,12 @@ def with_variations(arena: Arena, pool: Candidates, order: NDArray[np.integer], 
     of_scenario = [digits[scenario == c] for c in range(len(ground.choices))]
     seed = seeds.derive(arena.seed, "variations")
     planned = plan_near_goals(ground.choices, of_scenario, variation.spread, hurried(ground.planner), seed)
-    steps = max(pool.motion.steps, *(motion.steps for motion in planned))
-    motion = Trajectories.joined([part.padded(steps) for part in planned])
+    motion = Trajectories.joined(planned)
     kept = np.flatnonzero(arena.allows(pool.scene[rows], pool.vehicle[rows], motion))
     rows, motion = rows[kept], motion[kept]
     odds = odds_of_nearest(ground, pool.scene[rows], pool.vehicle[rows], motion)
     varied = Candidates(pool.scene[rows], pool.vehicle[rows], pool.goal[rows], odds, motion)
-    return Candidates.joined([pool.padded(steps), varied])
+    return Candidates.joined([pool, varied])
 
 
 def odds_of_nearest(

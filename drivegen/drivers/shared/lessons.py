@@ -43,9 +43,9 @@ class Lessons:
         speed = np.zeros((len(traffic), scenes.longest), np.float32)
         for row, motion in enumerate(motions):
             driven = np.hypot(*np.diff(motion.position[TARGET], axis=0).T) / DT
-            driving = np.flatnonzero(motion.valid[TARGET, 1:] & motion.valid[TARGET, :-1])
-            latest = np.searchsorted(driving, np.arange(motion.steps - 1), side="right") - 1
-            speed[row, 1 : motion.steps] = np.where(latest >= 0, driven[driving[latest]], 0.0) if len(driving) else 0.0
+            driving = motion.valid[TARGET, 1:] & motion.valid[TARGET, :-1]
+            latest = np.maximum.accumulate(np.where(driving, np.arange(len(driving)), -1))
+            speed[row, 1 : motion.steps] = np.where(latest >= 0, driven[latest], 0.0)
         last = torch.from_numpy(np.array([motion.last_valid()[TARGET] for motion in motions], np.int64))
         return cls(traffic, scenes, Lookout.of(scenes, scenarios, motions), torch.from_numpy(speed), last)
 
