@@ -34,6 +34,10 @@ _COLUMNS = {
 }
 
 
+ENOUGH = 6000
+"""Who was taught in fewer scenes is called under-trained: of so many GAIL runs hardly a red light, of 600 one in ten."""
+
+
 def section(evidence: Evidence) -> Section:
     """Every driver that was driven, by traffic."""
     drivers = {name: by_traffic(values) for name, values in evidence.below("driving").items() if isinstance(values, Mapping)}
@@ -97,8 +101,9 @@ def _teaching(taught: Any) -> tuple[str, ...]:
     """Of a driver that was taught: by how much, and how well that went."""
     if not isinstance(taught, Mapping):
         return ()
-    share = 100 * float(taught["validation_collision"])
+    share, scenes = 100 * float(taught["validation_collision"]), taught["train_scenes"]
+    undertrained = ", so under-trained" if scenes < ENOUGH else ""
     return (
-        f"Taught in {number(taught['train_scenes'])} logged scenes: the weights of round {number(taught['validation_round'])} "
+        f"Taught in {number(scenes)} logged scenes{undertrained}: the weights of round {number(taught['validation_round'])} "
         f"collide in {share:.1f} % of {number(taught['validation_scenes'])} validation scenes, among replayed neighbours.",
     )
