@@ -16,7 +16,6 @@ from torch import Tensor
 from drivegen.core.scenario import DT, Scenario, Trajectories
 from drivegen.corner_cases.case import Case
 from drivegen.world.bicycle import placed
-from drivegen.world.contact import touched
 from drivegen.world.ego import Ego
 from drivegen.world.ends import Surface
 from drivegen.world.neighbours import Neighbours, Replayed
@@ -25,7 +24,7 @@ from drivegen.world.outcome import ARTEFACTS
 from drivegen.world.paths import target_paths
 from drivegen.world.reactive import Reaction, Reactive
 from drivegen.world.scenes import Scenes
-from drivegen.world.touch import kinds
+from drivegen.world.touch import kinds, touched
 from drivegen.world.world import World
 
 WATCH = 30
@@ -132,15 +131,16 @@ class Reenactment:
     ) -> NDArray[np.bool_]:
         watched, good = np.ones(len(case), np.bool_), np.ones(len(case), np.bool_)
         offset, was_off = world.ego.offset, self._off_road(world)
-        moment, none_begun = (world.ego, world.neighbours.boxes(world)), np.zeros(len(case), np.bool_)
+        moment, none_begun = (world.ego, world.neighbours.boxes(world)), torch.zeros(len(case), dtype=torch.bool)
         passed = np.zeros((len(case), self.scenes.present.shape[1]), np.bool_)
         for k in range(int(steps.max(initial=0))):
             world.advance(plan.action(k, offset))
             now = (world.ego, world.neighbours.boxes(world))
             watched &= k < steps
-            partner = np.where(watched, touched(world, now[1].without(passed) if passed.any() else now[1]), -1)
+            there = now[1].without(passed) if passed.any() else now[1]
+            partner = np.where(watched, touched(world, there).numpy(), -1)
             mine = (partner >= 0) & (strict | (partner == self.partner[case]))
-            kind = kinds(world, np.where(mine, -1, partner), moment, now, none_begun)
+            kind = kinds(world, torch.from_numpy(np.where(mine, -1, partner)), moment, now, none_begun).numpy()
             tolerated = np.isin(kind, ARTEFACTS)
             passed[tolerated, partner[tolerated]] = True
             good &= ~mine & ~((kind > 0) & ~tolerated)

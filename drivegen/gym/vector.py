@@ -82,6 +82,7 @@ class DriveVectorEnv(VectorEnv[Floats, Floats, NDArray[Any]]):
     def _begun(self, rows: NDArray[np.bool_]) -> dict[str, Any]:
         """Which scenarios `rows` (R,) are in."""
         scenario = np.full(self.num_envs, None, object)
+        scene = self.environment.world.scene.cpu().numpy()
         for r in np.flatnonzero(rows).tolist():
-            scenario[r] = self.environment.traffic[int(self.environment.world.scene[r])][0].scenario_id
+            scenario[r] = self.environment.traffic[scene[r]][0].scenario_id
         return {"scenario": scenario, "_scenario": rows}

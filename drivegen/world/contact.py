@@ -7,7 +7,6 @@ into each other.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import njit
@@ -18,20 +17,16 @@ from drivegen.core.geometry import Floats, unit
 from drivegen.core.scenario import TARGET, Scenario, Trajectories
 from drivegen.roads.leaving import STAYS, Exits, left_from
 from drivegen.world.fault import judge
-from drivegen.world.neighbours import Boxes
 from drivegen.world.outcome import NO_PARTNER, CollisionKind, DrivingOutcome
 from drivegen.world.replay import Replay
-
-if TYPE_CHECKING:
-    from drivegen.world.world import World
 
 STANDING = 0.1
 """Slower than this [m/s] the target stands."""
 
 _FRONT, _SIDE, _REAR = range(3)
 
-Pose = tuple[Floats, Floats]
-"""Position (2,) [m] and heading [rad]."""
+Poses = tuple[Floats, Floats]
+"""Positions (C, 2) [m] and headings (C,) [rad]."""
 
 
 def outcome(motion: Trajectories, others: Replay, scenarios: Sequence[Scenario]) -> DrivingOutcome:
@@ -73,9 +68,13 @@ def _leaving(motion: Trajectories, scenarios: Sequence[Scenario]) -> NDArray[np.
 def first_collisions(motion: Trajectories, others: Replay) -> tuple[NDArray[np.uint8], NDArray[np.int16], NDArray[np.int32]]:
     """kind (S,), step (S,) and partner (S,) of the first overlap of S targets (S, T) with anyone replayed."""
     step, partner = first_overlaps(motion, others)
-    kind = np.zeros(len(step), np.uint8)
-    for s in np.flatnonzero(step >= 0):
-        kind[s] = _kind(motion[s], others, int(s), int(step[s]), int(partner[s]) - 1)
+    kind, s = np.zeros(len(step), np.uint8), np.flatnonzero(step >= 0)
+    t, m = step[s].astype(np.int64), partner[s] - 1
+    before = np.where(others.valid[s, t - 1, m], t - 1, t)
+    own = [(motion.position[s, u], motion.heading[s, u]) for u in (before, t)]
+    other = [(others.position[s, u, m], others.heading[s, u, m]) for u in (before, t)]
+    met = kinds_of(own, other, (others.target_size[s], others.size[s, m]), motion.speed[s, t])
+    kind[s] = np.where(t == 0, CollisionKind.AT_SPAWN, met)
     return kind, step, partner
 
 
@@ -98,14 +97,14 @@ def _find(position, heading, valid, size, other_position, other_heading, other_v
             if not valid[s, t]:
                 continue
             pose = (position[s, t, 0], position[s, t, 1], heading[s, t])
-            m = _overlapped(pose, size[s], other_position[s, t], other_heading[s, t], other_valid[s, t], other_size[s])
+            m = overlapped(pose, size[s], other_position[s, t], other_heading[s, t], other_valid[s, t], other_size[s])
             if m >= 0:
                 step[s], partner[s] = t, m + 1
                 break
 
 
 @njit(cache=True)
-def _overlapped(pose, size, position, heading, valid, other_size):  # type: ignore[no-untyped-def]
+def overlapped(pose, size, position, heading, valid, other_size):  # type: ignore[no-untyped-def]
     """Lowest number of M boxes that one box overlaps, -1 if none."""
     x, y, own = pose
     length, width = size
@@ -122,68 +121,46 @@ def _overlapped(pose, size, position, heading, valid, other_size):  # type: igno
     return -1
 
 
-def touched(world: "World", boxes: Boxes) -> NDArray[np.int64]:
-    """Which of the others, who are in `boxes`, each target overlaps: (R,), the lowest number of several, -1 for none."""
-    ego, others = world.ego, (boxes.at, boxes.position, boxes.heading, boxes.valid)
-    tensors = (ego.position, ego.heading, world.size, *others)
-    partner = np.full(len(world.scene), -1, np.int64)
-    _touch(*(tensor.cpu().numpy() for tensor in tensors), world.scenes.replay.size, world.scene.cpu().numpy(), partner)
-    return partner
+def kinds_of(own: Sequence[Poses], other: Sequence[Poses], sizes: tuple[Floats, Floats], speed: Floats) -> NDArray[np.uint8]:
+    """(C,) CollisionKind of C collisions: who hit whom.
 
-
-@njit(cache=True)
-def _touch(position, heading, size, at, other_position, other_heading, other_valid, other_size, scene, partner):  # type: ignore[no-untyped-def]
-    for r in range(len(heading)):
-        pose = (position[r, 0], position[r, 1], heading[r])
-        partner[r] = _overlapped(
-            pose, size[r], other_position[at[r]], other_heading[at[r]], other_valid[at[r]], other_size[scene[r]]
-        )
-
-
-def _kind(target: Trajectories, others: Replay, s: int, t: int, m: int) -> CollisionKind:
-    if t == 0:
-        return CollisionKind.AT_SPAWN
-    before = t - 1 if others.valid[s, t - 1, m] else t
-    own = [(target.position[u], target.heading[u]) for u in (before, t)]
-    other = [(others.position[s, u, m], others.heading[s, u, m]) for u in (before, t)]
-    return kind_of(own, other, (others.target_size[s], others.size[s, m]), float(target.speed[t]))
-
-
-def kind_of(own: Sequence[Pose], other: Sequence[Pose], sizes: tuple[Floats, Floats], speed: float) -> CollisionKind:
-    """Who hit whom, by the poses of target and other before the step and after it, their sizes (2,) and the target's speed."""
-    if speed < STANDING:
-        return CollisionKind.HIT_STANDING
+    `own` and `other` are the poses of targets and others before the step and after it, `sizes` theirs (C, 2), `speed` (C,) [m/s]
+    the targets'.
+    """
     then, now = (_gaps(mine, theirs, *sizes) for mine, theirs in zip(own, other, strict=True))
     closing = np.where(then > 0, then / np.maximum(then - now, 1e-9), 0.0)  # when in this step each axis closed
-    last = int(np.lexsort((now, closing))[-1])
+    last = np.lexsort((now, closing))[:, -1]
     (position, heading), (other_position, other_heading) = own[1], other[1]
-    normal = _axes(heading, other_heading)[last]
-    normal = normal * np.sign(normal @ (other_position - position))
+    normal = _axes(heading, other_heading)[np.arange(len(last)), last]
+    normal = normal * np.sign((normal * (other_position - position)).sum(-1, keepdims=True))
     at_own, at_other = _where(normal, heading), _where(-normal, other_heading)
-    if at_own == _FRONT:
-        return CollisionKind.FRONT
-    if at_own == _REAR:
-        return CollisionKind.HIT_FROM_BEHIND
-    return CollisionKind.HIT_IN_SIDE if at_other == _FRONT else CollisionKind.SIDE
+    told = [
+        (speed < STANDING, CollisionKind.HIT_STANDING),
+        (at_own == _FRONT, CollisionKind.FRONT),
+        (at_own == _REAR, CollisionKind.HIT_FROM_BEHIND),
+        (at_other == _FRONT, CollisionKind.HIT_IN_SIDE),
+    ]
+    conditions, kinds = zip(*told, strict=True)
+    return np.asarray(np.select(conditions, kinds, CollisionKind.SIDE), np.uint8)
 
 
 def _axes(heading_a: Floats, heading_b: Floats) -> Floats:
-    """The four box axes (4, 2): forward and left of a, forward and left of b."""
-    angles = np.array([heading_a, heading_a + np.pi / 2, heading_b, heading_b + np.pi / 2])
+    """The four box axes (C, 4, 2): forward and left of a, forward and left of b."""
+    angles = np.stack([heading_a, heading_a + np.pi / 2, heading_b, heading_b + np.pi / 2], axis=-1)
     return unit(angles)
 
 
-def _gaps(a: tuple[Floats, Floats], b: tuple[Floats, Floats], size_a: Floats, size_b: Floats) -> Floats:
-    """Distance (4,) between two boxes along each box axis, negative where they overlap; a, b: position (2,), heading."""
+def _gaps(a: Poses, b: Poses, size_a: Floats, size_b: Floats) -> Floats:
+    """Distance (C, 4) between two boxes along each box axis, negative where they overlap."""
     axes = _axes(a[1], b[1])
-    reach = np.abs(axes @ axes[:2].T) @ size_a / 2 + np.abs(axes @ axes[2:].T) @ size_b / 2
-    gaps: Floats = np.abs(axes @ (b[0] - a[0])) - reach
+    faces = np.abs(axes @ axes.swapaxes(-1, -2))
+    half = 0.5 * np.concatenate([size_a, size_b], axis=-1)
+    away = (axes * (b[0] - a[0])[:, None]).sum(-1)
+    gaps: Floats = np.abs(away) - (faces * half[:, None]).sum(-1)
     return gaps
 
 
-def _where(normal: Floats, heading: Floats) -> int:
-    """On which face of a box a contact lies whose normal points out of it."""
-    forward = float(normal @ unit(heading))
-    if abs(forward) < np.cos(np.pi / 4):
-        return _SIDE
-    return _FRONT if forward > 0 else _REAR
+def _where(normal: Floats, heading: Floats) -> NDArray[np.int64]:
+    """(C,) on which face of a box a contact lies whose normal (C, 2) points out of it."""
+    forward = (normal * unit(heading)).sum(-1)
+    return np.where(np.abs(forward) < np.cos(np.pi / 4), _SIDE, np.where(forward > 0, _FRONT, _REAR))

@@ -29,9 +29,9 @@ class Boxes:
 
     def without(self, gone: NDArray[np.bool_]) -> "Boxes":
         """The same, a row of the arrays for each of R rows, in which those of `gone` (R, M) are not there."""
-        at = self.at.to(self.valid.device)  # those that are replayed stay on the CPU, whatever the world's device
-        position, heading, valid = (array[at] for array in (self.position, self.heading, self.valid))
-        return Boxes(torch.arange(len(gone)), position, heading, valid & ~torch.from_numpy(gone).to(valid.device))
+        position, heading, valid = (array[self.at] for array in (self.position, self.heading, self.valid))
+        rows = torch.arange(len(gone), device=valid.device)
+        return Boxes(rows, position, heading, valid & ~torch.from_numpy(gone).to(valid.device))
 
 
 class Neighbours(Protocol):
@@ -59,7 +59,7 @@ class Replayed:
     def __init__(self, scenes: Scenes) -> None:
         self._scenes = scenes
         arrays = (scenes.replay.position, scenes.replay.heading, scenes.replay.valid)
-        self._boxes = [torch.from_numpy(array).flatten(0, 1) for array in arrays]
+        self._boxes = [torch.from_numpy(array).flatten(0, 1).to(scenes.steps.device) for array in arrays]
 
     def reset(self, world: "World", rows: Tensor | None) -> None:
         """See `Neighbours`; nothing is kept of rows."""

@@ -67,7 +67,6 @@ class Reactive:
         if attacker is not None:
             number = torch.arange(1, self._reacts.shape[1] + 1, device=device)
             self._reacts = self._reacts & (number != attacker.to(device)[:, None])
-        self._size = torch.from_numpy(scenes.replay.size).to(device)
         self.clock = torch.zeros((rows, self._reacts.shape[1]), device=device)
         self.speed, self.watched = torch.zeros_like(self.clock), torch.zeros_like(self.clock)
         self.hardest, self.taken = torch.zeros_like(self.clock[:, 0]), torch.zeros_like(self.clock[:, 0])
@@ -125,7 +124,7 @@ class Reactive:
         traffic = Traffic(
             torch.cat([pose[:, :ARC], own[..., None]], 2),
             torch.cat([self.speed, ego.speed[:, None]], 1),
-            torch.cat([self._size[world.scene], world.size[:, None]], 1),
+            torch.cat([self._scenes.others_size[world.scene], world.size[:, None]], 1),
             torch.cat([present, true], 1),
         )
         minded = torch.zeros_like(late) if self._to_target_alone else late

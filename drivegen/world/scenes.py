@@ -24,7 +24,8 @@ class Scenes:
         paths: Paths of the S targets.
         frame: (S * T, 6, M) and present: (S * T, M) as in `Replay`; row s * T + t is scene s at step t.
         steps: (S,) int64 steps of each scene.
-        size: (S, 2) [m] of the targets. speed: (S,) [m/s] at step 0, start: their positions (S, 2) [m] and headings (S,) [rad].
+        size: (S, 2) [m] of the targets. others_size: (S, M, 2) [m].
+        speed: (S,) [m/s] of the targets at step 0, start: their positions (S, 2) [m] and headings (S,) [rad].
     """
 
     replay: Replay
@@ -33,6 +34,7 @@ class Scenes:
     present: Tensor
     steps: Tensor
     size: Tensor
+    others_size: Tensor
     speed: Tensor
     start: tuple[Tensor, Tensor]
 
@@ -67,6 +69,7 @@ class Scenes:
             present=tensor(others.valid).flatten(0, 1),
             steps=tensor(others.steps),
             size=tensor(others.target_size),
+            others_size=tensor(others.size),
             speed=tensor(others.target_speed),
             start=(tensor(others.target_position), tensor(others.target_heading)),
         )

@@ -57,7 +57,9 @@ def env():
 @pytest.mark.parametrize("activation", [nn.Tanh, nn.ReLU])
 def test_the_driver_decides_as_the_policy_did(env, tmp_path, algorithm, activation):
     few = {"n_steps": 8, "batch_size": 16, "n_epochs": 1} if algorithm is PPO else {"learning_starts": 8, "batch_size": 16}
-    model = algorithm("MlpPolicy", env, seed=0, policy_kwargs={"net_arch": [16, 8], "activation_fn": activation}, **few)
+    model = algorithm(
+        "MlpPolicy", env, seed=0, device="cpu", policy_kwargs={"net_arch": [16, 8], "activation_fn": activation}, **few
+    )
     model.learn(32)
     save_policy(model, tmp_path / "mine", "mine")
     driver = Mine(Weights(str(tmp_path / "mine"), sees_rules=False))
@@ -74,17 +76,17 @@ def test_what_is_no_policy_of_ours_is_refused(env, tmp_path):
     with pytest.raises(UnusableInput, match="neither SAC nor PPO"):
         save_policy(DDPG("MlpPolicy", env), tmp_path, "mine")
     with pytest.raises(UnusableInput, match="through VecNormalize"):
-        save_policy(PPO("MlpPolicy", VecNormalize(env)), tmp_path, "mine")
+        save_policy(PPO("MlpPolicy", VecNormalize(env), device="cpu"), tmp_path, "mine")
     scene = busy_crossing(61)
     free = DriveVecEnv([(scene, scene.log)], 4, replace(SETTINGS, motion="free"))
     with pytest.raises(UnusableInput, match="steers freely"):
-        save_policy(PPO("MlpPolicy", free), tmp_path, "mine")
+        save_policy(PPO("MlpPolicy", free, device="cpu"), tmp_path, "mine")
     with pytest.raises(UnusableInput, match="neither linear nor activations"):
-        save_policy(PPO("MlpPolicy", env, policy_kwargs={"features_extractor_class": Scaled}), tmp_path, "mine")
+        save_policy(PPO("MlpPolicy", env, device="cpu", policy_kwargs={"features_extractor_class": Scaled}), tmp_path, "mine")
     with pytest.raises(UnusableInput, match=r"no driver's .activation 'elu'.*: train one with tanh or ReLU"):
         save_policy(SAC("MlpPolicy", env, policy_kwargs={"activation_fn": nn.ELU}), tmp_path, "mine")
     with pytest.raises(UnusableInput, match="does not see what drivers see"):
-        save_policy(PPO("MlpPolicy", "Pendulum-v1"), tmp_path, "mine")
+        save_policy(PPO("MlpPolicy", "Pendulum-v1", device="cpu"), tmp_path, "mine")
     assert not list(tmp_path.iterdir())
     with pytest.raises(MissingTool, match="holds no trained driver"):
         Mine(Weights(str(tmp_path / "none"), sees_rules=False))

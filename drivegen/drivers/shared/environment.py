@@ -21,7 +21,6 @@ from drivegen.drivers.shared.conditions import MOTIONS, Rewards, Settings, Traff
 from drivegen.drivers.shared.features import COUNT, LIMIT, features
 from drivegen.drivers.shared.network import on_path, pedals
 from drivegen.world.bicycle import SHARPEST
-from drivegen.world.contact import touched
 from drivegen.world.ends import Surface, exits
 from drivegen.world.neighbours import Boxes, Replayed
 from drivegen.world.observation import PATH_SPACING, Action, Observation
@@ -30,7 +29,7 @@ from drivegen.world.paths import route_paths
 from drivegen.world.reactive import Reactive
 from drivegen.world.rules import Lookout
 from drivegen.world.scenes import Scenes
-from drivegen.world.touch import Moment, kinds
+from drivegen.world.touch import Moment, kinds, touched
 from drivegen.world.world import World
 
 OBSERVATION = Box(-LIMIT, LIMIT, (COUNT,), np.float32)
@@ -87,7 +86,7 @@ class Environment:
             begin = self._world(len(traffic))
             view = begin.observe()
             self._first, self._first_line = features(view), view.red_line
-            overlaps = torch.from_numpy(touched(begin, begin.neighbours.boxes(begin))).to(device)
+            overlaps = touched(begin, begin.neighbours.boxes(begin))
             self.playable = torch.nonzero((overlaps < 0) & ~self._off_road(begin))[:, 0]
             if not len(self.playable):
                 raise UnusableInput("in every scenario the target overlaps somebody at step 0, or is off the road")
@@ -162,8 +161,7 @@ class Environment:
         """(R,) uint8 CollisionKind of the step just made."""
         world = self.world
         begun = world.step == 1  # the moment before is another episode's
-        kind = kinds(world, touched(world, boxes), self._last, (world.ego, boxes), begun.cpu().numpy())
-        return torch.from_numpy(kind).to(world.scene.device)
+        return kinds(world, touched(world, boxes), self._last, (world.ego, boxes), begun)
 
     def _off_road(self, world: World) -> Tensor:
         if self._surface is None:

@@ -8,8 +8,8 @@ from torch import Tensor
 
 from drivegen.drivers.shared.features import features
 from drivegen.drivers.shared.network import pedals
-from drivegen.world.contact import touched
 from drivegen.world.observation import Action
+from drivegen.world.touch import touched
 from drivegen.world.world import World
 
 Choose = Callable[[int, Tensor, World], Tensor]
@@ -70,4 +70,4 @@ def play(world: World, chosen: Tensor, choose: Choose) -> Episodes:
 
 
 def _touches(world: World) -> Tensor:
-    return torch.from_numpy(touched(world, world.neighbours.boxes(world)) >= 0).to(world.scene.device)
+    return touched(world, world.neighbours.boxes(world)) >= 0
