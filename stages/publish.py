@@ -101,7 +101,7 @@ def _pool(params: Params, runs: Path) -> PooledSets:
     for name, about in params.data.items():
         data = read_data_set(runs / name, about.title, pairs, params.methods, by_scene=about.by_scene)
         if data is not None:
-            pooled_sets[name] = (data, results.pool(data, params.draws, rng(params.seed, "publish", "pool", name)))
+            pooled_sets[name] = (data, results.pool(data, params.draws, rng(params.seed, "publish", name)))
     return pooled_sets
 
 

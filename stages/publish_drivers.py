@@ -12,6 +12,7 @@ import orjson
 
 from drivegen.core.methods import read_methods
 from drivegen.core.settings import Count
+from drivegen.drivers.mutants.table import MUTATIONS
 from drivegen.report.published.amounts import amount_tables
 from drivegen.report.published.drivers import driver_tables
 from drivegen.report.published.files import write_part
@@ -23,6 +24,9 @@ from drivegen.warehouse.database import read_parts
 from drivegen.warehouse.provenance import describe_runs
 from drivegen.warehouse.runs import PIECES
 from stages._door import enter, require
+
+EQUIVALENT = [name for name, mutation in MUTATIONS.items() if not mutation.fails]
+"""Drivers that do as another does: ranked beside it they would count twice."""
 
 RANK, TUNED = PIECES / "rank.parquet", PIECES / "drive_tuned.parquet"
 
@@ -41,7 +45,10 @@ def main(params: Params, runs: Path, published: Path) -> None:
     """Two JSON files, tables, their index and provenance; of data sets that were not run only that they are missing."""
     folders = {name: require(runs, "run `make tables PART=drivers`") / name for name in params.data}
     kinds = [
-        k for name, run in folders.items() if (run / RANK).exists() for k in kinds_of(name, read_parts([run / RANK], RESULT))
+        kind
+        for name, run in folders.items()
+        if (run / RANK).exists()
+        for kind in kinds_of(name, read_parts([run / RANK], RESULT), EQUIVALENT)
     ]
     ranking = list(ranking_rows(kinds, params.draws, params.seed))
     tests = [_read(name, run / TUNED, params) for name, run in folders.items() if (run / TUNED).exists()]

@@ -1,8 +1,8 @@
 """Bootstrap intervals over recordings: what a table's number would be on other recordings of the same kind.
 
 Which scenes are resampled together, and which are averaged, is said here for all tables. Percentile intervals of few recordings
-are too narrow: of normal figures they hold the true mean in 73 % of cases with 3 recordings, 82 % with 5, 89 % with 10, 92 %
-with 14, 93 % with 40.
+are too narrow: of normal figures they hold the true mean in 50 % of cases with 2 recordings, 73 % with 3, 82 % with 5, 89 %
+with 10, 92 % with 14, 93 % with 40.
 """
 
 import re

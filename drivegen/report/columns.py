@@ -20,7 +20,9 @@ SAFETY = {"collision_per_vehicle": "in collision", "off_road_per_vehicle": "off 
 EDGES = {"left_map_per_vehicle": "left the map", "beyond_rim": "steps beyond the rim"}
 EDGES_MEAN = (
     "Who drives out where the road network itself ends has left the map: that is no violation. Where a map is cut off the road "
-    "goes on, though nobody knows how: nothing is claimed of the steps that vehicles are beyond that rim."
+    "goes on, though nobody knows how: no rule of the road is applied beyond that rim, where vehicles may still collide. Of "
+    "generated traffic all steps count, of the log those that it has, so it is charged with less; for collisions in the "
+    "log's steps alone see the shares of boxes that touch."
 )
 """Shares of vehicles that the legal checker objects to."""
 

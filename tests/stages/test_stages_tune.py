@@ -212,16 +212,15 @@ def test_the_published_rows_are_those_that_are_asked_for(tuned: Path):
     assert all(set(row) == keys for row in rows)
     wanted = {"cr", "dis", "comfort", "div", "counted", "progress", "red_lights", "off_road", "imposed_braking"}
     assert wanted <= {row["metric"] for row in rows}
-    value = {(row["method"], row["neighbours"], row["metric"]): row["value"] for row in rows}
-    longer, bits = value["dataset_longer", "replayed", "dis"], value["bits", "replayed", "dis"]
-    assert value["bits", "replayed", "dis.minus_dataset_longer"] == pytest.approx(bits - longer)
+    of_seeds = {(row["method"], row["metric"]): row["seeds"] for row in rows}
+    assert of_seeds["bits", "dis"] == of_seeds["dataset_longer", "dis"] == 1  # that every row has
+    assert of_seeds["bits", "dis.minus_dataset_longer"] == 2
     table = (tuned / "published/drivers-here-clean-gail-replayed.md").read_text()
     assert "GAIL tuned on each method's scenes, neighbours replayed: These scenes" in table
     assert "| BITS |" in table
     assert "| BITS (paper, on Argoverse 2) | 0.15 | 56.90 | 5.10 | 7.84 |" in table
     seeds = {row.split("|")[1].strip(): row.split("|")[-2].strip() for row in table.splitlines() if row.startswith("| ")}
-    assert seeds["BITS"] == "2"
-    assert seeds["DriveGen"] == "1"
+    assert seeds["BITS"] == seeds["DriveGen"] == "1"
     assert seeds["BITS (paper, on Argoverse 2)"] == ""
     assert "| DriveGen, a quarter corner cases |" in table
     amounts = (tuned / "published/drivers-here-clean-amounts.md").read_text()
@@ -281,11 +280,20 @@ def test_rows_with_unequal_seeds_are_compared_by_those_that_both_have(monkeypatc
         ("dataset_longer", 7, ""), ("dataset_longer", 8, "ab"), ("dataset_longer", 9, "ab"), ("bits", 7, "a"), ("bits", 8, "a")
     )
     found = figures(results, monkeypatch)
-    assert found["dataset_longer", "counted_rich"]["seeds"] == 3
-    assert found["dataset_longer", "counted_rich"]["value"] == pytest.approx(2 / 3)
-    assert found["bits", "counted_rich"]["value"] == 0.5
+    for row in ("dataset_longer", "bits"):  # side by side they are of the same seeds
+        assert (found[row, "counted_rich"]["seeds"], found[row, "counted_rich"]["value"]) == (2, 0.5)
+    assert found["dataset_longer", "counted_rich.seed_9"]["value"] == 1.0
     apart = found["bits", "counted_rich.minus_dataset_longer"]
     assert (apart["seeds"], apart["value"]) == (2, pytest.approx(0.5 - 0.5))
+
+
+def test_intervals_are_over_policy_seeds_too_and_paired_by_them(monkeypatch):
+    """All recordings say the same, one seed of two says something else, of both rows alike."""
+    results = counted(*((row, seed, hits) for row in ("dataset_longer", "bits") for seed, hits in ((7, ""), (8, "ab"))))
+    found = figures(results, monkeypatch)
+    of_row, apart = found["bits", "counted_rich"], found["bits", "counted_rich.minus_dataset_longer"]
+    assert (of_row["low"], of_row["value"], of_row["high"]) == (0.0, 0.5, 1.0)
+    assert (apart["low"], apart["value"], apart["high"]) == (0.0, 0.0, 0.0)
 
 
 def test_amounts_are_compared_with_the_logs_and_cases_with_the_same_scenes_without(monkeypatch):

@@ -6,15 +6,13 @@ from drivegen.core.intervals import Interval
 from drivegen.core.methods import BOUND
 from drivegen.metrics.pooled import pooled_mean
 from drivegen.report.published.quality import cell
-from drivegen.report.published.results import OURS, DataSet, Pooled, resampling_of
+from drivegen.report.published.results import ADDED, OURS, DataSet, Pooled, resampling_of
 from drivegen.report.table import Cell, Row, Table, row
 
 _COLUMNS = {
     "min_sade": "min-sADE [m]", "min_sfde": "min-sFDE", "mean_sade": "mean-sADE", "mean_sfde": "mean-sFDE",
     "collision_per_vehicle": "in collision", "illegal_per_vehicle": "any violation",
 }  # fmt: skip
-_WORDS = {"none": "as it is", "tempo": "+ tempo", "checker": "+ checker", "checker+tempo": "+ both"}
-
 _NOTES = (
     "Additions choose anew among a method's own futures, vehicle by vehicle, and change no trajectory. Checker: what is illegal "
     "gives way to the vehicle's own trajectory of the nearest length that is legal. Tempo: all get far, or none. In brackets: "
@@ -39,7 +37,7 @@ def added(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) -
             for metric in _COLUMNS
         }
         cells = [_cell(pooled[name][metric], differences[metric]) for metric in _COLUMNS]
-        lines.append(row(f"{data.about[method].title}, {_WORDS[additions]}", *cells, origin="ours"))
+        lines.append(row(f"{data.about[method].title}, {ADDED[additions]}", *cells, origin="ours"))
     lines += [_whole(data, pooled, name) for name in ("log",) if name in data.methods and data.about[name].kind == BOUND]
     title = f"What additions are worth to whom: {data.title}"
     return [Table(f"additions-{data.name}", title, ("", *_COLUMNS.values()), tuple(lines), (data.over, *_NOTES))]
@@ -47,7 +45,7 @@ def added(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) -
 
 def _in_order(data: DataSet) -> list[str]:
     """Names of `data.added`, methods in the tables' order, each as it is first."""
-    return [f"{method}/{additions}" for method in data.about for additions in _WORDS if f"{method}/{additions}" in data.added]
+    return [f"{method}/{additions}" for method in data.about for additions in ADDED if f"{method}/{additions}" in data.added]
 
 
 def _whole(data: DataSet, pooled: Pooled, name: str) -> Row:

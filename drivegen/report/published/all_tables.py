@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from drivegen.core.methods import Method
 from drivegen.core.seeds import rng
 from drivegen.report.published import quality
@@ -29,12 +31,15 @@ def tables_of(
     `folder` holds its runs. `temperatures` are those beside the one in use at which DriveGen was run, if any; `selectors` is the
     order of rows where goals are compared. `draws` bootstrap draws by `seed`.
     """
-    streams = {what: rng(seed, "publish", what, data.name) for what in ("paired", "best")}
-    first, paired, *others = quality.tables(data, pooled, draws, streams["paired"])
-    tables = [first, paired, *best(data, pooled, draws, streams["best"]), *others]
+
+    def stream() -> np.random.Generator:  # the same for every table: one difference has one interval
+        return rng(seed, "publish", data.name)
+
+    first, paired, *others = quality.tables(data, pooled, draws, stream())
+    tables = [first, paired, *best(data, pooled, draws, stream()), *others]
     if at := read_temperatures(folder, temperatures):
         tables.append(front(data, at, pooled, read_param(folder / data.runs[0].folder, "rollout.generation.temperature")))
-    tables += added(data, pooled, draws, rng(seed, "publish", "additions", data.name))
+    tables += added(data, pooled, draws, stream())
     if goal_metrics := read_goal_metrics(folder, data.runs):
         tables.append(goals(data.name, data.title, selectors, goal_metrics))
     return quality.few(data, tables)

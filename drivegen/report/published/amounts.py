@@ -29,7 +29,7 @@ def amount_tables(rows: Sequence[Mapping[str, Any]], about: Mapping[str, tuple[s
         notes = (
             f"{PRIMARY_WORDS} Tuned on the logs of the tuning scenes with so many of DriveGen's futures of each among them, for "
             f"as many steps in every row. {scenes(figures, next(iter(figures))[0])} of {recordings} recordings; 95 % intervals "
-            "over recordings for the policies as they are, differences paired by scene and policy seed.",
+            "over recordings crossed with policy seeds, which are few, so they hold less; differences paired by both.",
             PROTOCOLS[protocol],
         )
         yield Table(

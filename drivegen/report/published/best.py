@@ -5,10 +5,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from drivegen.core.intervals import Interval
+from drivegen.core.intervals import Interval, recording
 from drivegen.metrics.pooled import Resampling, pooled_mean
+from drivegen.report.averaged import TOO_FEW
 from drivegen.report.columns import AIMS, SAFETY, badness
-from drivegen.report.published.results import OURS, DataSet, Pooled, resampling_of
+from drivegen.report.published.results import ADDED, OURS, DataSet, Pooled, resampling_of
 from drivegen.report.sections.trust import DISTANCES, JOINT, REALISM, SCORES, horizon_words, is_likelihood
 from drivegen.report.table import Cell, Row, Table, row
 
@@ -23,8 +24,7 @@ def best(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) ->
     resampling = resampling_of(data, draws, rng)
     lines_of: dict[str, tuple[Row, str]] = {}
     for metric, words in _measures(pooled).items():
-        rivals = (name for name, method in data.about.items() if name != OURS and method.competes)
-        others = {name: pooled[name][metric] for name in rivals if _known(name, metric, pooled)}
+        others = {name: pooled[name][metric] for name in _rivals(data) if _known(name, metric, pooled)}
         if others and _known(OURS, metric, pooled):
             lines_of[metric] = _line(data, pooled[OURS][metric], others, metric, words, resampling)
     if not lines_of:
@@ -37,12 +37,20 @@ def best(data: DataSet, pooled: Pooled, draws: int, rng: np.random.Generator) ->
         f"Of {len(lines)} measures: {counted}. Better and worse: zero is outside the 95 % interval of the paired difference; "
         "ahead and behind: it is inside, or there is no interval. Measures of the whole set have no pairs: of them only figures "
         "are compared.",
-        "All other methods compete but the log and the random agent, DriveGen without goal selection among them: the best of "
-        "several is chosen measure by measure, so it is no one method, and the comparison is hard on DriveGen.",
+        "All other methods compete but the log and the random agent, DriveGen without goal selection and rivals with its "
+        "additions among them: the best of many is chosen measure by measure, so it is no one method, and the comparison is hard "
+        "on DriveGen.",
         data.over,
         f"Measures overlap (errors: {errors}, likelihoods: {likelihoods}): their number says nothing by itself.",
     )
     return [Table(f"best-{data.name}", f"Who is best in what: {data.title}", heads, lines, notes)]
+
+
+def _rivals(data: DataSet) -> list[str]:
+    """Whoever competes with DriveGen, then the same with additions."""
+    rivals = [name for name, method in data.about.items() if name != OURS and method.competes]
+    added = [name for name in data.added if name.partition("/")[0] in rivals and not name.endswith("/none")]
+    return [*rivals, *added]
 
 
 def _measures(pooled: Pooled) -> dict[str, str]:
@@ -77,16 +85,20 @@ def _line(
         note = f"{less.low:.3f} to {less.high:.3f}" if np.isfinite(less.low) else ""
         difference = Cell(f"{less.value:+.3f}", note)
         verdict = _verdict(-badness(metric, less.value), significant=less.low > 0 or less.high < 0)
-    figures = (f"{mine.value:.3f}", data.about[rival].title, f"{others[rival].value:.3f}")
+    method, _, additions = rival.partition("/")
+    name = data.about[method].title + (f", {ADDED[additions]}" if additions else "")
+    figures = (f"{mine.value:.3f}", name, f"{others[rival].value:.3f}")
     return row(Cell(words), *figures, difference, Cell(verdict, best=verdict == "better"), origin="ours"), verdict
 
 
 def _less(data: DataSet, rival: str, metric: str, resampling: Resampling) -> Interval | None:
     """DriveGen less the rival where both have the measure; None where it has no pairs, or is best at a number in between."""
-    ours, theirs = (data.methods[method].values.get(metric) for method in (OURS, rival))
+    ours, theirs = (data.every[method].values.get(metric) for method in (OURS, rival))
     if ours is None or theirs is None or metric in AIMS:
         return None
     difference = pooled_mean(ours - theirs, resampling)
+    if len({recording(scene) for scene in data.methods[OURS].scenarios}) < TOO_FEW:
+        difference = Interval(difference.value, np.nan, np.nan)
     return difference if np.isfinite(difference.value) else None
 
 

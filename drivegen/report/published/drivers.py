@@ -66,9 +66,10 @@ def driver_tables(rows: Sequence[Mapping[str, Any]], about: Mapping[str, tuple[s
             lines += _theirs(driver, len(shown) + 1)
         title, recordings = about[data]
         notes = (
-            f"{PRIMARY_WORDS} {scenes(figures, there[0])} of {recordings} recordings; 95 % intervals over recordings for the "
-            "policies as they are, differences paired by scene and of policies of the seeds that both rows have; the primary "
-            "endpoint also by policy seed. Comfort is the reciprocal of the mean absolute acceleration.",
+            f"{PRIMARY_WORDS} {scenes(figures, there[0])} of {recordings} recordings. Figures are means over the policy seeds "
+            "that all rows have, differences over those that both rows have, paired by scene and seed; 95 % intervals over "
+            "recordings crossed with policy seeds, of which three or five are few, so they hold less. The primary endpoint also "
+            "by each policy seed of a row. Comfort is the reciprocal of the mean absolute acceleration.",
             PROTOCOLS[protocol],
             *_with_cases(figures),
         )

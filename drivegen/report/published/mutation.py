@@ -89,10 +89,11 @@ def _notes(level: float) -> tuple[str, ...]:
     return (
         "Killed: more avoidable counted collisions than the sound driver has, by McNemar's exact test (one-sided, recordings as "
         f"clusters) and by Holm at {level:.0%} over all drivers of a tester, equivalent ones included. Logs and generated "
-        "traffic are the same for both. Who searches does so as long against the driver that is tested as against the sound one, "
-        "from the same scenes, and all runs count; where one of the two has more of them in a scenario, its last ones are left "
-        "out. Equivalent drivers do the same as the sound one by other code, so none can be killed: they show that runs repeat, "
-        "not how often a driver is killed that differs without being worse.",
+        "traffic are the same for both and spread their runs over all scenarios, a search makes ten or so in one, so it sees "
+        "fewer. Who searches does so as long against the driver that is tested as against the sound one, from the same scenes, "
+        "and all runs count; where one of the two has more of them in a scenario, its last ones are left out. Equivalent "
+        "drivers do the same as the sound one by other code, so none can be killed: they show that runs repeat, not how often a "
+        "driver is killed that differs without being worse.",
         "Right kind: among the killed, the kind of collision of the largest excess was declared for the fault before it was "
         "driven. Most faults fail by running into somebody ahead: beside it stands how often the kind that fits best is right.",
         "Runs to a kill: the fewest of the runs in the chart after which half of the random orders of scenarios have killed; "

@@ -1,11 +1,12 @@
 """Whether generated traffic ranks drivers as real roads do: rows and tables out of the results of stage `rank`."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from drivegen.core.intervals import Interval, recording
@@ -34,8 +35,9 @@ class Traffic:
     rates: Mapping[str, Rates]
 
 
-def kinds_of(made_from: str, results: pa.Table) -> list[Traffic]:
-    """The kinds of traffic among the rows of one run of stage `rank`."""
+def kinds_of(made_from: str, results: pa.Table, left_out: Collection[str] = ()) -> list[Traffic]:
+    """The kinds of traffic among the rows of one run of stage `rank`; drivers that are `left_out` are not ranked."""
+    results = results.filter(pc.invert(pc.is_in(results["driver"], pa.array(left_out, pa.string()))))
     columns = {name: np.asarray(results[name].to_pylist(), object) for name in ("method", "driver", "scenario", "metric")}
     value = results["value"].to_numpy()
     methods = dict.fromkeys(columns["method"].tolist())
@@ -101,9 +103,9 @@ def ranking_table(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str]) 
         ("real roads", "traffic", "made from", "by", "tau", "DriveGen less this"),
         tuple(lines),
         (
-            "Kendall's tau-b between both orders of the same sound and mutated drivers, neighbours replayed; 95 % intervals over "
-            "recordings and drivers. *Half of the recordings*: what one half of the real recordings says of the other; two real "
-            "data sets of full size would agree better.",
+            "Kendall's tau-b between both orders of the same sound and faulty drivers, neighbours replayed (drivers that do the "
+            "same as another by other code are not ranked); 95 % intervals over recordings and drivers. *Half of the "
+            "recordings*: what one half of the real ones says of the other; two real data sets of full size would agree better.",
             *of_roads,
         ),
     )

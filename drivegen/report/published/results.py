@@ -25,6 +25,10 @@ _JOINT = ("joint.order", "shuffled.order", "shuffled.headway", "shuffled.post_en
 _OF_SETS = {"diversity_ratio": "diversity", "auc": "auc", **{name: name for name in _JOINT}}
 """Names in the details of an evaluation, and here: what only a whole set of scenes has. `distance.*` keep their names."""
 
+BOTH = "checker+tempo"
+ADDED = {"none": "as it is", "tempo": "+ tempo", "checker": "+ checker", BOTH: "+ both"}
+"""What may stand behind a name in `DataSet.added`, in words."""
+
 _COUNTS = ("steps", "agent_steps", "vehicles", "bandwidth.", "manoeuvre.", "label.")
 """What evaluation counts on the way to its metrics: says how much was measured, not how well anybody did."""
 
@@ -126,6 +130,11 @@ class DataSet:
         return {name: method for name, method in self.about.items() if name in self.methods and method.kind != BOUND}
 
     @property
+    def every(self) -> dict[str, Results]:
+        """Results by method, then those with additions."""
+        return {**self.methods, **self.added}
+
+    @property
     def scenes(self) -> int:
         """How many any method was measured on."""
         return max((len(results.scenarios) for results in self.methods.values()), default=0)
@@ -173,7 +182,7 @@ def pool(data: DataSet, draws: int, rng: np.random.Generator) -> dict[str, dict[
     """Every metric of every method over seeds and scenes; scenes of one recording stay together."""
     out = {}
     resampling = resampling_of(data, draws, rng)
-    for name, results in {**data.methods, **data.added}.items():
+    for name, results in data.every.items():
         out[name] = {metric: pooled_mean(values, resampling) for metric, values in sorted(results.values.items())}
         out[name] |= {metric: envelope(list(seeds)) for metric, seeds in sorted(results.sets.items())}
     return out
@@ -194,7 +203,7 @@ def tracks(scenes: Iterable[Scenario], methods: Mapping[str, Results]) -> str:
 def rows(data: DataSet, pooled: Pooled) -> list[dict[str, Any]]:
     """One number each, neither NaN nor counts: {data, method, metric, value, low, high, n, seeds, sampling_seeds, plateau,
     additions, selector}."""
-    every = {**data.methods, **data.added}
+    every = data.every
     return [
         {
             "data": data.name, "method": name.partition("/")[0], "metric": metric, **as_columns(mean),

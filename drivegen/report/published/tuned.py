@@ -1,10 +1,11 @@
 """Figures of the paper's second table: drivers tuned on each method's scenes, tested on others, out of the stage `drive_tuned`.
 
-Every figure is a ratio of sums over scenes, each the mean over policy seeds; intervals resample recordings, and all methods meet
-the same draws, so differences are paired by scene, and by policy seed: of both rows those seeds count that both have.
+Every figure is a ratio of sums over scenes and policy seeds: those seeds that all rows of a driver have, in a difference those
+that both rows have. Intervals resample recordings, crossed with policy seeds, and all methods meet the same draws, so differences
+are paired by scene and by policy seed.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +13,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from drivegen.core.intervals import Interval, recording, resamplings
+from drivegen.core.intervals import Interval, counts, recording, resamplings
 from drivegen.core.seeds import rng
 from drivegen.metrics.ranking import interval
 from drivegen.report.published.figures import as_columns
@@ -64,14 +65,39 @@ class Tests:
     Attributes:
         data, protocol: what stands in the rows. recordings: (S,) of the scenes.
         values: of each (driver, method) and policy seed the columns (S,) by name, NaN where a scene has no such number.
-        diversity: of each (driver, method, neighbours) Div with its interval, means over seeds.
+        diversity: of each (driver, method, neighbours) and policy seed Div with the ends of its interval.
     """
 
     data: str
     protocol: str
     recordings: Sequence[str]
     values: Mapping[tuple[str, str], Mapping[int, Columns]]
-    diversity: Mapping[tuple[str, str, str], list[float]]
+    diversity: Mapping[tuple[str, str, str], Mapping[int, list[float]]]
+
+    def shared_seeds(self, driver: str, method: str) -> list[int]:
+        """The policy seeds of a row that all rows of its driver have; all of its own where they have none in common."""
+        mine = self.values[driver, method]
+        every = [set(seeds) for (who, _), seeds in self.values.items() if who == driver]
+        return sorted(set.intersection(*every)) or sorted(mine)
+
+
+class Draws:
+    """How often scenes and policy seeds come: first once each, then in each of D bootstrap draws, the same for all rows."""
+
+    def __init__(self, tests: Tests, draws: int, seed: int) -> None:
+        """D = `draws`, or 0 of one recording."""
+        resampled = resamplings(tests.recordings, draws, rng(seed, "drivers", tests.data))
+        self.scenes = np.concatenate([np.ones((1, len(tests.recordings))), resampled])
+        self._policies: dict[tuple[int, ...], NDArray[np.float64]] = {}
+        self._stream = seed, "drivers", tests.data, "policies"
+
+    def policies(self, seeds: Sequence[int]) -> NDArray[np.float64]:
+        """(1 + D, K) of K policy seeds."""
+        key = tuple(seeds)
+        if key not in self._policies:
+            resampled = counts(len(key), len(self.scenes) - 1, rng(*self._stream, *key))
+            self._policies[key] = np.concatenate([np.ones((1, len(key))), resampled])
+        return self._policies[key]
 
 
 def read_tests(data: str, protocol: str, results: pa.Table, diversity: Mapping[str, Mapping[str, float | None]]) -> Tests:
@@ -98,13 +124,13 @@ def _members(of: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     return np.split(np.argsort(of, kind="stable"), np.cumsum(np.bincount(of))[:-1])
 
 
-def _diversities(diversity: Mapping[str, Mapping[str, float | None]]) -> dict[tuple[str, str, str], list[float]]:
-    by_seed: dict[tuple[str, str, str], list[list[float]]] = {}
+def _diversities(diversity: Mapping[str, Mapping[str, float | None]]) -> dict[tuple[str, str, str], dict[int, list[float]]]:
+    by_seed: dict[tuple[str, str, str], dict[int, list[float]]] = {}
     for name, entry in diversity.items():
-        driver, method, _, neighbours = name.split("/")
+        driver, method, seed, neighbours = name.split("/")
         key = (driver, _RENAMED.get(method, method), neighbours)
-        by_seed.setdefault(key, []).append([_number(entry[end]) for end in ("value", "low", "high")])
-    return {key: np.mean(several, axis=0).tolist() for key, several in by_seed.items()}
+        by_seed.setdefault(key, {})[int(seed)] = [_number(entry[end]) for end in ("value", "low", "high")]
+    return by_seed
 
 
 def _number(value: float | None) -> float:
@@ -116,30 +142,39 @@ def driver_rows(tests: Tests, draws: int, seed: int) -> Iterator[dict[str, Any]]
 
     n is the number of scenes that are summed up: of the primary endpoint the rich ones, of red lights those that met some.
     """
-    resampled = resamplings(tests.recordings, draws, rng(seed, "drivers", tests.data))
-    times = np.concatenate([np.ones((1, len(tests.recordings))), resampled])
-    for (driver, method), seeds in tests.values.items():
+    drawn = Draws(tests, draws, seed)
+    for driver, method in tests.values:
+        shared = tests.shared_seeds(driver, method)
         for neighbours, prefix in NEIGHBOURS.items():
             about: dict[str, Any] = {"data": tests.data, "protocol": tests.protocol, "driver": driver, "method": method}
-            about |= {"neighbours": neighbours, "n": 0, "seeds": len(seeds)}
+            about |= {"neighbours": neighbours, "n": 0, "seeds": len(shared)}
             for metric in METRICS:
                 if metric == "imposed_braking" and not prefix:
                     continue
-                about["n"] = int(np.count_nonzero(_sides(seeds.values(), metric, prefix)[1]))
-                yield about | {"metric": metric} | as_columns(interval(_figure(seeds.values(), metric, prefix, times)))
+                mine = tests.values[driver, method]
+                about["n"] = int(np.count_nonzero(_sides(mine, shared, metric, prefix)[1].any(axis=0)))
+                yield about | {"metric": metric} | as_columns(interval(_figure(mine, shared, metric, prefix, drawn)))
                 for other in _compared(method, metric):
                     theirs = tests.values.get((driver, other), {})
-                    if both := [one for one in seeds if one in theirs]:
-                        mine, its = (_figure([of[one] for one in both], metric, prefix, times) for of in (seeds, theirs))
-                        less = as_columns(interval(mine - its))
+                    if both := sorted(set(mine) & set(theirs)):
+                        ours, others = (_figure(of, both, metric, prefix, drawn) for of in (mine, theirs))
+                        less = as_columns(interval(ours - others))
                         yield about | {"metric": f"{metric}.minus_{other}", "seeds": len(both)} | less
+            if not prefix:
+                yield from _by_seed(tests, driver, method, about)
+            diversity = tests.diversity[driver, method, neighbours]
+            means = np.mean([diversity[one] for one in shared if one in diversity], axis=0)
             about["n"] = len(tests.recordings)
-            for one, columns in sorted(({} if prefix else seeds).items()):
-                (value,) = _figure([columns], PRIMARY, prefix, times[:1]).tolist()
-                if np.isfinite(value):  # some scene is rich
-                    by_seed = {"metric": f"{BY_SEED}{one}", "value": value, "low": None, "high": None, "seeds": 1}
-                    yield about | by_seed | {"n": int(columns["rich"].sum())}
-            yield about | {"metric": "div"} | as_columns(Interval(*tests.diversity[driver, method, neighbours]))
+            yield about | {"metric": "div"} | as_columns(Interval(*means.tolist()))
+
+
+def _by_seed(tests: Tests, driver: str, method: str, about: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """The primary endpoint among replayed neighbours, by each policy seed of a row."""
+    for one, columns in sorted(tests.values[driver, method].items()):
+        above, below = _sides({one: columns}, [one], PRIMARY, NEIGHBOURS["replayed"])
+        if below.any():  # some scene is rich
+            value = {"value": float(above.sum() / below.sum()), "low": None, "high": None}
+            yield {**about, "metric": f"{BY_SEED}{one}", **value, "seeds": 1, "n": int(columns["rich"].sum())}
 
 
 def _compared(method: str, metric: str) -> list[str]:
@@ -148,28 +183,20 @@ def _compared(method: str, metric: str) -> list[str]:
     return [*([REFERENCE] if method != REFERENCE else []), *(own if metric == PRIMARY else [])]
 
 
-def _figure(seeds: Iterable[Columns], metric: str, prefix: str, times: NDArray[np.floating]) -> NDArray[np.float64]:
-    """(1 + draws,) the metric, first as it is, of the mean over seeds scene by scene."""
-    above, below = _sides(seeds, metric, prefix)
-    sums = times @ above, times @ below
-    figure: NDArray[np.float64] = np.abs(np.divide(*sums, out=np.full(len(times), np.nan), where=sums[1] != 0))
+def _figure(of_seeds: Mapping[int, Columns], seeds: Sequence[int], metric: str, prefix: str, drawn: Draws) -> NDArray[np.float64]:
+    """(1 + D,) the metric of a row's policies of some `seeds`, first as it is."""
+    policies = drawn.policies(seeds)
+    sides = _sides(of_seeds, seeds, metric, prefix)
+    above, below = ((policies * (drawn.scenes @ side.T)).sum(axis=1) for side in sides)
+    figure: NDArray[np.float64] = np.abs(np.divide(above, below, out=np.full(len(below), np.nan), where=below != 0))
     return figure
 
 
-def _sides(seeds: Iterable[Columns], metric: str, prefix: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """What is summed above and below, (S,) each, 0 where one of both is not known."""
-    names, columns = METRICS[metric], list(seeds)
-    above, below = (
-        _means([of_seed[name if name in (ONE, *_SHARED) else f"{prefix}{name}"] for of_seed in columns]) for name in names
-    )
+def _sides(
+    of_seeds: Mapping[int, Columns], seeds: Sequence[int], metric: str, prefix: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """What is summed above and below, (seeds, S) each, 0 where one of both is not known."""
+    names = (name if name in (ONE, *_SHARED) else f"{prefix}{name}" for name in METRICS[metric])
+    above, below = (np.stack([of_seeds[one][name] for one in seeds]) for name in names)
     finite = np.isfinite(above) & np.isfinite(below)
     return np.where(finite, above, 0.0), np.where(finite, below, 0.0)
-
-
-def _means(of_seeds: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """(S,) over the seeds that have the number, NaN where none has."""
-    there = np.isfinite(of_seeds)
-    count = there.sum(axis=0)
-    means = np.full(len(count), np.nan)
-    means[count > 0] = np.where(there, of_seeds, 0.0).sum(axis=0)[count > 0] / count[count > 0]
-    return means

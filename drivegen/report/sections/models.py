@@ -28,7 +28,8 @@ SCORES = {
 
 NOTES = (
     "Vehicles that move more than 2 m and are seen to the end.",
-    "Within 2 and 4 m, oracle FDE: how near the nearest candidate is to the logged end, whoever chooses; the log adds its own.",
+    "Within 2 and 4 m, oracle FDE: how near the nearest candidate is to the logged end, whoever chooses; the log adds its own, "
+    "and a vision-language model is offered places to stop besides.",
     "Hit@k and MRR: rank of that candidate. Hit@3 within 4 m: one of the three likeliest is that near. Equal ones rank by lot.",
     "ECE: calibration error of the likeliest candidate's probability. Manoeuvre: share whose likeliest manoeuvre is that one.",
     "Label bias: how far along its numbers a model's first choice lies on average, less a half; beside it the scatter of chance.",

@@ -81,9 +81,9 @@ DISTANCES_NOTE = (
     "divergence. AUC: boosted trees that tell generated from logged tracks of recordings that they were not trained on."
 )
 BOXES_NOTE = (
-    "Shares of vehicles whose box touches another one, without the checker's tolerances; pairs that are given "
-    "overlapping count only once they have come apart. Rejected: by the checker, with which only DriveGen plans; a dash is no "
-    "merit."
+    "Shares of vehicles whose box touches another one in a step that the log has of both, without the checker's tolerances; "
+    "pairs that are given overlapping count only once they have come apart. Rejected: by the checker, with which only DriveGen "
+    "plans; a dash is no merit."
 )
 
 JOINT_NOTE = (
