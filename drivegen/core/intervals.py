@@ -58,7 +58,11 @@ def recording(scenario_id: str) -> str:
     time or some seconds later, so they are resampled together and never on both sides of a split. What was generated from a
     scenario and has become one of its own (`<id>-s<number>`, `<id>-new`) is of the same recording.
     """
-    name = _SCENE.sub("", _MADE.sub("", scenario_id))
+    return group_of(_SCENE.sub("", _MADE.sub("", scenario_id)))
+
+
+def group_of(name: str) -> str:
+    """The recording that stands for all that show the same cars as the one of this name."""
     return _GROUP.get(name, name)
 
 

@@ -1,9 +1,10 @@
 """A road map as OpenDRIVE 1.5: every lane is a road of its own with one lane to the right of its reference line.
 
-The reference line is the lane's middle, a straight piece between every two points, and the lane is offset by half its width. Ways
-across a junction are connecting roads. A road is linked to the one after it where it has one successor that has one predecessor;
-where lanes part or join outside a junction OpenDRIVE has no link for roads, and none is written. A connecting road has one link
-at each end, so a way across with several lanes before or after it is linked to the first of them.
+The reference line is the lane's middle, a straight piece between every two points; the lane reaches from its left edge to its
+right one, which are straight between places at most `EVERY` apart. Ways across a junction are connecting roads. A road is linked
+to the one after it where it has one successor that has one predecessor; where lanes part or join outside a junction OpenDRIVE
+has no link for roads, and none is written. A connecting road has one link at each end, so a way across with several lanes before
+or after it is linked to the first of them.
 """
 
 from collections import Counter
@@ -16,12 +17,18 @@ from scenariogeneration import xodr
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from drivegen.core.geometry import Floats, project
+from drivegen.core.geometry import Floats, arc_length, interpolate, project
 from drivegen.core.roadmap import LaneKind, RoadMap
 
 _TYPES = {LaneKind.VEHICLE: xodr.LaneType.driving, LaneKind.BUS: xodr.LaneType.bus, LaneKind.BIKE: xodr.LaneType.biking}
 _LANE = -1
 """OpenDRIVE's number of the only lane of each road."""
+
+EVERY = 5.0
+"""How far a lane's edges are is said at every point of its middle, and this often [m] ..."""
+
+STEADY = 0.05
+"""... but once for a lane whose edges stay this near [m] to their median."""
 
 
 def opendrive(roads: RoadMap, name: str) -> bytes:
@@ -100,13 +107,14 @@ def _junctions(roads: RoadMap) -> NDArray[np.int64]:
 
 
 def _road(roads: RoadMap, lane: int, junction: int, links: _Links) -> xodr.Road:
-    width = _width(roads, lane)
-    section = xodr.LaneSection(0, xodr.Lane(xodr.LaneType.none))
-    own = xodr.Lane(_TYPES[LaneKind(roads.kind[lane])], a=width)
+    section, lanes = xodr.LaneSection(0, xodr.Lane(xodr.LaneType.none)), xodr.Lanes()
+    own = xodr.Lane(_TYPES[LaneKind(roads.kind[lane])])
+    own.widths.clear()
+    for along, (left, more_left), (width, wider) in _extents(roads, lane):
+        own.add_lane_width(width, wider, soffset=along)
+        lanes.add_laneoffset(xodr.LaneOffset(along, left, more_left))
     section.add_right_lane(own)
-    lanes = xodr.Lanes()
     lanes.add_lanesection(section)
-    lanes.add_laneoffset(xodr.LaneOffset(a=width / 2))
     road_type = len(roads) + junction if junction >= 0 else -1
     road = xodr.Road(lane, _plan(roads.centreline[lane].astype(np.float64)), lanes, road_type, f"lane {roads.lane_id[lane]}")
     limit = float(roads.speed_limit[lane])
@@ -130,8 +138,20 @@ def _pieces(line: Floats) -> Iterator[tuple[Floats, float, float]]:
             yield start, length, float(np.arctan2(step[1], step[0]))
 
 
-def _width(roads: RoadMap, lane: int) -> float:
-    """[m] the median of how far the points of each edge are from the other edge."""
-    left, right = (lines[lane].astype(np.float64) for lines in (roads.left, roads.right))
-    apart = [abs(project(edge, point)[1]) for edge, points in ((right, left), (left, right)) for point in points]
-    return round(float(np.median(apart)), 3)
+def _extents(roads: RoadMap, lane: int) -> Iterator[tuple[float, tuple[float, float], tuple[float, float]]]:
+    """From where along the lane [m], how far its left edge is from its middle, and its width [m], each with its growth per metre.
+
+    Distances are of points of the middle from the edges, however few points these have.
+    """
+    middle, left, right = (lines[lane].astype(np.float64) for lines in (roads.centreline, roads.left, roads.right))
+    points = arc_length(middle)
+    along = np.unique(np.concatenate([points, np.arange(0.0, points[-1], EVERY)]))
+    at = interpolate(middle, along)
+    apart = np.array([[abs(project(edge, point)[1]) for point in at] for edge in (left, right)]).round(3)
+    median = np.median(apart, axis=1).round(3)
+    if (np.abs(apart - median[:, None]) <= STEADY).all():
+        along, apart = along[[0, -1]], np.stack([median, median], 1)
+    extents = np.stack([apart[0], apart.sum(0)], 1)
+    growing = np.diff(extents, axis=0) / np.diff(along)[:, None]
+    for place, (offset, width), (more, wider) in zip(along, extents, growing.round(6), strict=False):
+        yield round(float(place), 3), (float(offset), float(more)), (round(float(width), 3), float(wider))

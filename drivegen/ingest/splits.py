@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.intervals import group_of
 from drivegen.core.scenario import SPLITS
 from drivegen.core.seeds import derive
 from drivegen.datasets.base import Dataset, id_of
@@ -92,8 +93,9 @@ def _training_items(plan: Plan, data: Dataset, name: str, split: str) -> list[st
     if name != plan.source or _held_out(plan, name) != "val":
         return [f"{name}/{split}/{scene}" for scene in data.scenes(split)]
     scenes = data.scenes("train")
-    held_back = _held_back({_recording(scene) for scene in scenes})
-    return [f"{name}/train/{scene}" for scene in scenes if (_recording(scene) in held_back) == (split == "val")]
+    of = {scene: _recording(scene) for scene in scenes}
+    held_back = _held_back(set(of.values()))
+    return [f"{name}/train/{scene}" for scene in scenes if (of[scene] in held_back) == (split == "val")]
 
 
 def _held_back(recordings: set[str]) -> set[str]:
@@ -104,8 +106,8 @@ def _held_back(recordings: set[str]) -> set[str]:
 
 
 def _recording(scene: str) -> str:
-    """Scenes of one recording, called `<recording>:<number>`, stay together."""
-    return scene.partition(":")[0]
+    """Scenes of one recording, called `<recording>:<number>`, stay together, and those of recordings that show the same cars."""
+    return group_of(scene.partition(":")[0])
 
 
 def _held_out(plan: Plan, name: str) -> str:

@@ -119,7 +119,12 @@ def _readable(path: Path) -> Iterator[None]:
 
 
 def read_shard_table(path: Path, kind: str, version: int, columns: list[str] | None = None) -> Shard:
-    """Read a shard back, or some of its columns.
+    """Read a shard back, or some of its columns; raises UnusableInput as `read_sealed` does."""
+    return Shard(read_sealed(path, kind, version, columns))
+
+
+def read_sealed(path: Path, kind: str, version: int, columns: list[str] | None = None) -> pa.Table:
+    """Read back what a `shard_writer` wrote, or some of its columns.
 
     Raises UnusableInput naming the file: reason `truncated` if it is cut short, empty or no Parquet, `foreign-file` if it
     is not of this kind, `old-version` if another version of DriveGen wrote it, `damaged` if it is not what was written.
@@ -132,7 +137,7 @@ def read_shard_table(path: Path, kind: str, version: int, columns: list[str] | N
             _expect_kind(file.schema_arrow.metadata or {}, path, kind, version)
             if not marked:
                 expect_seal(raw, path, _AGAIN)
-            return Shard(file.read(columns, use_threads=False))
+            return file.read(columns, use_threads=False)
 
 
 def _expect_kind(metadata: Mapping[bytes, bytes], path: Path, kind: str, version: int) -> None:

@@ -135,6 +135,20 @@ def test_scenes_of_one_recording_are_never_both_trained_on_and_validated_on(reco
     assert test == {f"named/val/val-{i}" for i in range(recordings)}
 
 
+def test_recordings_that_show_the_same_cars_stay_together() -> None:
+    class Freeway(Named):
+        def scenes(self, split: str) -> list[str]:
+            return [f"USA_US101-{n}_1_T-1:000" for n in (6, 7, 9, 20, 25, 28, 12, 17, 3)]
+
+    plan = Plan("commonroad", ("commonroad",), {"commonroad": "val"}, {}, ())
+    names = [[item.split("/")[-1] for item in items(plan, lambda _: Freeway(0), split)] for split in ("train", "val")]
+    train, val = ({recording(name.replace(":", "-")) for name in of_split} for of_split in names)
+    assert train
+    assert val
+    assert not train & val
+    assert len(train | val) == 3
+
+
 def test_only_the_recordings_that_are_named_are_measured_on_and_all_are_trained_on() -> None:
     plan = Plan("named", ("named",), {"named": "val"}, {}, ("val-1", "val-3"))
     train, val, test = (items(plan, lambda _: Named(4), split) for split in SPLITS)

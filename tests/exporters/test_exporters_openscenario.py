@@ -123,6 +123,18 @@ def test_a_lane_is_as_wide_as_its_edges_are_apart_however_few_points_these_have(
     assert [float(width.get("a")) for width in root.iter("width")] == [3.5, 3.5]
 
 
+def test_a_lane_that_grows_is_as_wide_everywhere_as_its_map_says(tmp_path):
+    """Its left edge leads away from 1.75 m at 40 m to 3.75 m at 80 m."""
+    roads = road_map([np.array([[0.0, 0.0], [80.0, 0.0]]), np.array([[80.0, 0.0], [99.0, 0.0]])], [(0, 1)])
+    left = [np.array([[0, 1.75], [40, 1.75], [80, 3.75]]), np.array([[80, 1.75], [99, 1.75]])]
+    lanes = exported(replace(roads, left=Polylines.of(left)), tmp_path).find("road[@id='0']/lanes")
+    for kind, place, beside in (("width", "sOffset", 3.5), ("laneOffset", "s", 1.75)):
+        pieces = [[float(piece.get(name)) for name in (place, "a", "b")] for piece in lanes.iter(kind)]
+        for along in (0.0, 39.0, 50.0, 61.0, 80.0):
+            begin, at, growth = max(piece for piece in pieces if piece[0] <= along)
+            assert at + growth * (along - begin) == pytest.approx(beside + max(along - 40, 0) * 0.05, abs=0.01)
+
+
 def test_nothing_is_said_that_no_map_knows(tmp_path):
     root = exported(road_map([np.array([[0.0, 0.0], [80.0, 0.0]]), np.array([[80.0, 0.0], [99.0, 0.0]])], [(0, 1)]), tmp_path)
     assert set(root.find("header").attrib) == {"name", "revMajor", "revMinor"}

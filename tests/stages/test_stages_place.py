@@ -94,6 +94,10 @@ def test_missing_and_damaged_inputs_are_named(folder, tmp_path):
     (tmp_path / "empty").mkdir()
     with pytest.raises(MissingTool, match="run the maps stage"):
         place.main(PARAMS, *_inputs(folder, maps=tmp_path / "empty"), tmp_path, tmp_path / "c.json")
-    (tmp_path / "cut.parquet").write_bytes((folder / "assets.parquet").read_bytes()[:100])
+    whole = (folder / "assets.parquet").read_bytes()
+    (tmp_path / "cut.parquet").write_bytes(whole[:100])
     with pytest.raises(UnusableInput, match=r"cut\.parquet"):
         place.main(PARAMS, *_inputs(folder, assets=tmp_path / "cut.parquet"), tmp_path, tmp_path / "c.json")
+    (tmp_path / "flipped.parquet").write_bytes(whole[:60] + bytes([whole[60] ^ 1]) + whole[61:])
+    with pytest.raises(UnusableInput, match=r"flipped\.parquet is not what was written"):
+        place.main(PARAMS, *_inputs(folder, gaps=tmp_path / "flipped.parquet"), tmp_path, tmp_path / "c.json")
