@@ -55,8 +55,9 @@ def command(
     most: Annotated[int | None, Option(min=1, help="Only the first so many scenarios.")] = None,
 ) -> None:
     """Find what makes DRIVER fail: legal traffic that it collides in, judged, by kind, written for other programs."""
-    settings, tested = _settings(), driver_of(driver)
-    with whole_folder(out) as folder:  # refused before the search, which takes minutes
+    settings, tested, console = _settings(), driver_of(driver), plain(least=TABLE)
+    doing = f"looking for what makes {tested.name} fail, and judging it"
+    with whole_folder(out) as folder, console.status(doing):  # refused before the search, which takes minutes
         where = {scenario.scenario_id: scenario for scenario, _ in read_traffic(scenarios)}
         cases, runs = _cases(tested, adversary, list(where.values())[:most], settings)
         kinds = groups(cases)
@@ -64,7 +65,6 @@ def command(
         for group in kinds:
             write_kind(folder / _folder(group), judged[group.cases[0]])
         write_json(folder / CASES, [_row(one) for one in judged])
-    console = plain(least=TABLE)
     searched = f"{tested.name}: {many(runs, 'run')} in {many(min(most or len(where), len(where)), 'scenario')}"
     if not cases:
         console.print(f"{searched}, no case found")

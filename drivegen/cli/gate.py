@@ -42,8 +42,8 @@ def command(
 ) -> None:
     """Drive OLD and NEW through the same scenes and say whether NEW is worse. Exits with 3 if it is, else with 0."""
     settings = build(Settings, read_section("gate.settings"), "stages/params.yaml: gate.settings")
-    drivers = driver_of(old), driver_of(new)
-    with _folder(out) as folder:  # refused before anything is driven
+    drivers, console = (driver_of(old), driver_of(new)), plain(least=TABLE)
+    with _folder(out) as folder, console.status(f"driving {old} and {new}"):  # refused before anything is driven
         if any(_is_round(place) for place in (scenarios, scenarios.resolve().parent)):
             raise UnusableInput(
                 f"{scenarios} is a round of corner cases, made for what a driver did: a gate wants scenes that nobody chose,"
@@ -56,7 +56,6 @@ def command(
         result = gate(*drivers, chosen, settings, read_section("run")["seed"])
         if folder:
             write_json(folder / RECORD, {"old": old, "new": new, "folder": str(scenarios), **result.record(old, new)})
-    console = plain(least=TABLE)
     console.print(_table(result, old, new))
     if isnan(result.shares[0].low):
         console.print("too few recordings for an interval")

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from typer import Argument, Option
 
+from drivegen.core.errors import UnusableInput
 from drivegen.warehouse.database import query
 
 WAREHOUSE = Path("reports/drivegen.duckdb")
@@ -30,10 +31,15 @@ def command(
 ) -> None:
     """Answer SQL over the results; nothing is changed, and no other file is read. `docs/store.md` has the tables."""
     answer = query(warehouse, sql)
-    if csv:
-        pyarrow.csv.write_csv(_flat(answer), sys.stdout.buffer)
-    else:
-        _show(answer)
+    try:
+        if csv:
+            whole = pa.BufferOutputStream()
+            pyarrow.csv.write_csv(_flat(answer), whole)
+            sys.stdout.buffer.write(whole.getvalue())
+        else:
+            _show(answer)
+    except (OverflowError, ValueError, pa.ArrowException) as error:  # a time without end, bytes that are no text, ...
+        raise UnusableInput(f"a value of the answer cannot be printed ({error}): cast it to text, `column::text`") from None
 
 
 def _flat(answer: pa.Table) -> pa.Table:

@@ -119,9 +119,13 @@ def _record_id(scenario_id: str, out: Path | None, futures: Path) -> Path:
 
 
 def _recorded(scenario: Path, out: Path | None) -> Path | None:
-    """The recording that lies in the folder, unless another place is asked for."""
-    recordings = sorted(scenario.glob("*.rrd"))
-    return recordings[0] if recordings and out is None else None
+    """The recording that lies in the folder, unless another place is asked for; raises UnusableInput where there are several."""
+    recordings = sorted(scenario.glob("*.rrd")) if out is None else []
+    if len(recordings) > 1:
+        names = "".join(f"\n  drivegen view {shlex.quote(str(one))}" for one in recordings[:_LISTED])
+        more = f"\n  and {len(recordings) - _LISTED} more" if len(recordings) > _LISTED else ""
+        raise UnusableInput(f"{scenario} holds {len(recordings)} recordings, view one of them:{names}{more}")
+    return recordings[0] if recordings else None
 
 
 def _record(scenario: Path, out: Path | None) -> Path:

@@ -15,7 +15,8 @@ LARGEST = 2**63 - 1
 def derive(seed: int, *words: str | int) -> int:
     """A 63-bit seed for the stream named by `words`; independent of PYTHONHASHSEED."""
     text = "\x1f".join([str(seed), *map(str, words)])
-    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big") >> 1
+    raw = text.encode(errors="surrogateescape")  # words from a command line may be bytes that are no UTF-8
+    return int.from_bytes(hashlib.sha256(raw).digest()[:8], "big") >> 1
 
 
 def rng(seed: int, *words: str | int) -> np.random.Generator:

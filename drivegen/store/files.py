@@ -131,5 +131,5 @@ def write_json(path: Path, value: Any) -> None:
 
 def write_table(path: Path, table: pa.Table) -> None:
     """Parquet with zstd; nothing in it depends on when or where it was written."""
-    with whole(path) as temporary:
-        pq.write_table(table, temporary, compression="zstd", compression_level=3)
+    with whole(path) as temporary, temporary.open("wb") as file:
+        pq.write_table(table, file, compression="zstd", compression_level=3)

@@ -40,8 +40,11 @@ def find_sample(name: str, folders: Sequence[Path], generated: Path) -> tuple[Sc
     if parts is None or place is None:
         return None
     shard, scenario = place
-    files = [file for file in (generated / shard.name, generated / CASES) if scenario.scenario_id in ids_in(file)]
+    places = [file for file in (generated / shard.name, generated / CASES) if file.is_file()]
+    files = [file for file in places if scenario.scenario_id in ids_in(file)]
     if not files:
+        for damaged in (file for file in places if not ids_in(file)):
+            samples_in(damaged, scenario.scenario_id)  # raises, and says what is wrong with it
         return None
     samples = samples_in(files[0], scenario.scenario_id)
     number = int(parts[2])

@@ -96,7 +96,7 @@ def query(path: Path, sql: str) -> pa.Table:
             if len(statements := duckdb.extract_statements(sql)) != 1:
                 raise UnusableInput(f"one statement of SQL is answered at a time, not {len(statements)}")
             return connection.sql(sql).to_arrow_table()
-    except duckdb.Error as error:
+    except (duckdb.Error, UnicodeError, TypeError) as error:  # the last two where the statement is no UTF-8
         raise UnusableInput(_one_line(str(error)), reason="sql") from None
 
 

@@ -92,6 +92,10 @@ def test_view_takes_the_recording_that_lies_in_the_folder(folder, tmp_path):
     done = run("view", str(folder), "--no-show", cwd=tmp_path)
     assert done.returncode == 0
     assert "made.rrd" in done.stdout
+    (folder / "other.rrd").write_bytes(b"RRF2")
+    done = run("view", str(folder), "--no-show", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "holds 2 recordings, view one of them" in done.stderr
 
 
 def test_a_log_that_calls_itself_by_a_path_is_not_recorded(folder, tmp_path):
@@ -138,6 +142,11 @@ def test_view_takes_the_id_of_a_scenario_or_of_a_future_of_it(tmp_path):
     (tmp_path / "data/generated").rename(tmp_path / "data/corner")
     done = run("view", "town:7-s01", "--futures", "data/corner/drivegen", "--out", "round.rrd", "--no-show", cwd=tmp_path)
     assert (done.returncode, (tmp_path / "round.rrd").exists()) == (0, True), done.stderr
+    shard = tmp_path / "data/corner/drivegen/shard-00000.parquet"
+    shard.write_bytes(shard.read_bytes()[:500])
+    done = run("view", "town:7-s01", "--futures", "data/corner/drivegen", "--no-show", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "data/corner/drivegen/shard-00000.parquet" in done.stderr
 
 
 def test_without_models_generate_says_who_makes_them(tmp_path):

@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import pytest
 
 from drivegen.lm.ledger import CALLS
 from drivegen.store.results import Run, result_rows
@@ -37,3 +38,18 @@ def test_query_without_results_or_with_no_sql_is_one_sentence(tmp_path):
     done = run("query", "selct 1", cwd=tmp_path)
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("sql", "more"),
+    [
+        ("select 'infinity'::timestamp as t", ()),
+        ("select timestamp_ns '2020-01-01 10:00:00.123456789' as t", ()),
+        ("select '\\xFF'::blob as b", ("--csv",)),
+        ("select '\udcff' as a", ()),
+    ],
+)
+def test_what_cannot_be_printed_or_read_is_one_sentence(tmp_path, sql, more):
+    warehouse.build(tmp_path / "reports/drivegen.duckdb", {"calls": CALLS.empty_table()})
+    done = run("query", sql, *more, cwd=tmp_path)
+    assert (done.returncode, done.stdout, len(done.stderr.splitlines())) == (2, "", 1), done.stderr

@@ -37,3 +37,7 @@ def test_streams_do_not_depend_on_the_hash_seed_or_the_process():
 
 def test_a_derived_seed_fits_into_63_bits():
     assert all(0 <= seeds.derive(seed, "word") < 2**63 for seed in range(200))
+
+
+def test_words_may_be_bytes_that_are_no_text():
+    assert seeds.derive(7, "a \udcff crossing") != seeds.derive(7, "a \udcfe crossing")
