@@ -119,11 +119,12 @@ class Edit:
             return
         own = {"side": "side_speed", "cross": "side_speed", "ring": "ring_speed", "upper": "road_speed"}
         for part in parts:
-            fields = [field for field in (own.get(name, ""), "speed", "ramp_speed") if field in part]
+            names = ("ramp_speed",) if self.thing.has("ramp_speed") else (own.get(name, ""), "speed", "ramp_speed")
+            fields = [field for field in names if field in part]
             if not fields:
                 raise Unfit("no limit can be set there")
             part[fields[0]] = speed
-        if name in ("", "street"):
+        if name in ("", "street") and not self.thing.has("ramp_speed"):
             for junction in self.road.get("junctions", []):
                 junction["side_speed"] = speed
             self.road |= {slow: min(self.road[slow], speed) for slow in _SLOW if slow in self.road}
@@ -144,15 +145,16 @@ class Edit:
 
     def _turn_lanes(self, parts: list[Road], name: str) -> None:
         none = bool(self.thing.value("no_turn_lanes"))
+        rows = parts if name in ("crossing", "roundabout") else self.road.get("junctions", [])
         new = turning([self.thing], {"left_turn_lanes": 1}, "turn_bans") | (dict(_NO_TURN_LANES) if none else {})
         for which in ("main", "side"):
             for side in self.thing.values(f"{which}_turn_bans"):
                 field = "side_turn_bans" if which == "side" and self.kind == "corridor" else "turn_bans"
-                for part in self.road["junctions"] if self.kind == "corridor" else self._parts(which):
+                for part in rows if self.kind == "corridor" else self._parts(which):
                     part[field] = sorted({*part[field], side})
         if not new:
             return
-        holders = self.road.get("junctions", []) if self.kind == "corridor" else parts
+        holders = rows if self.kind == "corridor" else parts
         holders = [part for part in holders if "left_turn_lanes" in part]
         if not holders or self.kind == "roundabout" or (self.kind == "corridor" and name == "side"):
             raise Unfit("there is nothing here that could have turn lanes")

@@ -7,6 +7,7 @@ from pydantic import ValidationError
 
 from drivegen.core.errors import UnusableInput
 from drivegen.layouts.spec import MapSpec
+from drivegen.words.build_events import EVENTS
 from drivegen.words.cover import Grammar
 from drivegen.words.edit_fields import Edit
 from drivegen.words.read import meanings, unreadable
@@ -61,6 +62,11 @@ def apply(spec: MapSpec, scene: Scene) -> MapSpec:
     if spec.road.kind == "graph":
         raise Unfit("a free graph cannot be edited in words")
     fields = spec.model_dump(mode="json")
+    itself = {"corridor": ("street",), "highway": ("highway", "street"), "roundabout": ()}.get(spec.road.kind, (spec.road.kind,))
+    for thing in scene.things:
+        new = thing.name in EVENTS and not (thing.definite or scene.whole.has("more_lanes"))
+        if not (thing.facts or new or (thing.name in itself and thing.which is None)):
+            raise Unfit(f"it is not clear what changes at {thing.text!r}: say it as in 'add a lane on the side road'")
     for thing in (scene.whole, *scene.things):
         if (left_hand := thing.value("left_hand")) is not None:
             fields["left_hand"] = left_hand

@@ -5,7 +5,7 @@ import pytest
 from drivegen.core.errors import UnusableInput
 from drivegen.words.edits import edited
 from drivegen.words.read import read
-from tests.words.test_words_read import KMH, declined
+from tests.words.test_words_read import KMH
 
 
 @pytest.mark.parametrize(
@@ -18,9 +18,42 @@ from tests.words.test_words_read import KMH, declined
         ("a motorway, 120 km/h", "raise the limit by 10 mph", "by 10 mph"),
         ("a motorway, 120 km/h", "add 10 km/h", "add 10 kmh"),
         ("a roundabout with four arms", "reduce the ring limit by 5 km/h", "by 5 kmh"),
+        ("a T-junction with a main road and a side road", "add a lane to the side road", "changes at 'side road'"),
+        ("a T-junction with a main road and a side road", "add a lane to the stem", "changes at 'stem'"),
+        ("a crossing of a main road and a side road", "add a lane to the main road", "changes at 'main road'"),
+        ("a crossing", "add a lane to the north arm", "changes at 'arm'"),
+        ("a motorway with an off-ramp", "add a lane to the off-ramp", "changes at 'offramp'"),
+        ("a diamond interchange", "add a lane to the road above", "changes at 'road above'"),
+        ("a roundabout with four arms", "add a lane to the ring", "changes at 'ring'"),
+        ("a street with three crossings", "30 km/h at the second crossing", "changes at 'crossing'"),
+        ("a street with three crossings", "add a lane at the second crossing", "changes at 'crossing'"),
+        ("a motorway with an on-ramp and an off-ramp", "40 km/h on the ramps", "no limit can be set there"),
+        ("a motorway with an on-ramp and an off-ramp", "40 km/h on the slip road", "no limit can be set there"),
     ],
 )
 def test_an_edit_of_something_else_than_is_said_is_declined(road, edit, why):
     with pytest.raises(UnusableInput, match="\ntry: ") as refusal:
         edited(read(road, 7).road, edit)
     assert why in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("edit", "left"),
+    [
+        ("left-turn lanes at the first crossing", [1, 0, 0]),
+        ("left-turn lanes of 40 m at the last crossing", [0, 0, 1]),
+        ("left-turn lanes at every crossing", [1, 1, 1]),
+        ("no left turns at the first crossing", [0, 0, 0]),
+    ],
+)
+def test_an_edit_at_one_crossing_leaves_the_others(edit, left):
+    junctions = edited(read("a street with three crossings", 7).road, edit).road.junctions
+    assert [junction.left_turn_lanes for junction in junctions] == left
+    assert [bool(junction.turn_bans) for junction in junctions] == ["turns at the" in edit, False, False]
+
+
+@pytest.mark.parametrize("form", ["cloverleaf", "diamond interchange"])
+def test_a_limit_on_the_ramps_is_no_limit_of_the_motorway(form):
+    before = read(f"a {form}", 7).road.road
+    after = edited(read(f"a {form}", 7).road, "40 km/h on the ramps").road
+    assert after == before.model_copy(update={"ramp_speed": 40 * KMH})
