@@ -5,7 +5,7 @@ thing: VALUE is what its name says of it, SLOTS the fields that the slots of its
 fact, pre (only before its noun), post (never there): VALUE is that of a fact without slots; SCOPE the things that can hold
 it, "-" is the whole, the name of a scope stands for its words.
 place: where vehicles stand as seen from the target, alone and behind a distance. link: how two things are related.
-cannot: what neither a specification nor the simulator can hold. macro: `<name>` in forms.
+cannot: what neither a specification nor the simulator can hold. silent: says nothing, as a whole only. macro: `<name>` in forms.
 words: words that say nothing, and others that are told apart.
 """
 
@@ -102,7 +102,7 @@ def _phrase(head: re.Match[str], forms: tuple[str, ...]) -> Phrase:
     kind, value = head["kind"], None if head["value"] is None else json.loads(head["value"])
     if kind == "thing":
         return Phrase("thing", head["name"], forms, facts=value or {}, slots=tuple((head["slots"] or "").split()))
-    if kind in ("link", "cannot"):
+    if kind in ("link", "cannot", "silent"):
         return Phrase(kind, head["name"], forms)  # type: ignore[arg-type]
     scope = " ".join(macros("scope").get(word, word) for word in (head["scope"] or "").split())
     holders = tuple("" if holder == "-" else holder for holder in scope.split())

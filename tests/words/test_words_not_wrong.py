@@ -5,7 +5,7 @@ import pytest
 from drivegen.core.errors import UnusableInput
 from drivegen.words.edits import edited
 from drivegen.words.read import read
-from tests.words.test_words_read import KMH
+from tests.words.test_words_read import KMH, declined
 
 
 @pytest.mark.parametrize(
@@ -57,3 +57,27 @@ def test_a_limit_on_the_ramps_is_no_limit_of_the_motorway(form):
     before = read(f"a {form}", 7).road.road
     after = edited(read(f"a {form}", 7).road, "40 km/h on the ramps").road
     assert after == before.model_copy(update={"ramp_speed": 40 * KMH})
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("a motorway, a truck ahead, we overtake", "what 'overtake' belongs to"),
+        ("a crossing with a car, and we go left", "what 'left' belongs to"),
+    ],
+)
+def test_a_description_of_something_else_than_is_said_is_declined(text, why):
+    assert why in declined(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "does"),
+    [
+        ("a crossing with a bus, we turn left", "turn_left"),
+        ("a crossing with a bus ahead, I turn right", "turn_right"),
+        ("a motorway with a bus, we change to the left lane", "change_left"),
+    ],
+)
+def test_what_we_do_is_done_by_the_target(text, does):
+    traffic = read(text, 7).traffic
+    assert (traffic.target_does, [group.manoeuvre for group in traffic.groups]) == (does, [None])
