@@ -31,6 +31,9 @@ _TURN_LANES = ("turn_lanes", "turn_lanes_n", "both_turn_lanes")
 """A length right behind them is theirs: "with left and right turn lanes of 60 m"."""
 
 _RULED_OUT = ("no ", "without ")
+_TOGETHER = ("", "grid", "street")
+"""What "all" and "each" behind them may be said of: their streets and crossings."""
+
 _DIRECTIONS = {
     "one_way": (*_TURN_LANES, "control", "signals", "turn_bans", "speed"),
     "two_way": ("change", "change_to", "loses", "loses_side", "gains", "gains_side"),
@@ -121,7 +124,7 @@ class Walk:
             self.mark = word
             if word in ("with", "has", "having", "where"):
                 self.comma, self.described, self.shared = False, True, self.shared or self.det in ALL
-            if word not in words("prepositions"):
+            if word not in words("prepositions") and (self.det not in ALL or word in ("with", "has", "having", "where", "and")):
                 self.det = ""
 
     def _sentence_ends(self) -> None:
@@ -236,7 +239,7 @@ class Walk:
             self.comma = False
             return
         self._nothing_pending()
-        self._check_owner(fact)
+        self._check_owner(i, fact)
         if fact.name in _PLACED or fact.value in _DONE_TO_TARGET:
             self._seen_from_target(i)
         if fact.name == "side" and i + 1 < len(self.items) and self.items[i + 1].phrase.kind == "thing":
@@ -245,15 +248,26 @@ class Walk:
             self.fronted.append(fact)
             return
         holder = self._holder(i, fact)
-        other = holder.beside
-        if other is not None and other.name in MOVING and not other.has(*_SEEN) and fact.name in _SEEN:
-            raise Unfit(f"it is not clear whether {fact.text!r} is said of {other.text!r}, too")
+        self._check_holder(fact, holder)
         holder.facts.append(fact)
         self.segment.append((fact, holder))
         self.mark, self.det = "", ""
 
-    def _check_owner(self, fact: Fact) -> None:
+    def _check_holder(self, fact: Fact, holder: Thing) -> None:
+        """Raises Unfit for what "all" or "each" behind several things, or "and", may say of more than their last one."""
+        one = self.subject if self.subject is not None and self.subject.name.endswith("ramp") else holder
+        many = one.beside is None and (one.several or stem(one.text) != one.text)
+        if self.det in ALL and one.name not in _TOGETHER and fact.name not in ("around", "row") and not many:
+            raise Unfit(f"it is not clear of which {fact.text!r} is said")
+        other = holder.beside
+        if other is not None and other.name in MOVING and not other.has(*_SEEN) and fact.name in _SEEN:
+            raise Unfit(f"it is not clear whether {fact.text!r} is said of {other.text!r}, too")
+
+    def _check_owner(self, i: int, fact: Fact) -> None:
         """Raises Unfit where a fact is said of another one, of the target, or of a road of which it is never so."""
+        following = self.items[i + 1].text if i + 1 < len(self.items) else "."
+        if fact.text.endswith("before") and following in ("it", "that", "this", ",", "."):
+            raise Unfit(f"say what follows after how many metres, not {fact.text + ' ' + following!r}")
         if self.det == "another":
             raise Unfit(f"it is not clear of what other one {fact.text!r} is said")
         side_roads = fact.name == "lanes_each" and "side" in fact.text and "lane" not in fact.text  # "two on each side"

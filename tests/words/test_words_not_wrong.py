@@ -64,6 +64,17 @@ def test_a_limit_on_the_ramps_is_no_limit_of_the_motorway(form):
     [
         ("a motorway, a truck ahead, we overtake", "what 'overtake' belongs to"),
         ("a crossing with a car, and we go left", "what 'left' belongs to"),
+        ("a road with a bus ahead and a truck behind, both braking hard", "of which 'braking hard'"),
+        ("a road with a bus ahead and a truck behind, both are braking hard", "of which 'braking hard'"),
+        ("a crossing, a bus ahead and a truck behind, both of them turning right", "of which 'turning right'"),
+        ("a bus ahead and a truck behind, both standing still", "of which 'standing still'"),
+        ("a car in front and a truck, both 30 m ahead", "of which '30 m ahead'"),
+        ("a motorway, ten cars and two trucks, each driving at 80 km/h", "of which 'driving at 80 kmh'"),
+        ("a motorway with an on-ramp and an off-ramp, each limited to 40 km/h", "of which 'limited to 40 kmh'"),
+        ("a road with a crossing, 300 m before it a roundabout", "'300 m before it'"),
+        ("a road with a crossing, 200 m before it a T-junction", "'200 m before it'"),
+        ("a roundabout, 100 m before it a crossing, on a road", "'100 m before it'"),
+        ("a road with a crossing and a roundabout 100 m before", "'100 m before .'"),
     ],
 )
 def test_a_description_of_something_else_than_is_said_is_declined(text, why):
