@@ -139,7 +139,7 @@ def _two_roads(
     count: int, shape: str | None, main: list[Thing], side: list[Thing], streets: list[Thing], joins: set[str]
 ) -> tuple[list[Thing], list[Thing]]:
     """The things that are the first road (of a T: the one that goes through) and the second one."""
-    if len(main) > 1 or len(side) > 1:
+    if len(main) > 1 or len(side) > 1 or any(road.several for road in main):
         raise Unfit("there is one main road and one side road at a crossing")
     if count > 4 and any(road.has("speed", *_LANES) for road in (*main, *side)):
         raise Unfit(f"say by their numbers which of the {count} arms are of the main road")

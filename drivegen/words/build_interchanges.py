@@ -46,8 +46,10 @@ def _parts(scene: Scene, name: str) -> tuple[Thing, Thing, Thing, Thing]:
     highways = scene.named("highway")
     upper = scene.named("upper", "street", "main", "cross", "arm")
     ramps = scene.named("ramp", "on_ramp", "off_ramp", "crossing")
-    for thing in (*ramps, *highways, *upper):
-        thing.accept("count")
+    if any(thing.has("count") for thing in ramps if thing.name != "crossing"):
+        raise Unfit("an interchange has the ramps of its form: their number cannot be said")
+    if max(sum(int(thing.value("count") or 1) for thing in group) for group in (highways, upper, ramps)) > 2:
+        raise Unfit("two roads meet at an interchange, at two crossings at most")
     whole = scene.merged(name)
     crossings = [fact for thing in ramps if thing.name == "crossing" for fact in thing.facts]
     ramp = merged([thing for thing in ramps if thing.name != "crossing"])

@@ -85,11 +85,14 @@ def _junction(thing: Thing, shared: list[Thing], own: list[Thing], i: int, base:
         fields["side_length"] = length
     fields |= {"dead_end": _first(levels, "side_dead_end"), **turns_at(merged([*shared, thing, *own]))}
     if thing.name == "roundabout":
+        size, turns = _first(levels, "size"), turns_at(merged([*shared, thing, *own]))
+        if control not in (None, "yield") or turns or size == "large":
+            raise Unfit("roundabouts along a road have neither lights, signs nor turn lanes, and a diameter in metres")
         ring = _first(levels, "ring_lanes") or next(
             (v for level in levels[:2] for n in ("lane_road", "lanes") for v in level.values(n)), 1
         )
         usual = max(_SMALLEST_RING, min(36.0 + 8 * ring, spacing - _BETWEEN_RINGS))
-        usual = _SMALLEST_RING if _first(levels, "size") in ("small", "mini") and ring == 1 else usual
+        usual = _SMALLEST_RING if size in ("small", "mini") and ring == 1 else usual
         fields |= {"ring_lanes": ring, "diameter": _first(levels, "diameter") or usual, "control": "yield"}
     return fields
 

@@ -119,7 +119,9 @@ def _staggered(road: Thing, base: Road, things: list[Thing], sides: list[Thing],
         raise Unfit("a staggered junction stands alone along its road")
     offset = spacing_of(road, [whole, side]) or whole.value("gap") or choices.length("offset", 40, 60)
     control = said_control([whole, side, road]) or "yield"
-    side.accept("count", "both_sides")
+    side.accept("both_sides")
+    if sum(side.values("count")) > 2:
+        raise Unfit("a staggered junction has two side roads")
     whole.accept("signals", "setting")
     road.accept("signals")
     if (speed := speed_of(whole)) is not None:

@@ -4,7 +4,7 @@ from typing import Any
 
 from drivegen.core import seeds
 from drivegen.words.slots import KMH
-from drivegen.words.things import Thing, Undrawable, Unfit, only
+from drivegen.words.things import Thing, Undrawable, Unfit
 
 _SPEEDS = {"residential": 30 * KMH, "rural": 80 * KMH, "urban": 50 * KMH, None: 50 * KMH}
 ARTERIAL, FAST = 60 * KMH, 120 * KMH
@@ -41,16 +41,19 @@ def lanes_of(
     may be that of both carriageways. Raises Unfit where a number is open to two readings, or two contradict one another.
     """
     pairs: list[tuple[int, int]] = []
+    known: tuple[int, ...] = ()
     for name in ("lanes_each", "lanes_total", "lanes_pair", "lanes", "lane_road"):
-        for value in road.values(name):
-            if name in ("lanes", "lane_road") and pairs and value in (pairs[0][0], 0 if one_way else sum(pairs[0])):
-                continue  # "an eight-lane highway, four in each direction"
-            pairs.append(_counted(name, value, one_way=one_way, most=most if per_carriageway else 0, arms=arms))
+        if name == "lanes" and pairs:
+            known = pairs[0][0], 0 if one_way else sum(pairs[0])  # "an eight-lane highway, four in each direction"
+        values = [value for value in road.values(name) if value not in known]
+        pairs += [_counted(name, n, one_way=one_way, most=most if per_carriageway else 0, arms=arms) for n in values]
     if one_way and road.has("lanes_each"):
         raise Undrawable("a one-way road has no lanes in the other direction")
     if one_way:
         pairs = [(ahead, 0) for ahead, _ in pairs]
-    return only(pairs, "two different numbers of lanes are said of one road")
+    if len(set(pairs)) > 1:
+        raise Undrawable("two different numbers of lanes are said of one road")
+    return pairs[0] if pairs else None
 
 
 def _counted(name: str, value: Any, *, one_way: bool, most: int, arms: bool) -> tuple[int, int]:

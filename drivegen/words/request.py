@@ -80,6 +80,13 @@ class Group(_Part):
     manoeuvre: Manoeuvre | None = None
     within: Annotated[float, Field(gt=0, le=10)] | None = None
 
+    @model_validator(mode="after")
+    def _from_behind(self) -> Self:
+        beside = (None, Relation.LEFT, Relation.RIGHT)
+        if self.manoeuvre == Manoeuvre.OVERTAKE and self.place not in beside and not str(self.place).endswith("behind"):
+            raise ValueError(f"who overtakes begins behind the target, not {self.place}")
+        return self
+
 
 class TrafficRequest(_Part):
     """Traffic around one target vehicle; `speed` [m/s] is about what everybody drives at the first frame.

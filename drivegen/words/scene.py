@@ -270,6 +270,10 @@ class Walk:
             raise Unfit(f"say what follows after how many metres, not {fact.text + ' ' + following!r}")
         if self.det == "another":
             raise Unfit(f"it is not clear of what other one {fact.text!r} is said")
+        if fact.name == "arms" and self.mark in words("prepositions"):
+            raise Unfit(f"say which ones {fact.text!r} are")  # "a crossing with lights on three arms"
+        if fact.name == "spacing" and i and self.items[i - 1].phrase.name == "grid_size" and fact.text.startswith("block"):
+            raise Unfit("say the number of crossings and how far apart they are, or the number of blocks alone")
         side_roads = fact.name == "lanes_each" and "side" in fact.text and "lane" not in fact.text  # "two on each side"
         if side_roads or (self.mark == "including" and fact.name in _TURN_LANES):
             raise Unfit(f"it is not clear of what there are so many: {fact.text!r}")

@@ -193,7 +193,8 @@ def specifications(draw, roads):
 @st.composite
 def groups(draw):
     manoeuvre = draw(st.one_of(st.none(), st.sampled_from(Manoeuvre)))
-    place = draw(st.one_of(st.none(), st.sampled_from(Relation)))
+    behind = [Relation.LEFT, Relation.RIGHT, *(relation for relation in Relation if relation.endswith("behind"))]
+    place = draw(st.one_of(st.none(), st.sampled_from(behind if manoeuvre is Manoeuvre.OVERTAKE else list(Relation))))
     far = place not in (None, Relation.ONCOMING) and draw(st.booleans())
     count, queue = 1 if manoeuvre else draw(st.integers(1, 8)), draw(st.booleans())
     return Group(

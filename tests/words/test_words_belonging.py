@@ -254,7 +254,7 @@ def test_short_forms_draw_what_long_ones_do(text, plain):
         ("two crossings, the second one has two lanes each way", "'two lanes each way' belongs to"),
         ("a motorway with an on-ramp with a limit of 40 km/h and 60 km/h on the ramp", "contradict one another"),
         ("a crossing, both cars turn left", "say how many"),
-        ("five cars on a motorway, the second one brakes", "'second one' is"),
+        ("five cars on a motorway, the second one brakes hard", "'second one' is"),
         ("a motorway, my speed is 100 km/h, ten cars", "of the target alone"),
         ("the ego vehicle drives at 100 km/h on a motorway, ten cars", "of the target alone"),
         ("a motorway with ten cars; the third car brakes hard", "which one 'car' is"),

@@ -340,7 +340,7 @@ def test_turn_lanes_bans_lane_widths_and_sizes_are_held_against_a_specification(
 @pytest.mark.parametrize(
     "text",
     [
-        "signalised crossing, then a roundabout, then another signalised crossing",
+        "signalised crossing, then a T-junction, then another signalised crossing",
         "main road with four side streets, alternating left and right and well spaced out, stop signs on the side streets",
     ],
 )
