@@ -63,7 +63,7 @@ def test_a_limit_on_the_ramps_is_no_limit_of_the_motorway(form):
     ("text", "why"),
     [
         ("a motorway, a truck ahead, we overtake", "what 'overtake' belongs to"),
-        ("a crossing with a car, and we go left", "what 'left' belongs to"),
+        ("a crossing with a car, and we go left", "'go'"),
         ("a road with a bus ahead and a truck behind, both braking hard", "of which 'braking hard'"),
         ("a road with a bus ahead and a truck behind, both are braking hard", "of which 'braking hard'"),
         ("a crossing, a bus ahead and a truck behind, both of them turning right", "of which 'turning right'"),
@@ -101,6 +101,11 @@ def test_a_limit_on_the_ramps_is_no_limit_of_the_motorway(form):
         ("a crossing with left-turn lanes on three arms", "which ones 'three arms'"),
         ("a crossing with two lanes on three arms", "which ones 'three arms'"),
         ("a grid of 5 by 5 blocks of 80 m", "the number of blocks"),
+        ("a motorway with a car following me", "'following'"),
+        ("a crossing, a car goes left", "'goes'"),
+        ("a crossing, a bus drives to the right", "'drives'"),
+        ("a car goes right on a motorway", "'goes'"),
+        ("a motorway, a car gets in front of us", "'gets'"),
         ("a road with an oncoming car passing us", "begins behind the target, not oncoming"),
         ("a road with an oncoming truck that passes", "begins behind the target, not oncoming"),
         ("a motorway with a car ahead overtaking us", "begins behind the target, not ahead"),
@@ -123,3 +128,8 @@ def test_a_description_of_something_else_than_is_said_is_declined(text, why):
 def test_what_we_do_is_done_by_the_target(text, does):
     traffic = read(text, 7).traffic
     assert (traffic.target_does, [group.manoeuvre for group in traffic.groups]) == (does, [None])
+
+
+@pytest.mark.parametrize("text", ["a motorway with a lead truck and five cars", "a motorway with a lead bus braking hard"])
+def test_a_lead_vehicle_is_ahead(text):
+    assert read(text, 7).traffic.groups[0].place == "ahead"
