@@ -1,12 +1,12 @@
-"""Whether a body on wheels can move like this: acceleration, lateral acceleration, curvature, side slip, honest velocity.
+"""Whether a body on wheels can move like this: acceleration, lateral acceleration, curvature, side slip, honest steps.
 
 Derivatives are least-squares slopes of the velocity over windows of 11 steps (a Savitzky-Golay filter of first order),
 so the noise of tracked logs passes while a planner's jumps do not. Acceleration is split along and across the direction
 of travel: a_long = a . v/|v|, a_lat = v/|v| x a, curvature = a_lat / |v|^2. A velocity that the positions do not share is
 an error of its own, else a generator could state whatever is legal.
 
-Only whole windows are looked at, so a jump within the first or last five steps counts for less than one in the middle: shorter
-windows there would be as noisy as tracked logs are, and limits are read off those.
+Only whole windows are looked at: shorter ones would be as noisy as tracked logs are, and limits are read off those. What
+happens within one step, a jump or a turn on the spot, hides in a window, so every pair of steps is looked at as well.
 """
 
 import numpy as np
@@ -16,10 +16,12 @@ from drivegen.checker.limits import (
     ACCELERATION,
     BRAKING,
     CURVATURE,
+    JUMP,
     LATERAL_ACCELERATION,
     NEVER,
     SIDE_SLIP,
     SPEED,
+    SPIN,
     VELOCITY_ERROR,
 )
 from drivegen.core.scenario import DT
@@ -33,11 +35,15 @@ STEERING_SPEED = 3.0
 CRAWL = 1.0
 """Below this speed [m/s] the direction of travel is the vehicle's heading."""
 
+TIGHTEST = 0.3
+"""The sharpest turn that cars can steer, at their middle [1/m]."""
+
 _MEAN = 1 / (2 * HALF + 1)
 _SLOPE = 1 / (sum(k * k for k in range(-HALF, HALF + 1)) * DT)
 _SPAN = np.float32(1 / (2 * HALF * DT))
 _NEVER, _ZERO, _ONE = np.float32(NEVER), np.float32(0.0), np.float32(1.0)
-_CRAWL, _STEERING = np.float32(CRAWL), np.float32(STEERING_SPEED)
+_CRAWL, _STEERING, _TIGHTEST = np.float32(CRAWL), np.float32(STEERING_SPEED), np.float32(TIGHTEST)
+_HALF_STEP, _PER_SECOND = np.float32(DT / 2), np.float32(1 / DT)
 _RULES = (SPEED, ACCELERATION, BRAKING, LATERAL_ACCELERATION, VELOCITY_ERROR, CURVATURE, SIDE_SLIP)
 
 
@@ -74,6 +80,43 @@ def judge(position, direction, velocity, valid, limit, worst, first):  # type: i
                 while not _highest(whole, window, t, t + 1)[i] > limit[rule]:
                     t += 1
                 first[b, rule] = t
+        _judge_steps(position[b], direction[b], velocity[b], valid[b], limit, worst[b], first[b])
+
+
+@njit(cache=True, error_model="numpy")
+def _judge_steps(position, direction, velocity, valid, limit, worst, first):  # type: ignore[no-untyped-def]
+    """Fill JUMP and SPIN of one trajectory's `worst`, `first` (R,)."""
+    last = len(valid) - 1
+    motion = (position, direction, velocity, valid)
+    worst[JUMP], worst[SPIN] = highest = _highest_steps(motion, 0, last)
+    for i, rule in enumerate((JUMP, SPIN)):
+        if highest[i] > limit[rule]:
+            t = 0
+            while not _highest_steps(motion, t, t + 1)[i] > limit[rule]:
+                t += 1
+            first[rule] = t + 1
+
+
+@njit(cache=True, error_model="numpy", fastmath={"nnan", "nsz"})
+def _highest_steps(motion, begin, end):  # type: ignore[no-untyped-def]
+    """(largest jump [m], fastest turn beyond what the way allows [rad/s]) of steps that begin from `begin` to before `end`."""
+    position, direction, velocity, valid = motion
+    here, there = position[begin:], position[begin + 1 :]
+    facing, faces = direction[begin:], direction[begin + 1 :]
+    before, after = velocity[begin:], velocity[begin + 1 :]
+    valid, still = valid[begin:], valid[begin + 1 :]
+    jump = spin = _NEVER
+    for t in range(end - begin):
+        dx, dy = there[t, 0] - here[t, 0], there[t, 1] - here[t, 1]
+        ex = dx - _HALF_STEP * (before[t, 0] + after[t, 0])
+        ey = dy - _HALF_STEP * (before[t, 1] + after[t, 1])
+        ux, uy = faces[t, 0] - facing[t, 0], faces[t, 1] - facing[t, 1]
+        turned = np.sqrt(ux * ux + uy * uy) - _TIGHTEST * np.sqrt(dx * dx + dy * dy)  # the chord of a small angle is the angle
+        missed = ex * ex + ey * ey
+        both = valid[t] and still[t]
+        jump = missed if both and missed > jump else jump
+        spin = turned if both and turned > spin else spin
+    return np.sqrt(jump) if jump >= 0 else _NEVER, spin * _PER_SECOND
 
 
 @njit(cache=True, error_model="numpy", fastmath={"nnan", "nsz"})
@@ -110,7 +153,7 @@ def _highest(whole, window, begin, end):  # type: ignore[no-untyped-def]
         along, across = ux * ax + uy * ay, abs(ux * ay - uy * ax)
         differs = error_x * error_x + error_y * error_y
         curved = across * inverse * inverse if speed > _STEERING else _ZERO
-        slid = abs(cos * vy - sin * vx)
+        slid = max(abs(cos * vy - sin * vx), -(cos * vx + sin * vy))
         here = whole[t]
         top = speed if here and speed > top else top
         gain = along if here and along > gain else gain

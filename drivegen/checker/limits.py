@@ -23,14 +23,17 @@ class Limits:
         overlap: depth by which boxes of two vehicles may overlap, because measured boxes do [m].
         overlap_context: the same for a vehicle and a pedestrian, cyclist or motorcyclist [m].
         off_road: distance by which a corner may stay outside the drivable area for three looks in a row (`road.STRIDE`) [m].
-        wrong_way: time for which a vehicle may drive against every lane under it, outside junctions [s].
+        wrong_way: time for which a vehicle may face or move against every lane under it, outside junctions [s].
         speed: absolute speed [m/s].
         over_limit: speed above the lane's limit, where it has one [m/s].
         acceleration, braking: along the direction of travel, both positive [m/s2].
         lateral_acceleration: across it, either side [m/s2].
         velocity_error: difference between the stated velocity and that of the positions [m/s].
+        jump: distance between where one step leads and where the stated velocity leads in it [m].
         curvature: of the path, while faster than `dynamics.STEERING_SPEED` [1/m].
-        side_slip: speed across the vehicle's own heading [m/s].
+        side_slip: speed across the vehicle's own heading, or against it [m/s].
+        spin: how much faster the heading turns, from one step to the next, than a car that steers as sharply as it can on the way
+            of this step (`dynamics.TIGHTEST`) [rad/s].
         red_grace: how long a signal may have been red when a vehicle enters [s].
         stop_speed: lowest speed on the last metres before a stop line [m/s].
         yield_gap: time that must pass between leaving a conflict point and a vehicle with priority reaching it [s]; below zero
@@ -47,8 +50,10 @@ class Limits:
     braking: NotNegative
     lateral_acceleration: NotNegative
     velocity_error: NotNegative
+    jump: NotNegative
     curvature: NotNegative
     side_slip: NotNegative
+    spin: NotNegative
     red_grace: NotNegative
     stop_speed: NotNegative
     yield_gap: float
@@ -99,8 +104,10 @@ ALL_FINITE = 0.0
     BRAKING,
     LATERAL_ACCELERATION,
     VELOCITY_ERROR,
+    JUMP,
     CURVATURE,
     SIDE_SLIP,
+    SPIN,
     RED_GRACE,
     STOP_SPEED,
     YIELD_GAP,
@@ -118,6 +125,8 @@ FLAGS = (
     Violation.ACCELERATION,
     Violation.ACCELERATION,
     Violation.ACCELERATION,
+    Violation.ACCELERATION,
+    Violation.CURVATURE,
     Violation.CURVATURE,
     Violation.CURVATURE,
     Violation.RED_LIGHT,

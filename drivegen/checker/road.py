@@ -85,7 +85,7 @@ def judge(outside, around, directions, limits, origin, position, heading, direct
         )
         # An array of results costs more than the look-ups: both rules of the lanes come back as numbers.
         worst[b, WRONG_WAY], first[b, WRONG_WAY], worst[b, OVER_LIMIT], first[b, OVER_LIMIT] = _judge_lanes(
-            directions, limits, origin, position[b], heading[b], velocity[b], valid[b], limit[WRONG_WAY], limit[OVER_LIMIT]
+            directions, limits, origin, (position[b], heading[b], direction[b], velocity[b], valid[b]), limit
         )
 
 
@@ -118,8 +118,9 @@ def _judge_edges(outside, around, origin, position, direction, valid, length, wi
 
 
 @njit(cache=True, error_model="numpy")
-def _judge_lanes(directions, limits, origin, position, heading, velocity, valid, wrong_limit, over_limit):  # type: ignore[no-untyped-def]
+def _judge_lanes(directions, limits, origin, motion, limit):  # type: ignore[no-untyped-def]
     """(longest time against the lanes [s], its first step beyond the limit or -1, most above the speed limit [m/s], its step)."""
+    position, heading, direction, velocity, valid = motion
     against = 0
     longest, wrong_first, over, over_first = _NEVER, -1, _NEVER, -1
     for t in range(0, valid.shape[0], STRIDE):
@@ -136,14 +137,16 @@ def _judge_lanes(directions, limits, origin, position, heading, velocity, valid,
         if wrong:
             sector = int(np.floor(heading[t] * _SECTORS_PER_RADIAN)) % SECTORS
             wrong = lanes & _AGREEING[sector] == 0
+            if velocity[t, 0] * direction[t, 0] + velocity[t, 1] * direction[t, 1] < 0:  # it drives backwards
+                wrong |= lanes & _AGREEING[(sector + SECTORS // 2) % SECTORS] == 0
         against = against + STRIDE if wrong else 0
         lasting = np.float32(against * DT)
         longest = max(longest, lasting)
-        if wrong_first < 0 and lasting > wrong_limit:
+        if wrong_first < 0 and lasting > limit[WRONG_WAY]:
             wrong_first = t
         if limits[i, j] > 0:
             excess = speed - np.float32(limits[i, j]) * _LIMIT_UNIT
             over = max(over, excess)
-            if over_first < 0 and excess > over_limit:
+            if over_first < 0 and excess > limit[OVER_LIMIT]:
                 over_first = t
     return longest, wrong_first, over, over_first
