@@ -74,6 +74,17 @@ def test_wild_residuals_neither_miss_the_goal_nor_drive_backward(seed: int, rout
     assert backward(motion) < 0.01
 
 
+@pytest.mark.parametrize("way", [1.2, 3.0, 6.0])
+def test_a_residual_across_does_not_swing_a_vehicle_about_on_a_short_way(way: float) -> None:
+    moving = without_routes(LOGS.requests[~LOGS.requests.parked])
+    ahead = moving.position + way * np.stack([np.cos(moving.heading), np.sin(moving.heading)], axis=1)
+    stops = replace(moving, goal_position=ahead.astype(np.float32), goal_heading=moving.heading, goal_speed=0 * moving.speed)
+    x = np.tile(np.linspace(0, 1, GRID, dtype=np.float32), (len(stops), 1))
+    curves = Residuals(0 * x, np.sin(2 * np.pi * x) ** 2 / 2, np.pi * np.sin(4 * np.pi * x))  # half of its natural size, twice
+    swung = np.abs(wrap_angle(decode(Frames.of(stops), stops, curves, 101).heading - stops.heading[:, None])).max()
+    assert 0.005 < swung < 0.02 * way  # it bends with the way
+
+
 def test_a_goal_that_is_not_ahead_stops_the_vehicle(planner: Planner) -> None:
     moving = LOGS.requests[~LOGS.requests.parked]
     behind = replace(moving, goal_position=moving.position - 3 * np.stack([np.cos(moving.heading), np.sin(moving.heading)], 1))

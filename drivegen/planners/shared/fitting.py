@@ -8,12 +8,15 @@ from numpy.typing import NDArray
 
 from drivegen.core.scenario import DT, Trajectories
 from drivegen.planners.base import PlanRequests
-from drivegen.planners.shared.motion import ACROSS, ALONG, base_offset, lateral_ends, reach
+from drivegen.planners.shared.motion import ALONG, base_offset, lateral_ends, reach, sideways
 from drivegen.planners.shared.paths import Doubles, Frames, locate
 from drivegen.planners.shared.profile import base_speed, spline
 
 FARTHEST = 6.0
 """A log that strays farther from its path is none to learn from [m]."""
+
+NOISE = 8.0
+"""On ways shorter than this [m] what logs show across them is noise: steering would not show."""
 
 STIFFNESS = 1e-4
 """Ridge on the spline coefficients, relative to the weight of the frames: gaps in a log are bridged smoothly."""
@@ -27,7 +30,7 @@ CHUNK = 256
 
 @dataclass(frozen=True)
 class Encoded:
-    """Residuals of B logged tracks, relative to `reach`: along, across (B, COEFFICIENTS) spline coefficients.
+    """Residuals of B logged tracks: along, across (B, COEFFICIENTS) spline coefficients, relative to `reach` and `sideways`.
 
     `usable` (B,) bool says whether the track moves and keeps to its path; the others are no examples.
     """
@@ -48,9 +51,10 @@ def encode(frames: Frames, requests: PlanRequests, motion: Trajectories) -> Enco
     time, part, along, across, weight, offset = (rest[..., k] for k in range(6))
     usable = (frames.distance > 1.0) & ~requests.parked & (np.abs(offset).max(axis=1) < FARTHEST)
     distance = np.maximum(frames.distance, 1.0)[:, None]
+    steered = frames.distance > NOISE
     return Encoded(
         fit_splines(time, along, scored.astype(np.float64)) / reach(distance, ALONG),
-        fit_splines(part, across, weight) / reach(distance, ACROSS),
+        fit_splines(part, across, weight * steered[:, None]) / sideways(np.maximum(distance, NOISE)),
         usable,
     )
 

@@ -18,7 +18,10 @@ from drivegen.planners.shared.paths import LARGEST_TURN, Doubles, Frames, point_
 from drivegen.planners.shared.profile import base_speed
 
 ALONG, ACROSS = 20.0, 2.0
-"""Full sizes [m] of the residuals along and across the path, see `reach`."""
+"""Full sizes [m] of the residuals along and across the path, see `reach` and `sideways`."""
+
+STEERED = 20.0
+"""Way [m] on which a residual across has half of its full size."""
 
 GRID = 101
 """Points at which residuals are tabulated over [0, 1]."""
@@ -33,6 +36,15 @@ ROWS = 1024
 def reach(distance: Doubles, full: float) -> Doubles:
     """Natural size [m] of a residual: the distance gone where that is short, `full` where it is long."""
     return distance * full / (distance + full)
+
+
+@njit(cache=True)
+def sideways(distance: float) -> float:
+    """Natural size [m] of the residual across after `distance` [m], a number or an array: its square where that is short.
+
+    So what it bends is of the same curvature, about 2 ACROSS / STEERED ** 2, however short the way.
+    """
+    return distance * distance * ACROSS / (distance * distance + STEERED * STEERED)
 
 
 def lateral_ends(frames: Frames) -> Doubles:
@@ -65,7 +77,7 @@ class Residuals:
 
     Attributes:
         pace: (B, GRID) slope of the residual along, over the part of the time, relative to `reach`.
-        offset, slope: (B, GRID) residual across and its slope, over the part of the distance, relative to `reach`.
+        offset, slope: (B, GRID) residual across and its slope, over the part of the distance, relative to `sideways`.
     """
 
     pace: NDArray[np.float32]
@@ -157,7 +169,7 @@ def _decoded(
         if distance[b] > 0:
             v, gone = np.empty(last + 1), np.empty(last + 1)
             _paced(distance[b], duration[b], speed[b], pace[b], v, gone)
-            size = distance[b] * ACROSS / (distance[b] + ACROSS)
+            size = sideways(distance[b])
             for k in range(min(last + 1, steps)):
                 x = gone[k] / distance[b] * (GRID - 1)
                 i = min(int(x), GRID - 2)
