@@ -16,7 +16,7 @@ from drivegen.core.geometry import Floats, Polylines
 
 
 class LaneKind(IntEnum):
-    """Who may use a lane. Vehicles drive on VEHICLE and BUS lanes only."""
+    """Who may use a lane. Vehicles drive on VEHICLE and BUS lanes only; only buses are led onto BUS lanes."""
 
     VEHICLE = 0
     BUS = 1

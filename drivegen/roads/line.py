@@ -139,7 +139,8 @@ def extended(graph: LaneGraph, pieces: Sequence[Piece], reach: float, barred: ND
     while total < reach:
         last = way[-1].lane
         following = graph.successors[last]
-        following = following[barred[last] | ~barred[following]]
+        if not barred[last]:
+            following = following[~barred[following]]
         if len(following) == 0:
             if graph.leaves_map[last] or total < SHORTEST_ROUTE:
                 way[-1] = replace(way[-1], end=way[-1].end + max(reach - total, SHORTEST_ROUTE))
