@@ -176,7 +176,8 @@ def _neighbours(lanes: list[Lanelet], index: dict[int, int]) -> tuple[NDArray[np
             if beside is not None and beside[0] in index:
                 j = neighbour[i, side] = index[beside[0]]
                 same[i, side] = beside[1]
-                may_change[i, side] = beside[1] and not one.solid[side] and lanes[j].kind == one.kind
+                alike = (lanes[j].kind == LaneKind.BIKE) == (one.kind == LaneKind.BIKE)
+                may_change[i, side] = beside[1] and not one.solid[side] and alike
     return neighbour, same, may_change
 
 

@@ -16,7 +16,7 @@ from drivegen.core.geometry import Floats, Polylines
 
 
 class LaneKind(IntEnum):
-    """Who may use a lane. Vehicles drive on VEHICLE and BUS lanes only."""
+    """Who may use a lane. Vehicles drive on VEHICLE and BUS lanes only; only buses are led onto BUS lanes."""
 
     VEHICLE = 0
     BUS = 1
@@ -54,7 +54,8 @@ class RoadMap:
         links: (E, 2) int32 rows (lane, its successor), sorted and unique; indices, not ids.
         neighbour: (L, 2) int32 lane beside to the left, right, else NO_LANE.
         same_direction: (L, 2) bool whether that neighbour runs the same way.
-        may_change: (L, 2) bool whether a lane change to it is legal (same direction, markings allow it).
+        may_change: (L, 2) bool whether a lane change to it is legal (same direction, markings allow it; never between lanes for
+            bicycles and others). Who may be on a lane is said by `kind` alone.
         cut: (L, 2) bool whether lanes that lead to its start, on from its end, are missing here: the road goes on there, the
             map does not. Where neither a link nor a cut is, the network itself begins or ends.
         drivable: Polylines, closed outlines (first point not repeated); empty if unknown: the lanes' surfaces count.

@@ -129,7 +129,8 @@ def routes_of(graph: LaneGraph, scenario: Scenario, vehicle: int, settings: Sett
     """The routes on which `candidates` looks for places."""
     v, speed = scenario.vehicles, _speed(scenario, vehicle)
     reach = _reach(speed, settings.dynamics, scenario.horizon * DT)
-    return feasible_routes(graph, v.position[vehicle], float(v.heading[vehicle]), speed, reach, settings.most_routes)
+    place, kind = (v.position[vehicle], float(v.heading[vehicle])), int(v.kind[vehicle])
+    return feasible_routes(graph, *place, speed, reach, settings.most_routes, kind=kind)
 
 
 def candidates_on(routes: list[Route], scenario: Scenario, vehicle: int, settings: Settings) -> Candidates:

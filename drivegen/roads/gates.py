@@ -1,8 +1,12 @@
 """Where something must hold before a vehicle may drive on: the gates of a map, and the conflict points behind them.
 
 A gate is the stop line of a lane, or the start of the lane where no line is mapped, together with a signal, a stop sign or
-a duty to yield. Lanes that begin at the same line are siblings: which of them a vehicle took shows only later, so free
-siblings of guarded lanes are gates too, with nothing to hold.
+a duty to yield. Priority over who has to wait there have only ways that never wait (FREE) or have a light: maps say that a way
+waits, not for whom, and among ways that all wait the order can't be told from their shapes (LOG.md, "giving way among ways that
+all wait"). So neither priority to the right nor one minor way's before another is judged.
+
+Lanes that begin at the same line are siblings: which of them a vehicle took shows only later, so free siblings of guarded lanes
+are gates too, with nothing to hold.
 """
 
 from dataclasses import dataclass

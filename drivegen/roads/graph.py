@@ -1,6 +1,7 @@
 """The lane graph: one view of an Argoverse 2 or SUMO map on which routes, goals and traffic rules are computed.
 
-Motor vehicles' lanes only (BIKE lanes keep their index, but nothing leads to them). Links in CSR form, centrelines with
+Motor vehicles' lanes only (BIKE lanes keep their index, but nothing leads to them); bus lanes are among them, since logs show
+vehicles there, and `barred` says who is not led onto them. Links in CSR form, centrelines with
 no segment longer than `PIECE`, a grid for nearest-lane queries. Maps are often cropped: a lane without a predecessor
 (successor) is also found up to `BEYOND` before its start (after its end), on its straight extension.
 """
@@ -12,7 +13,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Polylines
-from drivegen.core.roadmap import NO_LANE, RoadMap
+from drivegen.core.roadmap import NO_LANE, LaneKind, RoadMap
+from drivegen.core.scenario import VehicleKind
 from drivegen.roads.grid import PIECE, LaneHits, SegmentGrid
 
 BEYOND = 20.0
@@ -101,6 +103,10 @@ class LaneGraph:
 
     def __len__(self) -> int:
         return len(self.length)
+
+    def barred(self, kind: int) -> NDArray[np.bool_]:
+        """(L,) lanes onto which no way leads a vehicle of `kind` (VehicleKind) from other lanes: bus lanes, but for buses."""
+        return np.equal(self.map.kind, LaneKind.BUS) & (kind != VehicleKind.BUS)
 
     def near(self, position: NDArray[np.floating], radius: float) -> LaneHits:
         """All usable lanes within `radius` [m] of `position` (2,), extensions included, nearest first."""

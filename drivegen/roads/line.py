@@ -119,10 +119,10 @@ def with_limits(route: Route, speed_limit: NDArray[np.float32]) -> Route:
     return replace(route, speed_limit=speed_limit[route.lane])
 
 
-def extended(graph: LaneGraph, pieces: Sequence[Piece], reach: float) -> list[Piece]:
+def extended(graph: LaneGraph, pieces: Sequence[Piece], reach: float, barred: NDArray[np.bool_]) -> list[Piece]:
     """`pieces` cut, or continued along the straightest successors, to `reach` [m] in all.
 
-    Where the map ends they go straight on; at a lane drop they end early.
+    Lanes `barred` (L,) follow one another only. Where the map ends they go straight on; at a lane drop they end early.
     """
     way: list[Piece] = []
     total = 0.0
@@ -139,6 +139,8 @@ def extended(graph: LaneGraph, pieces: Sequence[Piece], reach: float) -> list[Pi
     while total < reach:
         last = way[-1].lane
         following = graph.successors[last]
+        if not barred[last]:
+            following = following[~barred[following]]
         if len(following) == 0:
             if graph.leaves_map[last] or total < SHORTEST_ROUTE:
                 way[-1] = replace(way[-1], end=way[-1].end + max(reach - total, SHORTEST_ROUTE))

@@ -10,7 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Floats
-from drivegen.core.scenario import DT
+from drivegen.core.scenario import DT, VehicleKind
 from drivegen.roads.frenet import to_frenet
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.grid import MOST_HITS, _near
@@ -52,10 +52,13 @@ SHORTEST_BLEND, LONGEST_BLEND = 8.0, 40.0
 """Bounds of the half blend of a lane change [m]."""
 
 
-def match_route(graph: LaneGraph, positions: Floats, headings: Floats, beyond: float = 30.0) -> Route | None:
+def match_route(
+    graph: LaneGraph, positions: Floats, headings: Floats, beyond: float = 30.0, kind: int = VehicleKind.CAR
+) -> Route | None:
     """The route of a track: `positions` (T, 2) [m] and `headings` (T,) [rad] of its valid steps.
 
-    It begins abreast of the first position and ends `beyond` [m] after the last one. None if the track followed no lanes:
+    It begins abreast of the first position and ends `beyond` [m] after the last one. The track may be on any lane, what lies
+    beyond its end leads only a bus (`kind`, a VehicleKind) onto bus lanes. None if the track followed no lanes:
     nothing near, or a line that it leaves by more than MOST_OFFSET, or USUAL_OFFSET on average.
     """
     rows = _telling(np.ascontiguousarray(positions, np.float64))
@@ -69,7 +72,7 @@ def match_route(graph: LaneGraph, positions: Floats, headings: Floats, beyond: f
     if pieces is None:
         return None
     travelled = sum(max(piece.end - piece.begin, 0.0) for piece in pieces)
-    route = build_route(graph, extended(graph, pieces, travelled + beyond))
+    route = build_route(graph, extended(graph, pieces, travelled + beyond, graph.barred(kind)))
     offset = np.abs(to_frenet(route, positions)[:, 1])
     return None if offset.max() > MOST_OFFSET or offset.mean() > USUAL_OFFSET else route
 

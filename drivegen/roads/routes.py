@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import wrap_angle
+from drivegen.core.scenario import VehicleKind
 from drivegen.roads.frenet import from_frenet, to_frenet
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.grid import LaneHits
@@ -38,6 +39,9 @@ ANGLE_SCALE = 0.4
 SPREAD = 4.0
 """Start lanes that cost this much more than the best are left out."""
 
+SURELY = 1.0
+"""Who may not use bus lanes is on one only if that costs this much less than any other lane."""
+
 MOST_STARTS = 6
 
 CHANGE_SECONDS = 4.0
@@ -64,34 +68,47 @@ def feasible_routes(
     reach: float,
     most_routes: int = 12,
     most_changes: int = 2,
+    kind: int = VehicleKind.CAR,
 ) -> list[Route]:
     """Routes of at least `reach` [m] (shorter only where lanes end at a lane drop) from a pose, the likeliest kind first.
 
     `position` (2,) [m], `heading` [rad], `speed` [m/s]. Fewer lane changes come first, then better fitting start lanes,
     then less turning; at most `most_routes` with at most `most_changes` lane changes each. Empty if no lane is near.
+    Only a bus (`kind`, a VehicleKind) is led onto bus lanes; who is on one already may go on along it or leave it.
     """
-    starts, costs = start_lanes(graph, position, heading)
+    barred = graph.barred(kind)
+    starts, costs = start_lanes(graph, position, heading, barred)
     if len(starts) == 0:
         return []
     half = half_blend(speed)
-    tree = reachable(graph, starts.lane, starts.s, costs, reach, half, most_changes)
-    ways = _distinct([_pieces(graph, tree, int(leaf), reach, half) for leaf in _worthy(graph, tree, reach)])
+    tree = reachable(graph, starts.lane, starts.s, costs, reach, half, most_changes, barred)
+    ways = _distinct([_pieces(graph, tree, int(leaf), reach, half, barred) for leaf in _worthy(graph, tree, reach)])
     ways.sort(key=lambda way: (sum(p.change != 0 for p in way), _fit(way, starts, costs) + _turning(graph, way)))
     return [build_route(graph, way) for way in ways[:most_routes]]
 
 
-def start_lanes(graph: LaneGraph, position: NDArray[np.floating], heading: float) -> tuple[LaneHits, NDArray[np.float64]]:
-    """The lanes that a vehicle may be on, and the cost (H,) of each; if it is on none, those that it may join."""
+def start_lanes(
+    graph: LaneGraph, position: NDArray[np.floating], heading: float, barred: NDArray[np.bool_]
+) -> tuple[LaneHits, NDArray[np.float64]]:
+    """The lanes that a vehicle may be on, and the cost (H,) of each; if it is on none, those that it may join.
+
+    Of lanes `barred` (L,) those that it is surely on, or where no others are near.
+    """
     hits = graph.near(position, NEAR_LANE)
     angle = np.abs(wrap_angle(hits.heading - heading)).astype(np.float64)
     fits = (hits.distance <= ON_LANE) & (angle <= ALONG_LANE)
     if not fits.any():
         fits = angle <= JOINING
+        if (others := fits & ~barred[hits.lane]).any():
+            fits = others
         if fits.any():
             fits &= hits.distance <= hits.distance[fits].min() + ON_LANE
     fits &= ~_behind(graph, hits, fits)
     cost = (hits.distance / OFFSET_SCALE) ** 2 + (angle / ANGLE_SCALE) ** 2
     fits &= cost <= cost[fits].min(initial=np.inf) + SPREAD
+    others = fits & ~barred[hits.lane]
+    if cost[others].min(initial=np.inf) <= cost[fits].min(initial=np.inf) + SURELY:
+        fits = others
     chosen = np.flatnonzero(fits)
     chosen = chosen[np.lexsort((hits.lane[chosen], cost[chosen]))][:MOST_STARTS]
     starts = LaneHits(hits.lane[chosen], hits.s[chosen], hits.d[chosen], hits.heading[chosen], hits.distance[chosen])
@@ -116,7 +133,7 @@ def _worthy(graph: LaneGraph, tree: LaneTree, reach: float) -> NDArray[np.intp]:
     return np.flatnonzero(tree.leaf & ((tree.change == 0) | (stays >= LEAST_NEW)))
 
 
-def _pieces(graph: LaneGraph, tree: LaneTree, leaf: int, reach: float, half: float) -> list[Piece]:
+def _pieces(graph: LaneGraph, tree: LaneTree, leaf: int, reach: float, half: float, barred: NDArray[np.bool_]) -> list[Piece]:
     """The way from the start to `leaf`, continued along the straightest successors up to `reach` [m]."""
     chain = [leaf]
     while tree.parent[chain[-1]] >= 0:
@@ -130,7 +147,7 @@ def _pieces(graph: LaneGraph, tree: LaneTree, leaf: int, reach: float, half: flo
         if change:
             begin = abreast(graph, way[-1].lane, way[-1].end, lane)
         way.append(Piece(lane, begin, max(end, begin), change, half))
-    return extended(graph, way, reach)
+    return extended(graph, way, reach, barred)
 
 
 def _distinct(ways: list[list[Piece]]) -> list[list[Piece]]:

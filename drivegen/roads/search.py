@@ -51,11 +51,15 @@ def reachable(
     reach: float,
     half_blend: float,
     most_changes: int,
+    barred: NDArray[np.bool_],
 ) -> LaneTree:
-    """The tree from start lanes (S,), entered at `begins` (S,) [m] with `costs` (S,) [m], up to `reach` [m] away."""
+    """The tree from start lanes (S,), entered at `begins` (S,) [m] with `costs` (S,) [m], up to `reach` [m] away.
+
+    Lanes `barred` (L,) are entered from one another only: who starts on one may go on along it, or leave it.
+    """
     whole, numbers = _tree(
         lanes, begins.astype(np.float64), costs.astype(np.float64), reach, half_blend, most_changes, graph.length,
-        graph.successors.start, graph.successors.lane, graph.change,
+        graph.successors.start, graph.successors.lane, graph.change, barred,
     )  # fmt: skip
     leaf = np.ones(len(whole), np.bool_)
     leaf[whole[(whole[:, 1] >= 0) & (whole[:, 2] == 0), 1]] = False
@@ -75,7 +79,7 @@ def _push(ints, floats, waiting, lane, parent, change, changes, begin, distance,
 
 
 @njit(cache=True)
-def _tree(lanes, begins, costs, reach, half_blend, most_changes, length, start, successor, change):  # type: ignore[no-untyped-def]
+def _tree(lanes, begins, costs, reach, half_blend, most_changes, length, start, successor, change, barred):  # type: ignore[no-untyped-def]
     """Dijkstra's search with a linear scan, as the open list is short.
 
     Columns: lane, parent, change, changes; begin, distance, left_at.
@@ -99,6 +103,8 @@ def _tree(lanes, begins, costs, reach, half_blend, most_changes, length, start, 
         leaves_at = entered + max(length[lane] - begin, 0.0)
         if leaves_at < reach:
             for i in range(start[lane], start[lane + 1]):
+                if barred[successor[i]] and not barred[lane]:
+                    continue
                 onward = cost + leaves_at - entered
                 waiting = _push(ints, floats, waiting, successor[i], count, 0, changes, 0.0, leaves_at, length[lane], onward)
         earliest = half_blend * (1 + 2 * changes)
@@ -107,7 +113,7 @@ def _tree(lanes, begins, costs, reach, half_blend, most_changes, length, start, 
         beside = cost + at - entered + CHANGE_COST + HURRY_COST * max(earliest - at, 0.0)
         for side in range(2 if changes < most_changes and at < reach else 0):
             other = change[lane, side]
-            if other >= 0:
+            if other >= 0 and (barred[lane] or not barred[other]):
                 abreast = place * length[other] / max(length[lane], 1.0)  # lanes side by side begin and end abreast
                 way = 1 - 2 * side
                 waiting = _push(ints, floats, waiting, other, count, way, changes + 1, abreast, at, place, beside)

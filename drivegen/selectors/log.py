@@ -70,7 +70,7 @@ def _with_logged_end(graph: LaneGraph, scenario: Scenario, vehicle: int, given: 
     track = scenario.log[vehicle]
     last, seen = int(track.last_valid()), track.valid
     position = track.position[last]
-    route = match_route(graph, track.position[seen], track.heading[seen])
+    route = match_route(graph, track.position[seen], track.heading[seen], kind=int(scenario.vehicles.kind[vehicle]))
     if route is None:
         s, d, number, lane, leaves = 0.0, 0.0, NO_ROUTE, NO_LANE, False
         kind = manoeuvres(None, 0.0, float(track.speed[last]))

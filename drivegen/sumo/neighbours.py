@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.geometry import Polylines, interpolate, project
-from drivegen.core.roadmap import NO_LANE, LaneControl
+from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind
 from drivegen.sumo.net_lanes import NetLanes
 
 _GAP = 1.5
@@ -28,7 +28,8 @@ def neighbours(
     _part_fans(lanes, centreline, beside)
     there = beside != NO_LANE
     free = np.where(lanes.internal, control == LaneControl.FREE, True)
-    fits = lanes.kind[:, None] == lanes.kind[beside]
+    bicycles = lanes.kind == LaneKind.BIKE
+    fits = bicycles[:, None] == bicycles[beside]  # who may use a bus lane is not a question of markings
     may_change = there & lanes.changes & fits & free[:, None] & free[beside]
     same = there.copy()
     for i, j in _opposite(lanes, centreline):

@@ -54,7 +54,7 @@ def target_paths(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories])
     for scenario, motion in zip(scenarios, traffic, strict=True):
         if id(scenario.map) not in graphs:
             graphs[id(scenario.map)] = LaneGraph.of(scenario.map)
-        line, limit = _path(graphs[id(scenario.map)], motion[TARGET])
+        line, limit = _path(graphs[id(scenario.map)], motion[TARGET], int(scenario.vehicles.kind[TARGET]))
         lines.append(line)
         limits.append(limit)
     return packed(lines, limits)
@@ -68,10 +68,10 @@ def route_paths(scenarios: Sequence[Scenario], traffic: Sequence[Trajectories]) 
     graphs = {id(scenario.map): LaneGraph.of(scenario.map) for scenario in {id(s.map): s for s in scenarios}.values()}
     pairs = []
     for scenario, motion in zip(scenarios, traffic, strict=True):
-        own, graph = motion[TARGET], graphs[id(scenario.map)]
+        own, graph, kind = motion[TARGET], graphs[id(scenario.map)], int(scenario.vehicles.kind[TARGET])
         reach = max(CRUISE, float(own.speed[own.valid].max())) * own.steps * DT
-        route = match_route(graph, own.position[own.valid], own.heading[own.valid], reach)
-        pairs.append(_path(graph, own) if route is None else (route.line, route.speed_limit))
+        route = match_route(graph, own.position[own.valid], own.heading[own.valid], reach, kind)
+        pairs.append(_path(graph, own, kind) if route is None else (route.line, route.speed_limit))
     lines, limits = zip(*pairs, strict=True)
     return packed(lines, limits)
 
@@ -99,18 +99,19 @@ def _every_metre(line: Floats, limit: Floats) -> tuple[Floats, Floats]:
     return points + beyond * unit(line_heading(line)[-1:]), limit[nearest]
 
 
-def _path(graph: LaneGraph, motion: Trajectories) -> tuple[Floats, Floats]:
+def _path(graph: LaneGraph, motion: Trajectories, kind: int) -> tuple[Floats, Floats]:
     driven, heading, speed = _driven(motion)
     along = arc_length(driven)
     left = max(max(CRUISE, speed) * motion.steps * DT - float(along[-1]), BLEND)
-    route = match_route(graph, motion.position[motion.valid], motion.heading[motion.valid], left) if len(driven) > 1 else None
+    seen = motion.position[motion.valid], motion.heading[motion.valid]
+    route = match_route(graph, *seen, left, kind) if len(driven) > 1 else None
     if route is not None:  # both begin abreast of the first position
         limits = route.speed_limit[np.clip(along / SPACING, 0, len(route.line) - 1).astype(np.int64)]
         begin = int(np.ceil(project(route.line.astype(np.float64), driven[-1])[0] / SPACING))
         onward, limit = _joined(driven[-1], route, min(begin, len(route.line) - 2))
         return np.concatenate([driven, onward]), np.concatenate([limits, limit])
     limits = _limits_under(graph, driven)
-    routes = feasible_routes(graph, driven[-1], heading, speed, left, most_routes=1, most_changes=0)
+    routes = feasible_routes(graph, driven[-1], heading, speed, left, most_routes=1, most_changes=0, kind=kind)
     onward, limit = _joined(driven[-1], routes[0], 0) if routes else (driven[-1] + left * unit(np.array([heading])), limits[-1:])
     return np.concatenate([driven, onward]), np.concatenate([limits, limit])
 

@@ -2,7 +2,8 @@
 
 Who is on such a way, or on the lanes that lead there, has right of way over the target if the other's way does not have to yield
 or stop and the target's does; between equals if it comes from the right, or comes the other way while the target alone turns
-left. Who has a red or yellow light and has not entered counts for nobody.
+left. This is what drivers are shown, not what they are judged by: real roads often have another order between such equals. Who
+has a red or yellow light and has not entered counts for nobody.
 """
 
 from collections.abc import Iterator

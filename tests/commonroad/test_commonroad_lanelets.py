@@ -102,6 +102,18 @@ def test_solid_lines_are_not_crossed() -> None:
     assert road_map.may_change[1, 1]
 
 
+@pytest.mark.parametrize(
+    ("kinds", "may"), [("busLane urban", True), ("bicycleLane urban", False), ("busLane bicycleLane", False)]
+)
+def test_one_may_change_between_lanes_for_motor_vehicles_alone(kinds, may) -> None:
+    left, right = (f"<laneletType>{kind}</laneletType>" for kind in kinds.split())
+    beside = '<adjacentLeft ref="2" drivingDir="same"/>', '<adjacentRight ref="1" drivingDir="same"/>'
+    road_map = read(
+        lanelet(1, *STRAIGHT, beside[0] + right), lanelet(2, [(0, 6), (50, 6)], STRAIGHT[0], beside[1] + left), version="2020a"
+    ).map
+    assert road_map.may_change.tolist() == [[may, False], [False, may]]
+
+
 STOP_LINE = f"<stopLine>{points([(49, -2), (49, 2)])}<lineMarking>solid</lineMarking></stopLine>"
 LIGHT = """<trafficLight id="70"><cycle><cycleElement><duration>20</duration><color>red</color></cycleElement>
 <cycleElement><duration>10</duration><color>redYellow</color></cycleElement>

@@ -10,6 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivegen.core.errors import UnusableInput
+from drivegen.core.roadmap import LaneKind
+from drivegen.core.scenario import VehicleKind
 from drivegen.core.signals import Signals, SignalState
 from drivegen.goals.candidates import Settings, candidates
 from drivegen.goals.cover import cover
@@ -34,6 +36,15 @@ def alone(roads, line, start, speed, signals=None):
 
 def all_candidates(scene, graph):
     return [candidates(graph, scene, n, SETTINGS) for n in range(len(scene.vehicles))]
+
+
+def test_only_buses_have_goals_on_a_bus_lane():
+    roads = scenes.straight_road(300, 2)
+    roads.kind[0] = LaneKind.BUS
+    scene = alone(roads, np.array([[0.0, 3.5], [300.0, 3.5]]), 20, 10.0)
+    assert set(candidates(LaneGraph.of(roads), scene, 0, SETTINGS).lane.tolist()) == {1}
+    scene.vehicles.kind[0] = VehicleKind.BUS
+    assert set(candidates(LaneGraph.of(roads), scene, 0, SETTINGS).lane.tolist()) == {0, 1}
 
 
 def test_candidates_lie_on_their_routes_and_within_reach():

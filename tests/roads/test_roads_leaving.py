@@ -44,6 +44,16 @@ def test_a_lane_that_is_dropped_is_no_exit_and_a_lane_for_bicycles_is_none():
     assert len(Exits.of(bikes)) == 0
 
 
+def test_a_bus_lane_that_ends_beside_a_lane_that_goes_on_is_no_exit_and_one_that_ends_with_its_road_is():
+    lines = [[[0, 0], [100, 0]], [[0, 3.5], [100, 3.5]], [[100, 0], [200, 0]]]
+    roads = road_map(lines, links=[(0, 2)], neighbours=[(1, 0)], whole=True)
+    roads.kind[1] = LaneKind.BUS
+    assert Exits.of(roads).lane.tolist() == [2]
+    roads = straight_road(100, 2, whole=True)
+    roads.kind[0] = LaneKind.BUS
+    assert Exits.of(roads).lane.tolist() == [0, 1]
+
+
 def test_who_comes_in_by_an_exit_or_drives_by_beside_it_or_begins_beyond_it_does_not_leave():
     roads = straight_road(100, 1, whole=True)
     way_in = drive(np.array([[120.0, 0.0], [20.0, 0.0]]), 0, 8, 101)

@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 
 from drivegen.av2.maps import read_map
 from drivegen.core.geometry import wrap_angle
+from drivegen.core.roadmap import LaneKind
+from drivegen.core.scenario import VehicleKind
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.routes import SPACING, feasible_routes, from_frenet, match_route, to_frenet
 from tests import scenes
@@ -78,6 +80,59 @@ def test_a_lane_drop_ends_the_route_on_it():
     assert not by_lanes[(1,)].leaves_map
     assert by_lanes[(1, 0, 2)].leaves_map
     assert by_lanes[(1, 0, 2)].exit_s == pytest.approx(85, abs=1.5)
+
+
+def with_bus_lanes(roads, *lanes):
+    roads.kind[list(lanes)] = LaneKind.BUS
+    return LaneGraph.of(roads)
+
+
+def lanes_of(graph, y, kind=VehicleKind.CAR, x=20.0, reach=150.0):
+    return {route.lanes for route in feasible_routes(graph, np.array([x, y]), 0.0, 10.0, reach, kind=kind)}
+
+
+@pytest.mark.parametrize("y", [3.5, 2.2, 1.8])
+def test_only_buses_change_onto_a_bus_lane(y):
+    graph = with_bus_lanes(scenes.straight_road(300, 2), 0)
+    assert lanes_of(graph, y) == {(1,)}
+    assert lanes_of(graph, 3.5, VehicleKind.BUS) == {(1,), (1, 0)}
+
+
+def test_who_is_on_a_bus_lane_may_go_on_along_it_or_leave_it():
+    graph = with_bus_lanes(scenes.straight_road(300, 2), 0)
+    assert lanes_of(graph, 0.0) == {(0,), (0, 1)}
+    assert lanes_of(graph, 1.0) == {(0,), (1,)}  # both lanes fit
+    assert lanes_of(with_bus_lanes(scenes.straight_road(300, 1), 0), 5.0) == {(0,)}  # beside the road, and there is no other
+
+
+def test_who_joins_the_road_from_beside_a_bus_lane_joins_the_lane_for_cars():
+    graph = with_bus_lanes(scenes.straight_road(300, 2), 0)
+    assert lanes_of(graph, -5.0) == {(1,)}
+    assert (0,) in lanes_of(graph, -5.0, VehicleKind.BUS)
+
+
+FORK = [[(0, 0), (50, 0)], [(50, 0), (150, 0)], [(50, 0), (100, 20), (150, 50)]]
+
+
+def test_where_a_lane_goes_on_as_a_bus_lane_cars_turn_off_or_stop():
+    graph = with_bus_lanes(scenes.road_map(FORK, links=[(0, 1), (0, 2)]), 1)
+    assert lanes_of(graph, 0.0) == {(0, 2)}
+    assert lanes_of(graph, 0.0, VehicleKind.BUS) == {(0, 1), (0, 2)}
+    assert lanes_of(graph, 0.0, x=0.0, reach=200.0) == {(0, 2)}
+    graph = with_bus_lanes(scenes.road_map(FORK[:2], links=[(0, 1)]), 1)
+    only = feasible_routes(graph, np.array([20.0, 0.0]), 0.0, 10.0, 100.0)
+    assert [route.lanes for route in only] == [(0,)]
+    assert only[0].length == pytest.approx(30, abs=1)
+
+
+def test_a_logged_track_may_lie_on_a_bus_lane_and_goes_on_as_its_kind_may():
+    graph = with_bus_lanes(scenes.road_map(FORK, links=[(0, 1), (0, 2)]), 1)
+    x = np.arange(0.0, 90.0, 2.0)
+    along = np.stack([x, np.zeros_like(x)], 1)
+    assert match_route(graph, along, np.zeros_like(x)).lanes == (0, 1)
+    early = along[:20], np.zeros(20)
+    assert match_route(graph, *early).lanes == (0, 2)
+    assert match_route(graph, *early, kind=VehicleKind.BUS).lanes == (0, 1)
 
 
 def test_a_kinked_road_is_rounded():

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind
 from drivegen.core.signals import SignalState
+from drivegen.roads.leaving import Exits
 from drivegen.sumo.network import Network, read_network
 from tests.refusals import assert_one_sentence
 from tests.sumo.nets import CROSS
@@ -79,6 +80,20 @@ def test_neighbours_know_direction_and_whether_one_may_change(net):
     assert net.map.may_change[right].tolist() == [True, False]
     assert net.map.may_change[left].tolist() == [False, False]  # changeRight="emergency"
     assert net.map.neighbour[lane(net, "w_out_0"), 0] == left
+
+
+BUS_LANE = RAW.replace(
+    b'speed="13.89" length="90" shape="0,95.2 90,95.2"', b'allow="bus" speed="13.89" length="90" shape="0,95.2 90,95.2"'
+)
+
+
+def test_one_may_change_between_a_bus_lane_and_a_lane_for_cars_so_it_ends_beside_that_without_an_exit():
+    ends = re.sub(rb'<connection from="w_in" to="[a-z_]*" fromLane="1".*/>', b"", BUS_LANE)
+    net = Network.read(ends, "bus lane")
+    right = lane(net, "w_in_1")
+    assert net.map.kind[right] == LaneKind.BUS
+    assert net.map.may_change[right].tolist() == [True, False]
+    assert {net.lane_names[i] for i in Exits.of(net.map).lane} == {"w_out_0", "e_out_0", "n_out_0"}
 
 
 @pytest.mark.parametrize("yes", [b"true", b"1"])

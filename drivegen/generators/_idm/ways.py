@@ -58,7 +58,7 @@ def _of_vehicle(graph: LaneGraph, scenario: Scenario, n: int, most: int, lane_ch
     vehicles = scenario.vehicles
     position, heading, speed = vehicles.position[n], float(vehicles.heading[n]), float(vehicles.speed[n])
     reach = min(max(CRUISE, GAIN * speed) * scenario.horizon * DT, (POINTS - 1) * SPACING)
-    routes = feasible_routes(graph, position, heading, speed, reach, most, lane_changes)
+    routes = feasible_routes(graph, position, heading, speed, reach, most, lane_changes, int(vehicles.kind[n]))
     ways = [_faded(route.line, route.speed_limit, route.lane, position, speed) for route in routes]
     if ways:
         return ways

@@ -137,8 +137,9 @@ def examples_from_logs(scenarios: Sequence[Scenario], graphs: Sequence[LaneGraph
             continue
         valid = scenario.log.valid
         for vehicle in np.flatnonzero(valid[:, 0] & (valid.sum(-1) >= max(2, min_seen * scenario.steps))):
-            present, track = valid[vehicle], scenario.log[vehicle]
-            matches.append((s, int(vehicle), match_route(graph, track.position[present], track.heading[present])))
+            present, track, kind = valid[vehicle], scenario.log[vehicle], int(scenario.vehicles.kind[vehicle])
+            route = match_route(graph, track.position[present], track.heading[present], kind=kind)
+            matches.append((s, int(vehicle), route))
     return _examples(scenarios, matches, seed)
 
 
