@@ -9,7 +9,7 @@ from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.settings import Count
 from drivegen.core.twins import twin
 from drivegen.generators.shared.learned import Learned
-from drivegen.metrics.displacement import mean_errors
+from drivegen.metrics.proper import mean_errors
 from drivegen.store.draw import draw_places
 from drivegen.store.scenarios import read_shard, shards
 
@@ -45,6 +45,6 @@ def rolled_out(
 
 
 def scores_of(generator: Learned, split: Path, samples: int, seed: int, told_log: bool = False) -> dict[str, float]:
-    """Displacement errors [m] of `samples` futures of every scenario of a split, means over scenarios; shard by shard."""
+    """Errors [m] of `samples` futures of every scenario of a split, means over scenarios; shard by shard."""
     logs = ([scene for scene in read_shard(shard) if scene.log is not None] for shard in shards(split))
     return mean_errors(pair for part in logs for pair in rolled_out(generator, part, samples, seed, told_log))
