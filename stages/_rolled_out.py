@@ -33,6 +33,10 @@ class Watched:
         scenes = [read_shard(shard)[row] for shard, row in places]
         return [twin(scene) if n % 2 else scene for n, scene in enumerate(scenes) if scene.log is not None]
 
+    def errors(self, generator: Learned, scenes: Sequence[Scenario]) -> dict[str, float]:
+        """Of its futures of these scenes, the same seeds whenever asked; see `metrics.proper.mean_errors`."""
+        return mean_errors(rolled_out(generator, scenes, self.samples, WATCHED_SEED))
+
 
 def rolled_out(
     generator: Learned, logged: Sequence[Scenario], samples: int, seed: int, told_log: bool = False

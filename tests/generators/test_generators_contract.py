@@ -235,25 +235,25 @@ def test_who_draws_by_a_temperature_keeps_the_best_with_the_weights(name: str, s
     def rolled(tried: Learned) -> dict[str, float]:
         temperature = float(tried.temperature)
         made[temperature] = tried.generate(three_scenes(), SAMPLES, 7)
-        return {"error": abs(temperature - 0.4), "another": temperature}
+        return {"a": temperature, "b": 0.02 / temperature, "c": -9 * temperature}
 
-    found = generator.tune([1.0, 0.5, 0.05], rolled, "error")
+    found = generator.tune([1.0, 0.15, 0.05], rolled, ["a", "b"])
     if not generator.tempered:
         assert found == made == {}
         return
-    assert found == {t: {"error": abs(t - 0.4), "another": t} for t in (1.0, 0.5, 0.05)}
+    assert found == {t: {"a": t, "b": 0.02 / t, "c": -9 * t} for t in (1.0, 0.15, 0.05)}
     assert not same(made[1.0], made[0.05])
     generator.save(tmp_path / "generators" / name)
     opened = plugins.load("generators", name)(tmp_path, settings)
-    assert float(opened.temperature) == 0.5
-    assert same(opened.generate(three_scenes(), SAMPLES, 7), made[0.5])
-    assert {float(bound.temperature) for bound in opened.bounds().values()} <= {0.5}
+    assert float(opened.temperature) == 0.15
+    assert same(opened.generate(three_scenes(), SAMPLES, 7), made[0.15])
+    assert {float(bound.temperature) for bound in opened.bounds().values()} <= {0.15}
 
 
 def test_the_first_temperature_is_kept_where_there_is_nothing_to_choose_by() -> None:
     generator = copy.deepcopy(trained("trafficgen")[0])
     assert float(generator.temperature) == 1
-    assert generator.tune([0.7, 0.5], lambda _: {}, "error") == {0.7: {}, 0.5: {}}
+    assert generator.tune([0.7, 0.5], lambda _: {}, ["a"]) == {0.7: {}, 0.5: {}}
     assert float(generator.temperature) == 0.7
 
 

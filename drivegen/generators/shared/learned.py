@@ -128,18 +128,18 @@ class Learned(ABC):
         return self.net.get_buffer("temperature")
 
     def tune(
-        self, temperatures: Sequence[float], rolled: Callable[[Self], Mapping[str, float]], least: str
+        self, temperatures: Sequence[float], rolled: Callable[[Self], Mapping[str, float]], counted: Sequence[str]
     ) -> dict[float, Mapping[str, float]]:
-        """Errors of its roll-outs at each temperature, {} unless it is `tempered`; keeps that of the least error `least`.
+        """Errors of its roll-outs at each temperature, {} unless it is `tempered`.
 
-        The first of equals is kept, and the first where `rolled` finds nothing to measure.
+        Keeps the temperature of the least sum of the errors `counted`: the first of equals, and the first where there are none.
         """
         found: dict[float, Mapping[str, float]] = {}
         for temperature in temperatures if self.tempered else ():
             self.temperature.fill_(temperature)
             found[temperature] = rolled(self)
         if found:
-            self.temperature.fill_(min(found, key=lambda tried: found[tried].get(least, math.inf)))
+            self.temperature.fill_(min(found, key=lambda tried: sum(found[tried].get(name, math.inf) for name in counted)))
         return found
 
     @classmethod

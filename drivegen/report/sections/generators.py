@@ -15,7 +15,7 @@ PLATEAU_NOTE = (
 
 TEMPERATURE_NOTE = (
     "Temperature: of the odds that futures are drawn from, below 1 the likely gains. Of one list for all rivals it "
-    "is the one of the least energy score of the scene on some validation scenes; \u2013: none was chosen."
+    "is the one at which min-sADE, mean-sADE and energy score of some validation scenes add up to least; \u2013: none was chosen."
 )
 
 _SCORES = ("min_sade", "min_sfde", "mean_sade", "mean_sfde")
