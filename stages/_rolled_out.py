@@ -30,7 +30,11 @@ class Watched:
     def of(self, split: Path) -> list[Scenario]:
         """The scenes, the same for every generator; none where there is no split."""
         places = draw_places(WATCHED_SEED, split, self.scenes) if split.is_dir() else []
-        scenes = [read_shard(shard)[row] for shard, row in places]
+        read: dict[tuple[Path, int], Scenario] = {}
+        for shard in {shard for shard, _ in places}:
+            logs = read_shard(shard)
+            read |= {(drawn, row): logs[row] for drawn, row in places if drawn == shard}
+        scenes = [read[place] for place in places]
         return [twin(scene) if n % 2 else scene for n, scene in enumerate(scenes) if scene.log is not None]
 
     def errors(self, generator: Learned, scenes: Sequence[Scenario]) -> dict[str, float]:

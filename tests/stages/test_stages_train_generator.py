@@ -60,7 +60,7 @@ def test_it_writes_model_metrics_and_curve_with_the_same_bytes(
     assert "lctgen_log_code.validation_min_sade" in metrics
     counted = ("min_sade", "mean_sade", "energy_joint")
     tried = {float(text): sum(errors[name] for name in counted) for text, errors in metrics["tried"].items()}
-    assert tuple(tried) == params.temperatures
+    assert set(tried) == set(params.temperatures)
     assert len(set(tried.values())) > 1
     assert metrics["sampling_temperature"] == min(tried, key=tried.__getitem__)
     assert [line.split(",")[0] for line in (tmp_path / "a" / "curve.csv").read_text().splitlines()] == ["step", "2", "4"]
