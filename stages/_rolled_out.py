@@ -9,7 +9,7 @@ from drivegen.core.scenario import Scenario, Trajectories
 from drivegen.core.settings import Count
 from drivegen.core.twins import twin
 from drivegen.generators.shared.learned import Learned
-from drivegen.metrics.displacement import mean_errors
+from drivegen.metrics.proper import mean_errors
 from drivegen.store.draw import draw_places
 from drivegen.store.scenarios import read_shard, shards
 
@@ -30,8 +30,16 @@ class Watched:
     def of(self, split: Path) -> list[Scenario]:
         """The scenes, the same for every generator; none where there is no split."""
         places = draw_places(WATCHED_SEED, split, self.scenes) if split.is_dir() else []
-        scenes = [read_shard(shard)[row] for shard, row in places]
+        read: dict[tuple[Path, int], Scenario] = {}
+        for shard in {shard for shard, _ in places}:
+            logs = read_shard(shard)
+            read |= {(drawn, row): logs[row] for drawn, row in places if drawn == shard}
+        scenes = [read[place] for place in places]
         return [twin(scene) if n % 2 else scene for n, scene in enumerate(scenes) if scene.log is not None]
+
+    def errors(self, generator: Learned, scenes: Sequence[Scenario]) -> dict[str, float]:
+        """Of its futures of these scenes, the same seeds whenever asked; see `metrics.proper.mean_errors`."""
+        return mean_errors(rolled_out(generator, scenes, self.samples, WATCHED_SEED))
 
 
 def rolled_out(
@@ -45,6 +53,6 @@ def rolled_out(
 
 
 def scores_of(generator: Learned, split: Path, samples: int, seed: int, told_log: bool = False) -> dict[str, float]:
-    """Displacement errors [m] of `samples` futures of every scenario of a split, means over scenarios; shard by shard."""
+    """Errors [m] of `samples` futures of every scenario of a split, means over scenarios; shard by shard."""
     logs = ([scene for scene in read_shard(shard) if scene.log is not None] for shard in shards(split))
     return mean_errors(pair for part in logs for pair in rolled_out(generator, part, samples, seed, told_log))

@@ -23,7 +23,7 @@ from torch import Tensor
 from drivegen.core.geometry import rotate, unit
 from drivegen.core.methods import Method
 from drivegen.core.scenario import DT, Scenario, Trajectories
-from drivegen.core.settings import Count, NotNegative, Positive, expect_multiple
+from drivegen.core.settings import Count, NotNegative, expect_multiple
 from drivegen.generators._bits.learning import HELD_OUT, BitsObjective, DrivingExamples, Logs, told
 from drivegen.generators._bits.net import HOLD, BitsNet, Plan
 from drivegen.generators._bits.raster import Painted
@@ -50,7 +50,7 @@ class BitsSettings:
     Attributes:
         width: of the networks, a multiple of 16.
         horizon: steps to a goal. commit: steps of a plan that are driven before the next, at most all; multiples of 5.
-        goals: drawn for each vehicle and plan. temperature: they are drawn from `p ** (1 / temperature)`, normalised.
+        goals: drawn for each vehicle and plan.
         collision, off_road, likelihood: weights of a plan's share of looks with somebody hit, of those off the road, and of the
             log-odds of its goal.
         clearance: [m] by which boxes must be apart.
@@ -61,7 +61,6 @@ class BitsSettings:
     horizon: Count
     commit: Count
     goals: Count
-    temperature: Positive
     collision: NotNegative
     off_road: NotNegative
     likelihood: NotNegative
@@ -78,6 +77,7 @@ class Plugin(ClosedLoop):
     """See `generators.shared.driving.ClosedLoop`."""
 
     name = "bits"
+    tempered = True
     chunk = 128
     about = ABOUT
     Settings = BitsSettings
@@ -117,7 +117,7 @@ class Plugin(ClosedLoop):
             return numbers, *seen, *self.net.predict(seen.code, numbers)
 
         numbers, code, logit, goals, *expected = agents.asked(crowd, self.chunk, ask)
-        cell = _drawn(logit / s.temperature, torch.from_numpy(draw(s.goals)))
+        cell = _drawn(logit / self.temperature, torch.from_numpy(draw(s.goals)))
         every = np.arange(len(cell))
         goal = goals[every[:, None], cell]
         plan = Plan(*in_chunks(every, self.chunk, lambda some: self.net.plan(code[some], numbers[some], goal[some])))

@@ -30,7 +30,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.core.methods import Method
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario, Vehicles
-from drivegen.core.settings import Count, NotNegative, Positive, Within, expect_multiple
+from drivegen.core.settings import Count, NotNegative, Within, expect_multiple
 from drivegen.generators._lctgen.codes import PARTS, Action, logged_actions, logged_code, state_code
 from drivegen.generators._lctgen.learning import LctgenObjective, Taught, Trainable
 from drivegen.generators._lctgen.net import LctgenNet
@@ -62,7 +62,7 @@ class LctgenSettings:
         width, heads, layers: of the transformer of queries; `width` is a multiple of `heads`. blocks: of context gating.
         modes: K' motions of each query.
         gaussians: of a placed vehicle's attributes. pieces: of road that each vehicle sees in its own frame.
-        placement: weight of the placement in the loss. temperature: actions and modes are drawn from `p ** (1 / temperature)`.
+        placement: weight of the placement in the loss.
         training: see `training.loop.Settings`.
     """
 
@@ -74,7 +74,6 @@ class LctgenSettings:
     gaussians: Count
     pieces: Annotated[int, Within(1, PIECES)]
     placement: NotNegative
-    temperature: Positive
     training: loop.Settings
 
     def __post_init__(self) -> None:
@@ -85,6 +84,7 @@ class Plugin(Learned):
     """See the module. `label` is the method's name in what it makes."""
 
     name = label = "lctgen"
+    tempered = True
     about = ABOUT
     Settings = LctgenSettings
     Examples = Taught
@@ -171,7 +171,7 @@ class Plugin(Learned):
             actions = self._actions(vehicles, action_noise[:, k]) if given is None else torch.from_numpy(given)
             decoded = net.decoded(inputs, roads, torch.cat([state, actions], dim=-1), vehicles)
             knots, logits = net.moved(inputs, decoded)
-            mode = (logits / self.settings.temperature + mode_noise[:, k]).argmax(-1)
+            mode = (logits / self.temperature + mode_noise[:, k]).argmax(-1)
             index = mode[..., None, None, None].expand(*mode.shape, 1, *knots.shape[-2:])
             drawn.append(knots.gather(2, index)[:, :, 0])
         return np.asarray(torch.stack(drawn, dim=1).numpy())
@@ -180,7 +180,7 @@ class Plugin(Learned):
         """Actions (CHUNK, A, PARTS) drawn part after part by Gumbel's trick."""
         actions = torch.zeros(noise.shape[:-1], dtype=torch.int64)
         for part in range(PARTS):
-            logits = self.net.net.action_logits(vehicles, actions, part) / self.settings.temperature
+            logits = self.net.net.action_logits(vehicles, actions, part) / self.temperature
             actions[..., part] = (logits + noise[..., part, :]).argmax(-1)
         return actions
 

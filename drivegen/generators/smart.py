@@ -23,7 +23,7 @@ from drivegen.core import seeds
 from drivegen.core.methods import Method
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import Scenario, Trajectories
-from drivegen.core.settings import Count, Positive, Share
+from drivegen.core.settings import Count, Share
 from drivegen.generators._smart.around import PIECE
 from drivegen.generators._smart.driving import Driver
 from drivegen.generators._smart.learning import HELD_OUT, Examples, Slips, SmartObjective
@@ -53,7 +53,7 @@ class SmartSettings:
         tokens: of the vocabulary. lanes, boxes: pieces of lanes and boxes (itself among them) that a vehicle sees, the nearest.
         width, heads, layers: of the network. memory: last tokens that a vehicle knows of itself.
         slips: how logs are told in training.
-        temperature, likely: how tokens are drawn, see `_smart.driving.Driver`.
+        likely: how tokens are drawn, see `_smart.driving.Driver`.
         training: see `training.loop.Settings`; a batch is so many scenes.
     """
 
@@ -65,7 +65,6 @@ class SmartSettings:
     layers: Count
     memory: Count
     slips: Slips
-    temperature: Positive
     likely: Share
     training: loop.Settings
 
@@ -74,6 +73,7 @@ class Plugin(Learned):
     """See `generators.shared.learned.Learned`."""
 
     name = "smart"
+    tempered = True
     about = ABOUT
     Settings = SmartSettings
     Examples = Logs
@@ -119,7 +119,7 @@ class Plugin(Learned):
     def generate(self, scenarios: Sequence[Scenario], samples: int, seed: int) -> list[Samples]:
         """K = `samples` futures of each scenario, driven in closed loop, all of a scenario at once."""
         counts = self.settings.lanes, self.settings.boxes
-        driver = Driver(self.net, counts, self.settings.temperature, self.settings.likely)
+        driver = Driver(self.net, counts, float(self.temperature), self.settings.likely)
         made = []
         with torch.inference_mode():
             for scenario in scenarios:

@@ -57,7 +57,6 @@ class TrafficGenSettings:
         width, layers: of the gates. modes: per vehicle.
         horizon: steps that are predicted. commit: steps of them that are driven before the next prediction, at most all;
             multiples of 5.
-        temperature: modes are drawn from `p ** (1 / temperature)`, normalised.
         disturbance: of the training examples.
         placement_width: of the gates of the initialisation. placement_lanes: regions around the target, the nearest.
         training: see `training.loop.Settings`.
@@ -71,7 +70,6 @@ class TrafficGenSettings:
     modes: Count
     horizon: Count
     commit: Count
-    temperature: Positive
     disturbance: Disturbance
     placement_width: Count
     placement_lanes: Count
@@ -99,6 +97,7 @@ class Plugin(ClosedLoop):
     """See `generators.shared.driving.ClosedLoop`."""
 
     name = "trafficgen"
+    tempered = True
     chunk = 256
     about = ABOUT
     Settings = TrafficGenSettings
@@ -153,7 +152,7 @@ class Plugin(ClosedLoop):
             return modes.logit, modes.velocity, modes.turn
 
         logit, velocity, turn = (part.numpy() for part in agents.asked(crowd, self.chunk, ask))
-        mode = drawn(logit, draw(), s.temperature)
+        mode = drawn(logit, draw(), float(self.temperature))
         rows = np.arange(len(mode))
         return between_knots(crowd.state[agents.box], velocity[rows, mode], turn[rows, mode], s.commit)
 

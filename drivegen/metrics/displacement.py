@@ -12,8 +12,7 @@ of the mean distance over their scored steps; its sFDE the mean over scored vehi
   metrics.py) over steps 1..T-1.
 """
 
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,18 +78,3 @@ def scene_errors(samples: Trajectories, log: Trajectories) -> tuple[NDArray[np.f
 def summarise(sade: NDArray[np.float64], sfde: NDArray[np.float64]) -> QualitySummary:
     """Minimum and mean over the K samples; each minimum is taken on its own, as av2 and the paper do."""
     return QualitySummary(float(sade.min()), float(sfde.min()), float(sade.mean()), float(sfde.mean()))
-
-
-def mean_errors(scenes: Iterable[tuple[Trajectories, Trajectories]]) -> dict[str, float]:
-    """The statistics of `QualitySummary` by name, means over scenes: samples (K, N, T) and log (N, T) of each.
-
-    Scenes with nothing to score are left out; {} if none is left.
-    """
-    found = []
-    for samples, log in scenes:
-        try:
-            found.append(asdict(summarise(*scene_errors(samples, log))))
-        except UnusableInput as error:
-            if error.reason != "nothing-to-score":
-                raise
-    return {name: float(np.mean([one[name] for one in found])) for name in found[0]} if found else {}

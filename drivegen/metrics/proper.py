@@ -15,14 +15,15 @@ for each scenario the one that is likeliest for all scenarios of other recording
 at once.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegen.core.errors import UnusableInput
 from drivegen.core.scenario import DT, Trajectories
-from drivegen.metrics.displacement import scored_steps
+from drivegen.metrics.displacement import scene_errors, scored_steps, standing_at_exit, summarise
 
 Floats = NDArray[np.float64]
 
@@ -52,6 +53,23 @@ def energy_scores(samples: Trajectories, log: Trajectories) -> EnergyScores:
         _energy(final.mean(axis=1), final_apart.mean(axis=1)),
         _energy(along.mean(axis=1), along_apart.mean(axis=1)),
     )
+
+
+def mean_errors(scenes: Iterable[tuple[Trajectories, Trajectories]]) -> dict[str, float]:
+    """Errors of `displacement.QualitySummary` and `energy_joint` by name [m], means over scenes.
+
+    Of samples (K, N, T) and log (N, T) of each. Scenes with nothing to score are left out; {} if none is left.
+    """
+    found = []
+    for samples, log in scenes:
+        try:
+            errors = asdict(summarise(*scene_errors(samples, log)))
+        except UnusableInput as error:
+            if error.reason != "nothing-to-score":
+                raise
+        else:
+            found.append({**errors, "energy_joint": energy_scores(standing_at_exit(samples, log), log).energy_joint})
+    return {name: float(np.mean([one[name] for one in found])) for name in found[0]} if found else {}
 
 
 def spread(samples: Trajectories, log: Trajectories) -> float:

@@ -61,6 +61,7 @@ class Model:
         name: "<stage>/<item>", as costs are named. parameters: numbers in its weights, None where they are not there.
         curve: columns of its training curve by name. took: what its stage took here, by name; empty where it did not run.
         plateau: as `training.curve.plateau` says, None also where nobody asked.
+        temperature: of sampling, as `generators.shared.learned.Learned.tune` chose it; None where it did not.
     """
 
     name: str
@@ -68,6 +69,7 @@ class Model:
     curve: dict[str, list[float]]
     took: dict[str, float]
     plateau: bool | None = None
+    temperature: float | None = None
 
 
 def read_models(workspace: Path) -> list[Model]:
@@ -78,8 +80,9 @@ def read_models(workspace: Path) -> list[Model]:
         weights = workspace / "data/models" / _WEIGHTS[stage] / (file.stem if file.stem != stage else "")
         name = f"{stage}/{file.stem}"
         metrics = workspace / METRICS / file.relative_to(workspace / PLOTS).with_suffix(".json")
-        plateau = orjson.loads(metrics.read_bytes()).get("plateau") if metrics.exists() else None
-        models.append(Model(name, count_weights(weights), read_curve(file), took.get(name, {}), plateau))
+        said = orjson.loads(metrics.read_bytes()) if metrics.exists() else {}
+        chosen = said.get("plateau"), said.get("sampling_temperature")
+        models.append(Model(name, count_weights(weights), read_curve(file), took.get(name, {}), *chosen))
     return models
 
 

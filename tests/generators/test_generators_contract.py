@@ -1,5 +1,6 @@
 """What every scenario generator promises, with models that were trained for seconds."""
 
+import copy
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,7 +19,7 @@ from drivegen.generators.base import Generator, Settings
 from drivegen.generators.shared.learned import Learned
 from stages import rollout
 from stages._door import read_params
-from tests.generators.rivals import fitted, trained
+from tests.generators.rivals import fitted, same, trained
 from tests.generators.rivals import scenes as three_scenes
 
 NAMES = plugins.names("generators")
@@ -225,6 +226,35 @@ def test_who_says_that_it_places_vehicles_does() -> None:
     assert {name for name in learned if ways[name]} == {name for name in learned if read_methods()[name].places}
     assert ways["trafficgen"] == {"TrafficGen"}
     assert ways["lctgen"] == {"LCTGen, code of a training log", "LCTGen, code from the log (a bound, no method)"}
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if learns(name) and plugins.load("generators", name).name == name])
+def test_who_draws_by_a_temperature_keeps_the_best_with_the_weights(name: str, settings: Settings, tmp_path: Path) -> None:
+    generator, made = copy.deepcopy(trained(name)[0]), {}
+
+    def rolled(tried: Learned) -> dict[str, float]:
+        temperature = float(tried.temperature)
+        made[temperature] = tried.generate(three_scenes(), SAMPLES, 7)
+        return {"a": temperature, "b": 0.02 / temperature, "c": -9 * temperature}
+
+    found = generator.tune([1.0, 0.15, 0.05], rolled, ["a", "b"])
+    if not generator.tempered:
+        assert found == made == {}
+        return
+    assert found == {t: {"a": t, "b": 0.02 / t, "c": -9 * t} for t in (1.0, 0.15, 0.05)}
+    assert not same(made[1.0], made[0.05])
+    generator.save(tmp_path / "generators" / name)
+    opened = plugins.load("generators", name)(tmp_path, settings)
+    assert float(opened.temperature) == 0.15
+    assert same(opened.generate(three_scenes(), SAMPLES, 7), made[0.15])
+    assert {float(bound.temperature) for bound in opened.bounds().values()} <= {0.15}
+
+
+def test_the_first_temperature_is_kept_where_there_is_nothing_to_choose_by() -> None:
+    generator = copy.deepcopy(trained("trafficgen")[0])
+    assert float(generator.temperature) == 1
+    assert generator.tune([0.7, 0.5], lambda _: {}, ["a"]) == {0.7: {}, 0.5: {}}
+    assert float(generator.temperature) == 0.7
 
 
 @pytest.mark.parametrize("name", ["lctgen", "trafficgen"])

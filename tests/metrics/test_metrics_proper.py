@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from drivegen.core.geometry import rotate
 from drivegen.core.scenario import Trajectories
 from drivegen.metrics.displacement import scored_steps
-from drivegen.metrics.proper import energy_scores, likeliest_for_others, log_densities, spread
+from drivegen.metrics.proper import energy_scores, likeliest_for_others, log_densities, mean_errors, spread
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -69,6 +69,16 @@ def test_the_spread_of_a_scene_is_the_mean_distance_of_two_samples() -> None:
     apart = [np.mean([np.linalg.norm(a[n] - b[n], axis=-1)[scored[n]].mean() for n in rows]) for a, b in pairs]
     assert spread(samples, log) == pytest.approx(np.mean(apart), rel=1e-5)
     assert spread(samples[:1], log) == 0
+
+
+def test_errors_and_energy_score_are_means_over_scenes_with_something_to_score() -> None:
+    scenes = [drawn(3), drawn(4)]
+    samples, log = drawn(5)
+    unseen = motion(log.position, np.zeros(log.valid.shape, np.bool_))
+    found = mean_errors([*scenes, (samples, unseen)])
+    assert set(found) == {"min_sade", "min_sfde", "mean_sade", "mean_sfde", "energy_joint"}
+    assert found["energy_joint"] == pytest.approx(np.mean([energy_scores(*scene).energy_joint for scene in scenes]))
+    assert mean_errors([(samples, unseen)]) == {}
 
 
 def test_two_samples_around_the_log_by_hand():

@@ -7,7 +7,7 @@ from drivegen.report.sections.generators import section
 LCTGEN = {
     "generator": "lctgen", "parameters": 321960, "train_examples": 600, "steps": 500, "validation_loss": 3.5,
     "validation_min_sade": 5.0, "validation_min_sfde": 12.0, "validation_mean_sade": 6.0, "validation_mean_sfde": 13.0,
-    "lctgen_log_code.validation_min_sade": 3.0, "lctgen_log_code.validation_mean_sade": 4.0,
+    "lctgen_log_code.validation_min_sade": 3.0, "lctgen_log_code.validation_mean_sade": 4.0, "sampling_temperature": 0.7,
 }  # fmt: skip
 STEPS = [100.0, 200.0, 300.0, 400.0]
 
@@ -29,6 +29,7 @@ def test_parameters_errors_and_the_bound_stand_in_the_table():
     assert method[0] == "LCTGen"
     assert "5.00" in method
     assert "yes" in method
+    assert method[table.columns.index("temperature")] == "0.7"
     assert "a bound" in bound[0]
     assert "3.00" in bound
     assert len(method) == len(bound) == len(table.columns)

@@ -160,17 +160,19 @@ def curve(*losses: float) -> dict[str, list[float]]:
     return {"step": [100.0 * (n + 1) for n in range(len(losses))], "validation": list(losses)}
 
 
-def trained(name: str, parameters: int, seconds: float, seed: int = 7, plateau: bool | None = True) -> Trained:
+def trained(
+    name: str, parameters: int, seconds: float, seed: int = 7, plateau: bool | None = True, temperature: float | None = None
+) -> Trained:
     took = {"cpu_seconds": seconds, "training_cpu_seconds": seconds - 10} if seconds else {}
-    return Trained("toys", seed, Model(name, parameters, curve(9.0, 4.0, 3.5, 3.5), took, plateau))
+    return Trained("toys", seed, Model(name, parameters, curve(9.0, 4.0, 3.5, 3.5), took, plateau, temperature))
 
 
 def test_models_stand_with_size_time_and_whether_each_seed_is_at_its_plateau():
     found = [trained(name, 100, 60.0) for name in ("train_planner/route_fm", "train_selector/train_selector")]
-    found += [trained("train_generator/bits", 7, 100.0), trained("train_generator/bits", 7, 120.0, 8, plateau=False)]
+    found += [trained("train_generator/bits", 7, 100.0, 7, True, 0.5), trained("train_generator/bits", 7, 120.0, 8, False, 0.7)]
     [table] = models(found, ABOUT)
     rows = {row.cells[0].text: [cell.text for cell in row.cells[1:]] for row in table.rows}
-    assert rows["BITS"] == ["7", "400", "100, 120", "90, 110", "yes, no"]
+    assert rows["BITS"] == ["7", "400", "100, 120", "90, 110", "yes, no", "0.5, 0.7"]
     assert rows["DriveGen, together"][:3] == ["200", "\u2013", "120"]
     assert list(rows)[:3] == ["DriveGen: planner", "DriveGen: goal selector", "DriveGen, together"]
     assert any(

@@ -8,6 +8,7 @@ import yaml
 
 from drivegen.checker.verdicts import write_limits_file
 from drivegen.core.errors import MissingTool, UnusableInput
+from drivegen.generators.shared.learned import Learned
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import write_shard
 from stages import rollout_rival, train_generator
@@ -57,8 +58,32 @@ def test_it_writes_model_metrics_and_curve_with_the_same_bytes(
     assert metrics["parameters"] > 1000
     assert 0 < metrics["validation_min_sade"] <= metrics["validation_mean_sade"]
     assert "lctgen_log_code.validation_min_sade" in metrics
+    counted = ("min_sade", "mean_sade", "energy_joint")
+    tried = {float(text): sum(errors[name] for name in counted) for text, errors in metrics["tried"].items()}
+    assert set(tried) == set(params.temperatures)
+    assert len(set(tried.values())) > 1
+    assert metrics["sampling_temperature"] == min(tried, key=tried.__getitem__)
     assert [line.split(",")[0] for line in (tmp_path / "a" / "curve.csv").read_text().splitlines()] == ["step", "2", "4"]
     assert not list((tmp_path / ".drivegen" / "checkpoints").glob("*/*"))
+
+
+def test_a_run_that_was_killed_while_temperatures_were_tried_goes_on_to_the_same_bytes(
+    params: train_generator.Params, scenarios: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def killed(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    a, b = ((tmp_path / run / FILES[0]).parent for run in "ab")
+    train_generator.main(params, scenarios, a, tmp_path / "a/metrics.json", tmp_path / "a/curve.csv")
+    with monkeypatch.context() as patched:
+        patched.setattr(Learned, "tune", killed)
+        with pytest.raises(KeyboardInterrupt):
+            train_generator.main(params, scenarios, b, tmp_path / "b/metrics.json", tmp_path / "b/curve.csv")
+    assert list((tmp_path / ".drivegen" / "checkpoints").glob("*/*"))
+    train_generator.main(params, scenarios, b, tmp_path / "b/metrics.json", tmp_path / "b/curve.csv")
+    for file in FILES:
+        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
 
 
 def test_a_rival_is_rolled_out_and_judged(

@@ -10,7 +10,7 @@ from drivegen.core.errors import UnusableInput
 from drivegen.store.costs import write_cost
 from drivegen.store.files import write_json
 from drivegen.store.results import Run, result_rows, write_results
-from drivegen.warehouse.runs import COSTS, read_codes, read_curve, read_models, read_param, read_scores
+from drivegen.warehouse.runs import COSTS, METRICS, read_codes, read_curve, read_models, read_param, read_scores
 
 
 def part(file: Path, scenes: list[str], **values: list[float]) -> Path:
@@ -53,7 +53,10 @@ def test_every_model_comes_with_its_size_and_its_time_where_it_was_trained_here(
         save_file({"weight": np.zeros(shape), "bias": np.zeros(1)}, tmp_path / "data/models" / folder / "weights.safetensors")
     write_cost(tmp_path / COSTS, "train_generator", "bits", {"cpu_seconds": 3.0})
     write_cost(tmp_path / COSTS, "train_selector", "train_selector", {"cpu_seconds": 4.0})
+    write_json(tmp_path / METRICS / "train_generator/bits.json", {"plateau": True, "sampling_temperature": 0.5})
     found = {model.name: model for model in read_models(tmp_path)}
+    assert (found["train_generator/bits"].plateau, found["train_generator/bits"].temperature) == (True, 0.5)
+    assert found["train_planner/route_fm"].temperature is None
     assert set(found) == {"train_generator/bits", "train_planner/route_fm", "train_selector/train_selector"}
     assert found["train_generator/bits"].parameters == 7
     assert found["train_selector/train_selector"].parameters == 5

@@ -40,6 +40,7 @@ def settings(section: str, changed: dict[str, Any]) -> Any:
         ("train_generator.generators.bits", {"width": 40}, "width must be a multiple of 16, not 40"),
         ("train_generator.generators.bits", {"horizon": 42}, "horizon must be a multiple of 5, not 42"),
         ("train_generator.generators.bits", {"commit": 45}, "commit must be at most horizon, 40, not 45"),
+        ("train_generator.generators.bits", {"temperature": 0.5}, "unknown name 'temperature'"),
         ("train_generator.generators.trafficgen", {"commit": 12}, "commit must be a multiple of 5, not 12"),
         ("train_generator.generators.trafficgen", {"commit": 55}, "commit must be at most horizon, 50, not 55"),
         ("train_generator.generators.scene_transformer", {"heads": 5}, "width must be a multiple of heads, 5, not 64"),

@@ -6,14 +6,15 @@ rival anew.
 """
 
 import copy
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, Self
 
 import torch
-from torch import nn
+from torch import Tensor, nn
 
 from drivegen.core import seeds
 from drivegen.core.methods import Method
@@ -43,6 +44,7 @@ class Learned(ABC):
         name: the plugin's. Settings: frozen dataclass with a field `training: loop.Settings`, no defaults; its values
             stand in params.yaml, `train_generator.generators.<name>`. Examples: what it learns from.
         about: its ABOUT. backend: it chooses no goals.
+        tempered: whether it draws from `p ** (1 / temperature)`, normalised: then `tune` sets the temperature, no settings do.
         settings, net: how it was made, and the trained network on the CPU in evaluation mode.
     """
 
@@ -51,6 +53,7 @@ class Learned(ABC):
     Examples: ClassVar[type[Examples]]
     about: ClassVar[Method]
     backend = "none"
+    tempered: ClassVar[bool] = False
 
     settings: Any
     net: nn.Module
@@ -64,7 +67,7 @@ class Learned(ABC):
         folder = models / "generators" / self.name
         values, tensors = read_weights(folder, "generator", self.name)
         self.settings = build(self.Settings, values, f"{folder}")
-        self.net = self.network(self.settings)
+        self.net = self._untrained(self.settings)
         fill(self.net, tensors, folder)
         self._ready()
 
@@ -102,13 +105,14 @@ class Learned(ABC):
 
         `rolled` is the error [m] of a generator's roll-outs, asked at every row: whose error is least is kept. The loss of one
         step is no guide to that, some are lowest before anything is learnt. Without `rolled` the validation loss decides.
+        Its temperature is 1 until `tune` is asked.
 
         Same arguments, same weights, also when killed and started again: `checkpoints` is a folder for interrupted
         work, named by the caller after all inputs; `report` takes progress lines. Raises UnusableInput where there is
         nothing to learn from.
         """
         torch.manual_seed(seeds.derive(seed, "network", cls.name))
-        net = cls.network(settings).to(loop.device())
+        net = cls._untrained(settings).to(loop.device())
         path = None if checkpoints is None else checkpoints / f"{cls.name}.safetensors"
         objective = cls.objective(settings, net, train, validation, seed)
 
@@ -117,6 +121,34 @@ class Learned(ABC):
 
         best, curve = loop.train(net, objective, settings.training, seed, path, report, keep_best=True, probe=probe)
         return cls._with(settings, best), curve
+
+    @property
+    def temperature(self) -> Tensor:
+        """Of the odds that it draws from, where it is `tempered`: a number that is kept with the weights."""
+        return self.net.get_buffer("temperature")
+
+    def tune(
+        self, temperatures: Sequence[float], rolled: Callable[[Self], Mapping[str, float]], counted: Sequence[str]
+    ) -> dict[float, Mapping[str, float]]:
+        """Errors of its roll-outs at each temperature, {} unless it is `tempered`.
+
+        Keeps the temperature of the least sum of the errors `counted`: the first of equals, and the first where there are none.
+        """
+        found: dict[float, Mapping[str, float]] = {}
+        for temperature in temperatures if self.tempered else ():
+            self.temperature.fill_(temperature)
+            found[temperature] = rolled(self)
+        if found:
+            self.temperature.fill_(min(found, key=lambda tried: sum(found[tried].get(name, math.inf) for name in counted)))
+        return found
+
+    @classmethod
+    def _untrained(cls, settings: Any) -> nn.Module:
+        """Its network, with the temperature where it has one."""
+        net = cls.network(settings)
+        if cls.tempered:
+            net.register_buffer("temperature", torch.ones((), dtype=torch.float64))
+        return net
 
     @classmethod
     def _with(cls, settings: Any, net: nn.Module) -> Self:

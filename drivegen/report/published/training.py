@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from drivegen.core.methods import LEARNED, Method
 from drivegen.report import plots
-from drivegen.report.sections.generators import PLATEAU_NOTE, yes_no
+from drivegen.report.sections.generators import PLATEAU_NOTE, TEMPERATURE_NOTE, tempered, yes_no
 from drivegen.report.table import Cell, Row, Table, number, row, taken
 from drivegen.warehouse.runs import Model
 
@@ -13,9 +13,9 @@ OURS = {"train_planner/route_fm": "DriveGen: planner", "train_selector/train_sel
 """DriveGen's two models."""
 
 _TUNING = (
-    "Not in these seconds: what was tried on validation scenes before. That was much more for DriveGen (the temperature, tempo "
-    "and spacing of its goals, its selector's features) than for rivals, whose sizes and rates follow their papers, reduced, and "
-    "were changed only where they did not learn."
+    "Not in these seconds: what was tried by hand on validation scenes before. That was much more for DriveGen (temperature, "
+    "tempo and spacing of its goals, once for all runs; its selector's features) than for rivals, whose sizes and rates follow "
+    "their papers, reduced, and were changed only where they did not learn. A rival's temperature is chosen in its own stage."
 )
 
 
@@ -49,11 +49,12 @@ def _models(source: str, trained: list[Trained], about: Mapping[str, Method]) ->
     notes = (
         f"Where there are several numbers, they are of training seeds {seeds}. Parameters: all numbers in the weights' files.",
         PLATEAU_NOTE,
+        TEMPERATURE_NOTE,
         "CPU-seconds are of one machine and of one run: another one has others.",
         *filter(None, [_budget(groups, about)]),
         _TUNING,
     )
-    columns = ("", "parameters", "steps", "CPU-s of the whole stage", "CPU-s of training alone", "plateau")
+    columns = ("", "parameters", "steps", "CPU-s of the whole stage", "CPU-s of training alone", "plateau", "temperature")
     title = f"What was trained on {source}: size, time, and whether more training would help"
     curves = {
         titles.get(name, name): {
@@ -86,6 +87,7 @@ def _line(text: str, group: list[Trained]) -> Row:
             ]
         ),
         Cell(_each([yes_no(one.model.plateau) for one in group])),
+        Cell(_each([tempered(one.model.temperature) for one in group])),
         origin="ours",
     )
 
@@ -95,7 +97,9 @@ def _together(mine: list[list[Trained]]) -> Row:
     sizes = [group[0].model.parameters for group in mine]
     size = number(sum(counted)) if len(counted := [s for s in sizes if s is not None]) == len(mine) else number(None)
     took = _whole(mine)
-    return row("DriveGen, together", size, "–", _each([number(t, 0) for t in took]) if took else "–", "–", "–", origin="ours")
+    return row(
+        "DriveGen, together", size, "–", _each([number(t, 0) for t in took]) if took else "–", "–", "–", "–", origin="ours"
+    )
 
 
 def _whole(mine: list[list[Trained]]) -> list[float]:

@@ -13,6 +13,11 @@ PLATEAU_NOTE = (
     "says no, the training was stopped while it still gained; \u2013: too short to tell."
 )
 
+TEMPERATURE_NOTE = (
+    "Temperature: of the odds that futures are drawn from, below 1 the likely gains. Of one list for all rivals it "
+    "is the one at which min-sADE, mean-sADE and energy score of some validation scenes add up to least; \u2013: none was chosen."
+)
+
 _SCORES = ("min_sade", "min_sfde", "mean_sade", "mean_sfde")
 _BOUND = ".validation_min_sade"
 """Ends the name of a figure of a bound, which begins with the bound's own name."""
@@ -22,6 +27,7 @@ _NOTES = (
     "Errors [m] are those of the validation scenes, on which every choice was made, not of the test scenes. Losses of different "
     "generators don't compare.",
     PLATEAU_NOTE,
+    TEMPERATURE_NOTE,
 )
 
 
@@ -39,7 +45,7 @@ def section(evidence: Evidence) -> Section:
         bounds = [key.removesuffix(_BOUND) for key in values if key.endswith(_BOUND)]
         rows += [_bound(f"{evidence.title(bound)} (a bound, no method)", values, bound) for bound in bounds]
     columns = (
-        "generator", "parameters", "train examples", "steps", "validation loss", "plateau",
+        "generator", "parameters", "train examples", "steps", "validation loss", "plateau", "temperature",
         *(key.replace("_s", "-s").replace("sade", "sADE").replace("sfde", "sFDE") for key in _SCORES),
     )  # fmt: skip
     table = Table("generators", title, columns, tuple(rows), (*_NOTES, *evidence.trained_on))
@@ -52,12 +58,12 @@ def _line(title: str, values: Mapping[str, Any]) -> Row:
     counts = (number(values.get(key)) for key in ("parameters", "train_examples", "steps"))
     loss = measured(dict(values), "validation_loss", 3)
     scores = (measured(dict(values), f"validation_{key}", 2) for key in _SCORES)
-    return row(title, *counts, loss, yes_no(values.get("plateau")), *scores)
+    return row(title, *counts, loss, yes_no(values.get("plateau")), tempered(values.get("sampling_temperature")), *scores)
 
 
 def _bound(text: str, values: Mapping[str, Any], key: str) -> Row:
     scores = (measured(dict(values), f"{key}.validation_{score}", 2) for score in _SCORES)
-    return row(text, *[Cell("–")] * 5, *scores)
+    return row(text, *[Cell("–")] * 6, *scores)
 
 
 def _times(times: Mapping[str, Mapping[str, float]]) -> Table:
@@ -70,6 +76,11 @@ def _times(times: Mapping[str, Mapping[str, float]]) -> Table:
 def yes_no(plateau: bool | None) -> str:
     """What a model's `plateau` says, in a word."""
     return "–" if plateau is None else "yes" if plateau else "no"
+
+
+def tempered(temperature: float | None) -> str:
+    """The temperature that was chosen for a model, as a cell."""
+    return "–" if temperature is None else f"{temperature:g}"
 
 
 def _figures(curves: Mapping[str, Curve]) -> tuple[Figure, ...]:
