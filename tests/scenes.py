@@ -246,6 +246,7 @@ def any_scenario(seed: int, scenario_id: str = "any-0") -> Scenario:
             kind=kind,
             control=control,
             crossings=crossings,
+            yields_to=np.array([[8, 11 + seed % 5], [9, 17]], np.int32),
             dangling=int(random.integers(5)),
         ),
         log=replace(log, valid=valid),

@@ -2,8 +2,8 @@
 
 Official keys are those of av2's `map/{lane_segment,drivable_area,pedestrian_crossing}.py`. Sensor maps have no
 centrelines: the midline of the boundaries stands in, as in av2. Keys of our own, ignored by av2 and read back here:
-`origin`, `dangling_links`, `stop_lines`, and per lane `speed_limit` [m/s], `control` and `cut`. Official maps are cut-outs of a
-city: every end without a link is taken for cut.
+`origin`, `dangling_links`, `stop_lines`, and per lane `speed_limit` [m/s], `control`, `cut` and `yields_to`. Official maps are
+cut-outs of a city: every end without a link is taken for cut.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -96,6 +96,7 @@ def _build(tree: Mapping[str, Any]) -> RoadMap:
         in_junction=np.array([lane["is_intersection"] for lane in lanes], np.bool_),
         control=np.array([_CONTROLS[lane.get("control", "UNKNOWN")] for lane in lanes], np.uint8),
         links=links,
+        yields_to=_yields_to(lanes, index),
         neighbour=neighbour,
         same_direction=same_direction,
         may_change=may_change,
@@ -167,6 +168,11 @@ def _links(lanes: Sequence[Mapping[str, Any]], index: Mapping[int, int]) -> tupl
     return np.array(held, np.int32).reshape(-1, 2), sum(NO_LANE in pair for pair in pairs)
 
 
+def _yields_to(lanes: Sequence[Mapping[str, Any]], index: Mapping[int, int]) -> NDArray[np.int32]:
+    pairs = {(i, index[other]) for i, lane in enumerate(lanes) for other in lane.get("yields_to", ())}
+    return np.array(sorted(pairs), np.int32).reshape(-1, 2)
+
+
 def _neighbours(
     lanes: Sequence[Mapping[str, Any]], index: Mapping[int, int], centre: Lines, kind: NDArray[np.uint8]
 ) -> tuple[NDArray[np.int32], NDArray[np.bool_], NDArray[np.bool_]]:
@@ -211,7 +217,8 @@ def _crossings(crossings: Iterable[Mapping[str, Any]]) -> Lines:
 
 def write_map(road_map: RoadMap) -> bytes:
     """The official JSON in source coordinates, rounded to 0.1 mm, with our own keys; same map, same bytes."""
-    successors, predecessors = _by_lane(road_map)
+    successors, predecessors = _by_lane(road_map, road_map.links)
+    first, _ = _by_lane(road_map, road_map.yields_to)
     centre, left, right = (_points(lines, road_map.origin) for lines in (road_map.centreline, road_map.left, road_map.right))
     lanes: dict[str, Any] = {}
     for i, number in enumerate(road_map.lane_id.tolist()):
@@ -233,6 +240,7 @@ def write_map(road_map: RoadMap) -> bytes:
             "successors": successors[i],
             "control": LaneControl(int(road_map.control[i])).name,
             "cut": road_map.cut[i].tolist(),
+            "yields_to": first[i],
             "speed_limit": None if np.isnan(limit) else limit,
         }
     return orjson.dumps(
@@ -257,11 +265,11 @@ def _points(lines: Polylines, origin: NDArray[np.float64]) -> list[list[dict[str
     return [points[a:b] for a, b in zip(lines.start[:-1].tolist(), lines.start[1:].tolist(), strict=True)]
 
 
-def _by_lane(road_map: RoadMap) -> tuple[list[list[int]], list[list[int]]]:
-    """Ids of successors and predecessors of each lane."""
+def _by_lane(road_map: RoadMap, pairs: NDArray[np.int32]) -> tuple[list[list[int]], list[list[int]]]:
+    """Ids of the lanes that stand second, first in the `pairs` (E, 2) of each lane: by links its successors, predecessors."""
     successors: list[list[int]] = [[] for _ in range(len(road_map))]
     predecessors: list[list[int]] = [[] for _ in range(len(road_map))]
-    for before, after in road_map.links.tolist():
+    for before, after in pairs.tolist():
         successors[before].append(int(road_map.lane_id[after]))
         predecessors[after].append(int(road_map.lane_id[before]))
     return successors, predecessors

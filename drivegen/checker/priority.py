@@ -2,8 +2,9 @@
 
 A vehicle passes a gate when its front comes LINE_MARGIN beyond the line. It may have taken any sibling lane that its
 centre then stays near; a rule is broken only if it is broken on all of these. Giving way is measured by post-encroachment
-time: from the moment when the vehicle leaves a conflict point to the one when a vehicle with priority reaches it. Only ways that
-never wait by a sign, or have a light, have priority here (`roads/gates.py`); nor are those judged who turn left at a light.
+time: from the moment when the vehicle leaves a conflict point to the one when a vehicle with priority reaches it. Ways that
+never wait by a sign, or have a light, have priority here, and those that the map puts first (`roads/gates.py`); not judged are
+those who turn left at a light.
 """
 
 import numpy as np

@@ -47,9 +47,9 @@ def take_lanes(road_map: RoadMap, lanes: NDArray[np.int64]) -> RoadMap:
     """The map with the lanes `lanes` (K,) only, in that order; drivable area and crossings stay as they are."""
     number = np.full(len(road_map) + 1, NO_LANE, np.int32)  # the last entry answers for NO_LANE
     number[lanes] = np.arange(len(lanes), dtype=np.int32)
-    links = number[road_map.links]
+    links, yields_to = number[road_map.links], number[road_map.yields_to]
     inside = (links != NO_LANE).all(-1)
-    links = links[inside]
+    links, yields_to = links[inside], yields_to[(yields_to != NO_LANE).all(-1)]
     neighbour = number[road_map.neighbour[lanes]]
     stops = number[road_map.stop_lane] != NO_LANE
     return replace(
@@ -70,6 +70,7 @@ def take_lanes(road_map: RoadMap, lanes: NDArray[np.int64]) -> RoadMap:
         stop_lines=road_map.stop_lines[stops],
         stop_lane=number[road_map.stop_lane[stops]],
         dangling=road_map.dangling + int((number[road_map.links] != NO_LANE).any(-1).sum() - inside.sum()),
+        yields_to=yields_to[np.lexsort(yields_to.T[::-1])],
     )
 
 

@@ -5,7 +5,7 @@ lanes (`in_junction`), in SUMO terms the internal lanes. What a driver must do b
 `control`; a signalised lane is named by `Signals` in `signals.py`.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 import numpy as np
@@ -36,6 +36,10 @@ class LaneControl(IntEnum):
 NO_LANE = -1
 
 
+def _no_pairs() -> NDArray[np.int32]:
+    return np.zeros((0, 2), np.int32)
+
+
 @dataclass(frozen=True)
 class RoadMap:
     """Lanes as a struct of arrays, in a local frame.
@@ -63,6 +67,8 @@ class RoadMap:
         stop_lines: (S, 2, 2) float32 [m] both ends.
         stop_lane: (S,) int32 the lane that is entered behind the stop line.
         dangling: number of links that named a lane the map does not hold (cropped maps: normal).
+        yields_to: (Q, 2) int32 rows (lane that waits by a sign, lane that goes before it), sorted and unique; of ways across a
+            junction, also where they never meet. Empty where the source does not say (SUMO alone does).
     """
 
     origin: NDArray[np.float64]
@@ -84,6 +90,7 @@ class RoadMap:
     stop_lines: NDArray[np.float32]
     stop_lane: NDArray[np.int32]
     dangling: int = 0
+    yields_to: NDArray[np.int32] = field(default_factory=_no_pairs)
 
     def __len__(self) -> int:
         return len(self.lane_id)
@@ -147,7 +154,7 @@ class RoadMap:
         self._expect_links(count)
 
     def _expect_links(self, count: int) -> None:
-        for indices, low in ((self.links, 0), (self.neighbour, NO_LANE), (self.stop_lane, 0)):
+        for indices, low in ((self.links, 0), (self.neighbour, NO_LANE), (self.stop_lane, 0), (self.yields_to, 0)):
             if indices.size and (indices.min() < low or indices.max() >= count):
                 raise UnusableInput("the map links to a lane that it does not hold", reason="bad-map")
 

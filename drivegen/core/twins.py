@@ -20,7 +20,8 @@ LIMITS_KNOWN = 0.5
 
 def twin(scenario: Scenario) -> Scenario:
     """`scenario` without signals and rules of way, and, drawn by its id, without speed limits."""
-    road_map = replace(scenario.map, control=np.full_like(scenario.map.control, LaneControl.UNKNOWN))
+    unruled = np.full_like(scenario.map.control, LaneControl.UNKNOWN)
+    road_map = replace(scenario.map, control=unruled, yields_to=scenario.map.yields_to[:0])
     if seeds.rng(0, "twin", scenario.scenario_id).random() >= LIMITS_KNOWN:
         road_map = replace(road_map, speed_limit=np.full_like(road_map.speed_limit, np.nan))
     return replace(scenario, map=road_map, signals=Signals.none(scenario.steps))

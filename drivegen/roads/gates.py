@@ -1,9 +1,9 @@
 """Where something must hold before a vehicle may drive on: the gates of a map, and the conflict points behind them.
 
 A gate is the stop line of a lane, or the start of the lane where no line is mapped, together with a signal, a stop sign or
-a duty to yield. Priority over who has to wait there have only ways that never wait (FREE) or have a light: maps say that a way
-waits, not for whom, and among ways that all wait the order can't be told from their shapes (LOG.md, "giving way among ways that
-all wait"). So neither priority to the right nor one minor way's before another is judged.
+a duty to yield. Priority over who has to wait there have ways that never wait (FREE) or have a light, and those of which the map
+says so (`RoadMap.yields_to`). Where it does not, nobody is judged among ways that all wait, since their order can't be told from
+their shapes (LOG.md, "giving way among ways that all wait").
 
 Lanes that begin at the same line are siblings: which of them a vehicle took shows only later, so free siblings of guarded lanes
 are gates too, with nothing to hold.
@@ -132,9 +132,18 @@ def _red_for(lanes: NDArray[np.intp], signals: Signals) -> NDArray[np.int16]:
 
 def _conflicts(map_: RoadMap, lanes: NDArray[np.intp], waits: NDArray[np.bool_]) -> list[_Conflicts]:
     """Points and directions of the junction lanes with priority that cross each lane that `waits`, or end where it ends."""
-    free = np.isin(map_.control, (LaneControl.FREE, LaneControl.SIGNAL)) & map_.in_junction & map_.for_vehicles
-    others, line = np.flatnonzero(free).astype(np.int32), map_.centreline
-    return [_crossing_points(line.points, line.start, np.int32(lane), others) if waits[lane] else _NO_CONFLICTS for lane in lanes]
+    usable, line = map_.in_junction & map_.for_vehicles, map_.centreline
+    free = np.isin(map_.control, (LaneControl.FREE, LaneControl.SIGNAL))
+
+    def conflicts(lane: int) -> _Conflicts:
+        first = free.copy()
+        first[map_.yields_to[map_.yields_to[:, 0] == lane, 1]] = True
+        crossing: _Conflicts = _crossing_points(
+            line.points, line.start, np.int32(lane), np.flatnonzero(first & usable).astype(np.int32)
+        )
+        return crossing
+
+    return [conflicts(lane) if waits[lane] else _NO_CONFLICTS for lane in lanes.tolist()]
 
 
 @njit(cache=True)

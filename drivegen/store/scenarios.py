@@ -23,7 +23,7 @@ from drivegen.core.signals import Signals
 from drivegen.store.lists import Shard, built, column, read_shard_table, write_shard_table
 
 KIND = "scenarios"
-VERSION = 3
+VERSION = 4
 
 _BOOL, _BYTE, _INT, _LONG = pa.bool_(), pa.uint8(), pa.int32(), pa.int64()
 _FLOAT, _DOUBLE, _WORD = pa.float32(), pa.float64(), pa.string()
@@ -40,6 +40,7 @@ _ARRAYS: dict[str, pa.DataType] = {
     "map.in_junction": _BOOL,
     "map.control": _BYTE,
     "map.links": _INT,
+    "map.yields_to": _INT,
     "map.neighbour": _INT,
     "map.same_direction": _BOOL,
     "map.may_change": _BOOL,
@@ -162,6 +163,7 @@ def _map(shard: Shard, row: int) -> RoadMap:
         in_junction=shard["map.in_junction"][row],
         control=shard["map.control"][row],
         links=shard["map.links"][row].reshape(-1, 2),
+        yields_to=shard["map.yields_to"][row].reshape(-1, 2),
         neighbour=shard["map.neighbour"][row].reshape(-1, 2),
         same_direction=shard["map.same_direction"][row].reshape(-1, 2),
         may_change=shard["map.may_change"][row].reshape(-1, 2),

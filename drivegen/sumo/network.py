@@ -17,7 +17,7 @@ from drivegen.core.geometry import Floats, Polylines
 from drivegen.core.roadmap import LaneControl, LaneKind, RoadMap
 from drivegen.core.safe_xml import parse
 from drivegen.core.signals import Signals
-from drivegen.sumo import net_lanes, strips
+from drivegen.sumo import net_lanes, order, strips
 from drivegen.sumo.neighbours import neighbours
 from drivegen.sumo.net_lanes import NetLanes
 from drivegen.sumo.programs import Program, read_programs
@@ -30,7 +30,8 @@ _CONTROL = {
     "s": LaneControl.STOP,
     "w": LaneControl.STOP,  # all-way stop
 }
-_STOPPING = (LaneControl.YIELD, LaneControl.STOP, LaneControl.SIGNAL)
+_SIGNS = (LaneControl.YIELD, LaneControl.STOP)
+_STOPPING = (*_SIGNS, LaneControl.SIGNAL)
 
 
 @dataclass(frozen=True)
@@ -114,6 +115,7 @@ def _assemble(root: Element, lanes: NetLanes, place: str) -> Network:
         in_junction=lanes.internal,
         control=connections.control,
         links=connections.links,
+        yields_to=order.yields_to(root, lanes, np.isin(connections.control, _SIGNS), place),
         neighbour=neighbour,
         same_direction=same,
         may_change=may_change,

@@ -1,9 +1,10 @@
 """Who goes before a target at a junction: the ways that cross or join its own, and how far others on them still are.
 
-Who is on such a way, or on the lanes that lead there, has right of way over the target if the other's way does not have to yield
-or stop and the target's does; between equals if it comes from the right, or comes the other way while the target alone turns
-left. This is what drivers are shown, not what they are judged by: real roads often have another order between such equals. Who
-has a red or yellow light and has not entered counts for nobody.
+Who is on such a way, or on the lanes that lead there, has right of way over the target if the map says so
+(`RoadMap.yields_to`). Where it does not know the order of a pair, the other goes first if its way does not have to yield or stop
+and the target's does; between equals if it comes from the right, or comes the other way while the target alone turns left. That
+last rule is shown to drivers, and nobody is judged by it: real roads often have another order between such equals. Who has a red
+or yellow light and has not entered counts for nobody.
 """
 
 from collections.abc import Iterator
@@ -97,6 +98,11 @@ def fill_distances(
 
 def has_right_of_way(graph: LaneGraph, other: int, lane: int) -> bool:
     """Whether who comes by lane `other` goes before who wants to take `lane`, where the two meet."""
+    order = graph.map.yields_to
+    if (order == (lane, other)).all(axis=1).any():
+        return True
+    if (order == (other, lane)).all(axis=1).any():
+        return False
     ranks = [_MUST_WAIT.get(LaneControl(graph.map.control[each]), 0) for each in (other, lane)]
     if ranks[0] != ranks[1]:
         return ranks[0] < ranks[1]

@@ -14,7 +14,8 @@ from drivegen.core.roadmap import NO_LANE, LaneControl, RoadMap
 from tests.refusals import assert_one_sentence
 from tests.scenes import any_scenario, crossing, straight_road
 
-INDEXED = ("lane_id", "kind", "in_junction", "control", "links", "neighbour", "same_direction", "may_change", "stop_lane")
+LANES = ("lane_id", "kind", "in_junction", "control", "neighbour", "same_direction", "may_change")
+INDEXED = (*LANES, "links", "yields_to", "stop_lane")
 LINES = ("centreline", "left", "right", "drivable", "crossings")
 
 
@@ -137,6 +138,7 @@ def broken() -> dict[str, bytes]:
         "two lanes of one id": orjson.dumps(official(id=2)),
         "id is a word": orjson.dumps(official(id="one")),
         "id beyond 64 bits": orjson.dumps(official()).replace(b'"id":1,', b'"id":18446744073709551615,'),
+        "yields to a lane that is not there": orjson.dumps(official(yields_to=[77])),
         "less than no dangling links": orjson.dumps(official() | {"dangling_links": -1}),
         "more dangling links than 32 bits": orjson.dumps(official() | {"dangling_links": 10**12}),
         "origin is far too large": orjson.dumps(official() | {"origin": [1e300]}),

@@ -8,7 +8,7 @@ from drivegen.core.crop import Cropper, take_lanes
 from drivegen.core.geometry import Polylines, resample
 from tests.scenes import crossing, straight_road
 
-ROADS = crossing(whole=True)
+ROADS = replace(crossing(whole=True), yields_to=np.array([[8, 11], [8, 17], [9, 14], [13, 8]], np.int32))
 CROPPER = Cropper(ROADS)
 
 
@@ -36,6 +36,8 @@ def test_a_cut_map_is_sound_and_counts_the_links_it_lost(lanes):
     across = {(a, b) for a, b in ROADS.links.tolist() if (a in lanes) != (b in lanes)}
     assert {(int(kept[a]), int(kept[b])) for a, b in cut.links} == within
     assert cut.dangling == len(across)
+    order = [pair for pair in ROADS.yields_to.tolist() if lanes.issuperset(pair)]
+    assert kept[cut.yields_to].tolist() == order
     assert set(kept[cut.stop_lane].tolist()) == set(ROADS.stop_lane.tolist()) & lanes
     lost = {(a, 1) for a, b in ROADS.links.tolist() if b not in lanes} | {
         (b, 0) for a, b in ROADS.links.tolist() if a not in lanes

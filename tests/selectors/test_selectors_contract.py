@@ -201,6 +201,7 @@ def test_a_log_is_learnt_from_with_its_signals_and_rules_and_without():
     assert 10 <= sum(kept) <= 30
     assert all(np.isnan(t.map.speed_limit).all() for t, known in zip(twins, kept, strict=True) if not known)
     assert twin(scene).log is scene.log
+    assert not len(twin(scene).map.yields_to)
 
 
 def test_a_log_and_its_twin_give_the_lists_that_each_gives_alone():

@@ -198,6 +198,7 @@ def valid_nan(log: Any) -> Any:
         ("horizon", lambda _: -1, "bad-shard"),
         ("horizon", lambda _: 0, "bad-trajectories"),
         ("map.links", first_is(10_000), "bad-map"),
+        ("map.yields_to", first_is(10_000), "bad-map"),
         ("map.kind", first_is(255), "bad-map"),
         ("map.speed_limit", first_is(-1), "bad-map"),
         ("map.centreline.start", first_is(3), "bad-map"),

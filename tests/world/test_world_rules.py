@@ -185,6 +185,16 @@ def test_of_two_ways_that_meet_one_at_most_has_right_of_way(control):
     assert pairs == []
 
 
+@pytest.mark.parametrize("control", [LaneControl.YIELD, LaneControl.STOP])
+def test_the_order_that_the_map_says_is_taken_before_signs_and_geometry(control):
+    roads = crossing(control=LaneControl.YIELD)
+    roads.control[17] = control  # from the north, so from the left of who comes from the west
+    for order, first in (([], (8, 17)), ([(17, 8)], (8, 17)), ([(8, 17)], (17, 8))):
+        graph = LaneGraph.of(replace(roads, yields_to=np.array(order, np.int32).reshape(-1, 2)))
+        assert has_right_of_way(graph, *first)
+        assert not has_right_of_way(graph, *first[::-1])
+
+
 def test_what_is_seen_of_a_line_and_of_who_comes():
     states = np.where(np.arange(STEPS) < 20, SignalState.RED, SignalState.GREEN)
     scene = meet(LaneControl.SIGNAL, LEFT, [(2, STRAIGHT, 40.0, 10.0), (3, STRAIGHT, 40.0, 10.0)], states=states)
