@@ -323,3 +323,13 @@ def test_the_target_stops_behind_who_brakes_hard(initialiser, tools):
     lets = made.ordered.choices.used[0] > 0
     assert lets.sum() < len(target)
     assert (target.s[lets] < halt - vehicles.size[[0, duty.vehicle], 0].mean()).all()
+
+
+def test_the_target_stops_behind_who_stands(initialiser, tools):
+    _, made = begun(initialiser, tools, "a stopped bus 40 m ahead")
+    assert made.ordered.feasible == (True,)
+    [duty] = made.duties
+    target, vehicles = made.ordered.choices.candidates[0], made.scenario.vehicles
+    ahead = float(to_frenet(keeping(target), vehicles.position[duty.vehicle][None])[0, 0])
+    lets = made.ordered.choices.used[0] > 0
+    assert (target.s[lets] < ahead - vehicles.size[[0, duty.vehicle], 0].mean()).all()
