@@ -14,6 +14,7 @@ from drivegen.placement.place import Placement, Placer, PlaceSettings
 from drivegen.placement.retrieve import Asked, draw_kinds, retrieve
 from drivegen.placement.slots import Slots
 from drivegen.placement.table import Provenance, Table, build_table
+from drivegen.placement.where import Relation, Wish
 from tests.scenes import busy_crossing, crossing, road_map, straight_road
 
 SETTINGS = PlaceSettings(
@@ -130,6 +131,16 @@ def test_a_bend_is_as_slow_however_finely_it_is_drawn(piece):
     turned = np.arange(0, np.pi, piece / 20)
     slots = Slots(road_map([np.column_stack([20 * np.sin(turned), 20 - 20 * np.cos(turned)])]))
     assert slots.limit == pytest.approx(np.sqrt(2.5 * 20), rel=0.15)
+
+
+def test_who_stands_in_a_queue_is_close_to_the_next_one():
+    wishes = [Wish(), Wish(relation=Relation.AHEAD, distance=40, speed=0.0), Wish(beside=1, ahead=True, speed=0.0)]
+    gaps = []
+    for seed in range(60):
+        v = Placer(MAPS["road"], table(), SETTINGS).place([0, 2, 2], np.random.default_rng(seed), wishes=wishes).vehicles
+        if len(v) == 3:
+            gaps.append(np.hypot(*(v.position[2] - v.position[1])) - v.size[1:, 0].mean())
+    assert 2 <= min(gaps) < max(gaps) <= 10
 
 
 def test_a_full_road_rejects_what_has_no_room():
