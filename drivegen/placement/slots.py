@@ -80,7 +80,7 @@ class Slots:
         entry = np.full(len(self.length), np.inf)
         entry[closed] = 0.0
         end = _end_speeds(entry, self.length, self.ways.onward)[self.lane]
-        return np.minimum(self.limit, np.sqrt(end**2 + 2 * _BRAKING * (self.length[self.lane] - self.along)))
+        return np.asarray(np.minimum(self.limit, np.sqrt(end**2 + 2 * _BRAKING * (self.length[self.lane] - self.along))))
 
 
 def _end_speeds(entry: NDArray[np.float64], length: NDArray[np.float64], onward: dict[int, list[int]]) -> NDArray[np.float64]:
