@@ -7,6 +7,7 @@ and a future without its target is no scenario; both are counted in its row.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +46,10 @@ _ANY_TARGET = ShipSettings(fewest=1, moved=0.0)
 """Whoever asks for one scenario gets it, however few vehicles are in it and however little its target moves."""
 
 
+def _nothing(_: AskedStart) -> Sequence[Item]:
+    return ()
+
+
 @dataclass(frozen=True)
 class Start:
     """Who stands where at the first frame.
@@ -59,7 +64,7 @@ class Start:
     scenario: Scenario
     left_out: Mapping[str, int]
     asked: AskedStart | None = None
-    told: Callable[[AskedStart], Sequence[Item]] = lambda _: ()
+    told: Callable[[AskedStart], Sequence[Item]] = _nothing
 
     @property
     def got(self) -> list[Item]:
@@ -128,7 +133,7 @@ def from_words(
     Raises UnusableInput where not even the target finds a place.
     """
     first = asked_start(initialiser, name, request, how, vehicles, tools.selector, settings, seed)
-    return Start(first.scenario, first.rejected, first, lambda seen: first_frame(request, seen, how.densities))
+    return Start(first.scenario, first.rejected, first, partial(first_frame, request, densities=how.densities))
 
 
 def make(start: Start, tools: Equipment, settings: Settings, samples: int, seed: int) -> Traffic:
