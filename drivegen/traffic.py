@@ -5,10 +5,13 @@ is scored against its log, so nobody is left out of it. New traffic has no log: 
 and a future without its target is no scenario; both are counted in its row.
 """
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from drivegen.asked.account import Item, first_frame, manoeuvres
 from drivegen.asked.start import AskedStart
@@ -43,6 +46,10 @@ _ANY_TARGET = ShipSettings(fewest=1, moved=0.0)
 """Whoever asks for one scenario gets it, however few vehicles are in it and however little its target moves."""
 
 
+def _nothing(_: AskedStart) -> Sequence[Item]:
+    return ()
+
+
 @dataclass(frozen=True)
 class Start:
     """Who stands where at the first frame.
@@ -51,13 +58,18 @@ class Start:
         scenario: map, vehicles, context, signals; with the log if there is one.
         left_out: vehicles that are not in it though they were asked for or recorded, by reason.
         asked: the traffic as it was asked for in words, with the goals that realise its manoeuvres.
-        got: what was asked for of the first frame, and whether it was got.
+        told: what was asked for of a first frame, and whether it is got there.
     """
 
     scenario: Scenario
     left_out: Mapping[str, int]
     asked: AskedStart | None = None
-    got: tuple[Item, ...] = ()
+    told: Callable[[AskedStart], Sequence[Item]] = _nothing
+
+    @property
+    def got(self) -> list[Item]:
+        """What was got of the first frame with all who were placed."""
+        return [] if self.asked is None else list(self.told(self.asked))
 
 
 @dataclass(frozen=True)
@@ -121,7 +133,7 @@ def from_words(
     Raises UnusableInput where not even the target finds a place.
     """
     first = asked_start(initialiser, name, request, how, vehicles, tools.selector, settings, seed)
-    return Start(first.scenario, first.rejected, first, tuple(first_frame(request, first, how.densities)))
+    return Start(first.scenario, first.rejected, first, partial(first_frame, request, densities=how.densities))
 
 
 def make(start: Start, tools: Equipment, settings: Settings, samples: int, seed: int) -> Traffic:
@@ -195,13 +207,13 @@ def row(traffic: Traffic, k: int) -> dict[str, Any]:
 def _asked(traffic: Traffic, k: int) -> dict[str, Any]:
     """`asked`: one {kind, what, got, natural} for each thing that the words asked for; nothing without words.
 
-    Where a future leaves vehicles out, the number asked for counts as not reached, even if all stood there at the first frame.
+    Whom a future leaves out is not in its scenario, so nothing that was asked for of that vehicle is got.
     """
     start = traffic.start
     if start.asked is None:
         return {}
-    all_there = not traffic.samples.dropped[k].any()
-    achieved = [replace(item, got=item.got and (all_there or item.kind != "number")) for item in start.got]
+    present = np.flatnonzero(~traffic.samples.dropped[k])
+    achieved = start.got if rejected(traffic, k) else start.told(start.asked.only(present))
     items = [*achieved, *manoeuvres(start.asked, traffic.samples, k)]
     return {"asked": [asdict(item) for item in items]}
 

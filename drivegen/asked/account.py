@@ -6,9 +6,10 @@ import numpy as np
 
 from drivegen.asked.achieved import does, queued, stands
 from drivegen.asked.start import AskedStart
-from drivegen.asked.wishes import Fill
+from drivegen.asked.wishes import Fill, says_how_many
 from drivegen.core.samples import Samples
 from drivegen.core.scenario import TARGET, VehicleKind
+from drivegen.core.wording import many
 from drivegen.goals.candidates import NO_ROUTE, Candidates
 from drivegen.roads.line import Route
 from drivegen.words.request import Density, Group, Kind, TrafficRequest
@@ -66,11 +67,10 @@ def _plain(group: Group) -> bool:
 
 
 def _numbers(request: TrafficRequest, start: AskedStart) -> list[Item]:
-    if not request.groups:
-        return []
     placed = start.scenario.vehicles.kind[1:]
-    asked = len(start.cast) - 1
-    items = [Item("number", f"{asked} vehicles beside the target", len(placed) == asked)]
+    items = []
+    if says_how_many(request):
+        items.append(Item("number", f"{many(request.vehicles, 'vehicle')} beside the target", len(placed) == request.vehicles))
     wanted = request.kinds
     for kind in (Kind.CAR, Kind.TRUCK, Kind.BUS):
         if wanted[kind]:
@@ -91,7 +91,8 @@ def _of_group(start: AskedStart, number: int, group: Group, routes: list[list[Ro
     if group.place is not None:
         relation = wishes[0].relation or group.place
         heads = members[:1] if group.queue else members
-        got = all(v is not None and stands(routes, vehicles, v, relation, group.distance) for v in heads)
+        stand = all(v is not None and stands(routes, vehicles, v, relation, group.distance) for v in heads)
+        got = stand and None not in members
         distance = f" {group.distance:g} m" if group.distance is not None else ""
         items.append(Item("place", f"{group.count} x {group.kind.value}{distance} {relation.value.replace('_', ' ')}", got))
     if group.queue:

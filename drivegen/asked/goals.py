@@ -205,7 +205,7 @@ def _has_room(scenario: Scenario, duty: Duty) -> bool:
 def _target_lets(own: Candidates, scenario: Scenario, duty: Duty) -> NDArray[np.bool_]:
     """(C,) goals of the target with which the other vehicle's manoeuvre means something: it drives on in its lane."""
     on = np.isin(own.manoeuvre, (Way.KEEP, Way.STOP))
-    if duty.manoeuvre is Manoeuvre.HARD_BRAKING:
+    if duty.manoeuvre in (Manoeuvre.HARD_BRAKING, Manoeuvre.STOPPED):
         ways = [route for route in own.routes if route.lane_changes == 0]
         places = [to_frenet(way, scenario.vehicles.position[duty.vehicle][None])[0] for way in ways]
         ahead = max((s for s, d in places if abs(d) < IN_LANE), default=-np.inf)

@@ -1,7 +1,7 @@
 """The first frame of what was asked for: some placements are drawn, and the first is taken that has all that was wished."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,12 @@ class AskedStart:
         places = np.flatnonzero(self.number == number)
         return int(places[0]) if len(places) else None
 
+    def only(self, present: NDArray[np.intp]) -> "AskedStart":
+        """The first frame of the vehicles `present` alone, as it is written where a future leaves others out; no duties."""
+        scenario = replace(self.scenario, vehicles=self.scenario.vehicles[present])
+        free = replace(self.free, scenario=scenario, candidates=[self.free.candidates[n] for n in present.tolist()])
+        return replace(self, scenario=scenario, number=self.number[present], duties=(), free=free)
+
 
 def start(
     initialiser: Initialiser,
@@ -110,7 +116,10 @@ def _placements(
     for turn in range(settings.placements):
         random = seeds.rng(seed, "asked", name, turn)
         try:
-            placed = _placed(initialiser, name, cast(request, settings.densities, vehicles, random), random)
+            asked = cast(request, settings.densities, vehicles, random, left_hand=initialiser.keeps_left)
+            if asked.radius is None and len(asked) > vehicles:  # more than usual need more road
+                asked = replace(asked, radius=initialiser.radius * len(asked) / vehicles)
+            placed = _placed(initialiser, name, asked, random)
         except UnusableInput as error:
             if error.reason != "no-place" or (turn + 1 == settings.placements and not room):
                 raise

@@ -1,7 +1,7 @@
 """From a request to a list of vehicles: which kinds, where each is to stand, and which of them are to do what."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,11 +76,14 @@ class Cast:
         return len(self.kinds)
 
 
-def cast(request: TrafficRequest, densities: Mapping[str, Fill], vehicles: int, random: np.random.Generator) -> Cast:
-    """The vehicles of a request; where it does not say how many there are (`_says_how_many`), its density or `vehicles` (in
+def cast(
+    request: TrafficRequest, densities: Mapping[str, Fill], vehicles: int, random: np.random.Generator, *, left_hand: bool = False
+) -> Cast:
+    """The vehicles of a request; where it does not say how many there are (`says_how_many`), its density or `vehicles` (in
     all) does.
 
-    Those with a wish come before those without, so that they find their places. Raises UnusableInput for an unknown density.
+    Those with a wish come before those without, so that they find their places. In `left_hand` traffic one overtakes on the
+    right. Raises UnusableInput for an unknown density.
     """
     fill = _fill(request.density, densities)
     own = Wish(speed=_approach(request), turn=_TURNS.get(request.target_does) if request.target_does else None)
@@ -93,9 +96,11 @@ def cast(request: TrafficRequest, densities: Mapping[str, Fill], vehicles: int, 
             if asked.manoeuvre is not None and which == 0:
                 orders.append(Order(len(kinds), asked.manoeuvre, asked.within))
             wishes.append(_wish(asked, which, len(kinds), request.speed, random))
+            if left_hand and asked.manoeuvre is Manoeuvre.OVERTAKE and asked.place in (None, Relation.BEHIND):
+                wishes[-1] = replace(wishes[-1], relation=Relation.RIGHT_BEHIND)
             kinds.append(asked.kind)
             group.append(number)
-    if request.density is not Density.NONE and not _says_how_many(request):
+    if request.density is not Density.NONE and not says_how_many(request):
         more = max((fill.vehicles if fill else vehicles) - len(kinds), 0)
         kinds += [Kind.VEHICLE] * more
         wishes += [Wish(speed=_about(request.speed, random)) for _ in range(more)]
@@ -119,7 +124,7 @@ def _wished(group: Group) -> bool:
     return group.place is not None or group.queue or group.manoeuvre is not None
 
 
-def _says_how_many(request: TrafficRequest) -> bool:
+def says_how_many(request: TrafficRequest) -> bool:
     """Whether the number of vehicles is said, beside single ones of which more is said: "ten cars", not "a bus ahead".
 
     Beside a density, only cars or vehicles of any kind say it: in "heavy traffic with two buses" most are neither.

@@ -82,4 +82,4 @@ def _queued(scene: Scene, other: int, row: int, wish: Wish) -> NDArray[np.bool_]
     away = measure(scene.lane[other], scene.along[other], slots.lane, slots.along) - halves
     speed = scene.speed[other] if wish.speed is None else wish.speed
     low, high = (gap + seconds * speed for gap, seconds in zip(QUEUE_GAP, QUEUE_TIME_GAP, strict=True))
-    return np.asarray((away >= low) & (away <= high + 2 * SPACING))
+    return np.asarray((away >= low) & (away <= high + SPACING))

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.core.errors import UnusableInput
-from drivegen.core.scenario import Vehicles
+from drivegen.core.scenario import TARGET, Vehicles
 from drivegen.core.settings import Count, NotNegative, Positive
 from drivegen.placement._scene import Bounds, Scene
 from drivegen.placement._spots import Spots, any_spots, offsets, wished_spots
@@ -24,7 +24,7 @@ from drivegen.placement._traffic import Traffic
 from drivegen.placement.draws import Draws
 from drivegen.placement.slots import Slots
 from drivegen.placement.table import Table
-from drivegen.placement.where import Wish
+from drivegen.placement.where import Relation, Wish, in_between
 
 MODES = ("paper", "data")
 
@@ -108,7 +108,7 @@ class Placer:
         else:
             add_target(scene, int(rows[0]), wishes, self._settings.road_ahead, self._draws, random)
         traffic = None if self._draws is None else Traffic(scene, closed, self._draws, len(rows), random, radius)
-        others = _Others(scene, self._settings, self._draws, traffic, radius, random)
+        others = _Others(scene, self._settings, self._draws, traffic, radius, random, np.zeros(len(self._slots), np.bool_))
         rejected: Counter[str] = Counter()
         for number, (row, wish) in enumerate(zip(rows[1:], wishes[1:], strict=True), 1):
             reason = others.add(number, int(row), wish)
@@ -128,7 +128,10 @@ class Placer:
 
 @dataclass(frozen=True)
 class _Others:
-    """The social vehicles of one scene, which are added one after another; `draws` and `traffic` in mode `data` alone."""
+    """The social vehicles of one scene, which are added one after another; `draws` and `traffic` in mode `data` alone.
+
+    `between` (Q,) are slots for those with a wish alone: whoever was wished ahead of or behind the target is the next to it.
+    """
 
     scene: Scene
     settings: PlaceSettings
@@ -136,6 +139,7 @@ class _Others:
     traffic: Traffic | None
     radius: float | None
     random: np.random.Generator
+    between: NDArray[np.bool_]
 
     def add(self, number: int, row: int, wish: Wish) -> str | None:
         """Add vehicle `number` at the first spot that is free and keeps its gaps, or say why none is."""
@@ -148,6 +152,8 @@ class _Others:
             for k, slot in enumerate(spots.slot.tolist()):
                 if free[k] and scene.keeps_gaps(slot, float(speed[k]), row):
                     scene.add(slot, float(speed[k]), row, number, float(offset[k]))
+                    if wish.relation in (Relation.AHEAD, Relation.BEHIND) and not wish.anywhere:
+                        self.between[:] |= in_between(scene.slots, scene.slot[TARGET], slot, wish.relation)
                     return None
                 reasons["time-gap" if free[k] else "overlap"] += 1
         return reasons.most_common(1)[0][0] if reasons else "does-not-fit"
@@ -159,6 +165,7 @@ class _Others:
             yield wished_spots(self.scene, fits, row, wish, settings.attempts, self.random)
         if wish.stands and not wish.anywhere:
             return
+        fits = fits & ~self.between
         if self.traffic is not None:
             yield from self.traffic.spots(fits, row, settings.attempts)
             return

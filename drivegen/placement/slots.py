@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from drivegen.core.geometry import arc_length, interpolate, line_heading
 from drivegen.core.roadmap import LaneControl, LaneKind, RoadMap
-from drivegen.placement.ways import Ways, blocked, limits, to_junction, turns
+from drivegen.placement.ways import Ways, limits, to_junction, turns
 
 SPACING = 2.0
 """Distance between slots along a lane [m]."""
@@ -18,6 +18,9 @@ _BRAKING = 2.0
 
 _LATERAL = 2.5
 """Lateral acceleration [m/s2] that drivers accept in bends."""
+
+_BEND = 4.0
+"""Turns are taken over so much of the way [m], or over the pieces of a line that are longer."""
 
 _YIELD_SPEED = 5.0
 """Speed [m/s] at which one can still give way."""
@@ -74,8 +77,25 @@ class Slots:
 
     def limit_before(self, closed: NDArray[np.int32]) -> NDArray[np.float64]:
         """`limit` (Q,) where the lanes `closed` (C,) must not be entered now, as behind a red light."""
-        stopping = np.sqrt(2 * _BRAKING * (self.length[self.lane] - self.along))
-        return np.where(blocked(self.ways, closed)[self.lane], np.minimum(self.limit, stopping), self.limit)
+        entry = np.full(len(self.length), np.inf)
+        entry[closed] = 0.0
+        end = _end_speeds(entry, self.length, self.ways.onward)[self.lane]
+        return np.asarray(np.minimum(self.limit, np.sqrt(end**2 + 2 * _BRAKING * (self.length[self.lane] - self.along))))
+
+
+def _end_speeds(entry: NDArray[np.float64], length: NDArray[np.float64], onward: dict[int, list[int]]) -> NDArray[np.float64]:
+    """(L,) [m/s] at each lane's end, from which one can still slow down to `entry` (L,) of all lanes of the fastest way on.
+
+    Lanes across a junction are short: what follows them has to be seen from before it.
+    """
+    start, end = entry, entry
+    for _ in range(len(entry)):
+        end = np.array([max((start[after] for after in onward.get(lane, [])), default=entry[lane]) for lane in range(len(entry))])
+        slower = np.minimum(entry, np.sqrt(end**2 + 2 * _BRAKING * length))
+        if np.array_equal(slower, start):
+            break
+        start = slower
+    return end
 
 
 def _width(road_map: RoadMap, lane: int) -> float:
@@ -98,7 +118,7 @@ class _Profiles:
         self._length = length
         entry = np.where(road_map.control == LaneControl.YIELD, np.minimum(self._cap, _YIELD_SPEED), self._cap)
         entry = np.where(road_map.control == LaneControl.STOP, 0.0, entry)
-        self._end = np.array([max((entry[after] for after in onward.get(i, [])), default=entry[i]) for i in range(len(lines))])
+        self._end = _end_speeds(entry, length, onward)
 
     def speed(self, lane: int, at: NDArray[np.float64]) -> NDArray[np.float64]:
         """(K,) [m/s] at `at` (K,) [m] along the lane."""
@@ -107,12 +127,13 @@ class _Profiles:
 
 
 def _bend_speed(line: NDArray[np.float64]) -> float:
-    """Speed [m/s] at the sharpest bend of the line: lateral acceleration over the turn spread around each vertex."""
+    """Speed [m/s] at the sharpest bend of the line: lateral acceleration over the turn within _BEND of each vertex."""
     step = np.diff(line, axis=0)
     if len(step) < 2:
         return float("inf")
     heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
     size = np.hypot(step[:, 0], step[:, 1])
-    reach = np.maximum((size[1:] + size[:-1]) / 2, 4.0)
-    sharpest = float((np.abs(np.diff(heading)) / reach).max())
+    at, turned = np.cumsum(size)[:-1], np.concatenate([[0.0], np.cumsum(np.diff(heading))])
+    last, first = np.searchsorted(at, at + _BEND / 2, "right"), np.searchsorted(at, at - _BEND / 2, "left")
+    sharpest = float((np.abs(turned[last] - turned[first]) / np.maximum((size[1:] + size[:-1]) / 2, _BEND)).max())
     return float(np.sqrt(_LATERAL / max(sharpest, 1e-4)))

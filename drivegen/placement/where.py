@@ -38,6 +38,10 @@ _BETWEEN = 8.0
 """An oncoming vehicle that turns across the target's way does so this far [m] before the target at least."""
 
 
+_LOOKED_AT = 50
+"""Slots of a map, about so many, that tell on which side traffic keeps."""
+
+
 class Side(StrEnum):
     """To which side a vehicle turns at a junction."""
 
@@ -113,6 +117,24 @@ def standing(slots: Slots, target: int, relation: Relation, distance: float | No
     if relation.value.endswith("behind"):
         return np.asarray(beside & _within(-x, NEAREST, FARTHEST / 2, distance))
     return np.asarray(beside & (_within(np.abs(x), 0.0, BESIDE, distance)))
+
+
+def keeps_left(slots: Slots) -> bool:
+    """Whether traffic keeps left: who comes towards a slot is mostly to its right; False where nobody comes."""
+    sides = 0.0
+    for slot in range(0, len(slots), max(len(slots) // _LOOKED_AT, 1)):
+        oncoming = standing(slots, slot, Relation.ONCOMING, None)
+        y = to_vehicle_frame(slots.position[oncoming], slots.position[slot], slots.heading[slot])[:, 1]
+        sides += float(np.sign(y[np.argmin(np.abs(y))])) if len(y) else 0.0
+    return sides < 0
+
+
+def in_between(slots: Slots, target: int, other: int, relation: Relation) -> NDArray[np.bool_]:
+    """(Q,) which slots lie between the slot `target` and the slot `other`, which is AHEAD or BEHIND on its way."""
+    forward, back = (slots.ways.ahead, slots.ways.behind) if relation is Relation.AHEAD else (slots.ways.behind, slots.ways.ahead)
+    from_target = forward(int(slots.lane[target]), float(slots.along[target]), slots.lane, slots.along)
+    to_other = back(int(slots.lane[other]), float(slots.along[other]), slots.lane, slots.along)
+    return np.asarray((from_target < from_target[other]) & np.isfinite(to_other))
 
 
 def _within(along: NDArray[np.floating], low: float, high: float, distance: float | None) -> NDArray[np.bool_]:

@@ -22,8 +22,9 @@ from drivegen.layouts.compile import compile_map
 from drivegen.layouts.spec import MapSpec
 from drivegen.placement.scenes import Initialiser
 from drivegen.placement.scenes import Settings as InitialSettings
+from drivegen.placement.slots import Slots
 from drivegen.placement.table import build_table
-from drivegen.placement.where import TURN_BEGINS
+from drivegen.placement.where import TURN_BEGINS, keeps_left
 from drivegen.roads.frenet import to_frenet
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.routes import feasible_routes
@@ -62,13 +63,71 @@ def test_everybody_stands_as_asked_and_what_was_got_is_told(initialiser, tools):
     words = "a bus 30 m ahead, a truck on the left, a car behind, about 50 km/h"
     request, made = begun(initialiser, tools, words)
     items = first_frame(request, made, SETTINGS.densities)
-    assert {item.kind for item in items} == {"number", "kind", "place", "speed"}
+    assert {item.kind for item in items} == {"kind", "place", "speed"}
     assert all(item.got for item in items), items
     vehicles = made.scenario.vehicles
     bus = made.vehicle(1 + [g.kind for g in request.groups].index("bus"))
     assert vehicles.kind[bus] == VehicleKind.BUS
     assert np.hypot(*(vehicles.position[bus] - vehicles.position[0])) == pytest.approx(30, abs=7)
     assert np.allclose(vehicles.speed, 50 / 3.6, rtol=0.2)
+
+
+def told(initialiser, tools, words, present=None):
+    request, made = begun(initialiser, tools, words)
+    seen = made if present is None else made.only(np.array(present))
+    return {item.what: item.got for item in first_frame(request, seen, SETTINGS.densities)}
+
+
+def test_a_number_counts_only_where_one_is_asked_for(initialiser, tools):
+    assert "3 vehicles beside the target" in told(initialiser, tools, "three cars")
+    assert told(initialiser, tools, "a bus ahead, a truck behind").keys() == {
+        "1 x bus",
+        "1 x truck",
+        "1 x bus ahead",
+        "1 x truck behind",
+    }
+
+
+def test_nothing_is_got_of_whom_a_future_leaves_out(initialiser, tools):
+    words = "two cars, a bus ahead"
+    assert all(told(initialiser, tools, words, [0, 1, 2, 3]).values())
+    assert told(initialiser, tools, words, [0, 2, 3]) == {
+        "3 vehicles beside the target": False,
+        "1 x bus": False,
+        "2 x car": True,
+        "1 x bus ahead": False,
+    }
+
+
+def test_a_queue_that_is_not_whole_is_not_where_it_is_asked_for(initialiser, tools):
+    words = "a queue of three cars ahead"
+    assert told(initialiser, tools, words)["3 x car ahead"]
+    assert not told(initialiser, tools, words, [0, 1])["3 x car ahead"]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_nobody_stands_between_the_target_and_who_is_asked_for_ahead_of_it(initialiser, tools, seed):
+    equipment, generation = tools
+    request = read("a car 60 m ahead", 7).traffic
+    made = start(initialiser, "asked", request, SETTINGS, 16, equipment.selector, generation, seed)
+    place = made.scenario.vehicles.position
+    local = rotate(place - place[0], -float(made.scenario.vehicles.heading[0]))
+    ahead = (np.abs(local[:, 1]) < 1.5) & (local[:, 0] > 1) & (local[:, 0] < local[made.vehicle(1), 0] - 1)
+    assert not ahead.any()
+
+
+@pytest.mark.parametrize("left_hand", [False, True])
+def test_one_overtakes_on_the_side_that_traffic_does_not_keep(left_hand):
+    spec = HIGHWAY.model_copy(update={"left_hand": left_hand})
+    slots = Slots(Network.read(compile_map(spec), "highway").map)
+    assert keeps_left(slots) == left_hand
+    asked = cast(read("a car overtakes the target", 7).traffic, {}, 4, np.random.default_rng(0), left_hand=left_hand)
+    assert asked.wishes[1].relation == ("right_behind" if left_hand else "left_behind")
+
+
+def test_many_vehicles_have_room_farther_away(initialiser, tools):
+    _, made = begun(initialiser, tools, "twenty vehicles at 70 km/h")
+    assert len(made.scenario.vehicles) == 21
 
 
 def test_the_same_seed_gives_the_same_start_and_another_one_another(initialiser, tools):
@@ -323,3 +382,13 @@ def test_the_target_stops_behind_who_brakes_hard(initialiser, tools):
     lets = made.ordered.choices.used[0] > 0
     assert lets.sum() < len(target)
     assert (target.s[lets] < halt - vehicles.size[[0, duty.vehicle], 0].mean()).all()
+
+
+def test_the_target_stops_behind_who_stands(initialiser, tools):
+    _, made = begun(initialiser, tools, "a stopped bus 40 m ahead")
+    assert made.ordered.feasible == (True,)
+    [duty] = made.duties
+    target, vehicles = made.ordered.choices.candidates[0], made.scenario.vehicles
+    ahead = float(to_frenet(keeping(target), vehicles.position[duty.vehicle][None])[0, 0])
+    lets = made.ordered.choices.used[0] > 0
+    assert (target.s[lets] < ahead - vehicles.size[[0, duty.vehicle], 0].mean()).all()

@@ -14,7 +14,8 @@ from drivegen.placement.place import Placement, Placer, PlaceSettings
 from drivegen.placement.retrieve import Asked, draw_kinds, retrieve
 from drivegen.placement.slots import Slots
 from drivegen.placement.table import Provenance, Table, build_table
-from tests.scenes import busy_crossing, crossing, straight_road
+from drivegen.placement.where import Relation, Wish
+from tests.scenes import busy_crossing, crossing, road_map, straight_road
 
 SETTINGS = PlaceSettings(
     mode="paper", road_ahead=120.0, radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24
@@ -110,6 +111,36 @@ def test_nobody_is_too_fast_to_stop_before_a_stop_line_or_a_red_light():
                 assert v.speed[i] ** 2 <= 2 * 2.0 * left + 1e-3
     fast = [placed("crossing", [0], seed) for seed in range(40)]
     assert any(p.vehicles.speed[0] > 10 and p.lane[0] in into for p in fast)  # with green lights they need not
+
+
+def test_what_waits_behind_a_short_lane_is_seen_from_before_it():
+    turned = np.linspace(0, np.pi / 2, 30)
+    bend = np.column_stack([104 + 15 * np.sin(turned), 15 - 15 * np.cos(turned)])
+    lines = [np.array([[0.0, 0.0], [100.0, 0.0]]), np.array([[100.0, 0.0], [104.0, 0.0]]), bend]
+    slots = Slots(road_map(lines, links=[(0, 1), (1, 2)]))
+    before = slots.lane == 0
+    left = 104 - slots.along[before]
+    assert (slots.limit[before] <= np.sqrt(2.5 * 15 * 1.1 + 2 * 2.0 * left)).all()
+    assert slots.limit[before].max() > 13
+    red = slots.limit_before(np.array([2], np.int32))[before]
+    assert (red <= np.sqrt(2 * 2.0 * left) + 1e-3).all()
+
+
+@pytest.mark.parametrize("piece", [1.0, 4.0])
+def test_a_bend_is_as_slow_however_finely_it_is_drawn(piece):
+    turned = np.arange(0, np.pi, piece / 20)
+    slots = Slots(road_map([np.column_stack([20 * np.sin(turned), 20 - 20 * np.cos(turned)])]))
+    assert slots.limit == pytest.approx(np.sqrt(2.5 * 20), rel=0.15)
+
+
+def test_who_stands_in_a_queue_is_close_to_the_next_one():
+    wishes = [Wish(), Wish(relation=Relation.AHEAD, distance=40, speed=0.0), Wish(beside=1, ahead=True, speed=0.0)]
+    gaps = []
+    for seed in range(60):
+        v = Placer(MAPS["road"], table(), SETTINGS).place([0, 2, 2], np.random.default_rng(seed), wishes=wishes).vehicles
+        if len(v) == 3:
+            gaps.append(np.hypot(*(v.position[2] - v.position[1])) - v.size[1:, 0].mean())
+    assert 2 <= min(gaps) < max(gaps) <= 10
 
 
 def test_a_full_road_rejects_what_has_no_room():
