@@ -83,7 +83,12 @@ def feasible_routes(
     half = half_blend(speed)
     tree = reachable(graph, starts.lane, starts.s, costs, reach, half, most_changes, barred)
     ways = _distinct([_pieces(graph, tree, int(leaf), reach, half, barred) for leaf in _worthy(graph, tree, reach)])
-    ways.sort(key=lambda way: (sum(p.change != 0 for p in way), _fit(way, starts, costs) + _turning(graph, way)))
+
+    def rank(way: list[Piece]) -> tuple[int, float, float]:
+        turns = _turns(graph, way)
+        return sum(p.change != 0 for p in way), round(_fit(way, starts, costs) + np.abs(turns).sum(), 4), -turns.sum()
+
+    ways.sort(key=rank)
     return [build_route(graph, way) for way in ways[:most_routes]]
 
 
@@ -160,7 +165,7 @@ def _fit(way: list[Piece], starts: LaneHits, costs: NDArray[np.float64]) -> floa
     return float(costs[starts.lane == way[0].lane].min())
 
 
-def _turning(graph: LaneGraph, way: list[Piece]) -> float:
-    """Heading change [rad] of all lanes together, whichever way."""
+def _turns(graph: LaneGraph, way: list[Piece]) -> NDArray[np.float32]:
+    """Heading change (P,) [rad] of each lane, to the left."""
     lanes = [piece.lane for piece in way]
-    return float(np.abs(wrap_angle(graph.heading[lanes, 1] - graph.heading[lanes, 0])).sum())
+    return np.asarray(wrap_angle(graph.heading[lanes, 1] - graph.heading[lanes, 0]))
