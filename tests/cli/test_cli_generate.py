@@ -174,12 +174,12 @@ def test_vehicles_beset_the_target_on_request_and_only_on_a_map(run, tmp_path):
 def test_a_map_is_given_by_its_folder_too_and_what_was_not_got_is_named(run, project, tmp_path):
     (tmp_path / "Old harbour").mkdir()
     shutil.copy(project / "town centre.net.xml", tmp_path / "Old harbour" / "map.net.xml")
-    words = ("--map", str(tmp_path / "Old harbour"), "--text", "a hundred cars", "--samples", "2")
+    words = ("--map", str(tmp_path / "Old harbour"), "--text", "sixty cars", "--samples", "4")
     code, said = run(*words, "--out", str(tmp_path / "out"))
     assert code == 1, said  # nothing of what was asked for was done
     made = sum(not row["rejected"] for row in rows_of(tmp_path / "out"))
     assert len(list(tmp_path.glob("out/old-harbour-0000-s0*"))) == made
-    assert "not done: 100 vehicles beside the target" in said
+    assert "not done: 60 vehicles beside the target" in said
 
 
 def test_view_takes_what_was_generated_and_can_record_it_again(regenerated, tmp_path, capsys):
