@@ -59,7 +59,10 @@ def test_new_traffic_is_written_without_those_dropped(tmp_path):
 def test_a_future_that_leaves_vehicles_out_has_not_the_number_that_was_asked_for(monkeypatch):
     made = traffic(logged=False, dropped=[(1, 3)])
     asked = SimpleNamespace(only=lambda present: present)
-    told = lambda present: [Item("number", "7 vehicles beside the target", len(present) == 8)]  # noqa: E731
+
+    def told(present):
+        return [Item("number", "7 vehicles beside the target", len(present) == 8)]
+
     made = replace(made, start=replace(made.start, asked=asked, told=told))
     monkeypatch.setattr(make, "manoeuvres", lambda *_: [])
     assert [[item["got"] for item in row(made, k)["asked"]] for k in (0, 1)] == [[True], [False]]

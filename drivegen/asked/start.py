@@ -116,7 +116,7 @@ def _placements(
     for turn in range(settings.placements):
         random = seeds.rng(seed, "asked", name, turn)
         try:
-            asked = cast(request, settings.densities, vehicles, random, left_hand=initialiser.keeps_left)
+            asked = cast(request, settings.densities, vehicles, random, left_hand=initialiser.left_hand)
             if asked.radius is None and len(asked) > vehicles:  # more than usual need more road
                 asked = replace(asked, radius=initialiser.radius * len(asked) / vehicles)
             placed = _placed(initialiser, name, asked, random)

@@ -104,7 +104,7 @@ def _highest_steps(motion, begin, end):  # type: ignore[no-untyped-def]
     here, there = position[begin:], position[begin + 1 :]
     facing, faces = direction[begin:], direction[begin + 1 :]
     before, after = velocity[begin:], velocity[begin + 1 :]
-    valid, still = valid[begin:], valid[begin + 1 :]
+    valid, onward = valid[begin:], valid[begin + 1 :]
     jump = spin = _NEVER
     for t in range(end - begin):
         dx, dy = there[t, 0] - here[t, 0], there[t, 1] - here[t, 1]
@@ -113,7 +113,7 @@ def _highest_steps(motion, begin, end):  # type: ignore[no-untyped-def]
         ux, uy = faces[t, 0] - facing[t, 0], faces[t, 1] - facing[t, 1]
         turned = np.sqrt(ux * ux + uy * uy) - _TIGHTEST * np.sqrt(dx * dx + dy * dy)  # the chord of a small angle is the angle
         missed = ex * ex + ey * ey
-        both = valid[t] and still[t]
+        both = valid[t] and onward[t]
         jump = missed if both and missed > jump else jump
         spin = turned if both and turned > spin else spin
     return np.sqrt(jump) if jump >= 0 else _NEVER, spin * _PER_SECOND

@@ -18,7 +18,7 @@ from drivegen.placement.retrieve import draw_kinds, retrieve
 from drivegen.placement.slots import Slots
 from drivegen.placement.table import Table
 from drivegen.placement.ways import closed_lanes
-from drivegen.placement.where import Wish, keeps_left
+from drivegen.placement.where import Wish
 from drivegen.sumo.network import Network
 
 TOP_SPEED = 50.0
@@ -48,7 +48,7 @@ class Settings:
 class Initialiser:
     """Makes any number of scenarios on one network; asked = placed + rejected.
 
-    `gaps` are those of the training logs, which placement in mode `data` draws from. `keeps_left`: whether its traffic does.
+    `gaps` are those of the training logs, which placement in mode `data` draws from.
     """
 
     def __init__(
@@ -57,9 +57,7 @@ class Initialiser:
         self._network, self._name, self._source, self._table, self._settings = network, name, source, table, settings
         self._cropper = Cropper(network.map)
         self._shares = {kind_named(word): share for word, share in settings.shares.items()}
-        slots = Slots(network.map)
-        self._placer = Placer(slots, table, settings.placement, None if gaps is None else Draws(gaps))
-        self.keeps_left = keeps_left(slots)
+        self._placer = Placer(Slots(network.map), table, settings.placement, None if gaps is None else Draws(gaps))
 
     def scenario(self, number: int, seed: int, beset: bool = False) -> tuple[Scenario, dict[str, int]]:
         """Scenario `number`, and how many vehicles were not placed by reason; if `beset`, vehicles stand around the target.
@@ -80,6 +78,11 @@ class Initialiser:
             except UnusableInput as error:
                 if error.reason != "no-place":
                     raise
+
+    @property
+    def left_hand(self) -> bool:
+        """Whether traffic keeps left here."""
+        return self._network.left_hand
 
     @property
     def radius(self) -> float:

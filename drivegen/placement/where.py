@@ -38,10 +38,6 @@ _BETWEEN = 8.0
 """An oncoming vehicle that turns across the target's way does so this far [m] before the target at least."""
 
 
-_LOOKED_AT = 50
-"""Slots of a map, about so many, that tell on which side traffic keeps."""
-
-
 class Side(StrEnum):
     """To which side a vehicle turns at a junction."""
 
@@ -117,16 +113,6 @@ def standing(slots: Slots, target: int, relation: Relation, distance: float | No
     if relation.value.endswith("behind"):
         return np.asarray(beside & _within(-x, NEAREST, FARTHEST / 2, distance))
     return np.asarray(beside & (_within(np.abs(x), 0.0, BESIDE, distance)))
-
-
-def keeps_left(slots: Slots) -> bool:
-    """Whether traffic keeps left: who comes towards a slot is mostly to its right; False where nobody comes."""
-    sides = 0.0
-    for slot in range(0, len(slots), max(len(slots) // _LOOKED_AT, 1)):
-        oncoming = standing(slots, slot, Relation.ONCOMING, None)
-        y = to_vehicle_frame(slots.position[oncoming], slots.position[slot], slots.heading[slot])[:, 1]
-        sides += float(np.sign(y[np.argmin(np.abs(y))])) if len(y) else 0.0
-    return sides < 0
 
 
 def in_between(slots: Slots, target: int, other: int, relation: Relation) -> NDArray[np.bool_]:

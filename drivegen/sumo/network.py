@@ -44,7 +44,7 @@ class Network:
         signal_name: (G,) str traffic light id, signal_link: (G,) int32 link index in it, signal_lane: (G,) int32 the
             lane whose entry that link guards.
         programs: Program by traffic light id.
-        edge_ends: the junctions that each edge (SUMO id) leads from and to.
+        edge_ends: the junctions that each edge (SUMO id) leads from and to. left_hand: whether traffic keeps left.
     """
 
     map: RoadMap
@@ -54,6 +54,7 @@ class Network:
     signal_lane: NDArray[np.int32]
     programs: dict[str, Program]
     edge_ends: dict[str, tuple[str, str]]
+    left_hand: bool
 
     @classmethod
     def read(cls, raw: bytes, place: str) -> "Network":
@@ -137,6 +138,7 @@ def _assemble(root: Element, lanes: NetLanes, place: str) -> Network:
         np.array(guarded, np.int32),
         read_programs(root, place),
         lanes.ends,
+        lanes.lefthand,
     )
 
 

@@ -22,9 +22,8 @@ from drivegen.layouts.compile import compile_map
 from drivegen.layouts.spec import MapSpec
 from drivegen.placement.scenes import Initialiser
 from drivegen.placement.scenes import Settings as InitialSettings
-from drivegen.placement.slots import Slots
 from drivegen.placement.table import build_table
-from drivegen.placement.where import TURN_BEGINS, keeps_left
+from drivegen.placement.where import TURN_BEGINS
 from drivegen.roads.frenet import to_frenet
 from drivegen.roads.graph import LaneGraph
 from drivegen.roads.routes import feasible_routes
@@ -119,8 +118,7 @@ def test_nobody_stands_between_the_target_and_who_is_asked_for_ahead_of_it(initi
 @pytest.mark.parametrize("left_hand", [False, True])
 def test_one_overtakes_on_the_side_that_traffic_does_not_keep(left_hand):
     spec = HIGHWAY.model_copy(update={"left_hand": left_hand})
-    slots = Slots(Network.read(compile_map(spec), "highway").map)
-    assert keeps_left(slots) == left_hand
+    assert Network.read(compile_map(spec), "highway").left_hand == left_hand
     asked = cast(read("a car overtakes the target", 7).traffic, {}, 4, np.random.default_rng(0), left_hand=left_hand)
     assert asked.wishes[1].relation == ("right_behind" if left_hand else "left_behind")
 

@@ -82,6 +82,15 @@ def test_a_lane_drop_ends_the_route_on_it():
     assert by_lanes[(1, 0, 2)].exit_s == pytest.approx(85, abs=1.5)
 
 
+@pytest.mark.parametrize("noise", [-1e-5, 0.0, 1e-5])
+def test_of_two_ways_that_turn_alike_left_comes_first_whatever_the_last_bits_say(noise):
+    ahead, left, right = [(0, 0), (50, 0)], [(50, 0), (90, 0), (150, 60 + noise)], [(50, 0), (90, 0), (150, -60)]
+    for sides in ((left, right), (right, left)):
+        roads = scenes.road_map([ahead, *sides], links=[(0, 1), (0, 2)])
+        found = feasible_routes(LaneGraph.of(roads), np.array([10.0, 0.0]), 0.0, 10.0, 120.0)
+        assert found[0].line[-1, 1] > 0 > found[1].line[-1, 1]
+
+
 def with_bus_lanes(roads, *lanes):
     roads.kind[list(lanes)] = LaneKind.BUS
     return LaneGraph.of(roads)
