@@ -23,9 +23,7 @@ from tests.scenes import busy_crossing
 PLACING = PlaceSettings(
     mode="paper", road_ahead=60.0, radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24
 )
-SETTINGS = Settings(
-    vehicles=10, horizon=100, shares={"car": 0.9, "bus": 0.1}, map_radius=30.0, longest_cycle=60.0, placement=PLACING
-)
+SETTINGS = Settings(vehicles=10, horizon=100, shares={"car": 0.9, "bus": 0.1}, map_radius=30.0, placement=PLACING)
 ROLLOUT = RolloutSettings(attempts=3, rounds=3, evictions=1, drop_illegal=True, target_steps=None, exclusion=True, tempo=0.8)
 ARMS = [{"angle": angle, "lanes_in": 1, "lanes_out": 1, "length": 90} for angle in (0, 95, 180, 260)]
 ROADS = {

@@ -133,7 +133,7 @@ def _placed(initialiser: Initialiser, name: str, asked: Cast, random: np.random.
         initialiser.drawn_rows(1, random)[0] if kind.vehicle_kind is None else initialiser.row_of(kind.vehicle_kind, random)
         for kind in asked.kinds
     ]
-    scenario, placement = initialiser.begin(name, rows, initialiser.signal_time(random), random, asked.wishes, asked.radius)
+    scenario, placement = initialiser.begin(name, rows, random, asked.wishes, asked.radius)
     return _Placed(scenario, asked, placement.number, placement.rejected)
 
 

@@ -24,6 +24,9 @@ from drivegen.sumo.network import Network
 TOP_SPEED = 50.0
 """No vehicle is made that drives faster [m/s]: the checker's limit."""
 
+DAY = 86_400.0
+"""A scene begins at any second of a day, so at any of a signal's programme, however long its cycle."""
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -33,7 +36,6 @@ class Settings:
         vehicles: asked for, the target included. horizon: steps after the first.
         shares: of kinds, by the names of VehicleKind in lower case.
         map_radius: lanes this near to any vehicle are kept at least [m]; how far: see `Initialiser.within_reach`.
-        longest_cycle: signal programs begin at a random time within this [s].
         placement: see `PlaceSettings`.
     """
 
@@ -41,7 +43,6 @@ class Settings:
     horizon: Count
     shares: dict[str, float]
     map_radius: Positive
-    longest_cycle: Positive
     placement: PlaceSettings
 
 
@@ -65,9 +66,9 @@ class Initialiser:
         Raises UnusableInput with a countable reason where not even the target could be placed.
         """
         random = seeds.rng(seed, "place", self._name, number)
-        time, count = self.signal_time(random), self._settings.vehicles
+        count = self._settings.vehicles
         wishes = besetting(count) if beset else ()
-        scenario, placement = self.begin(f"{self._name}-{number:04d}", self.drawn_rows(count, random), time, random, wishes)
+        scenario, placement = self.begin(f"{self._name}-{number:04d}", self.drawn_rows(count, random), random, wishes)
         return scenario, placement.rejected
 
     def scenarios(self, count: int, seed: int, beset: bool = False) -> Iterator[Scenario]:
@@ -94,10 +95,6 @@ class Initialiser:
         """Lanes this near to any vehicle are kept [m]: nobody drives out of what is kept before the horizon."""
         return max(self._settings.map_radius, TOP_SPEED * self._settings.horizon * DT)
 
-    def signal_time(self, random: np.random.Generator) -> float:
-        """When in their programs the signals are at the first frame [s]."""
-        return float(random.uniform(0.0, self._settings.longest_cycle))
-
     def drawn_rows(self, count: int, random: np.random.Generator) -> list[int]:
         """Rows of the table for `count` vehicles of kinds by the settings' shares."""
         return [self.row_of(kind, random) for kind in draw_kinds(self._shares, count, random)]
@@ -110,7 +107,6 @@ class Initialiser:
         self,
         scenario_id: str,
         rows: Sequence[int],
-        signal_time: float,
         random: np.random.Generator,
         wishes: Sequence[Wish] = (),
         radius: float | None = None,
@@ -120,8 +116,8 @@ class Initialiser:
         `radius` [m] stands in for the settings' own. Raises UnusableInput, reason `no-place`, without room for the target.
         """
         settings, network = self._settings, self._network
-        time = signal_time + DT * np.arange(settings.horizon + 1)
-        signals = network.signals(time.astype(np.float64))
+        time = random.uniform(0.0, DAY) + DT * np.arange(settings.horizon + 1, dtype=np.float64)
+        signals = network.signals(time)
         closed = closed_lanes(signals)
         placement = self._placer.place(rows, random, closed, wishes, radius=radius)
         origin = np.round(network.map.origin + placement.vehicles.position[TARGET])

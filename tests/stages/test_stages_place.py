@@ -28,7 +28,6 @@ PARAMS = place.Params(
         horizon=50,
         shares={"car": 0.9, "bus": 0.1},
         map_radius=200.0,
-        longest_cycle=60.0,
         placement=PlaceSettings(
             mode="paper", road_ahead=120.0, radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24
         ),
