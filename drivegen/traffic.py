@@ -120,7 +120,6 @@ def from_network(
 
 def from_words(
     initialiser: Initialiser,
-    name: str,
     request: TrafficRequest,
     how: AskedSettings,
     vehicles: int,
@@ -132,7 +131,7 @@ def from_words(
 
     Raises UnusableInput where not even the target finds a place.
     """
-    first = asked_start(initialiser, name, request, how, vehicles, tools.selector, settings, seed)
+    first = asked_start(initialiser, initialiser.scenario_id(0, seed), request, how, vehicles, tools.selector, settings, seed)
     return Start(first.scenario, first.rejected, first, partial(first_frame, request, densities=how.densities))
 
 

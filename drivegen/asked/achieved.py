@@ -26,7 +26,7 @@ STANDING = 0.5
 """Slower than this [m/s] a vehicle stands."""
 
 TURNED = np.deg2rad(45)
-"""Heading change of a turn [rad]."""
+"""Whoever has turned heads so far [rad] from where it began."""
 
 INTO = 1.2
 """Who has changed into a lane is this near to its middle [m]; who is out of it at least OUT."""
@@ -110,16 +110,17 @@ def does(duty: Duty, motion: Trajectories, target_routes: Sequence[Route], own_r
     if duty.manoeuvre is Manoeuvre.HARD_BRAKING:
         return bool(hardest_braking(track)[:last].max(initial=0.0) >= BRAKING)
     turned = np.unwrap(track.heading.astype(np.float64)) - track.heading[0]
+    turn = float(turned[:last][-1])  # at the end: whoever enters a ring heads aside for a while, wherever it leaves
     if duty.manoeuvre is Manoeuvre.TURN_LEFT:
-        return bool((turned[:last] > TURNED).any())
+        return turn > TURNED
     if duty.manoeuvre is Manoeuvre.TURN_RIGHT:
-        return bool((turned[:last] < -TURNED).any())
+        return turn < -TURNED
     if duty.manoeuvre in (Manoeuvre.CHANGE_LEFT, Manoeuvre.CHANGE_RIGHT):
         side = 1.0 if duty.manoeuvre is Manoeuvre.CHANGE_LEFT else -1.0
         return bool(own_routes) and _lasts(_changed(own_routes, track, side)[:last])
     if duty.manoeuvre is Manoeuvre.TURN_LEFT_ACROSS:
         across = any(_crosses(route, track, last) for route in target_routes)
-        return bool((turned[:last] > TURNED).any() and across)
+        return turn > TURNED and across
     return bool(target_routes) and _before_target(duty, track, target, target_routes[0], last)
 
 

@@ -6,7 +6,7 @@ goals that the words demand, are the price in realism.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib.resources import files
 from typing import Any
 
@@ -19,6 +19,7 @@ from drivegen.asked.start import AskedStart, Settings, start
 from drivegen.core.errors import UnusableInput
 from drivegen.core.roadmap import RoadMap
 from drivegen.core.samples import Samples
+from drivegen.core.scenario import TARGET
 from drivegen.generators.base import Settings as GeneratorSettings
 from drivegen.placement.gaps import gaps_of
 from drivegen.placement.scenes import Initialiser
@@ -121,10 +122,10 @@ class Bench:
         )[0]
 
     def _told(self, request: Request, read: TrafficRequest, made: AskedStart, bound: Samples, free: Samples) -> dict[str, Any]:
-        items = first_frame(read, made, self.settings.densities)
+        items = [item for k in range(self.samples) for item in self._first_frame(read, made, ~bound.dropped[k])]
         done = [manoeuvres(made, bound, k) for k in range(self.samples)]
         by_chance = [manoeuvres(made, free, k) for k in range(self.samples)]
-        lost = [] if as_meant(read, request.means) else [Item("misread", "what the words mean", False)]
+        lost = [] if as_meant(read, request.means) else [Item("misread", "what the words mean", False)] * self.samples
         return {
             "vehicles": len(made.scenario.vehicles),
             "asked_vehicles": len(made.cast),
@@ -136,6 +137,11 @@ class Bench:
             "illegal_free": _lost_share(free),
             "least_time_gap": _least_time_gap(made),
         }
+
+    def _first_frame(self, read: TrafficRequest, made: AskedStart, present: NDArray[np.bool_]) -> list[Item]:
+        """What is got at the first frame of those whom a future (N,) has; nothing where it lacks its target."""
+        items = first_frame(read, made.only(np.flatnonzero(present)) if present[TARGET] else made, self.settings.densities)
+        return [replace(item, got=item.got and bool(present[TARGET])) for item in items]
 
 
 def _lost_share(samples: Samples) -> float:

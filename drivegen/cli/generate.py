@@ -132,8 +132,7 @@ def _new(
         start = from_network(network, _as_id(name), source, table, initial, seed, gaps, order.beset)
     else:
         initialiser = Initialiser(network, _as_id(name), source, table, initial, gaps)
-        name = f"{_as_id(name)}-0000"
-        start = from_words(initialiser, name, wishes.request, _project.asked_settings(), order.vehicles, tools, settings, seed)
+        start = from_words(initialiser, wishes.request, _project.asked_settings(), order.vehicles, tools, settings, seed)
         write_json(folder / TRAFFIC, _account(wishes, start))
     if start.left_out:
         reasons = ", ".join(f"{count} {reason}" for reason, count in start.left_out.items())

@@ -68,7 +68,7 @@ class Initialiser:
         random = seeds.rng(seed, "place", self._name, number)
         count = self._settings.vehicles
         wishes = besetting(count) if beset else ()
-        scenario, placement = self.begin(f"{self._name}-{number:04d}", self.drawn_rows(count, random), random, wishes)
+        scenario, placement = self.begin(self.scenario_id(number, seed), self.drawn_rows(count, random), random, wishes)
         return scenario, placement.rejected
 
     def scenarios(self, count: int, seed: int, beset: bool = False) -> Iterator[Scenario]:
@@ -79,6 +79,10 @@ class Initialiser:
             except UnusableInput as error:
                 if error.reason != "no-place":
                     raise
+
+    def scenario_id(self, number: int, seed: int) -> str:
+        """Of scenario `number`: no two seeds share one, so that what is made on other days can be put together."""
+        return f"{self._name}-{seed}-{number:04d}"
 
     @property
     def left_hand(self) -> bool:

@@ -30,6 +30,12 @@ def done(roads: RoadMap, target: Trajectories, other: Trajectories) -> set[Manoe
     return {m for m in asked if does(Duty(1, m, None), stack([target, other]), lines[0][:1], lines[1])}
 
 
+def turns(track: Trajectories) -> set[Manoeuvre]:
+    """Turns that the vehicle is said to have made."""
+    both = stack([way(STRAIGHT, 0, 8), track])
+    return {m for m in (Manoeuvre.TURN_LEFT, Manoeuvre.TURN_RIGHT) if does(Duty(1, m, None), both, (), ())}
+
+
 def keeping(roads: RoadMap, track: Trajectories) -> list[Route]:
     graph, speed = LaneGraph.of(roads), float(track.speed[0])
     routes = feasible_routes(graph, track.position[0], float(track.heading[0]), speed, 150.0)
@@ -55,6 +61,18 @@ def test_nor_is_the_wide_branch_of_a_fork(side, speed):
     fork = road_map([into, ahead, arc(60.0, side)], links=[(0, 1), (0, 2)])
     turning = drive(np.concatenate([into, arc(60.0, side)[1:]]), 240, speed, 101)
     assert done(fork, drive(np.concatenate([into, ahead[1:]]), 200, 4, 101), turning) == set()
+
+
+def test_whoever_drives_straight_on_through_a_ring_has_turned_to_neither_side():
+    swing = np.concatenate([np.zeros(30), np.linspace(0, -60, 6), np.linspace(-60, 60, 15), np.linspace(60, 0, 6), np.zeros(60)])
+    steps = 2.0 * np.stack([np.cos(np.deg2rad(swing)), np.sin(np.deg2rad(swing))], axis=1)
+    through = drive(np.cumsum(steps, axis=0), 40, 9, 101)
+    assert turns(through) == set()
+
+
+@pytest.mark.parametrize(("lanes", "turn"), [((0, 9, 5), Manoeuvre.TURN_LEFT), ((0, 10, 7), Manoeuvre.TURN_RIGHT)])
+def test_whoever_leaves_a_crossing_to_a_side_has_turned(lanes, turn):
+    assert turns(way(lanes, 40, 9)) == {turn}
 
 
 @pytest.mark.parametrize("across", [FROM_LEFT, FROM_RIGHT])

@@ -153,7 +153,7 @@ def test_a_network_needs_no_words_and_any_name_becomes_an_id(run, tmp_path):
     code, said = run("--map", "town centre.net.xml", "--vehicles", "4", "--samples", "2", "--out", str(tmp_path / "out"))
     assert (code, said.count("scenarios of")) == (0, 1), said
     rows = rows_of(tmp_path / "out")
-    assert all(row["id"].startswith("town-centre-0000-s0") for row in rows if row["id"])
+    assert all(row["id"].startswith("town-centre-7-0000-s0") for row in rows if row["id"])
     made = next(tmp_path.glob("out/town-centre-*/signals_*.json"))
     assert set(json.loads(made.read_text())["signals"][0]["states"]) <= set("GYR")
 
@@ -178,7 +178,7 @@ def test_a_map_is_given_by_its_folder_too_and_what_was_not_got_is_named(run, pro
     code, said = run(*words, "--out", str(tmp_path / "out"))
     assert code == 1, said  # nothing of what was asked for was done
     made = sum(not row["rejected"] for row in rows_of(tmp_path / "out"))
-    assert len(list(tmp_path.glob("out/old-harbour-0000-s0*"))) == made
+    assert len(list(tmp_path.glob("out/old-harbour-7-0000-s0*"))) == made
     assert "not done: 60 vehicles beside the target" in said
 
 

@@ -61,7 +61,7 @@ def test_the_table_holds_the_cars_of_the_train_split_and_documented_others(folde
 
 def test_new_scenarios_have_no_log_but_vehicles_a_map_and_lights_that_change(folder):
     scenarios = [scenario for shard in shards(folder / "new") for scenario in read_shard(shard)]
-    assert [scenario.scenario_id for scenario in scenarios] == ["cross-0000", "cross-0001", "cross-0002"]
+    assert [scenario.scenario_id for scenario in scenarios] == ["cross-7-0000", "cross-7-0001", "cross-7-0002"]
     for scenario in scenarios:
         scenario.validate()
         assert scenario.log is None
