@@ -112,15 +112,15 @@ def does(duty: Duty, motion: Trajectories, target_routes: Sequence[Route], own_r
     turned = np.unwrap(track.heading.astype(np.float64)) - track.heading[0]
     turn = float(turned[:last][-1])  # at the end: whoever enters a ring heads aside for a while, wherever it leaves
     if duty.manoeuvre is Manoeuvre.TURN_LEFT:
-        return turn > TURNED
+        return bool(turn > TURNED)
     if duty.manoeuvre is Manoeuvre.TURN_RIGHT:
-        return turn < -TURNED
+        return bool(turn < -TURNED)
     if duty.manoeuvre in (Manoeuvre.CHANGE_LEFT, Manoeuvre.CHANGE_RIGHT):
         side = 1.0 if duty.manoeuvre is Manoeuvre.CHANGE_LEFT else -1.0
         return bool(own_routes) and _lasts(_changed(own_routes, track, side)[:last])
     if duty.manoeuvre is Manoeuvre.TURN_LEFT_ACROSS:
         across = any(_crosses(route, track, last) for route in target_routes)
-        return turn > TURNED and across
+        return bool(turn > TURNED and across)
     return bool(target_routes) and _before_target(duty, track, target, target_routes[0], last)
 
 
