@@ -16,7 +16,7 @@ from drivegen.ingest.admission import Admission, accounts, count_reasons, requir
 from drivegen.ingest.selection import Settings
 from drivegen.ingest.shards import make_shard, note_if_empty, plan_shards
 from drivegen.ingest.sources import Sources
-from drivegen.ingest.splits import CORPUS, Plan, items, once, trained_on
+from drivegen.ingest.splits import CORPUS, Plan, items, once, trained_on, unseen
 from drivegen.store.files import write_json, write_table
 from stages._door import enter, spread
 
@@ -81,18 +81,26 @@ def _sources(params: Params, corpus: Path) -> Sources:
 def _make_shards(params: Params, sources: Sources, plan: Plan, out: Path) -> dict[str, Admission]:
     """What became of all recordings, by split."""
     settings = sources.digest()
-    chosen, again = once({split: items(plan, sources.open, split) for split in SPLITS})
+    chosen, shown = unseen({split: items(plan, sources.open, split) for split in SPLITS})
+    chosen, again = once(chosen)
     tasks = {split: list(plan_shards(chosen[split], sources, settings, params.shard_size, out, split)) for split in SPLITS}
     admissions = {split: Admission() for split in SPLITS}
     for split in SPLITS:
+        for item in shown[split]:
+            said = f"{item}: the test split shows the same cars, so nobody learns from it"
+            _leave_out(sources, admissions[split], item, UnusableInput(said, reason="shown-in-test"))
         for item in again[split]:
-            data, _, scene = sources.scene(item)
             said = f"{item}: another scene has this name, which is the scenario's id: remove or rename one of them"
-            admissions[split].reject(data, scene, UnusableInput(said, reason="duplicate-id"))
+            _leave_out(sources, admissions[split], item, UnusableInput(said, reason="duplicate-id"))
     of_task = {task.note: admissions[split] for split in SPLITS for task in tasks[split]}
     for task, admission in spread(make_shard, [task for split in SPLITS for task in tasks[split]], params.workers, "ingest"):
         of_task[task.note].add(admission)
     return admissions
+
+
+def _leave_out(sources: Sources, admission: Admission, item: str, why: UnusableInput) -> None:
+    data, _, scene = sources.scene(item)
+    admission.reject(data, scene, why)
 
 
 if __name__ == "__main__":

@@ -118,7 +118,7 @@ def _initialiser(control: str) -> Initialiser:
     }
     network = Network.read(compile_map(MapSpec.model_validate({"road": road})), "benchmark crossing")
     table = build_table([_scene.scene(number) for number in range(8)])
-    settings = InitialSettings(VEHICLES, _scene.STEPS - 1, {"car": 1.0}, 250.0, 90.0, _PLACING)
+    settings = InitialSettings(VEHICLES, _scene.STEPS - 1, {"car": 1.0}, 250.0, _PLACING)
     return Initialiser(network, control, "benchmark", table, settings)
 
 

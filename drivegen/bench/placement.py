@@ -25,7 +25,7 @@ def rows() -> Iterator[Row]:
         placing = PlaceSettings(
             mode=mode, road_ahead=120.0, radius=80.0, speed_spread=0.15, least_time_gap=0.8, standstill_gap=2.0, attempts=24
         )
-        settings = Settings(VEHICLES, 100, {"car": 1.0}, 250.0, 90.0, placing)
+        settings = Settings(VEHICLES, 100, {"car": 1.0}, 250.0, placing)
         initialiser = Initialiser(network, "grid", "benchmark", table, settings, gaps)
 
         def place(initialiser: Initialiser = initialiser) -> None:

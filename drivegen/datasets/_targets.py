@@ -35,7 +35,8 @@ def spread_targets(kind: NDArray[np.uint8], motion: Trajectories) -> list[int]:
     if not steps_seen.any():
         return []
     long = steps_seen >= min(LONG, steps_seen.max())
-    travelled = np.where(motion.valid[:, 1:], np.hypot(*np.moveaxis(np.diff(motion.position, axis=1), -1, 0)), 0).sum(-1)
+    seen = motion.valid[:, 1:] & motion.valid[:, :-1]
+    travelled = np.where(seen, np.hypot(*np.moveaxis(np.diff(motion.position, axis=1), -1, 0)), 0).sum(-1)
     fit = long & (travelled >= min(MOVING, travelled[long].max()))
     near, reach = _neighbourhoods(np.flatnonzero(steps_seen > 0), motion.position[:, 0])
     missing = steps_seen > 0

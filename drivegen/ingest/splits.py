@@ -76,6 +76,16 @@ def items(plan: Plan, opened: Opened, split: str) -> list[str]:
     return chosen if limit is None else sorted(sorted(chosen, key=lambda item: derive(0, "limit", item))[:limit])
 
 
+def unseen(chosen: Mapping[str, Sequence[str]]) -> tuple[dict[str, list[str]], dict[str, list[str]]]:
+    """By split: the items to keep, and those of train and val that show the same cars as the test split."""
+    tested = {_recording(item.split("/", 2)[2]) for item in chosen["test"]}
+    kept, shown = ({split: list[str]() for split in chosen} for _ in range(2))
+    for split, names in chosen.items():
+        for item in names:
+            (shown if split != "test" and _recording(item.split("/", 2)[2]) in tested else kept)[split].append(item)
+    return kept, shown
+
+
 def once(chosen: Mapping[str, Sequence[str]]) -> tuple[dict[str, list[str]], dict[str, list[str]]]:
     """By split: the items whose scenario has an id of its own or has it first, and the others."""
     first, again = ({split: list[str]() for split in chosen} for _ in range(2))

@@ -31,6 +31,9 @@ _COMPILERS: dict[str, Any] = {
 _OTHER_SIDE = {"left": "right", "right": "left"}
 _OTHER_PART = {**_OTHER_SIDE, "north": "south", "south": "north"}
 
+_OTHER_RULE = {"right_before_left": "left_before_right"}
+"""In left-hand traffic netconvert reads these words as seen in a mirror: whoever comes from the right goes first there, too."""
+
 
 def compile_map(spec: MapSpec) -> bytes:
     """The SUMO network of a specification: same specification, same bytes.
@@ -49,7 +52,10 @@ def draw(spec: MapSpec) -> PlainNetwork:
     _COMPILERS[road.kind](road, plain)
     if (width := getattr(road, "lane_width", STREET_LANE)) != STREET_LANE:
         plain.edges = [replace(edge, width=edge.width or width) for edge in plain.edges]
-    return plain.mapped(lambda point: (point[0], -point[1])) if spec.left_hand else plain
+    if not spec.left_hand:
+        return plain
+    plain.nodes = [replace(node, type=_OTHER_RULE.get(node.type, node.type)) for node in plain.nodes]
+    return plain.mapped(lambda point: (point[0], -point[1]))
 
 
 def _reflected(value: Any) -> Any:

@@ -20,7 +20,7 @@ class HighwayEvent(Part):
         lanes: of the ramp, or by how many the carriageway changes.
         keeps: the ramp's lanes are the carriageway's outer ones: an off-ramp takes them along (exit only), an on-ramp brings
             them to stay. Else they are added and end beside it.
-        side: of lanes that end or begin; ramps are always on the outer side.
+        side: of lanes that end or begin, the outer one (of a `MapSpec`) where none is said; ramps are always on that side.
     """
 
     kind: Literal["on_ramp", "off_ramp", "lane_drop", "lane_gain", "weaving"]

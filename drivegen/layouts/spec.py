@@ -6,9 +6,9 @@ per second, degrees counter-clockwise from east; lanes are counted per direction
 specification may come from a model.
 """
 
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from drivegen.layouts.crossings import Crossing, Roundabout
 from drivegen.layouts.graph import Graph
@@ -28,3 +28,15 @@ class MapSpec(Part):
 
     road: Road
     left_hand: bool = False
+
+    @model_validator(mode="before")
+    @classmethod
+    def _outer_side_where_none_is_said(cls, value: Any) -> Any:
+        """Lanes end and begin on the outer side, which is the left one where traffic keeps left."""
+        if not (isinstance(value, dict) and value.get("left_hand") is True and isinstance(value.get("road"), dict)):
+            return value
+        road = value["road"]
+        if not isinstance(road.get("events"), list | tuple):
+            return value
+        events = [{"side": "left", **event} if isinstance(event, dict) else event for event in road["events"]]
+        return {**value, "road": {**road, "events": events}}

@@ -95,7 +95,7 @@ class Corridor(Part):
 
     @model_validator(mode="after")
     def _junctions_fit(self) -> "Corridor":
-        if min(self._ways()) < LEAST_ROOM:
+        if min(self.ways()) < LEAST_ROOM:
             raise ValueError(f"junctions must be in order, at least {LEAST_ROOM:.0f} m apart and that far from the road's ends")
         if self.lanes_back == 0 and (self.dead_end or any(j.form == "roundabout" for j in self.junctions)):
             raise ValueError("a one-way street can neither be a dead end nor lead through roundabouts here")
@@ -104,7 +104,7 @@ class Corridor(Part):
         _ = self.crossings  # raises ValueError where a turn leads nowhere
         return self
 
-    def _ways(self) -> list[float]:
+    def ways(self) -> list[float]:
         """Metres between the road's start, its junctions and its end, the halves of rings left out."""
         places = [0.0, *(j.position for j in self.junctions), self.alignment.length]
         rooms = [0.0, *(j.diameter / 2 if j.form == "roundabout" else 0.0 for j in self.junctions), 0.0]
@@ -128,7 +128,7 @@ class Corridor(Part):
         """Those that the road gets ahead of junction `number` (from 0), or on the way `back`: towards sides with a road."""
         if (crossing := self.crossings[number]) is None:
             return NO_TURN_LANES
-        length = min(self.junctions[number].pocket, POCKET_SHARE * self._ways()[number + back])
+        length = min(self.junctions[number].pocket, POCKET_SHARE * self.ways()[number + back])
         return crossing.turn_lanes(0 if back else 1)._replace(length=length)
 
 

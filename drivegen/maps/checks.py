@@ -67,16 +67,28 @@ def _agrees(want: Any, got: Any) -> bool:
 
 def _crossing(road: Crossing) -> dict[str, Any]:
     count = len(road.arms)
+    lit = int(road.control == "signals")
+    if parts := _parts(road):
+        return {"arms": (), "roundabouts": (), "signals": lit, **parts}
     return {
         **_way_across(road),
         "turns": _turns([road]),
         "arms": (count,),
-        "signals": int(road.control == "signals"),
+        "signals": lit,
         "roundabouts": (),
         "max_lanes": max(max(arm.lanes_out, arm.lanes_in + sum(road.turn_lanes(i)[:2])) for i, arm in enumerate(road.arms)),
         "merges": 0,
         "diverges": 0,
     }
+
+
+def _parts(road: Crossing) -> dict[str, int]:
+    """Merges and diverges, where ways only join or only part at the crossing; empty where any of them cross."""
+    on = {i: set(road.turns(i)) for i, arm in enumerate(road.arms) if arm.lanes_in}
+    back = {j: {i for i in on if j in on[i]} for j in set().union(*on.values())}
+    merges = sum(len(before) > 1 and all(on[i] == {j} for i in before) for j, before in back.items())
+    diverges = sum(len(after) > 1 and all(back[j] == {i} for j in after) for i, after in on.items())
+    return {"merges": merges, "diverges": diverges} if merges or diverges else {}
 
 
 def _way_across(road: Crossing) -> dict[str, Any]:
@@ -151,9 +163,10 @@ def _highway(road: Highway) -> dict[str, Any]:
         "diverges": sum(kind in ("off_ramp", "weaving") for kind in kinds),
         "speed": road.speed,
         "one_way": True,
-        "turn": _turn(road),
         "length": _line_length(road),
     }
+    if not kinds or (road.carriageways == 2 and not road.both):  # a bend is measured up to the first ramp
+        expected["turn"] = _turn(road)
     if not kinds:
         expected["lanes"] = road.lanes
     return {name: value for name, value in expected.items() if value is not None}

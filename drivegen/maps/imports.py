@@ -8,7 +8,7 @@ import math
 from collections import defaultdict
 from dataclasses import dataclass
 from typing import Any
-from xml.etree.ElementTree import Element
+from xml.etree.ElementTree import Element, tostring
 
 from drivegen.av2.maps import read_map
 from drivegen.core.errors import UnusableInput
@@ -58,7 +58,7 @@ def import_map(raw: bytes, place: str, window: Window | None = None) -> BuiltMap
     if data.lstrip()[:1] == b"{":
         network, source = to_network(read_map(data, place)), "Argoverse 2"
     else:
-        root = parse(data, place)
+        root, data = _without_namespace(parse(data, place), data)
         source = _SOURCES.get(root.tag, "")
         if not source:
             formats = ", ".join(_SOURCES.values())
@@ -83,7 +83,7 @@ def cut(network: bytes, place: str, window: Window) -> bytes:
     x, y = _centre(parse(network, place, root="net"), place, window)
     box = ",".join(f"{value:.2f}" for value in (x - window.radius, y - window.radius, x + window.radius, y + window.radius))
     arguments = ["-s", "in.net.xml", "--keep-edges.in-boundary", box, *_CAR, "--offset.disable-normalization", "true"]
-    arguments += ["--remove-edges.isolated", "true", "--ignore-errors", "true", "-o", "out.net.xml"]
+    arguments += ["--ignore-errors", "true", "-o", "out.net.xml"]
     nothing = UnusableInput(f"{place} has no road within {window.radius:g} m of ({x:.0f}, {y:.0f})", reason="empty-window")
     try:
         made = convert({"in.net.xml": network}, arguments, "out.net.xml", _TIMEOUT)
@@ -92,6 +92,15 @@ def cut(network: bytes, place: str, window: Window) -> bytes:
     if b"<edge " not in made:
         raise nothing
     return made
+
+
+def _without_namespace(root: Element, data: bytes) -> tuple[Element, bytes]:
+    """An OpenDRIVE file as it is without its standard's namespace, which 1.7 and 1.8 may name; any other as it is."""
+    if not root.tag.endswith("}OpenDRIVE"):
+        return root, data
+    for element in root.iter():
+        element.tag = element.tag.rpartition("}")[2]
+    return root, bytes(tostring(root))
 
 
 def _converted(data: bytes, root: Element, place: str) -> bytes:

@@ -13,6 +13,9 @@ from drivegen.core.errors import UnusableInput
 _LOOP = (225.0, 315.0)
 """A way that turns so far to one side is a loop [degrees]."""
 
+MOST_WAYS_IN = 200
+"""A network that is drawn from a specification has fewer."""
+
 Point = tuple[float, float]
 
 
@@ -65,7 +68,7 @@ def _edge(element: Element) -> Edge | None:
 
 def for_cars(lane: Element) -> bool:
     """Whether passenger cars may use a lane."""
-    allow, disallow = lane.get("allow"), lane.get("disallow", "").split()
+    allow, disallow = lane.get("allow") or None, lane.get("disallow", "").split()  # SUMO takes allow="" for no word
     if allow is not None:
         return "passenger" in allow.split() or "all" in allow.split()
     return "passenger" not in disallow and "all" not in disallow
@@ -119,11 +122,12 @@ class RoadGraph:
     def longest_way(self) -> float:
         """The longest of the shortest ways from each way in to each way out; without such ends, the longest edge.
 
-        What lies within a junction counts where a road only goes on there.
+        Of a city only the first `MOST_WAYS_IN` are tried: each takes a search of the whole network. What lies within a junction
+        counts where a road only goes on there.
         """
         into, out = self._ends()
         best = max(edge.length for edge in self.edges.values())
-        for start in into:
+        for start in into[:MOST_WAYS_IN]:
             cost = {start: self.edges[start].length}
             queue = [(cost[start], start)]
             while queue:

@@ -73,14 +73,15 @@ def measure(root: Element, place: str) -> Structure:
     merges = {e for e in graph.edges if _only(e, graph.back, graph.on) and graph.edges[e].source not in ring_nodes}
     splits = {e for e in graph.edges if _only(e, graph.on, graph.back) and graph.edges[e].target not in ring_nodes}
     plain = ring_nodes | {graph.edges[e].source for e in merges} | {graph.edges[e].target for e in splits}
-    arms = {node: count for node, count in _arms(graph).items() if count >= 3 and node not in plain}
+    meeting = {node: count for node, count in _arms(graph).items() if count >= 3}
+    arms = {node: count for node, count in meeting.items() if node not in plain}
     steps = [b - a for a, b in _continuations(graph)]
     points = [p for edge in edges for p in edge.shape]
     return Structure(
         arms=tuple(sorted(arms.values(), reverse=True)),
         approach_lanes=_approaches(graph, max(sorted(arms), key=lambda node: arms[node])) if arms else (),
         turns=sum(len(graph.on[edge]) for node in arms for edge in graph.entering[node]),
-        signals=len(graph.lit & set(arms)),
+        signals=len(graph.lit & set(meeting)),
         roundabouts=tuple(_ring_arms(graph, nodes, ids) for nodes, ids in graph.rings),
         ring_lanes=_mode((graph.edges[e].lanes, 1.0) for e in sorted(ring_edges)) if ring_edges else 0,
         merges=len(merges),

@@ -104,7 +104,7 @@ def simulate_scenarios(
         recording = Recording(network, traffic, cropper, city)
         cut = list(islice(cut_windows(recording, f"{city}-{part:03d}-{run:02d}", settings.window, random), missing))
         windows_seen += cut[-1][0] + 1 if len(cut) == missing else windows
-        parked = park(network.map, traffic, settings.parking, seeds.rng(seed, "parked", city, part, run))
+        parked = park(network, traffic, settings.parking, seeds.rng(seed, "parked", city, part, run))
         shown = [with_parked(window, parked, network.map.origin, settings.window.radius) for _, window in cut]
         scenarios += _recorded(shown, settings, random)
         share = max(len(cut) / (windows * vehicles), share / 4)  # what this network really gives

@@ -157,7 +157,7 @@ def lane_number(element: Element, attribute: str, default: float, place: str) ->
 
 def _kind(lane: Element) -> LaneKind | None:
     """Who may use the lane, by its vehicle classes; None for rails, water and footways."""
-    allow, disallow = lane.get("allow"), lane.get("disallow", "")
+    allow, disallow = lane.get("allow") or None, lane.get("disallow", "")  # SUMO takes allow="" for no word
     allowed, forbidden = (allow or "all").split(), disallow.split()
 
     def may(vehicle_class: str) -> bool:

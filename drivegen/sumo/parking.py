@@ -15,6 +15,7 @@ from drivegen.core.roadmap import NO_LANE, LaneKind, RoadMap
 from drivegen.core.scenario import TARGET, Scenario, SizeSource, Trajectories, VehicleKind, Vehicles
 from drivegen.core.settings import NotNegative, Positive, Share
 from drivegen.roads.graph import LaneGraph
+from drivegen.sumo.network import Network
 from drivegen.sumo.traffic import Traffic
 
 CLEAR = 0.3
@@ -43,21 +44,22 @@ class ParkingSettings:
     from_end: NotNegative
 
 
-def park(road_map: RoadMap, traffic: Traffic, settings: ParkingSettings, random: np.random.Generator) -> Vehicles:
+def park(network: Network, traffic: Traffic, settings: ParkingSettings, random: np.random.Generator) -> Vehicles:
     """Cars of the sizes of the traffic's, in the map's frame, clear of every lane, of each other and of all who drive."""
+    road_map, outward = network.map, -1.0 if network.left_hand else 1.0
     models = np.flatnonzero(traffic.kind == VehicleKind.CAR)
-    places = _places(road_map, settings, random)
+    places = _places(network, settings, random)
     if not len(models):
         places = places[:0]
     size = traffic.size[random.choice(models, len(places))] if len(places) else np.zeros((0, 3), np.float32)
     aside = random.uniform(*settings.gap, len(places)) + size[:, 1] / 2
-    right = np.stack([np.sin(places[:, 2]), -np.cos(places[:, 2])], axis=-1)
+    out = outward * np.stack([np.sin(places[:, 2]), -np.cos(places[:, 2])], axis=-1)
     cars = Vehicles(
         track_id=np.array([f"parked-{i}" for i in range(len(places))], np.str_),
         kind=np.full(len(places), VehicleKind.CAR, np.uint8),
         size=size,
         size_source=np.full(len(places), SizeSource.MEASURED, np.uint8),
-        position=(places[:, :2] + aside[:, None] * right).astype(np.float32),
+        position=(places[:, :2] + aside[:, None] * out).astype(np.float32),
         heading=(places[:, 2] + random.normal(0.0, NOT_STRAIGHT, len(places))).astype(np.float32),
         speed=np.zeros(len(places), np.float32),
     )
@@ -88,13 +90,15 @@ def with_parked(scenario: Scenario, cars: Vehicles, origin: NDArray[np.float64],
     return replace(scenario, vehicles=vehicles, log=Trajectories.joined([scenario.log, standing]))
 
 
-def _places(road_map: RoadMap, settings: ParkingSettings, random: np.random.Generator) -> NDArray[np.float64]:
-    """(P, 3) taken places: x, y [m] on the lane's right edge and its heading there [rad]."""
-    outer = (road_map.kind == LaneKind.VEHICLE) & ~road_map.in_junction & (road_map.neighbour[:, 1] == NO_LANE)
+def _places(network: Network, settings: ParkingSettings, random: np.random.Generator) -> NDArray[np.float64]:
+    """(P, 3) taken places: x, y [m] on the lane's outer edge and its heading there [rad]."""
+    road_map = network.map
+    beyond, edges = (road_map.neighbour[:, 0], road_map.left) if network.left_hand else (road_map.neighbour[:, 1], road_map.right)
+    outer = (road_map.kind == LaneKind.VEHICLE) & ~road_map.in_junction & (beyond == NO_LANE)
     streets = np.flatnonzero(outer & (road_map.speed_limit <= settings.fastest))
     rows = [np.zeros((0, 3))]
     for lane in streets[random.uniform(size=len(streets)) < settings.share].tolist():
-        edge = road_map.right[lane].astype(np.float64)
+        edge = edges[lane].astype(np.float64)
         length = arc_length(edge)[-1]
         along = np.arange(settings.from_end + settings.spacing / 2, length - settings.from_end, settings.spacing)
         along = along[random.uniform(size=len(along)) < settings.taken]

@@ -49,7 +49,7 @@ def decode(letters: Iterable[str]) -> NDArray[np.uint8]:
 
 
 def read_programs(root: Element, place: str) -> dict[str, Program]:
-    """The first program of every traffic light in the network, by the light's id."""
+    """The program of every traffic light in the network, by the light's id: of several the last, as in SUMO."""
     programs: dict[str, Program] = {}
     for logic in root.iterfind("tlLogic"):
         name = logic.get("id", "")
@@ -62,5 +62,5 @@ def read_programs(root: Element, place: str) -> dict[str, Program]:
         if not len(phases) or not np.isfinite([*durations, offset]).all() or (durations < 0).any() or not durations.sum() > 0:
             raise UnusableInput(f"{place}: traffic light {name!r} has no phases that last", reason="bad-map")
         shown = decode(phase.get("state", "") for phase in phases)
-        programs.setdefault(name, Program(np.cumsum(durations), shown, offset))
+        programs[name] = Program(np.cumsum(durations), shown, offset)
     return programs

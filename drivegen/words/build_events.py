@@ -156,10 +156,11 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
         if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in _AUXILIARY and not exact:
             placed[-1]["length"] = max(_SHORTEST, here - _LEAST_BETWEEN - placed[-1]["position"])
         counted = facts.value("lane_road", "event_lanes", "lanes", "lanes_each")
-        sides = {*facts.values("side"), *([event["side"]] if "side" in event else [])} or {"right"}
+        sides = {*facts.values("side"), *([event["side"]] if "side" in event else [])}
         if len(sides) > 1 or (ramp and "left" in sides):
             raise Unfit("ramps are on the outer side of the road" if ramp else "a lane ends or begins on one side")
-        road: Road = {"kind": event["kind"], "position": here, "lanes": event.get("lanes") or counted or 1, "side": sides.pop()}
+        road: Road = {"kind": event["kind"], "position": here, "lanes": event.get("lanes") or counted or 1}
+        road |= {"side": sides.pop()} if sides else {}  # a specification has the outer side where none is said
         road |= {"ramp_speed": facts.value("speed", "ramp_speed") or usual, "keeps": facts.value("keeps")}
         placed.append({**road, "length": length if ramp else None})
         end = here + (length if ramp else 0.0)

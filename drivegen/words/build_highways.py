@@ -35,6 +35,9 @@ def highway(scene: Scene, choices: Choices) -> Road:
     if lanes is not None and lanes[1] not in (0, lanes[0]):
         raise Unfit("both carriageways of a highway have the same number of lanes")
     events, start = events_of(scene, road, lanes[0] if lanes else None)
+    ways = [fact for fact in road.facts if fact.name == "two_way" and fact.text.endswith("both directions")]
+    if events and ways and not road.has("both"):
+        raise Unfit("say 'the same in both directions' of what happens on both carriageways")
     number = lanes[0] if lanes else start or (3 if fast and not divided else 2)
     speed = speed_of(road) or (FAST if fast else usual_speed([road]))
     if road.values("has_auxiliary") and not any(event["kind"] in ("on_ramp", "off_ramp") for event in events):

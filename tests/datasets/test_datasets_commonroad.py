@@ -17,7 +17,7 @@ from drivegen.core.scenario import SPLITS, SizeSource, Trajectories, VehicleKind
 from drivegen.datasets import commonroad
 from drivegen.datasets._targets import LEAST_NEW, LONG, NEIGHBOURHOOD, spread_targets
 from drivegen.ingest.selection import Settings, select
-from drivegen.ingest.splits import Plan, items
+from drivegen.ingest.splits import Plan, items, unseen
 from tests.commonroad_files import ROAD, car, obstacle, state, xml
 from tests.futures import otherwise
 
@@ -256,3 +256,21 @@ def test_what_is_no_file_or_shows_nobody_at_first_is_one_scene_with_its_reason_a
     ):
         with pytest.raises(UnusableInput, match=sentence):
             data.read("train", scene)
+
+
+def test_a_gap_in_the_track_of_somebody_who_stands_is_no_way_driven() -> None:
+    motion = row_of_cars(5)
+    motion.position[0] = motion.position[0, :1]
+    motion.valid[0, 80] = False
+    motion.position[0, 80] = 0.0
+    motion.position[:, :, 0] += 500.0
+    motion.position[0, 80] = 0.0  # the filler of what is not valid
+    assert 0 not in spread_targets(cars(5), motion)
+
+
+def test_nobody_learns_from_a_recording_that_shows_the_cars_of_the_test_split() -> None:
+    train = ["a/train/USA_US101-5_1_T-1:000", "a/train/USA_US101-3_1_T-1:000"]
+    chosen = {"train": train, "val": [], "test": ["a/test/USA_US101-15_1_T-1:002"]}
+    kept, shown = unseen(chosen)
+    assert kept == {**chosen, "train": train[1:]}
+    assert shown == {"train": train[:1], "val": [], "test": []}

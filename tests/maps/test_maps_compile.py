@@ -16,11 +16,12 @@ from drivegen.core import seeds
 from drivegen.layouts.compile import compile_map, draw
 from drivegen.layouts.spec import MapSpec
 from drivegen.layouts.streets import Corridor
-from drivegen.maps.build import build_spec
+from drivegen.maps.build import build_map, build_spec
 from drivegen.maps.checks import failures
 from drivegen.sumo.demand import Demand, draw_demand
 from drivegen.sumo.network import Network
 from drivegen.sumo.traffic import Run, simulate
+from drivegen.words.writer import Writer
 from tests.checking import LIMITS
 from tests.scenes import drive, joined, scenario, stack
 
@@ -340,3 +341,21 @@ def test_any_arms_that_are_apart_meet_at_one_crossing(sectors: list[int], lanes:
     control = "signals" if signals else "yield"
     built = build_spec(MapSpec.model_validate({"road": {"kind": "crossing", "arms": arms, "control": control}}), {})
     assert failures(list(built.checks)) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "merges", "diverges"),
+    [
+        ("T-junction of one-way streets", 1, 0),
+        ("T-junction with signals, all roads one-way", 1, 0),
+    ],
+)
+def test_where_roads_only_join_or_part_no_arms_are_expected(text: str, merges: int, diverges: int) -> None:
+    built = build_map(text, 7, Writer())
+    assert failures(list(built.checks)) == []
+    assert (built.structure.merges, built.structure.diverges, built.structure.signals) == (merges, diverges, "signals" in text)
+
+
+def test_a_bend_with_a_ramp_in_it_is_as_asked() -> None:
+    text = "one-way motorway with a 60 degree bend to the left with a radius of 300 m and an off-ramp at 560 m, 1100 m long"
+    assert failures(list(build_map(text, 7, Writer()).checks)) == []

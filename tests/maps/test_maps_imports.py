@@ -117,3 +117,19 @@ def test_signals_without_lanes_within_junctions_are_refused_until_these_are_adde
 def test_what_is_no_map_is_refused_by_name(raw: bytes) -> None:
     with pytest.raises(UnusableInput):
         import_map(raw, "some.file")
+
+
+def test_roads_that_reach_into_a_window_stay_whole_also_where_nothing_follows_them_there() -> None:
+    motorway = build_map("a motorway with an on-ramp at 400 m, 2000 m long", 7, Writer()).network
+    ends = {place: import_map(motorway, "a.net.xml", Window(150.0, around=(place, 0.0))).structure.edges for place in (300, 900)}
+    assert ends[300] >= 3  # both carriageways and the ramp
+    assert ends[900] == 2
+
+
+def test_opendrive_is_read_with_and_without_its_namespace() -> None:
+    xodr = export_opendrive(build_map("a straight road with two lanes each way", 7, Writer()).network)
+    named = xodr.replace(b"<OpenDRIVE", b'<OpenDRIVE xmlns="http://code.asam.net/simulation/standard/opendrive_schema"', 1)
+    assert named != xodr
+    assert import_map(named, "a.xodr").structure == import_map(xodr, "a.xodr").structure
+    with pytest.raises(UnusableInput, match="left-hand roads"):
+        import_map(named.replace(b"<road ", b'<road rule="LHT" ', 1), "a.xodr")

@@ -351,3 +351,20 @@ def test_words_put_loops_into_quadrants(text: str, loops: tuple[str, ...]) -> No
     assert isinstance(spec, MapSpec)
     assert isinstance(spec.road, QuadrantInterchange)
     assert spec.road.loops == loops
+
+
+@SIDES
+def test_a_trumpet_keeps_its_height_where_lanes_open(left_hand: bool) -> None:
+    form = {**FORMS["trumpet"], "road_lanes": 3}
+    mirrored = {**form, "north_east": form.get("north_west", "both"), "north_west": form["north_east"]}
+    for road in (form, mirrored):
+        root = parse(build_spec(specified(road, left_hand), {}).network, "trumpet")
+        ends = {lane.get("id"): _heights(lane.get("shape", "")) for lane in root.iter("lane")}
+        for link in root.iter("connection"):
+            before, after = f"{link.get('from')}_{link.get('fromLane')}", f"{link.get('to')}_{link.get('toLane')}"
+            if link.get("via") and not before.startswith(":") and ends[before][-1] == ends[after][0]:
+                assert set(ends[link.get("via")]) == {ends[after][0]}, link.attrib
+
+
+def _heights(shape: str) -> list[float]:
+    return [float([*point.split(","), "0"][2]) for point in shape.split()]

@@ -127,7 +127,17 @@ def test_an_id_is_one_scenario_s_in_all_splits_and_its_folder_s_name(world: Path
     assert sorted(ids(world, "train") + ids(world, "val") + ids(world, "test")) == ["real-a", "real-c", "real-e"]
     rows = pq.read_table(world / "out/rejected.parquet").to_pylist()
     found = [(row["split"], row["scene"], row["reason"]) for row in rows]
-    assert found == [("test", "real-a", "duplicate-id"), ("test", "copy", "bad-id")]
+    assert found == [("val", "real-a", "shown-in-test"), ("test", "copy", "bad-id")]  # val: a share of train, held back
+    assert rows[0]["sentence"].endswith("the test split shows the same cars, so nobody learns from it")
+
+
+def test_of_scenes_with_one_name_the_first_is_kept_and_the_others_are_said(world: Path) -> None:
+    (world / "av2/test").mkdir()
+    (world / "av2/val/real-e").rename(world / "av2/test/real-e")
+    shutil.copytree(world / "av2/train/real-a", world / "av2/val/real-a")
+    run(world, source="argoverse2", train_on=("argoverse2",), fewest_tracks=10, held_out={"argoverse2": "test"})
+    rows = pq.read_table(world / "out/rejected.parquet").to_pylist()
+    assert [(row["split"], row["scene"], row["reason"]) for row in rows] == [("val", "real-a", "duplicate-id")]
     assert rows[0]["sentence"].endswith(": remove or rename one of them")
 
 

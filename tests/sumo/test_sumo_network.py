@@ -209,3 +209,10 @@ def assert_hangs_together(net: Network) -> None:
     assert len(m.stop_lines) == controlled.sum() > 0
     assert set(net.signal_lane.tolist()) <= set(np.flatnonzero(m.control == LaneControl.SIGNAL).tolist())
     assert not (m.may_change & ~m.same_direction).any()
+
+
+def test_of_several_programs_the_last_one_runs_as_in_sumo():
+    night = b'</tlLogic><tlLogic id="T" type="static" programID="night" offset="0"><phase duration="60" state="rr"/></tlLogic>'
+    assert RAW.count(b"</tlLogic>") == 1
+    shown = Network.read(RAW.replace(b"</tlLogic>", night), "cross").signals(np.array([5.0, 40.0]))
+    assert (shown.state == SignalState.RED).all()

@@ -45,7 +45,7 @@ def stream() -> np.random.Generator:
 
 
 def test_cars_stand_beside_lanes_and_the_rule_that_knows_only_the_first_frame_takes_all_for_parked(network):
-    cars = park(network.map, stroller(network), EVERYWHERE, stream())
+    cars = park(network, stroller(network), EVERYWHERE, stream())
     assert len(cars) > 20
     assert (cars.kind == VehicleKind.CAR).all()
     assert parked(LaneGraph.of(network.map), cars).all()
@@ -62,7 +62,7 @@ def test_cars_stand_beside_lanes_and_the_rule_that_knows_only_the_first_frame_ta
 def test_nobody_parks_where_somebody_drives(network):
     driven = stroller(network)
     elsewhere = replace(driven, motion=replace(driven.motion, position=driven.motion.position + np.float32(5000)))
-    there, without = (park(network.map, traffic, EVERYWHERE, stream()) for traffic in (driven, elsewhere))
+    there, without = (park(network, traffic, EVERYWHERE, stream()) for traffic in (driven, elsewhere))
     assert 3 <= len(without) - len(there) < len(without) / 2
     ahead = unit(driven.motion.heading[0, :1])[0]
     gone = ~np.isin(without.track_id, there.track_id)
@@ -72,14 +72,14 @@ def test_nobody_parks_where_somebody_drives(network):
 
 def test_the_same_stream_gives_the_same_cars_and_a_share_is_a_share(network):
     traffic = stroller(network)
-    one, same = (park(network.map, traffic, EVERYWHERE, stream()) for _ in range(2))
+    one, same = (park(network, traffic, EVERYWHERE, stream()) for _ in range(2))
     arrays = ("track_id", "position", "heading", "size")
     assert all(getattr(one, name).tobytes() == getattr(same, name).tobytes() for name in arrays)
-    assert len(park(network.map, traffic, replace(EVERYWHERE, share=0.0), stream())) == 0
-    assert len(park(network.map, traffic, replace(EVERYWHERE, fastest=5.0), stream())) == 0
-    assert 0 < len(park(network.map, traffic, replace(EVERYWHERE, taken=0.3), stream())) < 0.6 * len(one)
+    assert len(park(network, traffic, replace(EVERYWHERE, share=0.0), stream())) == 0
+    assert len(park(network, traffic, replace(EVERYWHERE, fastest=5.0), stream())) == 0
+    assert 0 < len(park(network, traffic, replace(EVERYWHERE, taken=0.3), stream())) < 0.6 * len(one)
     without_cars = replace(traffic, kind=np.full(1, VehicleKind.BUS, np.uint8))
-    assert len(park(network.map, without_cars, EVERYWHERE, stream())) == 0
+    assert len(park(network, without_cars, EVERYWHERE, stream())) == 0
 
 
 def test_a_scenario_gets_those_near_its_target_while_they_are_near():
@@ -98,3 +98,16 @@ def test_a_scenario_gets_those_near_its_target_while_they_are_near():
     assert np.array_equal(shown.log.valid[-1], seen)
     assert np.allclose(shown.log.position[-1][seen], near, atol=1e-3)
     assert shown.log[:-1].position.tobytes() == base.log.position.tobytes()
+
+
+def test_cars_are_parked_on_the_outer_side_where_traffic_keeps_left(network):
+    road = {"kind": "corridor", "alignment": {"length": 300}, "lanes": 2, "lanes_back": 2}
+    spots = []
+    for left_hand in (False, True):
+        net = Network.read(compile_map(MapSpec.model_validate({"road": road, "left_hand": left_hand})), "street")
+        cars = park(net, stroller(network), EVERYWHERE, stream())
+        middles = [np.abs(line[:, 1]).max() for line in net.map.centreline.lines()]
+        assert len(cars) > 20
+        assert np.abs(cars.position[:, 1]).min() > max(middles)
+        spots.append(len(cars))
+    assert spots[0] == pytest.approx(spots[1], rel=0.1)

@@ -111,6 +111,8 @@ def test_a_limit_on_the_ramps_is_no_limit_of_the_motorway(form):
         ("a motorway with a car ahead overtaking us", "begins behind the target, not ahead"),
         ("a motorway with a car ahead that brakes", "'brakes'"),
         ("a crossing with a two-way left turn lane", "from both directions"),
+        ("a motorway with an on-ramp at 400 m in both directions", "'the same in both directions'"),
+        ("a two-lane motorway, in both directions a lane ends at 500 m", "'the same in both directions'"),
     ],
 )
 def test_a_description_of_something_else_than_is_said_is_declined(text, why):

@@ -10,7 +10,7 @@ from drivegen.layouts.compilers import _lines as lines
 from drivegen.layouts.compilers.crossings import HALF_OPENING, MAIN, MINOR, NODE_TYPES, Opening, add_arm, assign_lanes
 from drivegen.layouts.compilers.roundabouts import add_ring
 from drivegen.layouts.crossings import NO_TURN_LANES, RING_LANE, Arm, Crossing, TurnLanes
-from drivegen.layouts.streets import Corridor, Junction
+from drivegen.layouts.streets import LEAST_ROOM, Corridor, Junction
 from drivegen.sumo.plain import Connection, Edge, Node, PlainNetwork, Point
 
 _STRAIGHT = 2  # points of a straight line
@@ -38,7 +38,8 @@ class Place(NamedTuple):
 def compile_corridor(spec: Corridor, plain: PlainNetwork) -> None:
     """Draw the corridor from (0, 0) to the east."""
     line = lines.draw(spec.alignment)
-    if spec.dead_end and lines.length(line) > 3 * _TURNING_PLACE:  # the turning place is a part of the road
+    if spec.dead_end and min(lines.length(line) - 2 * _TURNING_PLACE, spec.ways()[-1] - LEAST_ROOM) > _TURNING_PLACE:
+        # the turning place is a part of the road, where there is room for it
         line = lines.part(line, 0.0, lines.length(line) - _TURNING_PLACE)
     if spec.junctions and spec.alignment.shape == "straight":
         line = line[[0, -1]]

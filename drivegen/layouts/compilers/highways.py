@@ -81,7 +81,9 @@ def add_backwards(split: PlainNetwork, plain: PlainNetwork) -> None:
     plain.edges += [
         replace(e, source=e.target, target=e.source, shape=e.shape[::-1], heights=e.heights[::-1]) for e in seen.edges
     ]
-    plain.connections += [Connection(c.target, c.source, c.target_lane, c.source_lane, c.shape[::-1]) for c in seen.connections]
+    plain.connections += [
+        Connection(c.target, c.source, c.target_lane, c.source_lane, c.shape[::-1], c.heights[::-1]) for c in seen.connections
+    ]
 
 
 def _draw_split(spec: Fork, plain: PlainNetwork) -> None:
