@@ -25,6 +25,9 @@ from drivegen.core.roadmap import NO_LANE, LaneControl, LaneKind, RoadMap, open_
 MIDLINE_SPACING = 2.0
 """Distance between points of a midline [m], about that of the official centrelines."""
 
+HIGHEST_LIMIT = 1000.0
+"""No limit is higher [m/s]."""
+
 DECIMALS = 4
 """Decimals of written coordinates [0.1 mm]: finer than float32 a few hundred metres from the origin."""
 
@@ -59,10 +62,10 @@ def read_map(raw: bytes, place: str) -> RoadMap:
 
 
 def _at_fault(tree: Mapping[str, Any]) -> str:
-    """In words, the first lane that is unsound by itself."""
+    """In words, the first lane that is unsound by itself; whom it yields to is no question of one lane."""
     for name, lane in tree["lane_segments"].items():
         try:
-            _build({"lane_segments": {name: lane}})
+            _build({"lane_segments": {name: {**lane, "yields_to": ()} if isinstance(lane, dict) else lane}})
         except _UNSOUND:
             return f", see lane {name}"
     return ""
@@ -92,7 +95,7 @@ def _build(tree: Mapping[str, Any]) -> RoadMap:
         centreline=_local(centre, origin).distinct(),
         left=_local(left, origin).distinct(),
         right=_local(right, origin).distinct(),
-        speed_limit=np.array([lane.get("speed_limit") for lane in lanes], np.float32),  # None becomes NaN
+        speed_limit=_limits(lanes),
         in_junction=np.array([lane["is_intersection"] for lane in lanes], np.bool_),
         control=np.array([_CONTROLS[lane.get("control", "UNKNOWN")] for lane in lanes], np.uint8),
         links=links,
@@ -166,6 +169,14 @@ def _links(lanes: Sequence[Mapping[str, Any]], index: Mapping[int, int]) -> tupl
     pairs += [(index.get(other, NO_LANE), i) for i, lane in enumerate(lanes) for other in lane["predecessors"]]
     held = sorted({pair for pair in pairs if NO_LANE not in pair})
     return np.array(held, np.int32).reshape(-1, 2), sum(NO_LANE in pair for pair in pairs)
+
+
+def _limits(lanes: Sequence[Mapping[str, Any]]) -> NDArray[np.float32]:
+    """(L,) [m/s], NaN where there is none."""
+    limits = np.array([lane.get("speed_limit") for lane in lanes], np.float64)  # None becomes NaN
+    if (limits > HIGHEST_LIMIT).any():
+        raise ValueError(f"a speed limit is {np.nanmax(limits):g} m/s")
+    return limits.astype(np.float32)
 
 
 def _yields_to(lanes: Sequence[Mapping[str, Any]], index: Mapping[int, int]) -> NDArray[np.int32]:

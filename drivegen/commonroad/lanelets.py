@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.commonroad import junctions, rules
-from drivegen.commonroad.values import Points, identity, points, references, refuse, value
+from drivegen.commonroad.values import Points, identity, points, possible_limit, references, refuse, value
 from drivegen.core.errors import naming
 from drivegen.core.geometry import Polylines, arc_length, distinct, interpolate
 from drivegen.core.recorded_log import FARTHEST
@@ -111,8 +111,6 @@ def _read(element: Element, place: str) -> Lanelet:
     place = f"{place}: lanelet {name}"
     bounds = [_bound(element, word, place) for word in ("leftBound", "rightBound")]
     limit = value(element, "speedLimit", place)
-    if limit is not None and limit <= 0:
-        refuse(f"{place} has the speed limit {limit:g} m/s", "out-of-range")
     return Lanelet(
         name=name,
         left=bounds[0],
@@ -122,7 +120,7 @@ def _read(element: Element, place: str) -> Lanelet:
         after=tuple(references(element, "successor", place)),
         beside=(_beside(element, "adjacentLeft", place), _beside(element, "adjacentRight", place)),
         solid=(_is_solid(element, "leftBound"), _is_solid(element, "rightBound")),
-        speed_limit=float("nan") if limit is None else limit,
+        speed_limit=float("nan") if limit is None else possible_limit(limit, place),
         element=element,
     )
 

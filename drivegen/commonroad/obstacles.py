@@ -142,7 +142,7 @@ def _step(state: Element, fixed: bool, place: str) -> int:
     time = (value(state, "time", place) or 0.0) if fixed else required(state, "time", place)
     if time != int(time) or not time >= 0:
         refuse(f"{place} has a state at time step {time:g}", "out-of-range")
-    return int(time)
+    return 0 if fixed else int(time)  # whoever stands is there from the first step, whatever time its state names
 
 
 def _position(state: Element, place: str) -> tuple[float, float]:

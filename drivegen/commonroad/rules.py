@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegen.commonroad.junctions import ways
-from drivegen.commonroad.values import Points, identity, number, points, references, refuse, required, value
+from drivegen.commonroad.values import Points, identity, number, points, possible_limit, references, refuse, required, value
 from drivegen.core.roadmap import LaneControl
 from drivegen.core.signals import SignalState
 
@@ -109,7 +109,8 @@ def _sign(sign: Element | None, place: str) -> tuple[LaneControl, float]:
         code = part.findtext("trafficSignID", "").strip()
         guard = max(guard, SIGNS.get(code, LaneControl.UNKNOWN))
         if code in SPEED_SIGNS:
-            speed = np.fmin(speed, number(part.findtext("additionalValue"), "a speed limit", place))
+            limit = number(part.findtext("additionalValue"), "a speed limit", place)
+            speed = np.fmin(speed, possible_limit(limit, f"{place}: a sign"))
     return guard, speed
 
 
@@ -132,7 +133,8 @@ def _cycle(light: Element, place: str) -> tuple[NDArray[np.uint8], int]:
             refuse(f"{place} has a phase of {lasts:g} steps", "out-of-range")
         states += [COLOURS.get(part.findtext("color", "").strip(), SignalState.UNKNOWN)] * int(lasts)
     offset = value(cycle, "timeOffset", place)
-    return np.array(states or [0], np.uint8), int(offset or 0)
+    states = states or [0]
+    return np.array(states, np.uint8), int(offset or 0) % len(states)
 
 
 def _stop_line(lane: Element, place: str) -> Points:

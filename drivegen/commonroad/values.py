@@ -36,6 +36,13 @@ def number(text: str | None, what: str, place: str) -> float:
     return value
 
 
+def possible_limit(limit: float, place: str) -> float:
+    """A speed limit [m/s] that a road can have. Raises UnusableInput, reason `out-of-range`, for any other."""
+    if not 0 < limit < 1000:
+        refuse(f"{place} has the speed limit {limit:g} m/s", "out-of-range")
+    return limit
+
+
 def value(element: Element, name: str, place: str) -> float | None:
     """The number below `element`: exact, plain, or the middle of an interval; None where the element is absent."""
     child = element.find(name)

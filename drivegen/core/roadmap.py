@@ -143,7 +143,9 @@ class RoadMap:
             raise UnusableInput("the map has a line that does not hold its points", reason="bad-map")
         if any((np.diff(outline.start) == 0).any() for outline in (self.drivable, self.crossings)):
             raise UnusableInput("the drivable area or a crossing of the map has an outline without points", reason="bad-map")
-        odd = (self.kind > max(LaneKind)) | (self.control > max(LaneControl)) | (self.speed_limit < 0)
+        odd = (
+            (self.kind > max(LaneKind)) | (self.control > max(LaneControl)) | (self.speed_limit < 0) | np.isinf(self.speed_limit)
+        )
         if odd.any():
             lane = self.lane_id[odd][0]
             raise UnusableInput(f"lane {lane} of the map has a kind, a control or a speed limit that is none", reason="bad-map")

@@ -40,6 +40,8 @@ class Signals:
             raise UnusableInput("a signal guards a lane that the map does not hold", reason="bad-signals")
         if (self.state > max(SignalState)).any():
             raise UnusableInput("a signal has a state that is none", reason="bad-signals")
+        if len(np.unique(self.lane)) != len(self.lane):
+            raise UnusableInput("two signals guard one lane", reason="bad-signals")
 
     @cached_property
     def closed(self) -> NDArray[np.bool_]:

@@ -145,7 +145,7 @@ def _extents(roads: RoadMap, lane: int) -> Iterator[tuple[float, tuple[float, fl
     """
     middle, left, right = (lines[lane].astype(np.float64) for lines in (roads.centreline, roads.left, roads.right))
     points = arc_length(middle)
-    along = np.unique(np.concatenate([points, np.arange(0.0, points[-1], EVERY)]))
+    along = np.unique(np.concatenate([points, np.arange(0.0, points[-1], EVERY)]).round(3))  # as exact as the file
     at = interpolate(middle, along)
     apart = np.array([[abs(project(edge, point)[1]) for point in at] for edge in (left, right)]).round(3)
     median = np.median(apart, axis=1).round(3)

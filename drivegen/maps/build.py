@@ -12,7 +12,8 @@ from drivegen.maps.examine import NETWORK as NETWORK
 from drivegen.maps.examine import WrittenNetwork, examine
 from drivegen.maps.structure import Structure
 from drivegen.maps.writers.base import MapWriter, Understanding
-from drivegen.render.map_picture import draw_map, encode_png
+from drivegen.render.map_picture import draw_map
+from drivegen.render.png import png
 from drivegen.store.files import as_json, write_together
 
 ACCOUNT, PICTURE = "map.json", "map.png"
@@ -42,7 +43,7 @@ class BuiltMap:
 
     def save(self, folder: Path) -> None:
         """Write the three files into `folder`, all or none: those of an older map stay where they cannot be written."""
-        picture = encode_png(draw_map(self.road_map, str(self.account.get("text", ""))))
+        picture = png(draw_map(self.road_map, str(self.account.get("text", "")))[..., ::-1], compression=6)
         write_together(folder, {NETWORK: self.network, PICTURE: picture, ACCOUNT: as_json(self.account)})
 
 

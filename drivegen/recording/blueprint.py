@@ -32,7 +32,7 @@ def layout(centre: NDArray[np.floating], extent: float, *, image: bool, verdicts
     scene = from_above(centre, extent, "Scene", "$origin/**")
     side: list[rrb.View | rrb.Container] = []
     if image:
-        side.append(rrb.Spatial2DView(origin="/bird_eye", name="What the goal selector sees"))
+        side.append(rrb.Spatial2DView(origin="/bird_eye", name="The target's candidate goals, from above"))
     for kind, unit in (("speed", "m/s"), ("clearance", "m")):
         corner = rrb.PlotLegend(rrb.Corner2D.RightTop)
         side.append(rrb.TimeSeriesView(origin=f"/plots/{kind}", name=f"Target's {kind} [{unit}]", plot_legend=corner))

@@ -11,7 +11,7 @@ Entities (x, y, z in the map's frame, metres; time lines "time" [s] and "step"):
     world/rejected         dashed: what the checker turned down for this sample, and was planned again
     world/goals/*          candidates, the target's chosen one, the chosen ones of the others
     legend                 what is what
-    bird_eye               the goal selector's image
+    bird_eye               the target's candidate goals, from above
     plots/speed, plots/clearance, verdicts
 
 Identities and times inside an .rrd are drawn anew by Rerun at every write, so two recordings of one scenario have the

@@ -1,4 +1,4 @@
-"""A recording of generated traffic together with the goals that it follows and the image that a goal selector sees."""
+"""A recording of generated traffic together with the goals that it follows and the target's candidates from above."""
 
 from pathlib import Path
 

@@ -1,4 +1,5 @@
-"""The image that a goal selector sees: 200 m x 200 m around one vehicle, its heading up, its candidate goals numbered.
+"""Candidate goals from above, as question goals-1 and recordings show them: 200 m x 200 m around one vehicle, its heading up,
+its candidate goals numbered.
 
 Paper, "Scenario Rollout". Marks as in Set-of-Mark prompting (Yang et al., 2023): dark discs, white digits, no overlaps,
 a line from a disc that had to move to its place. Goals outside the window sit on its border with their distance and lane.

@@ -79,13 +79,6 @@ def draw_map(road_map: RoadMap, caption: str) -> Picture:
     return _captioned(picture, caption)
 
 
-def encode_png(picture: Picture) -> bytes:
-    """The picture as PNG bytes."""
-    done, data = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, 6])
-    assert done
-    return data.tobytes()
-
-
 def _draw(road_map: RoadMap, view: _View) -> Picture:
     picture = np.full((view.height, view.width, 3), _GROUND, np.uint8)
     seen = [i for i in range(len(road_map)) if view.sees(road_map.centreline[i])]
@@ -200,7 +193,7 @@ def _with_close_up(road_map: RoadMap, overview: _View, picture: Picture) -> Pict
     size = np.array([picture.shape[1], height]) / scale
     view = _View(middle - size / 2, scale, picture.shape[1], height)
     corners = np.stack([view.low, view.low + size])
-    a, b = view.pixels(corners) * 0 + overview.pixels(corners)
+    a, b = overview.pixels(corners)
     cv2.rectangle(picture, a.tolist(), b.tolist(), (200, 60, 160), 2, cv2.LINE_AA, _SHIFT)
     rule = np.full((6, picture.shape[1], 3), (200, 60, 160), np.uint8)
     return np.concatenate([picture, rule, _draw(road_map, view)])

@@ -21,7 +21,6 @@ _TABLES = (
             "method": "",
             "cpu_seconds_per_1000": "CPU s",
             "of_it_choosing_goals": "of it choosing goals",
-            "gpu_seconds_per_1000": "GPU s",
             "peak_megabytes": "peak memory [MB]",
             "scenarios": "measured on scenarios",
         },
@@ -65,6 +64,6 @@ def _cell(row: Mapping[str, Any], name: str) -> str:
     """A value of a row; what is missing was not measured here, but no GPU where other seconds were."""
     value = row.get(name)
     if value is None:
-        ran = any(row.get(column) is not None for column in ("cpu_seconds", "cpu_seconds_per_1000"))
-        return "none" if name.startswith("gpu") and ran else RESTORED
+        ran = row.get("cpu_seconds") is not None
+        return "none" if name == "gpu_seconds" and ran else RESTORED
     return value if isinstance(value, str) else f"{value:,.0f}"

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import isfinite
+from math import floor, isfinite, log10
 from typing import Any
 
 NOT_MEASURED = "not measured"
@@ -119,5 +119,7 @@ def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:
     value, low, high = (values.get(f"{key}{end}") for end in ("", ".low", ".high"))
     if value is None or not isfinite(value):
         return Cell(NOT_MEASURED)
-    text = f"{value:.{digits}f}" if abs(value) >= 10**-digits or value == 0 else f"{value:.2g}"
-    return Cell(text, _interval(low, high, digits, " to " if low is not None and low < 0 else "\u2013"))
+    small = 0 < abs(value) < 10**-digits
+    text = f"{value:.2g}" if small else f"{value:.{digits}f}"
+    ends = 1 - floor(log10(abs(value))) if small else digits  # so many decimals has a small value
+    return Cell(text, _interval(low, high, ends, " to " if low is not None and low < 0 else "\u2013"))

@@ -141,6 +141,7 @@ def broken() -> dict[str, bytes]:
         "yields to a lane that is not there": orjson.dumps(official(yields_to=[77])),
         "less than no dangling links": orjson.dumps(official() | {"dangling_links": -1}),
         "more dangling links than 32 bits": orjson.dumps(official() | {"dangling_links": 10**12}),
+        "limit is infinite": orjson.dumps(official(speed_limit=1e39)),
         "origin is far too large": orjson.dumps(official() | {"origin": [1e300]}),
         "area without points": orjson.dumps(official() | {"drivable_areas": {"1": {"area_boundary": []}}}),
     }
@@ -158,6 +159,7 @@ def test_a_broken_map_is_refused_with_one_sentence_that_names_the_file(what: str
 def test_the_lane_at_fault_is_named(change: dict[str, object]) -> None:
     tree = official()
     tree["lane_segments"]["3"] |= change
+    tree["lane_segments"]["1"]["yields_to"] = [2]  # sound, beside the others
     with pytest.raises(UnusableInput, match="lane 3"):
         read_map(orjson.dumps(tree), "log_map.json")
 

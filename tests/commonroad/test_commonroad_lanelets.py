@@ -191,3 +191,21 @@ def test_an_endless_phase_is_refused() -> None:
     with pytest.raises(UnusableInput, match="traffic light 70") as caught:
         read(*approach('<trafficLightRef ref="70"/>'), light, version="2020a")
     assert caught.value.reason == "out-of-range"
+
+
+@pytest.mark.parametrize("begins", ["1e30", "-1e30", "50", "-40"])
+def test_a_cycle_may_begin_any_number_of_cycles_away(begins: str) -> None:
+    def shown(offset: str) -> list[int]:
+        light = LIGHT.replace("<timeOffset>5<", f"<timeOffset>{offset}<")
+        return list(
+            read(*approach('<trafficLightRef ref="70"/>'), light, INTERSECTION, version="2020a").signals.state[0].tolist()
+        )
+
+    assert shown(begins) == shown(str(int(float(begins)) % 45))
+
+
+@pytest.mark.parametrize("limit", ["0", "-3", "1e39"])
+def test_a_sign_with_a_limit_that_no_road_has_is_refused(limit: str) -> None:
+    with pytest.raises(UnusableInput, match=r"sign has the speed limit") as caught:
+        read(*approach('<trafficSignRef ref="81"/>'), SIGNS.replace("8.33", limit), version="2020a")
+    assert caught.value.reason == "out-of-range"

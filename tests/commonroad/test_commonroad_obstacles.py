@@ -80,6 +80,11 @@ def test_a_parked_vehicle_stays_for_the_whole_recording() -> None:
     np.testing.assert_allclose(place(log, 0, 59), (50, 8), atol=1e-4)
 
 
+def test_at_shorter_time_steps_a_parked_vehicle_is_there_whatever_time_its_state_names() -> None:
+    parked = [obstacle(i, [state(i, 50, 8 * i, 0.3)], "parkedVehicle", role="static") for i in (1, 2)]
+    assert read(*parked, car(3, 0, 0), step="0.05").motion.valid[:2].all()
+
+
 def test_kinds_are_told_apart_and_what_is_no_road_user_is_counted() -> None:
     others = [obstacle(i, [state(0, 5 * i, 0)], kind) for i, kind in enumerate(("truck", "bicycle", "train", "taxi"), 10)]
     unseen = '<obstacle id="20"><role>dynamic</role><type>car</type><shape/><occupancySet/></obstacle>'

@@ -135,6 +135,18 @@ def test_a_lane_that_grows_is_as_wide_everywhere_as_its_map_says(tmp_path):
             assert at + growth * (along - begin) == pytest.approx(beside + max(along - 40, 0) * 0.05, abs=0.01)
 
 
+def test_no_two_widths_of_a_lane_begin_at_one_place(tmp_path):
+    turn = np.array([[np.cos(0.5), np.sin(0.5)], [-np.sin(0.5), np.cos(0.5)]])  # so that lengths of pieces are no whole numbers
+    every = np.stack([np.linspace(0, 80, 81), np.zeros(81)], -1)
+    left = [every + np.stack([np.zeros(81), 1.75 + 0.01 * every[:, 0]], -1), np.array([[80, 1.75], [99, 1.75]])]
+    roads = road_map([every @ turn, np.array([[80.0, 0.0], [99.0, 0.0]]) @ turn], [(0, 1)])
+    lanes = exported(replace(roads, left=Polylines.of([line @ turn for line in left])), tmp_path).find("road[@id='0']/lanes")
+    for kind, place in (("width", "sOffset"), ("laneOffset", "s")):
+        places = [float(piece.get(place)) for piece in lanes.iter(kind)]
+        assert len(places) > 40
+        assert (np.diff(places) > 0).all()
+
+
 def test_nothing_is_said_that_no_map_knows(tmp_path):
     root = exported(road_map([np.array([[0.0, 0.0], [80.0, 0.0]]), np.array([[80.0, 0.0], [99.0, 0.0]])], [(0, 1)]), tmp_path)
     assert set(root.find("header").attrib) == {"name", "revMajor", "revMinor"}

@@ -10,7 +10,8 @@ import pytest
 from drivegen.core.roadmap import LaneControl
 from drivegen.layouts.compile import compile_map
 from drivegen.layouts.spec import MapSpec
-from drivegen.render.map_picture import draw_map, encode_png
+from drivegen.render.map_picture import draw_map
+from drivegen.render.png import png
 from drivegen.render.stop_lines import shown_stop_lines
 from drivegen.sumo.network import read_network
 from tests.scenes import road_map
@@ -75,8 +76,8 @@ def test_a_line_whose_lane_lies_beyond_the_edge_of_the_map_keeps_what_holds_ther
 
 
 def test_the_same_map_gives_the_same_png() -> None:
-    first = encode_png(picture("signals"))
-    assert first == encode_png(picture("signals"))
+    first = png(picture("signals"))
+    assert first == png(picture("signals"))
     assert cv2.imdecode(np.frombuffer(first, np.uint8), cv2.IMREAD_COLOR).shape[2] == 3
 
 

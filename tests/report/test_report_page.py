@@ -252,6 +252,15 @@ def test_round_ten_comes_after_round_nine_and_the_last_one_stands_beside_the_pap
     assert tables["gpu-hours"].rows[0].cells[-1].text == "10"
 
 
+@pytest.mark.parametrize(("driver", "column"), [("sac", "SAC CR"), ("late", None)])
+def test_rounds_of_another_driver_do_not_stand_under_idm(driver, column):
+    rounds = {"corner/0": {"collision": 0.3, "driver": driver}}
+    tables = {table.name: table for section in all_sections(Evidence(rounds)) for table in section.tables}
+    ours = [row for row in tables["corner-cases"].rows if row.cells[0].text == "DriveGen-CS, ours"]
+    assert [tables["corner-cases"].columns[2]] == ([column] if column else ["IDM CR"])
+    assert [row.cells[2].text for row in ours] == (["0.30"] if column else [])
+
+
 def test_a_round_says_in_words_what_made_the_driver_fail():
     cell = {"feature": "behaviour", "value": "turning_left", "encounters": 9, "collisions": 2}
     rounds = {"corner/1": {"collision": 0.1, "knowledge": [cell | {"probability": 0.2, "low": 0.05, "high": 0.5}]}}

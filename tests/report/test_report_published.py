@@ -16,7 +16,7 @@ from drivegen.report.published.index import index
 from drivegen.report.published.quality import cell, few, tables
 from drivegen.report.published.results import DataSet, Results, Run, pool, rows, set_numbers
 from drivegen.report.published.training import Trained, models
-from drivegen.report.table import Cell
+from drivegen.report.table import Cell, Table
 from drivegen.warehouse.runs import Model
 
 ABOUT = read_methods()
@@ -246,8 +246,10 @@ def test_a_selector_that_is_worse_than_chance_is_said_to_be():
 def test_the_table_of_contents_goes_by_data_set(missing: list[str], said: str):
     data = data_set()
     found = [*tables(data, pooled_of(data), 50, rng(7, "paired")), *models([trained("train_generator/bits", 7, 1.0)], ABOUT)]
-    text = index(found, {"x": "some scenes"}, {"runs": {"x/7": "1"}, "runs_missing": missing})
+    paired = Table("paired-drivegen_vlm-x", "DriveGen by a model less the others, paired: some scenes", (), ())
+    text = index([*found, paired], {"x": "some scenes"}, {"runs": {"x/7": "1"}, "runs_missing": missing})
     assert said in text
+    assert text.index("paired-drivegen_vlm-x.md") < text.index("## Across data sets")
     assert (
         text.index("## some scenes")
         < text.index("(quality-x.md)")

@@ -30,6 +30,10 @@ def test_a_measured_number_carries_its_interval():
     assert measured({}, "x") == Cell(NOT_MEASURED)
 
 
+def test_ends_of_a_small_number_are_as_exact_as_the_number():
+    assert measured({"x": 0.0042, "x.low": 0.0011, "x.high": 0.0048}, "x") == Cell("0.0042", "0.0011\u20130.0048")
+
+
 def test_an_interval_that_begins_below_zero_has_no_two_dashes():
     assert measured({"x": 0.5, "x.low": -0.25, "x.high": 1.0}, "x").note == "-0.25 to 1.00"
 

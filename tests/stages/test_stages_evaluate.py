@@ -172,17 +172,19 @@ def costs_of(made, tmp_path, *costs):
     return (tmp_path / "costs.md").read_text()
 
 
-def test_costs_of_methods_count_the_choice_of_goals_and_the_gpu_if_there_was_one(made, tmp_path):
+def test_costs_of_methods_count_the_choice_of_goals_and_of_training_the_gpu_if_there_was_one(made, tmp_path):
     text = costs_of(
         made,
         tmp_path,
         ("rollout", "drivegen", {"cpu_seconds": 1.0, "peak_megabytes": 900.0}),
-        ("rollout_baseline", "log", {"cpu_seconds": 0.4, "peak_megabytes": 700.0, "gpu_seconds": 0.05}),
+        ("rollout_baseline", "log", {"cpu_seconds": 0.4, "peak_megabytes": 700.0}),
         ("goals", "learned", {"cpu_seconds": 0.5}),
         ("train_generator", "bits", {"cpu_seconds": 120.0}),
+        ("train_generator", "smart", {"cpu_seconds": 9.0, "training_gpu_seconds": 30.0}),
     )
-    assert "| drivegen | 300 | 100 | none | 900 | 5 |" in text
-    assert "| log | 80 | 0 | 10 | 700 | 5 |" in text
+    assert "| drivegen | 300 | 100 | 900 | 5 |" in text
+    assert "| log | 80 | 0 | 700 | 5 |" in text
+    assert "| train_generator | smart | 9 | 30 |" in text
     assert "| train_generator | bits | 120 | none |" in text
 
 
@@ -193,8 +195,8 @@ def test_what_was_restored_from_the_cache_is_no_number_and_no_gap(made, tmp_path
         (metrics / name).write_text("{}")
     text = costs_of(metrics.parent, tmp_path, ("rollout_baseline", "log", {"cpu_seconds": 0.4, "peak_megabytes": 700.0}))
     gone = "not measured here: restored from cache"
-    assert f"| drivegen | {gone} | {gone} | {gone} | {gone} | 5 |" in text
-    assert "| log | 80 | 0 | none | 700 | 5 |" in text
+    assert f"| drivegen | {gone} | {gone} | {gone} | 5 |" in text
+    assert "| log | 80 | 0 | 700 | 5 |" in text
     assert f"| train_selector |  | {gone} | {gone} |" in text
     assert f"| train_planner | route_fm | {gone} | {gone} |" in text
 

@@ -19,7 +19,7 @@ def index(tables: Sequence[Table], data: Mapping[str, str], provenance: Mapping[
     lines = ["# Published tables", "", partial if missing else whole_set]
     rest = list(tables)
     for title in data.values():
-        mine = [table for table in rest if table.title.endswith(f": {title}") and table.name.count("-") == 1]
+        mine = [table for table in rest if table.title.endswith(f": {title}")]
         rest = [table for table in rest if table not in mine]
         if mine:
             lines += ["", f"## {title}", "", *(_link(table, table.title.removesuffix(f": {title}")) for table in mine)]

@@ -104,9 +104,9 @@ def cost_table(driver: str, attacks: Mapping[str, dict[str, Any]], costs: Mappin
         digits = {"cases": 0, "cpu_seconds": 1, "per_1000": 0, "per_1000_counted": 0}
         cells = (taken(took, name, each) for name, each in digits.items())
         lines.append(row(values["title"], _allowed(values), number(values["budget"]), *cells))
-    heads = ("", "allowed", "runs a scene", "counted runs", "CPU s", "CPU s for 1000 cases", "for 1000 counted runs")
+    heads = ("", "allowed", "runs a scene", "counted runs", "CPU s", "CPU s for 1000 scenes", "for 1000 counted runs")
     note = (
-        "A case is one scene handed over. Planning, checking, driving, and judging the handed-over cases are in it, reading the "
+        "Each scene hands over one run. Planning, checking, driving, and judging what is handed over are in it, reading the "
         "scenes is not."
     )
     return Table(

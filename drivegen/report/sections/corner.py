@@ -37,7 +37,8 @@ def section(evidence: Evidence) -> Section:
 def _against_paper(evidence: Evidence, rounds: Mapping[str, Mapping[str, Any]]) -> Table:
     driving = {name: by_traffic(values) for name, values in evidence.below("driving").items() if isinstance(values, Mapping)}
     logs = {driver: traffic.get("log", {}) for driver, traffic in driving.items()}
-    last = {"idm": dict(rounds[max(rounds, key=int)])} if rounds else {}
+    newest = dict(rounds[max(rounds, key=int)]) if rounds else {}
+    last = {str(newest.get("driver", "idm")): newest} if newest else {}
     source = evidence.source or NOT_MEASURED
     shown = [driver for driver in _PAPER_DRIVERS if logs.get(driver) or last.get(driver)]
     ours = [_our_row("Dataset, ours", source, logs, shown), _our_row("DriveGen-CS, ours", source, last, shown)] if shown else []
@@ -74,7 +75,8 @@ def _gpu_hours(rounds: Mapping[str, Any], costs: Mapping[str, Mapping[str, float
     """Times differ from run to run: this table stands in the page only."""
     took = costs.get(f"corner/{max(rounds, key=int)}", {}) if rounds else {}
     hours = number(1000 * took["cpu_seconds"] / took["runs"] / 3600) if took.get("runs") else RESTORED
-    ours = [row("DriveGen-CS, ours", "0", "none", hours, origin="ours")] if rounds else []
+    on_gpu = any(name.endswith("gpu_seconds") for cost in costs.values() for name in cost)
+    ours = [row("DriveGen-CS, ours", "0", NOT_MEASURED if on_gpu else "none", hours, origin="ours")] if rounds else []
     theirs = [row(name, *values, "\u2013", origin="paper") for name, values in paper.GPU_HOURS.items()]
     heads = ("", "finetune [GPU h]", "generate [GPU h]", "generate [CPU h]")
     note = "Ours: the last round, per 1000 scenarios that it made and drove, whether the driver failed in them or not."

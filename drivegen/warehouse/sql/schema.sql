@@ -78,18 +78,16 @@ group by all;
 
 -- What 1000 scenarios cost by each method: samples from the first frame on, goals, models' loading and the checker included;
 -- choosing goals is a stage of its own for those that follow a selector's. Measured at the size of the run, where loading
--- weighs most: an upper bound. Null is what did not run here but was restored from the cache; GPU seconds are null also where
--- no run used one.
+-- weighs most: an upper bound. Null is what did not run here but was restored from the cache. What a GPU took is not measured.
 create view cost_of_methods as
 with took as (
-    select stage, item, max(value) filter (name = 'cpu_seconds') as cpu, max(value) filter (name = 'gpu_seconds') as gpu,
+    select stage, item, max(value) filter (name = 'cpu_seconds') as cpu,
            max(value) filter (name = 'peak_megabytes') as megabytes
     from costs group by stage, item),
 seen as (select method, count(distinct scenario) as scenarios from scene_results where stage = 'evaluate' group by method)
 select seen.method, scenarios,
        if(goals is null, 0, 1000 * chosen.cpu / scenarios) as of_it_choosing_goals,
        1000 * made.cpu / scenarios + of_it_choosing_goals as cpu_seconds_per_1000,
-       1000 * made.gpu / scenarios as gpu_seconds_per_1000,
        made.megabytes as peak_megabytes
 from seen
 left join took made on made.item = seen.method and made.stage like 'rollout%'
@@ -97,9 +95,10 @@ left join methods on methods.method = seen.method
 left join took chosen on chosen.stage = 'goals' and chosen.item = methods.goals
 order by seen.method;
 
--- What training cost, model by model.
+-- What training cost, model by model; GPU seconds, of whatever the stage did there, are null where it used none.
 create view cost_of_training as
-select stage, item, max(value) filter (name = 'cpu_seconds') as cpu_seconds, max(value) filter (name = 'gpu_seconds') as gpu_seconds
+select stage, item, max(value) filter (name = 'cpu_seconds') as cpu_seconds,
+       sum(value) filter (name in ('training_gpu_seconds', 'tuning_gpu_seconds', 'planning_gpu_seconds')) as gpu_seconds
 from costs where stage like 'train%' group by stage, item order by stage, item;
 
 -- What language models were asked and what it took: one row a role, model and wording. Dollars are null where a price is unknown.
