@@ -36,7 +36,15 @@ Shards = Annotated[
 ]
 Of = Annotated[Path, Option(help="The scenarios that data/generated, data/corner and data/attack hold futures of.")]
 Collisions = Annotated[bool, Option("--collisions", help="Of a round: only futures that end with the driver's collision.")]
-To = Annotated[str, Option(help=f"The format: {' or '.join(plugins.names('exporters'))}.")]
+
+
+def _formats() -> str:
+    """Every format by its name, with its title and what reads it."""
+    about = {name: plugins.about("exporters", name) for name in plugins.names("exporters")}
+    return "; ".join(f"{name}: {one['title']}, for {one['read_by']}" for name, one in about.items())
+
+
+To = Annotated[str, Option(help=f"The format. {_formats()}.")]
 Driven = Annotated[bool, Option("--driven", help="Of a round or attack: the target as the driver drove it, not as planned.")]
 
 
