@@ -9,7 +9,7 @@ from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
 from drivegen.lm.ledger import CALLS, Ledger
 from drivegen.lm.prices import estimate, input_tokens, price
-from drivegen.lm.prompt import OverBudget
+from drivegen.lm.prompt import NoAnswer, OverBudget
 from drivegen.lm.settings import RecordSettings, overridden
 from drivegen.warehouse.database import build, query, read_parts
 from tests.lm.asking import GOOD, model, question, settings
@@ -67,6 +67,16 @@ def test_the_ledger_is_a_table_and_every_call_a_row_of_the_warehouse(tmp_path):
     [row] = query(tmp_path / "all.duckdb", "from language_model_calls").to_pylist()
     assert (row["calls"], row["replayed"], row["answered"], row["asked_again"]) == (4, 2, 2, 2)
     assert (row["input_tokens"], row["dollars"]) == (480, None)
+
+
+def test_a_call_that_was_refused_costs_nothing_and_leaves_the_dollars_known(tmp_path):
+    with serving([Says("no such model", status=404), Says(hang=True)]) as server:
+        asked = model(tmp_path, server.url, retries=0, timeout=0.5)
+        for dollars in (0.0, None):  # who does not answer in time may send a bill
+            with pytest.raises(NoAnswer):
+                asked.ask(question())
+            build(tmp_path / "all.duckdb", {"calls": asked.ledger.table()})
+            assert query(tmp_path / "all.duckdb", "from language_model_calls")["dollars"].to_pylist() == [dollars]
 
 
 def test_lm_words_name_another_model():
