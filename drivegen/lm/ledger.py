@@ -44,7 +44,8 @@ class Call:
 
     Attributes:
         asked: 0 for the question, 1 and 2 when asked again. outcome: "answered", "asked again" or why there was no answer.
-        cost: dollars as text, or "unknown"; 0 for what was replayed or is not billed. latency: [s]. retries: of the transport.
+        cost: dollars as text, or "unknown"; 0 for what was replayed or is not billed. latency: [s], of a batch
+            each call's share. retries: of the transport.
     """
 
     role: str

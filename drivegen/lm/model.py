@@ -192,7 +192,7 @@ class LanguageModel:
         most = [self._set_aside(request, DISCOUNT) for request in requests]
         began = time.perf_counter()
         replies = self._backend().replies(requests)
-        latency = time.perf_counter() - began
+        latency = (time.perf_counter() - began) / len(requests)  # a share each: sums over calls are the time that passed
         calls: list[tuple[Reply | NoAnswer, Call]] = []
         for request, row, usd, reply in zip(requests, rows, most, replies, strict=True):
             calls.append((reply, self._ended(request, row, usd, reply, latency, DISCOUNT)))

@@ -1,6 +1,7 @@
 """Batches: many questions in one job, at half the price; each with an answer or a reason of its own."""
 
 from datetime import timedelta
+from time import perf_counter
 from unittest.mock import Mock
 
 import pytest
@@ -86,6 +87,14 @@ def test_a_batch_costs_half_in_estimates_and_before_the_call(tmp_path):
         with pytest.raises(OverBudget):
             asked.ask_many(WORDS)
     assert not server.jobs
+
+
+def test_the_calls_of_a_batch_together_took_the_time_that_it_took(tmp_path):
+    with serving_batches([GOOD] * 3) as server:
+        asked = model(tmp_path, server.url)
+        began = perf_counter()
+        asked.ask_many(WORDS)
+        assert 0 < sum(call.latency for call in asked.ledger.calls) <= perf_counter() - began
 
 
 def test_offline_every_question_has_a_typed_failure(tmp_path):
