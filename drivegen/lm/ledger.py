@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from uuid import uuid4
 
 import pyarrow as pa
 
@@ -13,7 +14,7 @@ from drivegen.lm.prompt import OverBudget
 from drivegen.store.files import write_table
 
 FOLDER = Path(".drivegen/calls")
-"""Where tables of calls are kept, a file for each stage and each command that called."""
+"""Where tables of calls are kept, a file for each run of a stage or a command that called."""
 
 UNKNOWN = "unknown"
 """The cost of a call where no price list knows the model."""
@@ -115,13 +116,18 @@ class Ledger:
         return pa.Table.from_pylist([asdict(call) for call in self.calls], schema=CALLS)
 
     @contextmanager
-    def kept(self, path: Path) -> Iterator[None]:
-        """Write the calls to `path` at the end of the block, also where it ends in an error; nothing where there were none."""
+    def kept(self, run: str) -> Iterator[None]:
+        """Write the calls below `FOLDER` at the end of the block, also where it ends in an error; nothing where there were none.
+
+        `run` begins the file's name. Where somebody was asked the file is a new one, so no row of a run that cost something is
+        lost; else it takes the place of the last such, for replays of the same answers may be many.
+        """
         try:
             yield
         finally:
             if self.calls:
-                self.write(path)
+                asked = any(not call.replayed and call.outcome != "no-model" for call in self.calls)
+                self.write(FOLDER / (f"{run}-{uuid4().hex[:12]}.parquet" if asked else f"{run}.parquet"))
 
     def write(self, path: Path) -> None:
         """The calls as Parquet; latencies differ from run to run, so this is no output of a stage."""

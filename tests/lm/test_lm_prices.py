@@ -2,12 +2,14 @@
 
 import subprocess
 import sys
+from contextlib import suppress
 
+import pyarrow.parquet as pq
 import pytest
 
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
-from drivegen.lm.ledger import CALLS, Ledger
+from drivegen.lm.ledger import CALLS, FOLDER, Ledger
 from drivegen.lm.prices import estimate, input_tokens, price
 from drivegen.lm.prompt import NoAnswer, OverBudget
 from drivegen.lm.settings import RecordSettings, overridden
@@ -67,6 +69,23 @@ def test_the_ledger_is_a_table_and_every_call_a_row_of_the_warehouse(tmp_path):
     [row] = query(tmp_path / "all.duckdb", "from language_model_calls").to_pylist()
     assert (row["calls"], row["replayed"], row["answered"], row["asked_again"]) == (4, 2, 2, 2)
     assert (row["input_tokens"], row["dollars"]) == (480, None)
+
+
+def test_the_calls_of_every_run_that_asked_somebody_stay(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def run(words: str) -> None:
+        asked = model(tmp_path / "records", server.url, retries=0)
+        with asked.ledger.kept("goals"), suppress(NoAnswer):
+            asked.ask(question(words))
+
+    with serving([Says("no such model", status=404), Says(GOOD)]) as server:
+        for words in ("a", "b", "b", "b"):  # refused, answered, replayed twice
+            run(words)
+    calls = [row for file in FOLDER.glob("*.parquet") for row in pq.read_table(file).to_pylist()]
+    assert sorted((call["outcome"], call["replayed"]) for call in calls) == [
+        ("answered", False), ("answered", True), ("refused", False)
+    ]  # fmt: skip
 
 
 def test_a_call_that_was_refused_costs_nothing_and_leaves_the_dollars_known(tmp_path):
