@@ -145,7 +145,7 @@ def damage(root: Path) -> Iterator[Finding]:
 
 
 def _is_lock(raw: bytes) -> bool:
-    """Whether DVC could have written it to its end. Cut off behind a name it is YAML still; DVC writes no name without a value."""
+    """Whether DVC may have written it to its end. Cut off behind a name it is YAML still, but DVC gives each name a value."""
     try:
         yaml.load(raw, yaml.CSafeLoader)
     except (yaml.YAMLError, UnicodeDecodeError):
