@@ -1,7 +1,6 @@
 """What language models were asked, what it cost, and what it may cost: a row per call, a guard before each."""
 
 import threading
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -76,16 +75,6 @@ class Ledger:
         self._max_usd, self._max_calls = max_usd, max_calls
         self._spent, self._made = 0.0, 0
         self._lock = threading.Lock()
-
-    @property
-    def spent(self) -> float:
-        """Dollars, as far as prices are known, what is set aside for calls under way included."""
-        return self._spent
-
-    @property
-    def outcomes(self) -> Counter[str]:
-        """How many calls ended how."""
-        return Counter(call.outcome for call in self.calls)
 
     def set_aside(self, usd: float | None) -> None:
         """Before a call that costs at most `usd` (None unknown). Raises OverBudget where that might be too much."""

@@ -53,7 +53,9 @@ def test_money_is_set_aside_before_a_call_and_settled_after_it():
     ledger.settle(0.6, 0.1)
     ledger.set_aside(0.6)
     ledger.settle(0.6, None)
-    assert ledger.spent == pytest.approx(0.7)
+    ledger.set_aside(0.25)
+    with pytest.raises(OverBudget, match=r"0\.9500 of 1 are spent"):
+        ledger.set_aside(0.1)
 
 
 def test_the_ledger_is_a_table_and_every_call_a_row_of_the_warehouse(tmp_path):
