@@ -74,7 +74,9 @@ def main(params: Params, maps: Path, assets: Path, gaps: Path, models: Path, res
         fit = [name for name in there if request.road in has[name]] or there
         chosen = [fit[(number + i) % len(fit)] for i in range(min(params.per_request, len(fit)))]
         rows += [bench.row(request, name, initialisers[name]) for name in chosen]
-    run = Run.of("asked", out.stem, asdict(params), [assets, *(maps / name / "map.net.xml" for name in there)], backend=READER)
+    made_with = [models / "planners" / generation.planner, models / "selector", models / "limits.json"]
+    read_files = [assets, gaps, *made_with, *(maps / name / "map.net.xml" for name in there)]
+    run = Run.of("asked", out.stem, asdict(params), read_files, backend=READER)
     of_samples = [record_rows(run, sample_records(rows, k), k) for k in range(params.samples)]
     write_results(results, [record_rows(run, scene_records(rows)), *of_samples])
     numbers = summary(rows)

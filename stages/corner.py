@@ -89,7 +89,8 @@ def main(params: Params, scenarios: Path, models: Path, goals: Path, out: Path, 
     folder.write_pictures([(file, hit) for file, shard in played for hit in shard.collisions], pooled, params.pictures)
     summary = RoundSummary.joined([shard.summary for _, shard in played])
     before = [folder.before.path] if folder.number else []
-    read = [scenarios, goals, models / "planners" / params.generation.planner, *before, *weights_of(params.driver_settings)]
+    made_with = [models / "planners" / params.generation.planner, models / "limits.json"]
+    read = [scenarios, goals, *made_with, *before, *weights_of(params.driver_settings)]
     run = Run.of("corner", out.name, asdict(params), read, method=METHOD, driver=params.driver, backend=params.simulator)
     ids, sample, each = summary.per_run()
     write_results(results, [result_rows(run, summary.scenarios, summary.metrics), result_rows(run, ids, each, sample)])

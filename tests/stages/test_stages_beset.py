@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import orjson
+import pyarrow.parquet as pq
 import pytest
 
 from drivegen.adversaries.shared.besetting import METRICS, PLACED
@@ -61,6 +62,8 @@ def test_what_is_asked_in_words_is_placed_by_the_gaps_of_logs_where_scenes_are(m
     places = (made / "maps", made / "assets.parquet", made / "gaps.parquet", made / "models")
     asked.main(params, *places, tmp_path / "asked.parquet", tmp_path / "asked.json")
     assert orjson.loads((tmp_path / "asked.json").read_bytes())["requests"] == 1
+    [read] = set(pq.read_table(tmp_path / "asked.parquet")["inputs"].to_pylist())
+    assert {str(made / name) for name in ("gaps.parquet", "models/selector", "models/limits.json")} < set(read.split())
 
 
 def test_every_driver_adversary_and_way_of_placing_has_its_shares(made):
