@@ -4,7 +4,7 @@ Start reading at `core/scenario.py` (what a scenario is), then `traffic.py` (how
 contents is `dvc.yaml` beside this package.
 """
 
-from drivegen.core.compiled import forget_compiled
+from drivegen.core.compiled import keep_compiled
 from drivegen.core.errors import DriveGenError, MissingTool, UnusableInput
 from drivegen.core.roadmap import LaneControl, LaneKind, RoadMap
 from drivegen.core.scenario import Actors, Scenario, Trajectories, VehicleKind, Vehicles
@@ -26,4 +26,4 @@ __all__ = [
     "Vehicles",
 ]
 
-forget_compiled()
+keep_compiled()

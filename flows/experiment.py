@@ -28,6 +28,8 @@ RUNNER: ThreadPoolTaskRunner[Any] = ThreadPoolTaskRunner(max_workers=2)
 def experiment() -> State[list[dict[str, str]]]:
     """Bring every stage of dvc.yaml up to date; records one row a stage. Fails, naming them, if stages do."""
     began = time.monotonic()
+    if gone := pipeline.discard_gone():
+        get_run_logger().info("params.yaml names these no longer, their outputs are removed: %s", ", ".join(gone))
     plan = pipeline.read()
     get_run_logger().info(
         "%d stages, %d to run (asked DVC in %.1f s)", len(plan.needs), len(plan.stale), time.monotonic() - began

@@ -145,10 +145,12 @@ def restore(root: Path) -> None:
     subprocess.run(command, cwd=root, env=_environment(), capture_output=True, timeout=600, check=False)
 
 
-def discard(stages: Collection[str], root: Path) -> None:
-    """Remove what dvc.lock says that `stages` wrote: nothing of another run may be taken for this one's."""
+def discard(stages: Collection[str], root: Path, but: Collection[Path] = ()) -> None:
+    """Remove what dvc.lock says that `stages` wrote, `but` these: nothing of another run may be taken for this one's."""
     entries = locked(root)
     for path in [root / out["path"] for stage in stages for out in entries.get(stage, {}).get("outs", ())]:
+        if path in but:
+            continue
         if path.is_dir():
             shutil.rmtree(path)
         path.unlink(missing_ok=True)
@@ -159,6 +161,21 @@ def forget_all_but(stages: Collection[str], root: Path) -> None:
     entries = {name: entry for name, entry in locked(root).items() if name in stages and not name.startswith(MEASURES)}
     with (root / "dvc.lock").open("w") as file:
         yaml.dump({"schema": "2.0", "stages": entries}, file, yaml.CSafeDumper, sort_keys=False)
+
+
+def discard_gone(root: Path = Path()) -> list[str]:
+    """Remove outputs of what dvc.yaml, with today's params.yaml, makes no more, and its entries in dvc.lock; returns the names.
+
+    DVC leaves them, so the report would show them on. Its cache keeps them: who names them again has them back at once. What
+    another stage writes today, as after a stage got another name, stays.
+    """
+    with _repo(root) as repo, repo.lock:
+        made = {_name(stage) for stage in repo.index.stages}
+        gone = [name for name in locked(root) if name not in made and not name.startswith(MEASURES)]
+        if gone:
+            discard(gone, Path(repo.root_dir), {Path(out.fs_path) for stage in repo.index.stages for out in stage.outs})
+            forget_all_but(made, root)
+    return gone
 
 
 def outputs(stage: str, root: Path = Path()) -> list[str]:

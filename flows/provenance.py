@@ -60,6 +60,9 @@ def _git(source: Path, *words: str) -> str | None:
 
 
 def _is_of(cost: str, stage: str) -> bool:
-    """Whether costs `<stage>-<item>`, or `<stage>-<item>-<part>`, are of dvc.lock's `<stage>@<item>`, or of one without items."""
-    name = stage.replace("@", "-", 1)
+    """Whether costs `<stage>-<item>`, or `<stage>-<item>-<part>`, are of dvc.lock's `<stage>@<item>`, or of one without items.
+
+    Stages of another dvc.yaml have its path before their name: `stages/dvc.yaml:rank`.
+    """
+    name = stage.rpartition(":")[2].replace("@", "-", 1)
     return cost == name or cost.startswith(f"{name}-")

@@ -51,7 +51,7 @@ def main(params: Params, scenarios: Path, models: Path, generated: Path, results
     names = sorted({name for metrics in by_scene.values() for name in metrics})
     columns: dict[str, NDArray[np.float64]] = {name: np.array([metrics[name] for metrics in by_scene.values()]) for name in names}
     settings = {**asdict(params), "seed": params.sampling_seed}
-    run = Run.of("additions", generated.name, settings, [scenarios, generated], method=generated.name)
+    run = Run.of("additions", generated.name, settings, [scenarios, generated, models / "limits.json"], method=generated.name)
     write_results(results, [result_rows(run, list(by_scene), columns)])
     write_json(means, {name: float(np.mean(column)) for name, column in columns.items()})
     return {"scenarios": float(len(by_scene))}

@@ -1,7 +1,7 @@
 """Stage `asked`: our own suite of traffic in words, on some of the maps: what was asked against what was got, and its price.
 
-argv: maps (a folder with <name>/map.net.xml), assets, models, results (Parquet rows), table (JSON). Every request is read by
-`drivegen.words`, placed on maps in turn, and rolled out twice from the same first frame: with the goals that realise its
+argv: maps (a folder with <name>/map.net.xml), assets, gaps, models, results (Parquet rows), table (JSON). Every request is
+read by `drivegen.words`, placed on maps in turn, and rolled out twice from the same first frame: with the goals that realise its
 manoeuvres, and with the selector's own, so that the price of the words is seen beside what the same scene costs without them.
 """
 
@@ -13,6 +13,7 @@ from drivegen.asked.suite import Bench, offers, sample_records, scene_records, s
 from drivegen.core.errors import MissingTool
 from drivegen.core.settings import Count
 from drivegen.generators.base import Settings as GeneratorSettings
+from drivegen.placement.gaps import Gaps
 from drivegen.placement.scenes import Initialiser
 from drivegen.placement.scenes import Settings as InitialSettings
 from drivegen.placement.table import Table
@@ -46,9 +47,10 @@ class Params:
     settings: AskedSettings
 
 
-def main(params: Params, maps: Path, assets: Path, models: Path, results: Path, out: Path) -> dict[str, float]:
+def main(params: Params, maps: Path, assets: Path, gaps: Path, models: Path, results: Path, out: Path) -> dict[str, float]:
     """One row for each request on each map, and rates by kind of request."""
     table = Table.from_arrow(read_assets(require(assets, "run the assets stage")), str(assets))
+    apart = Gaps.from_arrow(read_assets(require(gaps, "run the assets stage")), str(gaps))
     initial, generation = read_params("place.initial", InitialSettings), read_params("ship.generation", GeneratorSettings)
     tools = Equipment.open(models, generation.planner, SELECTOR)
     bench = Bench(
@@ -64,7 +66,7 @@ def main(params: Params, maps: Path, assets: Path, models: Path, results: Path, 
     if not there:
         raise MissingTool(f"{maps} holds none of the maps {', '.join(params.maps)}: run the maps stage")
     networks = {name: _network(maps / name / "map.net.xml") for name in there}
-    initialisers = {name: Initialiser(network, name, SOURCE, table, initial) for name, network in networks.items()}
+    initialisers = {name: Initialiser(network, name, SOURCE, table, initial, apart) for name, network in networks.items()}
     has = {name: offers(network.map) for name, network in networks.items()}
     requests = suite()[: params.requests]
     rows = []
@@ -72,7 +74,9 @@ def main(params: Params, maps: Path, assets: Path, models: Path, results: Path, 
         fit = [name for name in there if request.road in has[name]] or there
         chosen = [fit[(number + i) % len(fit)] for i in range(min(params.per_request, len(fit)))]
         rows += [bench.row(request, name, initialisers[name]) for name in chosen]
-    run = Run.of("asked", out.stem, asdict(params), [assets, *(maps / name / "map.net.xml" for name in there)], backend=READER)
+    made_with = [models / "planners" / generation.planner, models / "selector", models / "limits.json"]
+    read_files = [assets, gaps, *made_with, *(maps / name / "map.net.xml" for name in there)]
+    run = Run.of("asked", out.stem, asdict(params), read_files, backend=READER)
     of_samples = [record_rows(run, sample_records(rows, k), k) for k in range(params.samples)]
     write_results(results, [record_rows(run, scene_records(rows)), *of_samples])
     numbers = summary(rows)

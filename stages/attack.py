@@ -67,7 +67,8 @@ def main(
     """Attack by every adversary, judge what it found, report."""
     driver, tables, numbers = results.stem, [], {}
     plugins.make("drivers", driver, params.drivers, "attack.drivers")  # what is wrong with it is said before anybody waits
-    read = [scenarios, goals, traffic, models / "planners" / params.planner, *weights_of(params.drivers[driver])]
+    made_with = [models / "planners" / params.planner, models / "limits.json"]
+    read = [scenarios, goals, traffic, *made_with, *weights_of(params.drivers[driver])]
     files = shards(require(scenarios, "run the ingest stage"))
     tasks = [(name, file) for name in params.methods for file in files]
     done = spread(partial(_on_shard, params, driver, (models, goals, traffic)), tasks, params.workers, f"attack {driver}")

@@ -4,7 +4,7 @@ argv: scenarios (folder of shards), models, recorded goals of one selector, roun
 round before lies beside it), results (Parquet rows), metrics (JSON). Round 0 has no knowledge: it is DriveGen's traffic as it
 is. The round's folder gets samples and the driven target shard by shard, knowledge.json, pooled over all rounds so far, and a few
 collisions in pictures and words. Where a language model chooses goals (`goals: vlm`), it is shown what the round before left,
-and its calls are rows of .drivegen/calls/corner-<round>.parquet.
+and its calls are rows of .drivegen/calls/corner-<round>*.parquet.
 """
 
 from dataclasses import asdict, dataclass
@@ -22,7 +22,6 @@ from drivegen.corner_cases.round_folder import RoundFolder
 from drivegen.corner_cases.rounds import METHOD
 from drivegen.corner_cases.summary import RoundSummary
 from drivegen.drivers.base import Driver
-from drivegen.lm.ledger import FOLDER as CALLS
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.settings import RecordSettings, RoleSettings
 from drivegen.questions.account import Account
@@ -83,14 +82,15 @@ def main(params: Params, scenarios: Path, models: Path, goals: Path, out: Path, 
         played = list(spread(this.play, files, params.workers, f"corner cases, round {out.name}"))
     else:  # in one process: one budget, one list of calls
         print(forecast(asker, this.choices(files[0]), sum(map(count, files))), flush=True)
-        with asker.model.ledger.kept(CALLS / f"corner-{out.name}.parquet"):
+        with asker.model.ledger.kept(f"corner-{out.name}"):
             played = list(spread(this.play, files, 1, f"corner cases, round {out.name}"))
     pooled = sum((shard.knowledge for _, shard in played), knowledge)
     folder.write_knowledge(pooled)
     folder.write_pictures([(file, hit) for file, shard in played for hit in shard.collisions], pooled, params.pictures)
     summary = RoundSummary.joined([shard.summary for _, shard in played])
     before = [folder.before.path] if folder.number else []
-    read = [scenarios, goals, models / "planners" / params.generation.planner, *before, *weights_of(params.driver_settings)]
+    made_with = [models / "planners" / params.generation.planner, models / "limits.json"]
+    read = [scenarios, goals, *made_with, *before, *weights_of(params.driver_settings)]
     run = Run.of("corner", out.name, asdict(params), read, method=METHOD, driver=params.driver, backend=params.simulator)
     ids, sample, each = summary.per_run()
     write_results(results, [result_rows(run, summary.scenarios, summary.metrics), result_rows(run, ids, each, sample)])

@@ -3,7 +3,7 @@
 argv: scenarios (folder of shards), the trained selector (folder), goals (folder; its name is the selector's), results (Parquet
 rows), metrics (JSON). Coverage and ranking are scored where scenarios have a log. Where a language model is asked (`vlm`), what
 it will cost is told before the first call, in batches (lm.goals.batch) a shard is one, and its calls are rows of
-.drivegen/calls/goals.parquet.
+.drivegen/calls/goals*.parquet.
 """
 
 from dataclasses import asdict, dataclass
@@ -19,7 +19,6 @@ from drivegen.core.settings import Count
 from drivegen.goals.candidates import Candidates, Settings, candidates
 from drivegen.goals.packing import pack
 from drivegen.goals.scores import Judged, judge, scene_scores, scores
-from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prices import RANKING_TOKENS
 from drivegen.lm.settings import RecordSettings, RoleSettings
@@ -32,8 +31,6 @@ from drivegen.store.goals import write_goals
 from drivegen.store.results import Run, result_rows, write_results
 from drivegen.store.scenarios import read_shard, shards
 from stages._door import enter, read_params, require, spread
-
-CALLS = FOLDER / "goals.parquet"
 
 _SCENES = 3  # whose questions are really made for the forecast of what calls will cost
 
@@ -70,7 +67,7 @@ def main(params: Params, scenarios: Path, model: Path, goals: Path, results: Pat
         selector = AskingSelector.asking(model, lm, params.vlm, params.seed)
         print(_forecast(files, selector, lm, params.candidates), flush=True)
         tasks = [Task(shard, model, goals, params.candidates, selector) for shard in files]
-        with lm.ledger.kept(CALLS):
+        with lm.ledger.kept("goals"):
             done = list(spread(_shard_goals, tasks, 1, f"goals by {goals.name}"))  # one budget, one list of calls
         asking = {"asking": selector.account.table()}
     else:

@@ -2,7 +2,7 @@
 
 argv: the table (JSON). A writer that needs a language model where none is configured (lm.maps) stands in it as not measured.
 Where one is, what it will cost is told before the first call, first questions go in one batch if lm.maps.batch says so, and its
-calls are rows of .drivegen/calls/map_suite-<writer>.parquet. Processor times go to the cost table.
+calls are rows of .drivegen/calls/map_suite-<writer>*.parquet. Processor times go to the cost table.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from drivegen.core.settings import Count
-from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prices import MAP_TOKENS
 from drivegen.lm.settings import RecordSettings, RoleSettings
@@ -55,7 +54,7 @@ def main(params: Params, table: Path) -> dict[str, float]:
         writer = asking_writer(name, model)
         questions = writer.first_questions(case.text for case in cases)
         print(f"map_suite, {name}: {model.forecast(questions, MAP_TOKENS)}", flush=True)
-        with model.ledger.kept(FOLDER / f"map_suite-{name}.parquet"):
+        with model.ledger.kept(f"map_suite-{name}"):
             model.ask_ahead(questions, sample=params.seed)
             results[name] = _measured(name, writer, cases, params.seed, costs)
     write_json(table, {"descriptions": len(cases), "writers": results})

@@ -2,7 +2,7 @@
 
 argv: out (gets <name>/{map.net.xml, map.json, map.png}), results (Parquet rows, where a map stands for a scenario), table (JSON,
 one row per description). Where a language model writes them, what it will cost is told before the first call, first questions go
-in one batch if lm.maps.batch says so, and its calls are rows of .drivegen/calls/maps.parquet.
+in one batch if lm.maps.batch says so, and its calls are rows of .drivegen/calls/maps*.parquet.
 """
 
 from collections import Counter
@@ -12,7 +12,6 @@ from typing import Any
 
 from drivegen.core.errors import UnusableInput
 from drivegen.core.settings import Count
-from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prices import MAP_TOKENS
 from drivegen.lm.settings import RecordSettings, RoleSettings
@@ -21,8 +20,6 @@ from drivegen.store.files import write_json
 from drivegen.store.results import Run, record_rows, write_results
 from drivegen.words.writer import asking_writer, writer_called
 from stages._door import enter, read_params, spread
-
-CALLS = FOLDER / "maps.parquet"
 
 _ASKING = "language_model"
 """Writers whose names begin so ask one."""
@@ -57,7 +54,7 @@ def main(params: Params, out: Path, results: Path, table: Path) -> None:
     else:  # in one process: one budget, one list of calls
         questions = asking_writer(params.writer, model).first_questions(task.text for task in tasks)
         print(model.forecast(questions, MAP_TOKENS), flush=True)
-        with model.ledger.kept(CALLS):
+        with model.ledger.kept("maps"):
             model.ask_ahead(questions, sample=params.seed)
             rows = [row for _, row in spread(_build, tasks, 1, "maps")]
     good = Counter[str]()

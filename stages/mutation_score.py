@@ -68,7 +68,8 @@ def main(
     tables, numbers = [], {}
     for tester in (LOG, *params.methods, *params.adversaries):
         folder = None if tester == LOG else traffic if tester in params.adversaries else generated / tester
-        inputs = [scenarios, models, *([require(folder, "run the rollout and corner stages")] if folder else [])]
+        searched = [goals] if tester in params.adversaries else []
+        inputs = [scenarios, models, *searched, *([require(folder, "run the rollout and corner stages")] if folder else [])]
         tasks = [Task(tester, file, runs, folder, goals, models, params) for file, runs in share]
         parts = [part for _, part in spread(_test, tasks, params.workers, f"mutation score of {tester}") if part]
         if not parts:

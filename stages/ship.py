@@ -47,7 +47,7 @@ class Task:
 def main(params: Params, scenarios: Path, models: Path, shipped: Path, results: Path, counts: Path) -> dict[str, float]:
     """Generate, keep what is legal, count the rest."""
     files = shards(require(scenarios, "run the place stage"))
-    read = [scenarios, models / "planners" / params.generation.planner]
+    read = [scenarios, models / "planners" / params.generation.planner, models / "selector", models / "limits.json"]
     run = Run.of("ship", counts.stem, asdict(params), read, method=params.method)
     tasks = [Task(shard, models, shipped, params, run) for shard in files]
     total: Counter[str] = Counter()

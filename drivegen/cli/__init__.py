@@ -11,17 +11,15 @@ import io
 import os
 import signal
 import sys
-import tempfile
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from itertools import pairwise
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from drivegen.core.errors import DriveGenError, MissingTool, UnusableInput
+from drivegen.core.errors import DriveGenError, UnusableInput
 
 COMMANDS = {
     "map": "Roads from words or files, edits, other formats.",
@@ -56,7 +54,6 @@ def main() -> None:
     try:
         with _stoppable(), warnings.catch_warnings():
             warnings.showwarning = _told  # type: ignore[assignment]  # it needs the message alone
-            _keep_compiled()
             _expect_no_empty_place(sys.argv[1:])
             build(sys.argv[1:])()
     except DriveGenError as error:
@@ -112,22 +109,6 @@ def drivegen(
 def _told(message: Warning | str, *_: Any) -> None:
     """A warning is one line, too, without the place in our code."""
     sys.stderr.write(f"drivegen: {' '.join(str(message).split())}\n")
-
-
-def _keep_compiled() -> None:
-    """Compiled loops are kept beside the code or at home; where neither can be written, among temporary files of this user."""
-    if "NUMBA_CACHE_DIR" in os.environ or os.access(Path(__file__).parents[1], os.W_OK):
-        return
-    with suppress(OSError, RuntimeError):  # nobody may have no home at all
-        home = Path(os.environ.get("XDG_CACHE_HOME", "~/.cache"), "numba").expanduser()
-        home.mkdir(parents=True, exist_ok=True)
-        if os.access(home, os.W_OK):
-            return
-    ours = Path(tempfile.gettempdir(), f"drivegen-{os.getuid()}")
-    ours.mkdir(mode=0o700, exist_ok=True)
-    if ours.lstat().st_uid != os.getuid():  # what is compiled there would be run
-        raise MissingTool(f"{ours} is somebody else's: name a folder for compiled code, NUMBA_CACHE_DIR=FOLDER")
-    os.environ["NUMBA_CACHE_DIR"] = str(ours)
 
 
 def _expect_no_empty_place(words: list[str]) -> None:

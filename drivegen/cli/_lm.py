@@ -3,16 +3,13 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 from typing import Annotated, Any, Literal
-from uuid import uuid4
 
 from pydantic import BaseModel, Field
 from typer import Option
 
 from drivegen.cli._console import plain
 from drivegen.core.settings import read_params
-from drivegen.lm.ledger import FOLDER
 from drivegen.lm.model import LanguageModel
 from drivegen.lm.prompt import Prompt
 from drivegen.lm.records import Mode
@@ -50,7 +47,7 @@ def model(name: str, words: str | None, max_usd: float | None) -> LanguageModel:
 def calling(command: str, name: str, words: str | None, max_usd: float | None) -> Iterator[LanguageModel]:
     """A role's language model for one command; its calls are rows of a table of their own, also where the command fails."""
     client = model(name, words, max_usd)
-    with client.ledger.kept(calls_of(command)):
+    with client.ledger.kept(command):
         yield client
 
 
@@ -58,11 +55,6 @@ def announce(client: LanguageModel, questions: Sequence[Prompt[Any]], answer_tok
     """One line on stderr before the first call: calls, tokens and dollars of the questions known, and where the run stops."""
     estimate = client.forecast(questions, answer_tokens)
     plain(stderr=True).print(f"estimate    {estimate}")
-
-
-def calls_of(command: str) -> Path:
-    """A new file for the calls of one run of a command, beside those of the stages: `collect` reads them all."""
-    return FOLDER / f"{command}-{uuid4().hex[:12]}.parquet"
 
 
 class Two(BaseModel):
@@ -74,7 +66,7 @@ class Two(BaseModel):
 def tiny_call(settings: RoleSettings) -> str:
     """Ask the model of a role for one and one, past all records; returns what it took. Raises DriveGenError."""
     client = LanguageModel("doctor", settings, RecordSettings(Mode.OFF, "").open())
-    with client.ledger.kept(calls_of("doctor")):
+    with client.ledger.kept("doctor"):
         client.ask(Prompt("doctor-1", "Answer the question.", ("What is 1 + 1?",), Two))
     calls = client.ledger.calls
     tokens = sum((call.input_tokens or 0) + (call.output_tokens or 0) for call in calls)

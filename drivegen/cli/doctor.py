@@ -97,9 +97,12 @@ def sumo() -> Iterator[Finding]:
     yield Finding("netconvert", True, "makes a network")
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "net.net.xml").write_bytes(net)
-        done = subprocess.run(
-            [sys.executable, "-W", "ignore", "-c", _LOOP], cwd=folder, capture_output=True, text=True, timeout=60, check=False
-        )
+        words = [sys.executable, "-W", "ignore", "-c", _LOOP]
+        try:
+            done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=60, check=False)
+        except subprocess.TimeoutExpired:
+            yield Finding("libsumo", False, "has not made a step in a minute", _REINSTALL)
+            return
     last = (done.stderr.strip().splitlines() or ["no words"])[-1]
     good = done.returncode == 0
     yield Finding("libsumo", good, "steps" if good else f"exit {done.returncode}: {last}", "" if good else _REINSTALL)
@@ -123,9 +126,9 @@ def places(root: Path) -> Iterator[Finding]:
 
 def damage(root: Path) -> Iterator[Finding]:
     """Files of the pipeline that a kill cut off or that changed since they were written, below the current folder."""
-    lock = root / "dvc.lock"
-    if lock.is_file() and not _is_yaml(lock.read_bytes()):
-        yield Finding("dvc.lock", False, "cut off or broken", "make run restores it, from the commit where there is one")
+    for name in ("dvc.lock", "stages/dvc.lock"):
+        if (root / name).is_file() and not _is_lock((root / name).read_bytes()):
+            yield Finding(name, False, "cut off or broken", "make run restores it, from the commit where there is one")
     files = [file for pattern in ("*.parquet", "*.safetensors") for file in sorted((root / "data").rglob(pattern))]
     whole = 0
     for file in files:
@@ -141,12 +144,13 @@ def damage(root: Path) -> Iterator[Finding]:
         yield Finding("checksums", True, f"{whole} shards and weights are as they were written")
 
 
-def _is_yaml(raw: bytes) -> bool:
+def _is_lock(raw: bytes) -> bool:
+    """Whether DVC may have written it to its end. Cut off behind a name it is YAML still, but DVC gives each name a value."""
     try:
         yaml.load(raw, yaml.CSafeLoader)
     except (yaml.YAMLError, UnicodeDecodeError):
         return False
-    return raw.endswith(b"\n")
+    return raw.endswith(b"\n") and not raw.endswith(b":\n")
 
 
 def disk(root: Path) -> Finding:

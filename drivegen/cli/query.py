@@ -45,7 +45,10 @@ def command(
 def _flat(answer: pa.Table) -> pa.Table:
     """With lists, structs and intervals as text, for CSV has no such thing."""
     strange = [pa.types.is_nested(kind) or pa.types.is_interval(kind) for kind in answer.schema.types]
-    columns = [pa.array(map(str, c.to_pylist())) if odd else c for odd, c in zip(strange, answer.columns, strict=True)]
+    columns = [
+        pa.array([None if v is None else str(v) for v in c.to_pylist()], pa.string()) if odd else c
+        for odd, c in zip(strange, answer.columns, strict=True)
+    ]
     return pa.table(columns, names=answer.column_names)
 
 

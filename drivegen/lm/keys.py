@@ -29,7 +29,10 @@ def secret(variable: str, url: str) -> str:
     Raises MissingTool where the variable is empty, except for a server on this machine, which needs no key; UnusableInput
     for a URL that is none, holds a password, or would send the key in clear text.
     """
-    parts = urlsplit(url)
+    try:
+        parts = urlsplit(url)
+    except ValueError:
+        raise UnusableInput("lm: base_url is no address") from None
     if parts.scheme not in ("http", "https") or not parts.hostname:
         raise UnusableInput("lm: base_url must begin with https://, or with http:// for a server of your own")
     if parts.username or parts.password or parts.query:

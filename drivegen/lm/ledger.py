@@ -1,11 +1,11 @@
 """What language models were asked, what it cost, and what it may cost: a row per call, a guard before each."""
 
 import threading
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from uuid import uuid4
 
 import pyarrow as pa
 
@@ -13,7 +13,7 @@ from drivegen.lm.prompt import OverBudget
 from drivegen.store.files import write_table
 
 FOLDER = Path(".drivegen/calls")
-"""Where tables of calls are kept, a file for each stage and each command that called."""
+"""Where tables of calls are kept, a file for each run of a stage or a command that called."""
 
 UNKNOWN = "unknown"
 """The cost of a call where no price list knows the model."""
@@ -44,7 +44,8 @@ class Call:
 
     Attributes:
         asked: 0 for the question, 1 and 2 when asked again. outcome: "answered", "asked again" or why there was no answer.
-        cost: dollars as text, or "unknown"; "0" for what was replayed. latency: [s]. retries: of the transport.
+        cost: dollars as text, or "unknown"; 0 for what was replayed or is not billed. latency: [s], of a batch
+            each call's share. retries: of the transport.
     """
 
     role: str
@@ -75,16 +76,6 @@ class Ledger:
         self._spent, self._made = 0.0, 0
         self._lock = threading.Lock()
 
-    @property
-    def spent(self) -> float:
-        """Dollars, as far as prices are known, what is set aside for calls under way included."""
-        return self._spent
-
-    @property
-    def outcomes(self) -> Counter[str]:
-        """How many calls ended how."""
-        return Counter(call.outcome for call in self.calls)
-
     def set_aside(self, usd: float | None) -> None:
         """Before a call that costs at most `usd` (None unknown). Raises OverBudget where that might be too much."""
         with self._lock:
@@ -114,13 +105,18 @@ class Ledger:
         return pa.Table.from_pylist([asdict(call) for call in self.calls], schema=CALLS)
 
     @contextmanager
-    def kept(self, path: Path) -> Iterator[None]:
-        """Write the calls to `path` at the end of the block, also where it ends in an error; nothing where there were none."""
+    def kept(self, run: str) -> Iterator[None]:
+        """Write the calls below `FOLDER` at the end of the block, also where it ends in an error; nothing where there were none.
+
+        `run` begins the file's name. Where somebody was asked the file is a new one, so no row of a run that cost something is
+        lost; else it takes the place of the last such, for replays of the same answers may be many.
+        """
         try:
             yield
         finally:
             if self.calls:
-                self.write(path)
+                asked = any(not call.replayed and call.outcome != "no-model" for call in self.calls)
+                self.write(FOLDER / (f"{run}-{uuid4().hex[:12]}.parquet" if asked else f"{run}.parquet"))
 
     def write(self, path: Path) -> None:
         """The calls as Parquet; latencies differ from run to run, so this is no output of a stage."""

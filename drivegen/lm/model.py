@@ -192,7 +192,7 @@ class LanguageModel:
         most = [self._set_aside(request, DISCOUNT) for request in requests]
         began = time.perf_counter()
         replies = self._backend().replies(requests)
-        latency = time.perf_counter() - began
+        latency = (time.perf_counter() - began) / len(requests)  # a share each: sums over calls are the time that passed
         calls: list[tuple[Reply | NoAnswer, Call]] = []
         for request, row, usd, reply in zip(requests, rows, most, replies, strict=True):
             calls.append((reply, self._ended(request, row, usd, reply, latency, DISCOUNT)))
@@ -222,8 +222,9 @@ class LanguageModel:
     ) -> Call:
         """The row of a call for which `most` was set aside, settled now; it lacks the outcome, but a failure's is noted."""
         if isinstance(reply, NoAnswer):
-            self.ledger.settle(most, 0.0 if reply.reason in _NOT_BILLED else None)
-            self.ledger.add(replace(row, outcome=reply.reason, latency=latency))
+            paid = 0.0 if reply.reason in _NOT_BILLED else None
+            self.ledger.settle(most, paid)
+            self.ledger.add(replace(row, outcome=reply.reason, latency=latency, cost=_dollars(paid)))
             return row
         cost = self._price(request, reply.input_tokens, reply.output_tokens, share)
         self.ledger.settle(most, cost)

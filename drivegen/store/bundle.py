@@ -22,13 +22,15 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)  # the zip format's first moment: equal models gi
 def pack(models: Path, bundle: Path) -> list[str]:
     """Write all models below the folder `models` into the file `bundle`; returns their names.
 
-    Raises MissingTool where there is none, UnusableInput where a file is neither JSON nor safetensors.
+    Raises MissingTool where there is none, UnusableInput where a file is neither JSON nor safetensors, or its name no text.
     """
     files = {path.relative_to(models).as_posix(): path for path in sorted(models.rglob("*")) if path.is_file()}
     if not files:
         raise MissingTool(f"{models} holds no trained models: `make run` trains them, in the project's folder: change into it")
     if strange := [name for name in files if not name.endswith(ALLOWED)]:
         raise UnusableInput(f"{models / strange[0]} is no model (JSON or safetensors): remove it first")
+    if unspeakable := [name for name in files if not name.isprintable()]:  # bytes that are no text, among others
+        raise UnusableInput(f"{models}: {unspeakable[0]!a} is no name that another machine could write: rename it first")
     digests = {name: _sha256(path.read_bytes()) for name, path in files.items()}
     with whole(bundle) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         archive.writestr(zipfile.ZipInfo(MANIFEST, _EPOCH), as_json({"sha256": digests}))
@@ -54,7 +56,7 @@ def unpack(bundle: Path, models: Path) -> list[str]:
                         raise UnusableInput(f"{bundle}: {name} is not what was packed: copy the file again")
                     (folder / name).parent.mkdir(parents=True, exist_ok=True)
                     (folder / name).write_bytes(content)
-    except (zipfile.BadZipFile, NotImplementedError, KeyError, EOFError) as error:
+    except (zipfile.BadZipFile, NotImplementedError, KeyError, EOFError, UnicodeError) as error:
         raise UnusableInput(f"{bundle} is no file of `drivegen weights save`, or was cut off ({error})") from None
     return list(digests)
 
@@ -70,7 +72,7 @@ def _manifest(archive: zipfile.ZipFile, bundle: Path) -> dict[str, str]:
     if sum(entry.file_size for entry in entries) > bundle.stat().st_size or any(entry.header_offset < 0 for entry in entries):
         raise UnusableInput(f"{bundle} has entries over one another or outside: it is no file of `drivegen weights save`")
     try:
-        digests: dict[str, Any] = safe_json.parse(archive.read(MANIFEST), f"{bundle}: {MANIFEST}")["sha256"]
+        digests: dict[str, Any] = dict(safe_json.parse(archive.read(MANIFEST), f"{bundle}: {MANIFEST}")["sha256"])
         names = [PurePosixPath(name) for name in digests]
     except (ValueError, TypeError, KeyError):
         raise UnusableInput(f"{bundle} has no list of models ({MANIFEST}): `drivegen weights save` writes one") from None

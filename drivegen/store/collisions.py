@@ -55,9 +55,12 @@ def write_pictured(path: Path, png: bytes, words: str, where: Where) -> None:
 def read_pictured(corner: Path) -> list[Pictured]:
     """All that the rounds below `corner` hold, the last round first; none where there is no such folder.
 
+    A folder whose name is no number, such as a copy of a round, is none.
+
     Raises UnusableInput, naming the file, for one that does not say where its traffic lies.
     """
-    rounds = sorted((folder for folder in corner.glob(f"*/{FOLDER}")), key=lambda folder: int(folder.parent.name), reverse=True)
+    rounds = [folder for folder in corner.glob(f"*/{FOLDER}") if folder.parent.name.isdecimal()]
+    rounds.sort(key=lambda folder: int(folder.parent.name), reverse=True)
     return [_pictured(file) for folder in rounds for file in sorted(folder.glob("*.json"), key=lambda file: int(file.stem))]
 
 

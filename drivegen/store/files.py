@@ -60,8 +60,8 @@ def part_of(path: Path) -> Path:
 
 def sweep(path: Path) -> None:
     """Remove temporary files and folders for `path` whose process, one of this machine, was killed before it did so."""
-    ours = re.compile(rf"\.{re.escape(f'{path.name}.{HOST}')}\.(\d{{1,9}})\.part")
-    for leftover in path.parent.glob(".*.part"):
+    ours = re.compile(rf"\.{re.escape(f'{path.name}.{HOST}')}\.(\d{{1,9}})\.part(\.wal)?")  # DuckDB writes one beside
+    for leftover in path.parent.glob(".*.part*"):
         if (name_parts := ours.fullmatch(leftover.name)) and not _runs(int(name_parts[1])):
             with suppress(OSError):
                 leftover.unlink() if leftover.is_file() else shutil.rmtree(leftover)

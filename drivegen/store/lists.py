@@ -113,7 +113,7 @@ def _readable(path: Path) -> Iterator[None]:
     """Raises UnusableInput, reason `truncated`, naming `path`, where the block cannot read it."""
     try:
         yield
-    except (pa.ArrowException, OSError) as error:
+    except (pa.ArrowException, OSError, ValueError) as error:  # the last where an empty file is mapped
         what = (str(error).splitlines() or ["unreadable"])[0]
         raise UnusableInput(f"{path} is no whole shard ({what}): {_AGAIN}", reason="truncated") from None
 

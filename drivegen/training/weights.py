@@ -54,7 +54,7 @@ def read_weights(folder: Path, kind: str, name: str) -> tuple[dict[str, Any], di
         if metadata(raw, _ABOUT)[SETTINGS] != _digest(text):
             raise UnusableInput(f"{folder / SETTINGS} is not what these weights were trained with: {_AGAIN}", reason="damaged")
         settings, tensors = dict(about["settings"]), load(raw)
-    except (SafetensorError, OSError, ValueError, KeyError, TypeError) as error:
+    except (SafetensorError, OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise UnusableInput(f"{folder} holds a damaged {kind} ({error}): {_AGAIN}", reason="damaged") from None
     check_finite(tensors, str(folder / WEIGHTS))
     return settings, tensors

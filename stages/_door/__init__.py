@@ -147,6 +147,9 @@ def _done(work: Callable[[Task], Result], tasks: Sequence[Task], workers: int, w
                     f"{what}: a process was killed, most likely because memory ran out: lower run.workers in params.yaml, or "
                     "make room"
                 ) from None
+            except BaseException:
+                pool.shutdown(cancel_futures=True)  # else leaving the block would do all that is waiting first
+                raise
 
 
 def spread_splits(

@@ -12,6 +12,7 @@ import sys
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -261,11 +262,19 @@ def test_the_doctor_names_what_a_kill_cut_off_or_a_bit_changed(tmp_path):
     raw = (tmp_path / "data" / "bad.parquet").read_bytes()
     (tmp_path / "data" / "bad.parquet").write_bytes(raw[:200] + bytes([raw[200] ^ 4]) + raw[201:])
     (tmp_path / "dvc.lock").write_text("schema: '2.0'\nstages:\n  ingest:\n    cmd: stages/r")
-    lock, bad, good = doctor.damage(tmp_path)
-    assert (lock.ok, bad.ok, good.ok) == (False, False, True)
+    (tmp_path / "stages").mkdir()
+    (tmp_path / "stages/dvc.lock").write_text("schema: '2.0'\nstages:\n  rank:\n")
+    lock, other, bad, good = doctor.damage(tmp_path)
+    assert (lock.ok, other.ok, bad.ok, good.ok) == (False, False, False, True)
     assert "make run restores it" in lock.remedy
     assert f"{tmp_path}/data/bad.parquet is not what was written" in bad.found
     assert bad.remedy == "remove it, then make run"
+
+
+def test_the_doctor_does_not_wait_for_a_simulator_that_hangs(monkeypatch):
+    monkeypatch.setattr(doctor, "plain_to_net", lambda _: b"")
+    monkeypatch.setattr(doctor.subprocess, "run", Mock(side_effect=subprocess.TimeoutExpired("python", 60)))
+    assert [finding.ok for finding in doctor.sumo()] == [True, False]
 
 
 def test_the_doctor_names_a_wrong_version_with_its_remedy(monkeypatch):

@@ -45,7 +45,7 @@ def drivegen(*words: str):
 
 def calls_of(command: str) -> list[dict]:
     """The rows that `collect` will read of a command's runs, with a look at whether they hold the key."""
-    files = sorted(FOLDER.glob(f"{command}-*.parquet"))
+    files = sorted(FOLDER.glob(f"{command}*.parquet"))
     assert not any(b"sk-very-secret" in file.read_bytes() for file in files)
     return [row for file in files for row in pq.read_table(file).to_pylist()]
 

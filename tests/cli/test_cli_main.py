@@ -3,10 +3,8 @@
 import json
 import os
 import signal
-import stat
 import subprocess
 import sys
-import tempfile
 import warnings
 
 import pytest
@@ -77,20 +75,3 @@ def test_a_warning_is_one_line_without_our_code(monkeypatch, capsys):
     assert call(monkeypatch, warn) == 0
     assert capsys.readouterr().err == "drivegen: scenes: left out: 1\n"
     assert warnings.showwarning is before
-
-
-@pytest.mark.parametrize("home", ["", "kept"])
-def test_compiled_code_has_a_place_where_neither_checkout_nor_home_can_be_written(monkeypatch, tmp_path, home):
-    kept = []
-    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
-    monkeypatch.setattr(os, "access", lambda path, _: home and tmp_path in path.parents)
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    assert call(monkeypatch, lambda: kept.append(os.environ.pop("NUMBA_CACHE_DIR", None))) == 0
-    ours = tmp_path / f"drivegen-{os.getuid()}"
-    assert kept == ([None] if home else [str(ours)])
-    if not home:
-        assert stat.S_IMODE(ours.stat().st_mode) == 0o700
-        monkeypatch.setattr(os, "getuid", lambda: ours.stat().st_uid + 1)
-        ours.rename(tmp_path / f"drivegen-{os.getuid()}")
-        assert call(monkeypatch, lambda: None) == 1

@@ -25,6 +25,8 @@ def test_query_prints_a_table_as_wide_as_its_ids_or_csv(tmp_path):
     assert done.stdout.split() == ["sample", "sample", "stage", "-1", "0.25", "drive"]
     csv = run("query", "select [sample, 2] as both from results", "--csv", cwd=tmp_path)
     assert csv.stdout.splitlines() == ['"both"', '"[-1, 2]"']
+    csv = run("query", "select unnest([null, [sample]]) as one from results", "--csv", cwd=tmp_path)
+    assert csv.stdout.splitlines() == ['"one"', "", '"[-1]"']
     csv = run("query", "select interval 1 day as time", "--csv", cwd=tmp_path)
     assert (csv.returncode, csv.stdout.splitlines()[0]) == (0, '"time"'), csv.stderr
     assert "select" not in run("query", "--help", cwd=tmp_path).stdout

@@ -2,11 +2,17 @@
 
 import os
 import shutil
+import stat
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
+import numba
+import pytest
+
 import drivegen
+from drivegen.core.compiled import keep_compiled
 
 LOOP = """
 from numba import njit
@@ -36,3 +42,52 @@ def test_a_loop_is_compiled_anew_when_what_it_calls_is_edited(tmp_path: Path) ->
     boxes = package / "core" / "boxes.py"
     boxes.write_text(boxes.read_text().replace("return min(on_a, on_b)", "return min(on_a, on_b) + 1.0"))
     assert deep() == 3.0
+
+
+@pytest.fixture
+def named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """A folder for compiled code of all projects."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    return tmp_path
+
+
+def test_in_a_shared_folder_each_code_has_its_own_and_nothing_of_others_is_removed(
+    named: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    foreign = named / "package_1" / "loop.f-1.py311.nbi"
+    foreign.parent.mkdir()
+    foreign.write_text("x")
+    keep_compiled()
+    ours = Path(os.environ["NUMBA_CACHE_DIR"])
+    assert foreign.exists()
+    assert (ours.parent, numba.config.CACHE_DIR) == (named, str(ours))
+    keep_compiled()  # as a process that this one starts
+    assert os.environ["NUMBA_CACHE_DIR"] == str(ours)
+    monkeypatch.setattr("drivegen.core.compiled.PACKAGE", named / "other code")
+    keep_compiled()
+    other = Path(os.environ["NUMBA_CACHE_DIR"])
+    assert other.parent == named
+    assert other != ours
+
+
+@pytest.mark.parametrize("home", ["", "kept"])
+def test_compiled_code_has_a_place_where_the_checkout_cannot_be_written(
+    named: Path, monkeypatch: pytest.MonkeyPatch, home: str
+) -> None:
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(named / "home"))
+    monkeypatch.setattr(os, "access", lambda path, _: home and named in path.parents)
+    monkeypatch.setattr(tempfile, "tempdir", str(named))
+    keep_compiled()
+    ours = named / f"drivegen-{os.getuid()}"
+    assert Path(os.environ["NUMBA_CACHE_DIR"]).parent == (named / "home" / "numba" if home else ours)
+    if not home:
+        assert stat.S_IMODE(ours.stat().st_mode) == 0o700
+        monkeypatch.delenv("NUMBA_CACHE_DIR")
+        other = os.getuid() + 1
+        monkeypatch.setattr(os, "getuid", lambda: other)
+        ours.rename(named / f"drivegen-{other}")
+        keep_compiled()  # of somebody else's folder nothing is run
+        assert Path(os.environ["NUMBA_CACHE_DIR"]).parent.parent == named
+        assert Path(os.environ["NUMBA_CACHE_DIR"]).parent.name != f"drivegen-{other}"

@@ -155,6 +155,25 @@ def test_what_is_discarded_is_made_again_and_nothing_else_goes(done: Path):
     assert (done / "data/shipped/shard").exists()
 
 
+def test_what_the_parameters_name_no_longer_goes_and_comes_back_from_the_cache(done: Path):
+    before = pipeline.locked(done)
+    assert pipeline.discard_gone(done) == []
+    renamed = {**before, "under its old name": before["ship"]}
+    (done / "dvc.lock").write_text(yaml.safe_dump({"schema": "2.0", "stages": renamed}))
+    assert pipeline.discard_gone(done) == ["under its old name"]
+    assert (done / "data/shipped/shard").exists()
+    whole = (done / "params.yaml").read_text()
+    toy.keep_rounds(done, 3)
+    assert pipeline.discard_gone(done) == ["corner@3"]
+    assert not list((done / "data").glob("round-3*"))
+    assert (done / "data/round-2").exists()
+    assert pipeline.locked(done) == {name: entry for name, entry in before.items() if name != "corner@3"}
+    assert "corner@2" not in pipeline.read().stale
+    (done / "params.yaml").write_text(whole)
+    assert not pipeline.reproduce("corner@3", lambda _: None)  # DVC's run cache has it
+    assert (done / "data/round-3").exists()
+
+
 def test_what_is_forgotten_leaves_the_rest_up_to_date(done: Path):
     pipeline.forget_all_but(pipeline.read().upstream("place"), done)
     assert pipeline.read().stale == set(pipeline.read().needs) - {"ingest", "maps"}

@@ -44,6 +44,14 @@ def test_times_stay_of_stages_that_are_as_they_were(tmp_path: Path) -> None:
     assert mine.read_text() == "new"
 
 
+def test_times_stay_of_stages_that_measure_us(tmp_path: Path) -> None:
+    for root in (tmp_path / "old", tmp_path / "new"):
+        lock(root / "stages", map_suite="a")
+    cost(tmp_path / "old", "map_suite-map_suite", "old")
+    Times.of(tmp_path / "old").put_back(tmp_path / "new")
+    assert (tmp_path / "new" / COSTS / "map_suite-map_suite.parquet").exists()
+
+
 def test_where_there_was_no_workspace_nothing_is_put_back(tmp_path: Path) -> None:
     Times.of(tmp_path / "nowhere").put_back(tmp_path)
     assert not (tmp_path / COSTS).exists()

@@ -1,5 +1,6 @@
 """A question, and a role that asks a server of the tests."""
 
+from collections import Counter
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -45,6 +46,11 @@ def settings(base_url: str = "", **more: Any) -> RoleSettings:
         "batch": False,
     }
     return RoleSettings(**{**values, **more})
+
+
+def outcomes(asked: LanguageModel) -> Counter[str]:
+    """How many calls ended how."""
+    return Counter(call.outcome for call in asked.ledger.calls)
 
 
 def model(folder: Path, base_url: str = "", mode: Mode = Mode.AUTO, **more: Any) -> LanguageModel:

@@ -1,6 +1,7 @@
 """Batches: many questions in one job, at half the price; each with an answer or a reason of its own."""
 
 from datetime import timedelta
+from time import perf_counter
 from unittest.mock import Mock
 
 import pytest
@@ -10,7 +11,7 @@ from drivegen.lm import batch
 from drivegen.lm.prices import estimate, price
 from drivegen.lm.prompt import NoAnswer, OverBudget
 from drivegen.lm.records import Mode
-from tests.lm.asking import GOOD, model, question, settings
+from tests.lm.asking import GOOD, model, outcomes, question, settings
 from tests.lm.batch_server import serving_batches
 
 WORDS = [question(f"where to, {i}?") for i in range(3)]
@@ -31,7 +32,7 @@ def test_many_questions_are_one_job_and_what_is_bad_is_asked_again_in_another(tm
     assert third.reason == "refused"
     assert [len(job) for job in server.jobs] == [3, 1]
     assert "less than or equal to 3" in str(server.jobs[1])
-    assert asked.ledger.outcomes == {"answered": 2, "asked again": 1, "refused": 1}
+    assert outcomes(asked) == {"answered": 2, "asked again": 1, "refused": 1}
     again = model(tmp_path, "http://127.0.0.1:9/v1", mode=Mode.REPLAY).ask_many([WORDS[0], WORDS[1]])
     assert again == [first, second]
 
@@ -45,7 +46,7 @@ def test_anthropics_batches_give_answers_and_reasons_as_openais_do(tmp_path):
     assert isinstance(third, NoAnswer)
     assert [len(job) for job in server.jobs] == [3, 1]
     assert "less than or equal to 3" in str(server.jobs[1])
-    assert asked.ledger.outcomes == {"answered": 2, "asked again": 1, third.reason: 1}
+    assert outcomes(asked) == {"answered": 2, "asked again": 1, third.reason: 1}
     assert [call.input_tokens for call in asked.ledger.calls if call.outcome == "answered"] == [120, 120]
     again = model(tmp_path, "http://127.0.0.1:9", mode=Mode.REPLAY, backend="anthropic", output="prompted")
     assert again.ask_many(WORDS[:2]) == [first, second]
@@ -86,6 +87,14 @@ def test_a_batch_costs_half_in_estimates_and_before_the_call(tmp_path):
         with pytest.raises(OverBudget):
             asked.ask_many(WORDS)
     assert not server.jobs
+
+
+def test_the_calls_of_a_batch_together_took_the_time_that_it_took(tmp_path):
+    with serving_batches([GOOD] * 3) as server:
+        asked = model(tmp_path, server.url)
+        began = perf_counter()
+        asked.ask_many(WORDS)
+        assert 0 < sum(call.latency for call in asked.ledger.calls) <= perf_counter() - began
 
 
 def test_offline_every_question_has_a_typed_failure(tmp_path):

@@ -54,7 +54,9 @@ def test_a_key_goes_encrypted_or_to_this_machine(url):
     assert secret("MY_KEY", url) == KEY
 
 
-@pytest.mark.parametrize("url", ["ftp://a/v1", "a", "https://", "https://user:password@a/v1", "https://a/v1?key=1"])
+@pytest.mark.parametrize(
+    "url", ["ftp://a/v1", "a", "https://", "http://[::1", "https://user:password@a/v1", "https://a/v1?key=1"]
+)
 def test_what_is_no_plain_url_is_refused_without_repeating_it(url):
     with pytest.raises(UnusableInput) as refusal:
         secret("MY_KEY", url)

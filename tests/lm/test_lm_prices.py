@@ -2,14 +2,16 @@
 
 import subprocess
 import sys
+from contextlib import suppress
 
+import pyarrow.parquet as pq
 import pytest
 
 from drivegen.core import plugins
 from drivegen.core.errors import UnusableInput
-from drivegen.lm.ledger import CALLS, Ledger
+from drivegen.lm.ledger import CALLS, FOLDER, Ledger
 from drivegen.lm.prices import estimate, input_tokens, price
-from drivegen.lm.prompt import OverBudget
+from drivegen.lm.prompt import NoAnswer, OverBudget
 from drivegen.lm.settings import RecordSettings, overridden
 from drivegen.warehouse.database import build, query, read_parts
 from tests.lm.asking import GOOD, model, question, settings
@@ -51,7 +53,9 @@ def test_money_is_set_aside_before_a_call_and_settled_after_it():
     ledger.settle(0.6, 0.1)
     ledger.set_aside(0.6)
     ledger.settle(0.6, None)
-    assert ledger.spent == pytest.approx(0.7)
+    ledger.set_aside(0.25)
+    with pytest.raises(OverBudget, match=r"0\.9500 of 1 are spent"):
+        ledger.set_aside(0.1)
 
 
 def test_the_ledger_is_a_table_and_every_call_a_row_of_the_warehouse(tmp_path):
@@ -67,6 +71,33 @@ def test_the_ledger_is_a_table_and_every_call_a_row_of_the_warehouse(tmp_path):
     [row] = query(tmp_path / "all.duckdb", "from language_model_calls").to_pylist()
     assert (row["calls"], row["replayed"], row["answered"], row["asked_again"]) == (4, 2, 2, 2)
     assert (row["input_tokens"], row["dollars"]) == (480, None)
+
+
+def test_the_calls_of_every_run_that_asked_somebody_stay(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def run(words: str) -> None:
+        asked = model(tmp_path / "records", server.url, retries=0)
+        with asked.ledger.kept("goals"), suppress(NoAnswer):
+            asked.ask(question(words))
+
+    with serving([Says("no such model", status=404), Says(GOOD)]) as server:
+        for words in ("a", "b", "b", "b"):  # refused, answered, replayed twice
+            run(words)
+    calls = [row for file in FOLDER.glob("*.parquet") for row in pq.read_table(file).to_pylist()]
+    assert sorted((call["outcome"], call["replayed"]) for call in calls) == [
+        ("answered", False), ("answered", True), ("refused", False)
+    ]  # fmt: skip
+
+
+def test_a_call_that_was_refused_costs_nothing_and_leaves_the_dollars_known(tmp_path):
+    with serving([Says("no such model", status=404), Says(hang=True)]) as server:
+        asked = model(tmp_path, server.url, retries=0, timeout=0.5)
+        for dollars in (0.0, None):  # who does not answer in time may send a bill
+            with pytest.raises(NoAnswer):
+                asked.ask(question())
+            build(tmp_path / "all.duckdb", {"calls": asked.ledger.table()})
+            assert query(tmp_path / "all.duckdb", "from language_model_calls")["dollars"].to_pylist() == [dollars]
 
 
 def test_lm_words_name_another_model():

@@ -129,7 +129,7 @@ def test_what_cannot_be_used_is_asked_for_again_and_then_the_learned_selector_co
         found = asked.rank(GRAPH, SCENE, FOUND[:2])
     assert all(np.array_equal(a, b) for a, b in zip(found, usual, strict=True))
     assert asked.account.fallback == {"invalid-answer": 2}
-    assert lm.ledger.outcomes["asked again"] == len(server.requests) * 2 // 3
+    assert asking.outcomes(lm)["asked again"] == len(server.requests) * 2 // 3
 
 
 def test_per_scenario_is_one_call_with_a_picture_of_each_vehicle(models, tmp_path):
@@ -150,7 +150,7 @@ def test_a_vehicle_that_is_left_out_of_a_joint_answer_makes_it_invalid(models, t
         asked, lm = selector(models, tmp_path, server.url, settings=replace(SETTINGS, layout="per_scenario"))
         asked.rank(GRAPH, SCENE, FOUND[:3])
     assert "exactly one ranking" in str(server.requests[1])
-    assert (asked.account.asked, lm.ledger.outcomes["asked again"]) == (3, 1)
+    assert (asked.account.asked, asking.outcomes(lm)["asked again"]) == (3, 1)
 
 
 def test_without_a_model_the_learned_selector_counts_and_is_counted(models, tmp_path):

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import time
 from pathlib import Path
 
 from drivegen.sumo.netconvert import NetconvertRefused
@@ -27,3 +28,11 @@ def killed_later(number: int) -> int:
 
 def refused(number: int) -> int:
     raise NetconvertRefused(f"network {number} is none", ["no nodes"])
+
+
+def refused_first(file: Path) -> None:
+    """The first is refused; the others leave a file and take their time."""
+    if file.name == "0":
+        refused(0)
+    file.touch()
+    time.sleep(0.2)

@@ -34,5 +34,12 @@ def test_a_result_is_of_the_driver_s_weights_and_of_what_goals_are_made_with(mad
     one, other = (set(table["run"].to_pylist()) for table in tables)
     assert len(one | other) == 2
     [read] = set(tables[0]["inputs"].to_pylist())
-    expected = [made / "test", made / "goals", made / "round", made / "models/planners/route_fm", weights]
+    expected = [
+        made / "test",
+        made / "goals",
+        made / "round",
+        made / "models/planners/route_fm",
+        made / "models/limits.json",
+        weights,
+    ]
     assert read == " ".join(map(str, expected))

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import orjson
+import pyarrow.parquet as pq
 import pytest
 
 from drivegen.adversaries.shared.besetting import METRICS, PLACED
@@ -13,7 +14,7 @@ from drivegen.layouts.compile import compile_map
 from drivegen.layouts.spec import MapSpec
 from drivegen.store.files import write_json
 from drivegen.store.scenarios import read_shard, write_shard
-from stages import assets, beset, publish_corner
+from stages import asked, assets, beset, publish_corner
 from stages._door import read_params, read_section
 from tests.drivers.taught import PARAMS
 from tests.scenes import busy_crossing
@@ -50,6 +51,19 @@ def run(root: Path, out: Path, maps: str = "maps") -> None:
     )
     places = (root / maps, root / "assets.parquet", root / "gaps.parquet", root / "models")
     beset.main(params, *places, out / "scenes", out / publish_corner.BESET)
+
+
+def test_what_is_asked_in_words_is_placed_by_the_gaps_of_logs_where_scenes_are(made, tmp_path, monkeypatch):
+    initial = read_params("place.initial", asked.InitialSettings, PARAMS)
+    as_logs = replace(initial, placement=replace(initial.placement, mode="data"))
+    own = {"place.initial": as_logs, "ship.generation": read_params("ship.generation", asked.GeneratorSettings, PARAMS)}
+    monkeypatch.setattr(asked, "read_params", lambda section, _: own[section])
+    params = replace(read_params("asked", asked.Params, PARAMS), maps=["cross"], requests=1, per_request=1)
+    places = (made / "maps", made / "assets.parquet", made / "gaps.parquet", made / "models")
+    asked.main(params, *places, tmp_path / "asked.parquet", tmp_path / "asked.json")
+    assert orjson.loads((tmp_path / "asked.json").read_bytes())["requests"] == 1
+    [read] = set(pq.read_table(tmp_path / "asked.parquet")["inputs"].to_pylist())
+    assert {str(made / name) for name in ("gaps.parquet", "models/selector", "models/limits.json")} < set(read.split())
 
 
 def test_every_driver_adversary_and_way_of_placing_has_its_shares(made):

@@ -14,6 +14,7 @@ from drivegen.core.errors import MissingTool, UnusableInput
 from drivegen.corner_cases.collisions import Collision, telling
 from drivegen.corner_cases.knowledge import SHAPE, Knowledge
 from drivegen.corner_cases.round_folder import RoundFolder
+from drivegen.lm.ledger import FOLDER
 from drivegen.lm.prompt import OverBudget
 from drivegen.store.samples import read_samples
 from drivegen.store.scenarios import write_shard
@@ -107,7 +108,7 @@ def test_the_model_is_told_and_shown_what_the_round_before_found(root, round_one
     assert metrics["goals"] == "language model little-model"
     assert metrics["asking"]["asked"] == len(server.requests)
     assert metrics["asking"]["vehicles"] == social
-    calls = pq.read_table(".drivegen/calls/corner-1.parquet")
+    calls = pq.read_table(next(FOLDER.glob("corner-1-*.parquet")))
     assert set(calls["role"].to_pylist()) == {"corner_cases"}
     assert calls.num_rows == len(server.requests)
     bound = params_of().pressure.max_ratio
@@ -162,7 +163,7 @@ def test_the_estimate_comes_before_the_first_call_and_the_budget_ends_the_round(
     told = capsys.readouterr().out
     assert "lm.corner_cases: language model little-model, one by one: about" in told
     assert "or 2 calls" in told
-    assert pq.read_table(tmp_path / ".drivegen/calls/corner-1.parquet").num_rows == 2  # what was spent is told all the same
+    assert pq.read_table(next(FOLDER.glob("corner-1-*.parquet"))).num_rows == 2  # what was spent is told all the same
 
 
 def test_the_most_telling_collisions_differ_in_scene_and_if_they_can_in_features():

@@ -16,7 +16,7 @@ from drivegen.core.settings import read_tree
 from drivegen.store.files import whole
 from drivegen.sumo.netconvert import NetconvertRefused
 from stages import _door, asked, attack, corner, drive, evaluate, goals, ingest, place, rollout, train_planner
-from tests.stages.tasks import begin, killed, killed_later, refused, square
+from tests.stages.tasks import begin, killed, killed_later, refused, refused_first, square
 
 
 @dataclass(frozen=True)
@@ -100,6 +100,12 @@ def test_what_a_process_refuses_is_refused_here():
     with pytest.raises(NetconvertRefused, match=r"^network 1 is none$") as refusal:
         list(_door.spread(refused, [1, 1], 2, "networks"))
     assert (refusal.value.reason, refusal.value.messages) == ("netconvert", ("no nodes",))
+
+
+def test_once_a_task_failed_those_that_wait_are_not_done(tmp_path):
+    with pytest.raises(NetconvertRefused):
+        list(_door.spread(refused_first, [tmp_path / str(n) for n in range(16)], 2, "networks"))
+    assert len(list(tmp_path.iterdir())) < 8
 
 
 def test_no_tasks_are_no_results():

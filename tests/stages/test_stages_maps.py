@@ -9,6 +9,7 @@ import yaml
 
 from drivegen.core.errors import UnusableInput
 from drivegen.lm import batch
+from drivegen.lm.ledger import FOLDER
 from stages import maps
 from tests.lm.asking import settings
 from tests.lm.batch_server import serving_batches
@@ -17,6 +18,11 @@ from tests.lm.chat_server import Says, serving
 CROSSING = {"kind": "crossing", "control": "signals", "arms": [{"angle": a} for a in (0, 90, 180, 270)]}
 ANSWER = json.dumps({"map": {"road": CROSSING}})
 PROMPTS = {"crossing": "a crossing with traffic lights"}
+
+
+def last_calls():
+    file = max(FOLDER.glob("maps*.parquet"), key=lambda file: file.stat().st_mtime_ns)
+    return pq.read_table(file).to_pylist()
 
 
 @pytest.fixture
@@ -30,7 +36,7 @@ def run(tmp_path, monkeypatch):
         maps.main(
             maps.Params(7, 2, "language_model", PROMPTS), tmp_path / "maps", tmp_path / "maps.parquet", tmp_path / "maps.json"
         )
-        return json.loads((tmp_path / "maps.json").read_text())["maps"][0], pq.read_table(maps.CALLS).to_pylist()
+        return json.loads((tmp_path / "maps.json").read_text())["maps"][0], last_calls()
 
     return run_stage
 
@@ -54,7 +60,7 @@ def test_without_a_model_nothing_is_drawn_and_the_calls_say_why(run, tmp_path):
     [row] = json.loads((tmp_path / "maps.json").read_text())["maps"]
     assert row["reason"] == "no-model"
     assert not row["understood"]
-    assert [call["outcome"] for call in pq.read_table(maps.CALLS).to_pylist()] == ["no-model"]
+    assert [call["outcome"] for call in last_calls()] == ["no-model"]
 
 
 def test_what_it_will_cost_is_told_before_the_first_call(run, capsys):

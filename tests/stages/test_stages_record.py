@@ -112,6 +112,12 @@ def test_a_picture_in_the_report_is_linked_to_its_recording(made):
     assert read_collision_pictures(made / "nowhere", links) == ()
 
 
+def test_a_copy_of_a_round_is_no_round(made, tmp_path):
+    for name in ("1", "1-backup"):
+        shutil.copytree(made / "corner/1/collisions", tmp_path / name / "collisions")
+    assert [one.name for one in read_pictured(tmp_path)] == ["corner-1-0"]
+
+
 def test_a_damaged_place_of_a_collision_is_named(made, tmp_path):
     collisions = shutil.copytree(made / "corner/1/collisions", tmp_path / "1/collisions")
     for text, words in (("{", "is not JSON"), ('{"step": 3}', "0.json")):

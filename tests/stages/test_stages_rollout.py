@@ -151,6 +151,9 @@ def test_ship_lets_out_legal_scenarios_and_counts_everything(root: Path, models:
     params = replace(params, workers=1, generation=quick(params.generation), settings=replace(params.settings, fewest=2))
     for out in ("shipped", "again"):
         ship.main(params, tmp_path / "new", models, tmp_path / out, *(tmp_path / f"{out}.{end}" for end in ENDS))
+    [read] = set(pq.read_table(tmp_path / "shipped.parquet")["inputs"].to_pylist())
+    used = ("planners/route_fm", "selector", "limits.json")
+    assert read.split() == [str(place) for place in (tmp_path / "new", *(models / name for name in used))]
     counts = orjson.loads((tmp_path / "shipped.json").read_bytes())
     assert counts["asked"] == 3 * params.samples
     assert counts["asked"] == counts.get("shipped", 0) + sum(n for name, n in counts.items() if name.startswith("rejected."))

@@ -1,5 +1,6 @@
 """Models in one file come back as they were, and nothing else comes out of such a file."""
 
+import os
 import zipfile
 
 import pytest
@@ -44,6 +45,26 @@ def test_names_that_lie_elsewhere_or_are_no_models_are_refused(tmp_path, name):
         archive.writestr(name, b"x")
     with pytest.raises(UnusableInput, match="names a file that is no model of ours"):
         unpack(tmp_path / "bad.zip", tmp_path / "there")
+
+
+def test_a_list_where_the_manifest_has_names_and_digests_is_refused(tmp_path):
+    with zipfile.ZipFile(tmp_path / "bad.zip", "w") as archive:
+        archive.writestr(MANIFEST, '{"sha256": ["a.json"]}')
+    with pytest.raises(UnusableInput, match=r"bad\.zip has no list of models"):
+        unpack(tmp_path / "bad.zip", tmp_path / "there")
+
+
+def test_names_that_are_no_text_are_refused_when_packed_and_unpacked(models, tmp_path):
+    (models / "grün.json").write_bytes(b"{}")
+    pack(models, tmp_path / "a.zip")
+    raw = (tmp_path / "a.zip").read_bytes()
+    (tmp_path / "a.zip").write_bytes(raw.replace("grün".encode(), b"gr\xff\xffn"))
+    with pytest.raises(UnusableInput, match=r"a\.zip is no file of"):
+        unpack(tmp_path / "a.zip", tmp_path / "there")
+    (models / os.fsdecode(b"gr\xffn.json")).write_bytes(b"{}")
+    with pytest.raises(UnusableInput, match="rename it first"):
+        pack(models, tmp_path / "b.zip")
+    assert not (tmp_path / "b.zip").exists()
 
 
 def test_what_is_compressed_is_refused_before_it_is_unpacked(tmp_path):

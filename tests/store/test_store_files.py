@@ -75,6 +75,7 @@ def test_a_killed_writer_leaves_nothing_that_is_taken_as_done(tmp_path):
     ]
     for other in others:
         other.write_bytes(b"")
+    left.with_name(f"{left.name}.wal").write_bytes(b"")
     write_table(path, TABLE)  # what a dead writer left goes, what others are at stays
     assert sorted(tmp_path.iterdir()) == sorted([*others, path])
 

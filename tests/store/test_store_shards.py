@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from drivegen.core import safe_parquet
 from drivegen.core.errors import UnusableInput
-from drivegen.store.lists import write_shard_table
+from drivegen.store.lists import read_groups, write_shard_table
 from drivegen.store.rejected import read_rejected, rejected_by_method, write_rejected
 from drivegen.store.samples import read_samples, write_samples
 from drivegen.store.scenarios import VERSION, read_shard, shards, write_shard
@@ -123,6 +123,12 @@ def test_a_file_that_is_no_shard_of_ours_is_refused_by_name(tmp_path: Path, what
     with pytest.raises(UnusableInput, match=path.name) as caught:
         read_shard(path)
     assert caught.value.reason == reason
+
+
+def test_an_empty_file_has_no_groups_of_rows(tmp_path: Path) -> None:
+    with pytest.raises(UnusableInput, match=r"empty\.parquet is no whole shard") as caught:
+        next(read_groups(broken(tmp_path)["empty"], "scenarios", VERSION))
+    assert caught.value.reason == "truncated"
 
 
 def test_an_old_shard_says_which_version_it_is_and_what_to_do(tmp_path: Path) -> None:

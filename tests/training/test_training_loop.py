@@ -319,6 +319,13 @@ def test_the_same_weights_are_the_same_bytes_and_come_back(good, tmp_path):
         assert (tmp_path / file).read_bytes() == (good / file).read_bytes()
 
 
+def test_settings_without_end_are_refused(good, tmp_path):
+    shutil.copytree(good, tmp_path / "deep")
+    (tmp_path / "deep" / SETTINGS_FILE).write_text("[" * 100_000)
+    with pytest.raises(UnusableInput, match="deep holds a damaged planner"):
+        read_weights(tmp_path / "deep", "planner", "p")
+
+
 @given(file=st.sampled_from([SETTINGS_FILE, WEIGHTS]), place=st.floats(0, 1, exclude_max=True), bit=st.integers(0, 7))
 @examples(max_examples=100, deadline=None)
 def test_no_flipped_bit_of_weights_or_their_settings_is_taken(good, file, place, bit):
