@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import floor, isfinite, log10
+from math import isfinite
 from typing import Any
 
 NOT_MEASURED = "not measured"
@@ -106,12 +106,12 @@ def estimate(line: Mapping[str, Any] | None, digits: int = 3, names: tuple[str, 
     value, low, high = (line[name] for name in names) if line is not None else (None,) * 3
     if value is None:
         return Cell("")
-    return Cell(f"{value:.{digits}f}", _interval(low, high, digits, " to "))
+    return Cell(f"{value:.{digits}f}", _interval(low, high, f".{digits}f", " to "))
 
 
-def _interval(low: float | None, high: float | None, digits: int, between: str) -> str:
+def _interval(low: float | None, high: float | None, form: str, between: str) -> str:
     """Both ends, "" where there are none; both are the value where no recording differs from the others (`core.intervals`)."""
-    return "" if low is None or high is None or low == high else f"{low:.{digits}f}{between}{high:.{digits}f}"
+    return "" if low is None or high is None or low == high else f"{low:{form}}{between}{high:{form}}"
 
 
 def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:
@@ -119,7 +119,5 @@ def measured(values: dict[str, Any], key: str, digits: int = 2) -> Cell:
     value, low, high = (values.get(f"{key}{end}") for end in ("", ".low", ".high"))
     if value is None or not isfinite(value):
         return Cell(NOT_MEASURED)
-    small = 0 < abs(value) < 10**-digits
-    text = f"{value:.2g}" if small else f"{value:.{digits}f}"
-    ends = 1 - floor(log10(abs(value))) if small else digits  # so many decimals has a small value
-    return Cell(text, _interval(low, high, ends, " to " if low is not None and low < 0 else "\u2013"))
+    form = ".2g" if 0 < abs(value) < 10**-digits else f".{digits}f"
+    return Cell(f"{value:{form}}", _interval(low, high, form, " to " if low is not None and low < 0 else "\u2013"))
