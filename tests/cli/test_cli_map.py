@@ -110,7 +110,7 @@ def test_opendrive_loses_that_traffic_keeps_left_and_says_so(folder, tmp_path):
         (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "0,0", "--junction", "a"], "one of --around and --junction"),
         (["import", "FOLDER/map.net.xml", "--out", "o", "--junction", "nothing"], "no junction 'nothing'"),
         (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "1e6,0"], "no road within 150 m"),
-        (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "100,0", "--radius", "60"], "no road within 60 m"),
+        (["import", "FOLDER/map.net.xml", "--out", "o", "--around", "400,0", "--radius", "60"], "no road within 60 m"),
         (["import", "FOLDER/map.net.xml", "--out", "o", "--radius", "nan"], "radius must be between 10 and 5000 m"),
         (["import", "--out", "o"], "Missing argument"),
         (["refine", "nowhere", "add a lane"], "make the map first"),
