@@ -146,10 +146,14 @@ def restore(root: Path) -> None:
 
 
 def discard(stages: Collection[str], root: Path, but: Collection[Path] = ()) -> None:
-    """Remove what dvc.lock says that `stages` wrote, `but` these: nothing of another run may be taken for this one's."""
-    entries = locked(root)
-    for path in [root / out["path"] for stage in stages for out in entries.get(stage, {}).get("outs", ())]:
-        if path in but:
+    """Remove what dvc.lock says that `stages` wrote: nothing of another run may be taken for this one's.
+
+    What lies outside the workspace stays, and `but` these, with what holds them and what they hold.
+    """
+    entries, here = locked(root), root.absolute()
+    for out in [out["path"] for stage in stages for out in entries.get(stage, {}).get("outs", ())]:
+        path = Path(os.path.normpath(here / out))
+        if here not in path.parents or any(_overlap(str(path), str(other)) for other in but):
             continue
         if path.is_dir():
             shutil.rmtree(path)
@@ -159,8 +163,9 @@ def discard(stages: Collection[str], root: Path, but: Collection[Path] = ()) -> 
 def forget_all_but(stages: Collection[str], root: Path) -> None:
     """Leave only `stages` in dvc.lock: DVC reads and writes all of it round every stage, two seconds where it has fifty."""
     entries = {name: entry for name, entry in locked(root).items() if name in stages and not name.startswith(MEASURES)}
-    with (root / "dvc.lock").open("w") as file:
-        yaml.dump({"schema": "2.0", "stages": entries}, file, yaml.CSafeDumper, sort_keys=False)
+    part = root / "dvc.lock.part"  # written whole or not at all
+    part.write_text(yaml.dump({"schema": "2.0", "stages": entries}, None, yaml.CSafeDumper, sort_keys=False))
+    part.replace(root / "dvc.lock")
 
 
 def discard_gone(root: Path = Path()) -> list[str]:

@@ -158,10 +158,13 @@ def test_what_is_discarded_is_made_again_and_nothing_else_goes(done: Path):
 def test_what_the_parameters_name_no_longer_goes_and_comes_back_from_the_cache(done: Path):
     before = pipeline.locked(done)
     assert pipeline.discard_gone(done) == []
-    renamed = {**before, "under its old name": before["ship"]}
+    (done.parent / "theirs").write_text("kept")
+    wider = {"cmd": "x", "outs": [{"path": path} for path in ("data", "../theirs", ".", "data/shipped/shard")]}
+    renamed = {**before, "under its old name": before["ship"], "of all data": wider}
     (done / "dvc.lock").write_text(yaml.safe_dump({"schema": "2.0", "stages": renamed}))
-    assert pipeline.discard_gone(done) == ["under its old name"]
-    assert (done / "data/shipped/shard").exists()
+    assert pipeline.discard_gone(done) == ["of all data", "under its old name"]
+    assert (done / "data/shipped/shard").exists()  # another stage writes it, or a part of it, today
+    assert (done.parent / "theirs").exists()
     whole = (done / "params.yaml").read_text()
     toy.keep_rounds(done, 3)
     assert pipeline.discard_gone(done) == ["corner@3"]
