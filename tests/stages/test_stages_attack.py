@@ -24,7 +24,7 @@ def made(tmp_path_factory, models) -> Path:
 
 def test_a_result_is_of_the_driver_s_weights_and_of_what_goals_are_made_with(made, tmp_path):
     weights, tables = tmp_path / "gail", []
-    params = replace(read_params("attack", attack.Params, PARAMS), methods=["dataset"], scenarios=1, draws=20)
+    params = replace(read_params("attack", attack.Params, PARAMS), methods=["dataset"], scenarios=1, draws=20, workers=1)
     params = replace(params, drivers={"gail": {"weights": str(weights), "sees_rules": True}})
     for _ in range(2):  # other weights each time
         write_network(weights, "gail", [nn.Linear(COUNT, 1)], "tanh", squashed=False)
