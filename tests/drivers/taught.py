@@ -37,7 +37,7 @@ def quick(name: str) -> Any:
     ppo = {**read_section("train_driver.drivers.gail.ppo", PARAMS), "rows": 32, "batch": 1024}
     few: dict[str, dict[str, Any]] = {
         "gail": {"course": {"rounds": 2, "grade_every": 1}, "clone_steps": 500, "ppo": ppo},
-        "sac": {"course": {"rounds": 6, "grade_every": 1}, "rows": 16, "updates": 2, "batch": 128, "rewards": 10, "pull": 0.02},
+        "sac": {"course": {"rounds": 6, "grade_every": 1}, "rows": 16, "updates": 1, "batch": 128, "rewards": 10, "pull": 0.02},
     }
     return teaching(name, **few[name])
 
