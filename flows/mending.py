@@ -46,7 +46,7 @@ def _restored(root: Path, name: str) -> str:
     done = subprocess.run(["git", "show", f"HEAD:./{name}"], cwd=root, capture_output=True, timeout=60, check=False)
     if done.returncode or not is_whole(done.stdout):
         return f"it is made anew (what was there: {aside})"
-    _replace(root / name, done.stdout)
+    write_whole(root / name, done.stdout)
     return f"the committed one takes its place (what was there: {aside})"
 
 
@@ -63,7 +63,7 @@ def _mended_lock(file: Path, root: Path) -> str:
     }
     if alive == held:
         return ""
-    _replace(file, json.dumps(alive).encode())
+    write_whole(file, json.dumps(alive).encode())
     return "files that a run which was killed had in use are free again"
 
 
@@ -84,7 +84,7 @@ def _set_aside(file: Path, root: Path) -> Path:
     return aside
 
 
-def _replace(file: Path, content: bytes) -> None:
+def write_whole(file: Path, content: bytes) -> None:
     """Write a file whole or not at all."""
     temporary = file.with_name(f".{file.name}.{os.getpid()}.part")
     temporary.write_bytes(content)

@@ -27,7 +27,7 @@ from dvc.repo import Repo
 from dvc.scm import SCMError
 
 from flows import FlowFailed, attended
-from flows.mending import is_whole, mend
+from flows.mending import is_whole, mend, write_whole
 
 MEASURES = "stages/dvc.yaml"
 """The stages that only measure us: `make tables` runs them, each part its own; `make run` and a plain `dvc repro` do not."""
@@ -163,9 +163,8 @@ def discard(stages: Collection[str], root: Path, but: Collection[Path] = ()) -> 
 def forget_all_but(stages: Collection[str], root: Path) -> None:
     """Leave only `stages` in dvc.lock: DVC reads and writes all of it round every stage, two seconds where it has fifty."""
     entries = {name: entry for name, entry in locked(root).items() if name in stages and not name.startswith(MEASURES)}
-    part = root / "dvc.lock.part"  # written whole or not at all
-    part.write_text(yaml.dump({"schema": "2.0", "stages": entries}, None, yaml.CSafeDumper, sort_keys=False))
-    part.replace(root / "dvc.lock")
+    lock = yaml.dump({"schema": "2.0", "stages": entries}, None, yaml.CSafeDumper, sort_keys=False)
+    write_whole(root / "dvc.lock", lock.encode())
 
 
 def discard_gone(root: Path = Path()) -> list[str]:

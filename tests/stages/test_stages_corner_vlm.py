@@ -54,7 +54,7 @@ def params_of(**more):
     generation = replace(PARAMS.generation, rollout=replace(PARAMS.generation.rollout, attempts=2, rounds=3))
     brakeless = PARAMS.driver_settings | {"emergency_braking": 0.05, "braking": 0.05, "desired_speed": 20.0}
     params = replace(PARAMS, driver_settings=brakeless)  # so that these few scenes have collisions at all
-    return replace(params, workers=1, samples=8, draws=20, prior_strength=1.0, generation=generation, **more)
+    return replace(params, workers=2, samples=8, draws=20, prior_strength=1.0, generation=generation, **more)
 
 
 @pytest.fixture
