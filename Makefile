@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/.installed
 
-.PHONY: run test lint tables bench fuzz clean lock help
+.PHONY: run test tests lint style types tables bench fuzz clean lock help
 .DEFAULT_GOAL := help
 
 help:            ## this list
@@ -12,12 +12,20 @@ help:            ## this list
 run: $(INSTALLED)        ## logs -> scenarios -> tables, recordings and a report; a second run recomputes nothing
 	@$(BIN)/python -m flows experiment
 
-test: lint       ## lint, types, import contracts, then all tests (the pipeline with a tiny profile)
+# Types take one processor two minutes from nothing: tests need not wait for them.
+test: style      ## lint, types, import contracts, all tests (the pipeline with a tiny profile)
+	@$(MAKE) --no-print-directory -j 2 types tests
+
+tests: $(INSTALLED)
 	@$(BIN)/pytest -n 2 --dist loadscope --no-loadscope-reorder
 
-lint: $(INSTALLED)       ## the part of `make test` that needs no running
+lint: style types        ## the part of `make test` that needs no running
+
+style: $(INSTALLED)
 	@$(BIN)/ruff check --quiet
 	@$(BIN)/ruff format --check --quiet
+
+types: $(INSTALLED)
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports --no-logo
 
@@ -37,11 +45,13 @@ clean:           ## remove what the pipeline made; DVC's cache stays, so `make r
 lock: $(INSTALLED)       ## write the versions that are installed now into constraints.txt
 	@$(BIN)/pip freeze --exclude-editable --disable-pip-version-check 2>/dev/null | sed 's/+cpu$$//' > constraints.txt
 
-# pip's warnings are many and of no use; its words are shown only if it fails.
+# pip's warnings are many and of no use; its words are shown only if it fails. It compiles on one processor what Python compiles on all;
+# some files of packages are templates and cannot be.
 $(INSTALLED): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 11) <= v < (3, 13) else f"DriveGen needs Python 3.11 or 3.12, {sys.executable} is {v[0]}.{v[1]}: try `make PYTHON=python3.12 run`")'
 	@echo "Installing pinned dependencies into .venv (some 3 minutes the first time) ..."
 	@$(PYTHON) -m venv .venv
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]' > .venv/install.log 2>&1 \
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt -e '.[test]' > .venv/install.log 2>&1 \
 		|| { cat .venv/install.log >&2; exit 1; }
+	@$(BIN)/python -m compileall -q -j 0 -x '/(sumo|tests?)/' .venv/lib >> .venv/install.log 2>&1 || true
 	@touch $@
