@@ -55,14 +55,23 @@ class Stopped(KeyboardInterrupt):
 
 @contextmanager
 def _stoppable() -> Iterator[None]:
-    """Signals that ask us to stop raise `Stopped`, also those that would end us on the spot."""
+    """Signals that ask us to stop raise `Stopped`, also those that would end us on the spot.
+
+    What is interrupted may fail as it cleans up, by "release unlocked lock" where it was about to take one: that is `Stopped`, too.
+    """
+    stopped: list[int] = []
 
     def stop(number: int, _: object) -> None:
+        stopped.append(number)
         raise Stopped(number)
 
     before = {number: signal.signal(number, stop) for number in attended.STOPS}
     try:
         yield
+    except (RuntimeError, OSError) as error:
+        if stopped:
+            raise Stopped(stopped[0]) from error
+        raise
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -1,6 +1,8 @@
 """`python -m flows`: what it says and how it exits, with no flow and no server behind it."""
 
+import os
 import signal
+import threading
 from contextlib import nullcontext
 
 import pytest
@@ -33,6 +35,20 @@ def test_what_stops_a_flow_is_one_line_and_an_exit_code(monkeypatch, capsys, fau
     monkeypatch.setattr(command, "_run", fail)
     assert command.main(["experiment"]) == code
     assert capsys.readouterr().err == said
+
+
+def test_what_fails_because_it_was_stopped_was_stopped(monkeypatch, capsys):
+    def clean_up_what_was_not_begun(_: object) -> None:
+        lock = threading.Lock()
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+            threading.Event().wait(10)
+        finally:
+            lock.release()
+
+    monkeypatch.setattr(command, "_run", clean_up_what_was_not_begun)
+    assert command.main(["experiment"]) == 143
+    assert capsys.readouterr().err.startswith("flows: stopped;")
 
 
 def test_real_data_that_is_named_and_not_there_is_not_left_out_in_silence(monkeypatch, capsys):
