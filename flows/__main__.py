@@ -57,7 +57,7 @@ class Stopped(KeyboardInterrupt):
 def _stoppable() -> Iterator[None]:
     """Signals that ask us to stop raise `Stopped`, also those that would end us on the spot.
 
-    What is interrupted may fail as it cleans up, by "release unlocked lock" where it was about to take one: that is `Stopped`, too.
+    What is interrupted may fail as it cleans up ("release unlocked lock", where it was about to take one): `Stopped`, too.
     """
     stopped: list[int] = []
 
