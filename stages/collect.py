@@ -67,10 +67,10 @@ def main(
 
 
 def _samples(params: Params, generated: Path, corner: Path) -> pa.Table:
-    """Every future by every method, and of every round of corner cases."""
+    """Every future by every method, and of every round of corner cases: a folder whose name is no number is a copy of one."""
     stages = {"rollout": params.own, "rollout_rival": params.rivals, "rollout_baseline": params.baselines}
     rolled_out = [read_sample_table(stage, name, generated / name) for stage, names in stages.items() for name in names]
-    rounds = sorted(folder.parent for folder in corner.glob("*/samples"))
+    rounds = sorted((at.parent for at in corner.glob("*/samples") if at.parent.name.isdecimal()), key=lambda at: int(at.name))
     played = [read_sample_table("corner", folder.name, folder / "samples") for folder in rounds]
     return pa.concat_tables([SAMPLES.empty_table(), *rolled_out, *played])
 

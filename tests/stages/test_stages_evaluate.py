@@ -146,6 +146,14 @@ def test_all_results_and_costs_are_collected(made, tmp_path):
     assert query(tmp_path / "drivegen.duckdb", "from costs").schema.names == COST.names
 
 
+def test_a_copy_of_a_round_of_corner_cases_is_no_round(made, tmp_path):
+    project = shutil.copytree(made, tmp_path / "project")
+    for folder in ("2", "10", "2-backup"):
+        shutil.copytree(made / "generated" / "drivegen", project / "corner" / folder / "samples")
+    found = query(collected(project, tmp_path), "select item from samples where stage = 'corner'").to_pylist()
+    assert list(dict.fromkeys(row["item"] for row in found)) == ["2", "10"]
+
+
 def collected(made, tmp_path):
     """Run the stage on what there is; costs and calls are those of `tmp_path`."""
     params = read_params("collect", collect.Params, ROOT / "params.yaml")
