@@ -47,6 +47,7 @@ def test_what_fails_because_it_was_stopped_was_stopped(monkeypatch, capsys):
             lock.release()
 
     monkeypatch.setattr(command, "_run", clean_up_what_was_not_begun)
+    monkeypatch.setattr(command.attended, "stopping_work", nullcontext)  # which remembers for good that it was stopped
     assert command.main(["experiment"]) == 143
     assert capsys.readouterr().err.startswith("flows: stopped;")
 
