@@ -19,6 +19,9 @@ CONTEXT: Colour = (180, 220, 90, 255)
 ILLEGAL: Colour = (255, 64, 96, 255)
 REJECTED: Colour = (255, 160, 178, 255)
 LOGGED: Colour = (226, 232, 240, 110)
+PLOTTED: Colour = (136, 146, 162, 255)
+"""What a plot compares with: the viewer draws plots on a light ground, too."""
+
 CANDIDATE: Colour = (190, 140, 255, 130)
 TARGET_CANDIDATE: Colour = (255, 138, 61, 170)
 CHOSEN: Colour = (208, 160, 255, 255)

@@ -47,7 +47,7 @@ def record_drivers(path: Path, scenario: Scenario, runs: Mapping[str, Trajectori
         _log_others(recording, scenario, log)
         traffic.log_ghosts(recording, "world/logged", scenario.vehicles[TARGET : TARGET + 1], log[TARGET : TARGET + 1])
         traffic.log_context(recording, scenario.context)
-        _log_speed(recording, LOGGED, log[TARGET], colours.LOGGED)
+        _log_speed(recording, LOGGED, log[TARGET], colours.PLOTTED)
         for name, motion in runs.items():
             shade = np.broadcast_to(np.array(shades[name], np.uint8), (1, motion.steps, 4))
             size, label = scenario.vehicles.size[TARGET : TARGET + 1], np.array([name])

@@ -83,7 +83,7 @@ def log_boxes(
 
 def log_speeds(recording: rr.RecordingStream, scenario: Scenario, motions: dict[str, Trajectories]) -> None:
     """The target's speed and its clearance, one series a motion by its name, the one that is shown first, below `plots`."""
-    for (name, motion), shade in zip(motions.items(), (colours.TARGET, colours.LOGGED), strict=False):
+    for (name, motion), shade in zip(motions.items(), (colours.TARGET, colours.PLOTTED), strict=False):
         steps = np.flatnonzero(motion.valid[TARGET])
         series = {"speed": motion.speed[TARGET], "clearance": clearance(scenario, motion)}
         for kind, values in series.items():

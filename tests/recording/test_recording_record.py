@@ -46,6 +46,21 @@ def at_steps(entity: dict[str, list], component: str) -> dict[int, list]:
     return dict(zip(entity[f"step of {component}"], entity[component], strict=True))
 
 
+def contrast(one: int, other: int) -> float:
+    """Of two colours 0xRRGGBBAA, the first with its alpha on the second: 1 for alike, 21 for black on white (WCAG 2.1)."""
+    alpha = (one & 255) / 255
+    bytes_of = [[(colour >> shift & 255) / 255 for shift in (24, 16, 8)] for colour in (one, other)]
+    seen = [alpha * a + (1 - alpha) * b for a, b in zip(*bytes_of, strict=True)]
+    dark, light = sorted(
+        sum(w * _linear(c) for w, c in zip((0.2126, 0.7152, 0.0722), rgb, strict=True)) for rgb in (seen, bytes_of[1])
+    )
+    return (light + 0.05) / (dark + 0.05)
+
+
+def _linear(channel: float) -> float:
+    return channel / 12.92 if channel <= 0.04045 else ((channel + 0.055) / 1.055) ** 2.4
+
+
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     scene = busy_crossing()
@@ -138,6 +153,10 @@ def test_a_collision_marks_the_impact_and_says_who_drove(tmp_path):
     assert ball["step of Points3D:positions"] == [30]
     assert {f"/plots/speed/{name}" for name in ("driven", "planned")} <= set(found)
     assert "/plots/speed/logged" not in found
+    for name in ("driven", "planned"):
+        line = found[f"/plots/speed/{name}"]["SeriesLines:colors"][0][0]
+        for ground in (0xFFFFFFFF, 0x11141AFF):  # of the viewer's light theme, and the scene's own
+            assert contrast(line, ground) > 2, name
     assert "it came from the left" in found["/legend"]["TextDocument:text"][0][0]
     boxes = [row for row in found["/world/traffic"]["Boxes3D:centers"] if row is not None]
     assert len(boxes[30]) == len(boxes[31]) + 1  # the driven target is gone after the impact
