@@ -115,6 +115,9 @@ def test_behind_the_variations_are_those_that_are_there_throughout_once_more_shi
     shifted = np.arange(len(plain), len(whole))
     assert len(shifted)
     assert whole.motion.valid[shifted].all()
+    for q in shifted.tolist():
+        across = np.abs(whole.motion.position[q, :, 1] - plain.motion.position[plain.vehicle == whole.vehicle[q], :, 1])
+        assert across.max(axis=1).min() > 1e-3  # from every track of its vehicle, on a road along x
     assert arena.allows(whole.scene[shifted], whole.vehicle[shifted], whole.motion[shifted]).all()
 
 
