@@ -110,6 +110,8 @@ def _shape_and_count(scene: Scene, whole: Thing, joins: set[str], roads: list[Th
         raise Unfit(f"a {shape.upper()}-junction has three arms, not {count}")
     if count is None or count not in range(3, 9):
         raise Unfit(f"3 to 8 roads can meet at a crossing, not {count}")
+    if whole.value("star") and count < 5:
+        raise Unfit("a star has five arms or more")
     return ("t" if count == 3 and shape is None and not whole.value("evenly") else shape), count
 
 
@@ -245,6 +247,8 @@ def own_of_arms(built: list[Road], arms: list[Thing]) -> None:
             if (lanes := lanes_of(arm, one_way=False, arms=True)) is not None:
                 road |= {"lanes_in": lanes[0], "lanes_out": lanes[1]}
             road |= turning((arm,), road)
+            if arm.value("two_way") and 0 in (road["lanes_in"], road["lanes_out"]):
+                raise Unfit("an arm is said to be two-way, and its road one-way")
             if arm.has("control"):
                 raise Unfit("signs of single arms cannot be drawn")
 

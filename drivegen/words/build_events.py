@@ -154,7 +154,7 @@ def _placed(events: list[dict[str, Any]], speed: float, share: float, limit: flo
         if here is None:
             here = end + _BETWEEN * share if placed else _FIRST * share
         if placed and here < end + _LEAST_BETWEEN and placed[-1]["kind"] in _AUXILIARY and not exact:
-            placed[-1]["length"] = max(_SHORTEST, here - _LEAST_BETWEEN - placed[-1]["position"])
+            placed[-1]["length"] = max(_SHORTEST, round(here - _LEAST_BETWEEN - placed[-1]["position"], 6))
         counted = facts.value("lane_road", "event_lanes", "lanes", "lanes_each")
         sides = {*facts.values("side"), *([event["side"]] if "side" in event else [])}
         if len(sides) > 1 or (ramp and "left" in sides):

@@ -43,6 +43,9 @@ def highway(scene: Scene, choices: Choices) -> Road:
     if road.values("has_auxiliary") and not any(event["kind"] in ("on_ramp", "off_ramp") for event in events):
         raise Unfit("a lane for speeding up or slowing down belongs to a ramp")
     _share_out(events, road)
+    on_each = [merged(event["thing"]).value("on_each") for event in events]
+    if any(on_each) and (one_way or not all(on_each)):
+        raise Unfit("say 'the same on both carriageways', or what is on one of them")
     line = alignment(road, choices, (800, 1200), radius=250.0)
     fixed = road.has("length", "straights")
     limit = _ramp_limit(scene, road)
@@ -50,14 +53,17 @@ def highway(scene: Scene, choices: Choices) -> Road:
         raise Unfit("a limit of ramps is said, and no ramp")
     built, line = fit(events, speed, line, fixed, limit)
     fields: Road = {"kind": "highway", "alignment": line, "lanes": number, "speed": speed, "carriageways": 1 if one_way else 2}
-    return fields | {"median": None if one_way else median, "both": road.value("both"), "events": built}
+    return fields | {"median": None if one_way else median, "both": any(on_each) or road.value("both"), "events": built}
 
 
 def _share_out(events: list[Event], road: Thing) -> None:
     """Give the events what is said of the road and is theirs: a place is that of the one change of lanes that no thing stands
     for, an acceleration lane that of the one ramp. Raises Unfit where several can be meant.
     """
-    changes = [event for event in events if not event["thing"]]
+    if len(events) > 1 and (apart := [fact for fact in road.facts if fact.name == "spacing"]):
+        for event in events[1:]:
+            event["thing"] = [*event["thing"], Thing("", facts=apart)]
+    changes = [event for event in events if not event["thing"] or (len(events) == 1 and event["kind"].startswith("lane_"))]
     ramps = [event for event in events if event["kind"] in ("on_ramp", "off_ramp")]
     for names, holders in ((("position", "gap"), changes), (("auxiliary",), ramps)):
         facts = [fact for fact in road.facts if fact.name in names]

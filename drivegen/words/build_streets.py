@@ -114,12 +114,14 @@ def _joining(side: Thing, base: Road) -> Road:
 
 def _staggered(road: Thing, base: Road, things: list[Thing], sides: list[Thing], choices: Choices) -> Row:
     """Two side roads on opposite sides, a little apart."""
-    whole, side = merged([t for t in things if t.name == "staggered"]), merged(sides)
-    if len(things) > 1:
+    pair = [t for t in things if t.name == "crossing" and t.value("count") == 2 and t.value("shape") == "t"]
+    whole, side = merged([*(t for t in things if t.name == "staggered"), *pair]), merged(sides)
+    if len(things) > 1 + len(pair) or len(pair) > 1:
         raise Unfit("a staggered junction stands alone along its road")
     offset = spacing_of(road, [whole, side]) or whole.value("gap") or choices.length("offset", 40, 60)
     control = said_control([whole, side, road]) or "yield"
     side.accept("both_sides")
+    whole.accept("alternate", "arms")
     if sum(side.values("count")) > 2:
         raise Unfit("a staggered junction has two side roads")
     whole.accept("signals", "setting")

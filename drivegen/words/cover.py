@@ -121,8 +121,9 @@ def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
     if phrase.name == "member":
         return end == len(tokens) or tokens[end].text not in words("moved")
     last, following = tokens[end - 1], tokens[end].text if end < len(tokens) else ""
-    if phrase.name == "crossing" and following in ("a", "an", "another") and tokens[end - 2].text in ("road", "street"):
-        return False  # "a one-way street crossing another one"
+    road = tokens[end - 2] if phrase.name == "crossing" and end > 1 and tokens[end - 2].text in ("road", "street") else None
+    if road is not None and (following in ("a", "an", "another") or (road.plural and not last.plural)):
+        return False  # "a one-way street crossing another one", "two streets crossing"
     if phrase.place != "pre":
         return last.text not in ("minor", "major") or following in _STOPS or tokens[end].value is not None
     counted = end + 1 < len(tokens) and tokens[end].value is not None

@@ -32,6 +32,7 @@ def specification(scene: Scene, choices: Choices) -> MapSpec:
     left_hand = only(scene.everything.values("left_hand"), "traffic is said to keep left and right")
     _none_by_number(scene)
     _lights(scene)
+    _single_road(scene)
     _cross_streets(scene)
     _country_roads(scene)
     _dead_ends(scene)
@@ -76,6 +77,13 @@ def _lights(scene: Scene) -> None:
             raise Unfit(f"say at which crossing {thing.text!r} are")
         thing.name = "crossing"
         thing.facts.append(Fact("control", "signals", thing.text, ()))
+
+
+def _single_road(scene: Scene) -> None:
+    """Where nothing splits or joins "a single road" is a road, not that of a fork."""
+    forks = scene.there("fork", "left_branch", "right_branch", "branch") or scene.everything.has("splits", "joins", "joins_each")
+    for thing in scene.things if not forks else ():
+        thing.name = "street" if thing.text == "single road" else thing.name
 
 
 def _cross_streets(scene: Scene) -> None:
@@ -133,6 +141,8 @@ def _builder(scene: Scene) -> Builder:
     if builder := next((builder for name, builder in named.items() if scene.there(name)), None):
         return builder
     facts = {fact.name for fact in scene.everything.facts}
+    if any(fact.name == "grid_size" and "parallel" in fact.text for fact in scene.everything.facts):
+        return grid
     if (
         scene.there("fork", "left_branch", "right_branch")
         or facts & {"splits", "joins", "splits_each", "joins_each", "branch_lanes"}
@@ -168,6 +178,6 @@ def _meeting(scene: Scene) -> bool:
         return False
     sides = [thing for thing in scene.things if thing.name in ("side", "cross")]
     new = [thing for thing in sides if thing.which is None]
-    if len(new) > 1 or any(thing.several for thing in sides) or any(thing.has("position", "side") for thing in new):
+    if len(new) > 1 or any(thing.several for thing in sides) or any(thing.has("position", "side", "middle") for thing in new):
         return False
     return bool(scene.links & {"meets", "crosses"}) or (scene.there("side", "cross") and scene.there("main"))

@@ -20,6 +20,7 @@ _NEAREST = _KNOWN - {"the"}
 WHOLES = ("crossing", "roundabout", "highway", "street", "grid", "fork", "interchange", "cloverleaf", "staggered", "dead_end")
 
 
+_BEHIND = ("after", "past", "beyond", "behind")
 _PLACES = ("position", "gap", "middle")
 _PLACED = ("place", *(f"far_{relation}" for relation in Relation))
 _SEEN = ("does", *_PLACED)
@@ -257,7 +258,7 @@ class Walk:
         """Raises Unfit for what "all" or "each" behind several things, or "and", may say of more than their last one."""
         one = self.subject if self.subject is not None and self.subject.name.endswith("ramp") else holder
         many = one.beside is None and (one.several or stem(one.text) != one.text)
-        if self.det in ALL and one.name not in _TOGETHER and fact.name not in ("around", "row") and not many:
+        if self.det in ALL and one.name not in _TOGETHER and fact.name not in ("around", "row", "arms") and not many:
             raise Unfit(f"it is not clear of which {fact.text!r} is said")
         other = holder.beside
         if other is not None and other.name in MOVING and not other.has(*_SEEN) and fact.name in _SEEN:
@@ -268,9 +269,12 @@ class Walk:
         following = self.items[i + 1].text if i + 1 < len(self.items) else "."
         if fact.text.endswith("before") and following in ("it", "that", "this", ",", "."):
             raise Unfit(f"say what follows after how many metres, not {fact.text + ' ' + following!r}")
+        behind = fact.text.split()[-3:]
+        if fact.name == "gap" and behind[0] in _BEHIND and behind[1] == "the" and stem(behind[2]) != self._last_noun():
+            raise Unfit(f"it is not clear what lies {fact.text!r}")
         if self.det == "another":
             raise Unfit(f"it is not clear of what other one {fact.text!r} is said")
-        if fact.name == "arms" and self.mark in words("prepositions"):
+        if fact.name == "arms" and self.mark in words("prepositions") and not self._all_arms():
             raise Unfit(f"say which ones {fact.text!r} are")  # "a crossing with lights on three arms"
         if fact.name == "spacing" and i and self.items[i - 1].phrase.name == "grid_size" and fact.text.startswith("block"):
             raise Unfit("say the number of crossings and how far apart they are, or the number of blocks alone")
@@ -283,6 +287,14 @@ class Walk:
         if first and fact.value in _GIVES_WAY and not _SIDE_ROADS & set(fact.text.split()):
             raise Unfit(f"say by main and side road where {fact.text!r} is")
 
+    def _last_noun(self) -> str:
+        """The last word of what was named last."""
+        return stem(self.scene.things[-1].text.split()[-1]) if self.scene.things else ""
+
+    def _all_arms(self) -> bool:
+        """Whether "on all four arms" says how many there are, and nothing of who gives way on them."""
+        return self.det == "all" and not any(fact.value in _GIVES_WAY for fact, _ in self.segment)
+
     def _seen_from_target(self, i: int) -> None:
         """Raises Unfit where a place is seen from, or something is done to, somebody else: "behind it", "overtaking a bus"."""
         for item in self.items[i + 1 :]:
@@ -294,7 +306,7 @@ class Walk:
     def _before_noun(self, i: int, fact: Fact) -> bool:
         """Whether a noun that can hold the fact, or further words before it, follow at once."""
         for item in self.items[i + 1 :]:
-            if item.text in words("epithets"):
+            if item.text in words("epithets") or item.phrase.kind == "silent":
                 continue
             if item.phrase.place == "post" or item.phrase.kind not in ("thing", "fact"):
                 return False

@@ -12,7 +12,7 @@ _SPEEDS = {"kmh": KMH, "mph": MPH, "mps": 1.0}
 _LENGTHS = {"m": 1.0, "km": 1000.0, "ft": 0.3048, "yd": 0.9144, "mile": 1609.344}
 ORDINALS = ["first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth", "eleventh", "twelfth"]
 _NTH = {f"{i}{ending}": i for i in range(1, 13) for ending in ("st", "nd", "rd", "th")}
-_NTH |= {word: i for i, word in enumerate(ORDINALS, 1)} | {"last": -1, "final": -1}
+_NTH |= {word: i for i, word in enumerate(ORDINALS, 1)} | {"last": -1, "final": -1, "middle": 0}
 _AROUND = ("east", "north east", "north", "north west", "west", "south west", "south", "south east")
 _COMPASS = {name: 45.0 * i for i, name in enumerate(_AROUND)}
 _ENDINGS = ("", "ern", "erly")
@@ -115,7 +115,7 @@ SLOTS = {
     "limit": Slot(_bare_speed, speak_speed),
     "length": Slot(_measured(_LENGTHS, 6), lambda metres: f"{number(metres)} m"),
     "angle": Slot(_measured({"degree": 1.0}), lambda degrees: f"{number(degrees)} degrees"),
-    "nth": Slot(_nth, lambda n: "last" if n == -1 else ORDINALS[n - 1]),
+    "nth": Slot(_nth, lambda n: {-1: "last", 0: "middle"}.get(n) or ORDINALS[n - 1]),
     "compass": Slot(_compass, lambda degrees: next(name for name, d in _COMPASS.items() if math.isclose(d, degrees))),
     "side": Slot(_side, str),
     "size": Slot(_size, lambda pair: f"{pair[0]} by {pair[1]}"),

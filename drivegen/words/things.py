@@ -72,9 +72,11 @@ class Thing:
         return values[0] if values else None
 
     def among(self, items: list[Any]) -> list[Any]:
-        """The one of a list that its ordinal tells, none where there are not so many; all where it has none."""
+        """The one of a list that its ordinal tells, none where there are not so many; all where it has none. 0 is the middle."""
         if not isinstance(self.which, int):
             return items
+        if self.which == 0:
+            return items[len(items) // 2 :][: len(items) % 2]
         return items[self.which - 1 : self.which] if self.which > 0 else items[-1:]
 
     @property

@@ -28,6 +28,17 @@ from drivegen.words.read import read
         ("a crossroads with right before left rule", "a crossroads with right before left"),
         ("a freeway of 2 lanes each way, barrier down the middle", "a freeway of 2 lanes each way with a barrier"),
         ("the road I drive home on is simply straight", "a straight road"),
+        ("a road with three streets joining it", "a road with three side streets"),
+        ("a country lane that ends at a main road", "a side road joins a main road"),
+        ("a motorway with two exits, 600 m apart", "a motorway with an exit and another exit 600 m later"),
+        ("a motorway with one exit on each side", "a motorway with an exit, the same on both carriageways"),
+        ("a motorway with an exit, and 300 m after the exit a lane ends", "a motorway with an exit and a lane drop 300 m later"),
+        ("three crossings in a row, only the middle one has lights", "three crossings in a row, the second one has lights"),
+        ("a crossing, two lanes each way on all four arms", "a crossing, two lanes each way"),
+        ("a staggered junction: two T-junctions on opposite sides, 60 m apart", "a staggered junction offset by 60 m"),
+        ("two roads with two lanes each merge into one with four lanes", "two two-lane roads merge into one with four lanes"),
+        ("a star-shaped junction with six arms", "a junction with six arms"),
+        ("two parallel avenues crossed by three streets", "a grid of two by three streets"),
     ],
 )
 def test_other_words_for_the_same_draw_the_same(text, plain):

@@ -249,7 +249,7 @@ def test_short_forms_draw_what_long_ones_do(text, plain):
         ("a crossing where the main road yields to the side road", "say by main and side road"),
         ("a crossing; the north-south road has a stop sign", "say by main and side road"),
         ("a motorway narrowing from three lanes to two in both directions", "'in both directions'"),
-        ("a road widening from one lane to two in each direction", "two different numbers of lanes"),
+        ("a road widening from one lane to two in each direction", "what 'in each direction' belongs to"),
         ("a lane drop in both directions on a motorway", "'in both directions'"),
         ("two crossings, the second one has two lanes each way", "'two lanes each way' belongs to"),
         ("a motorway with an on-ramp with a limit of 40 km/h and 60 km/h on the ramp", "contradict one another"),
