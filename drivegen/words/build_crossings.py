@@ -39,8 +39,8 @@ def crossing(scene: Scene, choices: Choices) -> Road:
     if any((road.value("count") or 1) > 1 for road in side):
         raise Unfit("several side roads cross a road at several places")
     shape, count = _shape_and_count(scene, whole, joins, roads)
-    whole.accept("evenly")
-    angles = _angles(count, shape, whole, [*side, *streets])
+    even = any([whole.value("evenly"), *(road.value("evenly") for road in roads)])
+    angles = _angles(count, shape, whole, [*side, *streets], even)
     first, second = _two_roads(count, shape, main, side, streets, joins)
     if not (first or second):
         _check_one(streets)
@@ -171,12 +171,14 @@ def _group(shared: Thing, roads: list[Thing], arms: int) -> dict[str, Any]:
     return {"lanes": lanes, "speed": speed_of(own), "length": length and length / arms, "thing": own}
 
 
-def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing]) -> list[float]:
+def _angles(count: int, shape: str | None, whole: Thing, side: list[Thing], even: bool) -> list[float]:
     """Directions of the arms [degrees]; a T has its stem to one side, a skew crossing crosses at the angle said."""
     angle = whole.value("angle") or next((v for road in side for v in road.values("angle")), None)
     turned = next((v for road in (*side, whole) for v in road.values("side")), "right")
     if whole.value("skew") and angle is None:
         raise Unfit("say at which angle the roads cross")
+    if even and shape == "y":
+        angle = only([120.0, *([] if angle is None else [angle])], "a Y of equal angles has three of 120 degrees")
     if angle is not None and count * angle == 360.0 and shape is None:
         angle = None
     if angle is not None and (count not in (3, 4) or not 20 <= angle <= 160):

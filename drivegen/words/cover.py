@@ -114,7 +114,7 @@ def _names(tokens: Sequence[Token], i: int) -> bool:
 
 def _fits(phrase: Phrase, tokens: Sequence[Token], end: int) -> bool:
     """Whether a phrase that must stand before its noun, or must not, can stand there."""
-    if phrase.name in ("main", "side") and phrase.slots and tokens[end - 1].value is not None:
+    if phrase.name in ("main", "side", "east_west", "north_south") and phrase.slots and tokens[end - 1].value is not None:
         return end == len(tokens) or tokens[end].text in _STOPS  # "the side road has one", not "has one turn lane"
     if phrase.name == "lights":
         return tokens[end - 1].plural

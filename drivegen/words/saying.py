@@ -128,7 +128,7 @@ def _crossing(road: Crossing) -> list[Sentence]:
     shape, base = None, even
     if count == 3:
         stem = 90.0 if angles[2] < 180.0 and angles[0] == 180.0 and angles[1] == 0.0 else 270.0
-        shape, base = ("y", [180.0, 35.0, -35.0]) if angles == [180.0, 35.0, -35.0] else ("t", [180.0, 0.0, stem])
+        shape, base = ("t", [180.0, 0.0, stem]) if angles[:2] == [180.0, 0.0] else ("y", [180.0, 35.0, -35.0])
     main = [i != 2 for i in range(3)] if shape == "t" else [True] * count
     head = noun("crossing", arms=3, shape=shape) if shape else noun("crossing")
     arms, side = ("arms", None if shape else count), ("side", "left" if shape == "t" and base[2] == 90.0 else None)

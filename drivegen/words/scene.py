@@ -175,7 +175,9 @@ class Walk:
         self.segment, self.mark, self.det, self.comma, self.described, self.shared = [], "", "", False, False, False
 
     def _apart(self, subject: Thing, thing: Thing, text: str) -> None:
-        """Raises Unfit where vehicles are at something that only roads have, or among others."""
+        """Raises Unfit for a side road of one of several crossings, and for vehicles at what only roads have, or among others."""
+        if thing.name == "side" and isinstance(subject.which, int) and subject.name in ("crossing", "roundabout"):
+            raise Unfit(f"say 'a side arm on the left' of {subject.text!r}, not {text!r}")
         parts = thing.name not in (*WHOLES, "street", *traffic_names()) or thing.which is not None
         if parts and self.mark in words("prepositions") and subject.name in traffic_names():
             raise Unfit(f"where {subject.text!r} is can be said as seen from the target only, not by {text!r}")

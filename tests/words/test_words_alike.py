@@ -39,6 +39,9 @@ from drivegen.words.read import read
         ("two roads with two lanes each merge into one with four lanes", "two two-lane roads merge into one with four lanes"),
         ("a star-shaped junction with six arms", "a junction with six arms"),
         ("two parallel avenues crossed by three streets", "a grid of two by three streets"),
+        ("a grid of two roads running north-south and three roads running east-west", "a 3 by 2 grid"),
+        ("a highway whose leftmost lane ends", "a highway that loses its left lane"),
+        ("a Y-junction of three roads at equal angles", "a Y-junction at 120 degrees"),
     ],
 )
 def test_other_words_for_the_same_draw_the_same(text, plain):

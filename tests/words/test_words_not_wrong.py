@@ -117,6 +117,7 @@ def test_a_limit_on_the_ramps_is_no_limit_of_the_motorway(form):
         ("a T-junction with stop signs on all three arms", "which ones 'three arms'"),
         ("two crossings in a row, the middle one has lights", "no 'middle one'"),
         ("a star-shaped junction with four arms", "five arms or more"),
+        ("two crossings on a road, the first with a side road on the left", "not 'side road'"),
         ("a motorway with an on-ramp at 400 m in both directions", "'the same in both directions'"),
         ("a two-lane motorway, in both directions a lane ends at 500 m", "'the same in both directions'"),
     ],
