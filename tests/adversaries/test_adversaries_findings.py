@@ -8,7 +8,7 @@ import pytest
 from drivegen.adversaries import random
 from drivegen.adversaries.shared.approach import approaches
 from drivegen.adversaries.shared.arena import Arena, Bounds, Ground
-from drivegen.adversaries.shared.findings import Findings
+from drivegen.adversaries.shared.findings import Findings, handed_over
 from drivegen.corner_cases.trials import Trials, Variants
 from drivegen.drivers import idm
 from drivegen.report.published.corner import corner_rows
@@ -64,7 +64,7 @@ def runs():
 
 
 def test_the_first_run_that_counts_is_handed_over_with_its_case(runs):
-    assert runs.delivered().tolist() == [1]
+    assert [array.tolist() for array in handed_over(runs)] == [[1], [False]]
     found = Findings.of(runs, idm.Plugin(IDM), "made_up", LAW)
     [case] = found.cases
     assert (case.queries, case.attacker, case.kind, case.odds) == (2, 1, CollisionKind.FRONT, pytest.approx(0.1))
@@ -77,6 +77,22 @@ def test_the_first_run_that_counts_is_handed_over_with_its_case(runs):
     assert found.metrics["avoidable"] == 0  # nobody brakes for who was not there
     assert found.samples[0].natural[0, 1] == pytest.approx(0.1)
     assert found.driven[0].motion.valid.shape == (1, 1, 101)
+
+
+def test_the_first_that_could_have_been_avoided_is_handed_over_before_an_earlier_one():
+    scene = queue()
+    careless = idm.Plugin(replace(IDM, headway=0.0, emergency_braking=0.5))
+    choices = choose([scene], Random(), candidate_settings(), 1.0)
+    arena = Arena(careless, Ground(choices, np.zeros(1, np.int64), [scene.log], None, LIMITS), Bounds("physical", 5, 20), 7)
+    from_nothing = drive(np.array([[77.0, 3.5], [78.0, 3.5]]), 0, 0, 101)
+    from_nothing.valid[:40] = False
+    standing = drive(joined(scene.map, 1), 80, 0, 101)
+    arena.drive(Variants.one_each(np.zeros(3), np.ones(3), stack([from_nothing, standing, standing])))
+    runs = arena.runs()
+    assert runs.outcome.counted.all()
+    assert [array.tolist() for array in handed_over(runs)] == [[1], [True]]
+    metrics = Findings.of(runs, careless, "made_up", LAW).metrics
+    assert [metrics[name].tolist() for name in ("avoidable", "first", "queries")] == [[1.0], [1.0], [3.0]]
 
 
 def test_an_adversary_that_drives_too_often_is_stopped(runs):
@@ -97,7 +113,7 @@ def test_who_leaves_out_a_scenario_is_stopped_and_random_goals_drive_one_without
         Findings.of(left_out.runs(), idm.Plugin(IDM), "made_up", LAW)
     random.Plugin(random.Plugin.settings_type()).attack(attacked)
     assert attacked.spent.tolist()[1] == 1
-    assert (attacked.runs().delivered() >= 0).all()
+    assert (handed_over(attacked.runs())[0] >= 0).all()
 
 
 def test_the_tables_and_the_published_rows_hold_what_was_found():

@@ -182,12 +182,8 @@ class Runs:
         """(R,) number of its scenario."""
         return self.arena.ground.of[self.variants.scene]
 
-    def delivered(self) -> NDArray[np.int64]:
-        """(C,) the run that the method hands over of each scenario, -1 where it drove none.
-
-        The first that counts, else the first with any collision, else the last.
-        """
-        worth = self.outcome.counted * 2 + (self.outcome.collided & ~self.outcome.counted)
+    def best(self, worth: NDArray[np.integer]) -> NDArray[np.int64]:
+        """(C,) the run of most `worth` (R,) in each scenario, of equals the first, if worth 0 the last; -1 where there is none."""
         order = np.lexsort((np.where(worth > 0, self.query, -self.query), -worth, self.scenario))
         scenario, first = np.unique(self.scenario[order], return_index=True)
         best = np.full(len(self.arena.ground.choices), -1, np.int64)

@@ -22,10 +22,13 @@ from drivegen.metrics.driving import driving_summary
 from drivegen.simulators.shared.drives import kind_shares, run_metrics
 from drivegen.world.reactive import Reaction
 
+_NOTHING, _COLLIDED, _UNAVOIDABLE, _AVOIDABLE = range(4)
+"""What a run is worth: no collision, one that does not count, one that does, one that does and could have been avoided."""
+
 
 @dataclass(frozen=True)
 class Findings:
-    """Of C scenarios, by the one run that is handed over of each (`Runs.delivered`).
+    """Of C scenarios, by the one run that is handed over of each (`handed_over`).
 
     Attributes:
         scenarios: (C,) ids. metrics: (C,) arrays by name; NaN where a scenario has none.
@@ -45,7 +48,7 @@ class Findings:
         `cases` counts all counted runs, not only those that are handed over; `first` is the query that first counted.
         `avoidable` is a share of scenarios; the last six are of cases alone. Raises AssertionError for a scenario without a run.
         """
-        best, outcome = runs.delivered(), runs.outcome
+        (best, avoidable), outcome = handed_over(runs), runs.outcome
         assert (best >= 0).all(), "an adversary left out a scenario"  # its -1 would be another's run
         good, scenario = outcome.counted, runs.scenario
         chosen = np.flatnonzero(good[best])
@@ -53,11 +56,11 @@ class Findings:
         every = {
             name: np.asarray(value[best], np.float64) for name, value in (run_metrics(outcome) | kind_shares(outcome)).items()
         }
-        first = np.full(len(best), np.nan)
-        first[chosen] = runs.query[best[chosen]]
+        first = np.full(len(best), np.inf)
+        np.minimum.at(first, scenario[good], runs.query[good])
 
-        def of_cases(values: Sequence[float], elsewhere: float = np.nan) -> NDArray[np.float64]:
-            whole = np.full(len(best), elsewhere)
+        def of_cases(values: Sequence[float]) -> NDArray[np.float64]:
+            whole = np.full(len(best), np.nan)
             whole[chosen] = values
             return whole
 
@@ -65,8 +68,8 @@ class Findings:
             "counted": good[best].astype(np.float64),
             "cases": np.bincount(scenario, good, len(best)),
             "queries": np.bincount(scenario, minlength=len(best)).astype(np.float64),
-            "first": first,
-            "avoidable": of_cases([each.verdict != Avoidable.NO for each in judge(cases)], 0.0),
+            "first": np.where(np.isinf(first), np.nan, first),
+            "avoidable": avoidable.astype(np.float64),
             "legal_share": of_cases([case.legal for case in cases]),
             "survives_reaction": of_cases(holds(cases, driver, Reacting.ALL, law).tolist()),
             "odds": of_cases([case.odds for case in cases]),
@@ -105,6 +108,26 @@ class Findings:
         numbers = driving_summary(self.metrics, recordings, self.motion, np.arange(len(recordings)), draws, random)
         kinds = Counter(sorted(self.kinds))
         return {**numbers, "kinds": len(kinds), "of_kind": dict(kinds)}
+
+
+def handed_over(runs: Runs) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """(C,) the run that is handed over of each scenario, -1 where it has none, and (C,) whether it ends in an avoidable case.
+
+    The first that counts and could have been avoided, else the first that counts, else the first with any collision, else the
+    last. Runs are judged until that is known.
+    """
+    outcome = runs.outcome
+    worth = np.where(outcome.counted, _AVOIDABLE, np.where(outcome.collided, _COLLIDED, _NOTHING))
+    judged = np.zeros(len(worth), np.bool_)
+    while True:
+        best = runs.best(worth)
+        asked = best[best >= 0]
+        asked = asked[outcome.counted[asked] & ~judged[asked]]
+        if not len(asked):
+            return best, (best >= 0) & (worth[best] == _AVOIDABLE)
+        judged[asked] = True
+        verdicts = judge([runs.case(run, "", "") for run in asked.tolist()])
+        worth[asked] = [_UNAVOIDABLE if each.verdict == Avoidable.NO else _AVOIDABLE for each in verdicts]
 
 
 def _sample(case: Case, motion: Trajectories, violation: int, odds: float) -> Samples:

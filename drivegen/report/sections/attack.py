@@ -25,7 +25,8 @@ COLUMNS = {
 OURS = "drivegen_cs"
 
 NOTES = (
-    "One run of each scene is handed over: the first that counts, else the first with a collision, else the last.",
+    "One run of each scene is handed over: the first that counts and could have been avoided, else the first that counts, else "
+    "the first with a collision, else the last.",
     "Counted: front, side, or hit in the side after the first second; not run into from behind or while standing, as replays do.",
     "Runs are all runs of the driver in a scene, those that only look at how it drives included; no method has more.",
     "Where a scenario has several generated scenes (`attack.samples`) these share its runs: DriveGen-CS and CAT take one more "
